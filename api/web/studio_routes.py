@@ -12,7 +12,8 @@ from assur.api.problems import Problem
 from assur.scenes.report.assembly import digests
 
 FILES = Path(__file__).parent / "studio"
-KINDS = {"studio.js": "text/javascript", "studio.css": "text/css"}
+SCRIPTS = ("answers", "documents", "drafts", "history", "jobs", "service", "storage", "studio")
+KINDS = {"studio.css": "text/css"} | {f"{name}.js": "text/javascript" for name in SCRIPTS}
 """The files of the page, and what they are."""
 
 studio_router = APIRouter(include_in_schema=False)

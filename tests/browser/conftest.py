@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import os
 import shutil
-import time
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import httpx
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
+from assur.api.web.settings import Settings
 from assur.scenes.report.report import report_of
 from assur.scenes.scenarios import shipped
+from tests.api.running import running
+from tests.browser.opened_page import Opened
+from tests.browser.studio_page import Studio
 from tests.scenes.cells.second_kinematics import answer
 from tests.scenes.view.shown import cell
 
@@ -28,8 +32,6 @@ FLAGS = (
     "--no-first-run",
 )
 """So that WebGL is computed on any machine, and the browser itself asks for nothing."""
-PATIENCE_S = 240.0
-"""How long a page may take, s: a guard against a hang."""
 SIZE = {"width": 1400, "height": 860}
 
 
@@ -47,34 +49,6 @@ def browser() -> Iterator[Browser]:
         started = driver.chromium.launch(executable_path=program, args=list(FLAGS))
         yield started
         started.close()
-
-
-class Opened:
-    """A report that is open: the `page`, and what it said and asked for."""
-
-    def __init__(self, page: Page) -> None:
-        self.page, self.said, self.asked = page, list[str](), list[str]()
-        page.on("console", lambda message: self.said.append(f"{message.type}: {message.text}"))
-        page.on("pageerror", lambda error: self.said.append(f"error: {error}"))
-        page.on("request", lambda request: self.asked.append(request.url))
-
-    def ask(self, expression: str) -> Any:
-        """The value of an expression of JavaScript."""
-        return self.page.evaluate(expression)
-
-    def until(self, condition: str) -> None:
-        """Waits until an expression is true. The page's policy forbids what playwright has for this."""
-        end = time.monotonic() + PATIENCE_S
-        while not self.ask(condition):
-            assert time.monotonic() < end, condition
-            self.page.wait_for_timeout(20)
-
-    def shot(self) -> bytes:
-        """The canvas as a PNG, nothing over it."""
-        for part in ("#labels", ".views", ".shows", "#legend"):
-            self.ask(f"document.querySelector('{part}').style.display = 'none'")
-        shot: bytes = self.page.locator("#stage").screenshot()
-        return shot
 
 
 @pytest.fixture
@@ -95,3 +69,25 @@ def opened(browser: Browser, tmp_path: Path) -> Iterator[Any]:
     yield open_report
     for page in pages:
         page.close()
+
+
+@pytest.fixture(scope="session")
+def service() -> Iterator[httpx.Client]:
+    with running(Settings(workers=1, queue=8, grace_s=30.0)) as made:
+        yield made
+
+
+@pytest.fixture
+def context(browser: Browser) -> Iterator[BrowserContext]:
+    """Tabs with one storage, which is empty at first, and with the clipboard."""
+    made = browser.new_context(
+        viewport={"width": SIZE["width"], "height": SIZE["height"]}, permissions=["clipboard-read", "clipboard-write"]
+    )
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def studio(context: BrowserContext, service: httpx.Client) -> Studio:
+    """The studio in a first tab."""
+    return Studio(context.new_page(), service)

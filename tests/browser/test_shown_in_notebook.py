@@ -7,7 +7,8 @@ from pathlib import Path
 from playwright.sync_api import Browser
 
 from assur.api.python.shown import Shown
-from tests.browser.conftest import PATIENCE_S, SIZE, Opened, report
+from tests.browser.conftest import SIZE, report
+from tests.browser.opened_page import PATIENCE_S, Opened
 
 
 def test_the_viewer_plays_in_the_frame_of_a_notebook(browser: Browser, tmp_path: Path) -> None:

@@ -1,48 +1,19 @@
-// The studio: a scenario is written, planned by the service, watched and compared. It asks the public HTTP API only, by
-// addresses relative to this page, so that it works below any prefix.
+// The studio: a scenario is written, planned by the service, watched and compared. It uses the public HTTP API only.
+import * as answers from "./answers.js";
+import { contentOf, fileName, kindOf, LONGEST_TEXT, nameOf, scenarioOf } from "./documents.js";
+import * as drafts from "./drafts.js";
+import { History } from "./history.js";
+import { cancel, searched, searching, tellProgress } from "./jobs.js";
+import { ask, enterKey, Refused } from "./service.js";
+
 const find = (id) => document.getElementById(id);
 const text = find("text");
-let running = null; // the job that is worked on: { address, stop }
-let shown = null; // the answer that is shown: { name, request, answer, page, text, figure }
-let planned = 0;
-let basis = ""; // the scenario that was chosen last
-let own = null; // the text that was written here, once there is one
-let written = 0; // counts what changes the text
-let key = sessionStorage.getItem("assur-key"); // of the service, if it asks for one; forgotten with this tab
-
-class Refused extends Error {
-  constructor(problem) {
-    super(problem.detail || problem.title || "The service did not answer.");
-    this.problem = problem;
-  }
-}
-
-// True where there is another key than the one that was refused.
-function askedForKey(refused) {
-  if (key && refused !== `Bearer ${key}`) return true; // another request has asked meanwhile
-  key = (prompt(key ? "The service does not know this key. Its key:" : "The service asks for a key:") || "").trim();
-  if (key) sessionStorage.setItem("assur-key", key);
-  else sessionStorage.removeItem("assur-key");
-  return key !== "";
-}
-
-async function ask(address, body, method = body === undefined ? "GET" : "POST") {
-  const headers = body === undefined ? {} : { "Content-Type": "application/json" };
-  if (key) headers.Authorization = `Bearer ${key}`;
-  let response;
-  try {
-    response = await fetch(address, { method, headers, body: body === undefined ? undefined : JSON.stringify(body) });
-  } catch {
-    throw new Refused({ detail: "The service cannot be reached." });
-  }
-  if (response.ok) return response;
-  if (response.status === 401 && askedForKey(headers.Authorization)) return ask(address, body, method);
-  let problem = { detail: `The service answered with status ${response.status}.` };
-  try {
-    problem = await response.json();
-  } catch { /* what stands between answered in its own words */ }
-  throw new Refused(problem);
-}
+let scenario = null; // the name of the shipped scenario that is shown unchanged
+let changes = 0; // counts those of the text
+let connected = false; // whether the service has said which scenarios and formats there are
+let kept = true; // whether the browser keeps the text as it is
+const shipped = new Map(); // texts of shipped scenarios by name
+const history = new History();
 
 // ---- the editor -------------------------------------------------------------------------------------------------
 
@@ -65,6 +36,9 @@ function goTo(line) {
   text.scrollTop = Math.max(0, (line - 6) * 20);
 }
 
+const fault = (error) =>
+  `${error.field}${error.value === undefined ? "" : `: got ${JSON.stringify(error.value)}`}; allowed: ${error.allowed}`;
+
 function tellFaults(problem) {
   const errors = problem.errors || [];
   const paragraphs = errors.map((error) => {
@@ -75,8 +49,7 @@ function tellFaults(problem) {
       go.addEventListener("click", () => goTo(error.line));
       paragraph.append(go);
     }
-    const got = error.value === undefined ? "" : `: got ${JSON.stringify(error.value)}`;
-    paragraph.append(`${error.field}${got}; allowed: ${error.allowed}`);
+    paragraph.append(fault(error));
     return paragraph;
   });
   if (!errors.length) {
@@ -88,151 +61,200 @@ function tellFaults(problem) {
   number(new Set(errors.map((error) => error.line)));
 }
 
+// What is said of the answer and its files; faults of the text are not touched.
+function note(sentence, bad = false) {
+  find("note").textContent = sentence;
+  find("note").classList.toggle("bad", bad);
+}
+
+// Does what may be refused, and tells why it was, with `tell`.
+async function attempt(act, tell = tellFaults) {
+  try {
+    return await act();
+  } catch (error) {
+    if (!(error instanceof Refused)) throw error;
+    return tell(error.problem);
+  }
+}
+
 function forget() {
   find("faults").replaceChildren();
-  find("note").textContent = "";
+  note("");
   number();
-}
-
-// What is written is kept as the text of one's own, so that choosing a scenario loses nothing.
-function changed() {
-  own = text.value;
-  find("scenario").value = "";
-  forget();
-  tellStale();
-  examine();
-}
-
-function nameOf() {
-  return find("scenario").value || (basis ? `${basis}, changed` : "own text");
-}
-
-// Whether the answer that is shown is of the text as it is now.
-function tellStale() {
-  if (shown) shown.stale.hidden = shown.text === text.value;
 }
 
 // Faults are told while one writes, once nothing has been typed for a moment.
 const MOMENT_MS = 600;
 async function examine() {
-  const of = (written += 1);
+  const of = (changes += 1);
   await new Promise((resolve) => setTimeout(resolve, MOMENT_MS));
-  if (of !== written || running) return;
-  try {
-    await ask("v1/scenes/parse", { text: text.value });
-  } catch (error) {
-    if (!(error instanceof Refused)) throw error;
-    if (of === written && !running) tellFaults(error.problem);
-  }
+  const latest = () => of === changes && !searching();
+  if (!latest() || !text.value.trim()) return;
+  await attempt(async () => {
+    const { kind } = kindOf(text.value);
+    if (kind === "text") await ask("v1/scenes/parse", { text: text.value }, { quiet: true });
+    else note(`This is a ${kind} in JSON. Plan takes it.`);
+  }, (problem) => latest() && tellFaults(problem));
+}
+
+// ---- texts that are kept ----------------------------------------------------------------------------------------
+
+const name = () => scenario || nameOf(text.value, (drafts.current() || {}).file);
+
+// Keeps the text, and tells where that is not as it should be. `as`: its file, if it is from one.
+function keepText(as) {
+  const state = drafts.keep(text.value, as);
+  if (state !== "kept" || !kept) find("kept").textContent = {
+    kept: "",
+    parted: "Another tab has changed this text. What is written here is kept as a text of its own.",
+    lost: "The browser does not keep this text: its storage is full or switched off. Save it as a file before you close "
+      + "the page; or delete texts that are not needed.",
+  }[state];
+  kept = state !== "lost";
+}
+
+const label = ({ text: content, file, when }) =>
+  `${nameOf(content, file)} (${new Date(when).toLocaleString([], { dateStyle: "short", timeStyle: "short" })})`;
+
+function listTexts() {
+  const here = drafts.current();
+  const value = scenario || `text:${here ? here.id : ""}`;
+  const own = drafts.all().map((draft) => new Option(label(draft), `text:${draft.id}`));
+  if (value === "text:") own.unshift(new Option("own text", value));
+  find("own").replaceChildren(...own);
+  find("scenario").value = value;
+  find("delete").hidden = here === null;
+}
+
+// After the text or what it is has changed: everything that follows it.
+function tellText() {
+  const here = drafts.current();
+  if (here && find("scenario").value === `text:${here.id}`) find("scenario").selectedOptions[0].textContent = label(here);
+  else listTexts();
+  const search = scenario ? `?scenario=${encodeURIComponent(scenario)}` : location.pathname;
+  if (scenario || location.search) window.history.replaceState(null, "", search);
+  forget();
+  answers.compareText(text.value);
+  examine();
+}
+
+// A text that undo or redo brought back is what it was before, if it is kept or shipped.
+function returned() {
+  const draft = drafts.all().find((each) => each.text === text.value);
+  const [same = null] = [...shipped].find(([, content]) => content === text.value) || [];
+  if (!draft && !same) return false;
+  drafts.open(draft ? draft.id : null);
+  scenario = draft ? null : same;
+  return true;
+}
+
+function written({ inputType = null }) {
+  history.add(text.value, text.selectionEnd, /^(insertText|deleteContent\w+)$/.test(inputType) ? inputType : null);
+  changed();
+}
+
+function changed() {
+  scenario = null;
+  if (text.value.trim() || drafts.current()) keepText();
+  tellText();
+}
+
+// Undo (-1) and redo (+1).
+function step(by) {
+  const found = history.step(by);
+  if (found === null) return;
+  text.value = found.text;
+  text.setSelectionRange(found.caret, found.caret);
+  if (returned()) tellText();
+  else changed();
+}
+
+// Replaces the whole text; undo brings back what was there.
+function put(content) {
+  const left = drafts.current();
+  if (left && !left.text.trim()) drafts.remove();
+  text.value = content;
+  history.add(text.value, 0);
+  find("kept").textContent = "";
+  text.setSelectionRange(0, 0);
+  text.scrollTop = 0;
+}
+
+async function showScenario(chosen) {
+  if (!shipped.has(chosen)) shipped.set(chosen, await (await ask(`v1/scenes/${encodeURIComponent(chosen)}/text`)).text());
+  put(shipped.get(chosen));
+  drafts.open(null);
+  scenario = chosen;
+  tellText();
+}
+
+// Shows a text that comes from a file or the clipboard, and keeps it.
+function showOwn(content, file) {
+  const lines = content.replace(/\r\n?/g, "\n");
+  const crlf = lines.length < content.length && !/(^|[^\r])\n/.test(content);
+  put(lines);
+  const same = drafts.all().find((each) => each.text === text.value);
+  drafts.open(same ? same.id : null);
+  scenario = null;
+  keepText({ file, crlf });
+  tellText();
+}
+
+async function choose() {
+  const { value } = find("scenario");
+  await attempt(async () => {
+    if (!value.startsWith("text:")) return showScenario(value);
+    const draft = drafts.all().find(({ id }) => `text:${id}` === value);
+    if (draft) {
+      put(draft.text);
+      drafts.open(draft.id);
+      scenario = null;
+    }
+    return tellText();
+  });
+  listTexts();
+}
+
+async function remove() {
+  drafts.remove();
+  await attempt(() => showScenario("demo"), (problem) => {
+    put("");
+    tellText();
+    tellFaults(problem);
+  });
+  note("The text is deleted. Undo brings it back.");
 }
 
 // ---- planning ---------------------------------------------------------------------------------------------------
 
-async function* events(address) {
-  const response = await ask(`${address}/events`);
-  const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
-  let rest = "";
-  for (;;) {
-    const { value, done } = await reader.read();
-    if (done) return;
-    const parts = (rest + value).split("\n\n");
-    rest = parts.pop();
-    for (const part of parts) {
-      const data = part.split("\n").find((line) => line.startsWith("data: "));
-      if (data) yield JSON.parse(data.slice(6));
-    }
-  }
-}
-
-function tellProgress(doing, progress, durations) {
-  find("progress").hidden = false;
-  find("hint").hidden = true;
-  find("doing").textContent = doing;
-  const seconds = (value) => (value === null ? "none yet" : `${value.toFixed(3)} s`);
-  const rows = progress === null ? [] : [
-    ["searched for", `${progress.elapsed_s.toFixed(1)} s`],
-    ["candidates", String(progress.candidates)],
-    ["steps passed", String(progress.steps)],
-    ["best plan", seconds(progress.duration_s)],
-    ["no plan takes less than", progress.lower_bound_s === null ? "not known" : seconds(progress.lower_bound_s)],
-  ];
-  find("numbers").replaceChildren(...rows.map(([name, value]) => {
-    const row = document.createElement("div");
-    const term = document.createElement("dt");
-    const told = document.createElement("dd");
-    term.textContent = name;
-    told.textContent = value;
-    row.append(term, told);
-    return row;
-  }));
-  drawBest(durations);
-}
-
-function drawBest(durations) {
-  const canvas = find("best");
-  canvas.hidden = durations.length < 2;
-  if (canvas.hidden) return;
-  const drawing = canvas.getContext("2d");
-  const last = durations[durations.length - 1][0] || 1;
-  const values = durations.map(([, value]) => value);
-  const low = Math.min(...values), high = Math.max(...values);
-  const at = ([t, value]) => [(t / last) * canvas.width, 8 + (1 - (value - low) / (high - low || 1)) * (canvas.height - 16)];
-  drawing.clearRect(0, 0, canvas.width, canvas.height);
-  drawing.strokeStyle = getComputedStyle(document.body).getPropertyValue("--blue");
-  drawing.lineWidth = 3;
-  drawing.beginPath();
-  durations.forEach((each, k) => {
-    const [x, y] = at(each);
-    if (k) drawing.lineTo(x, at(durations[k - 1])[1]);
-    drawing[k ? "lineTo" : "moveTo"](x, y);
-  });
-  drawing.stroke();
-}
-
-async function searched(request, job) {
-  const durations = [];
-  for await (const told of events(job.address)) {
-    const { progress } = told;
-    if (progress && progress.stage === "search" && progress.duration_s !== null)
-      durations.push([progress.elapsed_s, progress.duration_s]);
-    const looking = progress && progress.stage === "relaxation";
-    tellProgress(looking ? "There is no plan; looking for a change that would help" : "Planning", progress, durations);
-    if (told.state === "cancelled") return null;
-    if (told.state === "failed") throw new Refused(told.problem);
-    if (told.state === "done") return (await ask(`${job.address}/answer`)).json();
-  }
-  return running === job ? Promise.reject(new Refused({ detail: "The connection to the service was lost." })) : null;
-}
+const framed = (frame) => receiveFiles(frame);
+const drawn = async (body) => (await ask("v1/plans/report", body)).text();
 
 async function plan() {
-  if (running) return;
+  if (find("plan").disabled) return;
   forget();
-  written += 1; // what is examined now is of no use any more
-  const [given, name, begun] = [text.value, nameOf(), Date.now()];
+  changes += 1; // what is examined now is of no use any more
+  const begun = Date.now();
   busy(true);
-  try {
+  scrollTo(0, 0);
+  await attempt(async () => {
+    await connect();
+    if (kindOf(text.value).kind !== "text" && (await take(text.value))) return;
+    const [given, title] = [text.value, name()];
     const { request, about } = await (await ask("v1/scenes/parse", { text: given })).json();
-    const told = await (await ask("v1/jobs", request)).json();
-    running = { address: `v1/jobs/${told.id}` };
-    const answer = await searched(request, running);
+    const answer = await searched(request);
     if (answer === null) {
       const after = ((Date.now() - begun) / 1000).toFixed(1);
-      find("note").textContent = `Cancelled after ${after} s; no plan is kept. To end sooner with the best plan that is `
-        + "found, set a smaller budget_s or max_candidates.";
+      note(`Cancelled after ${after} s; no plan is kept. To end sooner with the best plan so far, set a smaller budget_s `
+        + "or max_candidates.");
       return;
     }
     tellProgress("Drawing", null, []);
-    planned += 1;
-    const title = `${name} ${planned}`;
-    const page = await (await ask("v1/plans/report", { request, plan: answer, title, about })).text();
-    show({ name: title, title, about, request, answer, page, text: given });
-  } catch (error) {
-    if (!(error instanceof Refused)) throw error;
-    tellFaults(error.problem);
-  } finally {
-    running = null;
-    busy(false);
-  }
+    const page = await drawn({ request, plan: answer, title, about });
+    answers.show({ name: title, about, request, answer, page, text: given }, framed);
+    answers.compareText(text.value);
+  });
+  busy(false);
 }
 
 function busy(is) {
@@ -240,161 +262,153 @@ function busy(is) {
   find("cancel").hidden = !is;
   find("cancel").disabled = false;
   if (!is) find("progress").hidden = true;
-  find("hint").hidden = is || shown !== null;
-}
-
-async function cancel() {
-  if (!running) return;
-  find("cancel").disabled = true;
-  find("doing").textContent = "Cancelling";
-  try {
-    await ask(running.address, undefined, "DELETE");
-  } catch (error) {
-    tellFaults(error.problem); // it has ended meanwhile, or is lost
-  }
-}
-
-// ---- answers ----------------------------------------------------------------------------------------------------
-
-function show(made) {
-  find("hint").hidden = true;
-  if (shown && !shown.kept) shown.figure.remove();
-  const figure = document.createElement("figure");
-  const caption = document.createElement("figcaption");
-  const name = document.createElement("strong");
-  name.textContent = made.name;
-  const { answer } = made;
-  const what = document.createElement("span");
-  what.textContent = answer.status === "planned" ? `planned, ${answer.duration_s.toFixed(3)} s` : answer.sentence;
-  const stale = document.createElement("span");
-  stale.className = "stale";
-  stale.textContent = "The text has changed since.";
-  const space = document.createElement("span");
-  space.className = "space";
-  const close = document.createElement("button");
-  close.textContent = "Close";
-  close.addEventListener("click", () => {
-    figure.remove();
-    if (shown !== null && shown.figure === figure) shown = null;
-    settle();
-  });
-  caption.append(name, what, stale, space, close);
-  const frame = document.createElement("iframe");
-  frame.title = `Answer to ${made.name}`;
-  frame.srcdoc = made.page;
-  figure.append(caption, frame);
-  find("answers").append(figure);
-  shown = { ...made, figure, stale, kept: false };
-  tellStale();
-  settle();
-}
-
-function settle() {
-  find("keep").disabled = shown === null || shown.kept;
-  find("save").disabled = shown === null;
-  find("formats").disabled = shown === null || shown.answer.status !== "planned";
-  document.querySelector(".together").hidden = find("answers").children.length < 2;
-  find("hint").hidden = find("answers").children.length > 0 || running !== null;
-}
-
-function keep() {
-  for (const figure of [...find("answers").children]) if (figure !== shown.figure) figure.remove();
-  shown.kept = true;
-  settle();
-}
-
-// What is moved in one player moves the others, if they are to have one clock.
-let times = [];
-function follow() {
-  const players = [...document.querySelectorAll("iframe")].map((frame) => frame.contentWindow.assur).filter(Boolean);
-  if (players.length > 1 && find("together").checked) {
-    const moved = players.findIndex((player, k) => player.t !== times[k]);
-    if (moved >= 0 && times.length === players.length)
-      players.forEach((player, k) => k !== moved && player.seek(players[moved].t));
-  }
-  times = players.map((player) => player.t);
-  requestAnimationFrame(follow);
+  answers.settle();
 }
 
 // ---- files ------------------------------------------------------------------------------------------------------
 
-const FORMATS = { // words for the formats of exports; one that is not here goes by its own name
-  csv: "CSV", ros2: "ROS 2 (YAML)", "ros2-json": "ROS 2 (JSON)", glb: "3D model (GLB)",
-  spel: "SPEL+ (recipe)", melfa: "MELFA-BASIC (recipe)",
-};
-
-async function offerFormats() {
-  const { components } = await (await ask("openapi.json")).json();
-  const formats = components.schemas.ExportQuestion.properties.format.enum;
-  find("formats").append(...formats.map((format) => new Option(FORMATS[format] || format, `export:${format}`)));
+// Takes the content of a file or of the clipboard: a scenario as it is, a request as a scenario, a plan file as both its
+// scenario and its plan. True for a plan file.
+async function take(content, file = null) {
+  const found = kindOf(content);
+  const from = `Opened from ${file || "the clipboard"}.`;
+  if (found.kind === "text") showOwn(content, file);
+  else {
+    const stem = file === null ? found.title : nameOf("", file);
+    const made = scenarioOf(found.request, found.about || found.title || from);
+    const page = found.kind === "plan" ? await drawn(content) : null;
+    if (made.length <= LONGEST_TEXT) showOwn(made, stem ? `${fileName(stem)}.yaml` : null);
+    else if (page === null) throw new Refused({ detail: `The request has ${made.length} characters, too many for this page.` });
+    if (page === null) return false;
+    const { request, plan: answer, about, title } = found;
+    answers.show({ name: title || nameOf(made, file), about, request, answer, page, text: made }, framed);
+    answers.compareText(text.value);
+    if (made.length > LONGEST_TEXT) note("The plan is shown. Its request is too long for the editor: it has meshes or other long parts.");
+    return true;
+  }
+  return false;
 }
 
-async function exported(made, format) {
-  const { request, answer } = made;
-  const { file, encoding, ending } = await (await ask("v1/plans/export", { request, plan: answer, format })).json();
-  const content = encoding === "base64" ? Uint8Array.from(atob(file), (letter) => letter.charCodeAt(0)) : file;
-  return [content, ending === format ? "" : `-${format}`, ending];
+async function openFiles(files) {
+  if (files.length) await attempt(async () => {
+    if (files.length > 1) throw new Refused({ detail: `These are ${files.length} files. Open one at a time.` });
+    await take(await contentOf(files[0]), files[0].name);
+  });
+  find("file").value = "";
 }
 
-async function fileOf(made, what) {
-  const { request, answer, title, about } = made;
-  if (what.startsWith("export:")) return exported(made, what.slice("export:".length));
-  const json = (document) => [JSON.stringify(document), `-${what}`, "json"];
-  if (what === "plan") return json({ schema: "assur-plan/1", title, about, request, plan: answer });
-  if (what === "answer") return json(answer);
-  if (what === "request") return json(request);
-  return what === "report" ? [made.page, "", "html"] : [made.text, "", "yaml"];
+function receiveFiles(place) {
+  const withFiles = (act) => (event) => {
+    if (!event.dataTransfer.types.includes("Files")) return;
+    event.preventDefault();
+    act([...event.dataTransfer.files]);
+  };
+  place.addEventListener("dragover", withFiles(() => {}));
+  place.addEventListener("drop", withFiles(openFiles));
+}
+
+// A document that is pasted is taken as one, but where it is the value of a key or an item of a list.
+function pasted(event) {
+  const [content, files] = [event.clipboardData.getData("text/plain"), event.clipboardData.files];
+  const whole = text.selectionEnd - text.selectionStart === text.value.length;
+  const value = !whole && /[:,[{-]\s*$/.test(text.value.slice(0, text.selectionStart));
+  let found = { kind: "text" };
+  try {
+    found = content && !value ? kindOf(content) : found;
+  } catch {
+    if (!whole) return; // it is part of another text
+    found = { kind: "refused" };
+  }
+  if (found.kind === "text" && (content || !files.length)) return;
+  event.preventDefault();
+  if (content) attempt(() => take(content));
+  else openFiles([...files]);
 }
 
 async function save() {
   const { value } = find("save");
-  const made = shown;
   find("save").value = "";
-  if (!value || !made) return;
+  if (!value) return;
   find("save").disabled = true;
-  try {
-    const [content, part, ending] = await fileOf(made, value);
+  note("");
+  await attempt(async () => {
+    const [content, file] = value === "text" ? textFile() : await answers.saved(value);
     const link = document.createElement("a");
     link.href = URL.createObjectURL(new Blob([content], { type: "application/octet-stream" }));
-    link.download = `${made.name.replaceAll(" ", "-")}${part}.${ending}`;
+    link.download = file;
     link.click();
     URL.revokeObjectURL(link.href);
-    find("faults").replaceChildren();
-  } catch (error) {
-    if (!(error instanceof Refused)) throw error;
-    tellFaults(error.problem); // this format cannot hold the motion, and the service says why
-  } finally {
-    settle();
+    if (value === "text") kept = true;
+  }, (problem) => note((problem.errors || []).map(fault).join(" ") || problem.detail || problem.title, true));
+  find("save").disabled = false;
+}
+
+// The text as it is seen, and the name of its file.
+function textFile() {
+  const { file = null, crlf = false } = drafts.current() || {};
+  return [crlf ? text.value.replaceAll("\n", "\r\n") : text.value, file || `${fileName(name())}.yaml`];
+}
+
+// ---- the page ---------------------------------------------------------------------------------------------------
+
+// The lists of scenarios and formats. Raises `Refused`.
+async function connect(quiet = false) {
+  if (connected) return;
+  const { scenes } = await (await ask("v1/scenes", undefined, { quiet })).json();
+  await answers.offerFormats();
+  find("shipped").replaceChildren(...scenes.map((each) => new Option(each.name, each.name)));
+  connected = true;
+  listTexts();
+}
+
+// The scenario in the address; else the text that was written here last; else the demo.
+async function begin() {
+  const wanted = new URLSearchParams(location.search).get("scenario");
+  const draft = wanted === null ? drafts.begin() : null;
+  if (draft) {
+    put(draft.text);
+    tellText();
   }
+  await connect();
+  if (wanted !== null) await attempt(() => showScenario(wanted), (problem) => {
+    window.history.replaceState(null, "", location.pathname);
+    return begin().then(() => tellFaults(problem));
+  });
+  else if (!draft && !text.value) await showScenario("demo");
 }
 
-async function choose() {
-  const name = find("scenario").value;
-  written += 1;
-  if (name) {
-    text.value = await (await ask(`v1/scenes/${name}/text`)).text();
-    basis = name;
-  } else text.value = own === null ? text.value : own;
-  text.scrollTop = 0;
-  forget();
-  tellStale();
-}
-
-text.addEventListener("input", changed);
+text.addEventListener("input", written);
+text.addEventListener("beforeinput", (event) => { // by a menu of the browser
+  if (!event.inputType.startsWith("history")) return;
+  event.preventDefault();
+  step(event.inputType === "historyUndo" ? -1 : 1);
+});
+text.addEventListener("paste", pasted);
 text.addEventListener("scroll", () => (find("lines").scrollTop = text.scrollTop));
 find("plan").addEventListener("click", plan);
-find("cancel").addEventListener("click", cancel);
-find("keep").addEventListener("click", keep);
+find("cancel").addEventListener("click", () => attempt(cancel)); // the job may have ended meanwhile
+find("keep").addEventListener("click", answers.keep);
 find("save").addEventListener("change", save);
 find("scenario").addEventListener("change", choose);
+find("open").addEventListener("click", () => find("file").click());
+find("file").addEventListener("change", () => openFiles([...find("file").files]));
+find("delete").addEventListener("click", remove);
+find("undo").addEventListener("click", () => step(-1));
+find("enter").addEventListener("click", async () => (await enterKey()) && attempt(connected ? () => {} : begin));
+receiveFiles(window);
 document.addEventListener("keydown", (event) => {
-  if (event.key === "Enter" && (event.ctrlKey || event.metaKey)) plan();
+  if (!(event.ctrlKey || event.metaKey) || event.target.tagName === "INPUT") return;
+  const key = event.key.toLowerCase();
+  if (key === "enter") plan();
+  if (key !== "z" && key !== "y") return;
+  event.preventDefault();
+  step(key === "z" && !event.shiftKey ? -1 : 1);
 });
+addEventListener("beforeunload", (event) => kept || event.preventDefault());
+drafts.watch(() => keepText(), listTexts);
 
-const { scenes } = await (await ask("v1/scenes")).json();
-await offerFormats();
-find("scenario").append(new Option("own text", ""), ...scenes.map(({ name }) => new Option(name, name)));
-find("scenario").value = "demo";
-await choose();
-follow();
+await attempt(begin);
+listTexts();
+number();
+answers.follow();
 document.documentElement.dataset.ready = "yes";

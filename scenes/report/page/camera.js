@@ -49,6 +49,12 @@ export class Camera {
     this.distance = (1.08 * most) / Math.tan(ANGLE / 2);
   }
 
+  // What is seen, whatever the shape of the picture: to be given to the camera of another page.
+  get state() {
+    const { azimuth, elevation, flat, distance } = this;
+    return { azimuth, elevation, flat, distance, target: [...this.target] };
+  }
+
   axes() {
     const level = Math.cos(this.elevation);
     const back = [

@@ -159,6 +159,12 @@ class Player {
     this.draw();
   }
 
+  // Takes the `state` of another camera.
+  see(state) {
+    Object.assign(this.camera, state, { moved: true });
+    this.draw();
+  }
+
   faster(by) {
     const next = clamp(SPEEDS.indexOf(this.speed) + by, 0, SPEEDS.length - 1);
     this.speed = SPEEDS[next];

@@ -1,0 +1,115 @@
+// The answers that are shown: one, or two that are compared and have one clock and one camera. What of them is saved.
+import { fileName } from "./documents.js";
+import { ask } from "./service.js";
+
+const find = (id) => document.getElementById(id);
+let shown = null; // the answer that was shown last: { name, request, answer, about, page, text, figure, stale, kept }
+let count = 0;
+
+function element(kind, text, className = "") {
+  const made = document.createElement(kind);
+  made.textContent = text;
+  made.className = className;
+  return made;
+}
+
+// Shows an answer: { name, request, answer, about, page, text }. `text` is the scenario that it is the answer to.
+// `framed` is called with the window of the player.
+export function show(made, framed) {
+  if (shown && !shown.kept) shown.figure.remove();
+  count += 1;
+  const { answer } = made;
+  const figure = document.createElement("figure");
+  const caption = document.createElement("figcaption");
+  const what = answer.status === "planned" ? `planned, ${answer.duration_s.toFixed(3)} s` : answer.sentence;
+  const stale = element("span", "The text has changed since.", "stale");
+  const close = element("button", "Close");
+  close.addEventListener("click", () => {
+    figure.remove();
+    if (shown !== null && shown.figure === figure) shown = null;
+    settle();
+  });
+  caption.append(element("strong", made.name), element("span", `answer ${count}: ${what}`), stale, element("span", "", "space"), close);
+  const frame = document.createElement("iframe");
+  frame.title = `Answer to ${made.name}`;
+  frame.srcdoc = made.page;
+  frame.addEventListener("load", () => framed(frame.contentWindow));
+  figure.append(caption, frame);
+  find("answers").append(figure);
+  shown = { ...made, figure, stale, kept: false };
+  settle();
+}
+
+// Whether the answer that is shown is that of `text`.
+export function compareText(text) {
+  if (!shown) return;
+  shown.stale.hidden = shown.text === text;
+  find("of-answer").label = shown.stale.hidden ? "Answer" : "Answer to the text before its last change";
+}
+
+export function settle() {
+  find("keep").disabled = shown === null || shown.kept;
+  find("of-answer").disabled = shown === null;
+  find("formats").disabled = shown === null || shown.answer.status !== "planned";
+  document.querySelector(".together").hidden = find("answers").children.length < 2;
+  find("hint").hidden = find("answers").children.length > 0 || !find("progress").hidden;
+}
+
+export function keep() {
+  for (const figure of [...find("answers").children]) if (figure !== shown.figure) figure.remove();
+  shown.kept = true;
+  settle();
+}
+
+// What is moved in one player moves the others, if they are to have one clock and one camera. A player that has just
+// come takes the camera of the first one.
+let [times, views] = [[], []];
+export function follow() {
+  const players = [...document.querySelectorAll("iframe")].map((frame) => frame.contentWindow.assur).filter(Boolean);
+  const view = (player) => JSON.stringify(player.camera.state);
+  if (players.length > 1 && find("together").checked) {
+    const known = times.length === players.length;
+    const moved = known ? players.findIndex((player, k) => player.t !== times[k]) : -1;
+    if (moved >= 0) players.forEach((player, k) => k !== moved && player.seek(players[moved].t));
+    const turned = known ? players.findIndex((player, k) => view(player) !== views[k]) : 0;
+    if (turned >= 0) players.forEach((player, k) => k !== turned && player.see(players[turned].camera.state));
+  }
+  times = players.map((player) => player.t);
+  views = players.map(view);
+  requestAnimationFrame(follow);
+}
+
+// ---- files ------------------------------------------------------------------------------------------------------
+
+const FORMATS = { // words for the formats of exports; one that is not here goes by its own name
+  csv: "CSV", ros2: "ROS 2 (YAML)", "ros2-json": "ROS 2 (JSON)", glb: "3D model (GLB)",
+  spel: "SPEL+ (recipe)", melfa: "MELFA-BASIC (recipe)",
+};
+
+export async function offerFormats() {
+  const { components } = await (await ask("openapi.json")).json();
+  const formats = components.schemas.ExportQuestion.properties.format.enum;
+  find("formats").replaceChildren(...formats.map((format) => new Option(FORMATS[format] || format, `export:${format}`)));
+}
+
+async function exported(made, format) {
+  const { request, answer } = made;
+  const { file, encoding, ending } = await (await ask("v1/plans/export", { request, plan: answer, format })).json();
+  const content = encoding === "base64" ? Uint8Array.from(atob(file), (letter) => letter.charCodeAt(0)) : file;
+  return [content, ending === format ? "" : `-${format}`, ending];
+}
+
+async function fileOf(made, what) {
+  const { request, answer, name, about } = made;
+  if (what.startsWith("export:")) return exported(made, what.slice("export:".length));
+  const json = (document) => [JSON.stringify(document), `-${what}`, "json"];
+  if (what === "plan") return json({ schema: "assur-plan/1", title: name, about, request, plan: answer });
+  if (what === "answer") return json(answer);
+  return what === "request" ? json(request) : [made.page, "", "html"];
+}
+
+// The file of what is offered of the answer: its content and its name. Raises `Refused` for a format that cannot hold it.
+export async function saved(what) {
+  const [content, part, ending] = await fileOf(shown, what);
+  return [content, `${fileName(shown.name)}${part}.${ending}`];
+}

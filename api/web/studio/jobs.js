@@ -1,0 +1,98 @@
+// A job of the service: it is started, followed, and its progress drawn.
+import { ask, Refused } from "./service.js";
+
+const find = (id) => document.getElementById(id);
+let running = null; // the address of the job that is worked on
+
+export const searching = () => running !== null;
+
+async function* events(address) {
+  const response = await ask(`${address}/events`);
+  const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
+  let rest = "";
+  for (;;) {
+    const { value, done } = await reader.read();
+    if (done) return;
+    const parts = (rest + value).split("\n\n");
+    rest = parts.pop();
+    for (const part of parts) {
+      const data = part.split("\n").find((line) => line.startsWith("data: "));
+      if (data) yield JSON.parse(data.slice(6));
+    }
+  }
+}
+
+export function tellProgress(doing, progress, durations) {
+  find("progress").hidden = false;
+  find("hint").hidden = true;
+  find("doing").textContent = doing;
+  const seconds = (value) => (value === null ? "none yet" : `${value.toFixed(3)} s`);
+  const rows = progress === null ? [] : [
+    ["searched for", `${progress.elapsed_s.toFixed(1)} s`],
+    ["candidates", String(progress.candidates)],
+    ["steps passed", String(progress.steps)],
+    ["best plan", seconds(progress.duration_s)],
+    ["no plan takes less than", progress.lower_bound_s === null ? "not known" : seconds(progress.lower_bound_s)],
+  ];
+  find("numbers").replaceChildren(...rows.map(([name, value]) => {
+    const row = document.createElement("div");
+    const term = document.createElement("dt");
+    const told = document.createElement("dd");
+    term.textContent = name;
+    told.textContent = value;
+    row.append(term, told);
+    return row;
+  }));
+  drawBest(durations);
+}
+
+function drawBest(durations) {
+  const canvas = find("best");
+  canvas.hidden = durations.length < 2;
+  if (canvas.hidden) return;
+  const drawing = canvas.getContext("2d");
+  const last = durations[durations.length - 1][0] || 1;
+  const values = durations.map(([, value]) => value);
+  const low = Math.min(...values), high = Math.max(...values);
+  const at = ([t, value]) => [(t / last) * canvas.width, 8 + (1 - (value - low) / (high - low || 1)) * (canvas.height - 16)];
+  drawing.clearRect(0, 0, canvas.width, canvas.height);
+  drawing.strokeStyle = getComputedStyle(document.body).getPropertyValue("--blue");
+  drawing.lineWidth = 3;
+  drawing.beginPath();
+  durations.forEach((each, k) => {
+    const [x, y] = at(each);
+    if (k) drawing.lineTo(x, at(durations[k - 1])[1]);
+    drawing[k ? "lineTo" : "moveTo"](x, y);
+  });
+  drawing.stroke();
+}
+
+// The answer to a request, null where the search was cancelled. Raises `Refused`.
+export async function searched(request) {
+  const durations = [];
+  const { id } = await (await ask("v1/jobs", request)).json();
+  const address = `v1/jobs/${id}`;
+  running = address;
+  try {
+    for await (const told of events(address)) {
+      const { progress } = told;
+      if (progress && progress.stage === "search" && progress.duration_s !== null)
+        durations.push([progress.elapsed_s, progress.duration_s]);
+      const looking = progress && progress.stage === "relaxation";
+      tellProgress(looking ? "There is no plan; looking for a change that would help" : "Planning", progress, durations);
+      if (told.state === "cancelled") return null;
+      if (told.state === "failed") throw new Refused(told.problem);
+      if (told.state === "done") return (await ask(`${address}/answer`)).json();
+    }
+    throw new Refused({ detail: "The connection to the service was lost." });
+  } finally {
+    running = null;
+  }
+}
+
+export async function cancel() {
+  if (running === null) return;
+  find("cancel").disabled = true;
+  find("doing").textContent = "Cancelling";
+  await ask(running, undefined, { method: "DELETE" });
+}

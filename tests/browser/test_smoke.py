@@ -1,0 +1,31 @@
+"""What the gate runs in a browser: a report loads; the studio plans, refuses, keeps a text and saves what is seen."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tests.browser.studio_page import Studio
+
+
+def test_a_report_loads_without_a_message_and_draws(opened: Any) -> None:
+    shown = opened("transfer")
+    assert shown.said == []
+    assert len(shown.asked) == 1
+    assert shown.ask("assur.renderer.stats.triangles") > 0
+    assert shown.ask("document.querySelectorAll('.chart').length") == 6
+
+
+def test_the_studio_plans_refuses_keeps_and_saves(studio: Studio) -> None:
+    page = studio.page
+    studio.planned()
+    assert "planned, 1.4" in page.locator("figcaption").inner_text()
+    assert studio.player().locator("#now").inner_text() == "0.000"
+    studio.choose("bead-beyond-reach")
+    studio.planned()
+    assert "reach" in studio.player().locator("#refusal").inner_text()
+    assert studio.said == []
+    studio.type("\nnot: [yet")
+    written = studio.text
+    assert studio.saved("text")[1].decode() == written
+    studio.reload()
+    assert studio.text == written
