@@ -27,7 +27,7 @@ from assur.planner.model.clearance import clearances
 from assur.planner.model.easier_path import rounder, slower
 from assur.planner.model.outcome import Plan, Relaxation
 from assur.planner.model.progress import Watch
-from assur.planner.model.refusal import LawEnds, NotTouching, Reason, Refusal, Separation
+from assur.planner.model.refusal import LawEnds, NotTouching, Overshoot, Reason, Refusal, Separation
 from assur.planner.model.scene import (
     WORLD,
     Clearance,
@@ -394,6 +394,6 @@ HOPELESS = frozenset({Reason.START_IN_COLLISION, Reason.LAW_ENDS, Reason.LOAD_LI
 def worth_trying(refusal: Refusal | None) -> bool:
     """Whether any change of the list could help: also where the motion of a frame is known for too short a time for a
     control point."""
-    if refusal is None or not (refusal.reason in HOPELESS or isinstance(refusal.facts, NotTouching)):
+    if refusal is None or not (refusal.reason in HOPELESS or isinstance(refusal.facts, NotTouching | Overshoot)):
         return True
     return isinstance(refusal.facts, LawEnds) and refusal.facts.tracked_s is not None
