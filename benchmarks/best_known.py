@@ -151,8 +151,8 @@ def main(
             item = f"{name}/{match}/{problem['id']}/{seed}"
             if item not in done:
                 problems = problem_set(name)
-                answer = ask(program, request(problem, problems.limits, Terms(budget_s, "budget", match, seed)))
-                done[item] = {"item": item, **judged(problems, problem, answer, match)}
+                document = request(problem, problems.limits, Terms(budget_s, "budget", match, seed))
+                done[item] = {"item": item, **judged(problems, problem, ask(program, document), match, document)}
                 stream.write(json.dumps(done[item], allow_nan=False) + "\n")
                 stream.flush()
             by = f"assur, {budget_s:g} s, seed {seed}"

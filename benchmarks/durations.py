@@ -43,7 +43,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="A sample of the pr
             asked = [(budget, problem) for budget, every in budgets.items() for problem in problems.problems[::every]]
             for budget, problem in track(asked, title, console=Console(stderr=True)):
                 document = request(problem, problems.limits, Terms(budget, "budget", match))
-                answer = judged(problems, problem, ask(program, document), match)
+                answer = judged(problems, problem, ask(program, document), match, document)
                 records[f"{budget:g}/{title}/{problem['id']}"] = answer
                 new = merged(new, found(title, {problem["id"]: answer}, f"assur, {budget:g} s, seed 0"))[0]
     after = merged(before, new)[0]

@@ -47,7 +47,7 @@ def main(
             for i, (seed, problem) in enumerate(track(asked, label(name, match), console=console)):
                 document = request(problem, problems.limits, Terms(BUDGET_S, "first", match, seed))
                 for by in list(programs) if i % 2 else reversed(programs):
-                    answer = judged(problems, problem, ask(programs[by], document), match)
+                    answer = judged(problems, problem, ask(programs[by], document), match, document)
                     records[f"{by}/{label(name, match)}/{seed}/{problem['id']}"] = answer
     figures = figures_of(records, OURS)
     if beside is not None:

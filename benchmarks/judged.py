@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from benchmarks.checker_refusals import keep
 from benchmarks.problem_set import Problem, ProblemSet, read_problem_set
 from benchmarks.recheck.findings import Finding, recheck
 from benchmarks.translation import Match
@@ -12,6 +13,8 @@ from benchmarks.translation import Match
 Document = dict[str, Any]
 
 FOLDER = Path(__file__).parent / "problems"
+REFUSED = Path("out/checker")
+"""The folder of the requests of which the checker refused a plan."""
 SETS: tuple[tuple[str, Match], ...] = (
     ("static", "position"),
     ("moving_bodies", "position"),
@@ -31,9 +34,13 @@ def label(name: str, match: str) -> str:
     return name.replace("_", " ") + (", velocity" if match == "velocity" else "")
 
 
-def judged(problems: ProblemSet, problem: Problem, answer: Document, match: Match) -> Document:
-    """An answer without its trajectory, and its `findings` in words: what is wrong with its motion."""
+def judged(problems: ProblemSet, problem: Problem, answer: Document, match: Match, asked: Document) -> Document:
+    """An answer without its trajectory, and its `findings` in words: what is wrong with its motion, and that the
+    checker refused a plan, of which the request `asked` is then kept in `REFUSED`."""
     findings = [said(finding) for finding in recheck(problems, problem, answer, match)]
+    if answer.get("checker_refused"):
+        findings.append(f"the checker refused {answer['checker_refused']} plans of the search")
+        keep(REFUSED, f"{problem['id']}-{match}", asked, {"reason": answer["reason"]})
     return {key: value for key, value in answer.items() if key != "trajectory"} | {"findings": findings}
 
 

@@ -52,7 +52,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="A few legs.")] = F
             document["task"][0]["move"]["leg"] = "cartesian"
             document["options"]["elbow"] = "keep"
             answer = ask(program, document)
-            record = judged(problems, problem, answer, "position")
+            record = judged(problems, problem, answer, "position", document)
             if answer["status"] == "planned":
                 record["findings"] += bent(answer["trajectory"], start, end)
             records[f"leg {number}"] = record | {"reference_s": fastest_joint_move(q[0], q[-1], problems.limits)}

@@ -9,13 +9,15 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from benchmarks.soak.campaign import ELBOW
+from benchmarks.checker_refusals import SECOND, Refused, codes_of, keep, said
+from benchmarks.soak.campaign import ELBOW, as_si
 from benchmarks.soak.random_cells import KINDS, random_cell
 
 CONSOLE, PROGRESS = Console(width=140), Console(stderr=True)
@@ -23,32 +25,31 @@ CONSOLE, PROGRESS = Console(width=140), Console(stderr=True)
 
 @dataclass(eq=False)
 class Agreement:
-    """`shown`: plans that both checkers accept; `differ`: cells of whose plans they do not say the same, with what the
-    second said; `times`: of the second, s."""
+    """`shown`: plans that both checkers accept; `differ`: cells of whose plans one of them refuses one, with what was
+    said; `refusals`: the same by kind, where `waiting` are known; `times`: of the second, s."""
 
     shown: int = 0
     refused: Counter[str] = field(default_factory=Counter)
     differ: list[tuple[str, int, str]] = field(default_factory=list)
+    refusals: Refused = field(default_factory=Refused)
+    plans: int = 0
     times: list[float] = field(default_factory=list)
 
-    @property
-    def plans(self) -> int:
-        return self.shown + len(self.differ)
 
-
-def agreements(plans: int, seed: int) -> Iterator[Agreement]:
+def agreements(plans: int, seed: int, out: Path | None = None) -> Iterator[Agreement]:
     """Cells of all kinds in turn, until `plans` have a plan: after each what was found so far."""
     found, number = Agreement(), 0
     while found.plans < plans:
         kind = list(KINDS)[number % len(KINDS)]
         own = seed * 1_000_000 + number // len(KINDS)
         number += 1
-        judged(found, kind, own)
+        judged(found, kind, own, out)
         yield found
 
 
-def judged(found: Agreement, kind: str, seed: int) -> None:
-    """Plans a random cell, and asks both checkers. Raises `InputError` for a request that is at fault in anything but
+def judged(found: Agreement, kind: str, seed: int, out: Path | None = None) -> None:
+    """Plans a random cell, and asks both checkers. A request of which one of them refuses a plan, in the search or at
+    the end, is written to `out`. Raises `InputError` for a request that is at fault in anything but
     `ELBOW`, and for an answer that no bundle can state."""
     from assur.planner.errors import InputError
     from assur.prover.prove import prove
@@ -63,23 +64,29 @@ def judged(found: Agreement, kind: str, seed: int) -> None:
             raise
         found.refused[ELBOW] += 1
         return
-    if answer["status"] != "planned":
-        found.refused[str(answer["reason"])] += 1
-        return
-    first: Any = check_document(request, answer)
-    data = json.dumps(bundle_document(request, answer)).encode()
-    began = time.perf_counter()
-    second, lines = prove(data)
-    found.times.append(time.perf_counter() - began)
-    if first["ok"] and second:
-        found.shown += 1
+    findings, told = list[Any](), ""
+    if answer["status"] == "planned":
+        found.plans += 1
+        findings = list(check_document(request, answer)["findings"])
+        data = json.dumps(bundle_document(request, answer)).encode()
+        began = time.perf_counter()
+        second, lines = prove(data)
+        found.times.append(time.perf_counter() - began)
+        found.shown += not findings and second
+        told = "" if second else lines[0]
     else:
-        found.differ.append((kind, seed, f"first {first['ok']}, second {second}: {lines[0]}"))
+        found.refused[str(answer["reason"])] += 1
+    codes = codes_of(answer, findings) + [SECOND] * bool(told)
+    if found.refusals.add(as_si(request), codes):
+        found.differ.append((kind, seed, "; ".join([*codes, told])))
+        if out is not None:
+            keep(out, f"{kind}-{seed}", request, {"second": told, **said(answer, findings)})
 
 
 def main(
     plans: Annotated[int, typer.Option(min=1, help="Plans to judge.")] = 1000,
     seed: Annotated[int, typer.Option(min=0, help="Another seed makes other cells.")] = 0,
+    out: Annotated[Path, typer.Option(help="Where requests whose plans are refused are written.")] = Path("out/proofs"),
 ) -> None:
     """Plan random cells, and ask both checkers of each plan."""
     found = Agreement()
@@ -88,7 +95,7 @@ def main(
     with Progress(console=PROGRESS) as progress:
         task = progress.add_task("plans", total=plans)
         try:
-            for found in agreements(plans, seed):
+            for found in agreements(plans, seed, out):
                 progress.update(task, completed=found.plans)
         except KeyboardInterrupt:
             PROGRESS.print("interrupted: what was judged until then")
@@ -98,6 +105,7 @@ def main(
         f"{found.plans} plans, {found.shown} accepted by both checkers; the second took"
         f" {statistics.median(found.times):.2f} s (median), {max(found.times):.2f} s at most"
     )
+    CONSOLE.print(f"refused by a checker: {found.refusals}")
     for kind, own, told in found.differ:
         CONSOLE.print(f"{kind}, seed {own}: {told}")
     if found.differ:

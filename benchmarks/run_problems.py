@@ -18,6 +18,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
+from benchmarks.checker_refusals import keep
 from benchmarks.commits import ask, planning
 from benchmarks.figures import quantile
 from benchmarks.machine import ROOT
@@ -49,12 +50,18 @@ def main(
     out.parent.mkdir(parents=True, exist_ok=True)
     with out.open("w", encoding="utf-8") as stream:
         for line in track(
-            run(problems, chosen, terms), "planning", len(chosen), console=Console(stderr=True), transient=True
+            run(problems, chosen, terms, out.parent),
+            "planning",
+            len(chosen),
+            console=Console(stderr=True),
+            transient=True,
         ):
             stream.write(json.dumps(line, allow_nan=False) + "\n")
             stream.flush()
             lines.append(line)
     Console().print(summary(file.name, lines))
+    if any(refused(line) for line in lines):
+        raise typer.Exit(1)
 
 
 def choose(problems: ProblemSet, limit: int | None, only: Sequence[str]) -> tuple[Problem, ...]:
@@ -66,21 +73,30 @@ def choose(problems: ProblemSet, limit: int | None, only: Sequence[str]) -> tupl
     return chosen[:limit]
 
 
-def run(problems: ProblemSet, chosen: Sequence[Problem], terms: Terms) -> Iterator[Document]:
-    """The line of each chosen problem, as soon as it is known. A fault in one is written into its line."""
+def run(problems: ProblemSet, chosen: Sequence[Problem], terms: Terms, out: Path) -> Iterator[Document]:
+    """The line of each chosen problem, as soon as it is known. A fault in one is written into its line; the request of
+    which the checker refused a plan is kept in the folder `out`."""
     with planning(ROOT, problems) as program:
         for problem in chosen:
+            line: Document = {"id": problem["id"], "match": terms.match}
             try:
-                answer = ask(program, request(problem, problems.limits, terms))
+                document = request(problem, problems.limits, terms)
+                line |= ask(program, document)
             except ValueError as error:
-                answer = {"status": "error", "reason": str(error)}
-            yield {"id": problem["id"], "match": terms.match, **answer}
+                line |= {"status": "error", "reason": str(error)}
+            if refused(line):
+                keep(out, f"{problem['id']}-{terms.match}", document, line)
+            yield line
+
+
+def refused(line: Document) -> bool:
+    """Whether the checker refused a plan, in the search or at the end."""
+    return bool(line.get("checker_refused"))
 
 
 def summary(name: str, lines: Sequence[Document]) -> Table:
     """Counts over all problems, times over the solved ones, and below them which were not solved, by reason."""
     solved = [line for line in lines if line["status"] == "planned" and line["checked"]]
-    refused = sum(line["status"] == "planned" and not line["checked"] for line in lines)
     table = Table("", "", title=name, show_header=False)
     table.add_row("problems", str(len(lines)))
     for limit in (0.1, 1.0):
@@ -89,7 +105,7 @@ def summary(name: str, lines: Sequence[Document]) -> Table:
         told = [quantile([scale * line[key] for line in solved], share) for share in (0.5, 0.95, 1.0)]
         shown = " / ".join("none" if value is None else f"{value:.3g}" for value in told)
         table.add_row(f"{title}, p50 / p95 / longest", f"{shown} {'ms' if scale > 1 else 's'}")
-    table.add_row("refused by the checker", str(refused))
+    table.add_row("refused by the checker", str(sum(map(refused, lines))))
     table.add_section()
     reasons = {str(line["id"]): str(line["reason"]).partition(":")[0] for line in lines if line["status"] != "planned"}
     for reason, count in Counter(reasons.values()).most_common():

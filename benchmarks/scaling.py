@@ -42,7 +42,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few sizes and cell
             for size in sizes[kind]:
                 problem = crowd(cell, size) if kind == "distant" else aside(cell, size)
                 document = request(problem, problems.limits, Terms(BUDGET_S))
-                record = judged(problems, problem, ask(program, document), "position")
+                record = judged(problems, problem, ask(program, document), "position", document)
                 if record["status"] != "planned":  # all of these have a plan
                     record["findings"].append(f"not planned: {record['reason']}")
                 records[f"{kind}/{size}/{cell}/{i}"] = record

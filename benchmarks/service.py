@@ -26,6 +26,7 @@ from rich.console import Console
 from rich.progress import track
 
 from assur.scenes import check
+from benchmarks.checker_refusals import codes_of
 from benchmarks.figures import Document, figure, finish, quantile
 from benchmarks.judged import judged, problem_set
 from benchmarks.machine import ROOT
@@ -53,14 +54,14 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few round trips.")
             document = request(problem, problems.limits, Terms(BUDGET_S, "first"))
             digest_s, short = trip(connection, document, "digest")
             full_s, whole = trip(connection, document, "full")
-            record = {"status": whole["status"], "findings": []}
+            record = {"status": whole["status"], "findings": [f"refused: {code}" for code in codes_of(whole, None)]}
             if whole["status"] == "planned":
                 began = time.perf_counter()
                 verdict = check(document, whole)
                 record["check_s"] = time.perf_counter() - began
-                record["findings"] = judged(problems, problem, whole | {"checked": verdict["ok"]}, "position")[
-                    "findings"
-                ]
+                codes = codes_of(whole, verdict["findings"])
+                told = whole | {"checked": verdict["ok"], "checker_refused": len(codes), "reason": "; ".join(codes)}
+                record["findings"] = judged(problems, problem, told, "position", document)["findings"]
                 record["digest_s"], record["full_s"] = digest_s - short["elapsed_s"], full_s - whole["elapsed_s"]
             if short.get("trajectory") != whole.get("trajectory"):
                 record["findings"].append("the same request got another answer")

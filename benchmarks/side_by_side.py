@@ -46,7 +46,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Every tenth proble
                 others.ask(name, question(standing, problems.limits, BUDGET_S))
         for problem in track(problems.problems[:: parameters["every"]], "peers", console=Console(stderr=True)):
             document = request(problem, problems.limits, Terms(BUDGET_S, "first"))
-            records[f"{OURS}/{problem['id']}"] = judged(problems, problem, ask(program, document), "position")
+            records[f"{OURS}/{problem['id']}"] = judged(problems, problem, ask(program, document), "position", document)
             for name, title in TITLES.items():
                 answer = others.ask(name, question(problem, problems.limits, BUDGET_S))
                 records[f"{title}/{problem['id']}"] = rechecked(problems, problem, answer)

@@ -34,6 +34,7 @@ from assur.planner.model.scene import Scene
 from assur.planner.model.stopwatch import Stopwatch
 from assur.planner.relaxation.asked_for import worth_trying
 from assur.planner.relaxation.trying import relax
+from assur.planner.report.checker_first import checker_first
 from assur.planner.report.margins import carried, contacts, margins
 from assur.planner.report.sentence import sentence
 from assur.planner.report.straight_parts import assumed
@@ -83,8 +84,8 @@ def plan(
     `watch` is told how far the search has come, at each of its rounds; what it raises ends the planning.
     `laps` measures the stages `search`, with proof and check, `explain` (what would have helped) and `margins`.
     `adaptive=False` samples without learning from what was refused (for experiments). Every plan was accepted by the
-    checker. What the prover accepted and the checker refuses is a defect of the planner: it is no answer, and the
-    census counts it at the stage `checker`.
+    checker. What the prover accepts and the checker refuses is a fault of the planner: it is no answer, the census
+    counts it at the stage `checker`, and the sentence of a refusal begins with it.
     """
     run = _Run(time.perf_counter() if started is None else started, watch, laps or Stopwatch())
     prover = Prover(scene)
@@ -231,7 +232,7 @@ def _not_planned(
     return NotPlanned(
         reason=ended if refusal is None else refusal.reason,
         proved=proof is not None,
-        sentence=sentence(scene, refusal, line, census, cut=cut),
+        sentence=("" if proof else checker_first(census)) + sentence(scene, refusal, line, census, cut=cut),
         refusal=refusal,
         census=census,
         relaxation=relaxation,

@@ -214,7 +214,7 @@ def certificate_document(certificate: Certificate, detail: Detail) -> document.C
 
 
 def _margins(margins: Margins) -> document.Margins:
-    nearest = margins.nearest
+    nearest, placed = margins.nearest, margins.placed
     return {
         "peaks": [_peak(peak) for peak in margins.peaks],
         "binds": margins.binds,
@@ -237,6 +237,7 @@ def _margins(margins: Margins) -> document.Margins:
             "acceleration_at_s": number(margins.tool.acceleration_time),
         },
         "nearest": None if nearest is None else nearest_document(nearest),
+        "placed": None if placed is None else nearest_document(placed),
         "travel_pairs": [nearest_document(each) for each in margins.travel_pairs],
         "near_pairs": [nearest_document(each) for each in margins.near_pairs],
         "tool_acceleration_m_s2": optional(margins.tool_acceleration),

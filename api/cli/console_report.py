@@ -142,10 +142,15 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
         else f"{1e3 * nearest['gap_m']:z.2f} mm at {nearest['time_s']:.3f} s, "
         f"{' and '.join(nearest['bodies'])} ({_phase(answer['legs'], nearest)})"
     )
-    for where, pairs in (("in travel", margins["travel_pairs"]), ("near a point", margins["near_pairs"])):
+    placed = margins.get("placed")
+    for where, pairs in (
+        ("  in travel", margins["travel_pairs"]),
+        ("  near a point", margins["near_pairs"]),
+        ("parts put down", [] if placed is None else [placed]),
+    ):
         for pair in pairs:
             both = " and ".join(pair["bodies"])
-            yield f"  {where:<16}  {1e3 * pair['gap_m']:z.2f} mm at {pair['time_s']:.3f} s, {both}"
+            yield f"{where:<18}  {1e3 * pair['gap_m']:z.2f} mm at {pair['time_s']:.3f} s, {both}"
 
 
 def _apart(arrivals: list[dict[str, Any]]) -> Iterator[Table | str]:

@@ -19,22 +19,32 @@ SEARCH_M = 1e-3
 
 
 def apart_kept(motion: Motion) -> list[Broken]:
-    """Clearances, allowed contacts, and the smallest clearance with its pair and time."""
-    told = motion.answer["margins"]["nearest"]
-    reach = SEARCH_M + (max(float(told["gap_m"]), 0.0) if told else 0.0)
+    """Clearances, allowed contacts, and both smallest clearances, each with its pair and time."""
+    margins = motion.answer["margins"]
+    told = margins["nearest"], margins["placed"]
+    reach = SEARCH_M + max((max(float(each["gap_m"]), 0.0) for each in told if each), default=0.0)
     found = nearest_of(motion, reach)
     broken = _required(motion, found)
-    free = [near for near in found if not near.pair.contact]
+    for put_down, smallest in zip((False, True), told, strict=True):
+        broken += _smallest(motion, found, smallest, put_down=put_down)
+    return broken
+
+
+def _smallest(motion: Motion, found: list[Near], told: Document | None, *, put_down: bool) -> list[Broken]:
+    """The smallest clearance of the robot, or of parts that were `put_down`."""
+    free = [near for near in found if not near.pair.contact and near.put_down is put_down]
     if told is None:
-        asked = any(not pair.contact for phase in motion.phases for pair in phase.pairs)
-        return [*broken, Broken("nearest", "no pair is told", 0.0, 0.0)] if asked else broken
+        asked = any(
+            not pair.contact and phase.put_down(pair) is put_down for phase in motion.phases for pair in phase.pairs
+        )
+        return [Broken("nearest", "no pair is told", 0.0, 0.0)] if asked else []
     if not free:
-        return [*broken, Broken("nearest", "no pair is so near", float("inf"), told["gap_m"])]
+        return [Broken("nearest", "no pair is so near", float("inf"), told["gap_m"])]
     best = min(free, key=lambda near: near.gap_m)
     about = f"{best.pair.first}, {best.pair.second} {best.kind}"
-    broken += beyond("nearest", f"nearer: {about}", told["gap_m"] - best.gap_m, WITHIN_M + ROUNDING_M, best.time_s)
+    broken = beyond("nearest", f"nearer: {about}", told["gap_m"] - best.gap_m, WITHIN_M + ROUNDING_M, best.time_s)
     broken += beyond("nearest", f"farther: {about}", best.gap_m - told["gap_m"], WITHIN_M + ROUNDING_M, best.time_s)
-    return broken + _named(motion, told)
+    return broken + _named(motion, told, put_down=put_down)
 
 
 def _required(motion: Motion, found: list[Near]) -> list[Broken]:
@@ -49,13 +59,16 @@ def _required(motion: Motion, found: list[Near]) -> list[Broken]:
     return broken
 
 
-def _named(motion: Motion, told: Document) -> list[Broken]:
+def _named(motion: Motion, told: Document, *, put_down: bool) -> list[Broken]:
     """The pair that is named is so near at the time that is named, in a phase of the kind that is named."""
     time, (one, other) = float(told["time_s"]), told["bodies"]
     best = float("inf")
     for phase in motion.phases:
         inside = phase.stage.t0 - 1e-9 <= time <= phase.stage.t1 + 1e-9
-        named = any({one, other} == {pair.first, pair.second} and not pair.contact for pair in phase.pairs)
+        named = any(
+            {one, other} == {pair.first, pair.second} and not pair.contact and phase.put_down(pair) is put_down
+            for pair in phase.pairs
+        )
         if inside and named:
             t = np.array([min(max(time, phase.stage.t0), phase.stage.t1)])
             places = motion.bodies(phase, t, {one, other})

@@ -30,6 +30,10 @@ class Phase:
     carried: dict[str, tuple[str, Places]]
     seated: dict[str, tuple[str, Places]]
 
+    def put_down(self, pair: Pair) -> bool:
+        """Whether the robot bears neither body of a pair: one of them is a part that was put down."""
+        return pair.first in self.seated and pair.second in self.seated
+
 
 class Motion:
     """A planned answer to a request in SI, as it is planned."""

@@ -27,12 +27,14 @@ FOUND_M = 3e-6
 
 @dataclass(frozen=True)
 class Near:
-    """A pair at its nearest in one phase: the gap, m, when, s, what it must keep, m, and the kind of the phase."""
+    """A pair at its nearest in one phase: the gap, m, when, s, what it must keep, m, the kind of the phase, and whether
+    the robot bears neither body."""
 
     pair: Pair
     gap_m: float
     time_s: float
     kind: str
+    put_down: bool
 
 
 def nearest_of(motion: Motion, beyond_m: float) -> list[Near]:
@@ -72,7 +74,7 @@ def _in_phase(motion: Motion, phase: Phase, beyond_m: float) -> list[Near]:
             if value < best:
                 best, when = value, time
         if best < limit:
-            found.append(Near(pair, best, when, phase.kind))
+            found.append(Near(pair, best, when, phase.kind, phase.put_down(pair)))
     return found
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from benchmarks.checker_refusals import Refused, codes_of, keep, said
 from benchmarks.oracle.asked import BAD_INPUT, as_si, checked, planned
 from benchmarks.oracle.faults import Broken
 from benchmarks.oracle.kinds import KINDS, random_cell
@@ -19,24 +19,24 @@ from benchmarks.soak.poses import Document
 @dataclass(eq=False)
 class Tally:
     """Of one kind of cells, or of requests. `looked`: answers that were looked at; `faults`: of answers, by kind;
-    `unchecked`: answers that the product's own checker refuses; `by_checker`: that it was asked about."""
+    `unchecked`: answers of whose plans the product's own checker refuses one; `by_checker`: that it was asked about."""
 
     looked: int = 0
     refused: Counter[str] = field(default_factory=Counter)
     faults: Counter[str] = field(default_factory=Counter)
-    unchecked: int = 0
+    unchecked: Refused = field(default_factory=Refused)
     by_checker: int = 0
 
     def merged(self, other: Tally) -> None:
         """Adds another one."""
-        self.looked, self.unchecked = self.looked + other.looked, self.unchecked + other.unchecked
-        self.by_checker += other.by_checker
+        self.looked, self.by_checker = self.looked + other.looked, self.by_checker + other.by_checker
+        self.unchecked.merged(other.unchecked)
         self.refused.update(other.refused)
         self.faults.update(other.faults)
 
     @property
     def clean(self) -> bool:
-        return not self.faults and not self.unchecked
+        return not self.faults and not self.unchecked.unknown
 
 
 def own_seed(seed: int, number: int) -> int:
@@ -61,17 +61,19 @@ def looked_at(tally: Tally, kind: str, seed: int, request: Document, out: Path |
     if answer is None:
         tally.refused[f"{BAD_INPUT} {fault}"] += 1
         return False
-    if answer["status"] != "planned":
+    found, si, broken = bool(answer["status"] == "planned"), as_si(request), list[Broken]()
+    findings = checked(request, answer)
+    if found:
+        broken = broken_promises(si, answer)
+        tally.looked += 1
+    else:
         tally.refused[str(answer["reason"])] += 1
-        return False
-    findings, broken = checked(request, answer), broken_promises(as_si(request), answer)
-    tally.looked += 1
-    tally.by_checker += 1
-    tally.unchecked += bool(findings)
+    tally.by_checker += findings is not None
+    unknown = tally.unchecked.add(si, codes_of(answer, findings))
     tally.faults.update({each.kind for each in broken})
-    if out is not None and (findings or broken):
+    if out is not None and (unknown or broken):
         written(out, kind, seed, request, answer, broken, findings)
-    return True
+    return found
 
 
 def written(
@@ -84,17 +86,12 @@ def written(
     findings: list[dict[str, Any]] | None,
 ) -> Path:
     """Writes a case that failed as the file of a request, and what went wrong beside it."""
-    folder.mkdir(parents=True, exist_ok=True)
-    name = f"{kind.replace(', ', '-').replace(' ', '-')}-{seed}"
-    file = folder / f"{name}.json"
-    file.write_text(json.dumps(request, indent=1), encoding="utf-8")
     told = {
         "kind": kind,
         "seed": seed,
         "status": answer["status"],
         "sentence": answer.get("sentence"),
         "faults": [asdict(each) for each in broken[:20]],
-        "checker": findings,
+        **said(answer, findings),
     }
-    (folder / f"{name}.faults.json").write_text(json.dumps(told, indent=1, default=float), encoding="utf-8")
-    return file
+    return keep(folder, f"{kind}-{seed}", request, told)

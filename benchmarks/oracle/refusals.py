@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from benchmarks.checker_refusals import codes_of
 from benchmarks.oracle.asked import BAD_INPUT, as_si, checked, planned
 from benchmarks.oracle.contradicted import contradiction
 from benchmarks.oracle.impossible import KINDS, random_request
@@ -47,8 +48,8 @@ def looked_at(tally: Tally, kind: str, seed: int, request: Document, out: Path |
     else:
         tally.refused[UNPROVED] += 1
     tally.by_checker += findings is not None
-    tally.unchecked += bool(findings)
+    unknown = tally.unchecked.add(as_si(request), codes_of(answer, findings))
     tally.faults.update({each.kind for each in broken or []})
-    if out is not None and (findings or broken):
+    if out is not None and (unknown or broken):
         written(out, kind, seed, request, answer, broken or [], findings)
     return proved and broken is not None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import statistics
 from collections import Counter
 from collections.abc import Iterator
@@ -12,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.checker_refusals import Refused, codes_of, keep, said
 from benchmarks.soak.poses import Document
 from benchmarks.soak.random_cells import KINDS, random_cell
 from benchmarks.soak.realisations import Realisations
@@ -33,7 +33,7 @@ class Tally:
     deepest_m: float = 0.0
     deepest_allowed_m: float = 0.0
     ratios: list[float] = field(default_factory=list)
-    unchecked: int = 0
+    unchecked: Refused = field(default_factory=Refused)
 
     def add(self, outcome: Outcome, runs: int) -> None:
         self.planned += 1
@@ -52,7 +52,8 @@ class Tally:
         deepest = max((self, other), key=lambda t: (t.deepest_allowed_m > 0.0, t.deepest_m - t.deepest_allowed_m))
         self.deepest_m, self.deepest_allowed_m = deepest.deepest_m, deepest.deepest_allowed_m
         self.planned, self.runs = self.planned + other.planned, self.runs + other.runs
-        self.collisions, self.unchecked = self.collisions + other.collisions, self.unchecked + other.unchecked
+        self.collisions += other.collisions
+        self.unchecked.merged(other.unchecked)
         self.refused.update(other.refused)
         self.faults.update(other.faults)
         self.ratios += other.ratios
@@ -63,7 +64,7 @@ class Tally:
 
     @property
     def clean(self) -> bool:
-        return not self.faults and not self.unchecked
+        return not self.faults and not self.unchecked.unknown
 
 
 def campaign(
@@ -71,7 +72,8 @@ def campaign(
 ) -> Iterator[dict[str, Tally]]:
     """Cells of all kinds in turn, until `plans` were accepted: after each cell what was found so far, by kind.
 
-    A plan of which a run keeps a promise not is written to `out` as a request, with what went wrong beside it.
+    A plan of which a run keeps a promise not, and one that the checker refuses, is written to `out` as a request, with
+    what went wrong beside it.
     `checked`: every plan goes through the checker, too.
     """
     found = {kind: Tally() for kind in KINDS}
@@ -116,27 +118,20 @@ def counted(
             raise
         tally.refused[ELBOW] += 1
         return False
-    if answer["status"] != "planned":
+    found, faults = bool(answer["status"] == "planned"), list[Document]()
+    findings: list[Any] = list(check_document(request, answer)["findings"]) if found and checked else []
+    if found:
+        outcome, real = simulated(request, answer, realisations, np.random.default_rng(seed))
+        tally.add(outcome, realisations)
+        faults = faults_of(outcome, real)
+    else:
         tally.refused[str(answer["reason"])] += 1
-        return False
-    findings = check_document(request, answer)["findings"] if checked else []
-    outcome, real = simulated(request, answer, realisations, np.random.default_rng(seed))
-    tally.add(outcome, realisations)
-    tally.unchecked += bool(findings)
-    if out is not None and (outcome.faults or findings):
-        written(out, kind, seed, request, outcome, real, findings)
-    return True
+    unknown = tally.unchecked.add(as_si(request), codes_of(answer, findings))
+    if out is not None and (faults or unknown):
+        keep(out, f"{kind}-{seed}", request, {"kind": kind, "seed": seed, "faults": faults, **said(answer, findings)})
+    return found
 
 
-def written(
-    folder: Path, kind: str, seed: int, request: Document, outcome: Outcome, real: Realisations, findings: list[Any]
-) -> Path:
-    """Writes a case that failed as the file of a request, and what went wrong beside it."""
-    folder.mkdir(parents=True, exist_ok=True)
-    name = f"{kind.replace(', ', '-').replace(' ', '-')}-{seed}"
-    file = folder / f"{name}.json"
-    file.write_text(json.dumps(request, indent=1), encoding="utf-8")
-    faults = [{**asdict(fault), "realised": real.described(fault.run)} for fault in outcome.faults[:20]]
-    told = {"kind": kind, "seed": seed, "faults": faults, "checker": findings}
-    (folder / f"{name}.faults.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
-    return file
+def faults_of(outcome: Outcome, real: Realisations) -> list[Document]:
+    """The first faults of a plan, each with what was realised in its run."""
+    return [{**asdict(fault), "realised": real.described(fault.run)} for fault in outcome.faults[:20]]

@@ -1,11 +1,10 @@
-"""The story of a check: a plan is right if nothing that was promised can be shown to be missing.
+"""The story of a check: a plan is right only if everything that was promised is shown to hold.
 
 It trusts request and facts (shapes, numbers of robots and laws), and nobody who makes plans.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
@@ -25,7 +24,7 @@ from assur.planner.checker.laws import rounding
 from assur.planner.checker.legs import TIME_S, ends, order
 from assur.planner.checker.limits import corrected, limits, loads
 from assur.planner.checker.meeting import meetings
-from assur.planner.checker.nearest import WITHIN_M, nearest, pairs
+from assur.planner.checker.nearest import claimed, nearest, pairs
 from assur.planner.checker.paths.following import traced
 from assur.planner.checker.paths.straight_way import straight_ways
 from assur.planner.checker.rows import Apart
@@ -95,13 +94,10 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     unknown = [name for name in certificate.names if name not in table.number]
     if unknown:
         findings.append(Finding(Code.ROW, f"the certificate names a body that there is not: {unknown[0]!r:.60}"))
-    said = claims.nearest
-    claimed = -math.inf if said is None else math.inf if said[0] is None else said[0].gap_m - WITHIN_M
     between()
-    apart_findings, against = apart.found(certificate, claimed, between)
+    apart_findings, against = apart.found(certificate, claimed(claims), between)
     findings += _known(world, table, of_plan) + apart_findings + enclosed(world, apart, between)
-    findings += [] if said is None else nearest(apart, said[0], against)
-    findings += pairs(apart, claims.pairs) + _touching(of_plan, claims.contacts)
+    findings += nearest(apart, claims, against) + pairs(apart, claims.pairs) + _touching(of_plan, claims.contacts)
     between()
     findings += bound(scene, knots.end - knots.start, claims.lower_bound)
     findings += distances(apart, scene, plan.arrivals)

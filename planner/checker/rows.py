@@ -25,7 +25,7 @@ from assur.planner.checker.cover import (
 )
 from assur.planner.checker.doubts import ahead, doubt_of, reaches, stands
 from assur.planner.checker.motion import Tables
-from assur.planner.checker.separation import CLAIMED, MOST, REACHED, STATE, WRONG
+from assur.planner.checker.separation import CLAIMED, MOST, PUT_CLAIMED, REACHED, STATE, WRONG
 from assur.planner.checker.solids import CARRIER, Solids
 from assur.planner.checker.uncertainty import Doubt
 from assur.planner.checker.verdict import Code, Finding
@@ -38,6 +38,8 @@ BLOCK = 250
 """Rows that are judged between two looks at the time: some hundredths of a second."""
 Given = tuple[IntArray, Cell, IntArray, Tables, Doubt, int, FloatArray, FloatArray, FloatArray]
 """What `cover.judge` and `cover.judge_planes` take beyond rows and their order."""
+NONE = (-math.inf, -math.inf)
+"""No clearance is claimed, neither of what the arm bears nor of parts that were put down."""
 ROOM = 64
 """Pairs that may be open at a time, at first, beyond some for each row and those behind planes; who needs more gets
 it."""
@@ -78,17 +80,18 @@ class Apart:
         return Apart(phases, table, tables, cell, doubt, marks)
 
     def found(
-        self, certificate: Certificate, claimed: float, between: Callable[[], None] = nothing
+        self, certificate: Certificate, claimed: tuple[float, float] = NONE, between: Callable[[], None] = nothing
     ) -> tuple[list[Finding], FloatArray]:
         """Rows that mean or prove nothing, and pairs that are not kept apart; and what stands against the clearance
-        `claimed` of all pairs that may not touch, m (`separation.STATE`; -inf: none is claimed). `between` is called
+        `claimed` of all pairs that may not touch, m: of those of the arm, its tool and what it holds, and of parts that
+        were put down (`separation.STATE`; -inf: none is claimed). `between` is called
         between blocks of the work; what it raises is raised."""
         verdicts, holes, state = self.judged(certificate, claimed, between)
         wrong = _found(certificate, verdicts) if state[WRONG] > 0.0 else []
         return wrong + self._holes(holes), state
 
     def judged(
-        self, c: Certificate, claimed: float = -math.inf, between: Callable[[], None] = nothing
+        self, c: Certificate, claimed: tuple[float, float] = NONE, between: Callable[[], None] = nothing
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """What is found of each row (M, cover.VERDICT), of each phase (P, cover.HOLES) and of the claim (STATE,)."""
         table, state = self.table, np.zeros(STATE)
@@ -102,7 +105,8 @@ class Apart:
         blocks = _blocks(rows, order)
         room = 4 * max(map(len, blocks)) + math.prod(self.marks.shape[1:]) + ROOM
         while True:
-            state[:], state[CLAIMED], state[REACHED] = 0.0, claimed, math.nan if claimed == -math.inf else math.inf
+            state[:], state[REACHED] = 0.0, math.nan if claimed == NONE else math.inf
+            state[CLAIMED], state[PUT_CLAIMED] = claimed
             spared[:], marks = np.inf, self.marks.copy()
             given = (numbers, self.cell, marks, self.tables, self.doubt, room, verdicts, spared, state)
             if self._judged(rows, blocks, given, between) and cover.judge_planes(rows, order, *given):

@@ -38,10 +38,11 @@ world); how many pieces stand before each in the table, if it is the box of a bo
 normal; the distance required where all is known (C5); number of the phase, of both bodies, and how far they reach from
 the axes of their carriers, m; between which times the second is ahead of the clock, s; whether the row, and whether the
 claim, is still to be proved; a normal that was good for the claim; how many columns."""
-CLAIMED, REACHED, WHEN, PAIR_ONE, PAIR_OTHER, WORK, WRONG, STATE = range(8)
-"""Numbers of a proof: the clearance claimed (-inf: none); what stands against it: a smaller distance that is reached
-(inf: none; NaN: it could not be shown not to be), when, and of which solids; how much was
-looked at; rows that mean or prove nothing; how many."""
+CLAIMED, PUT_CLAIMED, REACHED, MISSED, WHEN, PAIR_ONE, PAIR_OTHER, WORK, WRONG, STATE = range(10)
+"""Numbers of a proof: the clearance claimed of the arm, its tool and what it holds, and that of parts that were put
+down (-inf: none); what stands against one of them: a smaller distance that is reached (inf: none; NaN: it could not be
+shown not to be), the clearance that was claimed there, when, and of which solids; how much was evaluated; rows that
+mean or prove nothing; how many."""
 SLACK_M = 1e-9
 """Taken off each gap, m, for its rounding: some twenty terms of a few metres, each rounded to 1e-15 m."""
 HALVINGS, FINER, DEEPEST = 10, 3, 24
@@ -258,21 +259,31 @@ def distance(tables: Tables, jets: FloatArray, item: FloatArray, claimed: float)
     return low, high
 
 
+@kernel(f"float64({TABLES}, {F1}, {F1})")
+def claimed_of(tables: Tables, item: FloatArray, state: FloatArray) -> float:
+    """The clearance that is claimed of a pair: the arm bears one of both, or none (a part that was put down, and what
+    moves against it)."""
+    links = tables[0][0, LINKS]
+    return float(state[PUT_CLAIMED if item[ONE_ON] >= links and item[OTHER_ON] >= links else CLAIMED])
+
+
 @kernel(f"int64({TABLES}, {F4}, {F1}, float64, float64, {F1})")
 def claim_of(tables: Tables, jets: FloatArray, item: FloatArray, h: float, t: float, state: FloatArray) -> int:
     """Whether a pair is proved to keep the clearance claimed over an interval, with t in its middle: HOLDS, or is OPEN,
     or FAILS at t, which goes into the state. Of BOXES that come too near the pieces are to be looked at."""
+    claimed = claimed_of(tables, item, state)
     low, sag = least(tables, jets, item, h, vector(item, HINT))
-    if low - sag >= state[CLAIMED]:
+    if low - sag >= claimed:
         return HOLDS
-    high = distance(tables, jets[MIDDLE], item, state[CLAIMED])[1]
-    if (item[PIECES] > 0.0 or item[OTHERS] > 0.0) and high < state[CLAIMED] + BOX_M:
+    high = distance(tables, jets[MIDDLE], item, claimed)[1]
+    if (item[PIECES] > 0.0 or item[OTHERS] > 0.0) and high < claimed + BOX_M:
         return BOXES
-    if high < state[CLAIMED]:
-        state[REACHED], state[WHEN], state[PAIR_ONE], state[PAIR_OTHER] = high, t, item[ONE], item[OTHER]
+    if high < claimed:
+        state[REACHED], state[MISSED], state[WHEN] = high, claimed, t
+        state[PAIR_ONE], state[PAIR_OTHER] = item[ONE], item[OTHER]
         return FAILS
     low, sag = least(tables, jets, item, h, vector(item, HINT))
-    return HOLDS if low - sag >= state[CLAIMED] else OPEN
+    return HOLDS if low - sag >= claimed else OPEN
 
 
 @kernel(f"int64({F2}, int64, int64)", allocates=True)
@@ -337,7 +348,7 @@ def descend(
                 ok = ok and carried(BEGIN + END - begin, c, t1, t1, tables, jets, known)
             if ok and row >= 0:
                 low, sag = least(tables, jets, item, h, vector(item, NORMAL))
-                claim = claim and not low - sag >= state[CLAIMED]
+                claim = claim and not low - sag >= claimed_of(tables, item, state)
             ahead = pair and (item[FROM] != 0.0 or item[TO] != 0.0)
             if prove:
                 if ok and ahead:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
 from assur.planner.arrays import FloatArray
@@ -17,6 +19,9 @@ from assur.planner.model.phases import Phase, pair
 from assur.planner.tables.bodies import Arrangement
 from assur.planner.trajectory import Trajectory
 
+Kind = Literal["all", "arm", "placed"]
+"""Which pairs count: all; those of the arm, its tool and what it holds; or those of which the arm bears none, a part
+that was put down and what moves against it."""
 INSTANTS = 16
 """Instants of a phase at which a first distance is looked for: the nearer to the smallest, the shorter the search."""
 NEARBY_M = 0.05
@@ -28,11 +33,11 @@ lower value but 0."""
 
 
 def nearest_pairs(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...], most: int) -> tuple[Nearest, ...]:
-    """The smallest clearance of each of the `most` pairs that come nearest in these phases, nearest first: each is the
-    smallest of all pairs but those before it."""
+    """The smallest clearance of each of the `most` pairs of the arm, its tool and what it holds that come nearest in
+    these phases, nearest first: each is the smallest of all pairs but those before it."""
     found: list[Nearest] = []
     while len(found) < most:
-        after = nearest(prover, trajectory, phases, frozenset(pair(*each.bodies) for each in found))
+        after = nearest(prover, trajectory, phases, frozenset(pair(*each.bodies) for each in found), of="arm")
         if after is None:
             break
         found.append(after)
@@ -40,10 +45,14 @@ def nearest_pairs(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, .
 
 
 def nearest(
-    prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...], without: frozenset[tuple[str, str]] = frozenset()
+    prover: Prover,
+    trajectory: Trajectory,
+    phases: tuple[Phase, ...],
+    without: frozenset[tuple[str, str]] = frozenset(),
+    of: Kind = "all",
 ) -> Nearest | None:
     """The pair and time at which the distance is least over all of a motion. Allowed contacts do not count, nor pairs
-    of names (in the order of `pair`) in `without`.
+    of names (in the order of `pair`) in `without`, nor those of another kind than `of`.
 
     None: there is nothing to keep apart.
     """
@@ -52,7 +61,7 @@ def nearest(
     where: Phase | None = None
     for phase in phases:
         before = float(state[UPPER])
-        _search(prover, trajectory, phase, state, without)
+        _search(prover, trajectory, phase, state, without, of)
         if state[UPPER] < before:
             where = phase
     if where is None:
@@ -65,8 +74,12 @@ def nearest(
     return Nearest(lower, time, (first, second), where.kind, upper)
 
 
-def _others(arrangement: Arrangement, pairs: FloatArray, without: frozenset[tuple[str, str]]) -> FloatArray:
-    """The rows of pairs whose bodies are not in `without`."""
+def _others(arrangement: Arrangement, pairs: FloatArray, without: frozenset[tuple[str, str]], of: Kind) -> FloatArray:
+    """The rows of pairs of a kind whose bodies are not in `without`."""
+    if of != "all":
+        carriers = arrangement.carrier[pairs[:, [FIRST, SECOND]].astype(np.int64)]
+        placed = (carriers >= arrangement.links).all(axis=1)
+        pairs = np.ascontiguousarray(pairs[placed if of == "placed" else ~placed])
     if not without:
         return pairs
     names, body = arrangement.names, arrangement.body
@@ -76,12 +89,19 @@ def _others(arrangement: Arrangement, pairs: FloatArray, without: frozenset[tupl
 
 
 def _search(
-    prover: Prover, trajectory: Trajectory, phase: Phase, state: FloatArray, without: frozenset[tuple[str, str]]
+    prover: Prover,
+    trajectory: Trajectory,
+    phase: Phase,
+    state: FloatArray,
+    without: frozenset[tuple[str, str]],
+    of: Kind,
 ) -> None:
     """Goes on with the search over one phase."""
     arrangement, spline = prover.of(phase), prover.spline(trajectory)
     motion, asked = prover.motion(spline), prover.pairs(arrangement, phase)
     within, pairs, many = NEARBY_M, asked.every, asked.many
+    if not len(_others(arrangement, pairs, without, of)):
+        return
     least = prover.behind(phase, spline, asked) if many else np.zeros((0, SIDES))
     while many:
         # what planes keep further apart than `within` cannot be nearest, if anything is found that is nearer
@@ -89,13 +109,13 @@ def _search(
         others = asked.others.copy()
         others[:, REQUIRED - 1], others[:, SET - 1] = within, -1.0
         close = prover.not_behind(phase, asked, others, least)
-        pairs = _others(arrangement, close, without)
+        pairs = _others(arrangement, close, without, of)
         sample_distance(motion, arrangement.cell, pairs, phase.t0, phase.t1, INSTANTS, state)
         if state[UPPER] <= within or len(close) == len(asked):
             break
         within *= 2
     if not many:
-        pairs = _others(arrangement, pairs, without)
+        pairs = _others(arrangement, pairs, without, of)
         sample_distance(motion, arrangement.cell, pairs, phase.t0, phase.t1, INSTANTS, state)
     pairs = pairs[pairs[:, REQUIRED] >= 0.0]
     if not len(pairs):

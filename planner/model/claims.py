@@ -12,7 +12,8 @@ from assur.planner.model.outcome import Busiest, Contact, JointPeak, Nearest, To
 class Claims:
     """Claims about one plan, each None where nothing is said.
 
-    `nearest`: the smallest clearance, (None,) being that there is nothing to keep apart; `pairs`: how near pairs of
+    `nearest`: the smallest clearance of the arm, its tool and what it holds, and `placed` that of parts that were put
+    down, (None,) being that there is nothing to keep apart; `pairs`: how near pairs of
     bodies come; `carried`: the loads; `contacts`: which bodies may touch; `peaks`, `binds`: of the joints; `tool`: of
     the tool point over all of the motion, and `tool_acceleration`, m/s², the largest while a part is carried (where
     none is: over all of the motion). `busiest`: the leg in which the limit that binds is used longest; `helps`: what
@@ -22,6 +23,7 @@ class Claims:
     """
 
     nearest: tuple[Nearest | None] | None = None
+    placed: tuple[Nearest | None] | None = None
     pairs: tuple[Nearest, ...] = ()
     carried: tuple[Carried, ...] | None = None
     contacts: tuple[Contact, ...] | None = None

@@ -355,11 +355,14 @@ class ToolPeaks:
 class Margins:
     """How much is left. `binds`: the joint and kind of limit that is used most; `busiest`: where; `helps`: what would
     make that part quicker; `travel_pairs`, `near_pairs`: where pairs come nearest, by the clearance that counts there.
+    `nearest` and these are of the arm, its tool and what it holds; `placed`: of parts that were put down, of what moves
+    against them without the arm.
     `parallel`: None without a loop. `jerk`: whether it has bounds."""
 
     peaks: tuple[JointPeak, ...]
     binds: str
     nearest: Nearest | None
+    placed: Nearest | None
     tool_acceleration: float
     tool_acceleration_limit: float | None
     singularity: float

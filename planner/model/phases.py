@@ -225,7 +225,7 @@ def on_way(scene: Scene, number: int) -> tuple[str, ...]:
 
 def yaw_offsets(scene: Scene, step: Step) -> tuple[float, ...] | None:
     """Turns of the tool that a control point leaves to choose from, rad; None: any."""
-    if "pitch" in scene.robot.coordinates:
+    if "yaw" not in scene.robot.coordinates:
         return (0.0,)  # the heading of such an arm follows from the position
     if isinstance(step, Pick):
         fold = scene.index[step.part].yaw_symmetry

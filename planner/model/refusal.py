@@ -196,6 +196,8 @@ class Obstacle(StrEnum):
     """No time-optimal motion was found."""
     NO_SUCH_DURATION = "no such duration"
     """No motion was found that takes exactly the time to a meeting."""
+    STOPS_AT_VIA = "stops at via"
+    """The arm would stop at a via that is to be flown by, and a joint would go on in its direction."""
     STRAIGHT_FROM_MOTION = "straight from motion"
     """A straight leg would begin in motion, and not with a frame."""
     POINT_TOO_FAST = "point too fast"
@@ -228,6 +230,19 @@ class MotionLimit(OnPath):
     value: float | None = None
     limit: float | None = None
     speed_m_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Overshoot:
+    """JOINT_LIMIT or MOTION_LIMIT at the start: the joint keeps its limits there, and exceeds one however hard it
+    brakes. `rate`: velocity, or None for the range; `value` that it reaches at least and the `limit`: a velocity
+    without a sign, or a position as its maker counts it, rad or m (and per s); `after_s`: how long after the start."""
+
+    kind: Literal["overshoot"] = "overshoot"
+    rate: Literal["velocity"] | None
+    value: float
+    limit: float
+    after_s: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -373,6 +388,7 @@ Facts = (
     | BeyondRange
     | Singular
     | MotionLimit
+    | Overshoot
     | AccelerationTime
     | Separation
     | Enclosed

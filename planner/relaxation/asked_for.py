@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assur.planner.model.phases import CONTACT_M
-from assur.planner.model.refusal import LawEnds, NotTouching, Reason, Refusal, Separation, Stage
+from assur.planner.model.refusal import LawEnds, NotTouching, Overshoot, Reason, Refusal, Separation, Stage
 
 GEOMETRIC = frozenset({Reason.OUT_OF_REACH, Reason.JOINT_LIMIT})
 OF_GEOMETRY = frozenset({"elbow", "pitch", "heights"})
@@ -71,7 +71,7 @@ def allowed(refusal: Refusal | None, what: str, *, proved: bool) -> bool:
 def worth_trying(refusal: Refusal | None) -> bool:
     """Whether any change of the list could help: also where the motion of a frame is known for too short a time for a
     control point, and where the arm starts too near a body and does not overlap it."""
-    if refusal is None or not (refusal.reason in HOPELESS or isinstance(refusal.facts, NotTouching)):
+    if refusal is None or not (refusal.reason in HOPELESS or isinstance(refusal.facts, NotTouching | Overshoot)):
         return True
     facts = refusal.facts
     if refusal.reason is Reason.START_IN_COLLISION and isinstance(facts, Separation):

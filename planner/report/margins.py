@@ -56,7 +56,8 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
     return Margins(
         peaks=peaks,
         binds=binds,
-        nearest=nearest(prover, trajectory, phases),
+        nearest=nearest(prover, trajectory, phases, of="arm"),
+        placed=nearest(prover, trajectory, phases, of="placed"),
         tool_acceleration=tool.acceleration if held is None else held,
         tool_acceleration_limit=limit,
         singularity=serial,

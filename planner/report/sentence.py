@@ -21,6 +21,7 @@ from assur.planner.model.refusal import (
     OnPath,
     OutOfReach,
     Overload,
+    Overshoot,
     Reason,
     Refusal,
     Refuted,
@@ -32,6 +33,7 @@ from assur.planner.model.scene import Scene, Trace
 from assur.planner.model.window_missed import WindowMissed
 from assur.planner.report.not_touching import not_touching
 from assur.planner.report.number_format import amount, number, position
+from assur.planner.report.overshoot import overshoots
 from assur.planner.report.too_late import law_ended, window_missed
 from assur.planner.report.too_near import too_near
 
@@ -93,6 +95,8 @@ def _because(scene: Scene, refusal: Refusal) -> str:
             return _singular(refusal, facts)
         case MotionLimit() as facts:
             return _motion_limit(refusal, facts, short)
+        case Overshoot() as facts:
+            return overshoots(scene, refusal, facts)
         case AccelerationTime() as facts:
             return _acceleration_time(refusal, facts)
         case Separation() | Enclosed() as facts:
@@ -312,6 +316,7 @@ OBSTACLES = {
     Obstacle.NO_PATH_LAW: "no motion along the straight line was found that keeps the limits of all joints",
     Obstacle.NO_PROFILE: "no motion was found that keeps the limits of all joints",
     Obstacle.NO_SUCH_DURATION: "no motion was found that takes exactly the time to a meeting",
+    Obstacle.STOPS_AT_VIA: "the arm would stop at the point before, which is to be flown by",
     Obstacle.STRAIGHT_FROM_MOTION: "a straight leg must begin at rest or while a frame is tracked",
     Obstacle.POINT_TOO_FAST: "the control point moves too fast to be met",
     Obstacle.OTHER_FRAME: "a leg along a path must begin and end in the same frame, or in frames that stand still",

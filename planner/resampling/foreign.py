@@ -148,7 +148,7 @@ def _in_travel(scene: Scene, made: Plan, of_motion: tuple[Phase, ...]) -> list[F
     findings += loads(world, of_motion, None, blended=blended) + pulled(world, of_motion) + turned_into(world)
     findings += _unknown(scene, table, of_motion)
     apart = Apart.of(scene, of_motion, table, world.tables)
-    return findings + apart.found(made.certificate, -np.inf)[0] + enclosed(world, apart)
+    return findings + apart.found(made.certificate)[0] + enclosed(world, apart)
 
 
 def _still_moving(scene: Scene, trajectory: Trajectory) -> list[Finding]:

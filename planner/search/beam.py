@@ -32,7 +32,8 @@ from assur.planner.search.candidates import Sampler
 from assur.planner.search.census import Counter, refused_proof
 from assur.planner.search.completion import completed
 from assur.planner.search.extension import extended, straight_extension, timed, wrist_travel
-from assur.planner.search.meeting_options import Option, ahead, free_yaws, options
+from assur.planner.search.flown_by import ahead
+from assur.planner.search.meeting_options import Option, free_yaws, options
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, initial, prepared
 from assur.planner.search.rough_score import CoarseScore, score_of
 from assur.planner.search.tuning import BEAM, KEPT_PLANS, MOST_OPTIONS, PROVED_A_BATCH, SAME_DURATION, SAME_TRAVEL
@@ -241,7 +242,7 @@ class Search:
         self.found.census.candidates += 1
         if self.scene.task[partial.step].leg == "cartesian":
             return straight_extension(self.scene, partial, option.meeting, candidate)
-        behind = ahead(self.scene, partial, partial.state.q)
+        behind = ahead(self.scene, partial, option.branch)
         return timed(self.scene, partial, option.meeting, candidate, behind)
 
     def _of_use(self, motion: TimedCandidate | Extension) -> bool:

@@ -16,9 +16,9 @@ from assur.planner.trajectory import Trajectory
 def completed(scene: Scene, partial: PartialPlan) -> Plan | Refusal:
     """The plan of a partial through all steps, with its certificate; a refusal where the checker does not accept it.
 
-    That would be a defect of the planner, so it is told in the census under the stage `checker`; the tests and the
-    benchmark hold that it never happens there. Raises `OutOfTimeError` where the deadline in force passes before the
-    checker has accepted it.
+    That is a fault of the planner. The census counts it under the stage `checker`, the sentence of a refusal begins
+    with it, and each test and benchmark counts it as a failure. Raises `OutOfTimeError` where the deadline in force
+    passes before the checker has accepted it.
     """
     if partial.knots is None:
         raise FaultError("a whole partial without knots")

@@ -45,6 +45,7 @@ from assur.planner.model.scene import Move, Scene, Trace
 from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.robot import Robot
+from assur.planner.search.flown_by import stops_at_via
 from assur.planner.search.late_end import WINDOW_S, ends_too_late, laws_over, tracked_too_long
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, paced
 from assur.planner.timing import TimingRefusal, time_joints
@@ -241,7 +242,8 @@ def _continued(
             beyond = beyond_limits(scene, partial.step, part, limits)
             if beyond is not None:
                 return beyond
-    lost = leaves_assembly(scene.robot, partial.step, trajectory) or turns_into(scene, partial.step, trajectory)
+    lost = stops_at_via(scene, partial, trajectory)
+    lost = lost or leaves_assembly(scene.robot, partial.step, trajectory) or turns_into(scene, partial.step, trajectory)
     lost = lost or _near_singular(scene, partial.step, trajectory, legs)
     if lost is not None:
         return lost

@@ -98,18 +98,3 @@ def free_yaws(scene: Scene, partial: PartialPlan, number: int, modes: tuple[int,
         here = float(control_point(scene, number, partial.attached, 0.0, tilt).flange(t).yaw[0])
         found += [math.remainder(yaw - here, math.tau) for yaw in free_yaws_between(scene)]
     return tuple(dict.fromkeys([*found, *(2 * np.pi * np.arange(ANY_YAW) / ANY_YAW).tolist()]))
-
-
-def ahead(scene: Scene, partial: PartialPlan, q: FloatArray) -> FloatArray | None:
-    """Joints (n,) near those of the control point behind the next one, for a via that is flown by; None: no such."""
-    step = scene.task[partial.step]
-    if not step.via or partial.step + 1 >= len(scene.task):
-        return None
-    tilt = tilts(scene, scene.task[partial.step + 1], q)[0]
-    behind = control_point(scene, partial.step + 1, partial.attached, 0.0, tilt)
-    motion = behind.flange(np.array([partial.state.time]), behind.approach)
-    found = scene.robot.inverse(motion, partial.mode, 0)
-    if not np.isfinite(found.q).all():
-        return None
-    turns = np.round((q - found.q[0]) / (2 * np.pi))
-    return np.asarray(found.q[0] + scene.robot.revolute * 2 * np.pi * turns)

@@ -27,8 +27,6 @@ from assur.scenes.schema.checked import NOT_CHECKED, not_checked
 from assur.scenes.schema.read import read_normal, read_written
 
 Stated = TypeVar("Stated")
-MISSING = object()
-"""Stands for a field that is not there, where null says something."""
 
 
 def check_beside(plan: object) -> None:
@@ -65,7 +63,6 @@ def _fields(kind: Any) -> dict[str, Any]:
 def claims_of(plan: object) -> Claims:
     """What a planned answer claims of its plan. Raises `DocumentError` below "plan"."""
     margins, lasting = _below(plan, "margins"), _below(plan, "load")
-    nearest = margins.get("nearest", MISSING)
     pairs = [
         _nearest(each, "margins", key, i)
         for key in ("travel_pairs", "near_pairs")
@@ -76,7 +73,8 @@ def claims_of(plan: object) -> Claims:
     bound = plan.get("lower_bound_s") if isinstance(plan, dict) else None
     tool, pull = margins.get("tool"), margins.get("tool_acceleration_m_s2")
     return Claims(
-        nearest=None if nearest is MISSING else (None if nearest is None else _nearest(nearest, "margins", "nearest"),),
+        nearest=_stated(margins, "nearest", lambda item: _nearest(item, "margins", "nearest")),
+        placed=_stated(margins, "placed", lambda item: _nearest(item, "margins", "placed")),
         pairs=tuple(pairs),
         carried=_carried(lasting) if lasting else None,
         contacts=None

@@ -20,9 +20,11 @@ from assur.planner.model.refusal import (
     Quantity,
     Refusal,
     Separation,
+    Stage,
     Subject,
 )
 from assur.planner.model.scene import Scene
+from assur.planner.report.checker_first import beginning
 from assur.planner.report.sentence import sentence
 from assur.scenes.faults import Refused, located, within
 from assur.scenes.reading.claims import check_notes, untrue_repeats
@@ -82,7 +84,7 @@ def refusal_of(answer: object, scene: Scene) -> Told:
         with within("refusal"):
             refusal, witness = _refusal(reason, scene), _typed(Witness, reason.get("witness"), "witness")
         untold = _untold(answer, refusal, proved=item["proved"])
-        found += _untrue(item, reason, refusal, witness, scene)
+        found += _untrue(item, reason, refusal, witness, scene, _checker_first(answer))
         return Told(item["proved"], refusal, witness, found, untold)
 
 
@@ -110,8 +112,10 @@ def _untrue(
     refusal: Refusal,
     witness: Witness | None,
     scene: Scene,
+    first: str,
 ) -> tuple[Finding, ...]:
-    """What an answer says in words or twice, and is not what its facts say."""
+    """What an answer says in words or twice, and is not what its facts say. `first`: what the sentence of a search says
+    before them."""
     found = list[Finding]()
     if item["reason"] is not refusal.reason:
         what = f"the answer's reason is {item['reason']}, but its refusal's is {refusal.reason}"
@@ -127,10 +131,20 @@ def _untrue(
     if "witness" in given and own["witness"] != _listed(given["witness"]):
         found.append(Finding(Code.FORM, "the witness has fields that no witness has", where="refusal.witness"))
     told = sentence(scene, refusal, None, Census(0, 0), cut=False)
-    right = item["sentence"] == told if item["proved"] else item["sentence"].startswith(told.removesuffix("."))
+    right = item["sentence"] == told
+    if not item["proved"]:
+        right = item["sentence"].startswith(first + told.removesuffix("."))
     if not right:
         found.append(Finding(Code.CLAIM, "the sentence is not what the facts of the refusal say", where="sentence"))
     return tuple(found)
+
+
+def _checker_first(answer: dict[str, Any]) -> str:
+    """How the sentence of a search must begin whose census says that the checker refused plans; nothing: it says
+    none."""
+    lines = [line for line in answer.get("census", {}).get("lines", ()) if line["stage"] == Stage.CHECKER]
+    found = [line["facts"] for line in lines if line["facts"]["kind"] == "refuted"]
+    return beginning(sum(line["count"] for line in lines), found[0]["code"], found[0]["what"]) if found else ""
 
 
 def _refusal(given: document.CheckedReason, scene: Scene) -> Refusal:

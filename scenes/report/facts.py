@@ -123,15 +123,12 @@ def _met(trajectory: Document, arrival: Document) -> str:
 def margins(answer: Document) -> str:
     """What binds, the smallest clearance, and the peaks of each joint."""
     found = answer["margins"]
-    nearest, tool, load = found["nearest"], found["tool"], answer["load"]
+    tool, load = found["tool"], answer["load"]
     rows = [("what binds", found["binds"]), ("would help", found["helps"])]
-    if nearest is not None:
-        rows.append(
-            (
-                "smallest clearance",
-                f"{1000 * nearest['gap_m']:.2f} mm at {nearest['time_s']:.3f} s, {' and '.join(nearest['bodies'])}",
-            )
-        )
+    for name, near in (("smallest clearance", found["nearest"]), ("parts put down", found.get("placed"))):
+        if near is not None:
+            both = " and ".join(near["bodies"])
+            rows.append((name, f"{1000 * near['gap_m']:.2f} mm at {near['time_s']:.3f} s, {both}"))
     if tool is not None:
         rows.append(("tool point", f"up to {tool['speed_m_s']:.2f} m/s and {tool['acceleration_m_s2']:.1f} m/s²"))
     if answer["lower_bound_s"] is not None:

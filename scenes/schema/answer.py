@@ -240,6 +240,7 @@ class Margins(TypedDict):
     helps: Text
     tool: ToolPeaks | None
     nearest: Nearest | None
+    placed: NotRequired[Nearest | None]
     travel_pairs: Annotated[list[Nearest], Field(max_length=64)]
     near_pairs: Annotated[list[Nearest], Field(max_length=64)]
     tool_acceleration_m_s2: Number | None

@@ -135,7 +135,7 @@ def _met(scene: Scene, refusal: dict[str, Any]) -> tuple[FloatArray, Attachments
 
 def _nearest_said(answer: dict[str, Any]) -> list[dict[str, Any]]:
     margins = answer.get("margins") or {}
-    nearest = [margins["nearest"]] if margins.get("nearest") else []
+    nearest = [margins[key] for key in ("nearest", "placed") if margins.get(key)]
     return [*nearest, *margins.get("travel_pairs", ()), *margins.get("near_pairs", ())]
 
 

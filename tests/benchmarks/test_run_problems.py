@@ -20,21 +20,21 @@ PATIENT_S = 60.0
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "match"), SETS)
-def test_easy_problems_are_solved_and_withstand_the_recheck(name: str, match: Match) -> None:
+def test_easy_problems_are_solved_and_withstand_the_recheck(name: str, match: Match, tmp_path: Path) -> None:
     problems = problem_set(name)
     easy = [problem for problem in problems.problems if problem["direct"]][:3]
-    lines = list(run(problems, easy, Terms(PATIENT_S, match=match)))
+    lines = list(run(problems, easy, Terms(PATIENT_S, match=match), tmp_path))
     assert [(line["status"], line["checked"], line["match"]) for line in lines] == [("planned", True, match)] * 3
     assert all(0 < line["build_s"] < line["proved_s"] <= line["wall_s"] for line in lines)
     assert recheck_lines(problems, [json.dumps(line).encode() for line in lines], partial=True)[0] == []
 
 
 @pytest.mark.slow
-def test_a_problem_that_cannot_even_be_asked_gets_a_line_that_the_recheck_refuses() -> None:
+def test_a_problem_that_cannot_even_be_asked_gets_a_line_that_the_recheck_refuses(tmp_path: Path) -> None:
     problems = problem_set("static")
     first = problems.problems[0]
     broken = ({**first, "start": [9.0, 0.0, 0.1, 0.0]}, {**first, "obstacles": [{"type": "cone"}]})
-    lines = list(run(problems, broken, Terms()))
+    lines = list(run(problems, broken, Terms(), tmp_path))
     assert [line["status"] for line in lines] == ["error", "error"]
     assert "cone" in lines[1]["reason"]
     findings, _ = recheck_lines(problems, [json.dumps(lines[1]).encode()], partial=True)

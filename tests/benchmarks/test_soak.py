@@ -16,9 +16,10 @@ import pytest
 from assur.planner.errors import InputError
 from assur.scenes import ik, load
 from assur.scenes.requests import plan_document, scene_of, shipped
+from benchmarks.checker_refusals import keep
 from benchmarks.soak import exact
 from benchmarks.soak.arms import Arm, robot_file
-from benchmarks.soak.campaign import ELBOW, Tally, as_si, campaign, counted, written
+from benchmarks.soak.campaign import ELBOW, Tally, as_si, campaign, counted, faults_of
 from benchmarks.soak.laws import frames_of
 from benchmarks.soak.poses import Document, Poses
 from benchmarks.soak.random_cells import KINDS, random_cell
@@ -338,7 +339,7 @@ def test_a_case_that_fails_is_written_as_a_scenario(tmp_path: Path) -> None:
     worse["frames"]["source"].setdefault("uncertainty", {})["position_m"] = 0.05
     outcome, real = simulated(worse, answer, 20, np.random.default_rng(0))
     assert "error" in kinds(outcome)
-    file = written(tmp_path, kind, seed, worse, outcome, real, [])
+    file = keep(tmp_path, f"{kind}-{seed}", worse, {"faults": faults_of(outcome, real)})
     assert load(file) == json.loads(json.dumps(worse))
     told = json.loads((tmp_path / f"{file.stem}.faults.json").read_text())
     first = told["faults"][0]

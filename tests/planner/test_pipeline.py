@@ -57,7 +57,7 @@ def planned(scene: Scene) -> Planned:
 
 
 def flawless(outcome: Outcome) -> bool:
-    """Whether the checker never had to stop what the prover had accepted: that would be a defect."""
+    """Whether the checker never had to stop what the prover had accepted: that is a fault of the planner."""
     return not any(line.refusal.stage is Stage.CHECKER for line in outcome.census.lines)
 
 

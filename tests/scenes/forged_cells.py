@@ -37,6 +37,12 @@ UNKNOWN: Document = {
     "position_mm": 0.5, "speed_mm_s": 2, "lateral_mm": 0.3, "vertical_mm": 0.2, "yaw_deg": 0.2
 }  # fmt: skip
 LAG: Document = {"lag": {"j1_deg": 0.02, "j2_deg": 0.02, "j3_mm": 0.02, "j4_deg": 0.05}, "start_tolerance_ms": 2}
+LID: Document = {"part": "lid", "approach": {"mm": 20}, "dwell_ms": 50, "depart": {"mm": 20}}
+THIN: Document = {
+    "name": "floor",
+    "shape": {"box": {"size_mm": [200, 80, 4]}},
+    "pose": {"frame": "out", "at_mm": [0, 0, 2]},
+}
 SMALL: dict[str, Document] = {
     "known": task({"pick": PICK}, bodies=[TABLE, PART]),
     "stopped": task(AWAY, BACK),
@@ -59,6 +65,22 @@ SMALL: dict[str, Document] = {
     "floating": task({"pick": PICK}, bodies=[TABLE, PART | {"pose": {"at_mm": [250, -100, 113]}}]),
     "bent-elbow": ELBOW | {"task": [{"move": {"to": {"at_m": [0.1, 0.35, 0.3]}}}], "bodies": [], "frames": {},
                            "options": FIRST},
+    # a lid is put on a thin floor that rides over a bed that stands
+    "put-down": task(
+        {"pick": LID | {"grasp_mm": [0, 0, 10]}},
+        {"place": LID | {"to": {"frame": "out", "at_mm": [0, 0, 14], "yaw_deg": 0}}},
+        {"move": {"to": {"at_mm": [350, 0, 150]}}},
+        robot=ARM | {"tool": {"tcp_mm": [0, 0, -100]}},
+        start={"joints": {"j1_deg": 20, "j2_deg": 60, "j3_mm": 250, "j4_deg": 0}},
+        frames={"out": {"conveyor": {"at_mm": [100, -350, 40], "speed_mm_s": 30}}},
+        bodies=[
+            {"name": "bed", "shape": {"box": {"size_mm": [900, 160, 40]}}, "pose": {"at_mm": [0, -350, 20]}},
+            THIN,
+            {"name": "table", "shape": {"box": {"size_mm": [200, 200, 50]}}, "pose": {"at_mm": [350, 100, 25]}},
+            {"name": "lid", "shape": {"box": {"size_mm": [40, 40, 20]}}, "pose": {"at_mm": [350, 80, 60]}},
+        ],
+        options=FIRST | {"clearance_mm": {"travel": 8, "near": 2}},
+    ),
     "blended-stop": task(AWAY, BACK, options=FIRST | {"timing": "parabolic_blend"}),
 }  # fmt: skip
 SHIPPED = {

@@ -357,6 +357,15 @@ OF_MARGINS = (
     Forgery("another pair is nearest", "demo", put("margins", "nearest", "bodies", ["cup", "belt-bed"])),
     Forgery("nearest at another time", "demo", add("margins", "nearest", "time_s", 0.05)),
     Forgery("nearest in another phase", "demo", put("margins", "nearest", "phase", "FOLLOW")),
+    Forgery("what was put down is farther", "put-down", add("margins", "placed", "gap_m", 1e-4)),
+    Forgery("what was put down is nearer", "put-down", add("margins", "placed", "gap_m", -1e-3)),
+    Forgery("nothing was put down", "put-down", put("margins", "placed", None)),
+    Forgery("the arm's clearance for what was put down", "put-down", lambda a: a["margins"].update(
+        placed=a["margins"]["nearest"])),
+    Forgery("what was put down for the arm's clearance", "put-down", lambda a: a["margins"].update(
+        nearest=a["margins"]["placed"])),
+    Forgery("the arm is farther than it is", "put-down", add("margins", "nearest", "gap_m", 1e-3)),
+    Forgery("something was put down", "demo", lambda a: a["margins"].update(placed=a["margins"]["nearest"])),
     Forgery("a pair that is not so near", "demo", add("margins", "travel_pairs", 1, "gap_m", -1e-3)),
     Forgery("a pair that is nearer", "demo", add("margins", "near_pairs", 0, "gap_m", 1e-3)),
     Forgery("a slower joint", "demo", scale("margins", "peaks", 0, "velocity", 0.9)),

@@ -120,6 +120,27 @@ def _loaded(kg: float) -> Document:
     return request
 
 
+def moving(q: dict[str, float], v: dict[str, float], a: dict[str, float], *task: Document, **more: Any) -> Document:
+    """A SCARA of round numbers whose joints start with these positions, velocities and accelerations, deg or mm and
+    rad/s or m/s and per s; of what is not stated, positions are as below and rates 0."""
+    joints = [
+        {"name": name, "range_deg": [-turn, turn], "velocity_rad_s": 7, "acceleration_rad_s2": 70, "jerk_rad_s3": 1000}
+        for name, turn in (("j1", 170), ("j2", 145), ("j4", 360))
+    ]
+    lift = {"name": "j3", "range_mm": [100, 300], "velocity_m_s": 2, "acceleration_m_s2": 20, "jerk_m_s3": 400}
+    arm = {"l1_mm": 325, "l2_mm": 225, "joints": [*joints[:2], lift, joints[2]], "bodies": [], "self_pairs": []}
+    robot = {"scara": arm, "tool": {"tcp_mm": [0, 0, 0]}, **more.pop("robot", {})}
+    state = {"j1_deg": 0.0, "j2_deg": 60.0, "j3_mm": 250.0, "j4_deg": 0.0}
+    rates = {"j1_rad_s": 0.0, "j2_rad_s": 0.0, "j3_m_s": 0.0, "j4_rad_s": 0.0}
+    start = {
+        "joints": state | q,
+        "velocity": rates | v,
+        "acceleration": {f"{name}2": 0.0 for name in rates} | {f"{name}2": value for name, value in a.items()},
+        **more.pop("start", {}),
+    }
+    return cell(*(task or (go(300, 250, 200, 90),)), robot=robot, start=start, **more)
+
+
 def _dial(x: float) -> Document:
     frames = {"dial": {"turntable": {"at_mm": [x, 0, 60], "rate_deg_s": 60}}}
     return cell(go(50, 0, 100, frame="dial", match="position"), frames=frames)
@@ -276,6 +297,30 @@ PROVED: dict[str, tuple[Document, Document, str, str | None]] = {
         _window(follow(-300, 0, 60, "belt", duration_ms=200, window_mm=[-100, 100]), _stopping(9)),
         "LAW_ENDS",
         "openings",
+    ),
+    "a velocity that an acceleration must exceed": (
+        moving({}, {"j1_rad_s": 6.99}, {"j1_rad_s": 50}),
+        moving({}, {"j1_rad_s": 5.7}, {"j1_rad_s": 50}),
+        "MOTION_LIMIT",
+        None,
+    ),
+    "a velocity in the other direction": (
+        moving({}, {"j2_rad_s": -6.9}, {"j2_rad_s": -20}),
+        moving({}, {"j2_rad_s": -6.7}, {"j2_rad_s": -20}),
+        "MOTION_LIMIT",
+        None,
+    ),
+    "a start that cannot stop before the end of a range": (
+        moving({"j1_deg": 169}, {"j1_rad_s": 3}, {}),
+        moving({"j1_deg": 160}, {"j1_rad_s": 3}, {}),
+        "JOINT_LIMIT",
+        None,
+    ),
+    "a lift that cannot stop before the lower end": (
+        moving({"j3_mm": 105}, {"j3_m_s": -1}, {}),
+        moving({"j3_mm": 150}, {"j3_m_s": -1}, {}),
+        "JOINT_LIMIT",
+        None,
     ),
     "a law that is over at the start": (
         cell(

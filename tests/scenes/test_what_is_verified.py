@@ -39,6 +39,7 @@ CELLS = (
     "demo",
     "floating",
     "uncertain",
+    "put-down",
 )
 """Answers that together have a value in every field: errors, a load, a via that is missed, a trace, pitch and roll, a
 neighbour that may be late, a closed chain, a warning."""

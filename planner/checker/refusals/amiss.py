@@ -11,6 +11,7 @@ from assur.planner.model.refusal import (
     NotTouching,
     OutOfReach,
     Overload,
+    Overshoot,
     Refusal,
     Separation,
     Singular,
@@ -20,7 +21,8 @@ from assur.planner.model.refusal import (
 from assur.planner.model.scene import Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
 
-OF_JOINTS, OF_FRAMES, OF_BODIES = (BeyondRange, MotionLimit), (LawEnds,), (Separation, Enclosed, Overload, NotTouching)
+OF_JOINTS, OF_FRAMES = (BeyondRange, MotionLimit, Overshoot), (LawEnds,)
+OF_BODIES = (Separation, Enclosed, Overload, NotTouching)
 """Facts that are about a joint, a frame, and bodies; the others are about none."""
 RATES: dict[str, tuple[Unit, Unit]] = {"velocity": ("rad/s", "m/s"), "acceleration": ("rad/s²", "m/s²")}
 
@@ -52,7 +54,9 @@ def _unit(scene: Scene, refusal: Refusal) -> Unit | None:
             return "rad" if revolute else "m"
         case Singular():
             return "1"
-        case MotionLimit() if facts.rate in RATES:
+        case Overshoot() if facts.rate is None:
+            return "rad" if revolute else "m"
+        case MotionLimit() | Overshoot() if facts.rate in RATES:
             return RATES[facts.rate][0 if revolute else 1]
         case Overload():
             return "kg·m²" if facts.of == "max_inertia" else "kg"

@@ -10,6 +10,7 @@ import numpy as np
 
 from assur.planner.checker.refusals import start
 from assur.planner.checker.refusals.amiss import amiss
+from assur.planner.checker.refusals.overshoot import overshoot
 from assur.planner.checker.refusals.points import every_pitch, hindered, met, orbit, yaws_forbidden
 from assur.planner.checker.refusals.start import amount_of, same
 from assur.planner.checker.refusals.touching import never_touching
@@ -25,6 +26,7 @@ from assur.planner.model.refusal import (
     Obstacle,
     OutOfReach,
     Overload,
+    Overshoot,
     Reason,
     Refusal,
     Singular,
@@ -113,6 +115,8 @@ def _at_start(scene: Scene, refusal: Refusal) -> str:
         return start.beyond_range(scene, refusal, facts)
     if isinstance(facts, MotionLimit) and reason is Reason.MOTION_LIMIT and facts.obstacle is Obstacle.RATE:
         return start.too_fast(scene, refusal, facts)
+    if isinstance(facts, Overshoot) and reason is (Reason.JOINT_LIMIT if facts.rate is None else Reason.MOTION_LIMIT):
+        return overshoot(scene, refusal, facts)
     if isinstance(facts, Singular) and reason is Reason.NEAR_PARALLEL_SINGULARITY:
         return start.unassembled(scene, refusal, facts)
     if isinstance(facts, LawEnds) and reason is Reason.LAW_ENDS:

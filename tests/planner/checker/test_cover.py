@@ -89,7 +89,7 @@ def test_rows_are_judged_in_blocks_of_whole_intervals_and_alike_in_all_of_them(
     for size in (1, 7, len(c)):
         monkeypatch.setattr(rows_of, "BLOCK", size)
         look = Mock()
-        found[size] = [table.tobytes() for table in apart.judged(c, 1e-3, look)]
+        found[size] = [table.tobytes() for table in apart.judged(c, (1e-3, 1e-3), look)]
         blocks = look.call_count - robots
         assert 1 <= blocks <= -(-len(c) // size)
         assert size > 1 or blocks == intervals
@@ -105,7 +105,7 @@ def test_what_is_called_between_blocks_ends_the_work_with_what_it_raises() -> No
     of_plan = phases(scene, plan.legs, plan.arrivals)
     apart = Apart.of(scene, of_plan, solids(scene, of_plan), World(scene, plan).tables)
     with pytest.raises(OutOfTimeError):
-        apart.found(plan.certificate, -np.inf, out_of_time)
+        apart.found(plan.certificate, between=out_of_time)
 
 
 def test_the_asked_pairs_of_a_phase_are_the_robot_against_the_rest_and_its_self_pairs() -> None:

@@ -1,0 +1,27 @@
+"""Sentences about a joint that must exceed a limit after the start."""
+
+from __future__ import annotations
+
+from assur.planner.model.refusal import Overshoot, Refusal
+from assur.planner.model.scene import Scene
+from assur.planner.report.number_format import amount, position
+
+
+def overshoots(scene: Scene, refusal: Refusal, facts: Overshoot) -> str:
+    """What the joint reaches at least, when, and what is allowed."""
+    joint = refusal.joint or "a joint"
+    kind = next((each.kind for each in scene.robot.joints if each.name == joint), "revolute")
+    after = f"{amount(facts.after_s, 's')} after the start"
+    more = "" if refusal.amount is None else f", {amount(refusal.amount.value, refusal.amount.unit)} too much"
+    if facts.rate is None:
+        value, limit = (position(x, kind) for x in (facts.value, facts.limit))
+        return (
+            f"{joint} moves towards the end of its range at {limit} too fast to stop there: "
+            f"however hard it brakes, it reaches {value} {after}{more}"
+        )
+    unit = "rad/s" if kind == "revolute" else "m/s"
+    value, limit = (amount(x, unit) for x in (facts.value, facts.limit))
+    return (
+        f"{joint} accelerates at the start, and however fast the acceleration falls, the velocity reaches {value} "
+        f"{after}{more}; its limit is {limit}"
+    )
