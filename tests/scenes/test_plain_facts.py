@@ -232,9 +232,16 @@ def test_a_straight_part_that_is_too_short_is_told_with_one_that_is_long_enough(
 
 
 def test_a_part_that_is_to_rest_on_what_is_in_its_way_is_told_how_to_say_so() -> None:
+    """Where the part is just above the body. Where it is 5 mm in it, to name the body would not help."""
     cell = copy.deepcopy(CELL)
     part_in_a_desk(cell)
-    assert plan(cell)["sentence"].endswith("; if part is to rest on desk, name it in contact_with.")
+    hint = "; if part is to rest on desk, name it in contact_with."
+    deep = plan(cell)["sentence"]
+    assert "part would hit desk: overlap up to 5 mm" in deep
+    assert "contact_with" not in deep
+    desk = next(body for body in cell["bodies"] if body["name"] == "desk")
+    desk["pose"]["at_mm"][2] -= 5.5
+    assert plan(cell)["sentence"].endswith(hint)
 
 
 def test_a_straight_part_that_is_longer_than_asked_for_is_told() -> None:
