@@ -21,7 +21,7 @@ def read_srdf(content: bytes, name: str, tree: Tree) -> Semantics:
     """The SRDF in a file. Raises `ImportRefused` for links that the robot has not: it belongs to another robot."""
     root = parse_xml(content, name, "robot")
     off, lacks = set(), []
-    for element in root.findall("disable_collisions"):
+    for element in root.every("disable_collisions"):
         pair = frozenset(element.get(key) or "" for key in ("link1", "link2"))
         lacks += [
             Lack("disable_collisions", f"link {link!r} is not in the URDF", "give the SRDF of this robot")
@@ -31,10 +31,10 @@ def read_srdf(content: bytes, name: str, tree: Tree) -> Semantics:
         off.add(pair)
     if lacks:
         raise ImportRefused(name, lacks)
-    every = [element.get("link") for element in root.findall("disable_default_collisions")]
+    every = [element.get("link") for element in root.every("disable_default_collisions")]
     on = {
-        frozenset(element.get(key) or "" for key in ("link1", "link2")) for element in root.findall("enable_collisions")
+        frozenset(element.get(key) or "" for key in ("link1", "link2")) for element in root.every("enable_collisions")
     }
     off |= {frozenset((link, other)) for link in every if link in tree.links for other in tree.links if link != other}
-    tips = [chain.get("tip_link") or "" for group in root.findall("group") for chain in group.findall("chain")]
+    tips = [chain.get("tip_link") or "" for group in root.every("group") for chain in group.every("chain")]
     return Semantics(frozenset(off - on), tuple(tip for tip in tips if tip in tree.links))

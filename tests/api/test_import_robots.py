@@ -100,7 +100,7 @@ def test_what_is_missing_is_told_line_by_line_and_nothing_is_written(files: File
     assert (code, output) == (BAD_INPUT, "")
     assert len(errors.splitlines()) == 5
     assert errors.splitlines()[0] == (
-        "assur: made.urdf: joint a_joint_1: no acceleration, which no URDF has; "
+        "assur: made.urdf: joint a_joint_1: no limit.acceleration in the URDF; "
         "give it in --joint-limits as joint_limits.a_joint_1.max_acceleration (rad/s2)"
     )
     assert errors.splitlines()[-1] == "assur: nothing was written"
