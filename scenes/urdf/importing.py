@@ -118,6 +118,8 @@ class _Import:
     def __init__(self, wanted: Wanted, tree: Tree, given: LimitsFile | None) -> None:
         self.wanted, self.file = wanted, wanted.urdf.name
         self.remarks: list[str] = list(tree.remarks)
+        if self.remarks and wanted.urdf.suffix.lower() == ".xacro":
+            self.remarks.append(f"lines of {self.file} are those of the URDF to which xacro expands it")
         self.sizes: dict[str, float] = {}
         self.lacks: list[Lack] = []
         self._hold(tree)
@@ -193,7 +195,8 @@ class _Import:
             where = f"joint {self.chain.joints[int(found[1])].name}, {found[2]}"
         else:
             where = error.field
-        return Lack(where, f"{error.value}", f"allowed is {error.allowed}")
+        lengths = "; a URDF has lengths in m: write mm times 0.001" if "_m." in error.field else ""
+        return Lack(where, f"{error.value}", f"allowed is {error.allowed}{lengths}")
 
     def tell_rounding(self, written: Tree) -> None:
         """Says what the rounding of angles changed: how far away the flange of the file as it is `written` is."""

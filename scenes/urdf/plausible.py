@@ -58,7 +58,7 @@ def implausible(chain: Chain, limits: Sequence[Limits], sizes: Mapping[str, floa
     """A warning for each number that no arm has. `sizes`: how large the collision shapes of each link are, m."""
     reach = sum(float(np.linalg.norm(joint.origin[:3, 3])) for joint in chain.tree.path(chain.base, chain.tip) or [])
     found = [
-        f"the origins of the joints from link {chain.base} to link {chain.tip} are {told} apart in all"
+        f"the way along the joint origins from link {chain.base} to link {chain.tip} is {told}"
         for told in _unusual(reach, REACH)
     ]
     found += _odd_links(reach, sizes)

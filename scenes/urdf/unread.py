@@ -18,11 +18,14 @@ MACROS = ("include", "macro", "property", "arg", "if", "unless", "insert_block")
 """Elements of macros in files that are older than their namespace."""
 WITHOUT_EFFECT: dict[str, frozenset[str]] = {
     "robot": frozenset({"material", "transmission", "gazebo", "ros2_control", "sensor", "mujoco"}),
-    "link": frozenset({"visual", "inertial", "contact", "sensor", "@type"}),
-    "joint": frozenset({"calibration", "dynamics", "@dont_collapse"}),
+    "link": frozenset(
+        {"visual", "inertial", "contact", "sensor", "material", "gazebo", "@type"}
+        | {"kinematic", "gravity", "selfCollide", "self_collide", "surface"}
+    ),
+    "joint": frozenset({"calibration", "dynamics", "joint_properties", "gazebo", "@dont_collapse"}),
     "limit": frozenset({"@effort"}),
     "safety_controller": frozenset({"@k_position", "@k_velocity"}),
-    "collision": frozenset({"material", "verbose", "contact_coefficients", "@name", "@group", "@concave"}),
+    "collision": frozenset({"material", "verbose", "contact_coefficients", "@group", "@concave"}),
 }
 """What each element may hold that no plan depends on; @ is before the name of an attribute."""
 LISTED = {"ros2_control": "ros2_control but for the limits of its command interfaces"}
@@ -73,6 +76,8 @@ def unread(root: Node) -> tuple[list[Lack], list[str], list[str]]:
         node, where = ahead.pop()
         harmless = WITHOUT_EFFECT.get(node.tag, frozenset())
         for key in node.not_taken():
+            if key == "name":
+                continue  # of a shape: it is called by its link
             if "@" + key in harmless:
                 unused.setdefault(f"{node.tag}.{key}", []).append(node.line)
             elif key.startswith("{") and node is root:
@@ -81,8 +86,11 @@ def unread(root: Node) -> tuple[list[Lack], list[str], list[str]]:
                 )
             else:
                 lacks.append(_unknown(node, where, f"attribute {_plain(key)}={node.attributes[key][:40]!r}"))
-        if node.text.strip():
-            lacks.append(_unknown(node, where, f"text {node.text.strip()[:40]!r}"))
+        if text := " ".join(node.text.split())[:40]:
+            if node.children:  # most likely a comment; what has no children may be meant to have a value
+                remarks.append(f"line {node.line}, {where}: text {text!r} is not read")
+            else:
+                lacks.append(_unknown(node, where, f"text {text!r}"))
         for child, inside in _children(node, where):
             if child.settled:
                 continue

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -39,11 +40,13 @@ def at_random(found: Imported, arm: BuiltArm) -> FloatArray:
     return rng.uniform(low, high, (STATES, len(low)))
 
 
-def off(found: Imported, arm: BuiltArm, file: Path) -> tuple[float, float]:
-    """How far the flange is from the library's at random states: m, rad."""
+def off(
+    found: Imported, arm: BuiltArm, file: Path, reader: Callable[..., FloatArray] = flange_by_library
+) -> tuple[float, float]:
+    """How far the flange is from another reader's at random states: m, rad."""
     q = at_random(found, arm)
     names = [joint["urdf"] for joint in found.report["joints"]]
-    theirs = flange_by_library(file, found.report["base"], found.report["flange"], names, q)
+    theirs = reader(file, found.report["base"], found.report["flange"], names, q)
     robot = arm.robot(Pose(), arm.limits)
     positions, rotations = robot.placements(converted(q, arm.conventions))
     roll, pitch, yaw = np.radians(found.report["flange_turn_deg"] or [0.0, 0.0, 0.0])
