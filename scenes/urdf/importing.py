@@ -219,7 +219,8 @@ class _Import:
             (names[i], joint.kind != "prismatic", limits)
             for i, (joint, limits) in enumerate(zip(self.chain.joints, self.limits, strict=True))
         )
-        where = f"{self.file}, joint origins from link {self.base} to link {self.chain.tip}"
+        held = "".join(f", {name} held at {value:g}" for name, value in self.wanted.held.items())
+        where = f"{self.file}, joint origins from link {self.base} to link {self.chain.tip}{held}"
         return ArmText(
             name=self.name,
             title=f"{self.tree.name}, imported from {self.file}",
