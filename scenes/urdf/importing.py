@@ -299,7 +299,7 @@ class _Import:
             "bodies": len(bodies),
             "covers": [{"of": of, "hulls": count, "excess_m": far} for of, (count, far) in covers.items()],
             "self_pairs": [list(pair) for pair in pairs],
-            "warnings": implausible(self.chain, self.limits, self.sizes),
+            "warnings": [*self.tree.warnings, *implausible(self.chain, self.limits, self.sizes)],
             "remarks": self.remarks,
             "unused": list(self.tree.unused),
         }

@@ -79,6 +79,7 @@ class _Reader:
         self.root, self.name, self.version, self.rounding = root, name, version, rounding
         self.lacks: list[Lack] = []
         self.remarks: list[str] = []
+        self.warnings: list[str] = []
         self.rounded: list[str] = []
         self.links: dict[str, tuple[Solid, ...]] = {}
         self.joints: dict[str, Joint] = {}
@@ -113,7 +114,8 @@ class _Reader:
         seen = [link.attributes["name"] for link in elements if any(c.tag == "visual" for c in link.children)]
         only_seen = tuple(link for link in seen if not self.links[link])
         rounded = tuple(dict.fromkeys(self.rounded))
-        return Tree(robot, self.links, self.joints, rounded, only_seen, tuple(self.remarks), tuple(unused))
+        more = tuple(self.remarks), tuple(unused), tuple(self.warnings)
+        return Tree(robot, self.links, self.joints, rounded, only_seen, *more)
 
     def _joint(self, element: Node, i: int, controlled: dict[str, list[tuple[Bound, Stated]]]) -> Joint:
         name = element.get("name") or ""
@@ -187,15 +189,19 @@ class _Reader:
             text = None if safety is None else safety.get(key)
             if text is not None:
                 more = [*more, (end, Stated(number(text, f"{where}, {key}"), f"safety_controller.{key}"))]
+        if kind == "continuous":
+            of_ends = [
+                *(found[end].source for end in ends if end in found),
+                *(s.source for end, s in more if end in ends),
+            ]
+            if of_ends:
+                what = "it turns without end, so what the file states of its range is not taken"
+                self.remarks.append(f"line {element.line}, {where}, {', '.join(of_ends)}: {what}")
+            more = [(bound, stated) for bound, stated in more if bound not in ends]
         for bound, stated in more:
             own = found.get(bound)
-            if bound in ends and own is None:
-                continue  # a joint without end, or without a limit
             if own is None or (stated.value > own.value if bound == "lower" else stated.value < own.value):
                 found[bound] = stated
-        if kind == "continuous" and (stated_ends := [found[end].source for end in ends if end in found]):
-            what = "it turns without end, so what the file states of its range is not taken"
-            self.remarks.append(f"line {element.line}, {where}, {', '.join(stated_ends)}: {what}")
         return found
 
     def _solids(self, element: Node, link: str) -> list[Solid]:
@@ -242,6 +248,10 @@ class _Reader:
             found[:3, :3] = self._quaternion(quaternion, f"{where}, origin.quat_xyzw", given.line)
             return found, rest
         rpy = numbers(angles, 3, f"{where}, origin.rpy", rest)
+        if max(map(abs, rpy)) > math.tau:
+            meant = " ".join(f"{math.radians(angle):.6g}" for angle in rpy)
+            what = f"{(angles or '')[:80]} is more than a turn; if these are deg, it is {meant} rad"
+            self.warnings.append(f"line {given.line}, {where}, origin.rpy: {what}")
         roll, pitch, yaw = map(self._angle, rpy)
         found[:3, :3] = of_rpy(roll, pitch, yaw)
         return found, rpy

@@ -81,7 +81,7 @@ class Tree:
 
     `rounded`: angles that were read as multiples of a right angle, as they are written; `only_seen`: links with a
     visual shape and no collision shape; `remarks`: what was read otherwise than it looks, or not at all, with its line;
-    `unused`: what a URDF may hold and no plan depends on.
+    `unused`: what a URDF may hold and no plan depends on; `warnings`: angles that are probably in degrees.
     """
 
     name: str
@@ -91,6 +91,7 @@ class Tree:
     only_seen: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
     unused: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     @property
     def root(self) -> str:

@@ -6,7 +6,7 @@ an element of a later version, a macro that nobody expanded.
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Iterator
 
 from assur.scenes.urdf.refusals import Lack
@@ -43,9 +43,9 @@ OF_THE_SIMULATOR = ("plugin", "sensor", "visual")
 def not_expanded(root: Node) -> list[Lack]:
     """Macros and expressions in the place of values: without their values nothing else of the file has a meaning."""
     found = []
-    ahead = [(root, "robot")]
+    ahead = deque([(root, "robot")])
     while ahead:
-        node, where = ahead.pop()
+        node, where = ahead.popleft()
         found += [
             _unexpanded(node, where, f"{_plain(key)}={value[:60]!r} is an expression")
             for key, value in node.attributes.items()
@@ -71,9 +71,9 @@ def unread(root: Node) -> tuple[list[Lack], list[str], list[str]]:
     lacks: list[Lack] = []
     remarks: list[str] = []
     unused: dict[str, list[int]] = {}
-    ahead = [(root, "robot")]
+    ahead = deque([(root, "robot")])
     while ahead:
-        node, where = ahead.pop()
+        node, where = ahead.popleft()
         harmless = WITHOUT_EFFECT.get(node.tag, frozenset())
         for key in node.not_taken():
             if key == "name":

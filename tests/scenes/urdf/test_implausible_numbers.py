@@ -9,7 +9,7 @@ import pytest
 from assur.scenes.urdf.importing import Wanted, import_robot
 from assur.scenes.urdf.refusals import ImportRefused
 from tests.scenes.meshes.solids import CUBE, binary_stl
-from tests.scenes.urdf.made import CELLARM_LIMITS, FAMILIES, Files, cellarm
+from tests.scenes.urdf.made import CELLARM_LIMITS, FAMILIES, FORE_AT, Files, cellarm
 from tests.scenes.urdf.random_arms import ARMS
 
 ELBOW = 'lower="-2.5" upper="2.5" velocity="9"'
@@ -74,6 +74,13 @@ def test_degrees_in_place_of_radians_are_warned_about(tmp_path: Path) -> None:
         "joint elbow: its acceleration is 6000 rad/s2; if these are deg/s2, it is 104.72 rad/s2 "
         "(joint_limits.yaml, joint_limits.elbow.max_acceleration)"
     ]
+
+
+def test_degrees_of_an_origin_are_warned_about(tmp_path: Path) -> None:
+    assert warnings_of(cellarm(tmp_path, (FORE_AT, f'{FORE_AT} rpy="0 0 90"'))) == [
+        "line 5, link fore, collision, origin.rpy: 0 0 90 is more than a turn; if these are deg, it is 0 0 1.5708 rad"
+    ]
+    assert warnings_of(cellarm(tmp_path, (FORE_AT, f'{FORE_AT} rpy="0 0 -6.283185307179586"'))) == []
 
 
 def test_angles_that_are_converted_twice_are_warned_about(tmp_path: Path) -> None:

@@ -224,6 +224,23 @@ def test_ends_of_a_joint_without_end_are_reported(tmp_path: Path) -> None:
     )
 
 
+def test_soft_limits_without_a_limit_are_the_range_and_those_of_a_joint_without_end_are_reported(
+    tmp_path: Path,
+) -> None:
+    soft = '<safety_controller soft_lower_limit="0.03" soft_upper_limit="0.12"/>'
+    found = lines_of(cellarm(tmp_path, (LIFT, soft), limits=only("max_acceleration: 9", "max_velocity: 1")), "lift")
+    assert found["range_m"] == (
+        "[0.03, 0.12] made.urdf, joint lift, safety_controller.soft_lower_limit, safety_controller.soft_upper_limit"
+    )
+    keys = ("max_acceleration: 300", "min_position: -3", "max_position: 3", "max_velocity: 20")
+    endless = ('name="wrist" type="revolute"', 'name="wrist" type="continuous"')
+    wrist = '<limit lower="-6.28" upper="6.28" velocity="20" effort="1"/>'
+    files = cellarm(tmp_path, endless, (wrist, soft), limits=only(*keys, joint="wrist"))
+    assert remarks_of(files)[0].startswith(
+        "line 20, joint wrist, safety_controller.soft_lower_limit, safety_controller."
+    )
+
+
 def controlled(interface: str, more: str = "") -> str:
     head = '<ros2_control name="c" type="system"><joint name="lift">'
     return f"{head}{interface}{more}</joint></ros2_control></robot>"

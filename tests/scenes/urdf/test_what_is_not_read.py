@@ -175,15 +175,15 @@ def test_what_no_plan_depends_on_is_listed_and_changes_nothing(version: str, tmp
         "gazebo (3, first in line 27)",
         "sensor (1, first in line 30)",
         "ros2_control but for the limits of its command interfaces (1, first in line 31)",
-        "limit.effort (4, first in line 10)",
-        "calibration (1, first in line 18)",
-        "dynamics (1, first in line 18)",
-        "safety_controller.k_velocity (1, first in line 18)",
-        "safety_controller.k_position (1, first in line 18)",
-        "link.type (1, first in line 6)",
         "inertial (1, first in line 5)",
         "visual (1, first in line 5)",
+        "link.type (1, first in line 6)",
+        "calibration (1, first in line 18)",
+        "dynamics (1, first in line 18)",
         "collision.group (1, first in line 5)",
+        "limit.effort (4, first in line 10)",
+        "safety_controller.k_velocity (1, first in line 18)",
+        "safety_controller.k_position (1, first in line 18)",
     ]
 
 
