@@ -39,5 +39,8 @@ def everything(report: dict[str, Any]) -> Iterator[Table | str]:
         yield from ("", covers)
     pairs = ", ".join("-".join(pair) for pair in report["self_pairs"])
     yield from ("", f"{report['bodies']} bodies; pairs of links that are kept apart: {pairs or 'none'}")
+    yield from (f"warning: {warning}" for warning in report["warnings"])
     yield from report["remarks"]
+    if report["unused"]:
+        yield f"no plan depends on what else the URDF has: {', '.join(report['unused'])}"
     yield f"written: {report['file']}"

@@ -1,4 +1,8 @@
-"""Whether an arm of ours and the chain of a file are one mechanism: flanges at random states, and links of both."""
+"""Whether an arm of ours and the chain of a file are one mechanism: flanges at random states, and links of both.
+
+Both sides come from one reading of the file, so a fault of the reading does not show here. `unread` refuses what the
+reader does not take, and a second reader in the tests compares poses.
+"""
 
 from __future__ import annotations
 

@@ -28,13 +28,16 @@ from assur.scenes.urdf.arm_text import ArmText
 from assur.scenes.urdf.bodies import angles, body_of, free_name, shared_head
 from assur.scenes.urdf.carriers import Carrier, carrier_of, self_pairs
 from assur.scenes.urdf.chain import chain_to, told_of
-from assur.scenes.urdf.limits import Limits, limits_of, read_limits, unused
+from assur.scenes.urdf.limits import Limits, limits_of
+from assur.scenes.urdf.limits_file import LimitsFile, read_limits
 from assur.scenes.urdf.mesh_files import mesh_triangles
+from assur.scenes.urdf.plausible import implausible, size_of
+from assur.scenes.urdf.reader import read_tree
 from assur.scenes.urdf.recognising import arm_in
 from assur.scenes.urdf.refusals import ImportRefused, Lack, OfNoFamily, Unsuitable
 from assur.scenes.urdf.solids import Covering, Part
 from assur.scenes.urdf.srdf import Semantics, read_srdf
-from assur.scenes.urdf.tree import Solid, Tree, read_tree
+from assur.scenes.urdf.tree import Solid, Tree
 from assur.scenes.urdf.xml_text import FARTHEST, MAX_XML_BYTES
 
 
@@ -74,7 +77,7 @@ def import_robot(wanted: Wanted) -> Imported:
 
         content = expanded(wanted.urdf, wanted.packages, wanted.arguments)
     given = (
-        {}
+        None
         if wanted.joint_limits is None
         else read_limits(_content(wanted.joint_limits, MAX_YAML_BYTES), wanted.joint_limits.name)
     )
@@ -112,9 +115,12 @@ def _content(path: Path, most: int) -> bytes:
 class _Import:
     """One attempt. Raises `ImportRefused`."""
 
-    def __init__(self, wanted: Wanted, tree: Tree, given: dict[str, dict[str, Any]]) -> None:
+    def __init__(self, wanted: Wanted, tree: Tree, given: LimitsFile | None) -> None:
         self.wanted, self.file = wanted, wanted.urdf.name
-        self.remarks: list[str] = []
+        self.remarks: list[str] = list(tree.remarks)
+        if self.remarks and wanted.urdf.suffix.lower() == ".xacro":
+            self.remarks.append(f"lines of {self.file} are those of the URDF to which xacro expands it")
+        self.sizes: dict[str, float] = {}
         self.lacks: list[Lack] = []
         self._hold(tree)
         self.tree = tree = tree.with_held(wanted.held)
@@ -125,11 +131,9 @@ class _Import:
         self.chain, self.kinematics, lacks, passed = arm_in(tree, self.file, self.base, wanted.tip, self.semantics.tips)
         self.lacks += lacks
         self.remarks += passed
-        files = self.file, None if wanted.joint_limits is None else wanted.joint_limits.name
-        limits, lacks = limits_of(self.chain, given, files, wanted.status)
+        limits, lacks, remarks = limits_of(self.chain, given, self.file, wanted.status)
         self.lacks += lacks
-        if strange := unused(self.chain, given):
-            self.remarks.append(f"{files[1]}: joints {', '.join(strange[:8])} are not in the URDF; they are not used")
+        self.remarks += remarks
         self._look_at_meshes()
         kept = [each for each in limits if each is not None]
         if self.lacks or len(kept) < len(limits):
@@ -161,13 +165,19 @@ class _Import:
         """Every mesh is read once before any is covered: what is wrong with them is told together."""
         for link in self.chain.movers:
             for solid in self.tree.links[link]:
-                if solid.kind == "mesh":
-                    try:
-                        triangles = mesh_triangles(solid, self.wanted.urdf, self.wanted.packages)
-                        if not self.wanted.covering.open_hull:
-                            solids.closed(solid.where, triangles)
-                    except Unsuitable as error:
-                        self.lacks.append(error.lack)
+                try:
+                    self.sizes[link] = max(self._size(solid), self.sizes.get(link, 0.0))
+                except Unsuitable as error:
+                    self.lacks.append(error.lack)
+
+    def _size(self, solid: Solid) -> float:
+        """How large a solid is along its longest side, m. Raises `Unsuitable` for a mesh that cannot be covered."""
+        if solid.kind != "mesh":
+            return size_of(solid)
+        triangles = mesh_triangles(solid, self.wanted.urdf, self.wanted.packages)
+        if not self.wanted.covering.open_hull:
+            solids.closed(solid.where, triangles)
+        return float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
 
     def _built(self) -> BuiltArm:
         document, _ = parse_yaml(self._text().text().encode())
@@ -185,7 +195,8 @@ class _Import:
             where = f"joint {self.chain.joints[int(found[1])].name}, {found[2]}"
         else:
             where = error.field
-        return Lack(where, f"{error.value}", f"allowed is {error.allowed}")
+        lengths = "; a URDF has lengths in m: write mm times 0.001" if "_m." in error.field else ""
+        return Lack(where, f"{error.value}", f"allowed is {error.allowed}{lengths}")
 
     def tell_rounding(self, written: Tree) -> None:
         """Says what the rounding of angles changed: how far away the flange of the file as it is `written` is."""
@@ -208,7 +219,8 @@ class _Import:
             (names[i], joint.kind != "prismatic", limits)
             for i, (joint, limits) in enumerate(zip(self.chain.joints, self.limits, strict=True))
         )
-        where = f"{self.file}, joint origins from link {self.base} to link {self.chain.tip}"
+        held = "".join(f", {name} held at {value:g}" for name, value in self.wanted.held.items())
+        where = f"{self.file}, joint origins from link {self.base} to link {self.chain.tip}{held}"
         return ArmText(
             name=self.name,
             title=f"{self.tree.name}, imported from {self.file}",
@@ -287,7 +299,9 @@ class _Import:
             "bodies": len(bodies),
             "covers": [{"of": of, "hulls": count, "excess_m": far} for of, (count, far) in covers.items()],
             "self_pairs": [list(pair) for pair in pairs],
+            "warnings": [*self.tree.warnings, *implausible(self.chain, self.limits, self.sizes)],
             "remarks": self.remarks,
+            "unused": list(self.tree.unused),
         }
         return Imported(self.name, text, meshes, report)
 

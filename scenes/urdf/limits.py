@@ -1,22 +1,20 @@
-"""Limits of the joints, from the URDF and a joint_limits.yaml as MoveIt reads it; what is in neither is missing."""
+"""Limits of the joints, from the URDF and a joint_limits.yaml; what is in neither is missing, and what is in both and
+differs is reported."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from assur.scenes.faults import DocumentError
-from assur.scenes.text.yaml_text import parse_yaml
 from assur.scenes.urdf.chain import Chain
-from assur.scenes.urdf.refusals import ImportRefused, Lack
-from assur.scenes.urdf.tree import Joint
+from assur.scenes.urdf.limits_file import ENDS, KINDS, KNOWN, NO_LIMITS, SOFT, LimitsFile
+from assur.scenes.urdf.refusals import Lack
+from assur.scenes.urdf.tree import Bound, Joint
 
 JERK_TIME_S = 0.02
 """Where no jerk is given: the acceleration is reached in this time, as for every shipped robot."""
 JERK_SOURCE = "acceleration / 20 ms, for no maker publishes it"
-KEYS = {"velocity": "max_velocity", "acceleration": "max_acceleration", "jerk": "max_jerk"}
-"""Keys of a joint in joint_limits.yaml; each counts if has_velocity_limits and so on is not there or true."""
-ENDS = ("min_position", "max_position")
+PER = {"velocity": "/s", "acceleration": "/s2", "deceleration": "/s2", "jerk": "/s3"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +24,11 @@ class Number:
     value: float | list[float]
     status: str
     source: str
+
+    @property
+    def single(self) -> float:
+        """The number that is no range."""
+        return self.value if isinstance(self.value, float) else self.value[0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,54 +41,72 @@ class Limits:
     jerk: Number
 
 
-def read_limits(content: bytes, name: str) -> dict[str, dict[str, Any]]:
-    """The joints of a joint_limits.yaml: what is below `joint_limits`, at the root or below ROS parameters. Raises
-    `ImportRefused`, which calls the file `name`."""
-    try:
-        document, _ = parse_yaml(content)
-    except DocumentError as error:
-        lack = Lack(f"line {error.line}", str(error.value), f"allowed is {error.allowed}")
-        raise ImportRefused(name, [lack]) from error
-    ahead = [document]
-    while ahead:
-        here = ahead.pop(0)
-        if isinstance(here, dict):
-            found = here.get("joint_limits")
-            if isinstance(found, dict) and all(isinstance(joint, dict) for joint in found.values()):
-                return found
-            ahead += here.values()
-    supply = "joint_limits: {JOINT: {has_acceleration_limits: true, max_acceleration: NUMBER}}"
-    raise ImportRefused(name, [Lack("the file", "no mapping joint_limits with a mapping for each joint", supply)])
-
-
 def limits_of(
-    chain: Chain, given: dict[str, dict[str, Any]], files: tuple[str, str | None], status: str
-) -> tuple[list[Limits | None], list[Lack]]:
-    """The limits of each joint, None where something is missing, and all that is missing.
+    chain: Chain, given: LimitsFile | None, urdf: str, status: str
+) -> tuple[list[Limits | None], list[Lack], list[str]]:
+    """The limits of each joint, None where something is missing; all that is missing; and what is to be known of
+    numbers that are not taken.
 
-    `given`: of `read_limits`; `files`: names of the URDF and of the file of limits; `status`: whose word they are.
+    `urdf`: the name of the URDF; `status`: whose word the numbers are.
     """
-    found, lacks = [], []
+    found, lacks, remarks = [], [], [] if given is None else list(given.remarks)
     for joint in chain.joints:
-        reader = _Reader(joint, given.get(joint.name, {}), files, status)
+        reader = _Reader(joint, given, urdf, status)
         found.append(reader.read())
         lacks += reader.lacks
-    return found, lacks
+        remarks += reader.remarks
+    if given is not None:
+        own, tree = {joint.name for joint in chain.joints}, chain.tree.joints
+        if strange := [name for name in given.joints if name not in tree]:
+            remarks.append(f"{given.name}: joints {', '.join(strange[:8])} are not in the URDF; they are not used")
+        if still := [name for name in given.joints if name in tree and name not in own]:
+            remarks.append(f"{given.name}: joints {', '.join(still[:8])} are not the arm's; they are not used")
+    return found, lacks, remarks
 
 
 class _Reader:
     """What is known of one joint."""
 
-    def __init__(self, joint: Joint, given: dict[str, Any], files: tuple[str, str | None], status: str) -> None:
-        self.joint, self.given, (self.urdf, self.file), self.status = joint, given, files, status
+    def __init__(self, joint: Joint, file: LimitsFile | None, urdf: str, status: str) -> None:
+        self.joint, self.urdf, self.status = joint, urdf, status
+        self.given: dict[str, Any] = {} if file is None else file.joints.get(joint.name, {})
+        self._file = file
+        self.file = "" if file is None else file.name
+        self.unit = "m" if joint.kind == "prismatic" else "rad"
         self.lacks: list[Lack] = []
+        self.remarks: list[str] = []
 
     def read(self) -> Limits | None:
-        ends, velocity, acceleration = self._range(), self._rate("velocity"), self._rate("acceleration")
-        jerk = None if acceleration is None else self._jerk(acceleration)
-        if ends is None or velocity is None or acceleration is None or jerk is None or self.lacks:
+        self._keys()
+        ends, velocity, acceleration = self._range(), self._required("velocity"), self._required("acceleration")
+        deceleration, jerk = self._rate("deceleration"), self._rate("jerk")
+        if ends is None or velocity is None or acceleration is None or self.lacks:
             return None
+        if deceleration is not None and deceleration.single < acceleration.single:
+            lower = f"{deceleration.source}, which is lower than the acceleration"
+            acceleration = replace(deceleration, source=lower)
+        if jerk is None:
+            jerk = Number(float(f"{acceleration.single / JERK_TIME_S:.12g}"), "estimated", JERK_SOURCE)
         return Limits(ends, velocity, acceleration, jerk)
+
+    def _keys(self) -> None:
+        """Every key of the file is known, or refused, or reported."""
+        unused = []
+        for key in self.given:
+            if key in NO_LIMITS:
+                unused.append(key)
+            elif key not in KNOWN:
+                what = f"{key[:40]!r} in {self.file}{self._line(key)} is not known, and may be a limit"
+                supply = f"known are {', '.join(KNOWN)}; correct it, or remove it if it is no limit"
+                self.lacks.append(Lack(f"joint {self.joint.name}", what, supply))
+        if unused:
+            self._remark(unused[0], f"{', '.join(unused)} {'is' if len(unused) == 1 else 'are'} not taken")
+
+    def _line(self, key: str) -> str:
+        return "" if self._file is None else f", line {self._file.line(self.joint.name, key)},"
+
+    def _remark(self, key: str, what: str) -> None:
+        self.remarks.append(f"{self.file}{self._line(key)} joint {self.joint.name}: {what}")
 
     def _lack(self, what: str, key: str, example: str) -> None:
         supply = f"give it in --joint-limits as joint_limits.{self.joint.name}.{key}{example}"
@@ -97,22 +118,32 @@ class _Reader:
     def _of_file(self, value: float, what: str) -> Number:
         return Number(value, self.status, f"{self.file}, joint_limits.{self.joint.name}.{what}")
 
-    def _named(self, key: str, switch: str) -> float | None:
-        """A number of the file of limits; None where it is not given or switched off."""
-        value, unit = self.given.get(key), "rad" if self.joint.kind != "prismatic" else "m"
+    def _on(self, switch: str) -> bool | None:
+        """Whether a switch of the file is on, as it is where it is not written; None if it is neither on nor off."""
         on = self.given.get(switch, True)
-        if not isinstance(on, bool):
-            what = f"{switch} is {str(on)[:40]!r} in {self.file}, and neither true nor false"
-            lack = Lack(
-                f"joint {self.joint.name}", what, f"write joint_limits.{self.joint.name}.{switch}: true or false"
-            )
-            if lack not in self.lacks:
-                self.lacks.append(lack)
+        if isinstance(on, bool):
+            return on
+        what = f"{switch} is {str(on)[:40]!r} in {self.file}, and neither true nor false"
+        lack = Lack(f"joint {self.joint.name}", what, f"write joint_limits.{self.joint.name}.{switch}: true or false")
+        if lack not in self.lacks:
+            self.lacks.append(lack)
+        return None
+
+    def _named(self, key: str, kind: str) -> float | None:
+        """A number of the file of limits; None where it is not given or switched off."""
+        switch = f"has_{kind}_limits"
+        on = self._on(switch)
+        if key not in self.given:
+            if self.given.get(switch) is True and kind in KINDS[1:]:
+                self._lack(f"{switch} is true in {self.file}, and {key} is not given", key, f" ({self.unit}, s)")
             return None
-        if value is None or not on:
+        if not on:
+            if on is False:
+                self._remark(key, f"{key} is switched off by {switch}, and not taken")
             return None
+        value = self.given[key]
         if isinstance(value, bool) or not isinstance(value, int | float):
-            self._lack(f"{key} is {str(value)[:40]!r} in {self.file}, and no number", key, f" ({unit}, s)")
+            self._lack(f"{key} is {str(value)[:40]!r} in {self.file}, and no number", key, f" ({self.unit}, s)")
             return None
         return float(value)
 
@@ -124,26 +155,33 @@ class _Reader:
             what = f"{switch} is false in {self.file}, and {key} is given"
             self._lack(what, key, f", and {switch}: true; or remove {key}, and the URDF's end is taken")
             return None
-        return self._named(key, switch)
+        return self._named(key, "position")
 
     def _range(self) -> Number | None:
-        """Both ends, each by itself as MoveIt takes them: the file's of limits, or else the URDF's."""
-        joint, unit = self.joint, "m" if self.joint.kind == "prismatic" else "rad"
-        own = [None if joint.kind == "continuous" else end for end in (joint.lower, joint.upper)]
+        """Both ends, each by itself as MoveIt takes them: the file's of limits, or else the URDF's; then the soft limit
+        of the file, where it is narrower."""
+        joint, unit = self.joint, self.unit
         ends: list[float] = []
         sources: dict[str, list[str]] = {}
-        for key, said, end in zip(ENDS, joint.ends, own, strict=True):
+        bounds: tuple[Bound, Bound] = ("lower", "upper")
+        urdf, file = f"{self.urdf}, joint {joint.name}, ", f"{self.file}, joint_limits.{joint.name}."
+        for key, soft, bound, inward in zip(ENDS, SOFT, bounds, (1.0, -1.0), strict=True):
+            own = None if joint.kind == "continuous" else joint.bounds.get(bound)
             given = self._end(key)
-            if given is None and end is None:
+            if given is None and own is None:
                 if not self.lacks:
                     turns = "it turns without end (type continuous)"
                     what = turns if joint.kind == "continuous" else "no limit in the URDF"
                     self._lack(f"{what}, and our arms have ranges", "min_position", f" and max_position ({unit})")
                 return None
-            ends.append(given if given is not None else end or 0.0)
-            urdf, file = f"{self.urdf}, joint {joint.name}, ", f"{self.file}, joint_limits.{joint.name}."
-            where = urdf if given is None else file
-            sources.setdefault(where, []).append(said if given is None else key)
+            if given is not None and own is not None and inward * given < inward * own.value:
+                self._looser(key, given, own.source, own.value)
+            end, source, name = (given, file, key) if given is not None else (own.value, urdf, own.source)  # type: ignore[union-attr]
+            narrower = self._named(soft, "soft")
+            if narrower is not None and inward * narrower > inward * end:
+                end, source, name = narrower, file, soft
+            ends.append(end)
+            sources.setdefault(source, []).append(name)
         if self.lacks:
             return None
         lower, upper = ends
@@ -154,46 +192,33 @@ class _Reader:
             return None
         return found
 
-    def _rate(self, kind: str) -> Number | None:
-        key, unit = KEYS[kind], "m" if self.joint.kind == "prismatic" else "rad"
-        unit += "/s" if kind == "velocity" else "/s2"
+    def _looser(self, key: str, value: float, source: str, own: float) -> None:
+        self._remark(key, f"{key} {value:g} takes the place of the URDF's {source} {own:g}, which is narrower")
+
+    def _required(self, kind: Bound) -> Number | None:
+        """A number that every joint needs."""
         before = len(self.lacks)
-        value = self._named(key, f"has_{kind}_limits")
-        if value is not None:
-            if not value > 0.0:
-                self._lack(f"{key} is {value:g} in {self.file}", key, f", a number above 0 ({unit})")
-                return None
-            return self._of_file(value, key)
-        if len(self.lacks) > before:
-            return None
-        if kind == "velocity":
-            value = self.joint.velocity
-            if value is not None and value > 0.0:
-                return self._of_urdf(value, "limit.velocity")
-            what = "no limit.velocity" if value is None else f"limit.velocity is {value:g}"
-            self._lack(f"{what} in the URDF", key, f" ({unit})")
-        else:
-            self._lack("no acceleration, which no URDF has", key, f" ({unit})")
-        return None
+        found = self._rate(kind)
+        if found is None and len(self.lacks) == before:
+            self._lack(f"no limit.{kind} in the URDF", f"max_{kind}", f" ({self.unit}{PER[kind]})")
+        return found
 
-    def _jerk(self, acceleration: Number) -> Number | None:
-        key, before = KEYS["jerk"], len(self.lacks)
-        value = self._named(key, "has_jerk_limits")
-        if value is None:
-            if len(self.lacks) > before:
-                return None
-            return Number(float(f"{_single(acceleration.value) / JERK_TIME_S:.12g}"), "estimated", JERK_SOURCE)
+    def _rate(self, kind: Bound) -> Number | None:
+        """A number of the file of limits, or else of the URDF; None where neither has it, or it is not above 0. A
+        deceleration may be below 0, as some planners of ROS require."""
+        key, own, before = f"max_{kind}", self.joint.bounds.get(kind), len(self.lacks)
+        value = self._named(key, kind)
+        if value is None and (own is None or len(self.lacks) > before):
+            return None
+        if value is None and own is not None:
+            if own.value > 0.0:
+                return self._of_urdf(own.value, own.source)
+            self._lack(f"{own.source} is {own.value:g} in the URDF", key, f" ({self.unit}{PER[kind]})")
+            return None
+        value = abs(value or 0.0) if kind == "deceleration" else value or 0.0
         if not value > 0.0:
-            self._lack(f"{key} is {value:g} in {self.file}", key, ", a number above 0")
+            self._lack(f"{key} is {value:g} in {self.file}", key, f", a number above 0 ({self.unit}{PER[kind]})")
             return None
+        if own is not None and 0.0 < own.value < value:
+            self._looser(key, value, own.source, own.value)
         return self._of_file(value, key)
-
-
-def _single(value: float | list[float]) -> float:
-    return value if isinstance(value, float) else value[0]
-
-
-def unused(chain: Chain, given: dict[str, dict[str, Any]]) -> list[str]:
-    """Joints of a file of limits that the arm has not."""
-    names = {joint.name for joint in chain.tree.joints.values()}
-    return [name for name in given if name not in names]

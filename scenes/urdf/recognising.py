@@ -9,8 +9,9 @@ import math
 
 from assur.scenes.urdf.chain import Chain, chain_to, flanges
 from assur.scenes.urdf.families import Kinematics, recognised
+from assur.scenes.urdf.reader import ROUND_RAD
 from assur.scenes.urdf.refusals import ImportRefused, Lack, OfNoFamily, Unsuitable
-from assur.scenes.urdf.tree import ROUND_RAD, Tree
+from assur.scenes.urdf.tree import Tree
 
 NEARLY_RAD = 5e-3
 """An angle this near to a multiple of a right angle was probably meant to be one: 1.57, 3.14, 4.71."""

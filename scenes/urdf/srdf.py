@@ -8,6 +8,12 @@ from assur.scenes.urdf.refusals import ImportRefused, Lack
 from assur.scenes.urdf.tree import Tree
 from assur.scenes.urdf.xml_text import parse_xml
 
+KNOWN = (
+    *("disable_collisions", "enable_collisions", "disable_default_collisions", "group", "group_state"),
+    *("end_effector", "virtual_joint", "passive_joint", "joint_property", "link_sphere_approximation"),
+)
+"""Elements of an SRDF. Those of the second line say nothing of pairs of links."""
+
 
 @dataclass(frozen=True, slots=True)
 class Semantics:
@@ -20,21 +26,30 @@ class Semantics:
 def read_srdf(content: bytes, name: str, tree: Tree) -> Semantics:
     """The SRDF in a file. Raises `ImportRefused` for links that the robot has not: it belongs to another robot."""
     root = parse_xml(content, name, "robot")
-    off, lacks = set(), []
-    for element in root.findall("disable_collisions"):
-        pair = frozenset(element.get(key) or "" for key in ("link1", "link2"))
-        lacks += [
-            Lack("disable_collisions", f"link {link!r} is not in the URDF", "give the SRDF of this robot")
-            for link in sorted(pair)
-            if link not in tree.links
-        ]
-        off.add(pair)
+    lacks: list[Lack] = []
+
+    def links(tag: str, *keys: str) -> list[frozenset[str]]:
+        found = []
+        for element in root.every(tag):
+            found.append(frozenset(element.get(key) or "" for key in keys))
+            lacks.extend(
+                Lack(f"line {element.line}, {tag}", f"link {link!r} is not in the URDF", "give the SRDF of this robot")
+                for link in sorted(found[-1])
+                if link not in tree.links
+            )
+        return found
+
+    off, on = (set(links(tag, "link1", "link2")) for tag in ("disable_collisions", "enable_collisions"))
+    every = [link for only in links("disable_default_collisions", "link") for link in only]
+    lacks += [
+        Lack(
+            f"line {element.line}", f"element <{element.tag[:40]}> is not of an SRDF", "correct its name, or remove it"
+        )
+        for element in root.children
+        if element.tag not in KNOWN
+    ]
     if lacks:
         raise ImportRefused(name, lacks)
-    every = [element.get("link") for element in root.findall("disable_default_collisions")]
-    on = {
-        frozenset(element.get(key) or "" for key in ("link1", "link2")) for element in root.findall("enable_collisions")
-    }
-    off |= {frozenset((link, other)) for link in every if link in tree.links for other in tree.links if link != other}
-    tips = [chain.get("tip_link") or "" for group in root.findall("group") for chain in group.findall("chain")]
+    off |= {frozenset((link, other)) for link in every for other in tree.links if link != other}
+    tips = [chain.get("tip_link") or "" for group in root.every("group") for chain in group.every("chain")]
     return Semantics(frozenset(off - on), tuple(tip for tip in tips if tip in tree.links))

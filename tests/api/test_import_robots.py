@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from assur.api.cli.border import BAD_INPUT, RIGHT
+from assur.api.cli.border import BAD_INPUT, RIGHT, WRONG
 from tests.api.test_command_line import run
 from tests.scenes.meshes.solids import SOLIDS, binary_stl
-from tests.scenes.urdf.made import FAMILIES, Files, J, box, mesh, urdf
+from tests.scenes.urdf.made import FAMILIES, FORE_AT, Files, J, box, cellarm, mesh, urdf
 
 CYLINDER = '<origin xyz="0 0 {}"/><geometry><cylinder radius="{}" length="{}"/></geometry>'
 SCARA = urdf(
@@ -100,7 +100,7 @@ def test_what_is_missing_is_told_line_by_line_and_nothing_is_written(files: File
     assert (code, output) == (BAD_INPUT, "")
     assert len(errors.splitlines()) == 5
     assert errors.splitlines()[0] == (
-        "assur: made.urdf: joint a_joint_1: no acceleration, which no URDF has; "
+        "assur: made.urdf: joint a_joint_1: no limit.acceleration in the URDF; "
         "give it in --joint-limits as joint_limits.a_joint_1.max_acceleration (rad/s2)"
     )
     assert errors.splitlines()[-1] == "assur: nothing was written"
@@ -131,6 +131,53 @@ def test_a_robot_is_drawn(robot: str, ending: str, tmp_path: Path) -> None:
     assert out.read_bytes()[:5] in (b"\x89PNG\r", b"<?xml")
     assert out.stat().st_size > 20_000
     assert run("robots", "show", robot, "--out", str(tmp_path / "a.pdf"))[0] == BAD_INPUT
+
+
+POST = """
+about: An arm that begins next to a post.
+request:
+  schema: assur/1
+  robot: {file: made.yaml, tool: {tcp_mm: [0, 0, 0]}}
+  start: {joints: {shoulder_deg: 0, elbow_deg: 0, lift_mm: 50, wrist_deg: 0}}
+  bodies:
+    - {name: post, shape: {cylinder: {radius_mm: 10, height_mm: 500}}, pose: {at_mm: [400, 130, 250]}}
+  task:
+    - move: {to: {at_mm: [480, -80, 150]}}
+  options: {stop: first, max_candidates: 100, budget_s: 10, explain_budget_s: 0}
+"""
+TURN = 'quat_xyzw="0 0 0.70710678118654757 0.70710678118654757"'
+
+
+def test_a_solid_that_is_turned_by_a_quaternion_is_where_the_plan_needs_it(tmp_path: Path) -> None:
+    # turned by 90 deg about the vertical, the box of the fore arm reaches the post
+    (tmp_path / "cell.yaml").write_text(POST)
+    given = ("--out", str(tmp_path / "made.yaml"))
+    refused = {}
+    for turn, version in ((TURN, "1.1"), ('rpy="0 0 1.5707963267948966"', "1.0")):
+        files = cellarm(tmp_path, (FORE_AT, f"{FORE_AT} {turn}"), version=version)
+        assert run("robots", "import", str(files.urdf), "--joint-limits", str(files.limits), *given)[0] == RIGHT
+        code, output, errors = run("plan", str(tmp_path / "cell.yaml"))
+        assert (code, errors) == (WRONG, "")
+        assert "START_IN_COLLISION (proved: no plan exists)" in output
+        assert "fore would hit post: overlap up to 30 mm" in output
+        refused[turn] = output
+    assert len(set(refused.values())) == 1
+    files = cellarm(tmp_path)
+    assert run("robots", "import", str(files.urdf), "--joint-limits", str(files.limits), *given)[0] == RIGHT
+    assert run("plan", str(tmp_path / "cell.yaml"))[0] == RIGHT
+
+
+def test_a_warning_and_what_no_plan_depends_on_are_printed(tmp_path: Path) -> None:
+    files = cellarm(tmp_path, ('lower="-2.5" upper="2.5" velocity="9"', 'lower="-145" upper="145" velocity="9"'))
+    given = ("--joint-limits", str(files.limits), "--out", str(tmp_path / "made.yaml"))
+    code, output, errors = run("robots", "import", str(files.urdf), *given)
+    assert (code, errors) == (RIGHT, "")
+    said = " ".join(output.split())
+    assert "warning: joint elbow: its range is -145 to 145 rad, 46.2 turns; if these are deg, it is -2.53073" in said
+    assert "no plan depends on what else the URDF has: limit.effort (4, first in line 10)" in said
+    code, output, _ = run("robots", "import", str(files.urdf), *given, "--json")
+    report = json.loads(output)
+    assert [len(report["warnings"]), report["unused"]] == [1, ["limit.effort (4, first in line 10)"]]
 
 
 XACRO = """<robot name="made" xmlns:xacro="http://www.ros.org/wiki/xacro">

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 import yourdfpy
+from scipy.spatial.transform import Rotation
 
 from assur.planner.arrays import FloatArray
 
@@ -95,6 +97,65 @@ def flange_by_library(file: Path, base: str, tip: str, names: list[str], q: Floa
 def mesh(file: str, scale: str = "1 1 1", at: Three = (0.0, 0.0, 0.0), rpy: Three = (0.0, 0.0, 0.0)) -> str:
     origin = f'<origin xyz="{said(at)}" rpy="{said(rpy)}"/>'
     return f'{origin}<geometry><mesh filename="{file}" scale="{scale}"/></geometry>'
+
+
+def with_quaternions(text: str) -> str:
+    """The same robot in version 1.1, each turn as a quaternion."""
+
+    def turn(match: re.Match[str]) -> str:
+        rpy = [float(part) for part in match[1].split()]
+        return f'quat_xyzw="{said(tuple(Rotation.from_euler("xyz", rpy).as_quat()))}"'
+
+    return re.sub(r'rpy="([^"]*)"', turn, text).replace("<robot ", '<robot version="1.1" ')
+
+
+FORE_AT, LIFT_AT = 'xyz="0.1 0 0.1"', 'xyz="0.2 0 0"'
+CELLARM = f"""<?xml version="1.0"?>
+<robot name="cellarm">
+  <link name="base"><collision><origin xyz="0 0 0.1"/><geometry><cylinder radius="0.06" length="0.2"/></geometry></collision></link>
+  <link name="upper"><collision><origin xyz="0.15 0 0.03"/><geometry><box size="0.36 0.1 0.06"/></geometry></collision></link>
+  <link name="fore"><collision><origin {FORE_AT}/><geometry><box size="0.3 0.1 0.06"/></geometry></collision></link>
+  <link name="carriage"/>
+  <link name="flange"><collision><origin xyz="0 0 0.12"/><geometry><cylinder radius="0.01" length="0.24"/></geometry></collision></link>
+  <joint name="shoulder" type="revolute">
+    <parent link="base"/><child link="upper"/><origin xyz="0 0 0.2"/><axis xyz="0 0 1"/>
+    <limit lower="-2.2" upper="2.2" velocity="6" effort="1"/>
+  </joint>
+  <joint name="elbow" type="revolute">
+    <parent link="upper"/><child link="fore"/><origin xyz="0.3 0 0"/><axis xyz="0 0 1"/>
+    <limit lower="-2.5" upper="2.5" velocity="9" effort="1"/>
+  </joint>
+  <joint name="lift" type="prismatic">
+    <parent link="fore"/><child link="carriage"/><origin {LIFT_AT}/><axis xyz="0 0 -1"/>
+    <limit lower="0" upper="0.15" velocity="1" effort="1"/>
+  </joint>
+  <joint name="wrist" type="revolute">
+    <parent link="carriage"/><child link="flange"/><axis xyz="0 0 1"/>
+    <limit lower="-6.28" upper="6.28" velocity="20" effort="1"/>
+  </joint>
+</robot>
+"""  # noqa: E501 - a link a line
+"""A SCARA of the size of a small one that is sold."""
+CELLARM_LIMITS = """joint_limits:
+  shoulder: {has_acceleration_limits: true, max_acceleration: 60}
+  elbow: {has_acceleration_limits: true, max_acceleration: 90}
+  lift: {has_acceleration_limits: true, max_acceleration: 12}
+  wrist: {has_acceleration_limits: true, max_acceleration: 300}
+"""
+
+
+def cellarm(folder: Path, *changes: tuple[str, str], version: str = "", limits: str = CELLARM_LIMITS) -> Files:
+    """The files of `CELLARM` with some of its text replaced; each change must be of text that is there once."""
+    text = CELLARM
+    for old, new in changes:
+        assert text.count(old) == 1, (old, text.count(old))
+        text = text.replace(old, new)
+    if version:
+        text = text.replace("<robot ", f'<robot version="{version}" ')
+    files = Files(folder)
+    files.urdf.write_text(text)
+    files.limits.write_text(limits)
+    return files
 
 
 LIFT = (0.01, 0.2)

@@ -11,8 +11,8 @@ import yaml
 import yourdfpy
 
 from assur.scenes.urdf.importing import Wanted, import_robot, write
+from assur.scenes.urdf.reader import read_tree
 from assur.scenes.urdf.refusals import ImportRefused
-from assur.scenes.urdf.tree import read_tree
 from tests.scenes.meshes.solids import SOLIDS, binary_stl
 from tests.scenes.urdf.made import FAMILIES, Files, J, box, mesh, urdf
 
@@ -97,7 +97,7 @@ def test_of_an_arm_with_rounded_angles_what_is_missing_is_told_and_not_that_it_i
     files = Files(tmp_path).write(SCARA.replace(lift.format("0.0"), lift.format("3.14159")))
     found = told(files, joint_limits=None)
     assert len(found) == 4
-    assert all("no acceleration, which no URDF has" in each for each in found)
+    assert all("no limit.acceleration in the URDF" in each for each in found)
     remarks = import_robot(Wanted(files.urdf, files.limits)).report["remarks"]
     assert any("(3.14159) are read as" in each for each in remarks)
     files.write(SCARA.replace(lift.format("0.0"), lift.format("3.14")))

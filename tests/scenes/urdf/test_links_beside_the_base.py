@@ -11,8 +11,8 @@ from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Pose
 from assur.scenes.urdf.chain import chain_to
 from assur.scenes.urdf.importing import Imported, Wanted, import_robot, write
+from assur.scenes.urdf.reader import read_tree
 from assur.scenes.urdf.refusals import ImportRefused
-from assur.scenes.urdf.tree import read_tree
 from tests.scenes.urdf.made import FAMILIES, Files, box, flange_by_library
 
 SCARA = FAMILIES["scara, lift third"][2]

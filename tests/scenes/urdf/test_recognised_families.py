@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from assur.scenes.conventions import converted
 from assur.scenes.reading.arms import OVER, BuiltArm
 from assur.scenes.urdf.importing import Imported, Wanted, import_robot, write
 from assur.scenes.urdf.refusals import ImportRefused
-from assur.scenes.urdf.tree import turned
+from assur.scenes.urdf.turns import turned
 from tests.scenes.urdf.made import FAMILIES, RIGHT, Files, J, flange_by_library, urdf
 from tests.scenes.urdf.random_arms import ARMS
 
@@ -39,11 +40,13 @@ def at_random(found: Imported, arm: BuiltArm) -> FloatArray:
     return rng.uniform(low, high, (STATES, len(low)))
 
 
-def off(found: Imported, arm: BuiltArm, file: Path) -> tuple[float, float]:
-    """How far the flange is from the library's at random states: m, rad."""
+def off(
+    found: Imported, arm: BuiltArm, file: Path, reader: Callable[..., FloatArray] = flange_by_library
+) -> tuple[float, float]:
+    """How far the flange is from another reader's at random states: m, rad."""
     q = at_random(found, arm)
     names = [joint["urdf"] for joint in found.report["joints"]]
-    theirs = flange_by_library(file, found.report["base"], found.report["flange"], names, q)
+    theirs = reader(file, found.report["base"], found.report["flange"], names, q)
     robot = arm.robot(Pose(), arm.limits)
     positions, rotations = robot.placements(converted(q, arm.conventions))
     roll, pitch, yaw = np.radians(found.report["flange_turn_deg"] or [0.0, 0.0, 0.0])

@@ -35,7 +35,7 @@ def test_everything_that_is_missing_is_told_at_once(tmp_path: Path) -> None:
         "joint a_joint_1: limit.velocity is 0 in the URDF; "
         "give it in --joint-limits as joint_limits.a_joint_1.max_velocity (rad/s)"
     )
-    accelerations = [each for each in found if "no acceleration, which no URDF has" in each]
+    accelerations = [each for each in found if "no limit.acceleration in the URDF" in each]
     assert len(found) == 6
     assert len(accelerations) == 4
     assert accelerations[2].endswith("joint_limits.a_joint_3.max_acceleration (m/s2)")
@@ -254,7 +254,7 @@ def test_an_srdf_of_another_robot_is_refused(tmp_path: Path) -> None:
         ("joint_limits: &a {}\n", "no anchors"),
         ("joint_limits:\n  a_joint_1: {max_acceleration: fast}\n", "'fast' in joint_limits.yaml, and no number"),
         ("joint_limits:\n  a_joint_1: {max_acceleration: -3}\n", "max_acceleration is -3"),
-        ("joint_limits:\n  a_joint_1: {has_acceleration_limits: false, max_acceleration: 3}\n", "no acceleration"),
+        ("joint_limits:\n  a_joint_1: {has_acceleration_limits: false, max_acceleration: 3}\n", "no limit.acc"),
     ],
 )
 def test_a_file_of_limits_that_is_not_right_is_refused(text: str, words: str, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from assur.scenes.meshes.solid_cover import solid_cover
 from assur.scenes.meshes.surface import closed_surface
 from assur.scenes.urdf.importing import Imported, Wanted, import_robot, write
 from assur.scenes.urdf.solids import Covering
-from assur.scenes.urdf.tree import turned
+from assur.scenes.urdf.turns import turned
 from tests.scenes.meshes.solids import SOLIDS, binary_stl, on_triangles, surface
 from tests.scenes.urdf.made import RIGHT, Files, J, box, flange_by_library, mesh, urdf
 
@@ -67,20 +68,23 @@ def test_more_hulls_are_nearer_to_the_solid_and_triangles_beside_it_are_containe
     assert outside(beside.reshape(-1, 3), [Piece(hull) for hull in solid_cover(solid, beside, 0.004, 8).hulls]) <= 1e-9
 
 
-def placed(found: Imported, files: Files, link: str, q: FloatArray) -> FloatArray:
-    names = [joint["urdf"] for joint in found.report["joints"]]
-    return flange_by_library(files.urdf, found.report["base"], link, names, q)
-
-
-def furthest(files: Files, found: Imported, link: str, points: FloatArray, names: str) -> float:
-    """How far points of a URDF's link get out of the bodies called `names` at random states, m."""
+def furthest(
+    files: Files,
+    found: Imported,
+    link: str,
+    points: FloatArray,
+    names: str,
+    reader: Callable[..., FloatArray] = flange_by_library,
+) -> float:
+    """How far points of a URDF's link, which another reader places, get out of the bodies called `names` at random
+    states, m."""
     arm = write(found, files.folder / "robot.yaml").built()
     robot = arm.robot(Pose(), arm.limits)
     count = len(arm.conventions)
     q = np.random.default_rng(3).uniform(-1.5, 1.5, (12, count))
     lift = [i for i, joint in enumerate(arm.conventions) if joint.kind == "prismatic"]
     q[:, lift] = np.abs(q[:, lift]) / 20 + 0.01
-    theirs = placed(found, files, link, q)
+    theirs = reader(files.urdf, found.report["base"], link, [joint["urdf"] for joint in found.report["joints"]], q)
     positions, rotations = robot.placements(converted(q, arm.conventions))
     riders = [body for body in robot.bodies if body.body.name.startswith(names)]
     assert riders
