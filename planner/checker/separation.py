@@ -39,7 +39,7 @@ the axes of their carriers, m; between which times the second is ahead of the cl
 claim, is still to be proved; a normal that was good for the claim; how many columns."""
 CLAIMED, PUT_CLAIMED, REACHED, MISSED, WHEN, PAIR_ONE, PAIR_OTHER, WORK, WRONG, STATE = range(10)
 """Numbers of a proof: the clearance claimed of the arm and what it bears, and that of parts that were put down (-inf:
-none); what is against one of them: a smaller distance that is reached (inf: none; NaN: it could not be shown not to be),
+none); what is against one of them: a smaller distance that is reached (inf: none; NaN: it could not be shown not to),
 what was claimed there, when, and of which solids; how much was evaluated; rows that mean or prove nothing; how many."""
 SLACK_M = 1e-9
 """Taken off each gap, m, for its rounding: some twenty terms of a few metres, each rounded to 1e-15 m."""
