@@ -11,9 +11,8 @@ where |R''| is the length of the second derivatives of the axes' coordinates; on
 horizontal coordinates and the horizontal part of n are enough. An interval that this does not do for is halved, with
 all that is open in it: what moves is computed once for all pairs.
 
-Two things are asked of a pair: that the normal of its row proves the distance required, and that some normal proves the
-clearance which the answer claims. For the second the normal is that of the shortest way between both at the middle of
-the interval; it is a hint, and need not be exact.
+Of a pair the normal of its row must prove the distance required, and some normal the clearance which the answer claims:
+that of the shortest way between both at the middle of the interval, a hint that need not be exact.
 """
 
 from __future__ import annotations
@@ -39,10 +38,9 @@ normal; the distance required where all is known (C5); number of the phase, of b
 the axes of their carriers, m; between which times the second is ahead of the clock, s; whether the row, and whether the
 claim, is still to be proved; a normal that was good for the claim; how many columns."""
 CLAIMED, PUT_CLAIMED, REACHED, MISSED, WHEN, PAIR_ONE, PAIR_OTHER, WORK, WRONG, STATE = range(10)
-"""Numbers of a proof: the clearance claimed of the arm, its tool and what it holds, and that of parts that were put
-down (-inf: none); what stands against one of them: a smaller distance that is reached (inf: none; NaN: it could not be
-shown not to be), the clearance that was claimed there, when, and of which solids; how much was evaluated; rows that
-mean or prove nothing; how many."""
+"""Numbers of a proof: the clearance claimed of the arm and what it bears, and that of parts that were put down (-inf:
+none); what is against one of them: a smaller distance that is reached (inf: none; NaN: it could not be shown not to),
+what was claimed there, when, and of which solids; how much was evaluated; rows that mean or prove nothing; how many."""
 SLACK_M = 1e-9
 """Taken off each gap, m, for its rounding: some twenty terms of a few metres, each rounded to 1e-15 m."""
 HALVINGS, FINER, DEEPEST = 10, 3, 24
@@ -261,8 +259,7 @@ def distance(tables: Tables, jets: FloatArray, item: FloatArray, claimed: float)
 
 @kernel(f"float64({TABLES}, {F1}, {F1})")
 def claimed_of(tables: Tables, item: FloatArray, state: FloatArray) -> float:
-    """The clearance that is claimed of a pair: the arm bears one of both, or none (a part that was put down, and what
-    moves against it)."""
+    """The clearance that is claimed of a pair of which the arm bears one, or none (one is a part that was put down)."""
     links = tables[0][0, LINKS]
     return float(state[PUT_CLAIMED if item[ONE_ON] >= links and item[OTHER_ON] >= links else CLAIMED])
 

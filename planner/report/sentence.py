@@ -31,9 +31,9 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Scene, Trace
 from assur.planner.model.window_missed import WindowMissed
+from assur.planner.report.limits_of_joints import acceleration_time, overshoots
 from assur.planner.report.not_touching import not_touching
 from assur.planner.report.number_format import amount, number, position
-from assur.planner.report.overshoot import overshoots
 from assur.planner.report.too_late import law_ended, window_missed
 from assur.planner.report.too_near import too_near
 
@@ -98,7 +98,7 @@ def _because(scene: Scene, refusal: Refusal) -> str:
         case Overshoot() as facts:
             return overshoots(scene, refusal, facts)
         case AccelerationTime() as facts:
-            return _acceleration_time(refusal, facts)
+            return acceleration_time(refusal, facts)
         case Separation() | Enclosed() as facts:
             return too_near(scene, refusal, facts)
         case Carrying() as facts:
@@ -347,12 +347,3 @@ def _motion_limit(refusal: Refusal, facts: MotionLimit, short: str) -> str:
     if numbers:
         return f"{tracking}{joint} would need a {what} of {numbers}{_mode(facts.mode)}"
     return f"{tracking}{joint} would have to exceed its limit of {what} by {short}{_mode(facts.mode)}"
-
-
-def _acceleration_time(refusal: Refusal, facts: AccelerationTime) -> str:
-    unit = "m/s²" if refusal.amount is None else refusal.amount.unit
-    enough = "" if facts.enough_s is None else f"; {amount(facts.enough_s, 's')} would be enough"
-    return (
-        f"with an acceleration time of {amount(facts.given_s, 's')} {refusal.joint} would need "
-        f"{amount(facts.needed, unit)}, but it has {amount(facts.limit, unit)}{enough}"
-    )

@@ -29,6 +29,7 @@ from assur.planner.model.refusal import (
     Obstacle,
     OutOfReach,
     Overload,
+    Overshoot,
     Quantity,
     Reason,
     Refusal,
@@ -356,6 +357,16 @@ CASES: list[tuple[Refusal, str]] = [
             stage=Stage.START,
         ),
         "the velocity of j1 at the start exceeds its limit by 57.3 deg/s",
+    ),
+    (
+        of(
+            Reason.MOTION_LIMIT,
+            Overshoot(rate="velocity", value=8.24, limit=7.0, after_s=0.05),
+            Quantity(1.24, "rad/s"),
+            stage=Stage.START,
+        ),
+        "j1 accelerates at the start, and however fast the acceleration falls, the velocity reaches 472 deg/s 50 ms after"
+        " the start, 71 deg/s too much; its limit is 401 deg/s",
     ),
     (
         of(

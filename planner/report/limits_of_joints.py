@@ -1,8 +1,8 @@
-"""Sentences about a joint that must exceed a limit after the start."""
+"""Sentences about limits that a joint would have to exceed: after the start, and in an acceleration time."""
 
 from __future__ import annotations
 
-from assur.planner.model.refusal import Overshoot, Refusal
+from assur.planner.model.refusal import AccelerationTime, Overshoot, Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.report.number_format import amount, position
 
@@ -24,4 +24,14 @@ def overshoots(scene: Scene, refusal: Refusal, facts: Overshoot) -> str:
     return (
         f"{joint} accelerates at the start, and however fast the acceleration falls, the velocity reaches {value} "
         f"{after}{more}; its limit is {limit}"
+    )
+
+
+def acceleration_time(refusal: Refusal, facts: AccelerationTime) -> str:
+    """What a parabolic blend would need of a joint in the time that is given, and what would be enough."""
+    unit = "m/s²" if refusal.amount is None else refusal.amount.unit
+    enough = "" if facts.enough_s is None else f"; {amount(facts.enough_s, 's')} would be enough"
+    return (
+        f"with an acceleration time of {amount(facts.given_s, 's')} {refusal.joint} would need "
+        f"{amount(facts.needed, unit)}, but it has {amount(facts.limit, unit)}{enough}"
     )
