@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from assur.scenes.urdf.refusals import Lack
-from assur.scenes.urdf.tree import Bound, Stated
+from assur.scenes.urdf.tree import Bound, Limit
 from assur.scenes.urdf.xml_text import FARTHEST, NUMBER, Node
 
 KINDS: dict[str, tuple[Bound, Bound]] = {
@@ -19,13 +19,13 @@ KINDS: dict[str, tuple[Bound, Bound]] = {
 }
 """Names of interfaces, and what their `min` and `max` limit."""
 
-Controlled = dict[str, list[tuple[Bound, Stated]]]
+ControllerBounds = dict[str, list[tuple[Bound, Limit]]]
 """The limits of each joint, by its name."""
 
 
-def controller_bounds(root: Node) -> tuple[Controlled, list[Lack], list[str]]:
+def controller_bounds(root: Node) -> tuple[ControllerBounds, list[Lack], list[str]]:
     """The limits of controllers, those that are no numbers, and those that are not taken, with their lines."""
-    found: Controlled = {}
+    found: ControllerBounds = {}
     lacks: list[Lack] = []
     remarks: list[str] = []
     for name, kind, off, param in _params(root):
@@ -42,7 +42,7 @@ def controller_bounds(root: Node) -> tuple[Controlled, list[Lack], list[str]]:
         else:
             size = value if kind == "position" else abs(value)
             source = f"ros2_control {kind}.{param.attributes['name']}"
-            found.setdefault(name, []).append((KINDS[kind][side], Stated(size, source)))
+            found.setdefault(name, []).append((KINDS[kind][side], Limit(size, source)))
     return found, lacks, remarks
 
 

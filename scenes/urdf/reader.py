@@ -16,7 +16,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.scenes.urdf.controllers import controller_bounds
 from assur.scenes.urdf.refusals import ImportRefused, Lack, Unsuitable
-from assur.scenes.urdf.tree import Bound, Joint, JointType, Solid, Stated, Tree
+from assur.scenes.urdf.tree import Bound, Joint, JointType, Limit, Solid, Tree
 from assur.scenes.urdf.turns import of_quaternion, of_rpy
 from assur.scenes.urdf.unread import not_expanded, unread
 from assur.scenes.urdf.xml_text import Node, number, numbers, parse_xml
@@ -117,7 +117,7 @@ class _Reader:
         more = tuple(self.remarks), tuple(unused), tuple(self.warnings)
         return Tree(robot, self.links, self.joints, rounded, only_seen, *more)
 
-    def _joint(self, element: Node, i: int, controlled: dict[str, list[tuple[Bound, Stated]]]) -> Joint:
+    def _joint(self, element: Node, i: int, controlled: dict[str, list[tuple[Bound, Limit]]]) -> Joint:
         name = element.get("name") or ""
         where = f"joint {name}" if name else f"<joint> {i + 1}"
         kind = element.get("type") or ""
@@ -162,15 +162,15 @@ class _Reader:
         return axis / stretch, stretch
 
     def _bounds(
-        self, element: Node, where: str, kind: JointType, more: list[tuple[Bound, Stated]]
-    ) -> dict[Bound, Stated]:
+        self, element: Node, where: str, kind: JointType, more: list[tuple[Bound, Limit]]
+    ) -> dict[Bound, Limit]:
         """The limits that are stated of a joint: in `limit`, in `safety_controller` and (`more`) for its controller; of
         several the narrowest."""
-        limit, found = element.one("limit", where), dict[Bound, Stated]()
+        limit, found = element.one("limit", where), dict[Bound, Limit]()
         for key in get_args(Bound):
             text = None if limit is None else limit.get(key)
             if text is not None:
-                found[key] = Stated(number(text, f"{where}, limit.{key}"), f"limit.{key}")
+                found[key] = Limit(number(text, f"{where}, limit.{key}"), f"limit.{key}")
         late = [key for key in OF_1_2 if key in found]
         if limit is not None and late and self.version != "1.2":
             what = f"limit.{', limit.'.join(late)}: version {self.version} has none; read as in version 1.2"
@@ -182,13 +182,13 @@ class _Reader:
             if self.version == "1.2":
                 supply = f"write {end}; version 1.2 requires both ends of the range"
                 raise Unsuitable(f"{where}, limit.{end}", "nothing", supply)
-            found[end] = Stated(0.0, f"limit (no {end}: it is 0 by the format)")
+            found[end] = Limit(0.0, f"limit (no {end}: it is 0 by the format)")
         safety = element.one("safety_controller", where)
         for end in ends:
             key = f"soft_{end}_limit"
             text = None if safety is None else safety.get(key)
             if text is not None:
-                more = [*more, (end, Stated(number(text, f"{where}, {key}"), f"safety_controller.{key}"))]
+                more = [*more, (end, Limit(number(text, f"{where}, {key}"), f"safety_controller.{key}"))]
         if kind == "continuous":
             of_ends = [
                 *(found[end].source for end in ends if end in found),

@@ -18,8 +18,8 @@ Bound = Literal["lower", "upper", "velocity", "acceleration", "deceleration", "j
 
 
 @dataclass(frozen=True, slots=True)
-class Stated:
-    """A number that a URDF states, and the element and attribute that state it."""
+class Limit:
+    """A limit that a URDF states, and the element and attribute that state it."""
 
     value: float
     source: str
@@ -49,7 +49,7 @@ class Joint:
     child: str
     origin: FloatArray
     axis: FloatArray
-    bounds: Mapping[Bound, Stated] = field(default_factory=dict)
+    bounds: Mapping[Bound, Limit] = field(default_factory=dict)
     mimics: str | None = None
     follows: tuple[float, float] = (1.0, 0.0)
     """Multiplier and offset of a joint that mimics another."""

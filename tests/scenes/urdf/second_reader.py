@@ -17,7 +17,7 @@ from assur.planner.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
+class Shape:
     """A collision shape: its link, its element, its attributes, and its pose (4, 4) in the frame of the link."""
 
     link: str
@@ -44,13 +44,13 @@ def _pose(holder: ET.Element) -> FloatArray:
     return found
 
 
-def shapes(file: Path) -> list[Placed]:
+def shapes(file: Path) -> list[Shape]:
     """The collision shapes of all links."""
     found = []
     for link in ET.parse(file).getroot().findall("link"):
         for collision in link.findall("collision"):
             (shape,) = collision.iterfind("geometry/*")
-            found.append(Placed(link.attrib["name"], shape.tag, dict(shape.attrib), _pose(collision)))
+            found.append(Shape(link.attrib["name"], shape.tag, dict(shape.attrib), _pose(collision)))
     return found
 
 
