@@ -1,4 +1,7 @@
-"""The one door to numba: kernels are plain Python functions, compiled once and kept in a folder.
+"""The one entry to numba: kernels are plain Python functions, compiled once and kept in a folder.
+
+A kernel is loaded when it is first called from Python: to load one takes 8 ms, and most are only called by other
+kernels, whose compiled code holds them.
 
 A kernel has one explicit signature, checks its indices, and raises what plain Python would raise. With
 `NUMBA_DISABLE_JIT=1` the same source runs as plain Python. Nothing here relaxes floating-point arithmetic, so the bits
@@ -10,6 +13,7 @@ from __future__ import annotations
 import ctypes
 import gc
 import inspect
+import threading
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -25,6 +29,7 @@ F = TypeVar("F", bound=Callable[..., object])
 _numba: Any = partial(numba.njit, cache=True, nogil=True, error_model="python", boundscheck=True)
 KERNELS: dict[str, Any] = {}
 """Every kernel that was defined in this process, by module and name."""
+_FIRST_USES: dict[str, _FirstUse] = {}
 
 
 class KernelFolder:
@@ -56,8 +61,49 @@ class KernelFolder:
         return str(self._line)
 
 
+class _FirstUse:
+    """Loads the compiled code of a kernel, or compiles it, when it is first called or when a kernel that calls it is
+    compiled. numba calls the two methods of a dispatcher that has no compiled code yet; they are replaced here."""
+
+    def __init__(self, made: Any, name: str, signature: str) -> None:
+        self._made, self._name, self._signature = made, name, signature
+        self._template = made.get_call_template
+        made._compile_for_args, made.get_call_template = self.entry_point, self.template
+        self._lock = threading.RLock()
+
+    def load(self) -> None:
+        """Raises `FaultError` where it is not compiled and the folder cannot be written."""
+        with self._lock:
+            if not self._made._can_compile:
+                return
+            try:
+                self._made.compile(self._signature)
+            except OSError as error:
+                raise FaultError(
+                    f"kernel {self._name} is not compiled, and {folder()} cannot be written ({error.strerror}): "
+                    "run `assur kernels` where it can"
+                ) from error
+            self._made.disable_compile()
+
+    def entry_point(self, *arguments: object) -> Any:
+        """The compiled code, which numba calls with these arguments. Raises `TypeError` as numba does later."""
+        self.load()
+        (code,) = self._made.overloads.values()
+        given = [self._made.typeof_pyval(argument) for argument in arguments]
+        wanted = code.signature.args
+        convertible = self._made.typingctx.can_convert
+        if len(given) != len(wanted) or any(convertible(a, b) is None for a, b in zip(given, wanted, strict=True)):
+            raise TypeError(f"No matching definition for argument type(s) {', '.join(map(str, given))}")
+        return code.entry_point
+
+    def template(self, args: object, kws: object) -> Any:
+        self.load()
+        return self._template(args, kws)
+
+
 def kernel(signature: str, *, allocates: bool = False) -> Callable[[F], F]:
-    """Compiles a function for one signature, such as ``"float64(float64[:, ::1], int64)"``, when it is defined.
+    """Compiles a function for one signature, such as ``"float64(float64[:, ::1], int64)"``, or loads what was compiled,
+    when it is first called.
 
     `allocates`: whether it makes arrays of its own. One that does not is compiled without numba's memory management,
     which otherwise counts the users of every table at every call: 5 to 6 times the time of a short kernel. One that
@@ -75,19 +121,23 @@ def kernel(signature: str, *, allocates: bool = False) -> Callable[[F], F]:
         before = settings.CACHE_LOCATOR_CLASSES
         settings.CACHE_LOCATOR_CLASSES = f"{__name__}.{KernelFolder.__name__}"
         try:
-            made: Any = _numba(signature, _nrt=allocates)(function)
-        except OSError as error:
-            raise FaultError(
-                f"kernel {name} is not compiled, and {folder()} cannot be written ({error.strerror}): "
-                "run `assur kernels` where it can"
-            ) from error
+            made: Any = _numba(_nrt=allocates)(function)
         finally:
             settings.CACHE_LOCATOR_CLASSES = before
         KERNELS[name] = made
+        if made is not function:
+            _FIRST_USES[name] = _FirstUse(made, name, signature)
         compiled: F = made
         return compiled
 
     return define
+
+
+def load_defined() -> None:
+    """Loads every kernel that was defined in this process, or compiles it. Raises as `kernel` says."""
+    for name in list(KERNELS):
+        if name in _FIRST_USES:
+            _FIRST_USES[name].load()
 
 
 def compiled_now() -> list[str]:
@@ -96,7 +146,7 @@ def compiled_now() -> list[str]:
 
 
 def mark_whole() -> None:
-    """Says in the folder that every kernel is there; the caller has imported them all."""
+    """Says in the folder that every kernel is there; the caller has loaded them all."""
     if KERNELS and not (folder() / WHOLE).is_file():
         (folder() / WHOLE).write_text("\n".join(KERNELS) + "\n", encoding="utf-8")
 

@@ -42,6 +42,7 @@ def load_room(room: str) -> list[str]:
     package = import_module(f"assur.planner.{room}")
     for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
         import_module(module.name)
+    compiled.load_defined()
     return compiled.compiled_now()
 
 
