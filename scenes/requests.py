@@ -7,7 +7,6 @@ planning does.
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import replace
@@ -16,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from assur.planner.errors import InputError
 from assur.planner.model.deadline import Deadline, OutOfTimeError
+from assur.scenes.budgets import BUDGETS, silent, stated_budgets
 from assur.scenes.catalogue import RobotFile, load_robot, models, robots, shipped_robot, with_robots
 from assur.scenes.faults import located, written_key
 from assur.scenes.files import with_meshes, with_plans
@@ -26,9 +26,9 @@ from assur.scenes.schema import answer as written
 from assur.scenes.schema.ik import IkDocument
 from assur.scenes.schema.normal import plain
 from assur.scenes.schema.read import read
-from assur.scenes.schema.request import SCHEMA, OptionsDocument, RequestDocument
+from assur.scenes.schema.request import SCHEMA, RequestDocument
 from assur.scenes.text.json_text import parse_json
-from assur.scenes.units import si_key, twin_of
+from assur.scenes.units import si_key
 
 if TYPE_CHECKING:
     from assur.planner.checker.verdict import Finding
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from assur.scenes.reading.cell import Cell
 
 __all__ = [
+    "BUDGETS",
     "RobotFile",
     "Scenario",
     "assumptions_of",
@@ -84,31 +85,6 @@ def validate(document: object) -> RequestDocument:
     refuse_other(document)
     request: RequestDocument = read(RequestDocument, document)
     return request
-
-
-BUDGETS = ("budget_s", "explain_budget_s")
-"""Options that say for how long a request may be worked on."""
-
-
-def stated_budgets(document: dict[str, Any], most_s: float = math.inf) -> dict[str, float]:
-    """The budgets of a request, in s, before it is validated: for whoever limits them. What is not stated is the
-    default, and at most `most_s`. What is no number is left for the validation to refuse, and counts as not stated."""
-    options = document.get("options")
-    given = options if isinstance(options, dict) else {}
-    found: dict[str, float] = {}
-    for name in BUDGETS:
-        found[name] = min(OptionsDocument.model_fields[name].default, most_s)
-        for key, per_second in ((name, 1), (twin_of(name), 1000)):
-            value = given.get(key)
-            if isinstance(value, int | float) and not value < 0:
-                found[name] = value / per_second
-    return found
-
-
-def _silent(document: object, option: str) -> bool:
-    """Whether a request, which is valid, says nothing of an option in any of its units."""
-    options = document.get("options") if isinstance(document, dict) else None
-    return not isinstance(options, dict) or (option not in options and twin_of(option) not in options)
 
 
 def request_digest(document: object) -> str:
@@ -238,7 +214,7 @@ def plan_cell(
     from assur.scenes.answer import answer_of
 
     scene = cell.scene
-    if explain_budget_s is not None and _silent(cell.document, "explain_budget_s"):
+    if explain_budget_s is not None and silent(cell.document, "explain_budget_s"):
         scene = replace(scene, options=replace(scene.options, explain_budget_s=explain_budget_s))
     if most_budget_s is not None:
         options = scene.options

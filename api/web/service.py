@@ -24,12 +24,12 @@ from assur.api.telemetry.meters import Meters
 from assur.api.telemetry.trace import current
 from assur.api.version import version_document
 from assur.api.web.body_reader import Reading
-from assur.api.web.results import Results
 from assur.api.web.settings import Settings
 from assur.api.web.turns import Turns
 from assur.api.workers import file_jobs, jobs
 from assur.api.workers.client import Client, Demand, Ticket
 from assur.api.workers.pool import Work, Workers
+from assur.api.workers.results import Results
 from assur.api.workers.traced import Traced, warm
 from assur.api.workers.worker_process import Tell
 from assur.planner.errors import InputError

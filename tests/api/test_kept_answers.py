@@ -18,9 +18,9 @@ from starlette.responses import Response
 from assur.api.problems import Problem
 from assur.api.telemetry.meters import Meters
 from assur.api.web.idempotency import Idempotency
-from assur.api.web.results import BESIDE_BYTES, Results
 from assur.api.workers import jobs
 from assur.api.workers.jobs import FIRST_PLAN
+from assur.api.workers.results import BESIDE_BYTES, Results
 from tests.api.running import PATIENT, running
 
 MADE = jobs.Answer(b"x" * 100, "planned", repeatable=True)
