@@ -19,7 +19,7 @@ from benchmarks.soak.poses import Document
 @dataclass(eq=False)
 class Tally:
     """Of one kind of cells, or of requests. `looked`: answers that were looked at; `faults`: of answers, by kind;
-    `unchecked`: answers of whose plans the product's own checker refuses one; `by_checker`: those with a plan that it judged."""
+    `unchecked`: answers of whose plans the product's own checker refuses one; `by_checker`: plans that it judged."""
 
     looked: int = 0
     refused: Counter[str] = field(default_factory=Counter)

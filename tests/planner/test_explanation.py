@@ -345,8 +345,8 @@ CASES: list[tuple[Refusal, str]] = [
             Quantity(1.24, "rad/s"),
             stage=Stage.START,
         ),
-        "j1 accelerates at the start, and however fast the acceleration falls, the velocity reaches 472 deg/s 50 ms after"
-        " the start, 71 deg/s too much; its limit is 401 deg/s",
+        "j1 accelerates at the start, and however fast the acceleration falls, the velocity reaches 472 deg/s 50 ms "
+        "after the start, 71 deg/s too much; its limit is 401 deg/s",
     ),
     (
         of(
