@@ -19,7 +19,7 @@ from benchmarks.soak.poses import Document
 @dataclass(eq=False)
 class Tally:
     """Of one kind of cells, or of requests. `looked`: answers that were looked at; `faults`: of answers, by kind;
-    `unchecked`: answers of whose plans the product's own checker refuses one; `by_checker`: that it was asked about."""
+    `unchecked`: answers of whose plans the product's own checker refuses one; `by_checker`: plans that it judged."""
 
     looked: int = 0
     refused: Counter[str] = field(default_factory=Counter)
@@ -68,7 +68,7 @@ def looked_at(tally: Tally, kind: str, seed: int, request: Document, out: Path |
         tally.looked += 1
     else:
         tally.refused[str(answer["reason"])] += 1
-    tally.by_checker += findings is not None
+    tally.by_checker += found
     unknown = tally.unchecked.add(si, codes_of(answer, findings))
     tally.faults.update({each.kind for each in broken})
     if out is not None and (unknown or broken):
