@@ -70,10 +70,10 @@ def judged(found: Agreement, kind: str, seed: int, out: Path | None = None) -> N
         findings = list(check_document(request, answer)["findings"])
         data = json.dumps(bundle_document(request, answer)).encode()
         began = time.perf_counter()
-        second, lines = prove(data)
+        second, result = prove(data)
         found.times.append(time.perf_counter() - began)
         found.shown += not findings and second
-        told = "" if second else lines[0]
+        told = "" if second else result[0]
     else:
         found.refused[str(answer["reason"])] += 1
     codes = codes_of(answer, findings) + [SECOND] * bool(told)

@@ -4,7 +4,7 @@ It reads one document. bundle.schema.json defines its form and its terms. Every 
 is. A ball of Arb (`flint.arb`) holds every value that its centre and radius allow. A comparison is true only if it is
 true for all these values. So no rounding is lost, and there is no tolerance here: the bundle says what may be off and
 by how much, as a part of the claim. What is not shown is refused, and so is what takes too much work. The labels (N1)
-to (N10) are those of the equations in docs/bundle.md.
+to (N11) are those of the equations in docs/bundle.md.
 
 Motion. Over an interval every quantity f is a series of balls. They hold all values of f, of its rate and of the next
 two derivatives (N1). A carrier (a link or a frame) has the series of its place p and of the columns of its rotation R.
@@ -18,6 +18,9 @@ M that holds for all points,
 
 If B is s ahead of the clock, s0 <= s <= s1, the least of four corners counts, and max(M_B, 0) (s1 - s0)²/8 is
 subtracted as well (N4).
+
+Within. The pieces of a mesh hold its surface and do not fill it. As long as two bodies stay apart, no piece of one
+crosses the surface of the other. So it is enough if the surface goes round a point of each piece 0 times once (N11).
 """
 
 from __future__ import annotations
@@ -25,19 +28,21 @@ from __future__ import annotations
 import json
 import math
 from bisect import bisect_right
-from collections.abc import Callable, Iterable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from functools import cached_property, partial, reduce
-from itertools import pairwise, product
+from itertools import pairwise, permutations, product
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from flint import arb, arb_mat, arb_poly, arb_series, ctx
+from flint import arb, arb_mat, arb_poly, arb_series, ctx, fmpq
 from jsonschema_rs import validator_for
 
 SCHEMA, BITS, TERMS = Path(__file__).parent / "bundle.schema.json", 160, 4
 WORK, DEEPEST, MOST_BYTES, MOST_TOLD = 5_000_000, 40, 32_000_000, 20
-"""At most: work (intervals, pairs and pieces of motions), halvings of an interval, bytes of a file, failures listed."""
+"""At most: work (intervals, pairs, pieces of motions, and tens of triangles about a point), halvings of an interval,
+bytes of a file, failures listed."""
 SHOWN, WRONG, IN_TIME, AHEAD = range(4)
 """What a test says of an interval: it is shown; it is wrong; halve it in time; halve what is ahead."""
 Document = dict[str, Any]
@@ -254,6 +259,33 @@ def box(pieces: list[Document]) -> Document:
     return {"centre": centre, "edges": edges, "disc": 0, "axis": [0, 0, 1], "ball": 0, "vertices": []}
 
 
+def surface(body: Document) -> Document:
+    """The triangles of all pieces of a body as those of one piece; none: its pieces fill it. Raises `ValueError` for a
+    surface that is not closed: an edge is not run through as often one way as the other."""
+    numbers, triangles, runs = dict[tuple[float, ...], int](), list[list[int]](), Counter[tuple[int, int]]()
+    for vertices, corners in ((piece["vertices"], each) for piece in body["pieces"] for each in piece["triangles"]):
+        places = [tuple(nth(vertices, k, "vertex")) for k in corners]
+        triangles.append([numbers.setdefault(place, len(numbers)) for place in places])
+        runs.update(pairwise([*triangles[-1], triangles[-1][0]]))
+    for (a, b), many in runs.items():
+        if a != b and runs[b, a] != many:
+            raise ValueError(f"{body['name']:.80}: its surface is open at an edge that begins at {list(numbers)[a]}")
+    return {**body["pieces"][0], "vertices": list(numbers), "triangles": triangles}
+
+
+def rounds(points: list[Vector], triangles: list[list[int]], place: Vector) -> arb:
+    """How often a closed surface goes round a point, by the solid angles of its triangles (N11)."""
+    far, total = [[x - y for x, y in zip(point, place, strict=True)] for point in points], arb(0)
+    if any(all(x[k] * way > 0 for x in far) for k, way in product(range(3), (1, -1))):
+        return total  # all of the surface is on one side of the point
+    sizes = [dot(x, x).sqrt() for x in far]
+    for i, j, k in triangles:
+        a, b, c = far[i], far[j], far[k]
+        rest = sizes[i] * dot(b, c) + sizes[j] * dot(c, a) + sizes[k] * dot(a, b) + sizes[i] * sizes[j] * sizes[k]
+        total += arb.atan2(arb_mat([a, b, c]).det(), rest)
+    return total / (2 * arb.pi())
+
+
 def swung(arm: Document, tool_from: int, elbow: arb, shift: arb) -> tuple[arb, arb, arb]:
     """Of the two links that carry the tool of a SCARA: the length of the first, and the greatest angles by which both
     turn if the tool is shifted (N10). The angle of the elbow joint is a ball. Each angle is shift / (length sin elbow),
@@ -299,13 +331,14 @@ class World:
         self.frames, self.bodies = bundle["frames"], bundle["bodies"]
         self.phases, self.must = bundle["phases"], bundle["required"]
         self.seats = [[nth(bundle["seats"], k, "seat") for k in phase["seats"]] for phase in self.phases]
+        self.surfaces = [surface(body) for body in self.bodies]
         if any([seat["body"] for seat in seats] != list(range(len(self.bodies))) for seats in self.seats):
             raise ValueError("a phase has a seat of each body, in their order")
 
     def spend(self, work: int) -> None:
         self.work -= work
         if self.work < sum(curve.touched for curve in self.curves):
-            raise OverflowError
+            raise RuntimeError("more work than is allowed")
 
     def everywhere(self, test: Callable[..., int], t0: float, t1: float, s0: float = 0.0, s1: float = 0.0) -> bool:
         """Whether a test is shown on an interval, or on all parts of it."""
@@ -331,7 +364,7 @@ class World:
         frame = nth(self.frames, f, "frame")
         return self.laws[f] is None and frame["arm"] < 0 and not frame["waves"]
 
-    def carrier(self, link: int, f: int, t0: float, t1: float, s0: float = 0.0, s1: float = 0.0) -> Carrier:
+    def carrier(self, link: int, f: int, t0: float, t1: float, s0: Any = 0.0, s1: Any = 0.0) -> Carrier:
         """A link of the robot, which follows the clock; or, if `link` is -1, a frame, which is s ahead of it."""
         s0, s1 = (0.0, 0.0) if link >= 0 else (s0, s1)
         key = (-1, t0, t1, s0, s1) if link >= 0 else (f, 0, 0, 0, 0) if self.stands(f) else (f, t0, t1, s0, s1)
@@ -401,40 +434,55 @@ class World:
 
     def apart(self) -> tuple[int, int]:
         """Shows all rows, and that they cover every pair in the whole of every phase; counts rows and pairs."""
-        many, begins, names = 0, [phase["t0"] for phase in self.phases], [body["name"] for body in self.bodies]
-        duties, outside = [self.duties(p) for p in range(len(begins))], [set[frozenset[int]]() for _ in begins]
+        begins, names = [phase["t0"] for phase in self.phases], [body["name"] for body in self.bodies]
+        duties = [self.duties(p) for p in range(len(begins))]
         for row in self.bundle["rows"]:
-            bodies, pieces, p = row["bodies"], row["pieces"], bisect_right(begins, row["t0"]) - 1
+            bodies, p = row["bodies"], bisect_right(begins, row["t0"]) - 1
             told = " and ".join(nth(names, body, "body") for body in bodies)
             within = p >= 0 and row["t0"] <= row["t1"] <= self.phases[p]["t1"]
             duty = duties[p].get(frozenset(bodies)) if within else None
             if duty is None or ((duty.early != 0 or duty.late != 0) and duty.bodies[0] != bodies[0]):
                 continue  # nobody asks for it, or it is not within one phase
-            if not self.holds(p, row, duty):
+            if self.holds(p, row, duty):
+                duty.rows.append(row)
+            else:
                 self.failures.append(f"a row of {told} from {row['t0']:.9g} s to {row['t1']:.9g} s")
-                continue
-            duty.rows.append(row)
-            many += 1
-            whole = all(k < 0 or len(self.bodies[body]["pieces"]) == 1 for body, k in zip(bodies, pieces, strict=True))
-            outside[p] |= {frozenset(bodies)} if duty.least >= 0 and whole else set()
         for p, phase in enumerate(self.phases):
-            for key, duty in duties[p].items() if phase["t1"] > phase["t0"] else ():
+            for key, duty in duties[p].items():
                 told = f"{' and '.join(names[k] for k in duty.bodies)} in {phase['kind']} from {phase['t0']:.9g} s"
-                if not self.covered(duty, phase["t0"], phase["t1"]):
+                if phase["t1"] > phase["t0"] and not self.covered(duty, phase["t0"], phase["t1"]):
                     self.failures.append(f"{told}: no row for a part of it")
-                if duty.least >= 0 and any(self.bodies[k]["hollow"] for k in key):
-                    # as long as a pair stays apart, one is within what is hollow all the time, or never
-                    ends = [k for k, each in enumerate(duties) if not (key in each and each[key].least >= 0)]
-                    first = max((k + 1 for k in ends if k < p), default=0)
-                    last = min((k for k in ends if k > p), default=len(duties))
-                    if not any(key in each for each in outside[first:last]):
-                        self.failures.append(f"{told}: nothing shows that one is not within the other")
-        return many, sum(map(len, duties))
+                last, hollow = duties[p - 1].get(key) if p else None, any(self.surfaces[k]["triangles"] for k in key)
+                # as long as a pair stays apart on its seats, one is within a closed surface all the time, or never
+                stays = last is not None and last.bodies == duty.bodies and last.least >= 0
+                stays = stays and all(self.seats[p - 1][k] is self.seats[p][k] for k in key)
+                if hollow and duty.least >= 0 and not stays and not self.outside(p, duty):
+                    self.failures.append(f"{told}: nothing shows that one is not within the other")
+        return sum(len(duty.rows) for each in duties for duty in each.values()), sum(map(len, duties))
+
+    def outside(self, p: int, duty: Duty) -> bool:
+        """Whether none of two bodies is within the other as phase p begins: (N11) about a point of each piece."""
+        seats, early = [self.seats[p][k] for k in duty.bodies], fmpq(duty.early.numerator, duty.early.denominator)
+
+        def test(t: float, *_: float) -> int:
+            on = [self.carrier(x["link"], x["frame"], t, t, s, s) for x, s in zip(seats, (0.0, early), strict=True)]
+            for (seat, here), (other, there) in permutations(zip(seats, on, strict=True)):
+                shell, (place, columns) = self.surfaces[seat["body"]], here.orders[0]
+                points = Solid(shell, seat["pose"]).points if shell["triangles"] else []
+                for k in range(len(self.bodies[other["body"]]["pieces"])) if points else ():
+                    away = [a[0] - b for a, b in zip(there.point(self.solid(other, k).points[0]), place, strict=True)]
+                    self.spend(1 + len(shell["triangles"]) // 10)
+                    if not abs(rounds(points, shell["triangles"], [dot(column, away) for column in columns])) < 1:
+                        return WRONG
+            return SHOWN
+
+        return self.everywhere(test, self.phases[p]["t0"], self.phases[p]["t0"])
 
     def holds(self, p: int, row: Document, duty: Duty) -> bool:
         """Whether a row holds on its interval, or on all parts of it (N3, N4)."""
         (one, other), n = (self.seats[p][k] for k in row["bodies"]), [arb(x) for x in row["normal"]]
         (a, b), size, back = map(self.solid, (one, other), row["pieces"]), dot(n, n).sqrt(), [-x for x in n]
+        need = partial(self.need, p, duty, n, size, ((one, a), (other, b)))
 
         def test(t0: float, t1: float, s0: float, s1: float) -> int:
             far = []
@@ -442,9 +490,9 @@ class World:
                 on = self.carrier(one["link"], one["frame"], t, t)
                 beside = self.carrier(other["link"], other["frame"], t, t, s, s)
                 reach = a.support(*on.orders[0], n, size, on.upright)
-                far.append(reach + b.support(*beside.orders[0], back, size, beside.upright))
-            need = self.need(p, duty, n, size, t0, t1, ((one, a), (other, b)))
-            if any(-x < need for x in far):
+                far.append((t, reach + b.support(*beside.orders[0], back, size, beside.upright)))
+            most = need(t0, t1)
+            if any(-x < most and -x < need(t, t) for t, x in far):
                 return WRONG
             on = self.carrier(one["link"], one["frame"], t0, t1)
             beside = self.carrier(other["link"], other["frame"], t0, t1, s0, s1)
@@ -452,13 +500,13 @@ class World:
             bend_t = bend_s + a.support(*on.orders[2], back, None, on.upright)
             less_t = largest([bend_t, arb(0)]) * (arb(t1) - t0) ** 2 / 8
             less_s = largest([bend_s, arb(0)]) * (arb(s1) - s0) ** 2 / 8
-            if -largest(far) - less_t - less_s - need >= 0:
+            if -largest(x for _, x in far) - less_t - less_s - most > 0:
                 return SHOWN
             return AHEAD if s1 > s0 and (t0 == t1 or not less_t >= less_s) else IN_TIME
 
         return bool(size > 0) and self.everywhere(test, row["t0"], row["t1"], row["s0"], row["s1"])
 
-    def need(self, p: int, duty: Duty, n: Vector, size: arb, t0: float, t1: float, sides: Any) -> arb:
+    def need(self, p: int, duty: Duty, n: Vector, size: arb, sides: Any, t0: float, t1: float) -> arb:
         """The gap that is required along a normal, and how much nearer what is not known may bring both bodies (N8)."""
         found, flat, phase, must = duty.least * size, length(n[:2]), self.phases[p], self.must
         lasts = (arb(t1) + must["late"] - must["since"]).max(arb(0))
@@ -607,52 +655,87 @@ def read(data: bytes) -> Document:
         raise ValueError("lists within lists, too deep") from error
     if wrong is not None:
         raise ValueError(f"{'.'.join(map(str, wrong.instance_path)) or 'bundle'}: {wrong.message:.200}")
+    for where, low, high in ranges(document):
+        if low > high:  # nothing is in this range, so that nothing would be claimed
+            raise ValueError(f"{where}: {high:.9g} is less than {low:.9g}, with which its range begins")
     return dict(document)
 
 
-def prove(data: bytes) -> tuple[bool, list[str]]:
-    """Whether everything that a bundle claims is shown; and lines that say what was shown, or what was not.
+def ranges(bundle: Document) -> Iterator[tuple[str, float, float]]:
+    """The ranges of a bundle: for each the place of its second number, and both numbers."""
+    parts, ends = ("phases", "limits", "points", "pulls", "axes", "rows"), (("t0", "t1"), ("s0", "s1"), ("low", "high"))
+    for part, (low, high) in product(parts, ends):
+        yield from ((f"{part}.{k}.{high}", x[low], x[high]) for k, x in enumerate(bundle[part]) if low in x)
+    yield from ((f"frames.{k}.shift.1", *frame["shift"]) for k, frame in enumerate(bundle["frames"]))
+    shares = ((k, f, share) for k, phase in enumerate(bundle["phases"]) for f, share in enumerate(phase["shares"]))
+    yield from ((f"phases.{k}.shares.{f}.1", *share) for k, f, share in shares)
 
-    Raises `ValueError` if this is no bundle."""
+
+def claimed(world: World, alone: float, rows: int, pairs: int) -> Document:
+    """What a bundle claims, in words and numbers: how much of each kind, and the most that it allows."""
+    bundle, must, own, limits = world.bundle, world.must, world.splines[0].edges, world.bundle["limits"]
+    contacts, put_down = ([each for phase in world.phases for each in phase[key]] for key in ("contacts", "put_down"))
+    unsure = [frame for frame in world.frames if frame["unknown"] or frame["yaw"] or any(frame["shift"])]
+
+    def kept(key: str) -> Any:
+        whole = [span[key] for span in limits if span["t0"] <= own[0] and own[-1] <= span["t1"] and span[key]]
+        return [max(x) if key == "lower" else min(x) for x in zip(*whole, strict=True)] or "not limited"
+
+    return {
+        **{key: bundle[key] for key in ("plan_digest", "request_digest")},
+        "the robot keeps clear from and until, s": [own[0], alone],
+        "parts that it put down keep clear until, s": must["until"],
+        "pairs of bodies that keep their distance, counted in each phase": pairs,
+        "rows that show it": rows,
+        "distances in travel and near a control point, m": [must["travel"], must["near"]],
+        "smallest distance of a pair, m": min(x for r in (must, *must["exceptions"]) for x in (r["travel"], r["near"])),
+        "bodies from meshes, with what they enclose": sum(bool(shell["triangles"]) for shell in world.surfaces),
+        "pairs of the robot's links that keep apart": len(must["self_pairs"]),
+        "parts that were put down, counted in each phase": len(put_down),
+        "pairs that may touch, counted in each phase": len(contacts),
+        "deepest contact, m": max([0, *(each["depth"] for each in contacts)]),
+        "greatest delay of the robot's start, s": must["late"],
+        "greatest lag of a joint, rad or m": max(must["lag"]),
+        "frames of which something is not known": len(unsure),
+        "greatest displacement of a frame, m": max([0, *(x["amount"] for frame in unsure for x in frame["unknown"])]),
+        "its greatest growth, m/s": max([0, *(x["growth"] for frame in unsure for x in frame["unknown"])]),
+        "greatest turn of a frame, rad": max([0, *(frame["yaw"] for frame in unsure)]),
+        "greatest shift of a frame, s": max([0, *(abs(x) for frame in unsure for x in frame["shift"])]),
+        "greatest displacement of a body, m": max([0, *(max(x) for phase in world.phases for x in phase["unknown"])]),
+        "largest share by which a limit may be exceeded": max(x for span in limits for x in span["shares"]),
+        **{f"limits of each joint, {key}": kept(key) for key in ("lower", "upper", "velocity", "acceleration", "jerk")},
+        "times and intervals at which the tool is where it must be": len(bundle["points"]),
+        "farthest that it may be off, m": max([0, *(each["position"] for each in bundle["points"])]),
+        "times and intervals at which an axis of the tool has its direction": len(bundle["axes"]),
+        "intervals in which the tool accelerates no harder than its part allows": len(bundle["pulls"]),
+        "hardest that a part allows, m/s²": max([0, *(each["most"] for each in bundle["pulls"])]),
+    }
+
+
+def prove(data: bytes) -> tuple[bool, Any]:
+    """Whether everything that a bundle claims is shown. If so, what that is, in words and numbers (a dict); if not, the
+    first claims that are not shown (lines). Raises `ValueError` if this is no bundle."""
     before = ctx.prec, ctx.cap
     ctx.prec, ctx.cap = BITS, TERMS
     try:
-        bundle = read(data)
-        world, until = World(bundle), bundle["required"]["until"]
-        edges = [world.splines[0].edges[0], *(phase["t1"] for phase in bundle["phases"])]
-        if any(not phase["t0"] == t <= phase["t1"] for phase, t in zip(bundle["phases"], edges, strict=False)):
-            world.failures.append("phases do not follow each other without a gap")
-        if not edges[-1] >= until:
-            world.failures.append("the phases end too early")
+        world = World(read(data))
+        failures, phases, edges = world.failures, world.phases, world.splines[0].edges
+        alone = next((phase["t0"] for phase in phases if not phase["robot"]), world.must["until"])
+        ends = [edges[0], *(phase["t1"] for phase in phases)]
+        if any(phase["t0"] != t for phase, t in zip(phases, ends, strict=False)):
+            failures.append("phases do not follow each other without a gap")
+        if not ends[-1] >= world.must["until"]:
+            failures.append("the phases end too early")
+        if not alone >= edges[-1]:
+            failures.append(f"the robot keeps clear until {alone:.9g} s, and moves until {edges[-1]:.9g} s")
         world.limited()
         world.pointed()
-        rows, pairs = world.apart()
+        counts = world.apart()
+        lines = [*failures[:MOST_TOLD], f"claims that are not shown: {len(failures)}"]
+        return not failures, lines if failures else claimed(world, alone, *counts)
     except (IndexError, TypeError) as error:
         raise ValueError(f"values that do not fit together: {error}") from error
-    except OverflowError:
+    except (OverflowError, RuntimeError):
         return False, [f"more work than {WORK} intervals, pairs and pieces of motions"]
     finally:
         ctx.prec, ctx.cap = before
-    if world.failures:
-        return False, [*world.failures[:MOST_TOLD], f"claims that are not shown: {len(world.failures)}"]
-    must, alone = bundle["required"], next((phase["t0"] for phase in bundle["phases"] if not phase["robot"]), until)
-    told = {
-        "phases (parts of that time)": len(edges) - 1,
-        "pairs of bodies that keep their distance, counted in each phase": pairs,
-        "rows that show it": rows,
-        "pairs that may touch, counted in each phase": sum(len(phase["contacts"]) for phase in bundle["phases"]),
-        "rules for pairs with other distances": len(must["exceptions"]),
-        "greatest delay of the robot's start, s": must["late"],
-        "sets of joint limits that are kept, each for its own time": len(bundle["limits"]),
-        "times and intervals at which the tool is where it must be": len(bundle["points"]),
-        "times and intervals at which an axis of the tool has the direction that it must have": len(bundle["axes"]),
-        "intervals in which the tool accelerates no harder than its part allows": len(bundle["pulls"]),
-    }
-    return True, [
-        "All that the bundle claims is shown. Its digests are names: neither plan nor request was read.",
-        f"plan_digest: {bundle['plan_digest']}",
-        f"request_digest: {bundle['request_digest']}",
-        f"The robot keeps clear from {edges[0]:.6g} s to {alone:.6g} s, and parts that it put down to {until:.6g} s,",
-        f"by {must['travel']:g} m in travel and {must['near']:g} m near a control point.",
-        *(f"{what}: {many}" for what, many in told.items() if many),
-    ]

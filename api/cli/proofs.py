@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from assur.api.cli import console_report
-from assur.api.cli.border import BAD_INPUT, RIGHT, WRONG, say, show, writable
+from assur.api.cli.border import BAD_INPUT, RIGHT, WRONG, say, show, show_json, writable
 from assur.api.cli.cell_reading import announce_compilation, read_cell
 from assur.api.cli.inputs import target
 from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for
@@ -21,6 +21,7 @@ from assur.scenes.files import empty
 from assur.scenes.text.json_faults import not_json, not_utf8
 
 NEEDS = "assur prove needs python-flint and jsonschema-rs, which are an extra: pip install 'assur[proof]'"
+NAMES_ONLY = "All that the bundle claims is shown. Its digests are names: neither plan nor request was read."
 
 
 def bundle(
@@ -41,7 +42,10 @@ def bundle(
     return RIGHT
 
 
-def prove(file: Annotated[Path, typer.Argument(metavar="BUNDLE", help="A proof bundle.")]) -> int:
+def prove(
+    file: Annotated[Path, typer.Argument(metavar="BUNDLE", help="A proof bundle.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print the verdict as JSON.")] = False,
+) -> int:
     """Show what a proof bundle claims, in rigorous arithmetic and without code of the planner, or what is not shown."""
     try:
         from assur.prover.prove import prove as show_claims
@@ -54,11 +58,23 @@ def prove(file: Annotated[Path, typer.Argument(metavar="BUNDLE", help="A proof b
         raise empty(file, "a proof bundle, as JSON")
     try:
         with console_report.working(f"proving {file.name}"):
-            shown, lines = show_claims(data)
+            shown, told = show_claims(data)
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
         found, allowed = not_json(error) if isinstance(error, json.JSONDecodeError) else not_utf8(error)
         raise DocumentError(file.name, found, f"a proof bundle, as JSON; {allowed}") from error
     except ValueError as error:
         raise InputError("BUNDLE", file.name, f"a proof bundle, as assur bundle writes it: {error}") from error
-    show("bundle shown" if shown else "bundle not shown", *lines)
+    if as_json:
+        show_json({"shown": shown, "claims" if shown else "not_shown": told})
+    elif shown:
+        show("bundle shown", NAMES_ONLY, *(f"{words}: {_plain(value)}" for words, value in told.items()))
+    else:
+        show("bundle not shown", *told)
     return RIGHT if shown else WRONG
+
+
+def _plain(value: Any) -> str:
+    """A value of a claim in a line of text."""
+    if isinstance(value, list):
+        return ", ".join(map(_plain, value))
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

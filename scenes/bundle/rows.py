@@ -1,5 +1,5 @@
 """The rows of a certificate in a bundle: those of two bodies as they are, and in place of planes rows of the pairs that
-they keep apart; and instants at which bodies are outside of what is hollow."""
+they keep apart."""
 
 from __future__ import annotations
 
@@ -13,9 +13,8 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.fixed import Fixed
 from assur.planner.geometry.shapes import Body, support
-from assur.planner.model.clearance import clearances
 from assur.planner.model.outcome import Plan
-from assur.planner.model.phases import Phase, pair
+from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.scenes.bundle.arms import link_number
 from assur.scenes.bundle.solids import bodies_in
@@ -23,9 +22,6 @@ from assur.scenes.bundle.solids import bodies_in
 Document = dict[str, Any]
 INSTANTS = 9
 """Times of a phase at which it is looked which plane keeps two bodies farthest apart."""
-SURE_M = 1e-3
-"""Bodies that are outside of what is hollow by this much more than is asked are shown to be."""
-AXES = [sign * np.eye(3)[k] for k in range(3) for sign in (1.0, -1.0)]
 Rows = list[tuple[float, float, float, float, int, int, int, int, list[float]]]
 
 
@@ -125,47 +121,8 @@ def rows_of(
             gaps = [-places.reach(own, t[0], -np.array(n)) - f for n, f in zip(normals, far, strict=True)]
             n = normals[int(np.argmax(gaps))]
             rows.append((phases[p].t0, phases[p].t1, 0.0, 0.0, body, whole[body], other, whole[other], n))
-    rows += _outside(scene, phases, seats, seat, places)
     rows.sort(key=lambda row: (row[0], row[1]))
     return [
         {"t0": t0, "t1": t1, "s0": s0, "s1": s1, "bodies": [one, other], "pieces": [j, k], "normal": n}
         for t0, t1, s0, s1, one, j, other, k, n in rows
     ]
-
-
-def _outside(
-    scene: Scene, phases: Sequence[Phase], seats: list[Document], seat: list[list[int]], places: _Places
-) -> Rows:
-    """For what is hollow, an instant of each phase at which the robot's bodies are outside of it, if there is one."""
-    bodies, rows = places.bodies, Rows()
-    names = [body.name for body in bodies]
-    hollow = [k for k, body in enumerate(bodies) if body.surface is not None]
-    for p, phase in enumerate(phases):
-        if not phase.robot or not hollow or not phase.t1 > phase.t0:
-            continue
-        asked = clearances(scene, phase.near, names, names)
-        mine = [k for k, own in enumerate(seat[p]) if seats[own]["link"] >= 0]
-        for one in mine:
-            for other in (k for k in range(len(bodies)) if seats[seat[p][k]]["frame"] >= 0):
-                if not {one, other} & set(hollow) or pair(names[one], names[other]) in phase.contacts:
-                    continue
-                # not its end, which is the next one's begin
-                for t in (math.nextafter(phase.t1, -math.inf), 0.5 * (phase.t0 + phase.t1)):
-                    gaps = [-places.reach(seat[p][one], t, n) - places.reach(seat[p][other], t, -n) for n in AXES]
-                    best = int(np.argmax(gaps))
-                    if gaps[best] >= asked[one, other] + SURE_M:
-                        rows.append(
-                            (
-                                t,
-                                t,
-                                0.0,
-                                0.0,
-                                one,
-                                _whole(bodies[one]),
-                                other,
-                                _whole(bodies[other]),
-                                AXES[best].tolist(),
-                            )
-                        )
-                        break
-    return rows

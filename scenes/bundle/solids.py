@@ -10,6 +10,7 @@ from assur.planner.geometry.shapes import Body, Hull, Piece
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.scenes.bundle.arms import link_number
+from assur.scenes.bundle.surfaces import in_pieces
 
 Document = dict[str, Any]
 
@@ -22,21 +23,22 @@ def bodies_in(scene: Scene) -> tuple[Body, ...]:
 
 def body_of(body: Body) -> Document:
     """A body with its pieces, in its own axes."""
-    return {
-        "name": body.name,
-        "hollow": body.surface is not None,
-        "pieces": [_piece(piece) for piece in body.pieces],
-    }
+    pieces = [_piece(piece) for piece in body.pieces]
+    if body.surface is not None:
+        for piece, (vertices, triangles) in zip(pieces, in_pieces(body.pieces, body.surface), strict=True):
+            piece |= {"vertices": vertices, "triangles": triangles}
+    return {"name": body.name, "pieces": pieces}
 
 
 def _piece(piece: Piece) -> Document:
     at, turn, shape = piece.position.tolist(), piece.rotation, piece.shape
-    axis = turn[:, 2].tolist()
+    found = {"centre": at, "edges": [], "disc": 0.0, "axis": turn[:, 2].tolist(), "ball": 0.0, "vertices": []}
     if isinstance(shape, Hull):
-        vertices = (shape.vertices @ turn.T + piece.position).tolist()
-        return {"centre": at, "edges": [], "disc": 0.0, "axis": axis, "ball": 0.0, "vertices": vertices}
-    edges = [[float(x) * half for x in turn[:, k].tolist()] for k, half in enumerate(shape.half) if half != 0.0]
-    return {"centre": at, "edges": edges, "disc": shape.disc, "axis": axis, "ball": shape.ball, "vertices": []}
+        found["vertices"] = (shape.vertices @ turn.T + piece.position).tolist()
+    else:
+        edges = [[float(x) * half for x in turn[:, k].tolist()] for k, half in enumerate(shape.half) if half != 0.0]
+        found |= {"edges": edges, "disc": shape.disc, "ball": shape.ball}
+    return {**found, "triangles": []}
 
 
 def seats_of(scene: Scene, phases: Sequence[Phase]) -> tuple[list[Document], list[list[int]]]:

@@ -17,7 +17,7 @@ from assur.scenes.bundle.rows import rows_of
 from assur.scenes.bundle.solids import bodies_in, body_of, seats_of
 
 Document = dict[str, Any]
-FORM = "assur-bundle/1"
+FORM = "assur-bundle/2"
 BEYOND_S = 1e-3
 """Motions around the robot are stated for so long before and after they count, s: sums of times are rounded."""
 
@@ -29,7 +29,7 @@ def bundle_of(scene: Scene, plan: Plan) -> Document:
     shifts = [frame.uncertainty.shift_s for frame in scene.frames.values()]
     begin = start - max((high for _, high in shifts), default=0.0) - BEYOND_S
     end = until + scene.execution.start_tolerance_s - min((low for low, _ in shifts), default=0.0) + BEYOND_S
-    arms = [arm_of(scene.robot, plan.trajectory, start, until)]
+    arms = [arm_of(scene.robot, plan.trajectory, start, max(phase.t1 for phase in of_plan if phase.robot))]
     followed: list[tuple[Robot, Trajectory]] = []
     frames = []
     for name, frame in scene.frames.items():

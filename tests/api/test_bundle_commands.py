@@ -32,7 +32,24 @@ def test_a_plan_becomes_a_bundle_that_is_shown(plan_file: Path, tmp_path: Path) 
     assert (code, told.startswith("proof bundle of plan: ")) == (RIGHT, True)
     code, told, _ = run("prove", str(out))
     assert (code, told.splitlines()[0]) == (RIGHT, "bundle shown")
-    assert "pairs of bodies that keep their distance" in told
+    _, only_names, *lines = told.splitlines()
+    assert only_names.endswith("Its digests are names: neither plan nor request was read.")
+    code, said, _ = run("prove", str(out), "--json")
+    verdict = json.loads(said)
+    assert (code, verdict["shown"], list(verdict)) == (RIGHT, True, ["shown", "claims"])
+    claims = verdict["claims"]
+    assert [line.partition(": ")[0] for line in lines] == list(claims)
+    texts = dict(line.split(": ", 1) for line in lines)
+    assert texts["plan_digest"] == claims["plan_digest"]
+    assert texts["deepest contact, m"] == f"{claims['deepest contact, m']:.6g}"
+    velocity = claims["limits of each joint, velocity"]
+    assert texts["limits of each joint, velocity"] == ", ".join(f"{x:.6g}" for x in velocity)
+    document = json.loads(out.read_text())
+    assert velocity == document["limits"][0]["velocity"]
+    for limits in document["limits"]:
+        limits["jerk"] = []
+    out.write_text(json.dumps(document))
+    assert "limits of each joint, jerk: not limited" in run("prove", str(out))[1].splitlines()
 
 
 def test_a_bundle_that_claims_too_much_is_not_shown(plan_file: Path, tmp_path: Path) -> None:
@@ -46,6 +63,8 @@ def test_a_bundle_that_claims_too_much_is_not_shown(plan_file: Path, tmp_path: P
     assert (code, lines[0]) == (WRONG, "bundle not shown")
     assert lines[1].startswith("a row of ")
     assert lines[-1].startswith("claims that are not shown: ")
+    code, told, _ = run("prove", str(out), "--json")
+    assert (code, json.loads(told)) == (WRONG, {"shown": False, "not_shown": lines[1:]})
 
 
 def test_what_is_no_bundle_is_bad_input(plan_file: Path, tmp_path: Path) -> None:

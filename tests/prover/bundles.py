@@ -36,6 +36,6 @@ def bundle(name: str) -> Document:
     return copy.deepcopy(_bundle(name))
 
 
-def shown(document: Document) -> tuple[bool, list[str]]:
-    """What the prover says of a bundle."""
+def shown(document: Document) -> tuple[bool, Any]:
+    """What the prover says of a bundle: that it is shown, and its claims; or that it is not, and what is not."""
     return prove(json.dumps(document).encode())

@@ -8,10 +8,14 @@ import pytest
 from tests.prover.bundles import Document, shown
 
 STILL = {"constant": 0.0, "joints": [0.0]}
+POINT: Document = {
+    "centre": [0.0] * 3, "edges": [], "disc": 0.0, "axis": [0.0, 0.0, 1.0], "ball": 0.0,
+    "vertices": [], "triangles": [],
+}  # fmt: skip
 
 
 def ball(x: float, radius: float = 0.1) -> Document:
-    return {"centre": [x, 0.0, 0.0], "edges": [], "disc": 0.0, "axis": [0.0, 0.0, 1.0], "ball": radius, "vertices": []}
+    return {**POINT, "centre": [x, 0.0, 0.0], "ball": radius}
 
 
 def link(name: str, parent: int, slide: Document | None) -> Document:
@@ -24,8 +28,8 @@ def frame(name: str, **changes: object) -> Document:
     return {"name": name, "arm": -1, "link": -1, **still, "shift": [0.0, 0.0], "yaw": 0.0, "unknown": [], **changes}
 
 
-def body(name: str, *pieces: Document, hollow: bool = False) -> Document:
-    return {"name": name, "hollow": hollow, "pieces": list(pieces)}
+def body(name: str, *pieces: Document) -> Document:
+    return {"name": name, "pieces": list(pieces)}
 
 
 def row(first: int, second: int, *pieces: int, normal: tuple[float, float, float] = (1.0, 0.0, 0.0)) -> Document:
@@ -59,7 +63,7 @@ def sliding(*around: Document, rows: list[Document], least: float = 0.0, speed: 
     }  # fmt: skip
     belt = frame("belt", edges=[-1.0, 2.0], acceleration=[[[], [], [], []]], rate=[0.0, 1.0, 0.0, 0.0])
     return {
-        "schema": "assur-bundle/1", "request_digest": "sha256:" + "0" * 64, "plan_digest": "0" * 64, "arms": [arm],
+        "schema": "assur-bundle/2", "request_digest": "sha256:" + "0" * 64, "plan_digest": "0" * 64, "arms": [arm],
         "frames": [frame("world"), belt],
         "bodies": bodies, "seats": seats, "phases": [phase], "required": required, "limits": [limit],
         "points": [], "pulls": [], "axes": [], "rows": rows,
@@ -114,18 +118,6 @@ def test_all_pieces_must_be_covered() -> None:
     assert not shown(sliding(wall, rows=[row(0, 1, 0, 0)]))[0]
 
 
-def test_within_what_is_hollow_nothing_is_apart() -> None:
-    # the ball is between two others, which are the surface of one body
-    shell = body("shell", ball(0.5), ball(-0.5), hollow=True)
-    rows = [row(0, 1, 0, 0), row(0, 1, 0, 1, normal=(-1.0, 0.0, 0.0))]
-    right, lines = shown(sliding(shell, rows=rows))
-    assert (right, lines[-1]) == (False, "claims that are not shown: 1")
-    assert "within" in lines[0]
-    assert shown(sliding({**shell, "hollow": False}, rows=rows))[0]
-    beside = body("shell", ball(0.5), ball(0.9), hollow=True)
-    assert shown(sliding(beside, rows=[row(0, 1, 0, -1)]))[0]
-
-
 def test_a_part_that_was_put_down_is_kept_clear_of_what_moves_by() -> None:
     document = sliding(body("part", ball(0.5)), body("post", ball(0.5)), rows=[row(0, 1), row(0, 2)])
     document["seats"][1].update(frame=1, pose=[0.0, 1.0, 0.0, 0.0])  # on the belt, from y = 1 to y = 2 m
@@ -169,4 +161,24 @@ def test_what_comes_near_for_some_lateness_only_is_seen(x: float, right: bool) -
     ways = [still, *([[a], [], [], []] for a in (-8.0, 8.0, -8.0)), still]
     moved = {"edges": [-1.0, 1.0, 1.25, 1.75, 2.0, 4.0], "acceleration": ways, "rate": [0.0] * 4}
     document["frames"][1].update(pose=[x, 0.0, 0.0, 0.0], **moved)
+    assert shown(document)[0] is right
+
+
+def test_touching_is_not_apart() -> None:
+    """A point could go through a wall without thickness that it may touch from both sides."""
+    wall = body("wall", {**POINT, "vertices": [[0.1, y, z] for y in (-1.0, 1.0) for z in (-1.0, 1.0)]})
+    assert not shown(sliding(wall, rows=[row(0, 1)]))[0]
+    wall["pieces"][0]["vertices"] = [[0.11, y, z] for _, y, z in wall["pieces"][0]["vertices"]]
+    assert shown(sliding(wall, rows=[row(0, 1)]))[0]
+
+
+@pytest.mark.parametrize(("lag", "right"), [(0.02, True), (0.2, False)])
+def test_a_row_too_long_for_the_bound_of_lag_is_halved(lag: float, right: bool) -> None:
+    # a ball at the end of a link of 1 m, which turns from straight at the wall to along it: at the wall no lag counts
+    document = sliding(body("wall", ball(1.21)), rows=[row(0, 1)])
+    document["arms"][0].update(q=[[0.0], [1.5]], qd=[[0.0], [0.0]])
+    document["arms"][0]["links"][1].update(slide=None, yaw={"constant": 0.0, "joints": [1.0]})
+    document["seats"][0]["pose"] = [1.0, 0.0, 0.0, 0.0]
+    assert shown(document)[0]
+    document["required"]["lag"] = [lag]
     assert shown(document)[0] is right

@@ -36,7 +36,7 @@ def test_what_is_too_long_is_not_read() -> None:
 
 
 CHANGES: dict[str, Callable[[Document], Any]] = {
-    "schema": lambda d: d.update(schema="assur-bundle/2"),
+    "schema": lambda d: d.update(schema="assur-bundle/3"),
     "plan_digest": lambda d: d.update(plan_digest="zz"),
     "request_digest": lambda d: d.update(request_digest=d["request_digest"][7:]),
     "phases.0.t0": lambda d: d["phases"][0].update(t0="0"),
@@ -50,6 +50,13 @@ CHANGES: dict[str, Callable[[Document], Any]] = {
     "bodies.0.pieces.0.ball": lambda d: d["bodies"][0]["pieces"][0].update(ball=-1e-3),
     "limits": lambda d: d.update(limits=[]),
     "limits.0.velocity": lambda d: d["limits"][0].update(velocity=[]),
+    "limits.0.acceleration": lambda d: d["limits"][0].update(acceleration=[]),
+    "required.lag": lambda d: d["required"].update(lag=[]),
+    "phases": lambda d: d.update(phases=[]),
+    "arms": lambda d: d.update(arms=[]),
+    "arms.0.time": lambda d: d["arms"][0].update(time=[], q=[], qd=[], qdd=[]),
+    "arms.0.q.1": lambda d: d["arms"][0]["q"].__setitem__(1, []),
+    "bodies.0.pieces.0.triangles.0": lambda d: d["bodies"][0]["pieces"][0].update(triangles=[[0, 1]]),
 }
 
 
@@ -58,6 +65,59 @@ def test_a_value_of_another_form_is_refused_with_its_place(where: str) -> None:
     document = bundle(NAMES)
     CHANGES[where](document)
     with pytest.raises(ValueError, match=rf"^{where.replace('.', '[.]')}: "):
+        shown(document)
+
+
+def test_a_bundle_of_the_former_form_is_refused_by_the_name_of_its_form() -> None:
+    document = bundle(NAMES)
+    document["schema"] = "assur-bundle/1"
+    for each in document["bodies"]:
+        each["hollow"] = False
+        for piece in each["pieces"]:
+            del piece["triangles"]
+    with pytest.raises(ValueError, match=r'^schema: "assur-bundle/2" was expected$'):
+        shown(document)
+
+
+def backwards(*path: str | int) -> Callable[[Document], Any]:
+    """Gives a range, or the second of its ends, in a bundle: its ends change places, and differ."""
+
+    def change(document: Document) -> None:
+        *above, last = path
+        part: Any = document
+        for key in above:
+            part = part[key]
+        if last == 1:
+            part[0], part[1] = 1.0, -1.0
+        else:
+            first = {"t1": "t0", "s1": "s0", "high": "low"}[str(last)]
+            part[first], part[last] = part[last] + 1.0, part[last]
+
+    return change
+
+
+EMPTY: dict[tuple[str | int, ...], str] = {
+    ("frames", 0, "shift", 1): NAMES,
+    ("frames", 1, "shift", 1): "demo",
+    ("phases", 2, "shares", 1, 1): "demo",
+    ("phases", 1, "t1"): NAMES,
+    ("limits", 0, "t1"): NAMES,
+    ("points", 1, "t1"): NAMES,
+    ("pulls", 0, "t1"): "belt-to-belt",
+    ("axes", 0, "t1"): "hose-on-gripper",
+    ("axes", 0, "high"): "hose-on-gripper",
+    ("rows", 3, "t1"): NAMES,
+    ("rows", 3, "s1"): NAMES,
+}
+
+
+@pytest.mark.parametrize("path", EMPTY, ids=lambda path: ".".join(map(str, path)))
+def test_a_range_with_nothing_in_it_is_refused_with_its_place(path: tuple[str | int, ...]) -> None:
+    """Nothing would be claimed for the times, the shifts or the shares in it."""
+    document = bundle(EMPTY[path])
+    backwards(*path)(document)
+    where = r"\.".join(map(str, path))
+    with pytest.raises(ValueError, match=rf"^{where}: .* is less than .*, with which its range begins$"):
         shown(document)
 
 
@@ -105,11 +165,13 @@ OTHERS: dict[str, Callable[[Document], Any]] = {
     "a joint less": lambda d: d["arms"][0]["q"][0].pop(),
     "a knot less": lambda d: d["arms"][0]["qd"].pop(),
     "knots that go back in time": lambda d: d["arms"][0]["time"].__setitem__(1, -1.0),
+    "a limit beyond": lambda d: d["limits"][0].update(lower=[*d["limits"][0]["lower"], 9.0]),
     "a limit less": lambda d: d["limits"][0]["lower"].pop(),
     "a lag less": lambda d: d["required"].update(lag=[0.1]),
     "what is not known of a body less": lambda d: d["phases"][0]["unknown"].pop(),
     "a rate without a yaw": lambda d: d["points"][0].update(yaw=[], rates=[1.0, 1.0]),
     "edges that do not increase": lambda d: d["frames"][0].update(edges=[0.0, 0.0], acceleration=[[[], [], [], []]]),
+    "a triangle of a corner that is not there": lambda d: d["bodies"][0]["pieces"][0].update(triangles=[[0, 1, 99]]),
     "edges without a piece": lambda d: d["frames"][0].update(edges=[0.0, 1.0], acceleration=[]),
     "a tool of no SCARA that is shifted": lambda d: (
         d["arms"][0]["links"][2].update(parent=0),

@@ -76,12 +76,6 @@ def shallow(document: Document) -> None:
             moved("part", 2, -1e-5)(document)
 
 
-def rows_of_boxes(document: Document) -> None:
-    """Nothing says that the arm is outside of what is hollow."""
-    hollow = {k for k, each in enumerate(document["bodies"]) if each["hollow"]}
-    document["rows"] = [row for row in document["rows"] if not (hollow & set(row["bodies"]) and -1 in row["pieces"])]
-
-
 def halved(key: str) -> Change:
     def change(document: Document) -> None:
         for span in document["limits"]:
@@ -113,6 +107,7 @@ CHANGES: dict[str, Change] = {
     "a smaller limit of acceleration": halved("acceleration"),
     "a smaller limit of jerk": halved("jerk"),
     "a smaller range": halved("upper"),
+    "an empty range": lambda d: [s.update(lower=s["upper"], upper=s["lower"]) for s in d["limits"]],
     "limits count for a part of the motion only": lambda d: d["limits"][0].update(t1=0.5 * d["limits"][0]["t1"]),
     "a belt runs faster": lambda d: law_of(d)["rate"].__setitem__(0, law_of(d)["rate"][0] + 1e-3),
     "a belt speeds up": lambda d: law_of(d)["acceleration"][0].__setitem__(0, [0.05]),
@@ -141,7 +136,8 @@ CHANGES: dict[str, Change] = {
     "more pairs of links are asked to stay apart": lambda d: d["required"]["self_pairs"].append([0, 1]),
     "links are longer": lambda d: d["arms"][0]["links"][2]["offset"].__setitem__(0, 0.4),
     "a link turns with another joint": lambda d: d["arms"][0]["links"][2]["yaw"]["joints"].__setitem__(1, 0.0),
-    "nothing shows that the arm is outside of a mesh": rows_of_boxes,
+    "the robot need not keep clear while it moves": lambda d: [p.update(robot=False) for p in d["phases"]],
+    "nothing is asked for after the first leg": lambda d: d["required"].update(until=d["phases"][0]["t1"]),
 }  # fmt: skip
 
 
@@ -162,7 +158,9 @@ def test_as_it_was_written_it_is_shown() -> None:
 def test_a_held_part_accelerates_no_harder_than_is_said() -> None:
     document = bundle("belt-to-belt")
     document["pulls"][0]["most"] *= 0.2
-    assert f"no harder than its part allows: {len(document['pulls'])}" in shown(bundle("belt-to-belt"))[1][-1]
+    told = shown(bundle("belt-to-belt"))[1]
+    assert told["intervals in which the tool accelerates no harder than its part allows"] == len(document["pulls"])
+    assert told["hardest that a part allows, m/s²"] == bundle("belt-to-belt")["pulls"][0]["most"]
     right, lines = shown(document)
     assert (right, lines[-1]) == (False, "claims that are not shown: 1")
 
@@ -201,3 +199,47 @@ def test_the_tool_has_the_directions_that_are_said(name: str) -> None:
         right, lines = shown(document)
         assert (right, lines[-1]) == (False, "claims that are not shown: 1")
         axis["low"], axis["high"] = low, high
+
+
+SHARES = "largest share by which a limit may be exceeded"
+LIES: dict[str, tuple[Change, object]] = {
+    "deepest contact, m": (lambda d: [c.update(depth=10.0) for p in d["phases"] for c in p["contacts"]], 10.0),
+    SHARES: (lambda d: d["limits"][0].update(shares=[1e9] * 4), 1e9),
+    "limits of each joint, jerk": (lambda d: [span.update(jerk=[]) for span in d["limits"]], "not limited"),
+    "limits of each joint, velocity": (lambda d: [s.update(velocity=[1e9] * 4) for s in d["limits"]], [1e9] * 4),
+    "limits of each joint, acceleration": (lambda d: [s.update(acceleration=[9e9]*4) for s in d["limits"]], [9e9] * 4),
+    "limits of each joint, lower": (lambda d: [s.update(lower=[-99.0] * 4) for s in d["limits"]], [-99.0] * 4),
+    "limits of each joint, upper": (lambda d: [s.update(upper=[99.0] * 4) for s in d["limits"]], [99.0] * 4),
+    "distances in travel and near a control point, m": (lambda d: d["required"].update(travel=0, near=0), [0, 0]),
+    "smallest distance of a pair, m": (
+        lambda d: d["required"]["exceptions"].append({"first": [], "second": [3], "travel": 1e-9, "near": 1e-6}), 1e-9,
+    ),
+    "greatest lag of a joint, rad or m": (lambda d: d["required"].update(lag=[0.0, 0.0, 1e-9, 0.0]), 1e-9),
+    "greatest delay of the robot's start, s": (lambda d: d["required"].update(late=0.0), 0.0),
+    "frames of which something is not known": (
+        lambda d: [frame.update(unknown=[], yaw=0.0, shift=[0.0, 0.0]) for frame in d["frames"]], 0,
+    ),
+    "its greatest growth, m/s": (lambda d: [x.update(growth=0.0) for f in d["frames"] for x in f["unknown"]], 0.0),
+    "greatest displacement of a body, m": (
+        lambda d: [p.update(unknown=[[0.0, 0.0]] * len(p["unknown"])) for p in d["phases"]], 0.0,
+    ),
+    "bodies from meshes, with what they enclose": (
+        lambda d: [piece.update(triangles=[]) for each in d["bodies"] for piece in each["pieces"]], 0,
+    ),
+    "pairs of the robot's links that keep apart": (lambda d: d["required"].update(self_pairs=[]), 0),
+    "parts that were put down, counted in each phase": (lambda d: [p.update(put_down=[]) for p in d["phases"]], 0),
+    "farthest that it may be off, m": (lambda d: d["points"][0].update(position=7.0), 7.0),
+    "times and intervals at which the tool is where it must be": (lambda d: d.update(points=[]), 0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("words", LIES)
+def test_a_bundle_that_claims_less_is_shown_and_its_number_says_so(words: str) -> None:
+    before = shown(bundle("demo"))[1]
+    change, value = LIES[words]
+    document = bundle("demo")
+    change(document)
+    right, told = shown(document)
+    assert (right, told[words]) == (True, value)
+    assert {key for key in before if key not in told} == set()
+    assert before[words] != value or document == bundle("demo")

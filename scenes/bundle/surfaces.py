@@ -1,0 +1,130 @@
+"""The surface of a mesh, cut so that each of its triangles is in one of the pieces that cover the mesh.
+
+A polygon that is in no piece is cut by a plane of the piece that its middle is in. Where an edge is cut, the polygon on
+its other side gets the same point, so the surface stays closed. Which piece a polygon goes to is chosen with rounding:
+the piece in the bundle is the hull of the corners of its triangles, so it holds them exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.errors import FaultError
+from assur.planner.geometry.shapes import Hull, Piece
+
+IN_M = 2e-10
+"""A point is in a piece if it is no farther out than this, m: twice what a cover may be off by rounding, and a fifth of
+what the planner keeps of each gap."""
+MOST_AT_ONCE = 4_000_000
+"""Distances of points from planes that are computed at a time: 32 MB."""
+Triangles = list[list[int]]
+
+
+class _Pieces:
+    """Hulls by their planes, in the body's axes."""
+
+    def __init__(self, pieces: Sequence[Piece]) -> None:
+        self.vertices, normals, offsets, self.first = list[FloatArray](), list[FloatArray](), list[FloatArray](), [0]
+        for piece in pieces:
+            if not isinstance(piece.shape, Hull):
+                raise FaultError(f"a mesh is covered by a {piece.shape.kind}")
+            vertices = piece.shape.vertices @ piece.rotation.T + piece.position
+            a, b, c = (vertices[piece.shape.faces[:, k]] for k in range(3))
+            normal = np.cross(b - a, c - a)
+            size = np.linalg.norm(normal, axis=1)
+            normal = normal[size > 0.0] / size[size > 0.0, None]
+            self.vertices.append(vertices)
+            normals.append(normal)
+            offsets.append((vertices @ normal.T).max(0))
+            self.first.append(self.first[-1] + len(normal))
+        self.normal, self.offset = np.concatenate(normals), np.concatenate(offsets)
+
+    def beyond(self, points: FloatArray) -> FloatArray:
+        """How far each point (N, 3) is beyond each plane, (N, planes), m."""
+        return np.asarray(points @ self.normal.T - self.offset)
+
+    def out(self, points: FloatArray) -> FloatArray:
+        """How far each point (N, 3) is out of each piece, (N, pieces), m; below 0: it is in it."""
+        return np.asarray(np.maximum.reduceat(self.beyond(points), self.first[:-1], axis=1))
+
+
+class _Cutting:
+    """Polygons as numbers of points, which share the points of their edges."""
+
+    def __init__(self, pieces: _Pieces, vertices: FloatArray) -> None:
+        self.pieces, self.points, self.cuts = pieces, list(vertices), dict[tuple[int, int], int]()
+
+    def whole(self, polygon: list[int]) -> list[int]:
+        """A polygon with all points in which its edges were cut."""
+        ends = zip(polygon, [*polygon[1:], polygon[0]], strict=True)
+        return [point for a, b in ends for point in (a, *self._between(a, b))]
+
+    def _between(self, a: int, b: int) -> list[int]:
+        middle = self.cuts.get((min(a, b), max(a, b)))
+        return [] if middle is None else [*self._between(a, middle), middle, *self._between(middle, b)]
+
+    def shared(self, polygon: list[int]) -> list[tuple[list[int], int]]:
+        """A polygon in parts, each with the number of the piece that it is in."""
+        found, left = list[tuple[list[int], int]](), [polygon]
+        while left:
+            polygon = self.whole(left.pop())
+            at = np.array([self.points[k] for k in polygon])
+            out = self.pieces.out(at).max(0)
+            best = int(out.argmin())
+            if out[best] > IN_M:
+                # by the piece that its middle is in; a part that is left over by rounding goes to the nearest piece
+                near = int(self.pieces.out(at.mean(0)[None])[0].argmin())
+                beyond = self.pieces.beyond(at)[:, self.pieces.first[near] : self.pieces.first[near + 1]]
+                cut = beyond[:, int(beyond.max(0).argmax())]
+                if cut.min() < -IN_M and cut.max() > IN_M:
+                    left += self._halves(polygon, cut)
+                    continue
+            found.append((polygon, best))
+        return found
+
+    def _halves(self, polygon: list[int], beyond: FloatArray) -> list[list[int]]:
+        """The parts of a convex polygon on both sides of a plane."""
+        halves: tuple[list[int], list[int]] = [], []
+        heights = np.where(np.abs(beyond) <= IN_M, 0.0, beyond).tolist()
+        for k, (a, low) in enumerate(zip(polygon, heights, strict=True)):
+            b, high = polygon[(k + 1) % len(polygon)], heights[(k + 1) % len(polygon)]
+            for half, sign in zip(halves, (-1.0, 1.0), strict=True):
+                half += [a] if low * sign >= 0.0 else []
+            if low * high < 0.0:
+                self.cuts[min(a, b), max(a, b)] = len(self.points)
+                self.points.append(self.points[a] + low / (low - high) * (self.points[b] - self.points[a]))
+                for half in halves:
+                    half.append(len(self.points) - 1)
+        return [half for half in halves if len(half) > 2]
+
+
+def in_pieces(
+    pieces: Sequence[Piece], surface: tuple[FloatArray, IntArray]
+) -> list[tuple[list[list[float]], Triangles]]:
+    """For each piece: corners of triangles, m, in the body's axes, and the triangles as numbers of three of them. All
+    triangles together are the surface. A piece to which no triangle goes has its own vertices."""
+    (vertices, faces), hulls = surface, _Pieces(pieces)
+    step = max(1, MOST_AT_ONCE // len(hulls.offset))
+    blocks = [hulls.out(vertices[k : k + step]) <= IN_M for k in range(0, len(vertices), step)]
+    inside: BoolArray = np.concatenate(blocks)
+    fits: BoolArray = inside[faces[:, 0]] & inside[faces[:, 1]] & inside[faces[:, 2]]
+    owner = np.where(fits.any(1), fits.argmax(1), -1)
+    cutting, parts = _Cutting(hulls, vertices), list[tuple[list[int], int]]()
+    for face, piece in zip(faces.tolist(), owner.tolist(), strict=True):
+        parts += [(face, piece)] if piece >= 0 else cutting.shared(face)
+    found: list[Triangles] = [[] for _ in pieces]
+    for polygon, piece in parts:
+        first, *others = cutting.whole(polygon)
+        found[piece] += [[first, a, b] for a, b in pairwise(others)]
+    return [_numbered(cutting.points, own, hulls.vertices[k]) for k, own in enumerate(found)]
+
+
+def _numbered(points: list[FloatArray], triangles: Triangles, hull: FloatArray) -> tuple[list[list[float]], Triangles]:
+    """The corners of triangles, and the triangles by numbers of these; the vertices of the hull if there are none."""
+    numbers = {k: n for n, k in enumerate(dict.fromkeys(k for triangle in triangles for k in triangle))}
+    corners = [points[k].tolist() for k in numbers] or hull.tolist()
+    return corners, [[numbers[k] for k in triangle] for triangle in triangles]
