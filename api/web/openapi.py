@@ -13,6 +13,7 @@ from assur.api.web.service import scenario_request
 from assur.scenes.plan_file import FORM
 from assur.scenes.requests import shipped_scenarios
 from assur.scenes.scenarios import scenario_text
+from assur.scenes.schema.answer import facts_described
 
 TEXT = """\
 Plans jerk-limited motion of SCARA-class robots through moving control points among moving bodies, proved free of
@@ -261,6 +262,7 @@ def complete(document: dict[str, Any], most_budget_s: float) -> dict[str, Any]:
     `most_budget_s`: largest budget that the service gives, s.
     """
     components = document.setdefault("components", {})
+    facts_described(components.setdefault("schemas", {}))
     components.setdefault("schemas", {}).update(
         request_components(MARKS, most_budget_s),
         Robots=ROBOTS,

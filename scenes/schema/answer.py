@@ -25,8 +25,9 @@ from assur.scenes.schema.model import Angle, Point, Strength
 
 CLOSED = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, json_schema_extra=describe)
 
-for _facts in (*get_args(Facts), *get_args(Witness), Hindrance, Meeting):
-    with_config(CLOSED)(_facts)
+FACTS: tuple[type, ...] = (*get_args(Facts), *get_args(Witness), Hindrance, Meeting)
+"""Dataclasses within answers. A configuration of their own would change how they are read: `facts_described` describes
+them in a schema that is made."""
 Schema = Literal["assur/1"]
 Number = Annotated[float, Field(ge=-1e300, le=1e300)]
 Text = Annotated[str, Field(max_length=bounds.MAX_TEXT)]
@@ -485,3 +486,11 @@ class Verdict(TypedDict):
     not_checked: list[Text]
     request_digest: Text
     notice: Text
+
+
+def facts_described(models: dict[str, Any]) -> None:
+    """Describes the fields of facts and witnesses among the schemas of models, by their names."""
+    known = {model.__name__: model for model in FACTS}
+    for part in models.values():
+        if part.get("title") in known:
+            describe(part, known[part["title"]])

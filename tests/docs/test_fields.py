@@ -17,7 +17,7 @@ from assur.api.command_line import app
 from assur.scenes.exports.doors import export_schemas
 from assur.scenes.requests import file_schema, ik_schema, request_schema
 from assur.scenes.scenarios import CELLS
-from assur.scenes.schema.answer import Answer, Verdict
+from assur.scenes.schema.answer import Answer, Verdict, facts_described
 from assur.scenes.schema.described import FILE, description, unit_in_words
 from assur.scenes.schema.export import ExportAnswer, TrajectoryVerdict
 from assur.scenes.schema.ik import IkAnswer
@@ -37,6 +37,8 @@ SCHEMAS: dict[str, dict[str, Any]] = {
     "question about a trajectory": export_schemas()[1],
     **{str(form): TypeAdapter(form).json_schema() for form in ANSWERS},
 }
+for _schema in SCHEMAS.values():
+    facts_described(_schema.get("$defs", {}))
 NO_UNIT = re.compile(
     r"without a unit|unit of|in `unit`|a count|rad or m\b|rad/s|m/s|kg|m or rad\b|m or mm\b|"
     r"[Nn]umber|counted|[Hh]ow many"
