@@ -17,6 +17,8 @@ from tests.browser.conftest import report
 from tests.scenes.cells.second_kinematics import answer, path_of
 from tests.scenes.view.shown import cell, scene, view
 
+pytestmark = pytest.mark.slow
+
 MOST_BYTES = 1_000_000
 MOST_TRIANGLES, MOST_DRAW_CALLS = 120_000, 150
 """Of one picture: bodies and their shadows."""

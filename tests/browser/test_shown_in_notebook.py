@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Browser
 
 from assur.api.python.shown import Shown
 from tests.browser.conftest import SIZE, report
 from tests.browser.opened_page import PATIENCE_S, Opened
+
+pytestmark = pytest.mark.slow
 
 
 def test_the_viewer_plays_in_the_frame_of_a_notebook(browser: Browser, tmp_path: Path) -> None:

@@ -9,6 +9,8 @@ import pytest
 
 from tests.browser.studio_page import IDLE, Studio
 
+pytestmark = pytest.mark.slow
+
 
 def test_the_demo_is_planned_and_played(studio: Studio, service: httpx.Client) -> None:
     page = studio.page

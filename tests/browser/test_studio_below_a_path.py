@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import pytest
 from playwright.sync_api import Browser
 
 from assur.api.web.settings import Settings
 from tests.api.running import running
 from tests.browser.opened_page import Opened
+
+pytestmark = pytest.mark.slow
 
 
 def test_the_studio_plans_and_asks_for_nothing_outside_of_its_path(browser: Browser) -> None:

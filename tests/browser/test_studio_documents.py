@@ -14,6 +14,8 @@ from tests.browser.studio_page import Studio
 from tests.scenes.cells.second_kinematics import answer
 from tests.scenes.view.shown import cell
 
+pytestmark = pytest.mark.slow
+
 
 def request() -> dict[str, Any]:
     held = copy.deepcopy(cell("transfer").document)

@@ -6,6 +6,8 @@ import pytest
 
 from tests.browser.studio_page import Studio
 
+pytestmark = pytest.mark.slow
+
 SIZES = {"telephone": (390, 800), "small telephone": (320, 568), "lying telephone": (800, 390), "tablet": (820, 1100)}
 LEAST = 250
 """Pixels of the picture, at least, where there are twice as many in the window."""

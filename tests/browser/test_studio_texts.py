@@ -8,6 +8,8 @@ from playwright.sync_api import BrowserContext, Dialog, Page
 
 from tests.browser.studio_page import Studio
 
+pytestmark = pytest.mark.slow
+
 CELL = "about: a cell of mine\nrequest:\n  robot: {model: nobody}\n"
 FULL = """Object.defineProperty(Storage.prototype, 'setItem', { value() {
     throw new DOMException('full', 'QuotaExceededError');

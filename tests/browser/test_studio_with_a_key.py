@@ -14,6 +14,8 @@ from assur.api.web.settings import Settings
 from tests.api.running import running
 from tests.browser.studio_page import Studio
 
+pytestmark = pytest.mark.slow
+
 KEY = keys.new_key()
 
 
