@@ -13,13 +13,13 @@ from __future__ import annotations
 import ctypes
 import gc
 import inspect
-import threading
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+from numba.core.compiler_lock import global_compiler_lock
 
 from assur.planner.errors import FaultError
 from assur.planner.kernel_cache import WHOLE, digest, folder
@@ -69,11 +69,10 @@ class _FirstUse:
         self._made, self._name, self._signature = made, name, signature
         self._template = made.get_call_template
         made._compile_for_args, made.get_call_template = self.entry_point, self.template
-        self._lock = threading.RLock()
 
     def load(self) -> None:
         """Raises `FaultError` where it is not compiled and the folder cannot be written."""
-        with self._lock:
+        with global_compiler_lock:  # the one lock of the compiler: with two, two threads could wait for each other
             if not self._made._can_compile:
                 return
             try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +29,8 @@ def part(x, k):
 PROBE = """
 import sys
 sys.path.insert(0, {folder!r})
-import a_kernel
+import a_kernel, numpy
+assert a_kernel.part(numpy.array([2.0, 1.0]), 1) == 0.5
 print(a_kernel.compiled_now())
 """
 
@@ -78,7 +80,8 @@ def test_a_kernel_that_makes_arrays_has_to_say_so_and_most_make_none() -> None:
         return float(np.empty(len(x)).size)
 
     with pytest.raises(NumbaError):
-        compiled.kernel("float64(float64[::1])")(silent)
+        compiled.kernel("float64(float64[::1])")(silent)(np.zeros(3))
+    del compiled.KERNELS[f"{__name__}.silent"]
     assert compiled.kernel("float64(float64[::1])", allocates=True)(said)(np.zeros(3)) == 3.0
     del compiled.KERNELS[f"{__name__}.said"]
     load()
@@ -106,8 +109,53 @@ def test_a_kernel_that_is_missing_where_nothing_can_be_written_is_an_error(
 ) -> None:
     (tmp_path / "a file").write_text("a folder cannot be made in a file")
     monkeypatch.setattr(compiled, "folder", lambda: tmp_path / "a file" / "kept")
-    with pytest.raises(FaultError, match="cannot be written"):
 
-        @compiled.kernel("float64(float64)")
-        def twice(x: float) -> float:
-            return 2 * x
+    @compiled.kernel("float64(float64)")
+    def twice(x: float) -> float:
+        return 2 * x
+
+    for _ in range(2):
+        with pytest.raises(FaultError, match="cannot be written"):
+            twice(1.0)
+    del compiled.KERNELS[f"{__name__}.twice"]
+
+
+def test_a_kernel_is_loaded_when_it_is_first_called_or_called_by_a_kernel_that_is_compiled() -> None:
+    @compiled.kernel("float64(float64)")
+    def half(x: float) -> float:
+        return x / 2
+
+    @compiled.kernel("float64(float64)")
+    def quarter(x: float) -> float:
+        return half(half(x))
+
+    names = [f"{__name__}.half", f"{__name__}.quarter"]
+    one, other = (compiled.KERNELS.pop(name) for name in names)
+    assert (len(one.signatures), len(other.signatures)) == (0, 0)
+    assert quarter(8) == 2.0  # a whole number is converted, at the first call, too
+    assert (len(one.signatures), len(other.signatures)) == (1, 1)
+
+
+@pytest.mark.parametrize("arguments", [(), (np.zeros(2),), (np.zeros(2), 0, 0), (np.zeros((2, 2)), 0), ("text", 0)])
+def test_the_first_call_refuses_other_arguments_as_every_call_does(arguments: tuple[object, ...]) -> None:
+    @compiled.kernel("float64(float64[::1], int64)")
+    def at(x: np.ndarray, k: int) -> float:
+        return float(x[k])
+
+    del compiled.KERNELS[f"{__name__}.at"]
+    fixed = np.ones(2)
+    fixed.flags.writeable = False
+    for wrong in (arguments, (fixed, 0), (np.ones(4)[::2], 0)):
+        with pytest.raises(TypeError):
+            at(*wrong)
+    assert at(np.ones(2), 1) == 1.0
+
+
+def test_threads_that_call_a_kernel_first_at_the_same_time_get_its_result() -> None:
+    @compiled.kernel("float64(float64)")
+    def thrice(x: float) -> float:
+        return 3 * x
+
+    del compiled.KERNELS[f"{__name__}.thrice"]
+    with ThreadPoolExecutor(8) as threads:
+        assert list(threads.map(thrice, [float(x) for x in range(64)])) == [3.0 * x for x in range(64)]
