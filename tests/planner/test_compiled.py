@@ -181,7 +181,7 @@ def test_the_first_call_refuses_other_arguments_as_every_call_does(arguments: tu
     fixed.flags.writeable = False
     for wrong in (arguments, (fixed, 0), (np.ones(4)[::2], 0)):
         with pytest.raises(TypeError):
-            at(*wrong)
+            at(*wrong)  # type: ignore[arg-type]
     assert at(np.ones(2), 1) == 1.0
 
 
