@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import codecs
 import io
+import math
 import re
 import struct
 from typing import Any
@@ -227,7 +228,7 @@ def _check_glb(content: bytes) -> int:
     return check_contents(tree, len(content))
 
 
-NOT_READ = ("instance_node", "instance_controller", "linestrips", "ph", "convex_mesh", "spline", "brep")
+NOT_READ = ("instance_node", "instance_controller", "linestrips", "ph", "convex_mesh", "spline", "brep", "skew")
 """Elements of a COLLADA file whose shapes are not read, or with which a mesh is left out."""
 SURFACES = ("triangles", "tristrips", "trifans", "polylist", "polygons")
 
@@ -255,6 +256,8 @@ def _check_dae(content: bytes) -> tuple[float, int]:
             raise InputError(
                 "mesh.data", f"the element {name}", f"a dae file without {name}, of triangles and polygons"
             )
+    for mesh in root.iterfind(f"{space}library_geometries/{space}geometry/{space}mesh"):
+        _check_places(mesh, space)
     unit = root.find(f"{space}asset/{space}unit")
     try:
         metres = 1.0 if unit is None else float(unit.get("meter", "1"))
@@ -263,6 +266,21 @@ def _check_dae(content: bytes) -> tuple[float, int]:
     if not 1e-6 <= metres <= 1e3:
         raise InputError("mesh.data", "a unit that is no length", "a unit in m")
     return metres, _shown(root, space)
+
+
+def _check_places(mesh: Any, space: str) -> None:
+    """Raises `InputError` unless all coordinates of vertices are finite numbers: the library reads NaN as 0."""
+    inputs = mesh.iterfind(f"{space}vertices/{space}input")
+    sources = {each.get("source") for each in inputs if each.get("semantic") == "POSITION"}
+    for source in mesh.iterfind(f"{space}source"):
+        array = source.find(f"{space}float_array") if f"#{source.get('id')}" in sources else None
+        for word in [] if array is None else (array.text or "").split():
+            try:
+                finite = math.isfinite(float(word))
+            except ValueError:
+                finite = False
+            if not finite:
+                raise InputError("mesh.data", f"the coordinate {word[:20]}", "finite numbers")
 
 
 def _shown(root: Any, space: str) -> int:

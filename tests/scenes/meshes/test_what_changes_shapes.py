@@ -185,6 +185,12 @@ def test_a_ply_is_read_whole_or_refused() -> None:
     assert (cut.value, cut.allowed) == ("6 lines of elements", "8 lines, as the header states")
 
 
+def refused_dae(content: bytes) -> object:
+    with pytest.raises(InputError) as caught:
+        triangles_of(content, "dae")
+    return caught.value.value
+
+
 def test_a_dae_is_read_whole_or_refused() -> None:
     again = dae().replace(
         b'<instance_geometry url="#g"/>',
@@ -202,6 +208,10 @@ def test_a_dae_is_read_whole_or_refused() -> None:
                 dae().replace(b'<instance_geometry url="#g"/>', b'<instance_geometry url="#g"/>' + what), "dae"
             )
         assert caught.value.value == found
+    skewed = dae().replace(b"<node><instance", b"<node><skew>45 0 1 0 1 0 0</skew><instance")
+    assert refused_dae(skewed) == "the element skew"
+    for word in ("nan", "-inf", "1e999", "1.#QNAN"):
+        assert refused_dae(dae().replace(b'count="12">0', f'count="12">{word}'.encode())) == f"the coordinate {word}"
     with pytest.raises(InputError, match="the element linestrips"):
         triangles_of(dae().replace(b"</mesh>", b"<linestrips/></mesh>"), "dae")
 
