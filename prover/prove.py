@@ -675,6 +675,7 @@ def claimed(world: World, alone: float, rows: int, pairs: int) -> Document:
     """What a bundle claims, in words and numbers: how much of each kind, and the most that it allows."""
     bundle, must, own, limits = world.bundle, world.must, world.splines[0].edges, world.bundle["limits"]
     contacts, put_down = ([each for phase in world.phases for each in phase[key]] for key in ("contacts", "put_down"))
+    asked, links = set(map(frozenset, must["self_pairs"])), {seat["link"] for seats in world.seats for seat in seats}
     unsure = [frame for frame in world.frames if frame["unknown"] or frame["yaw"] or any(frame["shift"])]
 
     def kept(key: str) -> Any:
@@ -690,7 +691,7 @@ def claimed(world: World, alone: float, rows: int, pairs: int) -> Document:
         "distances in travel and near a control point, m": [must["travel"], must["near"]],
         "smallest distance of a pair, m": min(x for r in (must, *must["exceptions"]) for x in (r["travel"], r["near"])),
         "bodies from meshes, with what they enclose": sum(bool(shell["triangles"]) for shell in world.surfaces),
-        "pairs of the robot's links that keep apart": len(must["self_pairs"]),
+        "pairs of the robot's links that keep apart": sum(len(pair) == 2 and pair <= links for pair in asked),
         "parts that were put down, counted in each phase": len(put_down),
         "pairs that may touch, counted in each phase": len(contacts),
         "deepest contact, m": max([0, *(each["depth"] for each in contacts)]),

@@ -24,12 +24,13 @@ HARMLESS = (
 )  # fmt: skip
 """Beginnings of the names of extensions that change no shape."""
 TRIANGLES, STRIP, FLOAT = 4, 5, 5126
+POSES = ("translation", "rotation", "scale")
 LISTS = ("buffers", "images", "accessors", "bufferViews", "nodes", "meshes", "scenes", "skins", "animations")
 
 
-def check_contents(tree: Any, size: int) -> None:
-    """Raises `InputError` at mesh.data for a `tree` that refers to other files, declares more than the file of `size`
-    bytes holds, or has shapes that are not read."""
+def check_contents(tree: Any, size: int) -> int:
+    """How many sets of triangles the scene shows, each time that it does. Raises `InputError` at mesh.data for a `tree`
+    that refers to other files, declares more than the file of `size` bytes holds, or has shapes that are not read."""
     if not isinstance(tree, dict):
         raise InputError("mesh.data", "JSON without fields", "a GLB file")
     lists: dict[str, Any] = {key: tree.get(key, []) for key in LISTS}
@@ -46,6 +47,43 @@ def check_contents(tree: Any, size: int) -> None:
     _check_shapes(lists)
     if len(lists["scenes"]) > 1 and "scene" not in tree:
         raise InputError("mesh.data", f"{len(lists['scenes'])} scenes, and none that is the default", "one scene")
+    return _shown(lists, tree.get("scene", 0))
+
+
+def _shown(lists: dict[str, list[dict[str, Any]]], scene: object) -> int:
+    """How many primitives a scene shows. Raises `InputError` for nodes that are no tree, and for one with two poses."""
+    of_mesh = [len(list(_primitives([mesh]))) for mesh in lists["meshes"]]
+    if not lists["scenes"]:
+        return 0
+    found, waiting = 0, _numbers(_item(lists["scenes"], scene, "scene").get("nodes", []))
+    seen = set[int]()
+    while waiting:
+        number = waiting.pop()
+        if number in seen:
+            raise InputError(
+                "mesh.data", f"node {number} in two places", "each node in one place: copies are nodes of their own"
+            )
+        seen.add(number)
+        node = _item(lists["nodes"], number, "node")
+        if "matrix" in node and not node.keys().isdisjoint(POSES):
+            raise InputError("mesh.data", f"node {number} with a matrix and {', '.join(POSES)}", "a matrix or these")
+        if "mesh" in node:
+            found += _item(of_mesh, node["mesh"], "mesh")
+        waiting += _numbers(node.get("children", []))
+    return found
+
+
+def _item(items: list[Any], number: object, what: str) -> Any:
+    """The item with a number in a list of the file. Raises `InputError`."""
+    if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < len(items):
+        raise InputError("mesh.data", f"{what} {number!r:.20}", f"{what} 0 to {len(items) - 1} of the file")
+    return items[number]
+
+
+def _numbers(given: object) -> list[Any]:
+    if not isinstance(given, list):
+        raise InputError("mesh.data", f"nodes {given!r:.20}", "a list of nodes")
+    return list(given)
 
 
 def _check_extensions(tree: dict[str, Any]) -> None:

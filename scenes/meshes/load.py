@@ -10,7 +10,9 @@ with all vertices of the file, so that 20,000 take minutes: they are taken out, 
 
 from __future__ import annotations
 
+import codecs
 import io
+import math
 import re
 import struct
 from typing import Any
@@ -57,6 +59,8 @@ def triangles_of(content: bytes, form: str) -> FloatArray:
         return metres * np.concatenate(_triangles(content, form, pieces))
     if form == "obj":
         content = _plain_obj(content)
+    if form == "glb":
+        return np.concatenate(_triangles(content, form, _check_glb(content)))
     stated = CHECKS[form](content)
     triangles = np.concatenate(_triangles(content, form))
     if stated is not None and len(triangles) != stated:
@@ -133,6 +137,8 @@ def _check_stl(content: bytes) -> int | None:
     raise InputError("mesh.data", "neither length nor words of an STL file", "an STL file, binary or text")
 
 
+RELATIVE = re.compile(rb"^(?:f|fo) [^\n]*(?<=[ ])-", re.MULTILINE)
+"""A face of an OBJ file that counts vertices back from itself."""
 CURVED = re.compile(
     rb"^(vp|cstype|deg|bmat|curv2?|surf|scrv|trim|hole|con|bzp|bsp|cdc|cdp|res|call|csh)\s", re.MULTILINE
 )
@@ -140,10 +146,34 @@ CURVED = re.compile(
 
 
 def _plain_obj(content: bytes) -> bytes:
-    """An OBJ file as trimesh reads all of it: no blanks before a statement, one blank behind its name, lines put
-    together that end in a backslash, no comments and no materials."""
-    content = re.sub(rb"[ \t]*\\\r?\n", b" ", content).replace(b"\t", b" ")
-    return re.sub(rb"^ +|#.*$", b"", content, flags=re.MULTILINE).replace(b"usemtl ", b"# ")
+    """An OBJ file as trimesh reads all of it: no mark of UTF-8, no blanks before a statement, one blank behind its
+    name, lines put together that end in a backslash, no comments and no materials, indices that count from 1."""
+    content = re.sub(rb"[ \t]*\\\r?\n", b" ", content.removeprefix(codecs.BOM_UTF8)).replace(b"\t", b" ")
+    content = re.sub(rb"^ +|#.*$", b"", content, flags=re.MULTILINE).replace(b"usemtl ", b"# ")
+    return _counted_from_one(content) if RELATIVE.search(content) else content
+
+
+def _counted_from_one(content: bytes) -> bytes:
+    """An OBJ file whose faces name vertices by their place in the file. A negative index counts back from the last
+    vertex before its face; trimesh would count from the last one of the file. Indices of textures and normals are left
+    out. Raises `InputError` for one that counts back too far."""
+    before, lines = 0, []
+    for line in content.splitlines():
+        if line.startswith(b"v "):
+            before += 1
+        elif RELATIVE.match(line):
+            corners = [corner.partition(b"/")[0] for corner in line.split()[1:]]
+            line = b"f " + b" ".join(_from_one(corner, before) for corner in corners)
+        lines.append(line)
+    return b"\n".join(lines)
+
+
+def _from_one(index: bytes, before: int) -> bytes:
+    if not index.startswith(b"-") or not index[1:].isdigit():
+        return index
+    if not 1 <= int(index[1:19]) <= before:
+        raise InputError("mesh.data", f"index {index[:20].decode()}", f"the {before} vertices before its face")
+    return b"%d" % (before + 1 - int(index[1:]))
 
 
 def _check_obj(content: bytes) -> int | None:
@@ -183,9 +213,9 @@ def _check_ply(content: bytes) -> int | None:
     return None
 
 
-def _check_glb(content: bytes) -> int | None:
+def _check_glb(content: bytes) -> int:
     """Header and contents of a GLB: nothing outside the file, nothing declared that it does not hold, and no shape that
-    is not read."""
+    is not read. How many sets of triangles it shows."""
     if len(content) < 20 or content[:4] != b"glTF":
         raise InputError("mesh.data", "no header of a GLB file", "a GLB file")
     version, total, length, kind = struct.unpack_from("<IIII", content, 4)
@@ -195,11 +225,10 @@ def _check_glb(content: bytes) -> int | None:
         tree = parse_json(content[20 : 20 + length])
     except InputError as error:
         raise InputError("mesh.data", f"JSON: {error.allowed} is missing", "a GLB file") from None
-    check_contents(tree, len(content))
-    return None
+    return check_contents(tree, len(content))
 
 
-NOT_READ = ("instance_node", "instance_controller", "linestrips", "ph", "convex_mesh", "spline", "brep")
+NOT_READ = ("instance_node", "instance_controller", "linestrips", "ph", "convex_mesh", "spline", "brep", "skew")
 """Elements of a COLLADA file whose shapes are not read, or with which a mesh is left out."""
 SURFACES = ("triangles", "tristrips", "trifans", "polylist", "polygons")
 
@@ -227,6 +256,8 @@ def _check_dae(content: bytes) -> tuple[float, int]:
             raise InputError(
                 "mesh.data", f"the element {name}", f"a dae file without {name}, of triangles and polygons"
             )
+    for mesh in root.iterfind(f"{space}library_geometries/{space}geometry/{space}mesh"):
+        _check_places(mesh, space)
     unit = root.find(f"{space}asset/{space}unit")
     try:
         metres = 1.0 if unit is None else float(unit.get("meter", "1"))
@@ -235,6 +266,21 @@ def _check_dae(content: bytes) -> tuple[float, int]:
     if not 1e-6 <= metres <= 1e3:
         raise InputError("mesh.data", "a unit that is no length", "a unit in m")
     return metres, _shown(root, space)
+
+
+def _check_places(mesh: Any, space: str) -> None:
+    """Raises `InputError` unless all coordinates of vertices are finite numbers: the library reads NaN as 0."""
+    inputs = mesh.iterfind(f"{space}vertices/{space}input")
+    sources = {each.get("source") for each in inputs if each.get("semantic") == "POSITION"}
+    for source in mesh.iterfind(f"{space}source"):
+        array = source.find(f"{space}float_array") if f"#{source.get('id')}" in sources else None
+        for word in [] if array is None else (array.text or "").split():
+            try:
+                finite = math.isfinite(float(word))
+            except ValueError:
+                finite = False
+            if not finite:
+                raise InputError("mesh.data", f"the coordinate {word[:20]}", "finite numbers")
 
 
 def _shown(root: Any, space: str) -> int:

@@ -59,8 +59,8 @@ class Columns:
     unused: tuple[str, ...]
 
 
-def columns_of(titles: list[str], first: list[str], name: str, line: int) -> Columns:
-    """The columns of a header, of which `first` is the row behind it. Raises `DocumentError` at the column at fault."""
+def columns_of(titles: list[str], rows: list[list[str]], name: str, line: int) -> Columns:
+    """The columns of a header, with the cells of the rows behind it. Raises `DocumentError` at the column at fault."""
     clocks: list[tuple[int, str | None]] = []
     stamps: dict[str, int] = {}
     names: dict[int, int] = {}
@@ -76,9 +76,13 @@ def columns_of(titles: list[str], first: list[str], name: str, line: int) -> Col
                 raise DocumentError(f"{name}: column", title, "one column for t", line)
             clocks.append((place, clock[1].lower() if clock[1] else OF_RECORDER.get(key)))
         elif last in (*SECONDS, *NANOSECONDS, "stamp"):
-            stamps["s" if last in SECONDS else "ns" if last in NANOSECONDS else "stamp"] = place
+            kind = "s" if last in SECONDS else "ns" if last in NANOSECONDS else "stamp"
+            if stamps.setdefault(kind, place) != place:
+                allowed = f"one stamp; {titles[stamps[kind]]} is of another: remove what does not count"
+                raise DocumentError(f"{name}: column", title, allowed, line)
         elif numbered is not None and numbered[1] == "name":
-            names[int(numbered[2])] = place
+            if names.setdefault(int(numbered[2]), place) != place:
+                raise DocumentError(f"{name}: column", title, "one column of names for a number", line)
         elif (column := _state(place, title, key, numbered)) is not None:
             states.append(column)
         elif NOT_USED.fullmatch(key):
@@ -87,7 +91,7 @@ def columns_of(titles: list[str], first: list[str], name: str, line: int) -> Col
             shown = title[:LONGEST_SHOWN] if len(title) > 2 * LONGEST_SHOWN else title
             raise DocumentError(f"{name}: column", shown, f"{HEADER}, and no other columns", line)
     _check_states(states, names, name, line)
-    own, other = _clock(clocks, stamps, first)
+    own, other = _clock(clocks, stamps, rows)
     if not own:
         raise DocumentError(f"{name}: column", NOTHING, f"a column of times: {HEADER}", line)
     return Columns(own, names, tuple(states), (*unused, *(titles[place] for place in other)))
@@ -147,16 +151,16 @@ def _check_states(states: list[Column], names: dict[int, int], name: str, line: 
 
 
 def _clock(
-    clocks: list[tuple[int, str | None]], stamps: dict[str, int], first: list[str]
+    clocks: list[tuple[int, str | None]], stamps: dict[str, int], rows: list[list[str]]
 ) -> tuple[tuple[tuple[int, str | None], ...], list[int]]:
     """The columns of times that count, and the places of those that do not: the stamp of a message counts before the
-    time of its recorder, unless it was left 0."""
+    time of its recorder, unless it was left 0 in every row."""
     found: tuple[tuple[int, str | None], ...] = ()
     if "s" in stamps and "ns" in stamps:
         found = ((stamps["s"], "s"), (stamps["ns"], "ns"))
     elif "stamp" in stamps:
         found = ((stamps["stamp"], None),)
-    left_out = all(set(first[place].strip()) <= set("0.") for place, _ in found if place < len(first))
+    left_out = all(set(row[place]) <= set("0.") for row in rows for place, _ in found if place < len(row))
     if clocks and (not found or left_out):
         return tuple(clocks), [*stamps.values()]
     used = {place for place, _ in found}

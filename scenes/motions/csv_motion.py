@@ -35,7 +35,7 @@ def csv_motion(data: bytes, name: str, most_rows: int) -> Motion:
     if header is None:
         raise DocumentError(name, NOTHING, HEADER, 1)
     line, titles = header
-    columns = columns_of(titles, rows[0][1] if rows else [], name, line)
+    columns = columns_of(titles, [cells for _, cells in rows], name, line)
     count, used = len(titles), [(column, column.place) for column in columns.states]
     numbers = np.empty((len(rows), len(used)))
     for k, (number, cells) in enumerate(rows):

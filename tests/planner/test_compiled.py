@@ -35,6 +35,40 @@ print(a_kernel.compiled_now())
 """
 
 
+PAIR = """
+from assur.planner.compiled import kernel
+
+@kernel("float64(float64)")
+def inner(x):
+    return x + 1.0
+
+@kernel("float64(float64)")
+def outer(x):
+    return inner(x) * 2.0
+"""
+TWO_THREADS = """
+import sys, threading
+sys.path.insert(0, {folder!r})
+import a_pair
+
+found = []
+plain = a_pair.outer._compiler.compile
+
+def compiles(*arguments):
+    other.start()
+    other.join(0.5)  # numba's lock is held here: the other thread waits for it, with whatever else it holds
+    return plain(*arguments)
+
+a_pair.outer._compiler.compile = compiles
+other = threading.Thread(target=lambda: found.append(a_pair.inner(1.0)), daemon=True)
+first = threading.Thread(target=lambda: found.append(a_pair.outer(1.0)), daemon=True)
+first.start()
+first.join(50.0)
+other.join(5.0)
+print(sorted(found), flush=True)
+"""
+
+
 def ran(program: str, cache: Path, **variables: str) -> subprocess.CompletedProcess[str]:
     environment = {**os.environ, VARIABLE: str(cache), **variables}
     return subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=False)
@@ -147,7 +181,7 @@ def test_the_first_call_refuses_other_arguments_as_every_call_does(arguments: tu
     fixed.flags.writeable = False
     for wrong in (arguments, (fixed, 0), (np.ones(4)[::2], 0)):
         with pytest.raises(TypeError):
-            at(*wrong)
+            at(*wrong)  # type: ignore[arg-type]
     assert at(np.ones(2), 1) == 1.0
 
 
@@ -159,3 +193,8 @@ def test_threads_that_call_a_kernel_first_at_the_same_time_get_its_result() -> N
     del compiled.KERNELS[f"{__name__}.thrice"]
     with ThreadPoolExecutor(8) as threads:
         assert list(threads.map(thrice, [float(x) for x in range(64)])) == [3.0 * x for x in range(64)]
+
+
+def test_two_threads_may_be_first_to_call_a_kernel_and_one_that_it_calls(tmp_path: Path) -> None:
+    (tmp_path / "a_pair.py").write_text(PAIR)
+    assert ran(TWO_THREADS.format(folder=str(tmp_path)), tmp_path / "kept").stdout.strip() == "[2.0, 4.0]"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
@@ -12,6 +13,7 @@ import pytest
 from hypothesis import assume, event, given, settings
 from hypothesis import strategies as st
 
+from assur.planner import pipeline
 from assur.planner.checker import check
 from assur.planner.frames import Change, Conveyor, Fixed, Keyframes, Linear, Swing, Turntable
 from assur.planner.frames.motion import Pose
@@ -752,3 +754,25 @@ def test_a_place_in_the_same_task_is_where_the_next_pick_finds_the_part() -> Non
     )
     outcome = planned(scene)
     assert [arrival.control_point for arrival in outcome.plan.arrivals] == ["pick", "place", "again", "back"]
+
+
+def test_kernels_that_are_not_compiled_are_compiled_before_the_budget_begins(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock, minutes, compiled = time.perf_counter, [0.0], [True]
+
+    def compiles() -> None:
+        minutes[0] += 600.0
+        compiled[0] = True
+
+    monkeypatch.setattr(time, "perf_counter", lambda: clock() + minutes[0])
+    monkeypatch.setattr(pipeline, "load_defined", compiles)
+    monkeypatch.setattr(pipeline, "is_compiled", lambda: compiled[0])
+    scene = cell(go(0.35, 0.2))
+    assert planned(scene).elapsed_s < 600.0
+    assert minutes == [0.0]
+    compiled[0] = False
+    assert planned(scene).elapsed_s < 600.0
+    assert minutes == [600.0]
+    # who says when it began has loaded them, as a service does
+    compiled[0] = False
+    assert isinstance(plan(scene, started=time.perf_counter()), Planned)
+    assert minutes == [600.0]

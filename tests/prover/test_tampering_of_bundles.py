@@ -233,6 +233,16 @@ LIES: dict[str, tuple[Change, object]] = {
 }  # fmt: skip
 
 
+def test_a_pair_of_links_that_is_there_twice_or_bears_no_bodies_does_not_count() -> None:
+    words, document = "pairs of the robot's links that keep apart", bundle("demo")
+    own = document["required"]["self_pairs"]
+    document["required"]["self_pairs"] = [*own, *([b, a] for a, b in own), *([a, a] for a, _ in own), [0, 99], [98, 99]]
+    right, told = shown(document)
+    assert right
+    assert told == shown(bundle("demo"))[1]
+    assert told[words] == len({frozenset(pair) for pair in own}) > 0
+
+
 @pytest.mark.parametrize("words", LIES)
 def test_a_bundle_that_claims_less_is_shown_and_its_number_says_so(words: str) -> None:
     before = shown(bundle("demo"))[1]

@@ -72,6 +72,35 @@ def test_morph_targets_without_weights_leave_the_mesh_as_it_is() -> None:
     assert len(load(changed({}, node={"weights": [0, 0.0]}), "glb", "mm").faces) == len(CUBE)
 
 
+def shown_by(nodes: list[dict[str, Any]], roots: list[int], **change: Any) -> bytes:
+    """The cube as GLB, shown by other nodes."""
+    return changed({"nodes": nodes, "scene": 0, "scenes": [{"nodes": roots}], **change})
+
+
+CUBE_AT: dict[str, Any] = {"mesh": 0, "translation": [500.0, 0.0, 0.0]}
+NODES = {
+    "node 2 in two places": shown_by([{"children": [2]}, {**CUBE_AT, "mesh": 0, "children": [2]}, {"mesh": 0}], [0, 1]),
+    "node 1 in two places": shown_by([{"children": [1, 1]}, {"mesh": 0}], [0]),
+    "node 0 in two places": shown_by([{"mesh": 0, "children": [0]}], [0]),
+    "node 0 with a matrix and": shown_by([{**CUBE_AT, "matrix": np.eye(4).ravel().tolist()}], [0]),
+    "1 meshes that can be read": shown_by([{**CUBE_AT, "camera": 0}, {"mesh": 0}], [0, 1], cameras=[{}]),
+    "node 7": shown_by([{"mesh": 0, "children": [7]}], [0]),
+    "mesh True": shown_by([{"mesh": True}], [0]),
+    "scene 3": shown_by([{"mesh": 0}], [0], scene=3),
+    "nodes 5": shown_by([{"mesh": 0, "children": 5}], [0]),
+}
+
+
+@pytest.mark.parametrize("what", NODES)
+def test_each_mesh_that_a_scene_of_a_glb_shows_is_read(what: str) -> None:
+    assert str(refused(NODES[what], "glb").value).startswith(what)
+
+
+def test_a_mesh_that_is_shown_twice_is_read_twice() -> None:
+    content = shown_by([{"children": [1, 2]}, CUBE_AT, {"mesh": 0}, {"mesh": 0, "scale": [9, 9, 9]}], [0])
+    assert len(triangles_of(content, "glb")) == 2 * len(CUBE)  # the last node is not in the scene
+
+
 TETRAHEDRON = b"v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\n"
 
 
@@ -86,6 +115,23 @@ TETRAHEDRON = b"v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\n"
 )
 def test_every_face_of_an_obj_is_read_however_it_is_written(faces: bytes) -> None:
     assert len(load(TETRAHEDRON + faces, "obj", "mm").faces) == 4
+
+
+def test_negative_indices_of_an_obj_count_back_from_their_face() -> None:
+    vertices = TETRAHEDRON.decode()
+    back = "f -4/-1 -2/-1 -3/-1\nf -4//-1 -3//-1 -1//-1\nf -4 -1 -2\nf -3 -2 -1\n"
+    beyond = vertices.replace("v ", "v 5")  # all of it from x = 50 on
+    content = f"vt 0 0\nvn 0 0 1\n{vertices}{back}{beyond}{back}".encode()
+    plain = (vertices + beyond + FACES.decode() + FACES.decode().translate(str.maketrans("1234", "5678"))).encode()
+    np.testing.assert_array_equal(triangles_of(content, "obj"), triangles_of(plain, "obj"))
+    assert "index -5" in str(refused(f"{vertices}f -5 -2 -1\n".encode(), "obj").value)
+    assert "index -0" in str(refused(f"{vertices}f -0 -2 -1\n".encode(), "obj").value)
+    assert "index -4" in str(refused(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf -4 -2 -1\nv 0 0 1\n", "obj").value)
+
+
+def test_a_mark_of_utf_8_hides_no_vertex_of_an_obj() -> None:
+    content = b"\xef\xbb\xbf" + TETRAHEDRON + FACES
+    np.testing.assert_array_equal(triangles_of(content, "obj"), triangles_of(TETRAHEDRON + FACES, "obj"))
 
 
 FACES = b"f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
@@ -139,6 +185,12 @@ def test_a_ply_is_read_whole_or_refused() -> None:
     assert (cut.value, cut.allowed) == ("6 lines of elements", "8 lines, as the header states")
 
 
+def refused_dae(content: bytes) -> object:
+    with pytest.raises(InputError) as caught:
+        triangles_of(content, "dae")
+    return caught.value.value
+
+
 def test_a_dae_is_read_whole_or_refused() -> None:
     again = dae().replace(
         b'<instance_geometry url="#g"/>',
@@ -156,6 +208,10 @@ def test_a_dae_is_read_whole_or_refused() -> None:
                 dae().replace(b'<instance_geometry url="#g"/>', b'<instance_geometry url="#g"/>' + what), "dae"
             )
         assert caught.value.value == found
+    skewed = dae().replace(b"<node><instance", b"<node><skew>45 0 1 0 1 0 0</skew><instance")
+    assert refused_dae(skewed) == "the element skew"
+    for word in ("nan", "-inf", "1e999", "1.#QNAN"):
+        assert refused_dae(dae().replace(b'count="12">0', f'count="12">{word}'.encode())) == f"the coordinate {word}"
     with pytest.raises(InputError, match="the element linestrips"):
         triangles_of(dae().replace(b"</mesh>", b"<linestrips/></mesh>"), "dae")
 

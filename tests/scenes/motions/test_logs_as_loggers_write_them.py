@@ -155,6 +155,27 @@ def test_seconds_and_nanoseconds_in_two_columns_are_one_time() -> None:
     assert caught.value.line == 4
 
 
+def test_of_two_stamps_none_is_chosen() -> None:
+    titles = ["header.stamp.sec", "header.stamp.nanosec", "goal.time_from_start.sec", "goal.time_from_start.nanosec"]
+    rows = [["7", str(k * 10_000_000), "0", "0", *row[1:]] for k, row in enumerate(ROWS[:90])]
+    with pytest.raises(DocumentError, match=r"one stamp; header\.stamp\.sec is of another") as caught:
+        parse_log(text([*titles, *TITLES[1:]], rows).encode(), "bag.csv")
+    assert caught.value.value == "goal.time_from_start.sec"
+    two = ["t_s", "name0", "name0", "position0"]
+    with pytest.raises(DocumentError, match="one column of names for a number"):
+        parse_log(text(two, [["0", "a", "b", "1"]]).encode(), "bag.csv")
+
+
+def test_a_stamp_that_begins_at_0_is_one() -> None:
+    """As of a simulation: the recorder's own times jitter."""
+    titles = ["__time", "header.stamp.sec", "header.stamp.nanosec", *TITLES[1:]]
+    rows = []
+    for k, row in enumerate(ROWS):
+        recorded, stamp = START + Decimal(row[0]) + Decimal(k % 3) / 1000, divmod(int(Decimal(row[0]).scaleb(9)), 10**9)
+        rows.append([str(recorded), *map(str, stamp), *row[1:]])
+    same(parse_log(text(titles, rows).encode(), "bag.csv"))
+
+
 @pytest.mark.parametrize("prefix", ["line3_", "robot/", "cell.arm-"])
 def test_joints_behind_one_prefix_are_those_of_the_robot(prefix: str) -> None:
     names = TEXT.replace("j1_deg,j2_deg,j3_mm", f"{prefix}j1_deg,{prefix}j2_deg,{prefix}j3_mm", 1)
