@@ -68,8 +68,9 @@ export function kindOf(text) {
     if (tooLong(text)) throw refused(`a request with ${tooLong(text)}, which has more digits than a browser keeps`);
     return { kind: "request", request: document };
   }
-  const fields = Object.keys(document).slice(0, 5).join(", ") || "no field";
-  throw refused(schema === undefined ? `JSON with ${fields}` : `a document of the schema ${JSON.stringify(schema)}`);
+  const keys = Object.keys(document).slice(0, 5).join(", ");
+  const holds = keys ? `the keys ${keys}` : "no key";
+  throw refused(schema === undefined ? `JSON with ${holds}` : `a document of the schema ${JSON.stringify(schema)}`);
 }
 
 // ---- YAML -------------------------------------------------------------------------------------------------------

@@ -387,7 +387,10 @@ text.addEventListener("paste", pasted);
 text.addEventListener("scroll", () => (find("lines").scrollTop = text.scrollTop));
 find("plan").addEventListener("click", plan);
 find("cancel").addEventListener("click", () => attempt(cancel)); // the job may have ended meanwhile
-find("keep").addEventListener("click", answers.keep);
+find("keep").addEventListener("click", () => {
+  answers.keep();
+  note("This answer is kept. Press Plan: the next answer is shown beside it.");
+});
 find("save").addEventListener("change", save);
 find("scenario").addEventListener("change", choose);
 find("open").addEventListener("click", () => find("file").click());
