@@ -130,15 +130,17 @@ def unmet(expect: dict[str, Any], answer: dict[str, Any]) -> list[str]:
     wanted = read(ExpectDocument, expect)
     found = []
     if answer["status"] != wanted.status:
-        found.append(f"status is {answer['status']}, not {wanted.status}")
+        return [f"status is {answer['status']}, not {wanted.status}"]  # the rest follows from it
     for key in ("reason", "proved"):
         want = getattr(wanted, key)
         if want is not None and answer.get(key) != want:
             found.append(f"{key} is {answer.get(key)}, not {want}")
     if wanted.duration_s is not None:
-        duration = answer.get("duration_s", float("nan"))
+        duration = answer.get("duration_s")
         low, high = wanted.duration_s.min, wanted.duration_s.max
-        if not ((low is None or duration >= low) and (high is None or duration <= high)):
+        if duration is None:
+            found.append("there is no duration_s")
+        elif not ((low is None or duration >= low) and (high is None or duration <= high)):
             found.append(f"duration_s is {duration}, not from {low} to {high}")
     told = str([answer.get(key) for key in ("sentence", "refusal", "census", "relaxation", "margins", "legs", "load")])
     found += [f"{words!r} is not mentioned" for words in wanted.mentions if words not in told]

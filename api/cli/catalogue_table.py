@@ -1,4 +1,4 @@
-"""Robots as tables for people: a row per joint, or a row per number with whose word it is."""
+"""Robots as tables for people: a row per joint, or a row per number with its status."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MARKS = {
 """Marks behind a number that is not the maker's own word; `LEGEND` explains them."""
 LEGEND = (
     "c: a maker's configuration file, perhaps a placeholder; t: second hand; d: disputed; m: measured;\n"
-    "e: estimated; ?: nobody is said to vouch for it; no mark: the maker's own, or exact by definition\n"
+    "e: estimated; ?: no status is stated; no mark: the maker's own, or exact by definition\n"
     "unit: of the range; speed, acceleration and jerk are the same per s, s2 and s3\n"
     "reach: from the axis of the first joint to that of the flange, arm straight"
 )

@@ -287,7 +287,8 @@ def _kinds(lines: list[dict[str, Any]]) -> Iterator[Table | str]:
         row(made, line["count"], line["step"] + 1, line["stage"], line["detail"], span, by)
     yield made
     if len(lines) > CENSUS_LINES:
-        yield f"  and {len(lines) - CENSUS_LINES} more kinds of refusal"
+        more = len(lines) - CENSUS_LINES
+        yield f"  and {more} more {'kind' if more == 1 else 'kinds'} of refusal"
 
 
 def assumed(assumptions: list[str], *, details: bool) -> Iterator[str]:

@@ -115,7 +115,8 @@ def target(text: str) -> Target:
     path = Path(text)
     if text != STANDARD and not is_file(path):
         if text not in shipped_scenarios():
-            raise InputError("FILE", text, f"a file, or a shipped scenario: {likeliest(text, shipped_scenarios())}")
+            known = likeliest(text, shipped_scenarios())
+            raise InputError("FILE", text, f"a file that exists, or a shipped scenario: {known}")
         scenario = shipped(text)
     elif text == STANDARD or is_json(path):
         return _json_target(path)
@@ -142,7 +143,7 @@ def robot_named(text: str) -> RobotFile:
     if is_file(path):
         return load_robot(path)
     if text not in models():
-        raise InputError("ROBOT", text, f"a file, or a shipped robot: {likeliest(text, models())}")
+        raise InputError("ROBOT", text, f"a file that exists, or a shipped robot: {likeliest(text, models())}")
     return shipped_robot(text)
 
 
@@ -198,14 +199,14 @@ def told_as_options() -> Iterator[None]:
 def log_file(path: Path) -> MotionLog:
     """The recorded motion in a file. Raises `InputError`, with the line, or `OSError`."""
     if not is_file(path):
-        raise InputError("LOG", str(path), "a file")
+        raise InputError("LOG", str(path), "a file that exists")
     return load_log(path)
 
 
 def text_file(path: Path, name: str) -> str:
     """The text in the file that was given as `name`. Raises `InputError`, with the line, or `OSError`."""
     if not is_file(path):
-        raise InputError(name, str(path), "a file")
+        raise InputError(name, str(path), "a file that exists")
     with path.open("rb") as file:
         data = file.read(MAX_LOG_BYTES + 1)
     if len(data) > MAX_LOG_BYTES:
@@ -223,7 +224,7 @@ def json_file(path: Path, name: str, what: str) -> Any:
     Raises `InputError` or `OSError`.
     """
     if str(path) != STANDARD and not is_file(path):
-        raise InputError(name, str(path), "a file, or - for standard input")
+        raise InputError(name, str(path), "a file that exists, or - for standard input")
     allowed = f"{what}, as JSON"
     try:
         if str(path) != STANDARD:

@@ -36,7 +36,8 @@ PARAMETERS: list[dict[str, Any]] = [
     {
         "name": "jerk",
         "in": "query",
-        "description": "with `format`: whether the file must keep the robot's limit of jerk; silence: limit",
+        "description": "with `format`: the file keeps the limit of jerk (`limit`, the default), or may exceed it and "
+        "states by how much (`report`)",
         "schema": {"type": "string", "enum": list(get_args(JerkRule))},
     },
 ]

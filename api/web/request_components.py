@@ -49,7 +49,7 @@ def request_components(marks: dict[str, Any], most_budget_s: float) -> dict[str,
         "SceneQuestion": {
             "type": "object",
             "title": "SceneQuestion",
-            "description": "Options in place of those of the scenario; silence: as it has them",
+            "description": "Options in place of those of the scenario; if left out, those of the scenario",
             "properties": {"options": {"$ref": "#/$defs/OptionsDocument", "description": "How to search."}},
             "additionalProperties": False,
         },
@@ -127,11 +127,11 @@ def _tell_pairs(part: dict[str, Any]) -> None:
 
 
 def _tell_defaults(part: dict[str, Any]) -> None:
-    """Says in words what silence means of a quantity that has two keys: a generated client would send the default of
-    one key beside the other."""
+    """Says in words what is taken if a quantity that has two keys is left out: a generated client would send the
+    default of one key beside the other."""
     for key, field in part.get("properties", {}).items():
         if twin_of(key) in part["properties"] and "default" in field:
-            silent = f"Silence in both units means {json.dumps(field.pop('default'))}."
+            silent = f"If left out in both units: {json.dumps(field.pop('default'))}."
             field["description"] = f"{field['description']} {silent}"
 
 

@@ -53,7 +53,8 @@ def tracked(world: World, legs: tuple[Leg, ...], found: tuple[Target, ...]) -> l
             tool, point = world.states([(world.flange, world.scene.tool.tcp, outer), (frame, target.tool, outer)])
             missing = height - (tool.z - point.z)
             if not missing <= TRACKED_M:
-                findings.append(Finding(Code.TRACKING, f"{name} is shorter than asked", missing, "m", f"{outer:.6g} s"))
+                what = f"{name} is shorter than required"
+                findings.append(Finding(Code.TRACKING, what, missing, "m", f"{outer:.6g} s"))
             speed = abs(tool.v[2] - point.v[2])
             if stops and not speed <= MEET_M_S:
                 what = f"the tool does not stop at the outer end of {name}"

@@ -13,6 +13,8 @@ RULES = {"near": "clearance near a point", "travel": "clearance in travel", "exc
 """What a required distance is made of, without what is not known."""
 LEAST_M = 1e-7
 """Less than this of a distance is rounding, m."""
+BY_ROUNDING = ", which differ by rounding only"
+"""Said of two lengths that no digits tell apart."""
 
 
 def too_near(scene: Scene, refusal: Refusal, facts: Separation | Enclosed) -> str:
@@ -65,8 +67,9 @@ def _pressed(first: str, second: str, facts: Separation) -> str:
     unknown = required - clearance
     deep, allowed = apart(unknown - gap, -clearance)
     of = f" (uncertainty {amount(unknown, 'm')})" if unknown > LEAST_M else ""
+    by = BY_ROUNDING if deep == allowed else ""
     return (
-        f"{first} would be pressed {deep} into {second}{of}, but only {allowed} is allowed: "
+        f"{first} would be pressed {deep} into {second}{of}, but only {allowed} is allowed{by}: "
         "a contact_tolerance_mm of the step allows more"
     )
 
@@ -80,6 +83,8 @@ def _apart(first: str, second: str, facts: Separation) -> str:
     deep = gap < -LEAST_M
     there, asked = (amount(-gap, "m"), amount(required, "m")) if deep else apart(max(gap, 0.0), required)
     what += f": overlap up to {there}, required {asked}" if deep else f": gap {there}, required {asked}"
+    if not deep and there == asked:
+        what += BY_ROUNDING
     if facts.rule is None or facts.rule == "contact" or facts.clearance_m is None:
         return what
     unknown = required - facts.clearance_m

@@ -138,7 +138,9 @@ def _proved(
         cell = cell_in(request)
     proved = recertified(cell.scene, made, trajectory)
     if isinstance(proved, Refuted):
-        raise InputError("plan", "this motion", f"one that can be proved; the checker says: {told(proved.findings)}")
+        other = "" if tick_s is None else "; try a shorter tick, or none: then the points are the knots of the plan"
+        allowed = f"one that can be proved; the checker says: {told(proved.findings)}{other}"
+        raise InputError("plan", "this motion", allowed)
     return _motion(cell, request, made, proved, tick_s, factor, given)
 
 

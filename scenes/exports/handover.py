@@ -131,7 +131,8 @@ def _switch(ran: Trajectory, start: float) -> int:
     field = "start.at_s"
     if start <= ran.start:
         allowed = f"later than {ran.start!r} s, the start of the plan that runs before, by the same clock"
-        raise InputError(field, start, f"{allowed}: it is {ran.start - start:.6g} s too early")
+        early = f"{ran.start - start:.6g} s too early" if start < ran.start else "the same time"
+        raise InputError(field, start, f"{allowed}: it is {early}")
     if start > ran.end + NANO:
         allowed = f"up to {ran.end!r} s, the end of the plan that runs before, by the same clock"
         raise InputError(field, start, f"{allowed}: it is {start - ran.end:.6g} s too late")

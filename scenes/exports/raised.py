@@ -10,9 +10,9 @@ from assur.scenes.schema.robots import FAMILIES
 JERKS = ("jerk_rad_s3", "jerk_m_s3", "jerk_deg_s3", "jerk_mm_s3")
 
 
-def scale_of(request: dict[str, Any]) -> float:
-    """The scale of the robot's own jerks that a request sets."""
-    return float((request["robot"].get("limits") or {}).get("jerk", 1.0))
+def scale_of(request: dict[str, Any], rate: str = "jerk") -> float:
+    """The scale that a request sets for the robot's own limits of a rate: velocity, acceleration or jerk."""
+    return float((request["robot"].get("limits") or {}).get(rate, 1.0))
 
 
 def raised(request: dict[str, Any], factor: float) -> dict[str, Any]:

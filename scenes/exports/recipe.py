@@ -14,6 +14,7 @@ import numpy as np
 
 from assur.planner.errors import InputError
 from assur.scenes.conventions import as_maker
+from assur.scenes.exports.raised import scale_of
 
 if TYPE_CHECKING:
     from assur.planner.arrays import FloatArray
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 NOTES = (
     "RECIPE, NOT EXECUTED AND NOT PROVED HERE: the controller makes its own motion from it.",
     "Try it at low speed. Points are those of the plan, in mm and deg in the robot's base frame, with its tool.",
-    "Speeds and accelerations are the highest of the plan in each leg; per cent are of the limits in the model.",
+    "Speeds and accelerations are the highest of the plan in each leg; per cent are of the robot's own limits.",
     "Where a leg begins in motion, the acceleration is what reaches the speed within the leg, if that is more.",
 )
 """What a recipe says first."""
@@ -187,11 +188,14 @@ def _leg(motion: Motion, world: World, dialect: Dialect, number: int, leg: Leg) 
         told.append(f"{dialect.comment}  the point moves: the controller must track its frame here; P{number} is where")
         told.append(f"{dialect.comment}  the plan is at {leg.t1:.4f} s of the cell's clock")
     t = np.linspace(leg.t0, leg.t1, INSTANTS)
+    # a controller counts per cent of what the robot can do, not of what a request leaves of it
     limits = scene.robot.limits
+    velocity = limits.velocity / scale_of(motion.request, "velocity")
+    acceleration = limits.acceleration / scale_of(motion.request, "acceleration")
     # a leg that begins in motion pulls at little, and a controller that begins it at rest must get there
     most, lasts = np.abs(np.stack([trajectory.evaluate(t, order) for order in (1, 2)])).max(1), leg.t1 - leg.t0
-    speed = float((most[0] / limits.velocity).max())
-    accel = float((np.maximum(most[1], most[0] / lasts) / limits.acceleration).max())
+    speed = float((most[0] / velocity).max())
+    accel = float((np.maximum(most[1], most[0] / lasts) / acceleration).max())
     peaks = tool_peaks(scene, trajectory, leg.t0, leg.t1)
     straight = leg.kind in TRACKING or (leg.route is not None and leg.route.course in (Course.STRAIGHT, Course.PATH))
     on = dialect.on[bool((np.abs(trajectory.evaluate(leg.t1, 1)) > MOVING).any())]

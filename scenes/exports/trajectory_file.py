@@ -54,8 +54,8 @@ def trajectory_from(
     if form == "ros2" or motion.relative:
         if form == "ros2" and not motion.relative and time[0] > 0.0:
             allowed = (
-                "0 s at the first point: before a later one the controller would add a motion of its own. Where the "
-                "arm is there already, take this time from that of every point"
+                "0 s at the first point: before a later one the controller would add a motion of its own. If the "
+                "arm is at the first point already, subtract this time from the times of all points"
             )
             field, line = motion.where(0, TIME, 0)
             raise DocumentError(field, f"{float(time[0])!r} s", allowed, line)

@@ -241,6 +241,20 @@ class _Task:
             return self._pose(item, free, part)
 
     def _pose(self, item: TargetDocument, free: bool = False, part: bool = False) -> Target:
+        faults = Gathered()
+        with faults.part():
+            yaw_free = self._yaw_free(item, free, part)
+        with faults.part():
+            if item.body is not None and item.body == self.held:
+                raise Refused("a body that is not in the gripper", "body")
+            frame, pose = resolve(item, item.yaw_rad or 0.0, self.frames, self.places)
+        faults.settle()
+        tilt = _asked(item.pitch_rad), _asked(item.roll_rad)
+        return Target(frame, pose, yaw_free, *tilt, yaw_keep=item.yaw_keep)
+
+    def _yaw_free(self, item: TargetDocument, free: bool, part: bool) -> bool:
+        """Whether the tool may have any yaw at the target. Raises `Refused` for an angle that it has
+        not, or needs."""
         if item.yaw_rad is not None and not self.has_yaw:
             raise Refused(self.no_yaw, "yaw_rad")
         for key in ("pitch_rad", "roll_rad"):
@@ -255,12 +269,7 @@ class _Task:
         if silent and self.known and self.has_yaw and not free:
             said: list[str] = [key for key in ("yaw_free", "yaw_keep") if key in item.model_fields_set]
             raise Refused(PART_YAW if part else ANY_YAW, *(said or ["yaw_rad"])[:1])
-        yaw_free = item.yaw_free or item.yaw_keep or (silent and (free or not self.has_yaw))
-        if item.body is not None and item.body == self.held:
-            raise Refused("a body that is not in the gripper", "body")
-        frame, pose = resolve(item, item.yaw_rad or 0.0, self.frames, self.places)
-        tilt = _asked(item.pitch_rad), _asked(item.roll_rad)
-        return Target(frame, pose, yaw_free, *tilt, yaw_keep=item.yaw_keep)
+        return item.yaw_free or item.yaw_keep or (silent and (free or not self.has_yaw))
 
     def _window(self, item: WindowedStep, frame: str) -> Window:
         for key, ends in (("window_s", item.window_s), ("window_m", item.window_m)):

@@ -70,7 +70,7 @@ class OptionsDocument(Document):
 
 
 class LagDocument(ByName):
-    """How far each joint may be from the trajectory, by the maker's joint names (`j1_rad`, `j3_m`); silence: 0."""
+    """How far each joint may be from the trajectory, by the maker's joint names (`j1_rad`, `j3_m`); 0 if left out."""
 
     __pydantic_extra__: dict[str, Distance]
 

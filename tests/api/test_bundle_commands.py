@@ -73,7 +73,7 @@ def test_what_is_no_bundle_is_bad_input(plan_file: Path, tmp_path: Path) -> None
     allowed = "a proof bundle, as assur bundle writes it: bundle: "
     assert wrong.startswith(f'assur: BUNDLE: got "plan.json"; allowed: {allowed}')
     code, _, wrong = run("prove", str(tmp_path / "none.json"))
-    assert (code, "a file" in wrong) == (BAD_INPUT, True)
+    assert (code, "a file that exists" in wrong) == (BAD_INPUT, True)
 
 
 @pytest.mark.parametrize(

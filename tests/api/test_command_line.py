@@ -316,6 +316,10 @@ def test_the_census_is_a_table_with_a_row_for_each_kind_of_refusal() -> None:
     told = shown(console_report.census({**document, "refused": 4}, planned=True))
     assert told[0] == "7 candidates, 4 refused"
     assert not any("the other" in sentence for sentence in told)
+    for beyond, said in ((0, []), (1, ["and 1 more kind of refusal"]), (2, ["and 2 more kinds of refusal"])):
+        kinds = [LINE] * (console_report.CENSUS_LINES + beyond)
+        told = shown(console_report.census({**document, "lines": kinds}, planned=True))
+        assert [line for line in told if line.startswith("and ")] == said
     at_times = [{**LINE, "interval_s": span} for span in ([0.5, 0.5], [0.1, 0.75], [0.1, None])]
     *_, once, between, unknown = shown(console_report.census({**document, "lines": at_times}, planned=True))
     assert once.endswith("bar 0.500 2 mm")

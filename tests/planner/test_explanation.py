@@ -126,6 +126,8 @@ def test_bodies_that_only_touch_have_no_gap_and_do_not_overlap() -> None:
         (0.00687, 0.01, "gap 6.87 mm, required 10 mm"),
         (1.2345671, 1.2345679, "gap 1234.567 mm, required 1234.568 mm"),
         (-0.003, 0.003, "overlap up to 3 mm, required 3 mm"),
+        (0.009999999999999988, 0.01, "gap 10 mm, required 10 mm, which differ by rounding only"),
+        (-1e-17, 0.0, "gap 0 mm, required 0 mm, which differ by rounding only"),
     ],
 )
 def test_a_gap_that_is_less_than_required_is_shown_to_be_less(gap: float, required: float, said: str) -> None:

@@ -127,7 +127,7 @@ def test_every_equation_is_explained_and_computed_where_the_page_says() -> None:
 
 def test_every_printed_line_is_explained_on_the_page() -> None:
     page = (ROOT / "docs" / "bundle.md").read_text(encoding="utf-8")
-    table = page[page.index("| line | stands for |") :].partition("\n\n")[0]
+    table = page[page.index("| line | means |") :].partition("\n\n")[0]
     rows = [line.split(" | ")[0].removeprefix("| ") for line in table.splitlines()[2:]]
     assert rows == list(shown(bundle("demo"))[1])
 

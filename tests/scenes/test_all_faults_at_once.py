@@ -57,6 +57,12 @@ def test_three_wrong_names_are_three_faults() -> None:
     }
 
 
+def test_frame_and_yaw_of_one_target_are_two_faults() -> None:
+    target = {"frame": "blet", "at_mm": [0, 0, 30]}
+    request = spoilt(("task.2", {"follow": {"to": target, "duration_ms": 50}}))
+    assert faults_of(request) == {"task[2].follow.to.yaw_rad": NOTHING, "task[2].follow.to.frame": "blet"}
+
+
 def test_faults_of_form_are_reported_with_their_values() -> None:
     request = spoilt(
         ("start.joints.j1_deg", "17"),

@@ -194,7 +194,14 @@ def test_each_expectation_can_fail(expect: dict[str, Any]) -> None:
 
 def test_a_duration_that_is_not_there_meets_no_expectation() -> None:
     refused = {"status": "not_planned", "arrivals": []}
-    assert unmet({"status": "not_planned", "duration_s": {"max": 9}}, refused)
+    assert unmet({"status": "not_planned", "duration_s": {"max": 9}}, refused) == ["there is no duration_s"]
+
+
+def test_what_follows_from_another_status_is_not_said() -> None:
+    expect = {"status": "planned", "duration_s": {"min": 1, "max": 2}, "matched": ["a"]}
+    refused = {"status": "not_planned", "reason": "OUT_OF_REACH", "arrivals": []}
+    assert unmet(expect, refused) == ["status is not_planned, not planned"]
+    assert unmet({"status": "not_planned", "reason": "OUT_OF_REACH"}, ANSWER) == ["status is planned, not not_planned"]
 
 
 def test_a_mesh_file_that_does_not_exist_is_told_so_by_its_own_name(tmp_path: Path) -> None:

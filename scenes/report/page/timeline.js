@@ -66,6 +66,7 @@ export class Timeline {
     this.cursor = element("span", "cursor");
     this.scale = element("div", "scale");
     this.scale.append(this.cursor);
+    this.scale.hidden = !host.children.length; // nothing to show over time: a refusal without a motion
     host.append(this.scale);
     const at = (event) => {
       const box = this.scale.getBoundingClientRect();

@@ -85,7 +85,7 @@ def test_a_corner_that_is_cut_into_the_straight_part_is_refused(end: str) -> Non
     """The plan turns away 3 mm above its points; 5 mm of straight motion are asked for."""
     _, plan = planned(transfer())
     findings = refusals(transfer(**{end: {"mm": 5}}), plan)
-    assert any(finding.startswith(Code.TRACKING) and "shorter than asked" in finding for finding in findings)
+    assert any(finding.startswith(Code.TRACKING) and "shorter than required" in finding for finding in findings)
 
 
 def test_a_straight_part_that_is_said_to_be_longer_than_it_is_is_refused() -> None:
@@ -132,7 +132,7 @@ def test_a_straight_part_is_long_enough_for_the_clearance_of_travel() -> None:
     heights = [float(plan.trajectory.evaluate(t)[lift]) for t in (plan.arrivals[0].until, left)]
     assert heights[1] - heights[0] == pytest.approx(1.1 * 0.005, abs=1e-9)
     findings = refusals(request, planned(transfer())[1])
-    assert any("shorter than asked" in finding for finding in findings)
+    assert any("shorter than required" in finding for finding in findings)
     # with a stop the length is the one that is asked for: nothing is clear then
     request = transfer(approach={"mm": 3, "stop": True}, depart={"mm": 3, "stop": True})
     request["options"]["clearance_mm"] = {"travel": 5, "near": 1}

@@ -176,8 +176,13 @@ def test_a_plan_that_is_not_right_does_not_leave() -> None:
     longer = {**planned("demo"), "duration_s": 1.0}
     with pytest.raises(InputError, match="duration_s"):
         export_document(request_of("demo"), longer, {"format": "csv"})
-    with pytest.raises(InputError, match="certificate"):
+    with pytest.raises(InputError, match="request_digest is"):
         export_document(request_of("demo"), plan(request_of("transfer"), certificate="digest"), {"format": "csv"})
+
+
+def test_ticks_that_are_too_long_to_track_a_point_are_refused_with_what_to_do() -> None:
+    with pytest.raises(InputError, match=r"the tool leaves its line or point .*; try a shorter tick, or none"):
+        export_document(request_of("demo"), planned("demo"), {"format": "csv", "tick_ms": 20, "jerk": "report"})
 
 
 def test_a_motion_is_proved_anew_whatever_its_answer_claims_of_it() -> None:

@@ -168,7 +168,7 @@ REFUSED = {
     ),
     "a late first point": (
         changed(lambda made: [each["time_from_start"].update(sec=1) for each in made["points"]]),
-        "points[0].time_from_start", "1.0 s", "0 s at the first point",
+        "points[0].time_from_start", "1.0 s", "subtract this time from the times of all points",
     ),
     "no accelerations": (
         changed(lambda made: [each.update(accelerations=[]) for each in made["points"]]),
