@@ -197,8 +197,11 @@ def _check_ply(content: bytes) -> int | None:
     end = content.find(b"end_header", 0, 65536)
     if content[:4] not in (b"ply\n", b"ply\r") or end < 0:
         raise InputError("mesh.data", "no header of a PLY file", "a PLY file")
-    total = 0
+    total, seen = 0, set[bytes]()
     for name, count in re.findall(rb"^element\s+(\S+)\s+(\S+)", content[:end], re.MULTILINE):
+        if name in seen:
+            raise InputError("mesh.data", f"two elements {name.decode('ascii', 'replace')}", "each element once")
+        seen.add(name)
         if name not in PLY_ELEMENTS:
             shown = f"an element {name.decode('ascii', 'replace')}"
             raise InputError("mesh.data", shown, "elements vertex and face: export the surface as faces")

@@ -183,6 +183,9 @@ def test_a_ply_is_read_whole_or_refused() -> None:
     assert found.value == "an element tristrips"
     cut = refused(HEADER + b"end_header\n" + POINTS + TRIANGLES[:16], "ply")
     assert (cut.value, cut.allowed) == ("6 lines of elements", "8 lines, as the header states")
+    other = b"element face 4\nproperty list uchar int vertex_indices\n"
+    twice = refused(HEADER + other + b"end_header\n" + POINTS + TRIANGLES + TRIANGLES, "ply")
+    assert (twice.value, twice.allowed) == ("two elements face", "each element once")
 
 
 def refused_dae(content: bytes) -> object:

@@ -223,7 +223,7 @@ def test_a_number_that_our_form_does_not_take_is_told_at_its_joint(tmp_path: Pat
     files = Files(tmp_path).write(GOOD)
     files.limits.write_text(files.limits.read_text().replace("20.0", "1.0e+300", 1))
     (found,) = told(files)
-    assert found == "joint a_joint_1, acceleration_rad_s2: 1e+300; allowed is at most 1e+06"
+    assert found == "joint a_joint_1, acceleration_rad_s2: 1e+300; allowed is at most 1000000"
 
 
 def test_a_package_whose_folder_is_not_there_is_refused(tmp_path: Path) -> None:
