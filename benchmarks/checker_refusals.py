@@ -71,10 +71,6 @@ def _tiny_limits(request: Document, code: str) -> bool:
     return code in ("CLAIM", "LIMIT") and min(limits, default=1.0) <= TINY
 
 
-def _lag_of_a_bundle(request: Document, code: str) -> bool:
-    return code == SECOND and bool(request.get("execution", {}).get("lag"))
-
-
 LATE_S = 2e4
 """A start at this time or later, s: a neighbour's spline then rounds by more than is kept for it."""
 TINY = 1e-3
@@ -86,7 +82,6 @@ KNOWN = (
     Waiting("a neighbour and a late clock", _late_neighbour),
     Waiting("servo lag on an arm that tilts", _lag_on_a_tilting_arm),
     Waiting("tiny limits", _tiny_limits),
-    Waiting("servo lag in a bundle", _lag_of_a_bundle),
 )
 """Kinds that wait for the bounds that replace those of today."""
 

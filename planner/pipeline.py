@@ -34,7 +34,7 @@ from assur.planner.model.progress import Watch
 from assur.planner.model.refusal import ForbiddenYaw, Reason, Refusal, Stage
 from assur.planner.model.scene import Scene
 from assur.planner.model.stopwatch import Stopwatch
-from assur.planner.relaxation.asked_for import worth_trying
+from assur.planner.relaxation.by_cause import worth_trying
 from assur.planner.relaxation.trying import relax
 from assur.planner.report.checker_first import checker_first
 from assur.planner.report.margins import carried, contacts, margins

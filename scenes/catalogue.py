@@ -91,7 +91,7 @@ def load_robot(path: Path) -> RobotFile:
         except InputError as error:
             raise with_line(error, lines) from error
     except DocumentError as error:
-        own = (WHOLE, path.name)
+        own = (*WHOLE, path.name)
         raise error.told_as(lambda field: path.name if field in own else f"{path.name}: {field}") from error
     return found
 

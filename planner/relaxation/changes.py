@@ -13,7 +13,7 @@ from assur.planner.frames import Conveyor
 from assur.planner.model.easier_path import rounder, slower
 from assur.planner.model.refusal import Refusal, Separation
 from assur.planner.model.scene import WORLD, Follow, Move, Pick, Place, Scene, Step, Window
-from assur.planner.relaxation.asked_for import kinds_about
+from assur.planner.relaxation.by_cause import kinds_about
 from assur.planner.relaxation.change import Change, frame_of, with_step
 from assur.planner.relaxation.smaller_clearances import smaller_clearances
 from assur.planner.relaxation.straight_parts import contact_tolerances, heights, higher_points, longer_straight_part

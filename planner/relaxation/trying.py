@@ -22,7 +22,7 @@ from assur.planner.model.outcome import Plan, Relaxation
 from assur.planner.model.progress import Watch
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene, Window
-from assur.planner.relaxation.asked_for import allowed
+from assur.planner.relaxation.by_cause import allowed
 from assur.planner.relaxation.change import Change, frame_of, with_step
 from assur.planner.relaxation.changes import MORE, changes
 from assur.planner.relaxation.rounded import ROUNDING, WHOLE, down, up

@@ -26,7 +26,7 @@ ASSUR = "assur"
 
 
 def run_words(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
-    """Runs `assur ...`, `python -m MODULE ...` or `python -W error -c PROGRAM` in `folder`."""
+    """Runs `assur ...`, `python FILE`, `python -m MODULE ...` or `python [-W error] -c PROGRAM` in `folder`."""
     with TemporaryDirectory() as made:
         files = [str(Path(made) / name) for name in ("out", "err")]
         code = _server_answer({"words": words, "folder": str(folder), "files": files})
@@ -86,7 +86,7 @@ def _become(job: dict[str, Any]) -> None:
     elif arguments[0] == "-m":
         sys.argv = arguments[1:]
         runpy.run_module(arguments[1], run_name="__main__", alter_sys=True)
-    else:
+    elif "-c" in arguments:
         *options, flag, text = arguments
         assert flag == "-c"
         assert options in ([], ["-W", "error"])
@@ -94,6 +94,9 @@ def _become(job: dict[str, Any]) -> None:
             warnings.simplefilter("error")
         sys.argv = [flag]
         exec(compile(text, "<string>", "exec"), {"__name__": "__main__"})
+    else:
+        sys.argv = arguments
+        runpy.run_path(arguments[0], run_name="__main__")
 
 
 if __name__ == "__main__":

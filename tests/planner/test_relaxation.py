@@ -34,7 +34,7 @@ from assur.planner.model.scene import (
     Window,
 )
 from assur.planner.pipeline import plan
-from assur.planner.relaxation.asked_for import worth_trying
+from assur.planner.relaxation.by_cause import worth_trying
 from assur.planner.relaxation.changes import changes
 from assur.planner.relaxation.trying import _attempt, relax
 from tests.docs.pages import ROOT

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from assur.scenes.requests import plan_document
+from benchmarks.checker_refusals import SECOND
 from benchmarks.proofs import Agreement, agreements, judged
 from benchmarks.soak.random_cells import KINDS, random_cell
 
@@ -23,17 +24,22 @@ def test_both_checkers_agree_on_a_plan_of_each_kind_of_cell(monkeypatch: pytest.
     assert (found.shown, found.differ, len(found.times)) == (len(KINDS), [], len(KINDS))
 
 
+NO_LINES: dict[str, list[object]] = {"lines": []}
+
+
 def test_checkers_that_differ_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     kind = next(iter(KINDS))
     monkeypatch.setattr("assur.prover.prove.prove", lambda _: (False, ["a row of one and another"]))
-    monkeypatch.setattr("assur.scenes.requests.check_document", lambda *_: {"ok": True})
+    monkeypatch.setattr("assur.scenes.requests.check_document", lambda *_: {"ok": True, "findings": []})
     monkeypatch.setattr("assur.scenes.bundle.doors.bundle_document", lambda *_: {})
-    monkeypatch.setattr("assur.scenes.requests.plan_document", lambda _: {"status": "planned"})
+    monkeypatch.setattr("assur.scenes.requests.plan_document", lambda _: {"status": "planned", "census": NO_LINES})
     found = Agreement()
     judged(found, kind, 5)
-    assert found.differ == [(kind, 5, "first True, second False: a row of one and another")]
+    assert found.differ == [(kind, 5, f"{SECOND}; a row of one and another")]
     assert (found.shown, found.plans) == (0, 1)
-    monkeypatch.setattr("assur.scenes.requests.plan_document", lambda _: {"status": "not_planned", "reason": "X"})
+    monkeypatch.setattr(
+        "assur.scenes.requests.plan_document", lambda _: {"status": "not_planned", "reason": "X", "census": NO_LINES}
+    )
     judged(found, kind, 5)
     assert (found.plans, dict(found.refused)) == (1, {"X": 1})
     assert random_cell(kind, 5) == random_cell(kind, 5)

@@ -42,14 +42,14 @@ FRAMES, BODIES, STEPS = "frames", "bodies", "task"
 LOOKS: dict[str, dict[str, str | int]] = {
     "demo": {
         "scenes.reading.frames.frames_of": FRAMES,
-        "scenes.reading.cell._cell_of": BODIES,
+        "scenes.reading.cell._surroundings": BODIES,
         "planner.search.beam._late": 10,
         "planner.search.beam._sampler": STEPS,
         "planner.search.meeting_options.options": STEPS,
         "planner.legs.tracking._spline": STEPS,
         "planner.feasibility.odd_places.odd_places": STEPS,
     },
-    "crowded": {"scenes.reading.cell._cell_of": BODIES, "planner.feasibility.posed_bodies._table": BODIES},
+    "crowded": {"scenes.reading.cell._surroundings": BODIES, "planner.feasibility.posed_bodies._table": BODIES},
     "carton": {"planner.feasibility.necessary._point": STEPS},
     "hose-on-gripper": {"planner.feasibility.forbidden_yaw.yaw_impossible": STEPS},
     "parabolic-blend": {"planner.blends.search._blend_sampler": STEPS},
