@@ -604,10 +604,9 @@ class World:
         def aimed(axis: Document, t0: float, t1: float, *_: float) -> int:
             way = [[constant(x) for x in axis[key]] for key in ("axis", "direction")]
             turns = [self.carrier(axis["link"], -1, *span).columns for span in ((t0, t1), (t0, t0), (t1, t1))]
-            over, begin, end = (dot(way[0], [dot(column, way[1]) for column in columns]) for columns in turns)
+            over, *ends = (dot(way[0], [dot(column, way[1]) for column in columns]) for columns in turns)
             bend = abs(over[2] * 2) * (arb(t1) - t0) ** 2 / 8
-            kept = [axis["low"] <= s[0] - bend and s[0] + bend <= axis["high"] for s in (begin, end)]
-            return SHOWN if all(kept) else IN_TIME
+            return SHOWN if all(axis["low"] <= s[0] - bend and s[0] + bend <= axis["high"] for s in ends) else IN_TIME
 
         for test, key in ((near, "points"), (gentle, "pulls"), (aimed, "axes")):
             for claim in self.bundle[key]:

@@ -55,8 +55,9 @@ class First:
 
 @dataclass(frozen=True)
 class Judged:
-    """What came of a motion: nothing found means that it is proved. `clearance`: where it comes nearest to anything,
-    with no error of what is not known; None where nothing has to be kept apart, or the motion is not known."""
+    """What came of a motion: nothing found means that it is proved. `clearance`: where the arm, its tool or what it
+    holds comes nearest to anything, with no error of what is not known; None where nothing has to be kept apart, or the
+    motion is not known."""
 
     findings: tuple[Finding, ...]
     first: First | None
@@ -130,7 +131,7 @@ def judged(scene: Scene, trajectory: Trajectory, plan: Plan | None = None) -> Ju
     if plan is None:
         findings += _still_moving(scene, trajectory)
     found = [each for each in first if each is not None]
-    clearance = nearest(prover, trajectory, of_motion)
+    clearance = nearest(prover, trajectory, of_motion, of="arm")
     return Judged(tuple(findings), min(found, key=_when, default=None), clearance)
 
 
