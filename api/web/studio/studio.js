@@ -325,6 +325,9 @@ function pasted(event) {
   else openFiles([...files]);
 }
 
+// A busy browser reads what is saved after the click: only then may its address be forgotten.
+const SAVED_MS = 60_000;
+
 async function save() {
   const { value } = find("save");
   find("save").value = "";
@@ -337,7 +340,7 @@ async function save() {
     link.href = URL.createObjectURL(new Blob([content], { type: "application/octet-stream" }));
     link.download = file;
     link.click();
-    URL.revokeObjectURL(link.href);
+    setTimeout(() => URL.revokeObjectURL(link.href), SAVED_MS);
     if (value === "text") kept = true;
   }, (problem) => note((problem.errors || []).map(fault).join(" ") || problem.detail || problem.title, true));
   find("save").disabled = false;
