@@ -40,15 +40,15 @@ class Studio(Opened):
 
     @property
     def text(self) -> str:
-        return self.page.input_value("#text")
+        return str(self.page.input_value("#text"))
 
     @property
     def faults(self) -> str:
-        return self.page.locator("#faults").inner_text()
+        return str(self.page.locator("#faults").inner_text())
 
     @property
     def note(self) -> str:
-        return self.page.locator("#note").inner_text()
+        return str(self.page.locator("#note").inner_text())
 
     def write(self, old: str, new: str) -> None:
         """Changes the text in the editor."""
