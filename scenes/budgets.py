@@ -13,7 +13,7 @@ BUDGETS = ("budget_s", "explain_budget_s")
 
 
 def stated_budgets(document: dict[str, Any], most_s: float = math.inf) -> dict[str, float]:
-    """The budgets of a request, in s, before it is validated: for whoever limits them. What is not stated is the
+    """The budgets of a request, in s, before it is validated, for callers that limit them. What is not stated is the
     default, and at most `most_s`. What is no number is left for the validation to refuse, and counts as not stated."""
     options = document.get("options")
     given = options if isinstance(options, dict) else {}

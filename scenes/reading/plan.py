@@ -58,7 +58,7 @@ def plan_of(plan: object, conventions: Conventions, *, proved_anew: bool = False
     words, and of the joints of its arrivals, that is not so.
 
     `proved_anew`: its motion will be proved again, so that the digest of the certificate is enough; the certificate of
-    the plan has no rows then. Not looked at here: whether anything else in it is true (`claims`, and the checker).
+    the plan has no rows then. Not checked here: whether anything else in it is true (`claims`, and the checker).
     Raises `DocumentError` below "plan".
     """
     with located({PLAN: plan}), within(PLAN):
