@@ -1,0 +1,1 @@
+"""The claim of a plan: the one numeric statement of what it promises, as flat tables."""
