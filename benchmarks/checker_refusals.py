@@ -13,6 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from benchmarks.soak.arms import robot_file
+
 Document = dict[str, Any]
 
 
@@ -61,9 +63,19 @@ def _late_neighbour(request: Document, code: str) -> bool:
     return code == "LAW_ENDS" and late and bool(request.get("neighbours"))
 
 
+def _lags(request: Document, *families: str) -> bool:
+    """Whether the joints of an arm of one of these families may lag."""
+    robot = request.get("robot", {})
+    named = robot_file(robot["model"]) if "model" in robot else robot
+    return any(family in named for family in families) and bool(request.get("execution", {}).get("lag"))
+
+
 def _lag_on_a_tilting_arm(request: Document, code: str) -> bool:
-    tilts = any(key in request.get("robot", {}) for key in ("elbow_arm", "polar_arm", "five_axis_arm"))
-    return code in ("SEPARATION", "COVER") and tilts and bool(request.get("execution", {}).get("lag"))
+    return code in ("SEPARATION", "COVER") and _lags(request, *TILTING)
+
+
+def _error_by_lag(request: Document, code: str) -> bool:
+    return code == "ERROR" and _lags(request, "five_bar", *TILTING)
 
 
 def _tiny_limits(request: Document, code: str) -> bool:
@@ -71,7 +83,8 @@ def _tiny_limits(request: Document, code: str) -> bool:
     return code in ("CLAIM", "LIMIT") and min(limits, default=1.0) <= TINY
 
 
-LATE_S = 2e4
+TILTING = ("elbow_arm", "polar_arm", "five_axis_arm")
+LATE_S = 1e3
 """A start at this time or later, s: a neighbour's spline then rounds by more than is kept for it."""
 TINY = 1e-3
 """Limits of a joint of this size or less, per s, s² or s³: rounding of peaks counts then."""
@@ -81,6 +94,7 @@ SECOND = "second checker"
 KNOWN = (
     Waiting("a neighbour and a late clock", _late_neighbour),
     Waiting("servo lag on an arm that tilts", _lag_on_a_tilting_arm),
+    Waiting("the error of an arrival by servo lag", _error_by_lag),
     Waiting("tiny limits", _tiny_limits),
 )
 """Kinds that wait for the bounds that replace those of today."""

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 from assur.planner.errors import InputError
+from assur.scenes.bundle.doors import bundle_document
 from assur.scenes.requests import check_document, plan_document, validate
 from benchmarks.soak.poses import Document
 
@@ -33,3 +35,11 @@ def checked(request: Document, answer: Document) -> list[dict[str, Any]] | None:
         if answer["status"] == "planned":
             raise
         return None
+
+
+def shown(request: Document, answer: Document) -> str:
+    """Why the second checker does not accept the bundle of a planned answer; empty if it does."""
+    from assur.prover.prove import prove  # which needs the packages of the proof
+
+    accepted, result = prove(json.dumps(bundle_document(request, answer)).encode())
+    return "" if accepted else str(result[0])

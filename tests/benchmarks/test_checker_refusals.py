@@ -95,6 +95,12 @@ SLOW: Document = {"robot": {"scara": {"joints": [{"name": "j1", "velocity_rad_s"
         (TILTS, "SEPARATION", "servo lag on an arm that tilts"),
         (TILTS, SECOND, None),
         ({**TILTS, "execution": {}}, "SEPARATION", None),
+        ({**TILTS, "robot": {"model": "polar-arm"}}, "COVER", "servo lag on an arm that tilts"),
+        (TILTS, "ERROR", "the error of an arrival by servo lag"),
+        ({**TILTS, "robot": {"five_bar": {"joints": []}}}, "ERROR", "the error of an arrival by servo lag"),
+        ({**TILTS, "robot": {"model": "mitsubishi-rp-5ah"}}, "SEPARATION", None),
+        ({**TILTS, "robot": {"model": "fanuc-sr-3ia"}}, "ERROR", None),
+        ({**TILTS, "execution": {}}, "ERROR", None),
         (SLOW, "CLAIM", "tiny limits"),
         (SLOW, "VIA", None),
         ({"robot": {"model": "fanuc-sr-3ia"}}, "CLAIM", None),
@@ -110,7 +116,7 @@ def test_known_kinds_are_counted_by_name_and_hide_no_other(request_: Document, c
 
 
 def test_the_known_kinds_are_few_and_have_names_of_their_own() -> None:
-    assert len({each.name for each in KNOWN}) == len(KNOWN) == 3
+    assert len({each.name for each in KNOWN}) == len(KNOWN) == 4
 
 
 def test_a_problem_of_which_the_checker_refused_a_plan_is_a_failure() -> None:

@@ -28,6 +28,7 @@ SHORTER = {
     "benchmarks.recheck": ["--partial"],
     "benchmarks.profile": ["--limit", "2", "--repeats", "2"],
     "benchmarks.best_known": ["--known", "out/known.json", "--work", "out", "--only", "A000", "--budget-s", "0.05"],
+    "benchmarks.record": ["--only", "scenarios"],
     "benchmarks.report": ["--no-page", "--plots", "out"],
 }
 """What the tests add to a command that would take minutes, or write into the repository."""

@@ -1,0 +1,378 @@
+"""``python -m benchmarks.hard_requests``: does the checker refuse what the planner has proved, where it is hardest?
+
+The requests are of the kinds for which planner and checkers have disagreed. A kind and a seed make the same request on
+every machine; searches end by a count. Each answer is counted once: planned and checked; refused for a reason; *the
+checker refuses* a plan that the planner has proved, in the search or at the end; bad input; error. Exit 1 if there is
+an error, or a refusal by the checker that is of no known kind.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+from benchmarks.checker_refusals import SECOND, Refused, codes_of, keep, said
+from benchmarks.oracle.arms import arm_of
+from benchmarks.oracle.asked import as_si, checked, planned, shown
+from benchmarks.oracle.kinds import ELBOW, FIVE_AXES, KINDS, POLAR, TILTING, random_cell
+from benchmarks.oracle.points import Points
+from benchmarks.soak.arms import robot_file
+from benchmarks.soak.drafts import FIVE_BAR, SCARAS, THREE_AXES, neighbour_of
+from benchmarks.soak.poses import Document, Floats, si
+from benchmarks.soak.random_cells import surround
+
+CONSOLE, PROGRESS = Console(width=140), Console(stderr=True)
+COUNT = 12_000
+LATEST_S = 9.9e4
+"""Latest start, s; no instant of a request may be later than 1e5 s."""
+HEIGHT_M = 0.1
+"""Of the flange of a five-bar with two joints above its base."""
+
+
+# what a request is made of
+
+
+def log_between(rng: np.random.Generator, low: float, high: float) -> float:
+    """A number between two positive ones, whose logarithm is uniform."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+class NearAnEnd(Points):
+    """Some joint of each target is at an end of its range, or almost."""
+
+    def _somewhere(self, near: float | None = None) -> Floats:
+        q, rng = super()._somewhere(near), self.draft.rng
+        if near is not None:  # a target, not the start
+            joint, upper = int(rng.integers(len(q))), bool(rng.integers(2))
+            inside = rng.choice([-1.0, 0.0, 1.0, 1.0, 1.0]) * log_between(rng, 1e-10, 1e-3)
+            q[joint] = self.arm.upper[joint] - inside if upper else self.arm.lower[joint] + inside
+        return q
+
+
+class TwoJoints(Points):
+    """A five-bar without lift and wrist: two cranks, written out in the request."""
+
+    @property
+    def turns(self) -> bool:
+        return False
+
+    def _somewhere(self, near: float | None = None) -> Floats:
+        q = super()._somewhere(near)
+        q[2:] = HEIGHT_M, 0.0
+        return q
+
+    def write_out(self) -> None:
+        """The same arm without its other joints."""
+        ((_, given),) = robot_file(FIVE_BAR).items()
+        lengths = {key: si(given, key).tolist() for key in ("separation", "proximal", "distal")}
+        cranks = [body for body in given["bodies"]["value"] if body["link"].startswith(("proximal", "distal"))]
+        arm = {f"{key}_m": value for key, value in lengths.items()} | {"height_m": HEIGHT_M, "self_pairs": []}
+        arm |= {"assembly": given["assembly"], "joints": joints_of(FIVE_BAR)[:2], "bodies": cranks}
+        robot, start = self.draft.request["robot"], self.draft.request["start"]
+        del robot["model"]
+        robot["five_bar"] = arm
+        start["joints"] = {name: value for name, value in start["joints"].items() if name.startswith(("j1", "j2"))}
+        self.draft.request.pop("execution", None)  # may state lag of joints that are not there
+
+
+def joints_of(model: str) -> list[Document]:
+    """The joints of a shipped robot, in SI."""
+    ((_, given),) = robot_file(model).items()
+    joints = []
+    for each in given["joints"]:
+        unit = "rad" if any(key in each for key in ("range_deg", "range_rad")) else "m"
+        joint: Document = {"name": each["name"], f"range_{unit}": si(each, "range").tolist()}
+        for kind, per in (("velocity", "s"), ("acceleration", "s2"), ("jerk", "s3")):
+            joint[f"{kind}_{unit}_{per}"] = rate(each, f"{kind}_", f"_{per}")
+        if "sign" in each:
+            joint["sign"] = each["sign"]
+        for zero in ("zero_m", "zero_rad"):
+            if any(key.startswith("zero") for key in each) and zero.endswith(unit):
+                joint[zero] = float(si(each, "zero"))
+        joints.append(joint)
+    return joints
+
+
+def rate(joint: Document, kind: str, per: str) -> float:
+    """A rate of a joint in a robot's file, per s, s² or s³ as `per` says, in SI."""
+    (key,) = [key for key in joint if key.startswith(kind) and key.endswith(per)]
+    value = joint[key]["value"] if isinstance(joint[key], dict) else joint[key]
+    return float(value) * {"deg": np.pi / 180.0, "mm": 1e-3}.get(key.removeprefix(kind).removesuffix(per), 1.0)
+
+
+def later(document: Any, by_s: float) -> Any:
+    """A document whose instants are all later by so many seconds."""
+    if isinstance(document, list):
+        return [later(each, by_s) for each in document]
+    if not isinstance(document, dict):
+        return document
+    instants = ("at_s", "start_s", "time_s", "window_s", "latest_end_s")
+    return {
+        key: (np.asarray(value) + by_s).tolist() if key in instants else later(value, by_s)
+        for key, value in document.items()
+    }
+
+
+def points_of(rng: np.random.Generator, *models: str, cell: type[Points] = Points) -> Points:
+    """A cell of an arm of one of these models. Where the arm has no yaw, its tool is on the flange axis."""
+    points = cell(rng, str(rng.choice(models)))
+    robot = points.draft.request["robot"]
+    if not points.turns:
+        robot["tool"]["tcp_m"][:2] = 0.0, 0.0
+        points.arm = arm_of(robot)
+    return points
+
+
+def with_lag(points: Points, turning: float, sliding: float) -> None:
+    """Lag of most joints, from a hundredth of so many rad and m to all of it."""
+    rng, lag = points.draft.rng, {}
+    for j, name in enumerate(points.arm.names):
+        if rng.uniform() < 0.8:
+            slides = points.arm.upper[j] - points.arm.lower[j] < 0.5
+            lag[f"{name}_{'m' if slides else 'rad'}"] = log_between(rng, 0.01, 1.0) * (sliding if slides else turning)
+    points.draft.request.setdefault("execution", {})["lag"] = lag
+
+
+# kinds
+
+
+def mesh_round_the_arm(rng: np.random.Generator) -> Document:
+    """S1: an arm that works within a mesh: the shipped tray, ten times as large, with the arm in it."""
+    points = points_of(rng, *SCARAS, THREE_AXES, FIVE_BAR)
+    points.steps(int(rng.integers(1, 3)), still=True)
+    aside = points.draft.at(0.0, 0.0, points.draft.low - 0.4) + rng.uniform(-0.3, 0.3, 3) * (1.0, 1.0, 0.5)
+    points.draft.add_body("tray", {"mesh": {"asset": "tray", "unit": "cm"}}, aside.tolist(), rng.uniform(-3.0, 3.0))
+    return points.draft.request
+
+
+def neighbour_and_late_clock(rng: np.random.Generator) -> Document:
+    """S2: another robot moves, and the clock began long ago."""
+    points = points_of(rng, *SCARAS)
+    points.steps(int(rng.integers(1, 3)))
+    points.draft.request["neighbours"] = [neighbour_of(points.draft, int(rng.integers(2, 6)))]
+    return dict(later(points.draft.request, log_between(rng, 1e3, LATEST_S)))
+
+
+def late_clock(rng: np.random.Generator) -> Document:
+    """S2: random cells of all kinds, and the clock began long ago."""
+    request = random_cell(str(rng.choice(KINDS)), int(rng.integers(1_000_000)))
+    return dict(later(request, log_between(rng, 1e3, LATEST_S)))
+
+
+def no_yaw(rng: np.random.Generator) -> Document:
+    """S3: arms that have no yaw of their own follow what moves, and the first candidates fail."""
+    model = str(rng.choice((ELBOW, POLAR, FIVE_BAR)))
+    points = points_of(rng, model, cell=TwoJoints if model == FIVE_BAR else Points)
+    points.steps(int(rng.integers(1, 4)))
+    surround(points.draft, 4)
+    if isinstance(points, TwoJoints):
+        points.write_out()
+    return points.draft.request
+
+
+def flown_by(rng: np.random.Generator) -> Document:
+    """S4: moves that the tool flies by."""
+    points = points_of(rng, FIVE_AXES, ELBOW, POLAR, FIVE_BAR, THREE_AXES)
+    count = int(rng.integers(2, 6))
+    for number in range(count):
+        move: Document = {"to": points.target(0.6, still=rng.uniform() < 0.8)}
+        if number < count - 1:
+            move["via"] = True
+        points.draft.request["task"].append({"move": move})
+    surround(points.draft, 1)
+    return points.draft.request
+
+
+def lag_on_a_tilting_arm(rng: np.random.Generator) -> Document:
+    """S5: servo lag on an arm that tilts, and small bodies beside its targets, whose places are uncertain."""
+    points = points_of(rng, *TILTING)
+    for number in range(int(rng.integers(1, 4))):
+        points.steps(1)
+        way = rng.normal(size=3)
+        at = points.tool(points.q).p + rng.uniform(0.03, 0.09) * way / np.linalg.norm(way)
+        shape = {"cylinder": {"radius_m": rng.uniform(0.004, 0.012), "height_m": rng.uniform(0.01, 0.03)}}
+        body = points.draft.add_body(f"pin-{number}", shape, at.tolist())
+        body["uncertainty"] = {"vertical_m": rng.uniform(0.0, 1e-3), "position_m": rng.uniform(0.0, 1e-3)}
+    with_lag(points, 1e-2, 3e-3)
+    surround(points.draft, 3)
+    return points.draft.request
+
+
+def tiny_limits(rng: np.random.Generator) -> Document:
+    """S6: velocities, accelerations and jerks of the joints down to 1e-6."""
+    points = points_of(rng, *SCARAS, ELBOW, POLAR)
+    model = points.draft.model
+    points.draft.request["robot"].pop("limits", None)
+    for _ in range(int(rng.integers(1, 3))):
+        points.draft.request["task"].append({"move": {"to": points.target(log_between(rng, 1e-6, 0.3), still=True)}})
+    ((family, given),) = robot_file(model).items()
+    joints = joints_of(model)
+    scales = [log_between(rng, 1e-6, 1.0) for _ in range(3)]
+    for joint in joints:
+        for scale, kind in zip(scales, ("velocity", "acceleration", "jerk"), strict=True):
+            for key in [key for key in joint if key.startswith(kind)]:
+                own = scale if rng.uniform() < 0.7 else log_between(rng, 1e-6, 1.0)
+                joint[key] = max(own * joint[key], 1e-6)
+    del points.draft.request["robot"]["model"]
+    points.draft.request["robot"][family] = {**given, "joints": joints}
+    return points.draft.request
+
+
+def much_lag(rng: np.random.Generator) -> Document:
+    """S10: so much lag of upright arms that the required distance depends on the interval."""
+    points = points_of(rng, *SCARAS[:4], FIVE_BAR, FIVE_BAR, FIVE_BAR)
+    points.steps(int(rng.integers(1, 4)))
+    with_lag(points, 3e-2, 3e-3)
+    surround(points.draft, 3)
+    return points.draft.request
+
+
+def reach_limits(rng: np.random.Generator) -> Document:
+    """Targets at the ends of joint ranges: inside by 1e-10 to 1e-3, at the end, or outside by as little."""
+    points = points_of(rng, POLAR, POLAR, ELBOW, FIVE_AXES, *SCARAS[:3], cell=NearAnEnd)
+    points.steps(int(rng.integers(1, 3)))
+    return points.draft.request
+
+
+HARD: dict[str, Callable[[np.random.Generator], Document]] = {
+    "mesh round the arm": mesh_round_the_arm,
+    "neighbour, late clock": neighbour_and_late_clock,
+    "late clock": late_clock,
+    "no yaw": no_yaw,
+    "moves flown by": flown_by,
+    "lag, tilting arm": lag_on_a_tilting_arm,
+    "tiny limits": tiny_limits,
+    "much lag": much_lag,
+    "ends of ranges": reach_limits,
+}
+
+
+def hard_request(kind: str, seed: int) -> Document:
+    """The request of a kind (one of `HARD`) and a seed, in SI."""
+    request = HARD[kind](np.random.default_rng([seed, 2000 + list(HARD).index(kind)]))
+    request.pop("beside_m", None)
+    return {key: value for key, value in request.items() if key not in ("frames", "bodies") or value}
+
+
+# the campaign
+
+
+@dataclass(eq=False)
+class Tally:
+    """Of one kind: answers by what became of them, and the codes with which the checker refused plans. `by_checker`:
+    answers in whose search, or at whose end, it refused a plan; `lost`: those that have no other plan; `unshown`: plans
+    that the second checker does not accept, if it was used."""
+
+    requests: int = 0
+    planned: int = 0
+    refused: Counter[str] = field(default_factory=Counter)
+    bad_input: Counter[str] = field(default_factory=Counter)
+    errors: Counter[str] = field(default_factory=Counter)
+    by_checker: int = 0
+    lost: int = 0
+    unshown: int = 0
+    codes: Counter[str] = field(default_factory=Counter)
+    unchecked: Refused = field(default_factory=Refused)
+
+
+def count(tally: Tally, kind: str, seed: int, request: Document, out: Path | None, prove: bool = False) -> None:
+    """Plans a request and counts its answer. One that failed is written to `out`."""
+    tally.requests += 1
+    try:
+        answer, fault = planned(request)
+        findings = None if answer is None else checked(request, answer)
+    except Exception as error:  # noqa: BLE001 - an error is a result of this campaign: counted, kept, and exit 1
+        tally.errors[type(error).__name__] += 1
+        if out is not None:
+            keep(out, f"{kind}-{seed}", request, {"error": f"{type(error).__name__}: {error}"})
+        return
+    if answer is None:
+        tally.bad_input[fault] += 1
+        return
+    codes, told = codes_of(answer, findings), ""
+    has_plan = answer["status"] == "planned" and not findings
+    if prove and has_plan:
+        told = shown(request, answer)
+        tally.unshown += bool(told)
+    unknown = tally.unchecked.add(as_si(request), codes) if codes else False
+    tally.codes.update(set(codes))
+    tally.by_checker += bool(codes)
+    tally.lost += bool(codes) and not has_plan
+    tally.planned += has_plan
+    if not has_plan and not codes:
+        tally.refused[str(answer["reason"])] += 1
+    if out is not None and (unknown or told):
+        keep(out, f"{kind}-{seed}", request, {SECOND: told, **said(answer, findings)})
+
+
+def table_of(tallies: dict[str, Tally]) -> Table:
+    """The counts by kind."""
+    table = Table(box=None, header_style="bold")
+    numbers = (
+        "requests",
+        "planned",
+        "refused",
+        "checker refuses",
+        "of these no plan",
+        "not shown",
+        "bad input",
+        "errors",
+    )
+    table.add_column("kind")
+    for name in numbers:
+        table.add_column(name, justify="right")
+    table.add_column("codes of the checker")
+    for kind, tally in tallies.items():
+        bad, errors, refused = (each.total() for each in (tally.bad_input, tally.errors, tally.refused))
+        counts = (tally.requests, tally.planned, refused, tally.by_checker, tally.lost, tally.unshown, bad, errors)
+        codes = ", ".join(f"{code} {number}" for code, number in tally.codes.most_common())
+        table.add_row(kind, *map(str, counts), codes)
+    return table
+
+
+def main(
+    requests: Annotated[int, typer.Option("--count", min=1, help="Requests, of all kinds in turn.")] = COUNT,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the first request of each kind.")] = 0,
+    only: Annotated[list[str] | None, typer.Option(help="Only this kind; repeatable.")] = None,
+    prove: Annotated[bool, typer.Option("--prove", help="The second checker judges each plan, too.")] = False,
+    out: Annotated[Path, typer.Option(help="Where requests that fail are written.")] = Path("out/hard"),
+) -> None:
+    """Plan hard requests, and count what becomes of them, by kind."""
+    kinds = only or list(HARD)
+    if unknown := [kind for kind in kinds if kind not in HARD]:
+        raise typer.BadParameter(f"--only: got {unknown[0]}; allowed: {', '.join(HARD)}")
+    tallies = {kind: Tally() for kind in kinds}
+    # also where a shell that started this in the background has it ignored
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        for number in track(range(requests), "requests", console=PROGRESS):
+            kind, own = kinds[number % len(kinds)], seed + number // len(kinds)
+            count(tallies[kind], kind, own, hard_request(kind, own), out, prove)
+    except KeyboardInterrupt:
+        PROGRESS.print("interrupted: what was planned until then")
+    CONSOLE.print(table_of(tallies))
+    total = Refused()
+    for tally in tallies.values():
+        total.merged(tally.unchecked)
+    CONSOLE.print(f"plans that the checker refuses, and of known kinds: {total}")
+    for name, counted in (("errors", "errors"), ("bad input", "bad_input"), ("reasons", "refused")):
+        for kind, tally in tallies.items():
+            told = ", ".join(f"{what} {number}" for what, number in getattr(tally, counted).most_common())
+            if told:
+                CONSOLE.print(f"{name}, {kind}: {told}", highlight=False)
+    if total.unknown or any(tally.errors for tally in tallies.values()):
+        raise typer.Exit(1)
+
+
+if __name__ == "__main__":
+    typer.run(main)

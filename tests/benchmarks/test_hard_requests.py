@@ -1,0 +1,83 @@
+"""Hard requests in a short form: which disagreements of planner and checker are left, and how they are counted."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from assur.planner.checker import Code, Finding, Verdict
+from assur.planner.search import completion
+from assur.scenes.requests import validate
+from benchmarks import hard_requests
+from benchmarks.hard_requests import HARD, Tally, count, hard_request, later, table_of
+
+EACH = 7
+"""Requests of each kind: 63 of all kinds."""
+
+
+def test_a_kind_and_a_seed_make_one_request_which_is_in_si() -> None:
+    for kind in HARD:
+        first, again, other = (json.dumps(hard_request(kind, seed), sort_keys=True) for seed in (0, 0, 1))
+        assert first == again != other
+        assert validate(json.loads(first)).schema_ == "assur/1"
+
+
+@pytest.mark.parametrize("kind", HARD)
+def test_each_answer_is_planned_and_checked_or_refused_or_counted_against_the_checker(kind: str) -> None:
+    tally = Tally()
+    for seed in range(EACH):
+        count(tally, kind, seed, hard_request(kind, seed), None)
+    assert (tally.requests, tally.errors.total(), tally.bad_input.total()) == (EACH, 0, 0)
+    assert tally.planned + tally.refused.total() + tally.lost == EACH
+    assert tally.by_checker <= MOST[kind], tally.codes
+    assert tally.planned > 0
+
+
+MOST = {
+    "mesh round the arm": 0,
+    "neighbour, late clock": EACH,
+    "late clock": 0,
+    "no yaw": 0,
+    "moves flown by": 1,
+    "lag, tilting arm": 0,
+    "tiny limits": 0,
+    "much lag": EACH,
+    "ends of ranges": 0,
+}
+"""Most answers of these requests of whose plans the checker may refuse one."""
+
+
+def test_all_instants_of_a_document_are_later_and_no_durations() -> None:
+    document = {"at_s": 1.0, "window_s": [1.0, 2.0], "dwell_s": 3.0, "points": [{"time_s": 4.0}], "budget_s": 5.0}
+    moved = {"at_s": 101.0, "window_s": [101.0, 102.0], "dwell_s": 3.0, "points": [{"time_s": 104.0}], "budget_s": 5.0}
+    assert later(document, 100.0) == moved
+
+
+def test_a_plan_that_the_checker_refuses_is_counted_and_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    kind = "mesh round the arm"
+    verdict = Verdict.of([Finding(Code.VIA, "this plan is refused", where="1 s")])
+    monkeypatch.setattr(completion, "check", lambda *_, **__: verdict)
+    tally = Tally()
+    count(tally, kind, 0, hard_request(kind, 0), tmp_path)
+    assert (tally.planned, tally.by_checker, tally.lost, dict(tally.codes)) == (0, 1, 1, {"VIA": 1})
+    assert json.loads((tmp_path / "mesh-round-the-arm-0.json").read_bytes()) == hard_request(kind, 0)
+    assert table_of({kind: tally}).row_count == 1
+
+
+def test_an_error_of_the_product_is_counted_and_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def fails(_: object) -> None:
+        raise ZeroDivisionError("0/0")
+
+    monkeypatch.setattr(hard_requests, "planned", fails)
+    tally = Tally()
+    count(tally, "no yaw", 0, hard_request("no yaw", 0), tmp_path)
+    assert dict(tally.errors) == {"ZeroDivisionError": 1}
+    assert "0/0" in (tmp_path / "no-yaw-0.faults.json").read_text(encoding="utf-8")
+
+
+def test_a_request_that_is_bad_input_is_counted_by_its_field() -> None:
+    tally = Tally()
+    count(tally, "no yaw", 0, {**hard_request("no yaw", 0), "task": []}, None)
+    assert dict(tally.bad_input) == {"task": 1}
