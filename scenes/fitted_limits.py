@@ -19,7 +19,7 @@ from assur.scenes.motions.joint_names import matched
 from assur.scenes.units import TWIN_UNITS, to_si
 
 if TYPE_CHECKING:
-    from assur.planner.identification import Estimate, JointLimits
+    from assur.scenes.identification.limits import Estimate, JointLimits
 
 RATES = {"acceleration": "_s2", "jerk": "_s3"}
 """What is found of a joint, and the end of its unit."""
@@ -48,7 +48,8 @@ def fit_limits(
     numbers are then in the document, and `limits` by which a request narrows them.
     Raises `DocumentError` with column and line, or `OSError` for a file that cannot be read.
     """
-    from assur.planner.identification import JointRecord, joint_limits
+    from assur.scenes.identification.limits import joint_limits
+    from assur.scenes.identification.recording import JointRecord
 
     if not isinstance(log, MotionLog):
         log = load_log(Path(log))
@@ -196,9 +197,9 @@ def part(document: dict[str, Any]) -> str:
             estimate = joint[rate]
             low = _lower_end(estimate)
             if low is None:
-                lines.append(f"    # {rate}: {told(estimate)}; {estimate['sentence']}")
+                lines.append(f"    # {rate}: {in_words(estimate)}; {estimate['sentence']}")
             else:
-                source = json.dumps(f"{file}: {told(estimate)} in {estimate['moves']} moves; the lower end")
+                source = json.dumps(f"{file}: {in_words(estimate)} in {estimate['moves']} moves; the lower end")
                 lines.append(f"    {rate}_{estimate['unit']}: {{value: {low:g}, status: measured, source: {source}}}")
     if document.get("limits"):
         scales = ", ".join(f"{rate}: {scale:g}" for rate, scale in document["limits"].items())
@@ -207,7 +208,7 @@ def part(document: dict[str, Any]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def told(estimate: dict[str, Any], *, unit: bool = True) -> str:
+def in_words(estimate: dict[str, Any], *, unit: bool = True) -> str:
     """A limit in words, in SI: 40.1 +- 0.2 rad/s2."""
     of = f" {estimate['unit'].replace('_', '/')}" * unit
     if estimate["status"] == "identified":

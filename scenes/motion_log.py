@@ -43,7 +43,7 @@ def load_log(path: Path) -> MotionLog:
 
 def parse_log(data: bytes, name: str) -> MotionLog:
     """The log that `data` spells, CSV or messages of ROS, of the file called `name`. Raises `DocumentError`."""
-    from assur.planner.identification import fault_of_times
+    from assur.scenes.identification.recording import fault_of_times
 
     motion = (ros_motion if is_message(data) else csv_motion)(data, name, MAX_LOG_ROWS)
     fault = fault_of_times(motion.time)

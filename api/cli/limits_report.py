@@ -8,7 +8,7 @@ from typing import Any
 from rich.table import Table
 
 from assur.api.cli.console_report import row, table
-from assur.scenes.fitted_limits import RATES, kept, told
+from assur.scenes.fitted_limits import RATES, in_words, kept
 
 LEGEND = "unit: of positions; speed, acceleration and jerk are the same per s, s2 and s3; +-: the whole error"
 
@@ -27,7 +27,7 @@ def fitted(document: dict[str, Any]) -> Iterator[Table | str]:
     for joint in document["joints"]:
         cells = []
         for rate in RATES:
-            cells.append(told(joint[rate], unit=False))
+            cells.append(in_words(joint[rate], unit=False))
             if of_robot:
                 cells.append(f"{joint[rate]['of_robot']:.4g}")
         step, lag = joint["encoder_step"], joint["lag_s"]

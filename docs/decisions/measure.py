@@ -30,7 +30,6 @@ import assur.planner.timing.solver
 from assur.planner import Scene, plan
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.screening import screen
-from assur.planner.identification import JointRecord, joint_limits
 from assur.planner.kernels.candidates import OPTION
 from assur.planner.legs.limits import beyond_limits
 from assur.planner.model.outcome import Planned
@@ -45,6 +44,8 @@ from assur.planner.search.tuning import MOST_OPTIONS
 from assur.planner.search.via_batch import shape_of
 from assur.planner.timing import trajectory_of
 from assur.planner.trajectory import Trajectory
+from assur.scenes.identification.limits import joint_limits
+from assur.scenes.identification.recording import JointRecord
 from assur.scenes.requests import scene_of
 from benchmarks.recorded_motion import KINDS, random_log
 from benchmarks.translation import Terms, request

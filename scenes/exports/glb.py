@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assur.planner.errors import InputError
+from assur.planner.model.phases import phases
 from assur.scenes.exports.gltf import LINE_STRIP, TRIANGLES, Gltf
 from assur.scenes.exports.moving_marks import marks_of
-from assur.scenes.view.display_meshes import displays
+from assur.scenes.schema.view import ShownBody, ShownSeat
+from assur.scenes.view.display_meshes import Mesh, displays
+from assur.scenes.view.poses import STEP_S, WITHIN_M, Track, drawing_errors
+from assur.scenes.view.tracks import Tracks, tracks
 
 if TYPE_CHECKING:
-    from assur.planner.frames.motion import Pose
-    from assur.planner.tracks.poses import Track
-    from assur.planner.tracks.tracks import Seat, ShownBody, Tracks
-    from assur.planner.tracks.triangles import Mesh
     from assur.scenes.exports.export import Motion
 
 COLOURS = {
@@ -81,8 +81,6 @@ class _Making:
 
 def model_of(motion: Motion) -> Model:
     """The model of a proved motion. Raises `InputError` if poses cannot be drawn within 0.1 mm at every time."""
-    from assur.planner.tracks.poses import WITHIN_M
-
     shown, drawn, off = _near_enough(motion)
     if not off <= WITHIN_M:
         allowed = f"csv: the motion is too long or too fast for poses within {1e3 * WITHIN_M:g} mm"
@@ -107,9 +105,7 @@ def model_of(motion: Motion) -> Model:
         keys=sum(len(track.time) for track in drawn),
         triangles=sum(len(display.mesh.faces) for display in meshes),
         reduced=tuple(
-            (body.name, meshes[body.mesh].off_m)
-            for body in shown.bodies
-            if meshes[body.mesh].triangles != len(meshes[body.mesh].mesh.faces)
+            (body["name"], meshes[body["mesh"]].off_m) for body in shown.bodies if meshes[body["mesh"]].reduced
         ),
     )
 
@@ -129,17 +125,12 @@ def statement(model: Model) -> list[str]:
 def _near_enough(motion: Motion) -> tuple[Tracks, tuple[Track, ...], float]:
     """The tracks of a motion, its carriers in numbers of 32 bits, and by how much these are off, m. Keys are added
     until that is little, if it can be had."""
-    from assur.planner.model.phases import phases
-    from assur.planner.tracks.measured import farthest_off, in_single
-    from assur.planner.tracks.poses import STEP_S, WITHIN_M
-    from assur.planner.tracks.tracks import tracks
-
     scene, plan, step = motion.cell.scene, motion.plan, STEP_S
     of_plan = phases(scene, plan.legs, plan.arrivals)
     for _ in range(FINER + 1):
         shown = tracks(scene, plan.trajectory, of_plan, plan.arrivals, step_s=step)
-        drawn = tuple(in_single(track, shown.start) for track in shown.carriers)
-        off = float(farthest_off(scene, plan.trajectory, shown, drawn, step).max())
+        drawn = tuple(track.in_single_precision(shown.start) for track in shown.carriers)
+        off = float(drawing_errors(scene, plan.trajectory, drawn, shown.start, shown.end, step).max())
         if off <= WITHIN_M:
             break
         step /= 2.0
@@ -174,22 +165,22 @@ def _shapes(making: _Making, meshes: list[Mesh], below: list[list[int]]) -> None
     shapes = [_geometry(making, mesh) for mesh in meshes]
     known = dict[tuple[int, str], int]()
     for body in making.shown.bodies:
-        key = body.mesh, body.kind
-        if key not in known:
-            known[key] = _mesh(making, f"{body.kind} {body.mesh}", shapes[body.mesh], body.kind)
-        for seat, since, until in _stays(making.shown, body):
-            node: dict[str, Any] = {"name": body.name, "mesh": known[key], **_placed(seat.pose)}
+        mesh, kind = body["mesh"], body["kind"]
+        if (mesh, kind) not in known:
+            known[mesh, kind] = _mesh(making, f"{kind} {mesh}", shapes[mesh], kind)
+        for seat, since, until in _stays(body):
+            node: dict[str, Any] = {"name": body["name"], "mesh": known[mesh, kind], **_placed(seat)}
             number = making.gltf.add("nodes", node)
-            below[seat.carrier].append(number)
+            below[seat["carrier"]].append(number)
             _visible(making, node, number, since, until)
 
 
-def _stays(shown: Tracks, body: ShownBody) -> list[tuple[Seat, float, float]]:
+def _stays(body: ShownBody) -> list[tuple[ShownSeat, float, float]]:
     """Each seat of a body with the times since the start from which and until which it is taken, s; seats that last no
     time as numbers of 32 bits are left out."""
-    begins = [float(np.float32(max(seat.time - shown.start, 0.0))) for seat in body.seats]
+    begins = [float(np.float32(max(seat["from_s"], 0.0))) for seat in body["seats"]]
     ends = [*begins[1:], float("inf")]
-    return [each for each in zip(body.seats, begins, ends, strict=True) if each[1] < each[2]]
+    return [each for each in zip(body["seats"], begins, ends, strict=True) if each[1] < each[2]]
 
 
 def _visible(making: _Making, node: dict[str, Any], number: int, since: float, until: float) -> None:
@@ -204,13 +195,14 @@ def _visible(making: _Making, node: dict[str, Any], number: int, since: float, u
         node["scale"] = [0.0, 0.0, 0.0]
 
 
-def _placed(pose: Pose) -> dict[str, Any]:
+def _placed(seat: ShownSeat) -> dict[str, Any]:
     """Translation and rotation of a node, where they are not those that it has anyway."""
     found: dict[str, Any] = {}
-    if pose.position.any():
-        found["translation"] = pose.position.tolist()
-    if pose.yaw:
-        found["rotation"] = [0.0, 0.0, float(np.sin(pose.yaw / 2.0)), float(np.cos(pose.yaw / 2.0))]
+    if any(seat["at_m"]):
+        found["translation"] = seat["at_m"]
+    yaw = seat["yaw_rad"]
+    if yaw:
+        found["rotation"] = [0.0, 0.0, float(np.sin(yaw / 2.0)), float(np.cos(yaw / 2.0))]
     return found
 
 

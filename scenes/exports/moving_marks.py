@@ -6,16 +6,14 @@ Bodies alone do not show it: the bed of a belt stands, and a round table looks t
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-
-if TYPE_CHECKING:
-    from assur.planner.tracks.poses import Track
-    from assur.planner.tracks.tracks import Tracks
-    from assur.planner.tracks.triangles import Mesh
+from assur.scenes.view.display_meshes import Mesh
+from assur.scenes.view.poses import Track
+from assur.scenes.view.quaternions import rotated
+from assur.scenes.view.tracks import Tracks
 
 APART_M, BELT_M = 0.1, 0.5
 """Arrows are so far apart, for so far before and behind the frame."""
@@ -50,9 +48,9 @@ def _disc_on(shown: Tracks, number: int) -> tuple[float, float] | None:
     """Radius and top, m, of the bodies that sit on a carrier at first and for good, if they lie around its origin; what
     swings beside its pivot shows by itself how it moves."""
     points = [
-        shown.meshes[body.mesh].vertices + body.seats[0].pose.position
+        shown.meshes[body["mesh"]].vertices + body["seats"][0]["at_m"]
         for body in shown.bodies
-        if len(body.seats) == 1 and body.seats[0].carrier == number
+        if len(body["seats"]) == 1 and body["seats"][0]["carrier"] == number
     ]
     if not points:
         return None
@@ -64,9 +62,7 @@ def _disc_on(shown: Tracks, number: int) -> tuple[float, float] | None:
 
 def _in_frame(track: Track, way: FloatArray) -> FloatArray:
     """A way of the world in the axes that the carrier has at first."""
-    from assur.planner.tracks.turns import turned
-
-    return turned(track.rotation[0] * np.array([-1.0, -1.0, -1.0, 1.0]), way)
+    return rotated(track.rotation[0] * np.array([-1.0, -1.0, -1.0, 1.0]), way)
 
 
 def _arrows(way: FloatArray) -> FloatArray:
@@ -91,8 +87,6 @@ def _spokes(radius: float, top: float) -> FloatArray:
 
 def _quads(segments: FloatArray) -> Mesh:
     """Flat stripes along segments (S, 2, 3) that are not upright."""
-    from assur.planner.tracks.triangles import Mesh
-
     way = segments[:, 1] - segments[:, 0]
     across = np.stack([-way[:, 1], way[:, 0], np.zeros(len(way))], -1)
     across *= WIDE_M / 2.0 / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), TURNS)

@@ -19,6 +19,8 @@ Shape = Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=1, max_len
 Base64 = Annotated[str, Field(pattern="^[A-Za-z0-9+/]*={0,2}$")]
 Name = Annotated[str, Field(max_length=bounds.MAX_TEXT)]
 Index = Annotated[int, Field(ge=0)]
+BodyKind = Literal["robot", "tool", "part", "body", "neighbour"]
+StepKind = Literal["move", "follow", "trace", "pick", "place"]
 
 
 @with_config(CLOSED)
@@ -83,7 +85,7 @@ class ShownBody(TypedDict):
     """A body: what it is, the number of its mesh, where it is from when on, and what is not known of that."""
 
     name: Name
-    kind: Literal["robot", "tool", "part", "body", "neighbour"]
+    kind: BodyKind
     mesh: Index
     seats: Annotated[list[ShownSeat], Field(min_length=1)]
     unknown: Unknown | None
@@ -95,7 +97,7 @@ class ShownPoint(TypedDict):
 
     name: Name
     step: Index
-    kind: Literal["move", "follow", "trace", "pick", "place"]
+    kind: StepKind
     carrier: Index
     at_m: Vector
     yaw_rad: Number

@@ -1,4 +1,4 @@
-"""An answer as a viewer plays it: the tracks of its motion, and what it says, as one document."""
+"""An answer as a viewer plays it: the tracks of its motion, and what it states, as one document."""
 
 from __future__ import annotations
 
@@ -12,49 +12,43 @@ from assur.planner.model.attachments import Attachments
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Scene
+from assur.planner.trajectory import Trajectory
 from assur.scenes.answer import NOTICE
 from assur.scenes.conventions import Conventions, as_maker, rates_as_maker
 from assur.scenes.reading.cell import Cell
 from assur.scenes.reading.plan import motion_of
 from assur.scenes.schema import view as document
 from assur.scenes.view.answer_form import answer_in
+from assur.scenes.view.curves import curves
 from assur.scenes.view.display_meshes import displays, written
 from assur.scenes.view.packing import floats, words
+from assur.scenes.view.tracks import Tracks, tracks
 
 if TYPE_CHECKING:
-    from assur.planner.tracks.tracks import Tracks
+    from assur.scenes.view.distances import ClosestPair
 
-STANDS_S = 3.0
-"""For how long frames are shown where nothing was planned, s."""
-STILL_S = 1.0
-"""The same where nothing moves."""
+MOVING_S, STILL_S = 3.0, 1.0
+"""Duration of a view without a motion, s: where frames move, and where nothing moves."""
 
 
 def view_of(cell: Cell, given: object) -> document.ViewDocument:
-    """The view of an answer to the request of a cell. What the answer says is shown as it is said; whether it is so,
-    the checker knows. Raises `DocumentError` below "plan"."""
+    """The view of an answer to the request of a cell, as the answer states it: `check` judges whether it is true.
+    Raises `DocumentError` below "plan"."""
     # the planner's libraries come with the first view, not with this module
-    from assur.planner.tracks.tracks import standing, tracks
+    from assur.scenes.view.distances import distances
 
     answer = answer_in(given, cell.scene)
     scene, motion = cell.scene, _motion_in(answer)
     refusal, census = answer.get("refusal") or {}, answer.get("census", {})
-    also = [each["time_s"] for each in _nearest_said(answer)]
     if motion is None:
-        moves = any(not isinstance(frame.law, Fixed) for frame in scene.frames.values())
-        lasts, met = STANDS_S if moves else STILL_S, _met(scene, refusal)
-        q, attached = (scene.start.q, None) if met is None else met
-        end = scene.start.time + lasts
-        sits = () if attached is None else (Phase(scene.start.time, end, LegKind.WAIT, 0, attached, robot=False),)
-        shown = tracks(scene, standing(scene, lasts, q), sits)
-        legs: list[dict[str, Any]] = []
+        trajectory, of_plan = _at_rest(scene, refusal)
+        shown, active = tracks(scene, trajectory, of_plan), tuple[Phase, ...]()
     else:
-        trajectory, of_plan, arrivals = motion_of(motion, cell.conventions)
-        at = _instant(motion)
-        also += [] if at is None else [at]
-        shown = tracks(scene, trajectory, phases(scene, of_plan, arrivals), arrivals, tuple(also))
-        legs = motion["legs"]
+        trajectory, legs, arrivals = motion_of(motion, cell.conventions)
+        of_plan = phases(scene, legs, arrivals)
+        shown, active = tracks(scene, trajectory, of_plan, arrivals), tuple(each for each in of_plan if each.robot)
     start, made = shown.start, displays(shown.meshes)
+    pairs = distances(scene, trajectory, active, _stated_times(answer, motion))
     planned = answer["status"] == "planned"
     return {
         "schema": "assur-view/1",
@@ -73,8 +67,8 @@ def view_of(cell: Cell, given: object) -> document.ViewDocument:
             for track in shown.carriers
         ],
         "meshes": [written(display.mesh) for display in made],
-        "bodies": _bodies(shown),
-        "control_points": _points(shown),
+        "bodies": shown.bodies,
+        "control_points": shown.points,
         "tool": {
             "carrier": shown.flange,
             "at_m": [shown.tcp.x, shown.tcp.y, shown.tcp.z],
@@ -82,9 +76,9 @@ def view_of(cell: Cell, given: object) -> document.ViewDocument:
             "time_s": floats(shown.tool_time - start),
             "path_m": floats(shown.tool_path),
         },
-        "curves": _curves(shown, cell.conventions, motion, blended=scene.options.blended),
-        "distances": _distances(shown),
-        "legs": [_leg(leg, shown) for leg in legs],
+        "curves": None if motion is None else _curves(cell, trajectory, active, motion, start),
+        "distances": _distances(shown, pairs),
+        "legs": [] if motion is None else [_leg(leg, active, start) for leg in motion["legs"]],
         "held": [
             {"names": [load["part"]], "from_s": load["from_s"] - start, "to_s": load["to_s"] - start}
             for load in answer.get("load", {}).get("carried", ())
@@ -102,13 +96,13 @@ def view_of(cell: Cell, given: object) -> document.ViewDocument:
         "candidates": census.get("candidates", 0),
         "reduced": [
             {
-                "body": body.name,
-                "triangles": made[body.mesh].triangles,
-                "shown": len(made[body.mesh].mesh.faces),
-                "off_m": made[body.mesh].off_m,
+                "body": name,
+                "triangles": display.triangles,
+                "shown": len(display.mesh.faces),
+                "off_m": display.off_m,
             }
-            for body in shown.bodies
-            if made[body.mesh].triangles != len(made[body.mesh].mesh.faces)
+            for name, display in ((body["name"], made[body["mesh"]]) for body in shown.bodies)
+            if display.reduced
         ],
         "request_digest": scene.digest,
         "notice": answer.get("notice", NOTICE),
@@ -120,8 +114,21 @@ def _motion_in(answer: dict[str, Any]) -> dict[str, Any] | None:
     return answer if answer["status"] == "planned" else answer.get("best_candidate")
 
 
-def _met(scene: Scene, refusal: dict[str, Any]) -> tuple[FloatArray, Attachments] | None:
-    """Where the arm and all bodies are when those meet that a refusal names; None: at the start, or nowhere."""
+def _at_rest(scene: Scene, refusal: dict[str, Any]) -> tuple[Trajectory, tuple[Phase, ...]]:
+    """The arm at rest, for a refusal without a motion: at the start, or where the bodies overlap that it names."""
+    moves = any(not isinstance(frame.law, Fixed) for frame in scene.frames.values())
+    start, end = scene.start.time, scene.start.time + (MOVING_S if moves else STILL_S)
+    overlap = _overlap(scene, refusal)
+    q, of_plan = scene.start.q, tuple[Phase, ...]()
+    if overlap is not None:
+        q, attached = overlap
+        of_plan = (Phase(start, end, LegKind.WAIT, 0, attached, robot=False),)
+    still = np.zeros((2, len(q)))
+    return Trajectory(np.array([start, end]), np.array([q, q]), still, still), of_plan
+
+
+def _overlap(scene: Scene, refusal: dict[str, Any]) -> tuple[FloatArray, Attachments] | None:
+    """Joints and attachments where the bodies overlap that a refusal names; None: it names none that do."""
     from assur.planner.feasibility.met_posture import met_posture
 
     witness = refusal.get("witness") or {}
@@ -133,129 +140,90 @@ def _met(scene: Scene, refusal: dict[str, Any]) -> tuple[FloatArray, Attachments
     return None
 
 
-def _nearest_said(answer: dict[str, Any]) -> list[dict[str, Any]]:
+def _stated_times(answer: dict[str, Any], motion: dict[str, Any] | None) -> tuple[float, ...]:
+    """The times, s, for which an answer states a distance or an overlap."""
     margins = answer.get("margins") or {}
-    nearest = [margins[key] for key in ("nearest", "placed") if margins.get(key)]
-    return [*nearest, *margins.get("travel_pairs", ()), *margins.get("near_pairs", ())]
-
-
-def _instant(motion: dict[str, Any]) -> float | None:
-    at = motion.get("at_s")
-    return None if at is None else float(at)
-
-
-def _bodies(shown: Tracks) -> list[document.ShownBody]:
-    return [
-        {
-            "name": body.name,
-            "kind": body.kind,
-            "mesh": body.mesh,
-            "seats": [
-                {
-                    "from_s": seat.time - shown.start,
-                    "carrier": seat.carrier,
-                    "at_m": [seat.pose.x, seat.pose.y, seat.pose.z],
-                    "yaw_rad": seat.pose.yaw,
-                }
-                for seat in body.seats
-            ],
-            "unknown": {
-                "horizontal_m": body.shell.horizontal_m,
-                "growth_m_s": body.shell.growth_m_s,
-                "vertical_m": body.shell.vertical_m,
-            }
-            if body.shell.any
-            else None,
-        }
-        for body in shown.bodies
-    ]
-
-
-def _points(shown: Tracks) -> list[document.ShownPoint]:
-    return [
-        {
-            "name": point.name,
-            "step": point.step,
-            "kind": point.kind,
-            "carrier": point.carrier,
-            "at_m": [point.pose.x, point.pose.y, point.pose.z],
-            "yaw_rad": point.pose.yaw,
-            "time_s": None if point.time is None else point.time - shown.start,
-            "until_s": None if point.until is None else point.until - shown.start,
-            "path_m": None if point.path is None else floats(point.path),
-        }
-        for point in shown.points
-    ]
+    stated = [margins[key] for key in ("nearest", "placed") if margins.get(key)]
+    stated += [*margins.get("travel_pairs", ()), *margins.get("near_pairs", ())]
+    at = None if motion is None else motion.get("at_s")
+    return (*(each["time_s"] for each in stated), *(() if at is None else (at,)))
 
 
 def _curves(
-    shown: Tracks, conventions: Conventions, motion: dict[str, Any] | None, *, blended: bool
-) -> document.ShownCurves | None:
-    if shown.curves is None or motion is None:
-        return None
-    start, counted = shown.start, shown.curves
-    spans = list[document.ShownLimits]()
-    for span in shown.limits:
-        limits = span.limits
+    cell: Cell, trajectory: Trajectory, active: tuple[Phase, ...], motion: dict[str, Any], start: float
+) -> document.ShownCurves:
+    scene, conventions = cell.scene, cell.conventions
+    shown = curves(scene, trajectory)
+    joints = rates_as_maker(shown.joints, conventions)
+    joints[:, 0] = as_maker(shown.joints[:, 0], conventions)
+    return {
+        "names": [joint.name for joint in conventions],
+        "units": ["rad" if joint.kind == "revolute" else "m" for joint in conventions],
+        "time_s": floats(shown.time - start),
+        "joints": floats(joints),
+        "tool": floats(shown.tool),
+        "knots_s": floats(np.unique(motion["trajectory"]["time_s"]) - start),
+        "limits": _limits(scene, active, conventions, start),
+    }
+
+
+def _limits(
+    scene: Scene, active: tuple[Phase, ...], conventions: Conventions, start: float
+) -> list[document.ShownLimits]:
+    """The limits of the joints over these phases; phases with the same limits share an entry."""
+    spans, last = list[document.ShownLimits](), None
+    for phase in active:
+        limits = phase.attached.limits(scene)
+        if limits is last:
+            spans[-1]["to_s"] = phase.t1 - start
+            continue
         ends = as_maker(np.stack([limits.lower, limits.upper]), conventions)
         most = np.stack([limits.velocity, limits.acceleration, limits.jerk])
         rates = np.abs(rates_as_maker(most, conventions)).tolist()
         spans.append(
             {
-                "from_s": span.start - start,
-                "to_s": span.end - start,
+                "from_s": phase.t0 - start,
+                "to_s": phase.t1 - start,
                 "lower": ends.min(0).tolist(),
                 "upper": ends.max(0).tolist(),
                 "velocity": rates[0],
                 "acceleration": rates[1],
-                "jerk": None if blended else rates[2],
+                "jerk": None if scene.options.blended else rates[2],
             }
         )
-    joints = rates_as_maker(counted.joints, conventions)
-    joints[:, 0] = as_maker(counted.joints[:, 0], conventions)
-    return {
-        "names": [joint.name for joint in conventions],
-        "units": ["rad" if joint.kind == "revolute" else "m" for joint in conventions],
-        "time_s": floats(counted.time - start),
-        "joints": floats(joints),
-        "tool": floats(counted.tool),
-        "knots_s": floats(np.unique(motion["trajectory"]["time_s"]) - start),
-        "limits": spans,
-    }
+        last = limits
+    return spans
 
 
-def _distances(shown: Tracks) -> document.ShownDistances | None:
-    found = shown.distances
-    if not found:
+def _distances(shown: Tracks, pairs: tuple[ClosestPair, ...]) -> document.ShownDistances | None:
+    if not pairs:
         return None
-    number = {body.name: k for k, body in enumerate(shown.bodies)}
+    number = {body["name"]: k for k, body in enumerate(shown.bodies)}
     return {
-        "time_s": floats([each.time - shown.start for each in found]),
-        "gap_m": floats([each.gap_m for each in found]),
-        "required_m": floats([each.required_m for each in found]),
-        "bodies": words([[number[name] for name in each.bodies] for each in found]),
-        "points_m": floats([each.points for each in found]),
+        "time_s": floats([each.time - shown.start for each in pairs]),
+        "gap_m": floats([each.gap_m for each in pairs]),
+        "required_m": floats([each.required_m for each in pairs]),
+        "bodies": words([[number[name] for name in each.bodies] for each in pairs]),
+        "points_m": floats([each.points for each in pairs]),
     }
 
 
-def _leg(leg: dict[str, Any], shown: Tracks) -> document.ShownLeg:
-    near = any(first <= leg["from_s"] and leg["to_s"] <= last for first, last in shown.near)
+def _leg(leg: dict[str, Any], active: tuple[Phase, ...], start: float) -> document.ShownLeg:
     return {
         "kind": leg["kind"],
         "step": leg["step"],
-        "from_s": leg["from_s"] - shown.start,
-        "to_s": leg["to_s"] - shown.start,
+        "from_s": leg["from_s"] - start,
+        "to_s": leg["to_s"] - start,
         "note": leg.get("note", ""),
-        "near": near,
+        "near": any(phase.near and phase.t0 <= leg["from_s"] and leg["to_s"] <= phase.t1 for phase in active),
     }
 
 
 def _refusal(
     answer: dict[str, Any], refusal: dict[str, Any], motion: dict[str, Any] | None, start: float
 ) -> document.ShownRefusal:
-    at, bodies = None if motion is None else _instant(motion), refusal.get("bodies") or []
-    if motion is not None and motion.get("bodies"):
-        bodies = motion["bodies"]
+    best = motion or {}
+    at, bodies = best.get("at_s"), best.get("bodies") or refusal.get("bodies") or []
     relaxation = answer.get("relaxation")
     return {
         "reason": answer["reason"],

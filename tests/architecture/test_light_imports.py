@@ -32,8 +32,9 @@ r.scene_of(request)
     "every module of scenes": """
 import importlib, pkgutil
 from assur import scenes
+native = ('assur.scenes.identification', 'assur.scenes.meshes.', 'assur.scenes.view.distances')
 for module in pkgutil.walk_packages(scenes.__path__, 'assur.scenes.'):
-    if not module.name.startswith('assur.scenes.meshes.'): importlib.import_module(module.name)
+    if not module.name.startswith(native): importlib.import_module(module.name)
 """,
     "making the application": "from assur.api.web.app import create_app\ncreate_app()",
     "serving": """

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from assur.planner.model.phases import phases
-from assur.planner.tracks.tracks import tracks
 from assur.scenes.reading.plan import motion_of
 from assur.scenes.requests import plan_document
 from assur.scenes.scenarios import shipped
+from assur.scenes.view.distances import distances
 from tests.scenes.cells.second_kinematics import answer
 from tests.scenes.view.shown import cell, scene, view
 
@@ -25,13 +25,13 @@ PROVED = ("heavy-casting-refused", "long-bar")
 def test_two_bodies_are_as_near_as_it_says_when_it_says(name: str) -> None:
     best = answer(name)["best_candidate"]
     trajectory, legs, arrivals = motion_of(best, cell(name).conventions)
-    shown = tracks(scene(name), trajectory, phases(scene(name), legs, arrivals), arrivals, (best["at_s"],))
+    pairs = distances(scene(name), trajectory, phases(scene(name), legs, arrivals), (best["at_s"],))
     assert trajectory.start == scene(name).start.time
     assert (trajectory.q[0] == scene(name).start.q).all()
     assert legs[0].t0 == trajectory.start
     assert legs[-1].t1 == trajectory.end
     assert all(one.t1 == other.t0 for one, other in pairwise(legs))
-    nearest = min(each.gap_m for each in shown.distances if each.time == best["at_s"])
+    nearest = min(each.gap_m for each in pairs if each.time == best["at_s"])
     assert best["gap_m"] < best["required_m"]
     # the pair is the nearest, or, overlapping, as near as anything; gaps along a normal may be less than the distance
     assert nearest <= max(best["gap_m"], 0.0) + 1e-4

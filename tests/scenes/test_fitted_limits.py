@@ -11,7 +11,7 @@ import pytest
 
 from assur.scenes.catalogue import load_robot, shipped_robot
 from assur.scenes.faults import DocumentError
-from assur.scenes.fitted_limits import RATES, WHY, fit_limits, kept, part, told
+from assur.scenes.fitted_limits import RATES, WHY, fit_limits, in_words, kept, part
 from assur.scenes.motion_log import LoggedJoint, MotionLog, load_log
 from assur.scenes.text.yaml_text import parse_yaml
 from benchmarks.recorded_motion import example
@@ -112,7 +112,7 @@ def test_what_is_not_identified_is_told_and_no_part_of_a_robot() -> None:
         estimate = document["joints"][0][rate]
         assert (estimate["status"], estimate["value"], estimate["reason"]) == ("not_identifiable", None, "STILL")
         assert estimate["sentence"] == WHY["STILL"]
-        assert told(estimate) == "not identifiable"
+        assert in_words(estimate) == "not identifiable"
     pasted, _ = parse_yaml(part(document).encode())
     assert pasted == {"joints": [{"name": "j1"}]}
     assert "robot" not in document
@@ -121,7 +121,7 @@ def test_what_is_not_identified_is_told_and_no_part_of_a_robot() -> None:
 def test_every_reason_has_its_sentence() -> None:
     from typing import get_args
 
-    from assur.planner.identification import Reason
+    from assur.scenes.identification.limits import Reason
 
     assert set(WHY) == set(get_args(Reason))
 
@@ -142,7 +142,7 @@ def test_a_log_of_another_robot_is_refused(log: MotionLog, words: str) -> None:
 
 def test_a_lower_bound_is_told_as_one() -> None:
     estimate = {"status": "lower_bound", "value": 12.3456, "error": None, "unit": "rad_s3"}
-    assert told(estimate) == "at least 12.35 rad/s3"
+    assert in_words(estimate) == "at least 12.35 rad/s3"
 
 
 def test_the_log_is_read_from_its_file_with_its_units() -> None:

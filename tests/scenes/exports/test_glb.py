@@ -16,9 +16,6 @@ from numpy.typing import NDArray
 from assur.planner.errors import InputError
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.phases import phases
-from assur.planner.tracks import tracks as of_tracks
-from assur.planner.tracks.measured import farthest_off, in_single
-from assur.planner.tracks.triangles import mesh_of
 from assur.planner.trajectory import Trajectory
 from assur.scenes.exports import glb
 from assur.scenes.exports.doors import export_document
@@ -26,6 +23,9 @@ from assur.scenes.exports.gltf import Gltf
 from assur.scenes.reading.plan import motion_of
 from assur.scenes.scenarios import shipped, shipped_scenarios
 from assur.scenes.view import display_meshes
+from assur.scenes.view.display_meshes import mesh_of
+from assur.scenes.view.poses import drawing_errors
+from assur.scenes.view.tracks import tracks
 from tests.scenes.cells.second_kinematics import answer
 from tests.scenes.exports.glb_reader import Z_UP, Glb, in_cell
 from tests.scenes.view.shown import cell, scene
@@ -190,14 +190,12 @@ def test_a_model_with_half_of_its_keys_is_found_out() -> None:
 
 
 def test_keys_are_added_where_steps_are_too_long_and_what_stays_off_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    from assur.planner.tracks import poses
-
     request, plan = shipped("demo").request, answer("demo")
-    monkeypatch.setattr(poses, "STEP_S", 0.01)
+    monkeypatch.setattr(glb, "STEP_S", 0.01)
     trajectory, of_plan = moved("demo")
-    coarse = of_tracks.tracks(scene("demo"), trajectory, of_plan, step_s=0.01)
-    drawn = tuple(in_single(track, coarse.start) for track in coarse.carriers)
-    assert farthest_off(scene("demo"), trajectory, coarse, drawn, 0.01).max() > WITHIN_M
+    coarse = tracks(scene("demo"), trajectory, of_plan, step_s=0.01)
+    drawn = tuple(track.in_single_precision(coarse.start) for track in coarse.carriers)
+    assert drawing_errors(scene("demo"), trajectory, drawn, coarse.start, coarse.end, 0.01).max() > WITHIN_M
     file = Glb.of(base64.b64decode(export_document(request, plan, {"format": "glb"})["file"]))
     assert links_off(file, "demo") <= WITHIN_M
     monkeypatch.setattr(glb, "FINER", 0)

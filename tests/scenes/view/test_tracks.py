@@ -10,12 +10,13 @@ import pytest
 from assur.planner.arrays import FloatArray
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import Scene
-from assur.planner.tracks.curves import OFF
-from assur.planner.tracks.poses import WITHIN_M, Track, frame_poses, instants, link_poses
-from assur.planner.tracks.tracks import Tracks, tracks
-from assur.planner.tracks.turns import turned
 from assur.planner.trajectory import Trajectory
 from assur.scenes.reading.plan import motion_of
+from assur.scenes.view.curves import OFF, curves
+from assur.scenes.view.distances import distances
+from assur.scenes.view.poses import WITHIN_M, Track, carrier_poses, instants
+from assur.scenes.view.quaternions import rotated
+from assur.scenes.view.tracks import Tracks, tracks
 from tests.scenes.cells.second_kinematics import answer
 from tests.scenes.view.shown import cell, scene
 
@@ -33,9 +34,9 @@ def reaches(shown: Tracks) -> FloatArray:
     """The greatest distance of a point of any body from the origin of each carrier, m."""
     found = np.zeros(len(shown.carriers))
     for body in shown.bodies:
-        for seat in body.seats:
-            far = float(np.linalg.norm(seat.pose.position)) + shown.meshes[body.mesh].reach
-            found[seat.carrier] = max(found[seat.carrier], far)
+        for seat in body["seats"]:
+            far = float(np.linalg.norm(seat["at_m"])) + shown.meshes[body["mesh"]].reach
+            found[seat["carrier"]] = max(found[seat["carrier"]], far)
     return found
 
 
@@ -43,14 +44,10 @@ def farthest_off(of: Scene, trajectory: Trajectory, track: Track, number: int, r
     """How far a point at `reach` m from the origin of a carrier, along any of its axes, is drawn from where it is, m,
     at most, at many random times between the instants that were looked at."""
     t = np.random.default_rng(1).uniform(trajectory.start, trajectory.end, INSTANTS)
-    links = len(of.robot.links)
-    if number < links:
-        position, rotation = (each[:, number] for each in link_poses(of, trajectory, t))
-    else:
-        position, rotation = frame_poses(of, track.name, t)
+    position, rotation = carrier_poses(of, trajectory, t)[number]
     worst, axes = 0.0, reach * np.eye(3)
     for k, (p, r) in enumerate(zip(*track.at(t), strict=True)):
-        off = p + turned(r, axes) - position[k] - turned(rotation[k], axes)
+        off = p + rotated(r, axes) - position[k] - rotated(rotation[k], axes)
         worst = max(worst, float(np.linalg.norm(off, axis=1).max()))
     return worst
 
@@ -75,45 +72,44 @@ def test_a_track_with_half_of_its_samples_is_found_out() -> None:
 def test_the_smallest_distance_that_is_shown_is_that_of_the_answer(name: str) -> None:
     said = answer(name)["margins"]["nearest"]
     trajectory, legs, arrivals = motion_of(answer(name), cell(name).conventions)
-    of_plan = phases(scene(name), legs, arrivals)
-    shown = tracks(scene(name), trajectory, of_plan, arrivals, (said["time_s"],))
-    least = min(each.gap_m for each in shown.distances)
+    pairs = distances(scene(name), trajectory, phases(scene(name), legs, arrivals), (said["time_s"],))
+    least = min(each.gap_m for each in pairs)
     assert said["gap_m"] - 1e-9 <= least <= said["gap_m"] + 5e-5
-    at = [each for each in shown.distances if each.time == said["time_s"]]
+    at = [each for each in pairs if each.time == said["time_s"]]
     assert min(each.gap_m for each in at) <= said["gap_m"] + 5e-5
 
 
 @pytest.mark.parametrize("name", ["demo", "crowded", "rv-m1", "five-bar"])
 def test_the_two_points_of_a_pair_are_as_far_apart_as_the_pair(name: str) -> None:
-    shown, _ = made(name)
-    assert len(shown.distances) > 40
-    for each in shown.distances:
+    trajectory, legs, arrivals = motion_of(answer(name), cell(name).conventions)
+    pairs = distances(scene(name), trajectory, phases(scene(name), legs, arrivals))
+    assert len(pairs) > 40
+    for each in pairs:
         one, other = each.points
         assert abs(float(np.linalg.norm(one - other)) - each.gap_m) < 1e-6
 
 
 def test_a_part_is_on_its_belt_then_in_the_gripper_then_on_the_dial() -> None:
     shown, _ = made("demo")
-    (part,) = [body for body in shown.bodies if body.kind == "part"]
-    assert [shown.carriers[seat.carrier].name for seat in part.seats] == ["belt", "flange", "dial"]
-    ends = [arrival["until_s"] for arrival in answer("demo")["arrivals"]]
-    assert [seat.time for seat in part.seats[1:]] == ends[:2]
+    (part,) = [body for body in shown.bodies if body["kind"] == "part"]
+    assert [shown.carriers[seat["carrier"]].name for seat in part["seats"]] == ["belt", "flange", "dial"]
+    ends = [arrival["until_s"] - shown.start for arrival in answer("demo")["arrivals"]]
+    assert [seat["from_s"] for seat in part["seats"][1:]] == ends[:2]
 
 
 def test_curves_show_both_sides_of_what_jumps_and_no_joint_beyond_its_limits() -> None:
-    shown, trajectory = made("demo")
-    curves = shown.curves
-    assert curves is not None
-    assert (np.diff(curves.time) == 0.0).any()
-    (span,) = [span.limits for span in shown.limits[:1]]
+    _, trajectory = made("demo")
+    drawn = curves(scene("demo"), trajectory)
+    assert (np.diff(drawn.time) == 0.0).any()
+    span = scene("demo").robot.limits
     for order, limit in enumerate((span.velocity, span.acceleration, span.jerk), start=1):
-        assert (np.abs(curves.joints[:, order]) <= limit * (1 + 1e-3)).all()
+        assert (np.abs(drawn.joints[:, order]) <= limit * (1 + 1e-3)).all()
     inner = np.random.default_rng(2).uniform(trajectory.start, trajectory.end, 500)
     for order, whole in enumerate((span.upper - span.lower, span.velocity, span.acceleration, span.jerk)):
         true = trajectory.evaluate(inner, order)
         for joint in range(trajectory.n):
-            drawn = np.interp(inner, curves.time, curves.joints[:, order, joint])
-            assert np.abs(drawn - true[:, joint]).max() <= 1.2 * OFF * whole[joint]
+            line = np.interp(inner, drawn.time, drawn.joints[:, order, joint])
+            assert np.abs(line - true[:, joint]).max() <= 1.2 * OFF * whole[joint]
 
 
 def test_instants_hold_every_knot_as_near_as_32_bits_have_it() -> None:

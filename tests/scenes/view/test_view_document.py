@@ -10,11 +10,10 @@ import pytest
 from pydantic import TypeAdapter
 
 from assur.planner.errors import InputError
-from assur.planner.tracks.triangles import Mesh
 from assur.scenes.requests import cell_of
 from assur.scenes.scenarios import shipped, shipped_scenarios
 from assur.scenes.schema.view import ViewDocument
-from assur.scenes.view.display_meshes import MOST_OF_ALL, MOST_TRIANGLES, displays, reduced, written
+from assur.scenes.view.display_meshes import MOST_OF_ALL, MOST_TRIANGLES, Mesh, displays, reduced, written
 from assur.scenes.view.document import view_of
 from assur.scenes.view.packing import floats, unpacked, words
 from tests.scenes.cells.second_kinematics import answer
@@ -61,6 +60,19 @@ def test_control_points_are_met_where_the_answer_says() -> None:
         assert point["time_s"] == pytest.approx(arrival["time_s"] - shown["start_s"])
         pose = carrier_at(shown["carriers"][point["carrier"]], point["time_s"])
         assert pose.of(np.array([point["at_m"]]))[0] == pytest.approx(arrival["at_m"], abs=2e-4)
+
+
+def test_limits_are_lower_while_a_heavy_part_is_held() -> None:
+    shown = view("heavy-casting")
+    (held,) = shown["held"]
+    spans = shown["curves"]["limits"]
+    assert [span["from_s"] for span in spans] == [0.0, held["from_s"], held["to_s"]]
+    assert [span["to_s"] for span in spans] == [held["from_s"], held["to_s"], shown["lasts_s"]]
+    for span, part in zip(spans, (None, "casting", None), strict=True):
+        limits = scene("heavy-casting").limits_with(part)
+        for rate in ("velocity", "acceleration", "jerk"):
+            assert span[rate] == getattr(limits, rate).tolist()
+    assert spans[1]["acceleration"] < spans[0]["acceleration"]
 
 
 def test_what_is_shown_of_a_refusal_without_a_motion_is_the_cell() -> None:

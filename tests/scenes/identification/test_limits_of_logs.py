@@ -13,8 +13,14 @@ import numpy as np
 import pytest
 
 from assur.planner.arrays import FloatArray
-from assur.planner.identification import Estimate, JointLimits, JointRecord, joint_limits
-from assur.planner.identification.verdict import ACCEPTED_ACCELERATION, ACCEPTED_JERK
+from assur.scenes.identification.limits import (
+    ACCEPTED_ACCELERATION,
+    ACCEPTED_JERK,
+    Estimate,
+    JointLimits,
+    joint_limits,
+)
+from assur.scenes.identification.recording import JointRecord
 from benchmarks.recorded_motion import Limits, behind, motion, read_by_encoder
 
 POINTS = (0.0, 1.1, 0.2, 1.9, 0.0)

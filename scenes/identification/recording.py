@@ -1,4 +1,4 @@
-"""A recorded motion, cut into segments between rests; what its readings are worth."""
+"""Recorded motion of a joint: the errors of its readings, and its segments between rests."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 
 LEAST_ROWS = 50
-"""Rows of a record: fewer hold no move between two rests."""
+"""Fewest rows of a record: fewer contain no move between two rests."""
 SMALLEST_STEP_S, LARGEST_STEP_S = 1e-5, 0.05
-"""Usual distance of rows, s: from 100 kHz to 20 Hz."""
+"""Allowed median distance of rows, s: 100 kHz to 20 Hz."""
 MOST_GAP, LEAST_GAP = 4.0, 0.05
-"""Distance of two rows at most and at least, in units of the usual one: sampling may be irregular to this degree."""
+"""Largest and smallest distance of two rows, in medians: sampling may be irregular within this range."""
 LEAST_REST_S, LEAST_REST_ROWS = 0.03, 6
-"""A joint rests that stays where it is for so long, s and rows."""
+"""Shortest rest, s and rows."""
 REST_BAND, REST_EDGE = 2.5, 0.6
-"""Resolutions within which it then stays; and to either side of the middle, at the rest's ends, where it may creep."""
+"""Width of a rest, in resolutions; and largest distance from its median at both ends, where a joint may creep."""
 MOST_MOVES = 6
-"""Moves without a rest between them that are fitted together."""
+"""Most moves without a rest between them: they are fitted together."""
 LEAST_MOVED = 20
-"""Resolutions of the readings that a move is long at least."""
+"""Shortest move, in resolutions of the readings."""
 SLOW = 0.08
-"""Part of the greatest speed of a segment below which a move may have ended."""
+"""Speed at which a move may end, as a part of the greatest speed of its segment."""
 LEAST_DEVIATION = 1e-9
-"""Least error of a reading that is believed, of the joint's way in the record: files hold nine or ten digits."""
+"""Least error of a reading, as a part of the joint's range in the record: files have nine or ten digits."""
 SMALL_DIFFERENCES, LEAST_DIFFERENCES, MOST_STEPS, MOST_PARTS = 50, 8, 1000, 12
-"""The encoder's step is found in so many of the smallest differences of readings at most, and at least, up to so many
-times the smallest of them, which is so many steps at most."""
+"""Largest and smallest number of differences of readings that determine the encoder's step, the smallest ones; their
+largest ratio; and the most steps that the smallest difference may have."""
 ROUNDED, ALIKE = 0.05, 0.9
-"""Part of a step by which readings may be rounded, and the mean cosine of their phases that still shows a step."""
+"""Rounding of readings, as a part of a step, and the least mean cosine of phases that shows a step."""
 MEAN_ROWS = (8, 16, 32)
-"""Rows over which a mean speed is taken: few enough for short moves, enough for a coarse encoder."""
+"""Rows of a mean speed: few enough for short moves, enough for a coarse encoder."""
 REACH_S = 0.1
-"""How far a segment reaches into the rests before and after it, s: at most, and half of each."""
+"""Longest part of the rests before and after a segment that belongs to it, s; of each rest at most a half."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ class Segment:
 
 
 def fault_of_times(time: FloatArray) -> tuple[int, str] | None:
-    """The first row whose time is not allowed, and what would be; None if all are. `time` (n,), s, finite."""
+    """The first row whose time is not allowed, and which time is; None: all are allowed. `time` (n,), s, finite."""
     if len(time) < LEAST_ROWS:
         return len(time) - 1, f"a record of at least {LEAST_ROWS} rows; this is its last"
     gaps = np.diff(time)
@@ -107,8 +107,25 @@ class JointRecord:
 
     @cached_property
     def encoder_step(self) -> float | None:
-        """Distance of neighbouring readings that can occur, found from those that do; None where there is none."""
-        return _lattice(self.position)
+        """The step of which all small differences of readings are multiples, within rounding; None: there is none."""
+        small = self.differences[self.differences <= MOST_STEPS * self.differences[:1]][:SMALL_DIFFERENCES]
+        if len(small) < LEAST_DIFFERENCES:
+            return None
+        for parts in range(1, MOST_PARTS + 1):
+            steps = small[0] / parts * np.linspace(1 - ROUNDED, 1 + ROUNDED, 2 * MOST_STEPS + 1)
+            alike = np.cos(2 * np.pi * small[:, None] / steps).mean(axis=0)
+            best = int(np.argmax(alike))
+            if alike[best] > ALIKE:
+                count = np.round(small / steps[best])
+                return float(small @ count / (count @ count))
+        return None
+
+    @cached_property
+    def differences(self) -> FloatArray:
+        """Absolute differences of successive readings, sorted, each once, without those that are rounding."""
+        extent, largest = float(np.ptp(self.position)), float(np.max(np.abs(self.position)))
+        different = np.unique(np.abs(np.diff(self.position)))
+        return different[different > LEAST_DEVIATION * extent + 8 * np.finfo(float).eps * largest]
 
     @cached_property
     def noise(self) -> float:
@@ -119,13 +136,13 @@ class JointRecord:
 
     @cached_property
     def resolution(self) -> float:
-        """Differences of readings below this mean nothing."""
+        """Smaller differences of readings have no meaning, rad or m."""
         return max(self.encoder_step or 0.0, 4 * self.deviation)
 
     @cached_property
     def deviation(self) -> float:
         """Standard deviation of a reading, rad or m."""
-        smallest = _differences(self.position)[:1].sum()  # several steps, where these are not found
+        smallest = self.differences[:1].sum()  # of several steps, if the step is not known
         least = LEAST_DEVIATION * float(np.ptp(self.position))
         return max((self.encoder_step or float(smallest)) / math.sqrt(12), self.noise, least, 1e-15)
 
@@ -136,7 +153,7 @@ class JointRecord:
         return rate
 
     def fastest(self) -> float:
-        """A mean speed over some rows, the greatest that there is, rad/s or m/s."""
+        """The greatest mean speed over some rows, rad/s or m/s."""
         best = 0.0
         for rows in MEAN_ROWS:
             moved = np.abs(self.position[rows:] - self.position[:-rows]) - self.resolution
@@ -147,7 +164,7 @@ class JointRecord:
         """First and last row of each rest."""
         q, t, n = self.position.tolist(), self.time.tolist(), len(self.time)
         room, creep = REST_BAND * self.resolution, REST_EDGE * self.resolution
-        found, i = [], 0
+        rests, i = [], 0
         while i < n - 1:
             j, low, high = i, q[i], q[i]
             while j + 1 < n:
@@ -162,20 +179,20 @@ class JointRecord:
                 while abs(q[last] - middle) > creep and last > first:
                     last -= 1
                 if last - first >= LEAST_REST_ROWS and t[last] - t[first] >= LEAST_REST_S:
-                    found.append((first, last))
+                    rests.append((first, last))
                 i = j
             i += 1
-        return found
+        return rests
 
     def segments(self, time_error: float = 0.0) -> list[Segment]:
-        """What lies between rests. `time_error`: standard deviation of the times, s."""
+        """The segments between rests. `time_error`: standard deviation of the times, s."""
         q, t, v = self.position, self.time, self.speed
         changes = np.flatnonzero(np.abs(np.diff(q)) > 0.5 * self.resolution)
         edges = np.concatenate([[0], changes + 1, [len(q)]])
         # readings that repeat share one error of quantisation
         repeated = np.repeat(np.diff(edges), np.diff(edges))
         weight = 1 / np.sqrt(self.deviation**2 * repeated + (time_error * v) ** 2)
-        rests, found = self.rests(), []
+        rests, segments = self.rests(), []
         for before, after in pairwise(rests):
             cuts = self._cuts(before[1], after[0])
             if cuts is None:
@@ -184,7 +201,7 @@ class JointRecord:
             last = np.searchsorted(t, t[after[0]] + min(REACH_S, (t[after[1]] - t[after[0]]) / 2))
             rows = slice(int(first), int(last) + 1)
             cut = t[cuts] - t[first]
-            found.append(
+            segments.append(
                 Segment(
                     time=t[rows] - t[first],
                     position=q[rows] - q[first],
@@ -196,7 +213,7 @@ class JointRecord:
                     begin=float(t[first]),
                 )
             )
-        return found
+        return segments
 
     def _cuts(self, first: int, last: int) -> list[int] | None:
         """Rows at which the moves between two rests begin and end; None if there are none, or too many."""
@@ -210,26 +227,3 @@ class JointRecord:
             return None
         between = [b + int(np.argmin(np.abs(v[b : c + 1]))) for (_, b), (c, _) in pairwise(fast)]
         return [first, *(first + i for i in between), last]
-
-
-def _lattice(q: FloatArray) -> float | None:
-    """The step of which all small differences of `q` are multiples, however they are rounded; None if there is none."""
-    differences = _differences(q)
-    small = differences[differences <= MOST_STEPS * differences[:1]][:SMALL_DIFFERENCES]
-    if len(small) < LEAST_DIFFERENCES:
-        return None
-    for parts in range(1, MOST_PARTS + 1):
-        steps = small[0] / parts * np.linspace(1 - ROUNDED, 1 + ROUNDED, 2 * MOST_STEPS + 1)
-        alike = np.cos(2 * np.pi * small[:, None] / steps).mean(axis=0)
-        best = int(np.argmax(alike))
-        if alike[best] > ALIKE:
-            count = np.round(small / steps[best])
-            return float(small @ count / (count @ count))
-    return None
-
-
-def _differences(q: FloatArray) -> FloatArray:
-    """Differences of readings that follow each other, sorted, each once, and larger than what rounding makes."""
-    rounding = LEAST_DEVIATION * float(np.ptp(q)) + 8 * np.finfo(float).eps * float(np.max(np.abs(q)))
-    found = np.unique(np.abs(np.diff(q)))
-    return found[found > rounding]

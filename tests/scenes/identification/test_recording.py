@@ -7,7 +7,7 @@ import pytest
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.identification import JointRecord, fault_of_times
+from assur.scenes.identification.recording import JointRecord, fault_of_times
 from benchmarks.recorded_motion import Limits, motion, read_by_encoder
 
 LIMITS = Limits(np.array([4.0]), np.array([40.0]), np.array([1600.0]))

@@ -1,8 +1,8 @@
-"""What a record says about the limits of a joint, and what it cannot say.
+"""Limits of a joint that its record shows, with their errors, or the reason why it does not show them.
 
 A controller that is at its limit shows the same acceleration, and the same jerk, in moves of different lengths. So a
-level counts as a limit if moves of different lengths reach it, none goes beyond it, and no other joint moves in
-proportion, which might be the one that is at its limit. Anything else is a lower bound of the limit.
+level counts as a limit if moves of different lengths reach it, no move exceeds it, and no other joint moves in
+proportion, because that joint might be the one at its limit. Any other level is a lower bound of the limit.
 """
 
 from __future__ import annotations
@@ -13,41 +13,46 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from scipy.optimize import brentq
 
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.identification.recording import LEAST_MOVED, JointRecord, Segment
-from assur.planner.identification.scurve import SCurves
-from assur.planner.identification.shared_jerk import SIGMAS, JerkFit, JerkRange, jerk_range, own_jerks
+from assur.scenes.identification import scurve
+from assur.scenes.identification.recording import LEAST_MOVED, JointRecord, Segment
+from assur.scenes.identification.scurve import JerkFit, SCurves
 
+SIGMAS = 4.0
+"""Half width of a stated error, in standard deviations."""
 ACCEPTED_ACCELERATION, ACCEPTED_JERK = 0.05, 0.15
-"""Relative errors up to which a limit counts as identified."""
+"""Largest relative error of an identified limit."""
 ACCELERATION_ERROR, JERK_ERROR = 0.001, 0.005
-"""Relative error of a limit that no reading lessens: rounding, and what the readings' errors are taken to be."""
+"""Relative error of a limit that more readings do not reduce: rounding, and the assumed errors of readings."""
 LAG_ERROR = 0.25
-"""Of what a lag changes in the jerk, the part that counts as error: a servo is not quite of first order."""
+"""Part of the effect of a lag on the jerk that counts as error: a servo is not exactly of first order."""
 MOST_SEGMENTS = 8
-"""So many segments are fitted, of all lengths."""
+"""Number of segments that are fitted, at most; they have all lengths."""
 DISTINCT = 1.1
-"""Ratio of the lengths of two moves that count as different ones."""
+"""Ratio of the lengths of two moves that count as different."""
 SAME_LENGTH = 0.01
-"""Relative difference of lengths up to which a move is taken for another's repeat: their readings may have the same
-errors of quantisation, so that repeating brings no more precision."""
+"""Relative difference of lengths up to which a move counts as a repetition: both may have the same errors of
+quantisation, so that a repetition does not improve precision."""
 CORRELATED = 0.25
-"""Autocorrelation of residuals, beside its own error, above which S-curves are not what is in the readings."""
+"""Largest autocorrelation of residuals, without its own error, for which S-curves explain the readings."""
 WORSE = 6.0
-"""Mean square of residuals, over that of the readings' errors, above which they are not either."""
+"""Largest mean square of weighted residuals for which they do."""
 NEARLY = 0.003
-"""Residual, of the length of the shortest move, up to which an S-curve that does not explain the readings still shows
-for how long which acceleration is held."""
+"""Largest residual, in lengths of the shortest move, for which an S-curve that does not explain the readings still
+shows which acceleration is held, and for how long."""
 INFORMATIVE = 0.15
-"""Standard deviation of the logarithm of a segment's own jerk up to which it can be compared."""
+"""Largest standard deviation of the logarithm of a segment's own jerk for which the jerk is compared with others."""
 SAME_JERK, SAME_ACCELERATION = 0.005, 0.003
-"""Relative differences of levels that are one, beside their errors."""
+"""Relative differences of levels that count as one, in addition to their errors."""
 LEAST_HELD = 2.0
-"""Sampling steps for which an acceleration is held at least where it counts as a plateau."""
+"""Shortest plateau of an acceleration, in sampling steps."""
 PROPORTIONAL, MOST_SHIFT_S = 0.01, 0.02
-"""Difference of the progress of two joints, of their whole way, up to which they move in proportion, one perhaps by so
-much later."""
+"""Joints move in proportion if their progress differs by at most this part of the whole, one of them at most so much
+later, s."""
+FLAT = 0.5
+"""Growth of the sum of squares, in variances, below which the best lag is not determined more exactly."""
 
 Status = Literal["identified", "lower_bound", "not_identifiable"]
 Reason = Literal[
@@ -58,18 +63,7 @@ Reason = Literal[
 @dataclass(frozen=True, slots=True)
 class Estimate:
     """A limit, SI. identified: within `error` of `value`; lower_bound: at least `value`, because of `reason`;
-    not_identifiable: because of `reason`. `moves`: so many moves show it.
-
-    STILL          the joint hardly moved
-    NO_MOVES       there are no moves from rest to rest, or too many of them without a rest between
-    MISFIT         the moves are not S-curves behind a lag of first order
-    UNCERTAIN      the error would be larger than `ACCEPTED_ACCELERATION` or `ACCEPTED_JERK`
-    NO_PLATEAU     an acceleration was reached, but not held
-    ONE_LENGTH     only moves of one length show it
-    IN_PROPORTION  in all moves that show it, another joint moves in proportion
-    LEVELS         there is a higher level that moves of different lengths do not share
-    ASYMMETRIC     speeding up and braking differ, or one of them reaches no plateau
-    """
+    not_identifiable: because of `reason` (`scenes.fitted_limits.WHY`). `moves`: number of moves that show it."""
 
     status: Status
     value: float | None = None
@@ -80,13 +74,13 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True)
 class JointLimits:
-    """What is known of a joint, SI.
+    """What a record shows of a joint, SI.
 
-    velocity      that was reached, of the moves that are explained, if any are
+    velocity      the greatest in moves that S-curves explain, else the greatest mean over some rows
     encoder_step  distance of neighbouring readings; None if they are too fine for the record, or not quantised
-    deviation     standard deviation of a reading; `time_error_s`: of the rows' times, as far as it matters
-    lag_s         the least and the most that the servo's lag could be; None where nothing is known of it
-    fitted        segments between rests that were fitted, `explained` of them by S-curves, of `segments` in all
+    deviation     standard deviation of a reading; `time_error_s`: of the rows' times, where it matters
+    lag_s         shortest and longest possible lag of the servo; None if it is not known
+    fitted        number of fitted segments; S-curves explain `explained` of them; the record has `segments`
     """
 
     velocity: float
@@ -102,10 +96,27 @@ class JointLimits:
 
 
 @dataclass(frozen=True, eq=False)
+class JerkRange:
+    """The jerks of a joint, and the lags of its servo, s, that explain its readings. `low` may be 0, `high` infinite.
+
+    without_lag    the lowest jerk of a servo without lag, even if the readings exclude that
+    cases          pairs of jerk and lag: the best, and those at both ends of the range of the jerk
+    """
+
+    best: JerkFit
+    low: float
+    high: float
+    without_lag: float
+    lag_low: float
+    lag_high: float
+    cases: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, eq=False)
 class _Fitted:
-    """Segments (k) with their own jerks. variance (k,): of weighted residuals, more where they are correlated; white
-    (k,): whether they are not; good (k,): whether S-curves explain the segment; alone (k,): whether no other joint
-    moves in proportion."""
+    """Segments (k) with their own jerks. variance (k,): of weighted residuals, larger where they are correlated; white
+    (k,): whether they are not correlated; good (k,): whether S-curves explain the segment; alone (k,): whether no other
+    joint moves in proportion."""
 
     curves: list[SCurves]
     own: list[JerkFit]
@@ -118,12 +129,10 @@ class _Fitted:
 def joint_limits(record: JointRecord, others: Sequence[JointRecord] = (), lags: bool = True) -> JointLimits:
     """The limits of a joint. `others`: the other joints in the same rows; `lags`: False for a record of commanded
     positions, behind which no servo lags."""
-    blank = JointLimits(
-        record.fastest(), _nothing("NO_MOVES"), _nothing("NO_MOVES"), record.encoder_step, record.deviation
-    )
-    if np.ptp(record.position) < 2 * LEAST_MOVED * record.resolution:
-        return replace(blank, acceleration=_nothing("STILL"), jerk=_nothing("STILL"))
-    segments = record.segments()
+    still = np.ptp(record.position) < 2 * LEAST_MOVED * record.resolution
+    unknown = _not_identifiable("STILL" if still else "NO_MOVES")
+    blank = JointLimits(record.fastest(), unknown, unknown, record.encoder_step, record.deviation)
+    segments = [] if still else record.segments()
     if not segments:
         return blank
     fitted = _fit(record, segments, others, lags)
@@ -134,10 +143,10 @@ def joint_limits(record: JointRecord, others: Sequence[JointRecord] = (), lags: 
     known = replace(blank, time_error_s=time_error, fitted=len(fitted.own), explained=explained, segments=len(segments))
     if not explained:
         nearly = replace(fitted, good=_nearly(record, fitted))
-        acceleration = _nothing("MISFIT")
+        acceleration = _not_identifiable("MISFIT")
         if nearly.good.any():
             acceleration = _acceleration(record, nearly, _range(nearly, _top_level(nearly)[0], lags))
-        return replace(known, acceleration=acceleration, jerk=_nothing("MISFIT"))
+        return replace(known, acceleration=acceleration, jerk=_not_identifiable("MISFIT"))
     members, above = _top_level(fitted)
     span = _range(fitted, members, lags)
     return replace(
@@ -149,7 +158,7 @@ def joint_limits(record: JointRecord, others: Sequence[JointRecord] = (), lags: 
     )
 
 
-def _nothing(reason: Reason) -> Estimate:
+def _not_identifiable(reason: Reason) -> Estimate:
     return Estimate("not_identifiable", reason=reason)
 
 
@@ -158,7 +167,7 @@ def _fit(record: JointRecord, segments: list[Segment], others: Sequence[JointRec
         by_length = sorted(segments, key=lambda s: float(np.abs(s.moved).max()))
         segments = [by_length[i] for i in np.linspace(0, len(by_length) - 1, MOST_SEGMENTS).round().astype(int)]
     curves = [SCurves(s) for s in segments]
-    own = own_jerks(curves, lags)
+    own = scurve.own_jerks(curves, lags)
     squares, correlation, rows = (np.zeros(len(own)) for _ in range(3))
     for i, (c, one) in enumerate(zip(curves, own, strict=True)):
         fit = one.fits[0]
@@ -177,14 +186,15 @@ def _fit(record: JointRecord, segments: list[Segment], others: Sequence[JointRec
 
 
 def _nearly(record: JointRecord, fitted: _Fitted) -> BoolArray:
-    """Segments that S-curves do not explain, but nearly."""
+    """Which segments S-curves nearly explain."""
     rows = [len(c.segment.time) for c in fitted.curves]
     residual = np.sqrt([one.squares for one in fitted.own] / np.array(rows)) * record.deviation
     return residual <= NEARLY * np.array([np.abs(c.segment.moved).min() for c in fitted.curves])
 
 
 def _in_proportion(segment: Segment, record: JointRecord, other: JointRecord) -> bool:
-    """Whether two joints move in proportion between two rests: then nobody can tell which of them is at its limit."""
+    """Whether two joints move in proportion between two rests: then the record does not show which of them is at
+    its limit."""
     rows = slice(*np.searchsorted(record.time, segment.begin + np.array([0.0, segment.time[-1]])))
     time, progress, room = record.time[rows], [], PROPORTIONAL
     for one in (record, other):
@@ -220,8 +230,8 @@ def _time_error(record: JointRecord, fitted: _Fitted) -> float:
 
 
 def _level(value: FloatArray, error: FloatArray, room: float) -> tuple[BoolArray, float]:
-    """Which values, all positive or all logarithms, are at the highest level that there is, and that level. `room`: by
-    how much values differ that are one, beside their errors."""
+    """Which values, all positive or all logarithms, are at the highest level, and that level. `room`: difference of
+    values that count as one, in addition to their errors."""
     top = int(np.argmax(value - error / 2))
     middle, of_middle, members = float(value[top]), float(error[top]), np.zeros(len(value), dtype=bool)
     members[top] = True
@@ -235,8 +245,8 @@ def _level(value: FloatArray, error: FloatArray, room: float) -> tuple[BoolArray
 
 
 def _top_level(fitted: _Fitted) -> tuple[list[int], bool | None]:
-    """Segments whose own jerk is at the highest level, and whether others are higher still; all that are good and None
-    if none of them can tell."""
+    """Segments whose own jerk is at the highest level, and whether others are higher still. If no jerk is exact enough:
+    all segments that S-curves explain, and None."""
     level = np.log([one.jerk for one in fitted.own])
     deviation = np.array([one.deviation for one in fitted.own]) * np.sqrt(fitted.variance)
     known = np.flatnonzero(fitted.good & (deviation <= INFORMATIVE))
@@ -248,25 +258,73 @@ def _top_level(fitted: _Fitted) -> tuple[list[int], bool | None]:
 
 
 def _range(fitted: _Fitted, members: list[int], lags: bool) -> JerkRange:
-    rows = np.array([len(fitted.curves[i].segment.time) for i in members])
-    lengths = np.sort([np.abs(fitted.curves[i].segment.moved).max() for i in members])
+    """The common jerk of some segments. `lags`: whether the servo may lag."""
+    curves, own = [fitted.curves[i] for i in members], [fitted.own[i] for i in members]
+    rows = np.array([len(c.segment.time) for c in curves])
+    lengths = np.sort([np.abs(c.segment.moved).max() for c in curves])
     different = 1 + int((np.diff(lengths) > SAME_LENGTH * lengths[1:]).sum())
     variance = float(fitted.variance[members] @ rows / rows.sum()) * len(members) / different
-    return jerk_range([fitted.curves[i] for i in members], [fitted.own[i] for i in members], variance, lags)
+    weight = np.array([1 / fit.deviation**2 for fit in own])
+    jerk = math.exp(float(weight @ [math.log(fit.jerk) for fit in own] / weight.sum()))
+    begin = own[0].lag
+    near = scurve.fits_at(curves, jerk, begin, [fit.fits[0] for fit in own])
+    known = {begin: scurve.refined(curves, near, begin)}
+
+    def at(lag: float) -> JerkFit:
+        if lag not in known:
+            near = known[min(known, key=lambda other: abs(other - lag))].fits
+            known[lag] = scurve.refined(curves, near, lag)
+        return known[lag]
+
+    lag_low = lag_high = begin
+    step = curves[0].segment.step / 4 if lags else 0.0
+    around = (begin / 1.2, begin * 1.2 + step) if lags else (begin, begin)
+    if max(at(lag).squares for lag in around) - at(begin).squares > FLAT * variance:
+        scurve.minimise(lambda lag: at(lag).squares, *around)
+    least = min(fit.squares for fit in known.values())
+
+    def excess(lag: float) -> float:
+        return (at(lag).squares - least) / variance - SIGMAS**2
+
+    def lag_edge(inside: float, outside: float) -> float:
+        room = abs(outside - inside) / 50
+        return float(brentq(excess, inside, outside, xtol=room)) if room else outside
+
+    if lags:
+        middle = min(known, key=lambda lag: known[lag].squares)
+        lag_low = 0.0 if excess(0.0) <= 0 else lag_edge(middle, 0.0)
+        inside, outside = middle, middle + step
+        while excess(outside) <= 0 and outside < scurve.LONGEST_LAG_S:
+            inside, outside = outside, outside + 2 * (outside - middle)
+        lag_high = outside if excess(outside) <= 0 else lag_edge(inside, outside)
+    middle = min(known, key=lambda lag: known[lag].squares)
+
+    def edge(lag: float, way: int) -> tuple[float, float]:
+        return scurve.jerk_edge(curves, at(lag), way, max(-excess(lag), 1.0) * variance), lag
+
+    low = min(edge(lag, -1) for lag in sorted({lag_low, (lag_low + middle) / 2, middle}))
+    high = edge(middle, 1) if lag_high < scurve.LONGEST_LAG_S else (math.inf, lag_high)
+    for lag in ((middle + lag_high) / 2, lag_high):
+        if math.isfinite(high[0]):
+            high = max(high, edge(lag, 1))
+    without = low[0] if low[1] == 0.0 else scurve.jerk_edge(curves, at(0.0), -1, SIGMAS**2 * variance)
+    bottom, top = scurve.jerk_bounds(curves)
+    cases = tuple((min(max(jerk, bottom), top), lag) for jerk, lag in ((known[middle].jerk, middle), low, high))
+    return JerkRange(known[middle], low[0], high[0], without, lag_low, lag_high, cases)
 
 
 def _unconvincing(lengths: FloatArray) -> Reason | None:
-    """Why moves of these lengths cannot show a limit."""
+    """The reason why moves of these lengths do not show a limit; None: they do."""
     if not len(lengths):
         return "IN_PROPORTION"
     return None if lengths.max() > DISTINCT * lengths.min() else "ONE_LENGTH"
 
 
 def _estimate(reason: Reason | None, value: float, error: float, lower: float, moves: int) -> Estimate:
-    """An identified limit where there is no reason against it, else a lower bound, if it is one."""
+    """An identified limit if there is no reason against it, else a lower bound if it is above 0."""
     if reason is None:
         return Estimate("identified", value, error, None, moves)
-    return Estimate("lower_bound", lower, None, reason, moves) if lower > 0 else _nothing(reason)
+    return Estimate("lower_bound", lower, None, reason, moves) if lower > 0 else _not_identifiable(reason)
 
 
 def _jerk(fitted: _Fitted, members: list[int], above: bool | None, span: JerkRange) -> Estimate:
@@ -286,8 +344,8 @@ def _jerk(fitted: _Fitted, members: list[int], above: bool | None, span: JerkRan
 
 
 def _acceleration(record: JointRecord, fitted: _Fitted, span: JerkRange) -> Estimate:
-    """From the pulses of all moves that are explained, whatever jerk and lag are possible. Each pulse has its greatest
-    acceleration, in a column for speeding up and one for braking."""
+    """The limit of acceleration, from the pulses of all moves that S-curves explain, for all possible jerks and lags.
+    Each pulse has its greatest acceleration, in a column for speeding up and one for braking."""
     good = np.flatnonzero(fitted.good)
     levels, random, plateaus = [], [], []
     for jerk, lag in span.cases:

@@ -7,9 +7,8 @@ import pytest
 from scipy.signal import lfilter
 
 from assur.planner.arrays import FloatArray
-from assur.planner.identification.recording import JointRecord
-from assur.planner.identification.scurve import SCurves, lagged, triangle
-from assur.planner.identification.shared_jerk import refined, searched
+from assur.scenes.identification.recording import JointRecord
+from assur.scenes.identification.scurve import SCurves, lagged, refined, searched, triangle
 from benchmarks.recorded_motion import Limits, motion
 
 LIMITS = Limits(np.array([4.0]), np.array([40.0]), np.array([1600.0]))

@@ -1,1 +1,0 @@
-"""What is shown of a motion: poses over time, distances over time, shapes as triangles."""
