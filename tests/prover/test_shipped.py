@@ -13,10 +13,10 @@ import pytest
 from jsonschema import Draft202012Validator
 
 import assur
+from assur.planner.claim.solids import bodies_in
 from assur.planner.model.digest import digest
 from assur.planner.model.phases import phases
 from assur.prover import prove as prover
-from assur.scenes.bundle.solids import bodies_in
 from assur.scenes.requests import check_document
 from assur.scenes.scenarios import shipped, shipped_scenarios
 from tests.architecture.source_tree import ROOT, imports
