@@ -20,29 +20,23 @@ Rows = list[list[float]]
 def document_of(claim: Claim, labels: Labels) -> Document:
     """The document of a claim, whose rows are called as `labels` say."""
     rows: dict[str, Rows] = {name: each.tolist() for name, each in claim._asdict().items()}
-    named = ((forms.POINT, "points"), (forms.PULL, "pulls"), (forms.AXIS, "axes"))
-    tool = {"points": labels.points, "pulls": labels.pulls, "axes": labels.axes}
-    found = {
-        name: [{"name": label, **written(form, row)} for label, row in zip(tool[name], rows[name], strict=True)]
-        for form, name in named
-    }
-    for pull, row in zip(found["pulls"], rows["pulls"], strict=True):
-        pull["tool"] = [*row[c.PULL_TOOL : c.PULL_MOST], 0.0]  # how it is turned does not matter
     joints = int(claim.arms[0, c.ARM_JOINTS])
-    return {
+    found: Document = {
         "schema": FORM,
         "request_digest": labels.request_digest,
         "plan_digest": labels.plan_digest,
         "arms": [arm_document(rows, arm, *label) for arm, label in zip(rows["arms"], labels.arms, strict=True)],
         "frames": [frame_document(rows, k, name) for k, name in enumerate(labels.frames)],
         "bodies": [body_document(rows, body, name) for body, name in zip(rows["bodies"], labels.bodies, strict=True)],
-        "seats": [written(forms.SEAT, row) for row in rows["seats"]],
         "phases": [_phase(rows, k, kind) for k, kind in enumerate(labels.phases)],
         "required": _required(claim, rows, joints),
-        "limits": [_limit(row, joints) for row in rows["limits"]],
-        **found,
-        "rows": [written(forms.ROW, row) for row in rows["rows"]],
     }
+    for name, form in forms.SECTIONS.items():
+        found[name] = [written(form, row, joints) for row in rows[name]]
+        if name in forms.NAMED:
+            for each, label in zip(found[name], getattr(labels, name), strict=True):
+                each["name"] = label
+    return found
 
 
 def _span(rows: Rows, row: Sequence[float], first: int) -> Rows:
@@ -100,7 +94,7 @@ def frame_document(rows: dict[str, Rows], number: int, name: str) -> Document:
         "edges": [*(law[c.LAW_BEGIN] for law in laws), *(law[c.LAW_END] for law in laws[-1:])],
         "acceleration": [[_powers(law, k) for k in range(4)] for law in laws],
         "waves": [written(forms.WAVE, wave) for wave in _span(rows["waves"], row, c.FRAME_WAVE)],
-        "unknown": [{"direction": _direction(each), **written(forms.DISPLACED, each)} for each in displaced],
+        "unknown": [written(forms.DISPLACED, each) for each in displaced],
         **written(forms.FRAME, row),
     }
 
@@ -112,10 +106,6 @@ def _powers(law: list[float], coordinate: int) -> list[float]:
     while powers and powers[-1] == 0.0:
         powers.pop()
     return powers
-
-
-def _direction(row: list[float]) -> list[float]:
-    return [] if row[c.DISPLACED_LEVEL] > 0.0 else row[c.DISPLACED_DIRECTION : c.DISPLACED_AMOUNT]
 
 
 def body_document(rows: dict[str, Rows], body: list[float], name: str) -> Document:
@@ -164,19 +154,11 @@ def _members(row: Sequence[float]) -> list[int]:
 
 def _required(claim: Claim, rows: dict[str, Rows], joints: int) -> Document:
     pairs = np.argwhere(np.triu(claim.self_pairs) > 0.0).tolist()
-    row, exceptions = rows["required"][0], []
+    exceptions = []
     for rule in rows["rules"]:
         half = (len(rule) - c.RULE_SIDE) // 2
         sides = [rule[c.RULE_SIDE : c.RULE_SIDE + half], rule[c.RULE_SIDE + half :]]
         # an empty list is every body
         first, second = ([] if all(side) else _members(side) for side in sides)
         exceptions.append({"first": first, "second": second, **written(forms.RULE, rule)})
-    lag = row[c.REQUIRED_LAG : c.REQUIRED_LAG + joints]
-    return {"self_pairs": pairs, "lag": lag, "exceptions": exceptions, **written(forms.REQUIRED, row)}
-
-
-def _limit(row: list[float], joints: int) -> Document:
-    limits = {key: row[at : at + joints] for key, at in forms.JOINT_LIMITS}
-    if not row[c.LIMIT_JERKS] > 0.0:
-        limits["jerk"] = []
-    return {**limits, **written(forms.LIMIT, row)}
+    return {"self_pairs": pairs, "exceptions": exceptions, **written(forms.REQUIRED, rows["required"][0], joints)}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assur.planner.claim import columns as c
-from assur.planner.claim.fields import Field
+from assur.planner.claim.fields import JOINTS, Field
 
 STATES = (("q", c.KNOT_Q), ("qd", c.KNOT_QD), ("qdd", c.KNOT_QDD))
 LINK = (
@@ -32,6 +32,7 @@ WAVE = (
     Field("phase", c.WAVE_PHASE),
 )
 DISPLACED = (
+    Field("direction", c.DISPLACED_DIRECTION, count=3, empty=(c.DISPLACED_LEVEL, 1.0)),
     Field("amount", c.DISPLACED_AMOUNT),
     Field("growth", c.DISPLACED_GROWTH),
     Field("shared", c.DISPLACED_SHARED, "flag"),
@@ -63,14 +64,17 @@ REQUIRED = (
     Field("late", c.REQUIRED_LATE),
     Field("since", c.REQUIRED_SINCE),
     Field("tool_from", c.REQUIRED_TOOL, "whole"),
+    Field("lag", c.REQUIRED_LAG, count=JOINTS),
 )
-LIMIT = (Field("t0", c.LIMIT_T0), Field("t1", c.LIMIT_T1), Field("shares", c.LIMIT_SHARE, count=4))
-JOINT_LIMITS = (
-    ("lower", c.LIMIT_LOWER),
-    ("upper", c.LIMIT_UPPER),
-    ("velocity", c.LIMIT_VELOCITY),
-    ("acceleration", c.LIMIT_ACCELERATION),
-    ("jerk", c.LIMIT_JERK),
+LIMIT = (
+    Field("t0", c.LIMIT_T0),
+    Field("t1", c.LIMIT_T1),
+    Field("shares", c.LIMIT_SHARE, count=4),
+    Field("lower", c.LIMIT_LOWER, count=JOINTS),
+    Field("upper", c.LIMIT_UPPER, count=JOINTS),
+    Field("velocity", c.LIMIT_VELOCITY, count=JOINTS),
+    Field("acceleration", c.LIMIT_ACCELERATION, count=JOINTS),
+    Field("jerk", c.LIMIT_JERK, count=JOINTS, empty=(c.LIMIT_JERKS, 0.0)),
 )
 POINT = (
     Field("t0", c.POINT_T0),
@@ -89,6 +93,7 @@ PULL = (
     Field("t0", c.PULL_T0),
     Field("t1", c.PULL_T1),
     Field("link", c.PULL_LINK, "whole"),
+    Field("tool", c.PULL_TOOL, count=3, unread=1),  # how the tool is turned does not matter
     Field("most", c.PULL_MOST),
     Field("share", c.PULL_SHARE),
 )
@@ -110,3 +115,8 @@ ROW = (
     Field("pieces", c.ROW_PIECE, "whole", 2),
     Field("normal", c.ROW_NORMAL, count=3),
 )
+
+SECTIONS = {"seats": SEAT, "limits": LIMIT, "points": POINT, "pulls": PULL, "axes": AXIS, "rows": ROW}
+"""The parts of a bundle that are a table, object by row."""
+NAMED = ("points", "pulls", "axes")
+"""Those whose objects have a name."""
