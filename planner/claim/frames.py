@@ -9,9 +9,8 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
-from assur.planner.claim.chain import Arms
+from assur.planner.claim.chain import Arms, knots_of
 from assur.planner.claim.laws import endless, law_of
-from assur.planner.claim.motion import knots_of
 from assur.planner.frames.law import Frame, Law
 from assur.planner.model.link_frames import TrajectoryLaw
 from assur.planner.model.scene import Scene
