@@ -6,10 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
-from assur.planner.frames import Conveyor, Linear
-from assur.planner.frames.law import EXACT, Frame, Law
+from assur.planner.laws.law import EXACT, Frame
 from assur.planner.model.phases import CONTACT_M, Phase
 from assur.planner.model.scene import Scene
 from assur.scenes.bundle.arms import link_number
@@ -73,7 +70,7 @@ def _shares(scene: Scene, phase: Phase) -> list[list[float]]:
 
 def frame_of(frame: Frame) -> Document:
     """What is not known of a frame."""
-    known, line = frame.uncertainty, _line(frame.law)
+    known, line = frame.uncertainty, None if frame.law.line is None else frame.law.line.tolist()
     across = None if line is None or math.hypot(line[0], line[1]) == 0.0 else [-line[1], line[0], 0.0]
     if across is not None:
         level = math.hypot(*across)
@@ -89,15 +86,6 @@ def frame_of(frame: Frame) -> Document:
         if amount != 0.0 or growth != 0.0
     ]
     return {"shift": list(known.shift_s), "yaw": known.yaw_rad, "unknown": unknown}
-
-
-def _line(law: Law) -> list[float] | None:
-    """The direction in which a frame travels; None: it has none."""
-    if isinstance(law, Conveyor):
-        return [math.cos(law.pose.yaw), math.sin(law.pose.yaw), 0.0]
-    if isinstance(law, Linear) and any(law.velocity):
-        return list((np.array(law.velocity) / math.hypot(*law.velocity)).tolist())
-    return None
 
 
 def required_of(scene: Scene, until: float) -> Document:

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.fixed import Fixed
 from assur.planner.geometry.shapes import Body, support
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import Phase
@@ -31,7 +30,7 @@ class _Places:
     def __init__(self, scene: Scene, plan: Plan, seats: list[Document]) -> None:
         self.robot, self.path, self.seats, self.bodies = scene.robot, plan.trajectory, seats, bodies_in(scene)
         self.laws = [frame.law for frame in scene.frames.values()]
-        self.stands = [isinstance(law, Fixed) for law in self.laws]
+        self.stands = [law.stands for law in self.laws]
         self.known: dict[tuple[int, float, tuple[float, ...]], float] = {}
         self.arms: dict[float, tuple[FloatArray, FloatArray]] = {}
 

@@ -34,13 +34,13 @@ def bundle_of(scene: Scene, plan: Plan) -> Document:
     frames = []
     for name, frame in scene.frames.items():
         law, on, link = frame.law, -1, -1
-        robot, path = getattr(law, "robot", None), getattr(law, "trajectory", None)
-        if isinstance(robot, Robot) and isinstance(path, Trajectory):
+        if law.link is not None:
+            robot, path = law.link.robot, law.link.trajectory
             same = [k for k, (a, b) in enumerate(followed) if a is robot and b is path]
             if not same:
                 followed.append((robot, path))
                 arms.append(arm_of(robot, path, begin, end))
-            on, link = (same or [len(followed) - 1])[0] + 1, link_number(robot, law.link)  # type: ignore[attr-defined]
+            on, link = (same or [len(followed) - 1])[0] + 1, link_number(robot, law.link.link)
             moved = {"pose": [0.0] * 4, "rate": [0.0] * 4, "edges": [], "acceleration": [], "waves": []}
         else:
             moved = law_of(law, begin, end)

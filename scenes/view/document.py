@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames import Fixed
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase, phases
@@ -41,7 +40,7 @@ def view_of(cell: Cell, given: object) -> document.ViewDocument:
     refusal, census = answer.get("refusal") or {}, answer.get("census", {})
     also = [each["time_s"] for each in _nearest_said(answer)]
     if motion is None:
-        moves = any(not isinstance(frame.law, Fixed) for frame in scene.frames.values())
+        moves = any(not frame.law.stands for frame in scene.frames.values())
         lasts, met = STANDS_S if moves else STILL_S, _met(scene, refusal)
         q, attached = (scene.start.q, None) if met is None else met
         end = scene.start.time + lasts

@@ -19,7 +19,7 @@ from assur.prover.prove import Carrier, Curve, Solid, chain, law, spline, uprigh
 from assur.scenes.bundle.arms import arm_of, link_number
 from assur.scenes.bundle.laws import law_of
 from assur.scenes.bundle.solids import body_of
-from tests.planner.frames.laws import Case, cases
+from tests.planner.laws.laws import Case, cases
 from tests.planner.robots.families import NAMES, random_motion, robot_named
 
 NEAR = 1e-9
