@@ -25,7 +25,7 @@ import typer
 from rich.console import Console
 from rich.progress import track
 
-from assur.scenes.bundle.doors import bundle_document
+from assur.scenes.bundle import bundle_document
 from assur.scenes.kernels import load
 from assur.scenes.requests import plan_document, plan_scenario
 from assur.scenes.scenarios import shipped, shipped_scenarios

@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from assur.planner.errors import InputError
-from assur.scenes.bundle.doors import bundle_document
+from assur.scenes.bundle import bundle_document
 from assur.scenes.requests import check_document, plan_document, validate
 from benchmarks.soak.poses import Document
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.blends.timed import BlendShape, Station
-from assur.planner.frames import all_stand
+from assur.planner.laws import all_stand
 from assur.planner.model.scene import Scene
 from assur.planner.search.meeting_options import preference
 from assur.planner.search.partial_plan import PartialPlan

@@ -17,7 +17,7 @@ from assur.planner.checker.claims.error_terms import DIRECTION, LATE, Terms, gon
 from assur.planner.checker.targets import Target
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
-from assur.planner.frames.law import EXACT
+from assur.planner.laws.law import EXACT
 from assur.planner.model.arrival_error import ArrivalError, Cause
 from assur.planner.model.outcome import Arrival
 from assur.planner.model.phases import Handled, Phase

@@ -34,8 +34,8 @@ from assur.planner.checker.targets import targets
 from assur.planner.checker.tracking import arches, assembled, pulled, straight, tracked, turned_into
 from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.checker.world import World
-from assur.planner.frames import ALWAYS
 from assur.planner.geometry.containment import nothing
+from assur.planner.laws import ALWAYS
 from assur.planner.model.claims import NOTHING, Claims
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Contact, Plan, covered

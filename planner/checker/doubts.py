@@ -27,23 +27,23 @@ from assur.planner.checker.uncertainty import (
     YAW,
     Doubt,
 )
-from assur.planner.frames import ALWAYS, Conveyor, Fixed, Law, Linear
-from assur.planner.frames.law import EXACT
+from assur.planner.laws import ALWAYS, Law
+from assur.planner.laws.law import EXACT
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 
 
 def stands(law: Law) -> bool:
     """Whether a frame stands still for ever."""
-    return isinstance(law, Fixed) and law.valid == ALWAYS
+    return law.kind == "fixed" and law.valid == ALWAYS
 
 
 def line_of(law: Law) -> tuple[float, float, float] | None:
     """The direction in which a frame travels, whatever its speed; None: it has none."""
-    if isinstance(law, Conveyor):
-        return math.cos(law.pose.yaw), math.sin(law.pose.yaw), 0.0
-    if isinstance(law, Linear) and any(law.velocity):
-        x, y, z = law.velocity
+    if law.kind == "conveyor":
+        return math.cos(law.numbers.pose.yaw), math.sin(law.numbers.pose.yaw), 0.0
+    if law.kind == "linear" and any(law.numbers.velocity):
+        x, y, z = law.numbers.velocity
         length = math.sqrt(x * x + y * y + z * z)
         return x / length, y / length, z / length
     return None
@@ -51,8 +51,8 @@ def line_of(law: Law) -> tuple[float, float, float] | None:
 
 def counted(law: Law) -> bool:
     """Whether a frame travels along its line at any time, so that an encoder is sure to tell of its error there."""
-    if isinstance(law, Conveyor):
-        return law.speed != 0.0 or any(change.speed != 0.0 for change in law.changes)
+    if law.kind == "conveyor":
+        return law.numbers.speed != 0.0 or any(change.speed != 0.0 for change in law.numbers.changes)
     return line_of(law) is not None
 
 

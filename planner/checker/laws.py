@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -17,8 +16,8 @@ from assur.planner.checker import motion
 from assur.planner.checker.motion import CONTROL, FRAME, NEIGHBOUR, PIECE, POLYNOMIAL, SWING, WIDTH, Tables
 from assur.planner.checker.spline import COLUMNS, JOINT, JOINTS, ROOM, curve
 from assur.planner.errors import FaultError
-from assur.planner.frames import Conveyor, Fixed, Indexer, Keyframes, Law, Linear, Oscillation, Swing, Turntable
-from assur.planner.frames.ramps import Change
+from assur.planner.laws import Law
+from assur.planner.laws.ramps import Change
 from assur.planner.model.scene import Scene
 from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.five_axis_arm import FiveAxisArm
@@ -42,17 +41,6 @@ share of the piece (2), a cut between two of them (3), a sine and a product with
 and how fast they become, rounds by 3 of their own way."""
 SHIFT_ROUNDINGS = 2
 """The same of V and the time since time zero: the end of a ramp is a sum of times, and so is a time that is shifted."""
-FORMULAS = (Conveyor, Fixed, Indexer, Keyframes, Linear, Oscillation, Swing, Turntable)
-
-
-@runtime_checkable
-class Neighbour(Protocol):
-    """A link of another robot, which follows a trajectory."""
-
-    robot: Robot
-    trajectory: Trajectory
-    link: int
-    valid: tuple[float, float]
 
 
 def tables(scene: Scene, trajectory: Trajectory, begin: float, until: float) -> Tables:
@@ -61,16 +49,16 @@ def tables(scene: Scene, trajectory: Trajectory, begin: float, until: float) -> 
     frames, found = np.zeros((len(scene.frames), FRAME)), list[Piece]()
     for row, frame in zip(frames, scene.frames.values(), strict=True):
         law = frame.law
-        if not isinstance(law, FORMULAS) and isinstance(law, Neighbour):
-            row[: motion.PERIOD] = NEIGHBOUR, *law.valid, len(moved), law.link, np.nan
-            moved.append((law.robot, law.trajectory))
+        if law.link is not None:
+            row[: motion.PERIOD] = NEIGHBOUR, *law.valid, len(moved), law.link.link, np.nan
+            moved.append((law.link.robot, law.link.trajectory))
             continue
         own = _pieces(law, begin, until)
         degree = max(len(powers) for _, _, coordinates in own for powers in coordinates) - 1
         row[: motion.PERIOD] = POLYNOMIAL, *law.valid, len(found), len(own), degree
-        if type(law) is Swing or type(law) is Oscillation:
-            row[motion.KIND], row[motion.MEAN], row[motion.AMPLITUDE :] = SWING, law.pose.yaw, _sway(law)
-        if type(law) is Indexer or (type(law) is Keyframes and law.ends == "periodic"):
+        if law.kind in ("swing", "oscillation"):
+            row[motion.KIND], row[motion.MEAN], row[motion.AMPLITUDE :] = SWING, law.numbers.pose.yaw, _sway(law)
+        if law.kind == "indexer" or (law.kind == "keyframes" and law.numbers.ends == "periodic"):
             row[motion.PERIOD : motion.MEAN] = _again(law)
         found += own
     pieces = np.zeros((len(found), PIECE))
@@ -148,36 +136,35 @@ def arm_row(robot: Robot, first: int = 0, last: int = 0) -> list[float]:
 
 def _pieces(law: Law, start: float, until: float) -> list[Piece]:
     """The pieces of a law over [start, until] at least, or as far as it is known."""
-    # not isinstance: the bases of laws make that slow
-    if type(law) is Keyframes:
-        return _keyframes(law)
-    pose = law.pose  # type: ignore[attr-defined]
+    if law.kind == "keyframes":
+        return spline_of(law)
+    pose = law.numbers.pose
     x, y, z, yaw = pose.x, pose.y, pose.z, pose.yaw
-    if type(law) is Fixed:
+    if law.kind == "fixed":
         return [(start, until, ((x,), (y,), (z,), (yaw,)))]
-    if type(law) is Swing or type(law) is Oscillation:
-        w = 2.0 * math.pi / law.period
-        return [(start, until, ((x,), (y,), (z,), (w * start + law.phase, w)))]
-    if type(law) is Linear:
-        u, v, w = law.velocity
-        begin, end = min(start, law.at_time), max(until, law.at_time)
-        gone = begin - law.at_time
+    if law.kind in ("swing", "oscillation"):
+        w = 2.0 * math.pi / law.numbers.period
+        return [(start, until, ((x,), (y,), (z,), (w * start + law.numbers.phase, w)))]
+    if law.kind == "linear":
+        u, v, w = law.numbers.velocity
+        begin, end = min(start, law.numbers.at_time), max(until, law.numbers.at_time)
+        gone = begin - law.numbers.at_time
         return [(begin, end, ((x + u * gone, u), (y + v * gone, v), (z + w * gone, w), (yaw,)))]
-    if type(law) is Turntable:
-        ways = ramped(law.rate, law.changes, law.at_time, start, until)
-        rise = law.rise
+    if law.kind == "turntable":
+        ways = ramped(law.numbers.rate, law.numbers.changes, law.numbers.at_time, start, until)
+        rise = law.numbers.rise
         return [
-            (begin, end, ((x,), (y,), (z + rise * (begin - law.at_time), rise), (yaw + s[0], *s[1:])))
+            (begin, end, ((x,), (y,), (z + rise * (begin - law.numbers.at_time), rise), (yaw + s[0], *s[1:])))
             for begin, end, s in ways
         ]
-    if type(law) is Conveyor:
-        ways = ramped(law.speed, law.changes, law.at_time, start, until)
-    elif type(law) is Indexer:
+    if law.kind == "conveyor":
+        ways = ramped(law.numbers.speed, law.numbers.changes, law.numbers.at_time, start, until)
+    elif law.kind == "indexer":
         ways = _indexed(law)
-        if law.kind == "turn":
+        if law.numbers.turns:
             return [(begin, end, ((x,), (y,), (z,), (yaw + s[0], *s[1:]))) for begin, end, s in ways]
     else:
-        raise FaultError(f"the checker does not know the law {type(law).__name__}")
+        raise FaultError(f"the checker does not know the law {law.kind}")
     c, s_ = math.cos(yaw), math.sin(yaw)
     return [
         (begin, end, ((x + c * s[0], *(c * a for a in s[1:])), (y + s_ * s[0], *(s_ * a for a in s[1:])), (z,), (yaw,)))
@@ -185,13 +172,13 @@ def _pieces(law: Law, start: float, until: float) -> list[Piece]:
     ]
 
 
-def travel(law: Conveyor | Linear, start: float, until: float) -> list[Way]:
+def travel(law: Law, start: float, until: float) -> list[Way]:
     """How far a belt, or what goes along a line, has gone since its `at_time`, m, in its direction of travel: pieces
     that cover [start, until] at least. The last one goes on for ever, as far as the law is known."""
-    if isinstance(law, Conveyor):
-        return ramped(law.speed, law.changes, law.at_time, start, until)
-    speed = math.hypot(*law.velocity)
-    return [(start, until, [speed * (start - law.at_time), speed])]
+    if law.kind == "conveyor":
+        return ramped(law.numbers.speed, law.numbers.changes, law.numbers.at_time, start, until)
+    speed = math.hypot(*law.numbers.velocity)
+    return [(start, until, [speed * (start - law.numbers.at_time), speed])]
 
 
 def ramped(speed: float, changes: tuple[Change, ...], at_time: float, start: float, until: float) -> list[Way]:
@@ -239,43 +226,44 @@ def ramped(speed: float, changes: tuple[Change, ...], at_time: float, start: flo
     return [(begin, end, [c[0] - zero, *c[1:]]) for begin, end, c in found if end > begin]
 
 
-def _indexed(law: Indexer) -> list[Way]:
+def _indexed(law: Law) -> list[Way]:
     """The move and the dwell of an indexer (F3)."""
-    powers, end = [0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0], law.start + law.move_s
-    move = (law.start, end, [law.step * c / law.move_s**k for k, c in enumerate(powers)])
-    return [move, (end, end + law.dwell_s, [law.step])] if end + law.dwell_s > end else [move]
+    of, powers = law.numbers, [0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0]
+    end = of.at_time + of.move_s
+    move = (of.at_time, end, [of.step * c / of.move_s**k for k, c in enumerate(powers)])
+    return [move, (end, end + of.dwell_s, [of.step])] if end + of.dwell_s > end else [move]
 
 
-def _sway(law: Swing | Oscillation) -> tuple[float, float, float, float]:
+def _sway(law: Law) -> tuple[float, float, float, float]:
     """By how much x, y, z and yaw go to either side (F4, F8)."""
-    if type(law) is Swing:
-        return 0.0, 0.0, 0.0, law.amplitude
-    u, v, w = law.direction  # type: ignore[union-attr]
-    share = law.amplitude / math.sqrt(u * u + v * v + w * w)
+    if law.kind == "swing":
+        return 0.0, 0.0, 0.0, law.numbers.amplitude
+    u, v, w = law.numbers.direction
+    share = law.numbers.amplitude / math.sqrt(u * u + v * v + w * w)
     return share * u, share * v, share * w, 0.0
 
 
-def _again(law: Indexer | Keyframes) -> tuple[float, float, float, float, float]:
+def _again(law: Law) -> tuple[float, float, float, float, float]:
     """After how long a law repeats, and by how much x, y, z and yaw have gone on then (F3, F9)."""
-    if isinstance(law, Keyframes):
-        return float(law.times[-1] - law.times[0]), 0.0, 0.0, 0.0, _turn(law)
-    lasts, step, yaw = law.move_s + law.dwell_s, law.step, law.pose.yaw
-    if law.kind == "turn":
+    if law.kind == "keyframes":
+        return float(law.numbers.times[-1] - law.numbers.times[0]), 0.0, 0.0, 0.0, _turn(law)
+    lasts, step, yaw = law.numbers.move_s + law.numbers.dwell_s, law.numbers.step, law.numbers.pose.yaw
+    if law.numbers.turns:
         return lasts, 0.0, 0.0, 0.0, step
     return lasts, step * math.cos(yaw), step * math.sin(yaw), 0.0, 0.0
 
 
-def _turn(law: Keyframes) -> float:
+def _turn(law: Law) -> float:
     """By how much the yaw of keyframes that repeat goes on in a period: whole turns."""
-    return 2.0 * math.pi * round((law.poses[-1].yaw - law.poses[0].yaw) / (2.0 * math.pi))
+    return 2.0 * math.pi * round((law.numbers.poses[-1].yaw - law.numbers.poses[0].yaw) / (2.0 * math.pi))
 
 
-def _keyframes(law: Keyframes) -> list[Piece]:
+def spline_of(law: Law) -> list[Piece]:
     """The cubic spline through keyframes (F5, F9), by the velocities v that make its acceleration continuous (F10):
     v_(i-1)/h_(i-1) + 2 v_i (1/h_(i-1) + 1/h_i) + v_(i+1)/h_i = 3 (d_(i-1)/h_(i-1) + d_i/h_i), d the mean velocities;
     at both ends it is at rest, or does not accelerate, or the last piece is the one before the first."""
-    t, x = np.asarray(law.times), np.array([(p.x, p.y, p.z, p.yaw) for p in law.poses])
-    repeats, many = law.ends == "periodic", len(t)
+    t, x = np.asarray(law.numbers.times), np.array([(p.x, p.y, p.z, p.yaw) for p in law.numbers.poses])
+    repeats, many = law.numbers.ends == "periodic", len(t)
     if repeats:
         x[-1, 3] = x[0, 3] + _turn(law)
     h = np.diff(t)
@@ -291,7 +279,7 @@ def _keyframes(law: Keyframes) -> list[Piece]:
         matrix[-1, 0], matrix[-1, -1] = 1.0, -1.0
     for i, inner, mean in () if repeats else ((0, 1, d[0]), (many - 1, many - 2, d[-1])):
         matrix[i, i] = 1.0
-        if law.ends == "natural":
+        if law.numbers.ends == "natural":
             matrix[i, i], matrix[i, inner], right[i] = 2.0, 1.0, 3.0 * mean
     v = np.linalg.solve(matrix, right)
     found: list[Piece] = []

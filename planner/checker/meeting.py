@@ -11,7 +11,7 @@ from assur.planner.checker.legs import TIME_S
 from assur.planner.checker.targets import TURN, Target, asks_passing, asks_rest, asks_velocity, may_turn
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
-from assur.planner.frames import Conveyor, Linear
+from assur.planner.laws import Law
 from assur.planner.model.outcome import Arrival, Leg, LegKind
 from assur.planner.model.scene import Trace
 
@@ -169,16 +169,16 @@ def _in_window(world: World, arrival: Arrival, target: Target) -> list[Finding]:
     return findings
 
 
-def measured(law: object) -> tuple[tuple[float, ...], float] | None:
+def measured(law: Law) -> tuple[tuple[float, ...], float] | None:
     """The direction of travel (3,) in the world along which a conveyor is measured, and where its pose is along it, m;
     None: it is none."""
-    if not isinstance(law, Conveyor | Linear):
+    if law.kind not in ("conveyor", "linear"):
         return None
-    yaw = law.pose.yaw
-    way = (math.cos(yaw), math.sin(yaw), 0.0) if isinstance(law, Conveyor) else law.velocity
+    yaw = law.numbers.pose.yaw
+    way = (math.cos(yaw), math.sin(yaw), 0.0) if law.kind == "conveyor" else law.numbers.velocity
     length = math.hypot(*way)
     u = tuple(share / length for share in way) if length > 0.0 else (1.0, 0.0, 0.0)
-    return u, _along(law.pose.position.tolist(), u)
+    return u, _along(law.numbers.pose.position.tolist(), u)
 
 
 def posed(pose: object) -> list[tuple[int, float]]:

@@ -11,8 +11,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
 from assur.planner.claim.chain import Arms, knots_of
 from assur.planner.claim.laws import endless, law_of
-from assur.planner.frames.law import Frame, Law
-from assur.planner.model.link_frames import TrajectoryLaw
+from assur.planner.laws import Frame, Law
 from assur.planner.model.scene import Scene
 from assur.planner.robots.robot import Robot
 from assur.planner.tables.uncertainty import direction
@@ -64,13 +63,14 @@ def frames_of(scene: Scene) -> Frames:
     for row, frame in enumerate(scene.frames.values()):
         law, known, on, placed = frame.law, frame.uncertainty, (-1, -1), [0.0] * 8
         own: list[tuple[float, ...]] = []
-        if isinstance(law, TrajectoryLaw):
-            same = [k for k, (robot, path) in enumerate(followed) if robot is law.robot and path is law.trajectory]
+        link = law.link
+        if link is not None:
+            same = [k for k, (robot, path) in enumerate(followed) if robot is link.robot and path is link.trajectory]
             if not same:
                 same = [len(followed)]
-                followed.append((law.robot, law.trajectory))
-                first.append(arms.add(law.robot))
-            on = same[0] + 1, first[same[0]] + law.robot.chain_rows[law.link]
+                followed.append((link.robot, link.trajectory))
+                first.append(arms.add(link.robot))
+            on = same[0] + 1, first[same[0]] + link.robot.chain_rows[link.link]
         elif endless(law):
             placed, _, own = law_of(law, -math.inf, math.inf)
         else:

@@ -9,7 +9,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
-from assur.planner.frames.law import EXACT
+from assur.planner.laws import EXACT
 from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.clearance import contact_gap
 from assur.planner.model.phases import Phase

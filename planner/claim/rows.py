@@ -11,7 +11,6 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.claim import columns as c
-from assur.planner.frames.fixed import Fixed
 from assur.planner.geometry.shapes import Body, Hull, support
 from assur.planner.model.outcome import Certificate
 from assur.planner.model.scene import Scene
@@ -96,7 +95,7 @@ class _Places:
     def standing(self, seated: IntArray) -> list[int]:
         """The seats that are used and stand still."""
         frames = self.seats[:, c.SEAT_FRAME].astype(int).tolist()
-        return [int(k) for k in np.unique(seated) if frames[k] >= 0 and isinstance(self.laws[frames[k]], Fixed)]
+        return [int(k) for k in np.unique(seated) if frames[k] >= 0 and self.laws[frames[k]].stands]
 
     @staticmethod
     def whole(body: Body) -> int:

@@ -47,12 +47,12 @@ from assur.planner.kernels.spline import spline_state
 from assur.planner.kernels.uncertainty import SET_COLUMNS, Doubt, growing_for
 from assur.planner.kernels.units import pose_shapes
 from assur.planner.kernels.walk import PROVE, SCREEN, walk
+from assur.planner.laws import law_tables
 from assur.planner.model.assembly_mode import has_loop
 from assur.planner.model.deadline import out_of_time
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.planner.tables.bodies import Arrangement, Bodies
-from assur.planner.tables.laws import law_tables
 from assur.planner.tables.pairs import Pairs, PairTables
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import Spline, spline_table

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from assur.planner.frames import constant_yaw
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.forbidden_yaw import tool_yaw, yaw_refused
 from assur.planner.model.attachments import Attachments, at_start
@@ -42,7 +41,7 @@ def yaw_impossible(scene: Scene) -> Refusal | None:
         points = [(held, control_point(scene, number, held, turn)) for held in ways for turn in offsets]
         refusals = []
         for _, point in points:
-            yaw = constant_yaw(scene.frames[point.frame].law)
+            yaw = scene.frames[point.frame].law.yaw
             yaw = math.nan if yaw is None or not known else yaw + point.pose.yaw + scene.tool.tcp.yaw
             refusals.append(yaw_refused(scene, Stage.CONTROL_POINT, number, yaw) if math.isfinite(yaw) else None)
         if all(refusal is not None for refusal in refusals):

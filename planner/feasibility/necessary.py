@@ -13,7 +13,6 @@ from assur.planner.feasibility.overshoot import overshoots
 from assur.planner.feasibility.reach import beyond_every_pitch, out_of_range, whatever_the_yaw
 from assur.planner.feasibility.spots import Spot, in_the_way, spots
 from assur.planner.feasibility.witnesses import shown
-from assur.planner.frames import Fixed
 from assur.planner.kernels.solids import REACH
 from assur.planner.legs.arched import too_high
 from assur.planner.legs.control_point import ControlPoint, control_point
@@ -262,7 +261,7 @@ def _start_enclosed(scene: Scene, prover: Prover) -> Refusal | None:
 def _no_path(scene: Scene) -> Refusal | None:
     """Whether the first step goes along a path that cannot be, from where the tool stands at the start."""
     move, start = scene.task[0], scene.start
-    if not isinstance(move, Move) or not move.path or not isinstance(scene.frames[move.target.frame].law, Fixed):
+    if not isinstance(move, Move) or not move.path or not scene.frames[move.target.frame].law.stands:
         return None
     made = path_from(move, 0, tool_in(scene, move.target.frame, start.q, start.time))
     return made if isinstance(made, Refusal) else None

@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from assur.planner.frames import Keyframes, Law, Oscillation, Swing, Turntable
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.kernels.carriers import point_bound
 from assur.planner.kernels.laws import bound_frame
 from assur.planner.kernels.links import BOUND_COLUMNS
+from assur.planner.laws import law_tables
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.legs.paths.tracing import lead_in_begin
 from assur.planner.model.joint_range import beyond_at_nearest_turn
@@ -31,7 +31,6 @@ from assur.planner.robots.facts import Code
 from assur.planner.robots.five_axis_arm import FiveAxisArm
 from assur.planner.robots.scara import Scara
 from assur.planner.robots.turns import beyond_range, equivalents
-from assur.planner.tables.laws import law_tables
 
 EDGE_M = 1e-9
 """A point is called out of reach at every pitch, or at all times, from this much on, m: rounding of coordinates of a
@@ -129,7 +128,7 @@ def _never_near(scene: Scene, point: ControlPoint) -> Refusal | None:
     the flange is so far from the arm's axis, and in half a part it comes no nearer than its greatest speed takes it
     (equation F11)."""
     law, robot = scene.frames[point.frame].law, scene.robot
-    period = period_of(law)
+    period = law.cycle_s
     if period is None or not isinstance(robot, Scara):
         return None
     edges = scene.start.time + period * np.arange(PARTS + 1) / PARTS
@@ -145,14 +144,3 @@ def _never_near(scene: Scene, point: ControlPoint) -> Refusal | None:
     if not short > EDGE_M:  # nor where the law is not known for a whole period
         return None
     return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=short, facts=OutOfReach())
-
-
-def period_of(law: Law) -> float | None:
-    """After how many seconds a frame is where it was, again and again; None: never, or nobody knows."""
-    if isinstance(law, Swing | Oscillation):
-        return law.period
-    if isinstance(law, Keyframes):
-        return law.period or None
-    if isinstance(law, Turntable) and law.rate != 0.0 and law.rise == 0.0 and not law.changes:
-        return math.tau / abs(law.rate)
-    return None

@@ -10,7 +10,6 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.at_rest import TooNear, Within, closest, enclosed
 from assur.planner.collision.proof import Prover
-from assur.planner.frames import Fixed
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.outcome import LegKind
@@ -75,12 +74,10 @@ def in_the_way(scene: Scene, prover: Prover, point: ControlPoint, spot: Spot, mo
     t, attached, q = scene.start.time, spot.attached, posture(scene, point, spot, mode)
     if q is None:
         return None
-    fixed = isinstance(scene.frames[point.frame].law, Fixed)
+    fixed = scene.frames[point.frame].law.stands
     frames = {body.name: attached.pose_of(scene, body.name)[0] for body in scene.bodies}
     among = frozenset(
-        name
-        for name, frame in frames.items()
-        if frame == point.frame or (fixed and isinstance(scene.frames[frame].law, Fixed))
+        name for name, frame in frames.items() if frame == point.frame or (fixed and scene.frames[frame].law.stands)
     )
     tracked = None if spot.kind is LegKind.MOVE else point.frame
     phase = Phase(t, t, spot.kind, point.step, attached, tracked=tracked)

@@ -6,7 +6,6 @@ import math
 
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.touching import asked, too_far
-from assur.planner.frames import Fixed
 from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.deadline import look
 from assur.planner.model.phases import yaw_offsets
@@ -43,7 +42,7 @@ def always(scene: Scene, step: Step, attached: Attachments) -> bool:
 
 
 def _stand(scene: Scene, *frames: str) -> bool:
-    return all(isinstance(scene.frames[name].law, Fixed) for name in frames)
+    return all(scene.frames[name].law.stands for name in frames)
 
 
 def _amount(refusal: Refusal) -> float:

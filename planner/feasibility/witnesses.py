@@ -15,7 +15,6 @@ from assur.planner.checker.refusals.windows import witness_of as openings_of
 from assur.planner.collision.at_rest import TooNear, Within, closest, enclosed
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.points_between import points_between
-from assur.planner.feasibility.reach import period_of
 from assur.planner.feasibility.spots import in_the_way, spots
 from assur.planner.geometry.shapes import Piece
 from assur.planner.legs.control_point import control_point
@@ -63,7 +62,7 @@ def _witness(scene: Scene, prover: Prover, refusal: Refusal) -> Witness | None:
 
 
 def _orbit(scene: Scene, refusal: Refusal, way: Way) -> Orbit | None:
-    lasts, start = period_of(scene.frames[way.frame].law), scene.start.time
+    lasts, start = scene.frames[way.frame].law.cycle_s, scene.start.time
     if lasts is None or refusal.amount is None:
         return None
     return Orbit(span_s=(start, start + lasts), short_m=refusal.amount.value)

@@ -15,19 +15,18 @@ from functools import cache
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames import Fixed
-from assur.planner.frames.law import EXACT, PoseUncertainty
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.kernels.carriers import point_bound
 from assur.planner.kernels.laws import bound_frame
 from assur.planner.kernels.links import ACCELERATION, BOUND_COLUMNS, V_REACH, bound_links
+from assur.planner.laws import law_tables
+from assur.planner.laws.law import EXACT, PoseUncertainty
 from assur.planner.model.arrival_error import ArrivalError, Cause, Share
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.phases import Handled, on_way
 from assur.planner.model.refusal import Inaccurate, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Trace
 from assur.planner.robots.scara import Scara
-from assur.planner.tables.laws import law_tables
 from assur.planner.tables.uncertainty import direction
 
 RESERVE_M, RESERVE_RAD = 2e-6, 2e-6
@@ -130,7 +129,7 @@ def _add_late(scene: Scene, name: str, local: Pose, until: float, terms: _Terms)
     """How far the point goes on while the robot is late, or the frame's whole motion is shifted in time."""
     frame = scene.frames[name]
     early, late = -frame.uncertainty.shift_s[1], scene.execution.start_tolerance_s - frame.uncertainty.shift_s[0]
-    if isinstance(frame.law, Fixed) or not late > early:
+    if frame.law.stands or not late > early:
         return
     times = np.unique(np.append(np.linspace(early, late, LATE_STEPS + 1), 0.0))
     way = frame.law.motion(until + times).at(local)

@@ -10,10 +10,9 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames import Conveyor, Fixed, Linear
-from assur.planner.frames.belt_window import inside, outside_for_good, travelled
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import Tilt, TiltedMotion
+from assur.planner.laws.belt_window import inside, outside_for_good, travelled
 from assur.planner.legs.moving_end import MovingEnd
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.scene import Scene, Step, Trace, Window
@@ -91,7 +90,7 @@ class ControlPoint:
     @property
     def still(self) -> bool:
         """Whether the control point never moves."""
-        return isinstance(self.scene.frames[self.frame].law, Fixed)
+        return self.scene.frames[self.frame].law.stands
 
     def flange(self, t: FloatArray, above: float = 0.0) -> Motion:
         """Motion of the flange (world) that tracks the point, `above` metres over it, at times t (...)."""
@@ -140,21 +139,21 @@ class ControlPoint:
     def outside_for_good(self) -> bool:
         """Whether it stays outside its window along a conveyor after the time that is searched."""
         law, window = self.scene.frames[self.frame].law, self.window.along
-        if window is None or not isinstance(law, Conveyor | Linear):
+        if window is None or law.way is None:
             return True
         return outside_for_good(law, self.target, window, self.scene.start.time)
 
     def along(self, t: FloatArray) -> FloatArray | None:
         """Metres (...) of the control point along its conveyor from the conveyor's given pose; None: no conveyor."""
         law = self.scene.frames[self.frame].law
-        if not isinstance(law, Conveyor | Linear):
+        if law.way is None:
             return None
         return travelled(law, self.target, t)
 
     def inside(self, window: tuple[float, float]) -> tuple[tuple[float, float], ...]:
         """When the point is in `window`, m along its conveyor, in the next `HORIZON_S`; closed intervals in order."""
         law = self.scene.frames[self.frame].law
-        if not isinstance(law, Conveyor | Linear):
+        if law.way is None:
             raise InputError(f"task[{self.step}].window_mm", window, "a window in millimetres only on a conveyor")
         return inside(law, self.target, window, self.scene.start.time)
 

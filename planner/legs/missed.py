@@ -9,8 +9,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.frames import Conveyor, Linear
-from assur.planner.frames.belt_window import HORIZON_S, PARTS, ROUNDS
+from assur.planner.laws.belt_window import HORIZON_S, PARTS, ROUNDS
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.model.refusal import LawEnds, Quantity, Refusal, Stage, law_ends, window_missed
 from assur.planner.model.scene import Scene
@@ -80,7 +79,7 @@ def _law_ends_too_soon(scene: Scene, point: ControlPoint) -> Refusal | None:
     low, high = point.span[0], min(closes, math.inf if latest is None else latest)
     spans = [(low, high)]
     if point.window.along is not None:
-        if not isinstance(law, Conveyor | Linear):
+        if law.way is None:
             return None  # no other law has a way along it
         endless = replace(frame, law=replace(law, valid=(law.valid[0], math.inf)))
         goes_on = replace(point, scene=replace(scene, frames={**scene.frames, point.frame: endless}))

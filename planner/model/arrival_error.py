@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from assur.planner.frames.law import PoseUncertainty
+from assur.planner.laws.law import PoseUncertainty
 
 
 class Cause(StrEnum):

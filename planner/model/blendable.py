@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from assur.planner.errors import InputError
-from assur.planner.frames.fixed import Fixed
-from assur.planner.frames.law import Frame
+from assur.planner.laws.law import Frame
 from assur.planner.model.task import Move, Step
 
 LEAST_ACCELERATION_TIME_S = 2e-3
@@ -39,7 +38,7 @@ def refuse_unblendable(task: tuple[Step, ...], frames: Mapping[str, Frame], *, m
         if step.arch is not None:
             raise InputError(f"{field}.arch", step.arch.top_m, f"no arch {BLENDED}")
         frame = frames[step.target.frame]
-        if step.match == "velocity" and not isinstance(frame.law, Fixed):
+        if step.match == "velocity" and not frame.law.stands:
             raise InputError(f"{field}.match", step.match, f"position {BLENDED}, for {frame.name} moves")
         if step.via and i == len(task) - 1:
             raise InputError(f"{field}.via", True, f"false {BLENDED}: the motion ends at rest in the last pose")

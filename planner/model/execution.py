@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from assur.planner.errors import InputError
-from assur.planner.frames.fixed import Linear
-from assur.planner.frames.law import Frame
+from assur.planner.laws.law import Frame
 from assur.planner.robots.robot import Robot
 
 
@@ -46,7 +45,8 @@ def check_execution(execution: Execution, robot: Robot, tracked: Sequence[Frame]
         allowed = f"false: how a correction moves the links is known for SCARAs with a wrist, and {robot.name} is none"
         raise InputError("execution.belt_correction", True, allowed)
     for frame in tracked if execution.belt_correction else ():
-        rises = isinstance(frame.law, Linear) and frame.law.velocity[2] != 0.0
+        line = frame.law.line
+        rises = line is not None and line[2] != 0.0
         if rises and (frame.uncertainty.position_m > 0.0 or frame.uncertainty.speed_m_s > 0.0):
             allowed = f"false: {frame.name} rises, and the range of the lift is not proved for corrections upwards"
             raise InputError("execution.belt_correction", True, allowed)

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assur.planner.frames.law import EXACT, PoseUncertainty
 from assur.planner.frames.motion import Pose
+from assur.planner.laws.law import EXACT, PoseUncertainty
 from assur.planner.model.attachments import AT_START, Attachments, at_start
 from assur.planner.model.outcome import TRACKING, Arrival, Leg, LegKind
 from assur.planner.model.scene import Pick, Place, Scene, Step

@@ -9,14 +9,11 @@ from typing import Literal
 
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
-from assur.planner.frames.conveyor import Conveyor
-from assur.planner.frames.fixed import Fixed, Linear
-from assur.planner.frames.heading import constant_yaw
-from assur.planner.frames.law import EXACT, Frame, PoseUncertainty, Uncertainty
 from assur.planner.frames.motion import Pose
-from assur.planner.frames.rounding import check_rounding
 from assur.planner.geometry.pieces import Pieces, pieces
 from assur.planner.geometry.shapes import Body
+from assur.planner.laws.law import EXACT, Frame, PoseUncertainty, Uncertainty
+from assur.planner.laws.rounding import check_rounding
 from assur.planner.model.blendable import refuse_acceleration_time, refuse_unblendable
 from assur.planner.model.execution import AS_PLANNED, Execution, check_execution
 from assur.planner.model.forbidden_yaw import YawRange, check_ranges
@@ -236,7 +233,7 @@ class Scene:
         lasts = sum(step.dwell_s for step in self.task) + self.options.stay_safe_s
         for frame, pose, each in seats:
             law = self.frames[frame].law
-            reach = math.hypot(pose.x, pose.y, pose.z) + (0.0 if isinstance(law, Fixed) else each.body.radius)
+            reach = math.hypot(pose.x, pose.y, pose.z) + (0.0 if law.stands else each.body.radius)
             check_rounding(f"frames.{frame}", law, reach, self.start.time, lasts)
 
     @cached_property
@@ -276,23 +273,19 @@ class Scene:
         """Whether the controller shifts legs that track a frame by the frame's error along its line: with belt
         correction, for what travels along a line. An encoder counts the way of a belt; where a nest stands, or the
         centre of a dial, no encoder tells."""
-        law = self.frames[frame].law
-        travels = isinstance(law, Conveyor) or (isinstance(law, Linear) and any(law.velocity))
-        return self.execution.belt_correction and travels
+        return self.execution.belt_correction and self.frames[frame].law.line is not None
 
     def corrects_all(self, frame: str) -> bool:
         """Whether it shifts them by all of that error. Of a conveyor that always stands nobody knows: its encoder
         counts nothing, but may tell where it stands."""
-        law = self.frames[frame].law
-        stands = isinstance(law, Conveyor) and not any((law.speed, *(change.speed for change in law.changes)))
-        return self.corrects(frame) and not stands
+        return self.corrects(frame) and self.frames[frame].law.fastest[0] > 0.0
 
     def _check_kept(self) -> None:
         """A yaw that is kept has to be one in the frame of the target, whenever that is met."""
         for i, step in enumerate(self.task):
             if isinstance(step, Move | Follow | Trace) and step.target.yaw_keep:
                 frame = self.frames[step.target.frame]
-                if constant_yaw(frame.law) is None:
+                if frame.law.yaw is None:
                     allowed = f"false, with yaw_free: true or a yaw_deg: {frame.name} turns, so the yaw there depends"
                     allowed += " on when it is met"
                     where = "start" if isinstance(step, Trace) else "to"
@@ -352,7 +345,7 @@ class Scene:
         if target is not None:
             self._check_tilt(field, target)
         straight = step.leg == "cartesian" and step.match == "position"
-        if straight and target is not None and not isinstance(self.frames[target.frame].law, Fixed):
+        if straight and target is not None and not self.frames[target.frame].law.stands:
             allowed = "velocity: a straight leg meets a moving frame with its velocity"
             raise InputError(f"{field}.match", "position", allowed)
         if isinstance(step, Pick | Place):
@@ -361,7 +354,7 @@ class Scene:
             for name in step.contact_with or ():
                 if name not in self.index:
                     raise InputError(f"{field}.contact_with", name, f"one of {sorted(self.index)}")
-            if step.match == "position" and not isinstance(self.frames[self._frame_of(step)].law, Fixed):
+            if step.match == "position" and not self.frames[self._frame_of(step)].law.stands:
                 allowed = "velocity: a part is picked from, and placed on, a moving frame with its velocity"
                 raise InputError(f"{field}.match", step.match, allowed)
             if isinstance(step, Pick) and math.isfinite(step.grip_within_m) and not self.tool.bodies:

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from assur.planner.errors import InputError
-from assur.planner.frames.law import PoseUncertainty
 from assur.planner.frames.motion import Pose
+from assur.planner.laws.law import PoseUncertainty
 from assur.planner.model.path import Path, PathPart, Point, end_of
 
 

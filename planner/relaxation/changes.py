@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from assur.planner.errors import InputError
-from assur.planner.frames import Conveyor
+from assur.planner.laws import slowed
 from assur.planner.model.easier_path import rounder, slower
 from assur.planner.model.refusal import Refusal, Separation
-from assur.planner.model.scene import WORLD, Follow, Move, Pick, Place, Scene, Step, Window
+from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step, Window
 from assur.planner.relaxation.by_cause import kinds_about
 from assur.planner.relaxation.change import Change, frame_of, with_step
 from assur.planner.relaxation.smaller_clearances import smaller_clearances
@@ -109,12 +109,12 @@ def _dwells(scene: Scene, step: int, what: Step) -> Iterator[Change]:
 def _belts(scene: Scene, what: Step) -> Iterator[Change]:
     name = frame_of(scene, what)
     frame = scene.frames[name]
-    if name == WORLD or not isinstance(frame.law, Conveyor) or frame.law.changes:
-        return
     for share in (0.8, 0.5):
-        law = replace(frame.law, speed=share * frame.law.speed)
+        law = slowed(frame.law, share)
+        if law is None:
+            return
         frames = {**scene.frames, name: replace(frame, law=law)}
-        yield "belt speed", f"{1e3 * law.speed:.0f} mm/s", replace(scene, frames=frames)
+        yield "belt speed", f"{1e3 * law.numbers.speed:.0f} mm/s", replace(scene, frames=frames)
 
 
 def _is_part(scene: Scene, name: str) -> bool:

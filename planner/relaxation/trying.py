@@ -15,9 +15,8 @@ import numpy as np
 
 from assur.planner.blends.search import searcher
 from assur.planner.collision.proof import Prover
-from assur.planner.frames import Conveyor, Linear
-from assur.planner.frames.belt_window import travelled
 from assur.planner.frames.motion import Pose
+from assur.planner.laws.belt_window import travelled
 from assur.planner.model.outcome import Plan, Relaxation
 from assur.planner.model.progress import Watch
 from assur.planner.model.refusal import Refusal
@@ -150,7 +149,7 @@ def _narrowed(scene: Scene, step: int, change: Change, made: Plan) -> Change | N
         texts += [f"until {high:.3f} s, {1e3 * (high - span[1]):.0f} ms later"] * (high > span[1] + ROUNDING)
         span = (low, high)
     law = scene.frames[frame_of(scene, scene.task[step])].law
-    if along is not None and arrival.along_m is not None and isinstance(law, Conveyor | Linear):
+    if along is not None and arrival.along_m is not None and law.way is not None:
         ways = travelled(law, Pose(), np.array([arrival.time, arrival.until]))
         begin, end = arrival.along_m, arrival.along_m + float(ways[1] - ways[0])
         low, high = min(along[0], down(min(begin, end), WHOLE)), max(along[1], up(max(begin, end), WHOLE))

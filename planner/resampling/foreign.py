@@ -22,9 +22,9 @@ from assur.planner.checker.world import REST, World
 from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved, written
-from assur.planner.frames import ALWAYS
 from assur.planner.kernels.limits import NONE, first_beyond
 from assur.planner.kernels.proof import ROW_COLUMNS
+from assur.planner.laws import ALWAYS
 from assur.planner.model.attachments import at_start
 from assur.planner.model.outcome import Arrival, Leg, LegKind, Nearest, Plan
 from assur.planner.model.phases import Phase, handled_at_start, phases, stay_phases

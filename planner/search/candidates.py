@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from assur.planner.frames import all_stand
 from assur.planner.kernels.drawing import FASTEST_THROUGH, NUDGED_TIME, SLOWEST_THROUGH, TIME_NUDGE_S, WAIT_S
+from assur.planner.laws import all_stand
 from assur.planner.legs.arched import Hop, height_of, too_high
 from assur.planner.legs.joint import Shape
 from assur.planner.legs.overlap import may_stop

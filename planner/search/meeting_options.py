@@ -9,7 +9,6 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.frames import constant_yaw
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.forbidden_yaw import free_yaws_between
@@ -77,7 +76,7 @@ def free_yaws(scene: Scene, partial: PartialPlan, number: int, modes: tuple[int,
     tilt, t = tilts(scene, step, q)[0], np.array([partial.state.time])
     if step.target is not None and step.target.yaw_keep:
         point = control_point(scene, number, partial.attached, 0.0, tilt)
-        there = constant_yaw(scene.frames[point.frame].law)
+        there = scene.frames[point.frame].law.yaw
         if there is None:
             raise FaultError(f"the yaw in {point.frame} is to be kept, but this frame turns")
         return (math.remainder(float(robot.forward(q)[1]) - (there + point.pose.yaw), math.tau),)

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.frames import all_stand
 from assur.planner.kernels.candidates import OPTION
+from assur.planner.laws import all_stand
 from assur.planner.legs.overlap import may_stop
 from assur.planner.model.scene import Scene
 from assur.planner.search import tuning

@@ -14,11 +14,11 @@ from functools import cached_property
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.frames import Fixed, Law
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Hull, Primitive
 from assur.planner.kernels.solids import BODY, CARRIER, COLUMNS, COVER, PIECE, PIECES
 from assur.planner.kernels.units import OFFSET, OWN_COLUMNS, seat_bodies, seat_units, write_units
+from assur.planner.laws import Law
 from assur.planner.model.attachments import AT_START, Attachments
 from assur.planner.model.scene import Scene
 
@@ -160,7 +160,7 @@ NOWHERE = (np.nan, np.nan, np.nan, np.nan)
 
 def _place(law: Law) -> tuple[float, float, float, float]:
     """Where a frame stands that stands still and is known for ever."""
-    return _numbers(law.pose) if isinstance(law, Fixed) and law.valid == (-np.inf, np.inf) else NOWHERE
+    return _numbers(law.numbers.pose) if law.stands and law.valid == (-np.inf, np.inf) else NOWHERE
 
 
 def _numbers(pose: Pose) -> tuple[float, float, float, float]:

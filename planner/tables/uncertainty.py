@@ -14,8 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames import Conveyor, Linear
-from assur.planner.frames.law import EXACT, Frame, PoseUncertainty, Uncertainty
 from assur.planner.kernels.uncertainty import (
     FLAT,
     FLAT_GROWTH,
@@ -26,6 +24,7 @@ from assur.planner.kernels.uncertainty import (
     UPRIGHT,
     UPRIGHT_GROWTH,
 )
+from assur.planner.laws.law import EXACT, Frame, PoseUncertainty, Uncertainty
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 
@@ -36,13 +35,7 @@ KINDS = 4
 
 def direction(frame: Frame) -> FloatArray | None:
     """The unit vector (3,) along which a frame travels for ever, in the world; None: it has no such line."""
-    law = frame.law
-    if isinstance(law, Conveyor):
-        return np.array([math.cos(law.pose.yaw), math.sin(law.pose.yaw), 0.0])
-    if isinstance(law, Linear):
-        length = math.hypot(*law.velocity)
-        return np.array(law.velocity) / length if length > 0.0 else None
-    return None
+    return frame.law.line
 
 
 def tool_shares(scene: Scene, phase: Phase) -> dict[str, tuple[float, float]]:

@@ -14,7 +14,6 @@ from typing_extensions import get_type_hints
 
 from assur.planner.checker.targets import asks_velocity, targets
 from assur.planner.checker.verdict import Code, Finding
-from assur.planner.frames import Conveyor, Linear
 from assur.planner.model.claims import Claims
 from assur.planner.model.load import Carried
 from assur.planner.model.outcome import Arrival, Busiest, Contact, JointPeak, Nearest, ToolPeaks
@@ -151,7 +150,7 @@ def untrue_arrivals(arrivals: Sequence[Arrival], scene: Scene) -> tuple[Finding,
         if arrival.matched is not matches:
             what = f"the velocity of {name} is {'' if matches else 'not '}to be matched, and it is said otherwise"
             found.append(Finding(Code.CLAIM, what, where=f"arrivals[{i}].matched"))
-        if arrival.along_m is None and isinstance(scene.frames[target.frame].law, Conveyor | Linear):
+        if arrival.along_m is None and scene.frames[target.frame].law.way is not None:
             what = f"{name} is on a conveyor, and it is not said how far along"
             found.append(Finding(Code.CLAIM, what, where=f"arrivals[{i}].along_m"))
     return tuple(found)

@@ -7,24 +7,9 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
+from assur.planner import laws
 from assur.planner.errors import FaultError
-from assur.planner.frames import (
-    ALWAYS,
-    Change,
-    Conveyor,
-    Fixed,
-    Frame,
-    Indexer,
-    Keyframes,
-    Law,
-    Linear,
-    Oscillation,
-    Pose,
-    PoseUncertainty,
-    Swing,
-    Turntable,
-    Uncertainty,
-)
+from assur.planner.laws import ALWAYS, Change, Frame, Law, Pose, PoseUncertainty, Uncertainty
 from assur.planner.model.deadline import look
 from assur.planner.model.scene import WORLD
 from assur.scenes.faults import FollowsError, Gathered, Refused, choices, within
@@ -63,51 +48,51 @@ def pose_uncertainty(document: PoseUncertaintyDocument) -> PoseUncertainty:
 
 def uncertainty(document: UncertaintyDocument, law: Law) -> Uncertainty:
     """How far a frame may be from its law. Raises `Refused` for a lateral error of a frame that has no line."""
-    if document.lateral_m > 0.0 and not isinstance(law, Conveyor | Linear):
+    if document.lateral_m > 0.0 and law.way is None:
         raise Refused("0: only a conveyor or a linear frame has a side (others: position_m)", "lateral_m")
     d = document
     return Uncertainty(d.position_m, d.speed_m_s, d.lateral_m, d.vertical_m, d.yaw_rad)
 
 
 def _fixed(d: FixedDocument, valid: Valid) -> Law:
-    return Fixed(pose_of(d), valid=valid)
+    return laws.fixed(pose_of(d), valid=valid)
 
 
 def _linear(d: LinearDocument, valid: Valid) -> Law:
-    return Linear(pose_of(d), d.velocity_m_s, d.at_s, valid=valid)  # type: ignore[arg-type]
+    return laws.linear(pose_of(d), d.velocity_m_s, d.at_s, valid=valid)  # type: ignore[arg-type]
 
 
 def _conveyor(d: ConveyorDocument, valid: Valid) -> Law:
     changes = tuple(Change(c.at_s, c.speed_m_s, c.acceleration_m_s2, c.jerk_m_s3) for c in d.changes)
-    return Conveyor(pose_of(d), d.speed_m_s, changes, d.at_s, valid=valid)
+    return laws.conveyor(pose_of(d), d.speed_m_s, changes, d.at_s, valid=valid)
 
 
 def _turntable(d: TurntableDocument, valid: Valid) -> Law:
     changes = tuple(Change(c.at_s, c.rate_rad_s, c.acceleration_rad_s2, c.jerk_rad_s3) for c in d.changes)
-    return Turntable(pose_of(d), d.rate_rad_s, d.rise_m_s, changes, d.at_s, valid=valid)
+    return laws.turntable(pose_of(d), d.rate_rad_s, d.rise_m_s, changes, d.at_s, valid=valid)
 
 
 def _indexer(d: IndexerDocument, valid: Valid) -> Law:
     if d.step_rad is not None:
-        return Indexer(pose_of(d), d.step_rad, d.move_s, d.dwell_s, "turn", d.start_s, valid=valid)
+        return laws.indexer(pose_of(d), d.step_rad, d.move_s, d.dwell_s, "turn", d.start_s, valid=valid)
     if d.step_m is not None:
-        return Indexer(pose_of(d), d.step_m, d.move_s, d.dwell_s, "travel", d.start_s, valid=valid)
+        return laws.indexer(pose_of(d), d.step_m, d.move_s, d.dwell_s, "travel", d.start_s, valid=valid)
     raise FaultError("an indexer without a step passed its model")
 
 
 def _swing(d: SwingDocument, valid: Valid) -> Law:
-    return Swing(placed(d.pivot_m, d.yaw_rad), d.amplitude_rad, d.period_s, d.phase_rad, valid=valid)
+    return laws.swing(placed(d.pivot_m, d.yaw_rad), d.amplitude_rad, d.period_s, d.phase_rad, valid=valid)
 
 
 def _oscillation(d: OscillationDocument, valid: Valid) -> Law:
     direction: Any = tuple(d.direction)
-    return Oscillation(pose_of(d), direction, d.amplitude_m, d.period_s, d.phase_rad, valid=valid)
+    return laws.oscillation(pose_of(d), direction, d.amplitude_m, d.period_s, d.phase_rad, valid=valid)
 
 
 def _keyframes(d: KeyframesDocument, valid: Valid) -> Law:
     if d.repeat != (d.ends == "periodic"):
         raise Refused("periodic with repeat: true, which implies it, and else clamped or natural", "ends")
-    return Keyframes(tuple(p.time_s for p in d.points), tuple(pose_of(p) for p in d.points), d.ends, valid=valid)
+    return laws.keyframes(tuple(p.time_s for p in d.points), tuple(pose_of(p) for p in d.points), d.ends, valid=valid)
 
 
 LAWS: dict[str, Callable[[Any, Valid], Law]] = {
@@ -152,19 +137,18 @@ class Frames:
 
 def frames_of(frames: Mapping[str, FrameDocument], faults: Gathered) -> Frames:
     """The frames, `world` among them. `faults` gets what a law refuses, and what leads to no frame."""
-    found = Frames({WORLD: Frame(WORLD, Fixed(Pose()))}, {})
-    laws = found.laws
+    found = Frames({WORLD: Frame(WORLD, laws.fixed(Pose()))}, {})
     for name, item in frames.items():
         look()
         with faults.part(partial(found.unread.add, name)), within("frames", name):
             if name == WORLD:
                 raise Refused(f"another name: {WORLD} is the frame that does not move")
             if _below(item) is None:
-                laws[name] = _frame(name, item)
+                found.laws[name] = _frame(name, item)
             else:
                 _check_fixed(item, frames)
     for name in frames:
-        if name not in laws and name not in found.unread:
+        if name not in found.laws and name not in found.unread:
             with faults.part(partial(found.unread.add, name)), within("frames"):
                 found.fixed_on[name] = _fixed_on(name, frames, found)
     return found

@@ -8,9 +8,9 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames import Fixed, Frame, Uncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body
+from assur.planner.laws import Frame, Uncertainty, fixed
 from assur.planner.model.scene import WorldBody
 from assur.scenes.bounds import SHORTEST_STEP_S
 from assur.scenes.conventions import Conventions, converted, converted_rates
@@ -72,7 +72,7 @@ def trajectory_of(item: answer.Trajectory, conventions: Conventions) -> Trajecto
 
 def add_neighbour(item: NeighbourDocument, frames: dict[str, Frame], places: Places) -> list[WorldBody]:
     """Puts a neighbour's links among the frames and gives its bodies, all called NEIGHBOUR/name."""
-    from assur.planner.model.link_frames import TrajectoryLaw
+    from assur.planner.model.link_frames import link_law
 
     with within("robot"):
         given = robots.equipped(item.robot)
@@ -97,9 +97,9 @@ def add_neighbour(item: NeighbourDocument, frames: dict[str, Frame], places: Pla
         for number, link in enumerate(robot.links):
             name = f"{item.name}/{link}"
             if link == "base":
-                frames[name] = Frame(name, Fixed(robot.base))
+                frames[name] = Frame(name, fixed(robot.base))
             else:
-                frames[name] = Frame(name, TrajectoryLaw(robot, trajectory, number), shift)
+                frames[name] = Frame(name, link_law(robot, trajectory, number), shift)
     carried = [(body.body, robot.links[body.link]) for body in robot.bodies]
     carried += [(body, "flange") for body in given.tool.bodies]
     found = []

@@ -6,7 +6,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker.verdict import Code, Finding
-from assur.planner.frames.law import PoseUncertainty
+from assur.planner.laws.law import PoseUncertainty
 from assur.planner.model.arrival_error import ArrivalError, Share
 from assur.planner.model.outcome import (
     TRACKING,

@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from typing import Any
 
 from assur.planner.errors import FaultError
-from assur.planner.frames import Conveyor, Linear
 from assur.planner.frames.motion import Pose
 from assur.planner.model.deadline import look
 from assur.planner.model.path import LONGEST_S, ArcTo, LineTo, Path, PathError, PathPart, Point, SplineThrough, never
@@ -275,7 +274,7 @@ class _Task:
         for key, ends in (("window_s", item.window_s), ("window_m", item.window_m)):
             if ends is not None and not ends[0] < ends[1]:
                 raise Refused(_reversed, key)
-        if item.window_m is not None and not isinstance(self.frames.laws[frame].law, Conveyor | Linear):
+        if item.window_m is not None and self.frames.laws[frame].law.way is None:
             raise Refused(f"window_s: {frame} is no conveyor to measure along", "window_m")
         time = None if item.window_s is None else (item.window_s[0], item.window_s[1])
         along = None if item.window_m is None else (item.window_m[0], item.window_m[1])

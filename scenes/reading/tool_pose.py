@@ -8,9 +8,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.law import Law
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.laws.law import Law
 from assur.planner.report.number_format import SHOWN_AS, amount
 from assur.planner.report.sentence import POSITIONS
 from assur.planner.robots.codes import Code

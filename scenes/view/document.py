@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames import Fixed
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase, phases
@@ -116,7 +115,7 @@ def _motion_in(answer: dict[str, Any]) -> dict[str, Any] | None:
 
 def _at_rest(scene: Scene, refusal: dict[str, Any]) -> tuple[Trajectory, tuple[Phase, ...]]:
     """The arm at rest, for a refusal without a motion: at the start, or where the bodies overlap that it names."""
-    moves = any(not isinstance(frame.law, Fixed) for frame in scene.frames.values())
+    moves = any(not frame.law.stands for frame in scene.frames.values())
     start, end = scene.start.time, scene.start.time + (MOVING_S if moves else STILL_S)
     overlap = _overlap(scene, refusal)
     q, of_plan = scene.start.q, tuple[Phase, ...]()

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.frames import Conveyor, Fixed, Frame, Law, Linear, Swing, Turntable, Uncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere
+from assur.planner.laws import Frame, Law, Uncertainty, conveyor, fixed, linear, swing, turntable
 from assur.planner.model.attachments import AT_START
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import (
@@ -37,7 +37,7 @@ from assur.planner.robots.scara import BASE, LINK1, LINK2, QUILL, Scara
 from assur.planner.tables.bodies import Bodies
 from tests.planner.second_solids import Placed, carriers, place
 
-WORLD = Frame("world", Fixed(Pose()))
+WORLD = Frame("world", fixed(Pose()))
 Shape = Primitive | Hull
 
 
@@ -154,8 +154,8 @@ PART = box(0.06, 0.04, 0.02)
 def belt_and_dial(*after: Step, bodies: tuple[Around, ...] = (), fold: int = 1, **changes: Any) -> Scene:
     """Pick a part from a running belt, place it on a turning dial; `after` that, what else there is to do."""
     frames = (
-        frame("belt", Conveyor(Pose(0.0, 0.40, 0.05), 0.25)),
-        frame("dial", Turntable(Pose(0.34, -0.2, 0.06), math.radians(60))),
+        frame("belt", conveyor(Pose(0.0, 0.40, 0.05), 0.25)),
+        frame("dial", turntable(Pose(0.34, -0.2, 0.06), math.radians(60))),
     )
     around = (
         stands("belt-bed", box(1.4, 0.3, 0.05), 0.0, 0.40, 0.025),
@@ -248,8 +248,6 @@ __all__ = [
     "PART",
     "Around",
     "Follow",
-    "Linear",
-    "Swing",
     "arm",
     "at",
     "belt_and_dial",
@@ -259,12 +257,14 @@ __all__ = [
     "frame",
     "go",
     "limits",
+    "linear",
     "mesh_box",
     "placed",
     "rotation",
     "solid",
     "sphere",
     "stands",
+    "swing",
     "table_to_table",
 ]
 

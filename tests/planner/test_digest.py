@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from assur.planner.frames.law import PoseUncertainty
 from assur.planner.frames.motion import Pose
+from assur.planner.laws.law import PoseUncertainty
 from assur.planner.model.arrival_error import ArrivalError, Cause, Share
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Arrival, Certificate, Course, Leg, LegKind, Missed, Route, Traced

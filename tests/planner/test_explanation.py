@@ -8,8 +8,8 @@ from typing import Any, get_args
 
 import pytest
 
-from assur.planner.frames.law import PoseUncertainty
 from assur.planner.geometry.shapes import cylinder
+from assur.planner.laws.law import PoseUncertainty
 from assur.planner.model.outcome import Census, CensusLine, Course, NotPlanned, Route
 from assur.planner.model.refusal import (
     AccelerationTime,

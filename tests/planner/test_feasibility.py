@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from assur.planner.checker import check
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.necessary import points_impossible, start_impossible
-from assur.planner.frames import Change, Conveyor, Indexer, Keyframes, Law, Linear, Oscillation, Swing, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece, box, cylinder, sphere
+from assur.planner.laws import Change, Law, conveyor, indexer, keyframes, linear, oscillation, swing, turntable
 from assur.planner.model.outcome import NotPlanned, Planned
 from assur.planner.model.refusal import BeyondRange, Reason, Refusal
 from assur.planner.model.scene import Clearance, Follow, Pick, Place, Scene
@@ -78,7 +78,7 @@ def test_a_start_that_is_faster_than_a_joint_can_be_is_refused_and_one_at_its_li
 
 def test_a_law_must_be_known_at_the_start() -> None:
     for valid, start, may in (((0.0, 5.0), 0.0, True), ((0.1, 5.0), 0.0, False), ((0.0, 5.0), 6.0, False)):
-        gate = frame("gate", Turntable(Pose(-0.3, -0.3), 1.0, valid=valid))
+        gate = frame("gate", turntable(Pose(-0.3, -0.3), 1.0, valid=valid))
         bar = stands("bar", box(0.1, 0.1, 0.1), frame="gate")
         assert (reason(cell(go(0.35, -0.2), frames=(gate,), bodies=(bar,), time=start)) is None) == may
 
@@ -130,8 +130,8 @@ def test_a_point_in_what_stands_around_it_is_refused(kind: str, tracking: bool) 
 
 
 def test_a_point_in_what_moves_with_it_is_refused_and_in_what_moves_past_is_not() -> None:
-    dial = frame("dial", Turntable(Pose(0.32, 0.12), 0.5))
-    belt = frame("belt", Conveyor(Pose(0.42, 0.12, 0.1), 0.3))
+    dial = frame("dial", turntable(Pose(0.32, 0.12), 0.5))
+    belt = frame("belt", conveyor(Pose(0.42, 0.12, 0.1), 0.3))
     peg = solid("peg", cylinder(0.03, 0.4))
     step = go(0.1, 0.0, 0.1, 0.0, "dial")
     along = cell(step, bodies=(Around(peg, "dial", Pose(0.1, 0.0, 0.2)),), frames=(dial, belt))
@@ -142,7 +142,7 @@ def test_a_point_in_what_moves_with_it_is_refused_and_in_what_moves_past_is_not(
 
 @pytest.mark.parametrize("moving", [False, True])
 def test_a_point_inside_a_closed_mesh_is_refused_unless_the_mesh_moves_away(moving: bool) -> None:
-    away = frame("away", Conveyor(Pose(), 0.4))
+    away = frame("away", conveyor(Pose(), 0.4))
     mesh = Around(mesh_box("shell", 0.3, 0.3, 0.7), "away" if moving else "world", Pose(0.45, -0.3, 0.2))
     scene = cell(go(0.45, -0.3), bodies=(mesh,), frames=(away,))
     assert reason(scene) is (None if moving else Reason.CONTROL_POINT_IN_COLLISION)
@@ -202,19 +202,19 @@ FAR = Pose(0.75, 0.1, 0.0, 0.0)
 """150 mm beyond the reach of an arm of 600 mm."""
 
 
-def circling(nearest: float) -> Keyframes:
+def circling(nearest: float) -> Law:
     """Once round in 2 s; at 1.5 s so far from the arm's axis, m, and farther before and after."""
     way = (FAR, Pose(0.9, 0.0, 0.0, 1.0), Pose(nearest, 0.0, 0.0, 5.0), replace(FAR, yaw=2.0 * math.pi))
-    return Keyframes((0.5, 1.0, 1.5, 2.5), way, "periodic")
+    return keyframes((0.5, 1.0, 1.5, 2.5), way, "periodic")
 
 
 @pytest.mark.parametrize(
     ("law", "offset", "short"),
     [
-        (Oscillation(Pose(0.8, 0.0), (1.0, 0.0, 0.0), 0.1, 1.5), 0.0, 0.1),
-        (Oscillation(Pose(0.8, 0.0), (0.0, 0.0, 1.0), 0.1, 1.5), 0.0, 0.2),
-        (Swing(Pose(0.9, 0.0, 0.0, 0.0), 3.2, 0.8), 0.2, 0.1),
-        (Turntable(Pose(0.9, 0.0), -0.4), 0.2, 0.1),
+        (oscillation(Pose(0.8, 0.0), (1.0, 0.0, 0.0), 0.1, 1.5), 0.0, 0.1),
+        (oscillation(Pose(0.8, 0.0), (0.0, 0.0, 1.0), 0.1, 1.5), 0.0, 0.2),
+        (swing(Pose(0.9, 0.0, 0.0, 0.0), 3.2, 0.8), 0.2, 0.1),
+        (turntable(Pose(0.9, 0.0), -0.4), 0.2, 0.1),
         (circling(0.72), 0.0, None),
     ],
     ids=lambda value: type(value).__name__,
@@ -238,10 +238,10 @@ def test_a_point_that_repeats_its_way_out_of_reach_is_never_met(law: Law, offset
     "law",
     [
         circling(0.599),
-        Oscillation(Pose(0.8, 0.0), (1.0, 0.0, 0.0), 0.201, 1.5),
-        Turntable(Pose(0.9, 0.0), 0.4, changes=(Change(1e4, 0.0, 1.0, 10.0),)),
-        Oscillation(Pose(0.8, 0.0), (1.0, 0.0, 0.0), 0.1, 1.5, valid=(0.0, 1.4)),
-        Indexer(Pose(0.9, 0.0), 0.1, 0.5, 0.5),
+        oscillation(Pose(0.8, 0.0), (1.0, 0.0, 0.0), 0.201, 1.5),
+        turntable(Pose(0.9, 0.0), 0.4, changes=(Change(1e4, 0.0, 1.0, 10.0),)),
+        oscillation(Pose(0.8, 0.0), (1.0, 0.0, 0.0), 0.1, 1.5, valid=(0.0, 1.4)),
+        indexer(Pose(0.9, 0.0), 0.1, 0.5, 0.5),
     ],
     ids=lambda value: type(value).__name__,
 )
@@ -315,7 +315,7 @@ def test_a_point_exactly_at_the_end_of_a_range_is_within_it_and_one_ten_micromet
 
 
 def test_only_a_frame_that_bears_a_body_must_be_known_at_the_start() -> None:
-    over = frame("old", Linear(Pose(5.0, 5.0, 0.0), (0.1, 0.0, 0.0), valid=(-20.0, -10.0)))
+    over = frame("old", linear(Pose(5.0, 5.0, 0.0), (0.1, 0.0, 0.0), valid=(-20.0, -10.0)))
     empty = cell(go(0.35, -0.2), frames=(over,), max_candidates=20)
     outcome = plan(empty)
     assert isinstance(outcome, Planned)

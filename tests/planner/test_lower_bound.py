@@ -14,8 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assur.planner.checker.bound.duration import least_duration
-from assur.planner.frames import Conveyor, Turntable
 from assur.planner.frames.motion import Pose
+from assur.planner.laws import conveyor, turntable
 from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import Planned
 from assur.planner.model.scene import Follow, Pick, Place, Scene, Target, Tool, Window
@@ -27,8 +27,8 @@ from assur.scenes.requests import scene_of
 from tests.planner.cells import CRANKED, PART, arm, at, belt_and_dial, cell, frame, go, limits, stands, table_to_table
 from tests.planner.timing.least import rest_to_rest_time
 
-DIAL = frame("dial", Turntable(Pose(0.32, 0.12), 0.8))
-BELT = frame("belt", Conveyor(Pose(-0.3, 0.35), 0.3))
+DIAL = frame("dial", turntable(Pose(0.32, 0.12), 0.8))
+BELT = frame("belt", conveyor(Pose(-0.3, 0.35), 0.3))
 
 
 def planned(scene: Scene, seed: int = 1, most: int = 60) -> Planned:

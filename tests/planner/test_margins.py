@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover
-from assur.planner.frames import Conveyor
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.kernels.links import L1
 from assur.planner.kernels.postures import tool_peaks
 from assur.planner.kernels.solids import REQUIRED
+from assur.planner.laws import conveyor
 from assur.planner.legs.tool_motion import tool_accelerations, tool_peak
 from assur.planner.legs.tool_motion import tool_peaks as tool_peaks_of
 from assur.planner.model.outcome import LegKind, Planned
@@ -219,7 +219,7 @@ def test_contacts_of_phases_in_a_row_are_one() -> None:
 
 
 def test_the_tools_acceleration_is_that_of_its_point_by_differences() -> None:
-    belt = frame("belt", Conveyor(Pose(-0.3, 0.35), 0.3))
+    belt = frame("belt", conveyor(Pose(-0.3, 0.35), 0.3))
     scene = cell(go(0.2, 0.0, 0.15, 0.0, "belt"), frames=(belt,), tool=CRANKED, end="moving")
     outcome = plan(scene)
     assert isinstance(outcome, Planned)

@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames import Law, Motion, Pose
-from assur.planner.model.link_frames import TrajectoryLaw
+from assur.planner.laws import Law, Motion, Pose
+from assur.planner.model.link_frames import link_law
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.scara import Scara
 from assur.planner.trajectory import Trajectory
-from tests.planner.frames.bounded import bounded
-from tests.planner.frames.bounded import rates as truth_of
+from tests.planner.laws.bounded import bounded
+from tests.planner.laws.bounded import rates as truth_of
 
 LIMITS = Limits(
     np.array([-2.9, -2.5, -0.2, -6.0]),
@@ -64,7 +64,7 @@ def bound(law: Law, start: float, end: float, n: FloatArray) -> FloatArray:
 @pytest.mark.parametrize("link", LINKS)
 def test_a_link_is_where_the_robot_places_it_along_the_plan(link: int) -> None:
     t = np.linspace(1.0, 2.5, 31)
-    motion = TrajectoryLaw(ARM, plan(), link).motion(t)
+    motion = link_law(ARM, plan(), link).motion(t)
     position, rotation = ARM.placements(plan().evaluate(t))
     np.testing.assert_allclose(motion.p, position[:, link], atol=1e-12)
     np.testing.assert_allclose(np.cos(motion.yaw), rotation[:, link, 0, 0], atol=1e-12)
@@ -73,7 +73,7 @@ def test_a_link_is_where_the_robot_places_it_along_the_plan(link: int) -> None:
 
 @pytest.mark.parametrize("link", LINKS)
 def test_each_derivative_is_the_difference_quotient_of_the_one_below(link: int) -> None:
-    law, step = TrajectoryLaw(ARM, plan(), link), 1e-4
+    law, step = link_law(ARM, plan(), link), 1e-4
     t = np.linspace(0.8, 2.7, 200)
     t = t[np.abs(t[:, None] - TIMES).min(axis=1) > 3 * step]
     exact = fields(law.motion(t))
@@ -84,7 +84,7 @@ def test_each_derivative_is_the_difference_quotient_of_the_one_below(link: int) 
 
 @pytest.mark.parametrize("link", LINKS)
 def test_a_link_stands_still_before_and_after_the_plan_and_nothing_jumps_there(link: int) -> None:
-    law = TrajectoryLaw(ARM, plan(), link)
+    law = link_law(ARM, plan(), link)
     outside = fields(law.motion(np.array([-1e5, 0.0, np.nextafter(1.0, 0), 2.5, np.nextafter(2.5, 9), 9.0, 1e5])))
     assert not outside[1:].any()
     first, last = fields(law.motion(np.array([1.0, np.nextafter(2.5, 0)]))).transpose(1, 0, 2)
@@ -101,7 +101,7 @@ times = st.one_of(st.sampled_from([1.0, 1.4, 1.7, 2.5, 0.0, 3.0]), st.floats(0.5
 def test_a_bound_is_at_least_every_sample_inside_across_and_outside_of_the_plan(
     link: int, start: float, end: float, around: float, up: float
 ) -> None:
-    law, (start, end) = TrajectoryLaw(ARM, plan(), link), sorted((start, end))
+    law, (start, end) = link_law(ARM, plan(), link), sorted((start, end))
     flat = math.sqrt(1 - up**2)
     n = np.array([flat * math.cos(around), flat * math.sin(around), up])
     t = np.unique([*np.linspace(start, end, 300), *(knot for knot in TIMES if start <= knot <= end)])
@@ -112,7 +112,7 @@ def test_a_bound_is_at_least_every_sample_inside_across_and_outside_of_the_plan(
 @pytest.mark.parametrize("link", LINKS)
 @given(start=st.floats(0.9, 2.6))
 def test_over_a_short_interval_the_bound_of_the_turning_is_sharp(link: int, start: float) -> None:
-    law, along = TrajectoryLaw(ARM, plan(), link), np.array([1.0, 0.0, 0.0])
+    law, along = link_law(ARM, plan(), link), np.array([1.0, 0.0, 0.0])
     end = start + 1e-4
     motion = law.motion(np.array([start, end]))
     turn, turn_d = np.abs(motion.yaw_d).max(), np.abs(motion.yaw_dd).max()
@@ -125,7 +125,7 @@ def test_over_a_short_interval_the_bound_of_the_turning_is_sharp(link: int, star
 def test_a_vertical_direction_sees_the_quill_alone() -> None:
     up = np.array([0.0, 0.0, 1.0])
     for link, name in enumerate(ARM.links):
-        law = TrajectoryLaw(ARM, plan(), link)
+        law = link_law(ARM, plan(), link)
         truth = rates(law, np.linspace(1.0, 2.5, 4000), up).max(axis=1)
         found = bound(law, 0.0, 9.0, up)
         moves = name in ("quill", "flange")
@@ -135,18 +135,18 @@ def test_a_vertical_direction_sees_the_quill_alone() -> None:
 
 @pytest.mark.parametrize("link", LINKS)
 def test_what_stands_still_has_no_bounds_to_speak_of(link: int) -> None:
-    law = TrajectoryLaw(ARM, plan(), link)
+    law = link_law(ARM, plan(), link)
     for start, end in ((0.0, 0.99), (2.51, 9.0), (3.0, 3.0)):
         assert bound(law, start, end, np.array([0.6, 0.0, 0.8])).max() <= 1e-8
 
 
 def test_a_neighbour_is_known_where_it_says_and_nowhere_else() -> None:
-    law = TrajectoryLaw(ARM, plan(), 4, (0.0, 2.0))
+    law = link_law(ARM, plan(), 4, (0.0, 2.0))
     assert np.isfinite(law.motion(np.array([0.0, 2.0])).p).all()
     assert np.isnan(law.motion(np.array([-0.1, 2.1, math.nan, math.inf])).p).all()
     assert np.isposinf(bound(law, 1.0, 2.1, np.array([1.0, 0.0, 0.0]))).all()
     with pytest.raises(InputError, match=r"neighbour\.valid"):
-        TrajectoryLaw(ARM, plan(), 4, (2.0, 0.0))
+        link_law(ARM, plan(), 4, (2.0, 0.0))
 
 
 def test_a_plan_that_does_not_begin_and_end_at_rest_is_refused() -> None:
@@ -155,19 +155,19 @@ def test_a_plan_that_does_not_begin_and_end_at_rest_is_refused() -> None:
             moving = np.array(getattr(plan(), name))
             moving[knot, 2] = 1e-9
             with pytest.raises(InputError) as refused:
-                TrajectoryLaw(ARM, plan(**{name: moving}), 4)
+                link_law(ARM, plan(**{name: moving}), 4)
             assert refused.value.field == f"neighbour.trajectory.{end}"
 
 
 @pytest.mark.parametrize("link", [-1, 5, 1.5, None])
 def test_a_link_that_the_robot_has_not_is_refused(link: Any) -> None:
     with pytest.raises(InputError) as refused:
-        TrajectoryLaw(ARM, plan(), link)
+        link_law(ARM, plan(), link)
     assert refused.value.field == "neighbour.link"
 
 
 def test_a_plan_of_another_number_of_joints_is_refused() -> None:
     narrow = {name: getattr(plan(), name)[:, :3] for name in ("q", "qd", "qdd")}
     with pytest.raises(InputError) as refused:
-        TrajectoryLaw(ARM, plan(**narrow), 4)
+        link_law(ARM, plan(**narrow), 4)
     assert refused.value.field == "neighbour.trajectory"

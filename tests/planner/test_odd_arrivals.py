@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from assur.planner.feasibility.odd_arrivals import odd_arrivals, smallest_extent
-from assur.planner.frames.law import PoseUncertainty
 from assur.planner.geometry.shapes import Body, Piece, Primitive, box, capsule, cylinder
+from assur.planner.laws.law import PoseUncertainty
 from assur.planner.model.input_warning import Odd
 from assur.planner.model.outcome import Planned
 from assur.planner.model.scene import Pick, Scene

@@ -11,9 +11,9 @@ import pytest
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.odd_places import DROP_M, GRIP_M, OVERLAP_M, odd_places
 from assur.planner.feasibility.posed_bodies import AtStart
-from assur.planner.frames import Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder
+from assur.planner.laws import turntable
 from assur.planner.model.input_warning import InputWarning, Odd
 from assur.planner.model.scene import Pick, Place, Scene, Tool
 from assur.planner.pipeline import plan
@@ -95,7 +95,7 @@ def test_a_part_put_down_on_the_floor_of_a_hollow_mesh_or_on_another_part_is_not
 def test_a_place_among_what_moves_is_not_looked_at() -> None:
     assert odd(belt_and_dial()) == ()
     scene = placed(0.05)
-    dial = frame("dial", Turntable(Pose(-0.5, 0.0, 0.0), 1.0))
+    dial = frame("dial", turntable(Pose(-0.5, 0.0, 0.0), 1.0))
     plate = Around(solid("plate", cylinder(0.05, 0.01)), "dial", Pose())
     assert odd(replace(scene, frames={**scene.frames, "dial": dial}, bodies=(*scene.bodies, plate))) == ()
 

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames import Conveyor, Fixed, Frame, Linear, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece, Primitive, box, cylinder
+from assur.planner.laws import Frame, conveyor, fixed, linear, turntable
 from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import Arrival, Leg, LegKind
 from assur.planner.model.phases import (
@@ -29,9 +29,9 @@ from assur.planner.model.scene import Execution, Follow, Move, Options, Pick, Pl
 from tests.planner.checker.hand_made import TOOL, arm, solid, start_at
 
 FRAMES = {
-    "world": Frame("world", Fixed(Pose())),
-    "belt": Frame("belt", Conveyor(Pose(0.1, 0.3, 0.05, 0.4), 0.2)),
-    "dial": Frame("dial", Turntable(Pose(0.25, -0.1, 0.02, -0.3), 0.5)),
+    "world": Frame("world", fixed(Pose())),
+    "belt": Frame("belt", conveyor(Pose(0.1, 0.3, 0.05, 0.4), 0.2)),
+    "dial": Frame("dial", turntable(Pose(0.25, -0.1, 0.02, -0.3), 0.5)),
 }
 BELTS = ("belt",)
 """Frames whose way an encoder counts."""
@@ -340,7 +340,7 @@ def test_what_is_level_but_elsewhere_or_at_another_time_does_not_bear_a_part() -
     """A plate on a lift beside the part, level with its bottom at the start only, is an obstacle like any other."""
     plate = WorldBody(solid("lifted", box(0.1, 0.1, 0.02)), "lift", Pose(z=-0.01))
     cell = scene((Move("m", Target("world", Pose())),))
-    frames = {**cell.frames, "lift": Frame("lift", Linear(Pose(0.06, 0.0, 0.5), (0.0, 0.0, 0.1)))}
+    frames = {**cell.frames, "lift": Frame("lift", linear(Pose(0.06, 0.0, 0.5), (0.0, 0.0, 0.1)))}
     cell = replace(cell, frames=frames, bodies=(*cell.bodies, plate))
     assert resting_on(cell, "red", "world", Pose(z=0.51), None) == {"lifted"}
     assert resting_on(cell, "red", "world", Pose(z=0.51), None, time=0.3) == frozenset()

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from assur.planner import pipeline
 from assur.planner.checker import check
-from assur.planner.frames import Change, Conveyor, Fixed, Keyframes, Linear, Swing, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder, sphere
+from assur.planner.laws import Change, Law, conveyor, fixed, keyframes, linear, swing, turntable
 from assur.planner.model.forbidden_yaw import YawRange
 from assur.planner.model.load import LoadLimits
 from assur.planner.model.outcome import Leg, LegKind, NotPlanned, Outcome, Planned
@@ -74,11 +74,11 @@ def kinds(outcome: Planned) -> list[LegKind]:
     return [leg.kind for leg in outcome.plan.legs]
 
 
-def dial(rate: float, x: float = 0.32, y: float = 0.12, **more: object) -> Turntable:
-    return Turntable(Pose(x, y, 0.0), rate, **more)  # type: ignore[arg-type]
+def dial(rate: float, x: float = 0.32, y: float = 0.12, **more: object) -> Law:
+    return turntable(Pose(x, y, 0.0), rate, **more)  # type: ignore[arg-type]
 
 
-BELT = frame("belt", Conveyor(Pose(-0.3, 0.35), 0.5))
+BELT = frame("belt", conveyor(Pose(-0.3, 0.35), 0.5))
 SPUN = (Around(solid("part", box(0.03, 0.03, 0.02)), "dial", Pose(0.1, 0.0, 0.06), 0.1),)
 REASONS: dict[Reason, tuple[Callable[[], Scene], bool, str]] = {
     Reason.OUT_OF_REACH: (lambda: cell(go(0.7, 0.0)), True, "reach"),
@@ -125,7 +125,7 @@ REASONS: dict[Reason, tuple[Callable[[], Scene], bool, str]] = {
     Reason.TOLERANCE: (
         lambda: cell(
             Follow("along", Target("belt", Pose()), 0.1, tolerance=Tolerance(0.001)),
-            frames=(frame("belt", Conveyor(Pose(0.3, -0.2, 0.1), 0.05), 0.005),),
+            frames=(frame("belt", conveyor(Pose(0.3, -0.2, 0.1), 0.05), 0.005),),
         ),
         False,
         "mm off, but only 1 mm are allowed; most of it, 5 mm, is due to: frame",
@@ -253,7 +253,7 @@ def test_proved_is_said_where_it_holds_for_all_times_and_only_there(name: str) -
 
 def test_what_passes_by_later_does_not_make_a_point_impossible() -> None:
     """A block (and a hollow box) is over the point at the start, but on a belt that takes it away."""
-    away = frame("away", Conveyor(Pose(0.35, -0.2, 0.1), 0.6))
+    away = frame("away", conveyor(Pose(0.35, -0.2, 0.1), 0.6))
     for body in (solid("crate", box(0.1, 0.1, 0.1)), mesh_box("crate", 0.2, 0.2, 0.3)):
         outcome = planned(cell(go(0.35, -0.2), bodies=(Around(body, "away"),), frames=(away,)))
         assert outcome.plan.arrivals[0].time > 0.1
@@ -289,7 +289,7 @@ MOVES: dict[str, Callable[[], Scene]] = {
         Follow("f", at(0.0, 0.0, 0.1, 0.0, "belt"), 0.2, Window(along=(0.2, 0.6))), frames=(BELT,)
     ),
     "a follow on a swing": lambda: cell(
-        Follow("f", at(0.1, 0.0, 0.1, 0.0, "swing"), 0.3), frames=(frame("swing", Swing(Pose(0.3, 0.1), 0.4, 2.0)),)
+        Follow("f", at(0.1, 0.0, 0.1, 0.0, "swing"), 0.3), frames=(frame("swing", swing(Pose(0.3, 0.1), 0.4, 2.0)),)
     ),
     "a moving point, position only": lambda: cell(
         go(0.1, 0.0, 0.1, 0.0, "dial", match="position"), frames=(frame("dial", dial(0.8)),)
@@ -301,7 +301,7 @@ MOVES: dict[str, Callable[[], Scene]] = {
     "from dial to belt, straight": lambda: cell(
         go(0.1, 0.0, 0.1, 0.0, "dial"),
         go(0.0, 0.0, 0.1, 0.0, "slow", leg="cartesian", name="b"),
-        frames=(frame("dial", dial(0.5)), frame("slow", Conveyor(Pose(0.2, 0.2), 0.05))),
+        frames=(frame("dial", dial(0.5)), frame("slow", conveyor(Pose(0.2, 0.2), 0.05))),
         elbow="keep",
         singularity_margin=0.05,
     ),
@@ -318,7 +318,7 @@ MOVES: dict[str, Callable[[], Scene]] = {
     "with uncertainty and a late start": lambda: cell(
         go(0.3, -0.3),
         bodies=(stands("wall", box(0.2, 0.02, 0.1), 0.35, 0.0, 0.05, frame="drift"),),
-        frames=(frame("drift", Conveyor(Pose(), 0.02), 0.002, 0.005),),
+        frames=(frame("drift", conveyor(Pose(), 0.02), 0.002, 0.005),),
         execution=Execution((1e-3, 1e-3, 5e-4, 2e-3), 0.05),
         clearance=Clearance(0.004, 0.001),
         stay_safe_s=0.2,
@@ -464,7 +464,7 @@ def test_behind_the_base_keep_is_refused_by_the_first_joint_and_auto_changes_the
 def test_a_plan_stays_safe_for_as_long_as_is_asked() -> None:
     """A ram comes down the line after the arm has arrived: with a long stay it is in the way."""
     ram = Around(solid("ram", box(0.1, 0.1, 0.4)), "ram")
-    comes = frame("ram", Linear(Pose(0.35, -1.2, 0.1), (0.0, 0.5, 0.0)))
+    comes = frame("ram", linear(Pose(0.35, -1.2, 0.1), (0.0, 0.5, 0.0)))
     short = planned(cell(go(0.35, -0.2), bodies=(ram,), frames=(comes,), stay_safe_s=0.5))
     assert short.plan.trajectory.end + 0.5 < 1.9
     outcome = refused(cell(go(0.35, -0.2), bodies=(ram,), frames=(comes,), stay_safe_s=3.0, max_candidates=60))
@@ -475,7 +475,7 @@ def test_a_plan_stays_safe_for_as_long_as_is_asked() -> None:
 def test_a_body_that_only_comes_while_the_arm_stands_is_the_reason_that_is_given() -> None:
     """Every candidate is refused by the standstill: the reason is the collision, not the budget."""
     ram = Around(solid("ram", box(0.1, 0.1, 0.4)), "ram")
-    comes = frame("ram", Linear(Pose(0.35, -2.2, 0.1), (0.0, 0.5, 0.0)))
+    comes = frame("ram", linear(Pose(0.35, -2.2, 0.1), (0.0, 0.5, 0.0)))
     outcome = refused(cell(go(0.35, -0.2), bodies=(ram,), frames=(comes,), stay_safe_s=5.0, max_candidates=4))
     assert outcome.reason is Reason.BODY_COLLISION
 
@@ -513,7 +513,7 @@ def test_a_frame_that_only_guides_the_tool_is_known_until_a_late_start_has_left_
 
 
 def test_keyframes_end_like_every_law() -> None:
-    law = Keyframes([0.0, 1.0], (Pose(-0.3, -0.3, 0.1), Pose(-0.4, -0.3, 0.1)))
+    law = keyframes([0.0, 1.0], (Pose(-0.3, -0.3, 0.1), Pose(-0.4, -0.3, 0.1)))
     gate = frame("gate", law)
     outcome = plan(cell(go(0.35, -0.2), bodies=(GATE,), frames=(gate,), stay_safe_s=2.0, max_candidates=9))
     assert isinstance(outcome, NotPlanned)
@@ -556,12 +556,12 @@ def test_a_hollow_part_can_be_carried_and_put_down_and_left() -> None:
 
 
 def test_a_gate_that_opens_is_waited_for_or_gone_round_and_one_that_never_opens_is_named() -> None:
-    opening = frame("gate", Conveyor(Pose(0.2, 0.0, 0.2), 0.0, (Change(0.3, 1.0, 5.0, 100.0),)))
+    opening = frame("gate", conveyor(Pose(0.2, 0.0, 0.2), 0.0, (Change(0.3, 1.0, 5.0, 100.0),)))
     fence = stands("fence", box(2.0, 0.02, 1.0), 0.9, 0.0, 0.0, frame="gate")
     q = (1.2, 0.4, 0.2, 0.0)
     outcome = planned(cell(go(0.25, -0.4), bodies=(fence,), frames=(opening,), q=q, max_candidates=2000))
     assert outcome.plan.arrivals[0].time > 0.4
-    shut = frame("gate", Fixed(Pose(0.2, 0.0, 0.2)))
+    shut = frame("gate", fixed(Pose(0.2, 0.0, 0.2)))
     never = refused(cell(go(0.25, -0.4), bodies=(fence,), frames=(shut,), q=q, max_candidates=60))
     assert never.reason is Reason.BODY_COLLISION
     assert "fence" in never.sentence
@@ -625,7 +625,7 @@ def test_random_cells_are_planned_and_pass_or_are_refused_with_a_reason(seed: in
 
     frames = (
         frame("dial", dial(float(rng.uniform(-1, 1))), 0.0, 0.002),
-        frame("belt", Conveyor(Pose(-0.3, 0.35, 0.0, 0.0), float(rng.uniform(0.05, 0.3))), 0.0005),
+        frame("belt", conveyor(Pose(-0.3, 0.35, 0.0, 0.0), float(rng.uniform(0.05, 0.3))), 0.0005),
     )
     shapes: list[Shape] = [
         box(0.1, 0.05, 0.1),
@@ -686,9 +686,9 @@ def test_random_tasks_on_belts_and_dials_are_planned_and_pass_or_are_refused_wit
         return bool(rng.random() < share)
 
     frames = (
-        frame("belt", Conveyor(Pose(0.0, 0.38, 0.05, draw(-0.2, 0.2)), draw(0.02, 0.3)), 0.0002, draw(0.0, 0.003)),
+        frame("belt", conveyor(Pose(0.0, 0.38, 0.05, draw(-0.2, 0.2)), draw(0.02, 0.3)), 0.0002, draw(0.0, 0.003)),
         frame("dial", dial_at(draw(0.0, 1.5))),
-        frame("gate", Swing(Pose(0.5, 0.1, 0.16, math.pi), 0.6, draw(0.8, 2.0))),
+        frame("gate", swing(Pose(0.5, 0.1, 0.16, math.pi), 0.6, draw(0.8, 2.0))),
     )
     part = Around(solid("part", box(0.05, 0.03, 0.02)), "belt", Pose(draw(-0.3, -0.1), 0.0, 0.01, draw(-3, 3)), 0.1)
     bodies = (
@@ -728,8 +728,8 @@ def test_random_tasks_on_belts_and_dials_are_planned_and_pass_or_are_refused_wit
         assert (outcome.lower_bound_s or 0.0) <= outcome.plan.trajectory.duration
 
 
-def dial_at(rate: float) -> Turntable:
-    return Turntable(Pose(0.34, -0.2, 0.06), rate)
+def dial_at(rate: float) -> Law:
+    return turntable(Pose(0.34, -0.2, 0.06), rate)
 
 
 def test_legs_are_in_the_words_of_the_shop() -> None:

@@ -12,10 +12,10 @@ import pytest
 
 from assur.planner.checker import check
 from assur.planner.errors import InputError
-from assur.planner.frames import Conveyor
 from assur.planner.frames.motion import Pose
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.geometry.shapes import box
+from assur.planner.laws import conveyor
 from assur.planner.legs.tilt import PITCHES, pitch_free, roll_free, tilt_of, tilts
 from assur.planner.model.outcome import Course, LegKind, NotPlanned, Outcome, Planned, Route
 from assur.planner.model.refusal import Reason
@@ -25,7 +25,7 @@ from assur.planner.report.number_format import amount
 from tests.planner.cells import amount_of, at, cell, frame, go, stands
 from tests.planner.five_axis_cells import DOWN, HEIGHT, REACH, START, aim, five_axis_arm, five_axis_cell, follows, goes
 
-BELT = frame("belt", Conveyor(Pose(0.35, -0.3, 0.2, math.pi / 2), 0.15))
+BELT = frame("belt", conveyor(Pose(0.35, -0.3, 0.2, math.pi / 2), 0.15))
 
 
 def planned(scene: Scene) -> Planned:

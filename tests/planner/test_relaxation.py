@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from assur.api.cli.console_report import CHANGED
-from assur.planner.frames import Conveyor, Fixed, Turntable
-from assur.planner.frames.law import PoseUncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder
+from assur.planner.laws import conveyor, fixed, turntable
+from assur.planner.laws.law import PoseUncertainty
 from assur.planner.model.outcome import NotPlanned, Planned
 from assur.planner.model.path import LineTo, Path
 from assur.planner.model.refusal import Enclosed, Reason, Refusal, Stage, law_ends
@@ -41,7 +41,7 @@ from tests.docs.pages import ROOT
 from tests.planner.cells import CUP, Around, arm, at, belt_and_dial, cell, frame, go, solid, stands, table_to_table
 from tests.planner.five_axis_cells import aim, five_axis_cell, goes
 
-FAST = frame("belt", Conveyor(Pose(-0.3, 0.35), 0.5))
+FAST = frame("belt", conveyor(Pose(-0.3, 0.35), 0.5))
 EXPLAIN: dict[str, Any] = {"explain_budget_s": 60.0, "max_candidates": 40, "budget_s": 60.0}
 
 
@@ -123,7 +123,7 @@ def corner(blend: float, speed: float, **more: Any) -> Scene:
     """A trace round a corner."""
     path = Path((0.0, 0.0, 0.05), (LineTo((0.05, 0.0, 0.05)), LineTo((0.05, 0.05, 0.05))), blend)
     step = Trace("bead", Target("plate", Pose(z=0.05)), path, speed, 0.03, 0.03)
-    plate = frame("plate", Fixed(Pose(0.3, 0.1, 0.06)))
+    plate = frame("plate", fixed(Pose(0.3, 0.1, 0.06)))
     options = {**EXPLAIN, "max_candidates": 24, "singularity_margin": 0.0, **more}
     return cell(step, frames=(plate,), tool=CUP, **options)
 
@@ -131,17 +131,17 @@ def corner(blend: float, speed: float, **more: Any) -> Scene:
 def fast_pick() -> Scene:
     """A part on a belt that is quicker than the arm."""
     scene = belt_and_dial(**EXPLAIN)
-    belt = replace(scene.frames["belt"], law=Conveyor(Pose(0.0, 0.4, 0.05), 1.5))
+    belt = replace(scene.frames["belt"], law=conveyor(Pose(0.0, 0.4, 0.05), 1.5))
     return with_pick(replace(scene, frames={**scene.frames, "belt": belt}), window=Window(along=(-0.3, 0.25)))
 
 
 def fast_dial() -> Scene:
-    dial = frame("dial", Turntable(Pose(0.35, 0.0), 20.0))
+    dial = frame("dial", turntable(Pose(0.35, 0.0), 20.0))
     return cell(go(0.15, 0.0, frame="dial"), frames=(dial,), **EXPLAIN)
 
 
 def law_that_ends() -> Scene:
-    ends = frame("belt", Conveyor(Pose(0.1, 0.3, 0.1), 0.1, valid=(0.0, 1.2)))
+    ends = frame("belt", conveyor(Pose(0.1, 0.3, 0.1), 0.1, valid=(0.0, 1.2)))
     return cell(Follow("f", at(0.0, 0.0, 0.1, 0.0, "belt"), 1.5), frames=(ends,), **EXPLAIN)
 
 
@@ -392,8 +392,7 @@ def test_every_change_is_a_smaller_demand() -> None:
             assert 0 < changed.task[0].dwell_s < 0.08
         if what == "belt speed":
             law = changed.frames["belt"].law
-            assert isinstance(law, Conveyor)
-            assert 0 < law.speed < 0.25
+            assert 0 < law.numbers.speed < 0.25
 
 
 def test_a_part_and_what_the_task_names_are_never_left_out() -> None:

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.frames import Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Hull, Piece, box, corners, cylinder, sphere, support
 from assur.planner.kernels.solids import CENTRE, FIRST, HALF, REACH, ROTATION, SECOND
+from assur.planner.laws import turntable
 from assur.planner.model.attachments import AT_START, Attachments, Held
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase
@@ -51,7 +51,7 @@ def scene_of_all() -> Scene:
         Around(solid("wedge", block(0.1, 0.05, 0.05, (0.05, 0.0, 0.0))), "dial", Pose(0.1, 0.0, 0.0, 1.0)),
         stands("part", box(0.02, 0.02, 0.02), 0.2, -0.2, 0.01),
     )
-    dial = frame("dial", Turntable(Pose(0.3, -0.3, 0.05), 1.0, valid=(0.0, 5.0)))
+    dial = frame("dial", turntable(Pose(0.3, -0.3, 0.05), 1.0, valid=(0.0, 5.0)))
     return cell(go(0.3, 0.0), bodies=bodies, frames=(dial,), robot=arm(column=0.08), tool=CUP)
 
 

@@ -18,9 +18,9 @@ from assur.planner.collision.touching import TOUCH_M, apart, grip, support
 from assur.planner.errors import InputError
 from assur.planner.feasibility.odd_supports import OFF_M, odd_supports
 from assur.planner.feasibility.touching import never_touching
-from assur.planner.frames import Conveyor
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder, sphere
+from assur.planner.laws import conveyor
 from assur.planner.model.attachments import AT_START, at_start
 from assur.planner.model.input_warning import Odd
 from assur.planner.model.outcome import Arrival, NotPlanned, Planned
@@ -199,7 +199,7 @@ def test_what_is_too_far_is_refused_before_any_search(
 def test_a_support_that_moves_against_the_place_is_measured_when_the_part_is_put_down() -> None:
     """A part put down on the table while a plate beside it travels on a belt: only a search knows when."""
     scene = asking(table_to_table(), support_m=0.001)
-    belt = frame("belt", Conveyor(Pose(0.35, -0.8, 0.1, math.pi / 2), 0.05))
+    belt = frame("belt", conveyor(Pose(0.35, -0.8, 0.1, math.pi / 2), 0.05))
     bodies = tuple(replace(b, frame="belt", pose=Pose()) if b.name == "right-table" else b for b in scene.bodies)
     moving = replace(scene, frames={**scene.frames, "belt": belt}, bodies=bodies)
     assert never_touching(moving, Prover(moving)) is None
@@ -273,7 +273,7 @@ def test_every_named_support_is_told_of_picks_as_well_and_what_touches_is_not() 
 
 def test_where_a_body_is_not_known_nothing_is_measured() -> None:
     scene = table_to_table()
-    belt = frame("belt", Conveyor(Pose(0.35, -0.3, 0.1), 0.05, valid=(5.0, 6.0)))
+    belt = frame("belt", conveyor(Pose(0.35, -0.3, 0.1), 0.05, valid=(5.0, 6.0)))
     bodies = tuple(replace(b, frame="belt", pose=Pose()) if b.name == "right-table" else b for b in scene.bodies)
     later = replace(scene, frames={**scene.frames, "belt": belt}, bodies=bodies)
     assert math.isnan(apart(Prover(later), AT_START, 0.0, "part", "right-table"))

@@ -12,9 +12,9 @@ from assur.planner.claim import document as written
 from assur.planner.claim.chain import Arms, knots_of
 from assur.planner.claim.laws import law_of
 from assur.planner.claim.solids import solids_of
-from assur.planner.frames import Law
 from assur.planner.geometry.pieces import pieces
 from assur.planner.geometry.shapes import Body
+from assur.planner.laws import Law
 from assur.planner.model.outcome import Plan
 from assur.planner.model.scene import Scene
 from assur.planner.robots.robot import Robot

@@ -16,7 +16,7 @@ from assur.planner.geometry.shapes import support as exact
 from assur.planner.trajectory import Trajectory
 from assur.prover import prove as prover
 from assur.prover.prove import Carrier, Curve, Solid, chain, law, spline, upright
-from tests.planner.frames.laws import Case, cases
+from tests.planner.laws.laws import Case, cases
 from tests.planner.robots.families import NAMES, random_motion, robot_named
 from tests.prover.bundles import arm_document, body_document, law_document
 

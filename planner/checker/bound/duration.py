@@ -32,9 +32,8 @@ from assur.planner.checker.bound.places import Unplaced, modes_asked, places
 from assur.planner.checker.bound.rates import climbs, known, rates
 from assur.planner.checker.laws import arm_row
 from assur.planner.checker.legs import TIME_S
-from assur.planner.frames import Conveyor, Linear
-from assur.planner.frames.belt_window import travelled
 from assur.planner.frames.motion import Pose
+from assur.planner.laws.belt_window import travelled
 from assur.planner.model.scene import Pick, Place, Scene
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.scara import Scara
@@ -175,7 +174,7 @@ def _met_still(
     at, goals = scene.start.time, list[FloatArray]()
     for pose in event.poses:
         # a frame that stands still stands still before and behind the times for which it is known, too
-        p = scene.frames[event.frame].law.pose.then(pose)  # type: ignore[attr-defined]
+        p = scene.frames[event.frame].law.numbers.pose.then(pose)
         yaw = math.nan if event.free else p.yaw
         try:
             goals.append(places(scene.robot, modes, p.x, p.y, p.z, yaw, event.pitch, event.roll))
@@ -330,7 +329,7 @@ def _outside(scene: Scene, event: Event, edges: FloatArray) -> BoolArray:
     out = np.zeros(len(edges) - 1, dtype=bool)
     if window.time is not None:
         out |= edges[:-1] > window.time[1] + TIME_S
-    if window.along is not None and isinstance(law, Conveyor | Linear):
+    if window.along is not None and law.kind in ("conveyor", "linear"):
         gone = travelled(law, event.point, edges)
         off = rates(law, 0.0, edges[:-1], edges[1:])[:, :6:3].sum(axis=1) * np.diff(edges)
         out |= (gone[1:] + off < window.along[0] - MEET_M) | (gone[1:] - off > window.along[1] + MEET_M)

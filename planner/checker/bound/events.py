@@ -11,7 +11,6 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.bound.fastest import EXACT, FREE, KINDS, STATE, soonest
 from assur.planner.checker.legs import dwell
 from assur.planner.checker.targets import asks_passing, asks_rest
-from assur.planner.frames import Fixed
 from assur.planner.frames.motion import Pose
 from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.scene import Move, Pick, Place, Scene, Step, Trace
@@ -100,7 +99,7 @@ def _events(
     window = step.window.time
     opens = max(scene.start.time, scene.frames[frame].law.valid[0], -math.inf if window is None else window[0])
     kind = PASSES if asks_passing(step) else STOPS if asks_rest(step) else ALONG
-    if kind == STOPS and not isinstance(step, Move) and not isinstance(scene.frames[frame].law, Fixed):
+    if kind == STOPS and not isinstance(step, Move) and scene.frames[frame].law.kind != "fixed":
         kind = PASSES  # above the point the tool goes along with it, and stands at the point: nothing holds at both
     lasts = dwell(step)
     if isinstance(step, Trace):
@@ -146,4 +145,4 @@ def lifted(way: float, limits: FloatArray, *, stops: bool) -> float:
 
 def still(scene: Scene, event: Event) -> bool:
     """Whether the point of an event never moves."""
-    return isinstance(scene.frames[event.frame].law, Fixed)
+    return scene.frames[event.frame].law.kind == "fixed"

@@ -8,9 +8,9 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.bound.guided import RATES
-from assur.planner.checker.laws import ramped
-from assur.planner.frames import Conveyor, Fixed, Indexer, Keyframes, Law, Linear, Oscillation, Swing, Turntable
-from assur.planner.frames.ramps import Change
+from assur.planner.checker.laws import ramped, spline_of
+from assur.planner.laws import Law
+from assur.planner.laws.ramps import Change
 
 STEP = 2.1876, 7.5133, 52.51
 """The greatest |x'|, |x''|, |x'''| of the step of an indexer (F3), in steps and moves: 35/16 of them at its middle,
@@ -21,20 +21,20 @@ EDGE_S = 1e-9
 
 def known(law: Law) -> bool:
     """Whether `rates` knows the law."""
-    return isinstance(law, Conveyor | Fixed | Indexer | Keyframes | Linear | Oscillation | Swing | Turntable)
+    return law.kind in ("conveyor", "fixed", "indexer", "keyframes", "linear", "oscillation", "swing", "turntable")
 
 
 def climbs(law: Law) -> bool:
     """Whether the height of the frame may change."""
-    if isinstance(law, Linear):
-        return law.velocity[2] != 0.0
-    if isinstance(law, Oscillation):
-        return law.direction[2] != 0.0
-    if isinstance(law, Turntable):
-        return law.rise != 0.0
-    if isinstance(law, Keyframes):
-        return any(pose.z != law.poses[0].z for pose in law.poses)
-    return not isinstance(law, Conveyor | Fixed | Indexer | Swing)
+    if law.kind == "linear":
+        return law.numbers.velocity[2] != 0.0
+    if law.kind == "oscillation":
+        return law.numbers.direction[2] != 0.0
+    if law.kind == "turntable":
+        return law.numbers.rise != 0.0
+    if law.kind == "keyframes":
+        return any(pose.z != law.numbers.poses[0].z for pose in law.numbers.poses)
+    return law.kind not in ("conveyor", "fixed", "indexer", "swing")
 
 
 def rates(law: Law, arm_m: float, begin: FloatArray, end: FloatArray) -> FloatArray:
@@ -42,33 +42,34 @@ def rates(law: Law, arm_m: float, begin: FloatArray, end: FloatArray) -> FloatAr
     over [begin, end] (N,), s: of the velocity, acceleration and jerk of the point in the plane, of its height, and of
     the frame's yaw. Infinite: not bounded."""
     plane, height, yaw = (np.zeros((3, len(begin))) for _ in range(3))
-    if isinstance(law, Linear):
-        plane[0], height[0] = math.hypot(*law.velocity[:2]), abs(law.velocity[2])
-    elif isinstance(law, Conveyor):
-        plane = _ramps(law.speed, law.changes, law.at_time, begin, end)
-    elif isinstance(law, Turntable):
-        yaw = _ramps(law.rate, law.changes, law.at_time, begin, end)
-        height[0] = abs(law.rise)
-    elif isinstance(law, Oscillation | Swing):
-        waves = np.array([abs(law.amplitude) * (math.tau / law.period) ** k for k in (1, 2, 3)])[:, None]
-        if isinstance(law, Swing):
+    of = law.numbers
+    if law.kind == "linear":
+        plane[0], height[0] = math.hypot(*of.velocity[:2]), abs(of.velocity[2])
+    elif law.kind == "conveyor":
+        plane = _ramps(of.speed, of.changes, of.at_time, begin, end)
+    elif law.kind == "turntable":
+        yaw = _ramps(of.rate, of.changes, of.at_time, begin, end)
+        height[0] = abs(of.rise)
+    elif law.kind in ("oscillation", "swing"):
+        waves = np.array([abs(of.amplitude) * (math.tau / of.period) ** k for k in (1, 2, 3)])[:, None]
+        if law.kind == "swing":
             yaw += waves
         else:
-            length = math.hypot(*law.direction)
-            plane += waves * math.hypot(*law.direction[:2]) / length
-            height += waves * abs(law.direction[2]) / length
-    elif isinstance(law, Indexer):
-        steps = np.array([abs(law.step) * STEP[k] / law.move_s ** (k + 1) for k in range(3)])[:, None]
-        if law.kind == "turn":
+            length = math.hypot(*of.direction)
+            plane += waves * math.hypot(*of.direction[:2]) / length
+            height += waves * abs(of.direction[2]) / length
+    elif law.kind == "indexer":
+        steps = np.array([abs(of.step) * STEP[k] / of.move_s ** (k + 1) for k in range(3)])[:, None]
+        if of.turns:
             yaw += steps
         else:
             plane += steps
-    elif isinstance(law, Keyframes):
+    elif law.kind == "keyframes":
         of_all = _splines(law)
         plane += np.hypot(of_all[:, 0], of_all[:, 1])[:, None]
         height += of_all[:, 2, None]
         yaw += of_all[:, 3, None]
-    elif not isinstance(law, Fixed):
+    elif law.kind != "fixed":
         return np.full((len(begin), RATES), math.inf)
     w, dw, ddw = yaw
     plane[0] += arm_m * w
@@ -104,10 +105,11 @@ def _fastest(speed: float, changes: tuple[Change, ...]) -> float:
     return max(abs(each) for each in (speed, *(change.speed for change in changes)))
 
 
-def _splines(law: Keyframes) -> FloatArray:
+def _splines(law: Law) -> FloatArray:
     """Bounds (3, 4) of the rates of x, y, z, yaw over all of a spline (F5): the velocity of a piece is a parabola."""
-    h = np.diff(law.knots)[:, None]
-    _, c1, c2, c3 = np.moveaxis(np.asarray(law.coefficients), -2, 0)
+    pieces = spline_of(law)
+    h = np.array([end - begin for begin, end, _ in pieces])[:, None]
+    _, c1, c2, c3 = np.moveaxis(np.array([coordinates for _, _, coordinates in pieces]), -1, 0)
     most_a = np.maximum(np.abs(2.0 * c2), np.abs(2.0 * c2 + 6.0 * c3 * h))
     ends = np.maximum(np.abs(c1), np.abs(c1 + h * (2.0 * c2 + 3.0 * c3 * h)))
     most_v = ends + 0.75 * np.abs(c3) * h * h

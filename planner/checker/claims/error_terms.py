@@ -19,8 +19,8 @@ from assur.planner.checker.doubts import counted, line_of, stands
 from assur.planner.checker.targets import Target
 from assur.planner.checker.uncertainty import sway
 from assur.planner.checker.world import World
-from assur.planner.frames.law import EXACT
 from assur.planner.frames.motion import Pose
+from assur.planner.laws.law import EXACT
 from assur.planner.model.arrival_error import Cause
 from assur.planner.model.outcome import Arrival
 from assur.planner.model.phases import Handled

@@ -18,7 +18,6 @@ from assur.planner.checker.meeting import MEET_RAD_S
 from assur.planner.checker.targets import Target, asks_passing, asks_velocity
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
-from assur.planner.frames import Fixed
 from assur.planner.model.outcome import TRACKING, Arrival, Leg, LegKind
 from assur.planner.model.scene import Move
 
@@ -95,7 +94,7 @@ def _margins(
         else:
             guided = [leg for leg in own if leg.kind in TRACKING]
         spans += [(f"{leg.kind} of {step.name}", leg.t0, leg.t1) for leg in guided]
-        moves = not isinstance(world.scene.frames[target.frame].law, Fixed)
+        moves = world.scene.frames[target.frame].law.kind != "fixed"
         if not guided and moves and asks_velocity(step):
             spans.append((step.name, arrival.time, arrival.time))
     findings = []

@@ -14,7 +14,6 @@ from assur.planner.checker.motion import Tables
 from assur.planner.checker.targets import Target
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
-from assur.planner.frames import Conveyor, Linear
 from assur.planner.model.outcome import Arrival
 
 LEFT_S = 1e-6
@@ -50,7 +49,7 @@ def _off(world: World, arrival: Arrival, target: Target, said: float) -> float:
     latest = math.inf if scene.options.latest_end_s is None else scene.options.latest_end_s
     closes = min(law.valid[1], latest, math.inf if window.time is None else window.time[1])
     left = max(closes - arrival.until, 0.0)
-    if window.along is None or not isinstance(law, Conveyor | Linear):
+    if window.along is None or law.kind not in ("conveyor", "linear"):
         return abs(said - left)
     if not 0.0 <= said <= min(left + LEFT_S, MOST_S):
         return math.inf

@@ -25,7 +25,6 @@ from assur.planner.checker.legs import TIME_S
 from assur.planner.checker.targets import Target
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import REST, World
-from assur.planner.frames import Fixed
 from assur.planner.frames.motion import Pose
 from assur.planner.model.outcome import Arrival, Leg, LegKind
 from assur.planner.model.scene import WORLD, Move
@@ -71,7 +70,7 @@ def straight_ways(
 
 
 def _stands(world: World, frame: str) -> bool:
-    return isinstance(world.scene.frames[frame].law, Fixed)
+    return world.scene.frames[frame].law.kind == "fixed"
 
 
 def _left(world: World, found: tuple[Target, ...], target: Target, t0: float) -> End | None:

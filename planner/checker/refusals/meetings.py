@@ -25,7 +25,6 @@ from assur.planner.checker.refusals.ways import Way
 from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import solids
 from assur.planner.checker.world import World
-from assur.planner.frames import Fixed
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Hull, Piece
 from assur.planner.model.attachments import Attachments, at_start
@@ -104,7 +103,7 @@ def at_a_point(scene: Scene, way: Way, meeting: Meeting) -> Judged | str:
     at = place_of(standing(scene, scene.start.q), way.frame, t)
     if at is None or meeting.mode is None:
         return "the frame is not known at the start, or no mode is named"
-    fixed = isinstance(scene.frames[way.frame].law, Fixed)
+    fixed = scene.frames[way.frame].law.kind == "fixed"
     if not fixed and not robot.turns_load:
         return "how the arm tilts depends on when the point is met"
     goal = way.goal(scene, at, above, 0.0, 0.0)
@@ -158,7 +157,7 @@ def _hangs(scene: Scene, way: Way, first: _Stood, second: _Stood, attached: Atta
     if first.link is None or second.link is not None or second.body.name not in scene.index:
         return f"{first.body.name} is not of the arm, or {second.body.name} not of the surroundings"
     frame = attached.pose_of(scene, second.body.name)[0]
-    stand = [isinstance(scene.frames[name].law, Fixed) for name in (frame, way.frame)]
+    stand = [scene.frames[name].law.kind == "fixed" for name in (frame, way.frame)]
     if first.link not in ("flange", "quill"):
         return "" if all(stand) and way.spread == 0.0 else f"{first.body.name} does not hang on the flange"
     if frame != way.frame and not all(stand):

@@ -16,8 +16,8 @@ import numpy as np
 
 from assur.planner.checker.laws import travel
 from assur.planner.checker.legs import dwell
-from assur.planner.frames import Conveyor, Law, Linear
 from assur.planner.frames.motion import Pose
+from assur.planner.laws import Law
 from assur.planner.model.attachments import at_start
 from assur.planner.model.proofs.witness import PROVED_M, PROVED_S
 from assur.planner.model.scene import Scene, Window
@@ -76,7 +76,7 @@ def inside(of: Asked, wider: float, *, lawless: bool = False) -> list[Times]:
     """When the point is in its window along a conveyor, `wider`, m, at both ends, from the start on for ever: intervals
     in order. All of the time where there is no such window."""
     begin, end = of.start, of.start + LONG_S if lawless else min(of.known[1], of.start + LONG_S)
-    if of.window.along is None or not isinstance(of.law, Conveyor | Linear):
+    if of.window.along is None or of.law.kind not in ("conveyor", "linear"):
         return [(begin, end)]
     zero = _offset(of.law, of.point)
     low, high = of.window.along[0] - zero - wider, of.window.along[1] - zero + wider
@@ -102,7 +102,7 @@ def open_spans(
 def farthest_inside(of: Asked) -> float:
     """How far, m, the point stays outside its window along a conveyor from the start on for ever; below 0: it does not.
     Infinite where it is on no conveyor."""
-    if of.window.along is None or not isinstance(of.law, Conveyor | Linear):
+    if of.window.along is None or of.law.kind not in ("conveyor", "linear"):
         return -math.inf
     begin, end = of.start, min(of.known[1], of.start + LONG_S)
     zero, found = _offset(of.law, of.point), math.inf
@@ -120,13 +120,13 @@ def farthest_inside(of: Asked) -> float:
     return found
 
 
-def _offset(law: Conveyor | Linear, point: Pose) -> float:
+def _offset(law: Law, point: Pose) -> float:
     """How far along the direction of travel the point is in its frame, m."""
-    if isinstance(law, Conveyor):
+    if law.kind == "conveyor":
         return point.x
-    speed = math.hypot(*law.velocity)
-    u = [part / speed for part in law.velocity] if speed > 0.0 else [1.0, 0.0, 0.0]
-    own = Pose(yaw=law.pose.yaw).then(point)
+    speed = math.hypot(*law.numbers.velocity)
+    u = [part / speed for part in law.numbers.velocity] if speed > 0.0 else [1.0, 0.0, 0.0]
+    own = Pose(yaw=law.numbers.pose.yaw).then(point)
     return own.x * u[0] + own.y * u[1] + own.z * u[2]
 
 

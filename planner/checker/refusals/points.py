@@ -17,7 +17,7 @@ from assur.planner.checker.refusals.standing import allowed_modes, standing
 from assur.planner.checker.refusals.start import amount_of, in_range, same
 from assur.planner.checker.refusals.ways import Way, ways
 from assur.planner.checker.world import World
-from assur.planner.frames import Conveyor, Fixed, Keyframes, Law, Linear, Oscillation, Swing, Turntable
+from assur.planner.laws import Law
 from assur.planner.model.forbidden_yaw import slack_of
 from assur.planner.model.proofs.witness import PROVED_M, PROVED_RAD, Hindered, Hindrance, Meeting, Met, Orbit
 from assur.planner.model.refusal import (
@@ -280,21 +280,21 @@ def _swept(world: World, way: Way, t0: float, t1: float) -> Goal | None:
 
 def _period(law: Law) -> float | None:
     """After how many seconds a frame is where it was, again and again; None: never, or nobody knows."""
-    if isinstance(law, Swing | Oscillation):
-        return law.period
-    if isinstance(law, Keyframes):
-        return float(law.times[-1] - law.times[0]) if law.ends == "periodic" else None
-    if isinstance(law, Turntable) and law.rate != 0.0 and law.rise == 0.0 and not law.changes:
-        return math.tau / abs(law.rate)
+    if law.kind in ("swing", "oscillation"):
+        return law.numbers.period
+    if law.kind == "keyframes":
+        return float(law.numbers.times[-1] - law.numbers.times[0]) if law.numbers.ends == "periodic" else None
+    if law.kind == "turntable" and law.numbers.rate != 0.0 and law.numbers.rise == 0.0 and not law.numbers.changes:
+        return math.tau / abs(law.numbers.rate)
     return None
 
 
 def yaw_of(scene: Scene, way: Way) -> float | None:
     """The yaw of the tool in the world at the point of a way, where it is the same at all times."""
     law = scene.frames[way.frame].law
-    if way.turn is None or not isinstance(law, Fixed | Conveyor | Linear | Oscillation):
+    if way.turn is None or law.kind not in ("fixed", "conveyor", "linear", "oscillation"):
         return None
-    return law.pose.yaw + way.flange.yaw + scene.tool.tcp.yaw
+    return law.numbers.pose.yaw + way.flange.yaw + scene.tool.tcp.yaw
 
 
 def yaws_forbidden(scene: Scene, refusal: Refusal, facts: ForbiddenYaw) -> str:

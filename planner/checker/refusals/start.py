@@ -9,7 +9,6 @@ import numpy as np
 from assur.planner.checker.limits import integrals, part_inertia, share_of, tool_inertia
 from assur.planner.checker.refusals.standing import standing
 from assur.planner.errors import InputError
-from assur.planner.frames import Fixed
 from assur.planner.frames.motion import Pose
 from assur.planner.model.attachments import at_start
 from assur.planner.model.forbidden_yaw import slack_of
@@ -205,10 +204,10 @@ def no_path(scene: Scene, refusal: Refusal) -> str:
     if refusal.step != 0 or not isinstance(move, Move) or not move.path:
         return "the first step has no path"
     law = scene.frames[move.target.frame].law
-    if not isinstance(law, Fixed):
+    if law.kind != "fixed":
         return "the frame of the path moves"
     tool = standing(scene, scene.start.q).tool(scene.start.time)
-    at = law.pose.inverse().then(Pose(tool.x, tool.y, tool.z))
+    at = law.numbers.pose.inverse().then(Pose(tool.x, tool.y, tool.z))
     near = np.array([[0.0, 0.0, 0.0], *(PROVED_M * np.eye(3)), *(-PROVED_M * np.eye(3))])
     for x, y, z in near.tolist():
         try:

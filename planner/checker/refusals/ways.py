@@ -13,7 +13,6 @@ import numpy as np
 from assur.planner.checker.paths.curves import curves_of
 from assur.planner.checker.refusals.postures import Goal
 from assur.planner.checker.refusals.spans import ANY, around
-from assur.planner.frames import Fixed
 from assur.planner.frames.motion import Pose
 from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.phases import yaw_offsets
@@ -58,7 +57,7 @@ class Way:
     def still(self, scene: Scene) -> Pose | None:
         """The pose of the frame, where it never moves."""
         law = scene.frames[self.frame].law
-        return law.pose if isinstance(law, Fixed) else None
+        return law.numbers.pose if law.kind == "fixed" else None
 
 
 def ways(scene: Scene, number: int) -> tuple[Way, ...]:

@@ -7,7 +7,6 @@ import math
 from assur.planner.checker.laws import travel
 from assur.planner.checker.refusals.openings import Asked, Times, asked, farthest_inside, inside, open_spans
 from assur.planner.checker.refusals.start import same
-from assur.planner.frames import Conveyor, Linear
 from assur.planner.model.proofs.witness import PROVED_S, Openings
 from assur.planner.model.refusal import LawEnds, Refusal, finite
 from assur.planner.model.scene import Scene
@@ -119,7 +118,7 @@ def _near(one: float, other: float) -> bool:
 def _gone(of: Asked, t0: float, t1: float) -> float | None:
     """How far the point goes along its conveyor from t0 to t1, m; None: on none, or not known."""
     law = of.law
-    if not isinstance(law, Conveyor | Linear) or not (of.known[0] <= t0 and t1 <= of.known[1]):
+    if law.kind not in ("conveyor", "linear") or not (of.known[0] <= t0 and t1 <= of.known[1]):
         return None
 
     def at(t: float) -> float:

@@ -14,7 +14,6 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames.fixed import Fixed
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import Tilt, TiltedMotion
 from assur.planner.legs.control_point import ControlPoint
@@ -147,7 +146,7 @@ def _way(
         return unmoved(Stage.STRAIGHT, point.step, Obstacle.OTHER_MODE)
     if tracked is None and not state.resting:
         return unmoved(Stage.STRAIGHT, point.step, Obstacle.STRAIGHT_FROM_MOTION)
-    still = isinstance(scene.frames[point.frame].law, Fixed)
+    still = scene.frames[point.frame].law.stands
     if not (still if tracked is None else tracked.frame == point.frame):
         return unmoved(Stage.STRAIGHT, point.step, Obstacle.OTHER_FRAME)
     begin = tool_in(scene, point.frame, state.q, state.time)

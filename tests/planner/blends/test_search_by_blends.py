@@ -17,22 +17,22 @@ from hypothesis import strategies as st
 from assur.planner.blends.candidates import DIRECT
 from assur.planner.checker import check
 from assur.planner.errors import InputError
-from assur.planner.frames import Conveyor, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder
-from assur.planner.model.link_frames import TrajectoryLaw
+from assur.planner.laws import conveyor, swing, turntable
+from assur.planner.model.link_frames import link_law
 from assur.planner.model.outcome import Course, NotPlanned, Outcome, Planned, Route
 from assur.planner.model.refusal import AccelerationTime, Reason
 from assur.planner.model.scene import Arch, Follow, Options, Pick, Place, Scene, Start, Step, Target, Window
 from assur.planner.pipeline import plan
 from assur.planner.robots.facts import Code
 from assur.planner.robots.scara import FLANGE, LINK1
-from tests.planner.cells import CUP, PART, Around, Swing, amount_of, arm, at, cell, frame, go, solid, stands, unit_of
+from tests.planner.cells import CUP, PART, Around, amount_of, arm, at, cell, frame, go, solid, stands, unit_of
 from tests.planner.trajectory.splines import bernstein
 
-DIAL = frame("dial", Turntable(Pose(0.32, 0.12), 0.8))
-BELT = frame("belt", Conveyor(Pose(-0.3, 0.35), 0.2))
-GATE = frame("gate", Swing(Pose(0.5, 0.0, 0.1), 1.2, 1.1))
+DIAL = frame("dial", turntable(Pose(0.32, 0.12), 0.8))
+BELT = frame("belt", conveyor(Pose(-0.3, 0.35), 0.2))
+GATE = frame("gate", swing(Pose(0.5, 0.0, 0.1), 1.2, 1.1))
 
 
 def blend(scene: Scene, **changes: Any) -> Scene:
@@ -90,14 +90,14 @@ CELLS = {
     "not yet in reach": lambda: blend(
         cell(
             go(0.0, 0.0, 0.15, 0.0, "late", match="position"),
-            frames=(frame("late", Conveyor(Pose(0.35, -1.0, 0.0, np.pi / 2), 0.4)),),
+            frames=(frame("late", conveyor(Pose(0.35, -1.0, 0.0, np.pi / 2), 0.4)),),
         )
     ),
     "a via not yet in reach": lambda: blend(
         cell(
             go(0.0, 0.0, 0.15, 0.0, "late", match="position", via=True, name="v"),
             go(0.3, 0.2, 0.1, name="w"),
-            frames=(frame("late", Conveyor(Pose(0.35, -1.0, 0.0, np.pi / 2), 0.4)),),
+            frames=(frame("late", conveyor(Pose(0.35, -1.0, 0.0, np.pi / 2), 0.4)),),
         )
     ),
     "over a wall": lambda: blend(cell(go(0.4, -0.3), go(0.4, 0.3, name="b"), bodies=(wall(),))),
@@ -356,7 +356,7 @@ def test_what_cannot_be_reached_or_comes_too_late_is_refused_with_its_reason() -
 
 
 def test_a_point_that_flees_faster_than_the_arm_is_not_met() -> None:
-    away = frame("away", Conveyor(Pose(0.3, -0.2, 0.0, math.pi / 2), 60.0))
+    away = frame("away", conveyor(Pose(0.3, -0.2, 0.0, math.pi / 2), 60.0))
     outcome = plan(blend(cell(go(0.0, 0.0, 0.1, 0.0, "away", match="position"), frames=(away,)), max_candidates=20))
     assert isinstance(outcome, NotPlanned)
 
@@ -421,5 +421,5 @@ def test_a_start_that_accelerates_is_in_motion() -> None:
 def test_an_arm_that_runs_such_a_plan_is_no_frame() -> None:
     scene, outcome = planned("one move")
     with pytest.raises(InputError) as caught:
-        TrajectoryLaw(scene.robot, outcome.plan.trajectory, LINK1)
+        link_law(scene.robot, outcome.plan.trajectory, LINK1)
     assert caught.value.field == "neighbour.trajectory"

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames import Conveyor, Frame, Keyframes, Law, Linear, Swing, Turntable
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.geometry.shapes import Body, Hull, Piece, box, capsule, cylinder, sphere, support
+from assur.planner.laws import Frame, Law, conveyor, keyframes, linear, swing, turntable
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene, Tool
@@ -48,17 +48,17 @@ def law(rng: np.random.Generator, kind: str, there: FloatArray, t: float) -> Law
     x, y, z = (float(v) for v in there)
     yaw = float(rng.uniform(-3, 3))
     if kind == "conveyor":
-        return Conveyor(Pose(x, y, z, yaw), float(rng.uniform(-0.5, 0.5)), at_time=t)
+        return conveyor(Pose(x, y, z, yaw), float(rng.uniform(-0.5, 0.5)), at_time=t)
     if kind == "linear":
         vx, vy, vz = (float(v) for v in rng.uniform(-0.4, 0.4, 3))
-        return Linear(Pose(x, y, z, yaw), (vx, vy, vz), at_time=t)
+        return linear(Pose(x, y, z, yaw), (vx, vy, vz), at_time=t)
     if kind == "turntable":
-        return Turntable(Pose(x, y, z, yaw), float(rng.uniform(-3, 3)), at_time=t)
+        return turntable(Pose(x, y, z, yaw), float(rng.uniform(-3, 3)), at_time=t)
     if kind == "swing":
-        return Swing(Pose(x, y, z, yaw), 0.8, float(rng.uniform(0.4, 2.0)), float(rng.uniform(0, 6)))
+        return swing(Pose(x, y, z, yaw), 0.8, float(rng.uniform(0.4, 2.0)), float(rng.uniform(0, 6)))
     ways = there + rng.normal(size=(5, 3)) * 0.1
     poses = tuple(Pose(float(p[0]), float(p[1]), float(p[2]), yaw + 0.5 * i) for i, p in enumerate(ways))
-    return Keyframes([-1.0, 0.5, 1.5, 2.5, 8.0], poses)
+    return keyframes([-1.0, 0.5, 1.5, 2.5, 8.0], poses)
 
 
 LAWS = ("world", "conveyor", "linear", "turntable", "swing", "keyframes")
@@ -150,7 +150,7 @@ class Encounter:
         return Phase(**facts)
 
 
-STILL = Linear(Pose(), (0.0, 0.0, 0.0))
+STILL = linear(Pose(), (0.0, 0.0, 0.0))
 
 
 def encounter(seed: int, kind: str, how: str, pieces: int = 1) -> Encounter:

@@ -16,10 +16,10 @@ import assur.planner.collision.proof
 from assur.planner.collision.fcl_door import Collider
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved
-from assur.planner.frames import Change, Conveyor, Frame, Uncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, box, cylinder, sphere
 from assur.planner.kernels.proof import ALONG, T0, T1
+from assur.planner.laws import Change, Frame, Uncertainty, conveyor
 from assur.planner.model.outcome import LegKind, Planned
 from assur.planner.model.phases import CONTACT_M, Phase
 from assur.planner.model.refusal import Stage
@@ -286,7 +286,7 @@ def test_what_is_certified_with_a_start_tolerance_stays_clear_however_late_it_st
 def test_belt_correction_leaves_nothing_towards_the_same_belt_and_counts_towards_the_rest(runs: bool) -> None:
     """Of a belt that never runs nobody knows whether it is corrected for."""
     later = (Change(1000.0, 0.1, 0.5, 5.0),) if runs else ()
-    belt = Frame("belt", Conveyor(Pose(), 0.0, later), Uncertainty(0.004, 0.0))
+    belt = Frame("belt", conveyor(Pose(), 0.0, later), Uncertainty(0.004, 0.0))
     shift = Execution(belt_correction=True)
     for on, tracked, corrected, need in (
         ("belt", None, (), 0.004),
@@ -355,7 +355,7 @@ def test_a_body_that_holds_the_arm_inside_its_box_but_touches_nothing_is_certifi
 
 def test_unknown_laws_are_never_certified() -> None:
     case = encounter(5, "box", "turntable")
-    short = replace(case.frames[0], law=replace(case.frames[0].law, valid=(-10.0, case.path.end - 0.05)))  # type: ignore[type-var]
+    short = replace(case.frames[0], law=replace(case.frames[0].law, valid=(-10.0, case.path.end - 0.05)))
     far = Around(Body("thing", case.around.body.pieces), "moving", Pose(5.0, 0.0, 0.0))
     known = Encounter(case.path, far, case.frames)
     assert isinstance(Prover(known.scene(0.01)).prove(known.phase(), case.path), Rows)

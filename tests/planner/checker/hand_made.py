@@ -16,9 +16,9 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.frames import Conveyor, Fixed, Frame, Linear, Turntable
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.geometry.shapes import Body, Hull, Piece, box, capsule, cylinder, sphere, support
+from assur.planner.laws import Frame, conveyor, fixed, linear, turntable
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Plan
 from assur.planner.model.phases import CONTACT_M, Phase, phases
@@ -27,7 +27,7 @@ from assur.planner.robots.facts import Code, Limits, RobotBody
 from assur.planner.robots.scara import BASE, FLANGE, LINK1, LINK2, QUILL, Scara
 from assur.planner.trajectory import Trajectory
 from tests.planner.convex import reach
-from tests.planner.frames.bounded import bounded
+from tests.planner.laws.bounded import bounded
 from tests.planner.robots.point_bounds import Sweep, point_bounds
 
 MODE = 1
@@ -80,7 +80,7 @@ def frame(name: str, law: object) -> Frame:
     return Frame(name, law)  # type: ignore[arg-type]
 
 
-WORLD = frame("world", Fixed(Pose()))
+WORLD = frame("world", fixed(Pose()))
 
 
 def joints_at(robot: Scara, tcp: Pose, tool: Motion) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -189,7 +189,7 @@ def crossing(
     robot = arm()
     frames = {
         "world": WORLD,
-        "ball": frame("ball", Linear(Pose(0.1, 0.33, 0.2), (0.8 * ball_speed, -0.6 * ball_speed, 0.0))),
+        "ball": frame("ball", linear(Pose(0.1, 0.33, 0.2), (0.8 * ball_speed, -0.6 * ball_speed, 0.0))),
     }
     around = (
         WorldBody(solid("floor", box(2.0, 2.0, 0.02)), "world", Pose(z=-0.02)),
@@ -224,8 +224,8 @@ def belt_to_dial(**changes: object) -> Scene:
     robot = arm()
     frames = {
         "world": WORLD,
-        "belt": frame("belt", Conveyor(Pose(0.0, 0.28), 0.1)),
-        "dial": frame("dial", Turntable(Pose(0.24, -0.14, 0.0), 0.4)),
+        "belt": frame("belt", conveyor(Pose(0.0, 0.28), 0.1)),
+        "dial": frame("dial", turntable(Pose(0.24, -0.14, 0.0), 0.4)),
     }
     part = solid("part", box(0.04, 0.03, 0.02))
     around = (
@@ -340,7 +340,7 @@ class PlainProver:
 
     def _put_down(self, phase: Phase, a: Side, b: Side) -> bool:
         """Whether one was put down and the other passes by."""
-        still = [isinstance(self.scene.frames[side.frame].law, Fixed) for side in (a, b) if not side.mine]
+        still = [self.scene.frames[side.frame].law.stands for side in (a, b) if not side.mine]
         handled = any(phase.handled.of(side.name) is not None for side in (a, b))
         resting = tuple(sorted((a.name, b.name))) in phase.handled.supports
         return not (a.mine or b.mine or all(still) or a.frame == b.frame or resting) and handled
@@ -349,7 +349,7 @@ class PlainProver:
         """How late the start may be, s, where that parts two sides: one is the robot's, and the other moves."""
         if a.mine == b.mine:
             return 0.0
-        moves = not isinstance(self.scene.frames[(b if a.mine else a).frame].law, Fixed)
+        moves = not self.scene.frames[(b if a.mine else a).frame].law.stands
         return self.scene.execution.start_tolerance_s if moves else 0.0
 
     def _pair(self, phase: Phase, a: Side, k: int, b: Side, m: int, t0: float, t1: float) -> None:

@@ -12,8 +12,8 @@ from assur.planner.checker.enclosure import enclosed
 from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import solids
 from assur.planner.checker.world import World
-from assur.planner.frames import Pose
 from assur.planner.geometry.shapes import Body, Piece, box, sphere
+from assur.planner.laws import Pose
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import Scene, WorldBody

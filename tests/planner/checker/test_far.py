@@ -14,9 +14,9 @@ from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import solids
 from assur.planner.checker.world import World
 from assur.planner.collision.proof import Prover
-from assur.planner.frames import Fixed, Linear
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder
+from assur.planner.laws import fixed, linear
 from assur.planner.model.outcome import Plan, Planned
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import Clearance, Execution, Scene, WorldBody
@@ -144,8 +144,8 @@ def test_a_body_that_stands_before_no_plane_is_not_covered() -> None:
 def test_a_body_on_a_frame_that_moves_or_is_not_known_throughout_needs_rows_of_its_own() -> None:
     scene, made = ring()
     end = made.trajectory.end
-    crawls, ends = Linear(Pose(), (1e-9, 0.0, 0.0)), Fixed(Pose(), (0.0, end + 0.1))
-    for law, found in ((Fixed(Pose()), set()), (crawls, {Code.COVER}), (ends, {Code.COVER, Code.LAW_ENDS})):
+    crawls, ends = linear(Pose(), (1e-9, 0.0, 0.0)), fixed(Pose(), (0.0, end + 0.1))
+    for law, found in ((fixed(Pose()), set()), (crawls, {Code.COVER}), (ends, {Code.COVER, Code.LAW_ENDS})):
         bodies = (replace(scene.bodies[0], frame="other"), *scene.bodies[1:])
         asked = replace(scene, frames={**scene.frames, "other": frame("other", law)}, bodies=bodies)
         assert codes(asked, with_rows(asked, made)) == found
@@ -156,7 +156,7 @@ def test_planes_keep_the_distance_that_is_asked() -> None:
     scene, made = ring()
     wide = replace(scene, options=replace(scene.options, clearance=Clearance(0.9, 0.9)))
     lagging = replace(scene, execution=Execution((0.9,) * len(scene.robot.joints)))
-    drifting = replace(scene, frames={"world": frame("world", Fixed(Pose()), position=0.9)})
+    drifting = replace(scene, frames={"world": frame("world", fixed(Pose()), position=0.9)})
     for asked in (wide, lagging, drifting):
         assert Code.COVER in codes(asked, with_rows(asked, made))
 

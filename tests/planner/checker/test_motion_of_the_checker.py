@@ -15,48 +15,48 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker import jets
 from assur.planner.checker.laws import tables
 from assur.planner.checker.motion import Tables, all_jets, carry
-from assur.planner.frames import (
+from assur.planner.laws import (
     Change,
-    Conveyor,
-    Fixed,
-    Indexer,
-    Keyframes,
     Law,
-    Linear,
-    Oscillation,
     Pose,
-    Swing,
-    Turntable,
+    conveyor,
+    fixed,
+    indexer,
+    keyframes,
+    linear,
+    oscillation,
+    swing,
+    turntable,
 )
-from assur.planner.model.link_frames import TrajectoryLaw
+from assur.planner.model.link_frames import link_law
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 from assur.scenes.requests import scene_of, shipped
 from tests.planner.checker.hand_made import arm, crossing, frame
-from tests.planner.frames.laws import Case, cases, samples
+from tests.planner.laws.laws import Case, cases, samples
 
 ARMS = ("demo", "shut-gate", "elbow-arm", "polar-arm", "rv-m1", "five-bar-type-2")
 RAMPS = (Change(0.4, 0.0, 0.8, 6.0), Change(1.8, -0.3, 0.5, math.inf), Change(3.0, 0.1, 2.0, 40.0))
 POSE = Pose(0.3, -0.2, 0.1, 0.7)
 KEYS = (Pose(0, 0, 0, 0), Pose(0.3, 0.1, 0.2, 2.0), Pose(0.1, -0.2, 0.1, -1.0), Pose(0.2, 0.2, 0.0, 0.5))
 LAWS: dict[str, Law] = {
-    "fixed": Fixed(POSE),
-    "linear": Linear(POSE, (0.1, -0.2, 0.05), 0.3),
-    "conveyor": Conveyor(POSE, 0.25, (), 7.0),
-    "conveyor that stops and runs back": Conveyor(POSE, 0.25, RAMPS, 0.9),
-    "conveyor seen after its ramps": Conveyor(POSE, 0.25, RAMPS, 9.0),
-    "dial": Turntable(POSE, 0.8, 0.02, RAMPS, -2.0),
-    "indexer that turns": Indexer(POSE, 0.7, 0.3, 0.25, "turn", 0.1),
-    "indexer that travels without a dwell": Indexer(POSE, 0.2, 0.4, 0.0, "travel", 5.1),
-    "swing": Swing(POSE, 0.9, 1.3, 0.4),
-    "shutter": Oscillation(POSE, (0.0, 0.0, 1.0), 0.3, 0.9, -0.6),
-    "shaker, askew": Oscillation(POSE, (0.3, -0.9, 0.1), -0.02, 0.11, 2.0),
-    "keyframes that repeat": Keyframes([0.1, 0.7, 0.8, 1.4], (*KEYS[:3], KEYS[0]), "periodic"),
-    "keyframes that repeat and turn": Keyframes([5.1, 5.7, 6.4], (*KEYS[:2], Pose(yaw=2.0 * math.pi)), "periodic"),
-    "two keyframes that turn on": Keyframes([0.0, 0.6], (KEYS[0], Pose(yaw=-4.0 * math.pi)), "periodic"),
-    "keyframes": Keyframes([0.0, 0.7, 1.1, 3.5], KEYS, "clamped"),
-    "natural keyframes": Keyframes([-0.2, 0.7, 1.1, 3.5], KEYS, "natural"),
-    "neighbour": TrajectoryLaw(
+    "fixed": fixed(POSE),
+    "linear": linear(POSE, (0.1, -0.2, 0.05), 0.3),
+    "conveyor": conveyor(POSE, 0.25, (), 7.0),
+    "conveyor that stops and runs back": conveyor(POSE, 0.25, RAMPS, 0.9),
+    "conveyor seen after its ramps": conveyor(POSE, 0.25, RAMPS, 9.0),
+    "dial": turntable(POSE, 0.8, 0.02, RAMPS, -2.0),
+    "indexer that turns": indexer(POSE, 0.7, 0.3, 0.25, "turn", 0.1),
+    "indexer that travels without a dwell": indexer(POSE, 0.2, 0.4, 0.0, "travel", 5.1),
+    "swing": swing(POSE, 0.9, 1.3, 0.4),
+    "shutter": oscillation(POSE, (0.0, 0.0, 1.0), 0.3, 0.9, -0.6),
+    "shaker, askew": oscillation(POSE, (0.3, -0.9, 0.1), -0.02, 0.11, 2.0),
+    "keyframes that repeat": keyframes([0.1, 0.7, 0.8, 1.4], (*KEYS[:3], KEYS[0]), "periodic"),
+    "keyframes that repeat and turn": keyframes([5.1, 5.7, 6.4], (*KEYS[:2], Pose(yaw=2.0 * math.pi)), "periodic"),
+    "two keyframes that turn on": keyframes([0.0, 0.6], (KEYS[0], Pose(yaw=-4.0 * math.pi)), "periodic"),
+    "keyframes": keyframes([0.0, 0.7, 1.1, 3.5], KEYS, "clamped"),
+    "natural keyframes": keyframes([-0.2, 0.7, 1.1, 3.5], KEYS, "natural"),
+    "neighbour": link_law(
         arm(),
         Trajectory(
             np.array([0.5, 1.0, 1.7]),
@@ -219,7 +219,7 @@ def test_bounds_of_what_repeats_hold_over_no_period_and_over_many(case: Case, st
 
 
 def test_what_is_not_known_is_not_bounded() -> None:
-    law = Linear(POSE, (0.1, 0.0, 0.0), valid=(0.1, 2.0))
+    law = linear(POSE, (0.1, 0.0, 0.0), valid=(0.1, 2.0))
     scene = replace(crossing(), frames={**crossing().frames, "it": frame("it", law)})
     links, path = len(scene.robot.links), wandering(scene, 0)
     found = tables(scene, path, path.start, UNTIL)

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from assur.planner.checker import Code, check
 from assur.planner.checker.paths.curves import Bezier, Turn, curves_of, length_of
 from assur.planner.errors import InputError
-from assur.planner.frames import Conveyor
 from assur.planner.frames.motion import Pose
+from assur.planner.laws import conveyor
 from assur.planner.model.outcome import LegKind, Plan, Planned, Traced
 from assur.planner.model.path import ArcTo, LineTo, Path, PathPart, SplineThrough
 from assur.planner.model.scene import Scene, Target, Trace
@@ -41,7 +41,7 @@ def scene_of(
     begin: tuple[float, float, float] = (0.0, 0.0, 0.05),
 ) -> Scene:
     step = Trace("bead", Target("belt", Pose(*begin, yaw)), Path(begin, parts), speed, lead, lead)
-    return cell(step, frames=(frame("belt", Conveyor(Pose(-0.05, 0.35, 0.06), 0.12)),), tool=CUP)
+    return cell(step, frames=(frame("belt", conveyor(Pose(-0.05, 0.35, 0.06), 0.12)),), tool=CUP)
 
 
 @cache

@@ -13,20 +13,20 @@ from assur.planner.checker.bound.guided import BOUNDED, DYAD, NOWHERE, UNKNOWN, 
 from assur.planner.checker.bound.places import LEAST_SINE, Unplaced, modes_asked, places
 from assur.planner.checker.bound.rates import climbs, known, rates
 from assur.planner.checker.laws import arm_row
-from assur.planner.frames import (
-    Conveyor,
-    Fixed,
-    Indexer,
-    Keyframes,
-    Law,
-    Linear,
-    Oscillation,
-    Swing,
-    Turntable,
-)
 from assur.planner.frames.motion import Motion, Pose
-from assur.planner.frames.ramps import Change
 from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.laws import (
+    Law,
+    conveyor,
+    fixed,
+    indexer,
+    keyframes,
+    linear,
+    oscillation,
+    swing,
+    turntable,
+)
+from assur.planner.laws.ramps import Change
 from assur.planner.robots.facts import Code
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.robot import Robot
@@ -36,22 +36,22 @@ from tests.planner.robots.five_bars import five_bar
 
 EVERY: list[Robot] = [*(robot_named(name) for name in NAMES), five_bar("even"), five_bar("even", axes=2)]
 PLANAR: list[Robot] = [scara(base=Pose(0.1, -0.2, 0.1, 0.7)), scara(3), five_bar("even"), five_bar("even", axes=3)]
-DIAL = Turntable(Pose(0.1, 0.2, 0.3, 0.4), 0.8, 0.05, (Change(0.5, 2.0, 3.0, 20.0), Change(2.5, -0.4, 5.0, 100.0)))
-BELT = Conveyor(Pose(0.1, 0.2, 0.3, 0.4), 0.3, (Change(0.5, 0.0, 1.0, 8.0), Change(1.5, 0.4, 2.0, 30.0)))
+DIAL = turntable(Pose(0.1, 0.2, 0.3, 0.4), 0.8, 0.05, (Change(0.5, 2.0, 3.0, 20.0), Change(2.5, -0.4, 5.0, 100.0)))
+BELT = conveyor(Pose(0.1, 0.2, 0.3, 0.4), 0.3, (Change(0.5, 0.0, 1.0, 8.0), Change(1.5, 0.4, 2.0, 30.0)))
 POINTS = tuple(Pose(0.1 * k, 0.05 * k * k, 0.2 + 0.01 * k, 0.3 * k) for k in range(5))
 LAWS: dict[str, Law] = {
-    "fixed": Fixed(Pose(1.0, 2.0)),
-    "linear": Linear(Pose(), (0.3, -0.2, 0.1)),
+    "fixed": fixed(Pose(1.0, 2.0)),
+    "linear": linear(Pose(), (0.3, -0.2, 0.1)),
     "belt": BELT,
-    "steady belt": Conveyor(Pose(), -0.25),
+    "steady belt": conveyor(Pose(), -0.25),
     "dial": DIAL,
-    "steady dial": Turntable(Pose(), 7.0),
-    "swing": Swing(Pose(), 0.4, 1.3, 0.2),
-    "oscillation": Oscillation(Pose(), (1.0, 2.0, 0.5), 0.1, 0.8),
-    "indexer": Indexer(Pose(), 0.7, 0.4, 0.3),
-    "travelling indexer": Indexer(Pose(yaw=1.0), 0.1, 0.3, 0.1, kind="travel"),
-    "keyframes": Keyframes((0.0, 0.5, 1.2, 2.0, 3.0), POINTS),
-    "periodic keyframes": Keyframes((0.0, 0.5, 1.2, 2.0, 3.0), (*POINTS[:4], POINTS[0]), ends="periodic"),
+    "steady dial": turntable(Pose(), 7.0),
+    "swing": swing(Pose(), 0.4, 1.3, 0.2),
+    "oscillation": oscillation(Pose(), (1.0, 2.0, 0.5), 0.1, 0.8),
+    "indexer": indexer(Pose(), 0.7, 0.4, 0.3),
+    "travelling indexer": indexer(Pose(yaw=1.0), 0.1, 0.3, 0.1, kind="travel"),
+    "keyframes": keyframes((0.0, 0.5, 1.2, 2.0, 3.0), POINTS),
+    "periodic keyframes": keyframes((0.0, 0.5, 1.2, 2.0, 3.0), (*POINTS[:4], POINTS[0]), ends="periodic"),
 }
 
 
@@ -143,7 +143,7 @@ def test_guided_joints_are_those_of_the_inverse_and_keep_to_their_bounds(robot: 
     for _ in range(60):
         (x, y), (u, v) = rng.uniform(-0.5, 0.5, 2).tolist(), rng.uniform(-0.4, 0.4, 2).tolist()
         law, pose = (
-            Turntable(Pose(x + robot.base.x, y + robot.base.y, 0.2), float(rng.uniform(-3.0, 3.0))),
+            turntable(Pose(x + robot.base.x, y + robot.base.y, 0.2), float(rng.uniform(-3.0, 3.0))),
             Pose(u, v, 0.0, 0.3),
         )
         t = np.linspace(0.0, before, 41)
@@ -196,6 +196,6 @@ def test_no_point_of_a_frame_is_faster_than_the_bounds_of_its_law(name: str) -> 
 
 
 def test_a_jump_of_the_acceleration_has_no_bound_of_the_jerk_while_it_may_happen() -> None:
-    law = Conveyor(Pose(), 0.2, (Change(1.0, 0.0, 2.0, math.inf),))
+    law = conveyor(Pose(), 0.2, (Change(1.0, 0.0, 2.0, math.inf),))
     begin, end = np.array([0.0, 0.95, 1.05, 2.0]), np.array([0.5, 1.02, 1.15, 2.5])
     assert np.isinf(rates(law, 0.0, begin, end)[:, 2]).tolist() == [False, True, True, False]

@@ -17,8 +17,7 @@ from assur.planner.checker.rows import Apart
 from assur.planner.checker.separation import ITEM, NEED, PLACES, required_of
 from assur.planner.checker.solids import solids
 from assur.planner.checker.world import World
-from assur.planner.frames import Conveyor
-from assur.planner.frames.law import Uncertainty
+from assur.planner.laws.law import Uncertainty
 from assur.planner.model.outcome import Certificate
 from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Execution, Scene
@@ -50,7 +49,7 @@ def read(scene: Scene, phase: Phase, one: str, other: str, t1: float, n: FloatAr
         if name not in links:
             own[phase.attached.pose_of(scene, name)[0]] = (1.0, 1.0)
         elif links[name] in (FLANGE, QUILL) and scene.execution.belt_correction:
-            tracked = isinstance(scene.frames[phase.tracked or "world"].law, Conveyor)
+            tracked = scene.frames[phase.tracked or "world"].law.kind == "conveyor"
             for followed in phase.corrected if phase.tracked is None else (phase.tracked,) * tracked:
                 own[followed] = (0.0 if phase.tracked is None else 1.0, 1.0)
         shares.append(own)
@@ -60,8 +59,10 @@ def read(scene: Scene, phase: Phase, one: str, other: str, t1: float, n: FloatAr
         known, (a, b) = frame.uncertainty, (own[name] for own in shares)
         most = 0.0 if both else max(abs(x - y) for x in a for y in b)
         size = most * (known.position_m + known.speed_m_s * late)
-        if isinstance(frame.law, Conveyor):
-            found += size * abs(n[0] * math.cos(frame.law.pose.yaw) + n[1] * math.sin(frame.law.pose.yaw))
+        if frame.law.kind == "conveyor":
+            found += size * abs(
+                n[0] * math.cos(frame.law.numbers.pose.yaw) + n[1] * math.sin(frame.law.numbers.pose.yaw)
+            )
         else:
             found += size * level
     for name in (one, other):
@@ -69,8 +70,10 @@ def read(scene: Scene, phase: Phase, one: str, other: str, t1: float, n: FloatAr
             continue
         on, pose = phase.attached.pose_of(scene, name)
         known, law = scene.frames[on].uncertainty, scene.frames[on].law
-        if isinstance(law, Conveyor):
-            found += known.lateral_m * abs(n[1] * math.cos(law.pose.yaw) - n[0] * math.sin(law.pose.yaw))
+        if law.kind == "conveyor":
+            found += known.lateral_m * abs(
+                n[1] * math.cos(law.numbers.pose.yaw) - n[0] * math.sin(law.numbers.pose.yaw)
+            )
         far = math.hypot(pose.x, pose.y) + scene.index[name].body.radius
         found += known.vertical_m * abs(n[2]) + known.yaw_rad * far * level
     return found
@@ -84,7 +87,7 @@ def test_the_required_distance_is_what_the_guarantees_say(seed: int, corrected: 
     unsure = {}
     for name, frame in scene.frames.items():
         numbers = rng.choice([0.0, 1e-3, 5e-3], 5)
-        numbers[2] *= isinstance(frame.law, Conveyor)
+        numbers[2] *= frame.law.kind == "conveyor"
         unsure[name] = replace(frame, uncertainty=Uncertainty(*numbers.tolist()))
     scene = replace(scene, frames=unsure, execution=Execution((), wait, corrected))
     of_plan = phases(scene, plan.legs, plan.arrivals)

@@ -18,10 +18,9 @@ from assur.planner.checker.checking import ROUNDED_M
 from assur.planner.checker.laws import rounding, tables
 from assur.planner.checker.separation import SLACK_M
 from assur.planner.errors import InputError
-from assur.planner.frames import Change, Conveyor, Fixed, Indexer, Law, Linear, Oscillation, Pose, Swing, Turntable
-from assur.planner.frames.indexer import STEP
-from assur.planner.frames.rounding import FARTHEST_PLACE_M, FARTHEST_WAY_M, speed_of, way
 from assur.planner.geometry.shapes import box
+from assur.planner.laws import Change, Law, Pose, conveyor, fixed, indexer, linear, oscillation, swing, turntable
+from assur.planner.laws.rounding import FARTHEST_PLACE_M, FARTHEST_WAY_M, way
 from assur.planner.model.outcome import Planned
 from assur.planner.model.scene import Scene, WorldBody
 from assur.planner.pipeline import plan
@@ -30,6 +29,8 @@ from tests.planner.cells import cell, frame, go, solid
 from tests.planner.checker.hand_made import sealed
 
 DIGITS = 60
+STEP = (0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0)
+"""Coefficients of u, u², ... u⁷ of the law of a step (F3)."""
 PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803")
 REACH = 0.3
 """How far the point whose place is compared is from the frame's axis, m."""
@@ -79,32 +80,33 @@ def travel(speed: float, changes: tuple[Change, ...], at: float, t: float) -> Fr
 
 def exact(law: Law, t: float) -> tuple[Decimal, Decimal, Decimal]:
     """The place of the point `REACH` along the frame's x axis at a time."""
-    assert isinstance(law, Linear | Conveyor | Turntable | Swing | Oscillation | Indexer)
-    x, y, z, yaw = (Decimal(value) for value in (law.pose.x, law.pose.y, law.pose.z, law.pose.yaw))
+    of = law.numbers
+    x, y, z, yaw = (Decimal(value) for value in (of.pose.x, of.pose.y, of.pose.z, of.pose.yaw))
     c, s = wave(yaw)
-    if isinstance(law, Linear):
-        since = Fraction(t) - Fraction(law.at_time)
-        x, y, z = (at + decimal(Fraction(v) * since) for at, v in zip((x, y, z), law.velocity, strict=True))
-    elif isinstance(law, Conveyor):
-        way_ = decimal(travel(law.speed, law.changes, law.at_time, t))
+    if law.kind == "linear":
+        since = Fraction(t) - Fraction(of.at_time)
+        x, y, z = (at + decimal(Fraction(v) * since) for at, v in zip((x, y, z), of.velocity, strict=True))
+    elif law.kind == "conveyor":
+        way_ = decimal(travel(of.speed, of.changes, of.at_time, t))
         x, y = x + c * way_, y + s * way_
-    elif isinstance(law, Turntable):
-        c, s = wave(yaw + decimal(travel(law.rate, law.changes, law.at_time, t)))
-        z += decimal(Fraction(law.rise) * (Fraction(t) - Fraction(law.at_time)))
-    elif isinstance(law, Swing | Oscillation):
-        turns = Fraction(t) / Fraction(law.period)
-        sine = Decimal(law.amplitude) * wave(2 * PI * decimal(turns - math.floor(turns)) + Decimal(law.phase))[1]
-        if isinstance(law, Swing):
+    elif law.kind == "turntable":
+        c, s = wave(yaw + decimal(travel(of.rate, of.changes, of.at_time, t)))
+        z += decimal(Fraction(of.rise) * (Fraction(t) - Fraction(of.at_time)))
+    elif law.kind in ("swing", "oscillation"):
+        turns = Fraction(t) / Fraction(of.period)
+        sine = Decimal(of.amplitude) * wave(2 * PI * decimal(turns - math.floor(turns)) + Decimal(of.phase))[1]
+        if law.kind == "swing":
             c, s = wave(yaw + sine)
         else:
-            size = sum((Decimal(part) ** 2 for part in law.direction), Decimal()).sqrt()
-            x, y, z = (at + sine * Decimal(part) / size for at, part in zip((x, y, z), law.direction, strict=True))
+            size = sum((Decimal(part) ** 2 for part in of.direction), Decimal()).sqrt()
+            x, y, z = (at + sine * Decimal(part) / size for at, part in zip((x, y, z), of.direction, strict=True))
     else:
-        period = Fraction(law.move_s) + Fraction(law.dwell_s)
-        whole = math.floor((Fraction(t) - Fraction(law.start)) / period)
-        share = min((Fraction(t) - Fraction(law.start) - whole * period) / Fraction(law.move_s), Fraction(1))
-        step = Fraction(law.step) * (whole + sum(Fraction(a) * share ** (k + 1) for k, a in enumerate(STEP)))
-        if law.kind == "turn":
+        assert law.kind == "indexer"
+        period = Fraction(of.move_s) + Fraction(of.dwell_s)
+        whole = math.floor((Fraction(t) - Fraction(of.at_time)) / period)
+        share = min((Fraction(t) - Fraction(of.at_time) - whole * period) / Fraction(of.move_s), Fraction(1))
+        step = Fraction(of.step) * (whole + sum(Fraction(a) * share ** (k + 1) for k, a in enumerate(STEP)))
+        if of.turns:
             c, s = wave(yaw + decimal(step))
         else:
             x, y = x + c * decimal(step), y + s * decimal(step)
@@ -158,20 +160,20 @@ def laws(draw: st.DrawFn) -> tuple[Law, float]:
     pose = Pose(*(draw(NUMBER) for _ in range(4)))
     kind = draw(st.integers(0, 6))
     if kind == 0:
-        return Linear(pose, (size * draw(NUMBER), size * draw(NUMBER), size * draw(NUMBER)), at), t
+        return linear(pose, (size * draw(NUMBER), size * draw(NUMBER), size * draw(NUMBER)), at), t
     if kind == 1:
         speed, changes = ramped(draw, size, t)
-        return Conveyor(pose, speed, changes, at), t
+        return conveyor(pose, speed, changes, at), t
     if kind == 2:
         rate, changes = ramped(draw, size, t)
-        return Turntable(pose, rate, 0.01 * draw(NUMBER), changes, at), t
+        return turntable(pose, rate, 0.01 * draw(NUMBER), changes, at), t
     period = 10.0 ** draw(st.floats(-2.5, 1.0))
     if kind == 3:
-        return Swing(pose, 3.0 * draw(NUMBER), period, 10.0 * draw(NUMBER)), t
+        return swing(pose, 3.0 * draw(NUMBER), period, 10.0 * draw(NUMBER)), t
     if kind == 4:
-        return Oscillation(pose, (1.0, draw(NUMBER), draw(NUMBER)), draw(NUMBER), period, draw(NUMBER)), t
+        return oscillation(pose, (1.0, draw(NUMBER), draw(NUMBER)), draw(NUMBER), period, draw(NUMBER)), t
     step, dwell = 3.0 * draw(NUMBER), draw(st.floats(0.0, 2.0))
-    return Indexer(pose, step, period, dwell, "turn" if kind == 5 else "travel", at), t
+    return indexer(pose, step, period, dwell, "turn" if kind == 5 else "travel", at), t
 
 
 @settings(max_examples=300)
@@ -202,7 +204,7 @@ def test_the_roundings_of_a_thousand_changes_do_not_add_up() -> None:
     times = begin + np.cumsum(rng.uniform(9.0, 12.0, 1000))
     speeds = rng.uniform(0.5, 2.0, 1000) * np.where(np.arange(1000) % 2, 1.0, -1.0)
     changes = tuple(Change(t, v, 0.7, 1.3) for t, v in zip(times.tolist(), speeds.tolist(), strict=True))
-    for law in (Conveyor(Pose(), 1.0, changes, begin), Turntable(Pose(), 1.0, 0.0, changes, begin)):
+    for law in (conveyor(Pose(), 1.0, changes, begin), turntable(Pose(), 1.0, 0.0, changes, begin)):
         for t in (begin + 37.1, float(times[500]) + 0.1, float(times[-1]) + 20.0):
             size, said = off(law, t)
             assert size <= said <= ROUNDED_M
@@ -212,7 +214,7 @@ def test_a_fast_dial_that_was_stated_two_days_ago_is_off_by_nanometres_and_refus
     """1,000 rad/s for 180,000 s: the gaps of what is 300 mm from its axis would be wrong by more than `SLACK_M`."""
     worst = 0.0
     for k in range(40):
-        law = Turntable(Pose(0.4, 0.0, 0.1), 1000.0, at_time=-90_000.0)
+        law = turntable(Pose(0.4, 0.0, 0.1), 1000.0, at_time=-90_000.0)
         size, said = off(law, 90_000.0 + 0.37 * k)
         assert size <= said
         worst = max(worst, size)
@@ -224,11 +226,11 @@ def test_a_fast_dial_that_was_stated_two_days_ago_is_off_by_nanometres_and_refus
     assert f"at up to {1000.0 * reach:.6g} m/s, its pose is stated at -90000 s, and the plan is from 90000 s" in str(
         error.value
     )
-    scene_with(replace(law, at_time=250.0), 500.0)
+    scene_with(turntable(law.numbers.pose, 1000.0, at_time=250.0), 500.0)
 
 
 def test_bodies_on_frames_that_are_fixed_on_frames_may_be_so_far_away_and_no_farther() -> None:
-    scene = scene_with(Fixed(Pose()))
+    scene = scene_with(fixed(Pose()))
     for away, kept in ((FARTHEST_PLACE_M - 1.0, True), (FARTHEST_PLACE_M + 1.0, False)):
         bodies = (replace(scene.bodies[0], pose=Pose(0.0, away, 0.0)),)
         if kept:
@@ -239,24 +241,24 @@ def test_bodies_on_frames_that_are_fixed_on_frames_may_be_so_far_away_and_no_far
 
 
 def test_a_body_near_the_axis_and_a_frame_that_bears_nothing_may_turn_on() -> None:
-    dial = Turntable(Pose(0.4, 0.0, 0.1), 1000.0, at_time=-90_000.0)
+    dial = turntable(Pose(0.4, 0.0, 0.1), 1000.0, at_time=-90_000.0)
     assert way(dial, 1e-3, 90_000.0, 90_000.0) < FARTHEST_WAY_M
     assert way(dial, REACH, 90_000.0, 90_000.0) > FARTHEST_WAY_M
     bare = cell(go(0.35, 0.1), frames=(frame("moved", dial),), time=90_000.0)
     assert bare.frames["moved"].law is dial
-    assert speed_of(Fixed(Pose(5.0)), 1.0) == 0.0
+    assert way(fixed(Pose(5.0)), 1.0, 0.0, 1e5) == 0.0
 
 
 def test_the_checker_refuses_a_frame_that_rounds_by_too_much_by_itself() -> None:
     """A plan past a dial that turns fast, of a scene that was not looked at again when the dial was exchanged."""
-    dial = Turntable(Pose(-0.5, 0.0, 0.1), 1000.0, at_time=-600.0)
+    dial = turntable(Pose(-0.5, 0.0, 0.1), 1000.0, at_time=-600.0)
     scene = scene_with(dial)
     outcome = plan(scene)
     assert isinstance(outcome, Planned)
     assert check(scene, outcome.plan).ok
     for since, codes in ((-640.0, set[Code]()), (-800.0, {Code.LAW_ENDS})):
         other = replace(scene)
-        laws = {**scene.frames, "moved": frame("moved", replace(dial, at_time=since))}
+        laws = {**scene.frames, "moved": frame("moved", turntable(dial.numbers.pose, 1000.0, at_time=since))}
         object.__setattr__(other, "frames", laws)
         found = check(other, sealed(other, outcome.plan)).findings
         assert {each.code for each in found if each.where == "rounding"} == codes

@@ -17,9 +17,9 @@ from hypothesis import strategies as st
 from assur.planner.arrays import FloatArray
 from assur.planner.checker import Code, check
 from assur.planner.errors import FaultError
-from assur.planner.frames import Law, Linear, Pose, Swing, Turntable
-from assur.planner.frames.law import Uncertainty
 from assur.planner.geometry.shapes import Primitive, sphere
+from assur.planner.laws import Law, Pose, linear, swing, turntable
+from assur.planner.laws.law import Uncertainty
 from assur.planner.legs.accuracy import arrival_error
 from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import (
@@ -83,10 +83,10 @@ LAWS = ("linear", "swing", "dial")
 def law_of(kind: str, x: float, y: float, z: float, w: float) -> Law:
     """Towards the arm, about it, or about a place beside it."""
     if kind == "linear":
-        return Linear(Pose(x, y, z), (-x * w / 2, -y * w / 2, 0.0))
+        return linear(Pose(x, y, z), (-x * w / 2, -y * w / 2, 0.0))
     if kind == "swing":
-        return Swing(Pose(0.0, 0.0, z), w, 1.0)
-    return Turntable(Pose(x, y, z), 2 * w)
+        return swing(Pose(0.0, 0.0, z), w, 1.0)
+    return turntable(Pose(x, y, z), 2 * w)
 
 
 def passing(law: str, x: float, y: float, z: float, w: float, clearance: float) -> tuple[Scene, Hand]:
@@ -178,7 +178,7 @@ def test_a_follow_that_ends_in_motion_and_a_via_are_accepted() -> None:
     )
     scene = replace(scene, task=task, options=replace(scene.options, end="moving"))
     hand = Hand(scene)
-    through = frame("through", Linear(by, (-0.3, 0.1, 0.0), 0.3))
+    through = frame("through", linear(by, (-0.3, 0.1, 0.0), 0.3))
     flying = replace(scene, frames={**scene.frames, "through": through})
     hand.go(0, above(flying, "through", Pose()), 0.3)
     hand.arrive(0, 0.3, 0.3, matched=False)

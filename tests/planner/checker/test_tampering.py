@@ -14,7 +14,7 @@ import pytest
 
 from assur.planner.checker import Code, Verdict, check
 from assur.planner.errors import FaultError
-from assur.planner.frames import Conveyor, Linear, Pose
+from assur.planner.laws import Pose, conveyor, linear
 from assur.planner.model.outcome import Leg, LegKind, Plan
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import Arch, Scene, Target, Window
@@ -320,7 +320,7 @@ def test_a_velocity_that_is_not_matched_is_found() -> None:
     """The same place in a frame that moves: met at the right time, with the wrong velocity."""
     scene, plan = crossing_case()
     end = plan.legs[-1].t1
-    moving = {**scene.frames, "drift": frame("drift", Linear(Pose(-2e-6 * end), (2e-6, 0.0, 0.0)))}
+    moving = {**scene.frames, "drift": frame("drift", linear(Pose(-2e-6 * end), (2e-6, 0.0, 0.0)))}
     asked = asking(replace(scene, frames=moving), 1, target=target_of(scene, 1, frame="drift"))
     assert codes(check(asked, plan)) == {Code.MATCH}
     unsaid = sealed(scene, replace(plan, arrivals=(plan.arrivals[0], replace(plan.arrivals[1], matched=False))))
@@ -381,7 +381,7 @@ def test_a_window_in_metres_without_a_conveyor_is_found() -> None:
 def test_a_law_that_ends_too_early_is_found(last: float, wanted: bool) -> None:
     """The belt bears a neighbour up to the end of the standstill, at 2.96 s."""
     scene, plan = belt_case()
-    belt = frame("belt", Conveyor(Pose(0.0, 0.28), 0.1, valid=(-1.0, last)))
+    belt = frame("belt", conveyor(Pose(0.0, 0.28), 0.1, valid=(-1.0, last)))
     found = codes(check(replace(scene, frames={**scene.frames, "belt": belt}), plan))
     assert (Code.LAW_ENDS in found) == wanted
     assert wanted or not found

@@ -12,9 +12,9 @@ import pytest
 
 from assur.planner.checker import Code, check
 from assur.planner.checker.world import World
-from assur.planner.frames import Conveyor
 from assur.planner.frames.motion import Pose
 from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.laws import conveyor
 from assur.planner.model.outcome import Arrival, LegKind, Plan, Planned
 from assur.planner.model.scene import Scene, Step
 from assur.planner.pipeline import plan
@@ -23,7 +23,7 @@ from tests.planner.cells import cell, frame, go
 from tests.planner.checker.hand_made import sealed
 from tests.planner.five_axis_cells import DOWN, START, aim, five_axis_arm, five_axis_cell, follows, goes
 
-BELT = frame("belt", Conveyor(Pose(0.35, -0.3, 0.2, math.pi / 2), 0.15))
+BELT = frame("belt", conveyor(Pose(0.35, -0.3, 0.2, math.pi / 2), 0.15))
 OFF = 1e-4
 """rad: far below what anyone sees, a hundred times what is allowed."""
 

@@ -17,9 +17,7 @@ from assur.planner.claim.filling import claim_of, with_plan
 from assur.planner.claim.laws import law_of
 from assur.planner.claim.obligations import carriers_of, distances_of
 from assur.planner.errors import FaultError, InputError
-from assur.planner.frames import Conveyor, Keyframes, Pose
-from assur.planner.frames.motion import Motion
-from assur.planner.frames.profile import Profile
+from assur.planner.laws import Pose, conveyor, keyframes
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import ClearanceException
 from assur.planner.robots.chain import Chain
@@ -123,33 +121,14 @@ def test_a_motion_that_is_needed_beyond_its_end_rests_there(end: int, message: s
         knots_of(path, 0.5, 2.5)
 
 
-class Strange:
-    """A law of a kind that no claim knows."""
-
-    valid = (-math.inf, math.inf)
-
-    def motion(self, t: Any) -> Motion:
-        raise AssertionError(t)
-
-
-def accelerating() -> Conveyor:
-    """A belt whose drive never stops to accelerate."""
-    law = Conveyor(Pose(), 0.1)
-    drive = Profile(0.0, np.array([3.0]), np.array([[0.0, 0.1, 0.5, 0.0], [0.0, 0.1, 0.0, 0.0]]))
-    object.__setattr__(law, "drive", drive)
-    return law
-
-
 POSES = (Pose(), Pose(0.1), Pose(0.2))
 
 
 @pytest.mark.parametrize(
     ("law", "message"),
     [
-        (Strange(), "the motion Strange of a frame"),
-        (accelerating(), "a drive that accelerates for ever"),
-        (Conveyor(Pose(), 0.1, valid=(-5.0, 0.5)), "a frame whose motion is not known during the plan"),
-        (Keyframes((0.0, 1.0, 3.0), POSES, valid=(1.5, 9.0)), "a frame whose motion begins within the plan"),
+        (conveyor(Pose(), 0.1, valid=(-5.0, 0.5)), "a frame whose motion is not known during the plan"),
+        (keyframes((0.0, 1.0, 3.0), POSES, valid=(1.5, 9.0)), "a frame whose motion begins within the plan"),
     ],
 )
 def test_a_law_that_cannot_be_stated_is_refused(law: Any, message: str) -> None:
@@ -158,7 +137,7 @@ def test_a_law_that_cannot_be_stated_is_refused(law: Any, message: str) -> None:
 
 
 def test_a_law_is_stated_as_far_as_it_is_known_and_from_the_piece_that_begins_before() -> None:
-    at, pieces, waves = law_of(Keyframes((0.0, 1.0, 3.0), POSES), 1.5, 9.0)
+    at, pieces, waves = law_of(keyframes((0.0, 1.0, 3.0), POSES), 1.5, 9.0)
     assert pieces[:, [c.LAW_BEGIN, c.LAW_END]].tolist() == [[1.0, 3.0]]
     assert at[0] == pytest.approx(0.1)
     assert waves == []

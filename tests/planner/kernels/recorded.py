@@ -11,14 +11,25 @@ import sys
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames import Change, Conveyor, Fixed, Indexer, Keyframes, Law, Linear, Pose, Swing, Turntable
 from assur.planner.kernels.carriers import carrier_bounds, place_carriers, point_bound
 from assur.planner.kernels.inverse import POSTURE_COLUMNS, joint_motions, postures
 from assur.planner.kernels.links import BOUND_COLUMNS, ranges_assembled
 from assur.planner.kernels.motion import link_motions
 from assur.planner.kernels.spline import spline_motion, spline_state, sweep_bounds
-from assur.planner.model.link_frames import TrajectoryLaw
-from assur.planner.tables.laws import law_tables
+from assur.planner.laws import (
+    Change,
+    Law,
+    Pose,
+    conveyor,
+    fixed,
+    indexer,
+    keyframes,
+    law_tables,
+    linear,
+    swing,
+    turntable,
+)
+from assur.planner.model.link_frames import link_law
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import spline_table
 from tests.planner.kernels.arms import ARMS, states
@@ -33,15 +44,15 @@ def laws() -> list[Law]:
     q, still = np.array([[0.1, 0.5, 0.0, 0.0], [0.4, 0.9, 0.1, 1.0], [0.2, 1.2, 0.0, 2.0]]), np.zeros((3, 4))
     ramp = (Change(0.2, 0.4, 2.0, 20.0), Change(0.8, 0.0, 2.0, math.inf))
     return [
-        Fixed(Pose(1.0, 0.2, 0.0, 0.3)),
-        Linear(Pose(), (0.1, -0.2, 0.05), 0.1, (-1.0, 0.5)),
-        Conveyor(Pose(0.1, 0.2, 0.3, 0.7), 0.25, ramp),
-        Turntable(Pose(0.5), -0.5, 0.01, ramp),
-        Indexer(Pose(), 0.8, 0.3, 0.2),
-        Indexer(Pose(0.0, 0.0, 0.0, 0.4), 0.2, 0.3, 0.0, "travel", 0.1),
-        Swing(Pose(), 0.9, 0.7, 0.3),
-        Keyframes([0.0, 0.3, 0.9], (Pose(), Pose(0.1, 0.2, 0.0, 0.4), Pose(0.3))),
-        TrajectoryLaw(ARMS["scara whose arms rise"], Trajectory(time, q, still, still), 2),
+        fixed(Pose(1.0, 0.2, 0.0, 0.3)),
+        linear(Pose(), (0.1, -0.2, 0.05), 0.1, (-1.0, 0.5)),
+        conveyor(Pose(0.1, 0.2, 0.3, 0.7), 0.25, ramp),
+        turntable(Pose(0.5), -0.5, 0.01, ramp),
+        indexer(Pose(), 0.8, 0.3, 0.2),
+        indexer(Pose(0.0, 0.0, 0.0, 0.4), 0.2, 0.3, 0.0, "travel", 0.1),
+        swing(Pose(), 0.9, 0.7, 0.3),
+        keyframes([0.0, 0.3, 0.9], (Pose(), Pose(0.1, 0.2, 0.0, 0.4), Pose(0.3))),
+        link_law(ARMS["scara whose arms rise"], Trajectory(time, q, still, still), 2),
     ]
 
 

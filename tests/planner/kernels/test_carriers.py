@@ -10,19 +10,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames import Fixed, Law, Linear, Pose
-from assur.planner.kernels import laws as law_columns
+from assur.planner.kernels import law_columns
 from assur.planner.kernels.carriers import carrier_bounds, point_bound
 from assur.planner.kernels.laws import bound_frame, place_frame
 from assur.planner.kernels.links import BOUND_COLUMNS
 from assur.planner.kernels.spline import spline_motion, spline_state, sweep_bounds
-from assur.planner.model.link_frames import TrajectoryLaw
+from assur.planner.laws import Law, Pose, fixed, law_tables, linear
+from assur.planner.model.link_frames import link_law
 from assur.planner.robots.robot import Robot
-from assur.planner.tables.laws import law_tables
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import spline_table
-from tests.planner.frames.laws import Case, cases, directions, intervals, samples
 from tests.planner.kernels.arms import ARMS, states
+from tests.planner.laws.laws import Case, cases, directions, intervals, samples
 from tests.planner.robots.point_bounds import Sweep
 from tests.planner.trajectory.splines import bernstein, splines
 
@@ -115,7 +114,7 @@ def test_no_point_beside_a_frames_axis_is_faster_than_its_bound(case: Case, data
 
 @pytest.mark.parametrize("interval", [(0.0, 3.0), (3.5, 4.5), (5.0, 4.0), (math.nan, 4.0), (3.0, math.nan)])
 def test_nothing_is_extrapolated(interval: tuple[float, float]) -> None:
-    laws: list[Law] = [Fixed(Pose(1.0), (2.0, 4.0)), Linear(Pose(), (0.1, 0.0, 0.0), 0.0, (2.0, 4.0))]
+    laws: list[Law] = [fixed(Pose(1.0), (2.0, 4.0)), linear(Pose(), (0.1, 0.0, 0.0), 0.0, (2.0, 4.0))]
     rows, pieces = law_tables(laws)
     bounds = np.empty((2, BOUND_COLUMNS))
     for k in range(2):
@@ -142,7 +141,7 @@ def neighbours() -> list[tuple[Robot, Trajectory]]:
 def test_a_neighbours_link_is_where_its_plan_has_it(robot: Robot, path: Trajectory) -> None:
     t = np.random.default_rng(6).uniform(0.0, 3.0, 60)
     for link in range(len(robot.links)):
-        law = TrajectoryLaw(robot, path, link)
+        law = link_law(robot, path, link)
         same(placed(law, t), placed_by(law, t))
 
 

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.errors import InputError
-from assur.planner.frames import Change, Conveyor, Fixed, Law, Linear, Turntable
-from assur.planner.frames.belt_window import travelled
 from assur.planner.frames.motion import Pose
+from assur.planner.laws import Change, Law, conveyor, fixed, linear, turntable
+from assur.planner.laws.belt_window import travelled
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.model.attachments import AT_START
 from assur.planner.model.scene import Follow, Window
@@ -32,7 +32,7 @@ def allowed(found: ControlPoint, t: float) -> bool:
     return any(low <= t <= high for low, high in found.intervals)
 
 
-BELT = Conveyor(Pose(-0.3, 0.4, 0.05, 0.3), 0.25)
+BELT = conveyor(Pose(-0.3, 0.4, 0.05, 0.3), 0.25)
 
 
 def test_without_a_window_tracking_may_begin_from_the_start_on() -> None:
@@ -47,7 +47,7 @@ def test_a_window_in_seconds_holds_all_of_the_tracking() -> None:
     assert point(BELT, Window(time=(1.0, 2.0)), start=2.5).intervals == []
 
 
-@given(st.integers(0, 10**8), st.integers(1, 5000), st.sampled_from([BELT, Fixed(Pose())]))
+@given(st.integers(0, 10**8), st.integers(1, 5000), st.sampled_from([BELT, fixed(Pose())]))
 def test_a_window_that_is_exactly_as_long_as_the_dwell_is_open_once(opens: int, dwell: int, law: Law) -> None:
     """Both in whole milliseconds, as they are read: differences of such numbers round to less than the dwell."""
     first = opens / 1000
@@ -63,7 +63,7 @@ def test_a_window_that_seems_shorter_by_rounding_is_open_but_no_law_is_asked_bey
     assert 1.4 - 0.3 < 1.1
     assert point(BELT, Window(time=(1.1, 1.4)), 0.3).intervals == [(1.1, 1.1)]
     assert point(BELT, Window(time=(1.1, 2.0)), 0.3, latest_end_s=1.4).intervals == [(1.1, 1.1)]
-    ends = Conveyor(Pose(-0.3, 0.4, 0.05, 0.3), 0.25, valid=(0.0, 1.4))
+    ends = conveyor(Pose(-0.3, 0.4, 0.05, 0.3), 0.25, valid=(0.0, 1.4))
     assert point(ends, Window(time=(1.1, 2.0)), 0.3).intervals == []
 
 
@@ -71,7 +71,7 @@ def test_a_window_that_seems_shorter_by_rounding_is_open_but_no_law_is_asked_bey
 def test_a_window_along_a_belt_is_met_where_and_only_where_the_point_is_inside(
     speed: float, x: float, low: float, dwell: float
 ) -> None:
-    law = Conveyor(Pose(-0.3, 0.4, 0.05, 0.3), speed)
+    law = conveyor(Pose(-0.3, 0.4, 0.05, 0.3), speed)
     high = low + 0.1
     found = point(law, Window(along=(low, high)), dwell, x)
     # in closed form: the point is at x + speed t
@@ -90,9 +90,9 @@ def test_a_window_along_a_belt_is_met_where_and_only_where_the_point_is_inside(
 
 
 def test_a_belt_that_runs_backwards_and_one_that_stops_have_their_windows() -> None:
-    back = point(Conveyor(Pose(0.2, 0.4), -0.1), Window(along=(-0.05, -0.02)))
+    back = point(conveyor(Pose(0.2, 0.4), -0.1), Window(along=(-0.05, -0.02)))
     assert back.intervals == [pytest.approx((0.2, 0.5))]
-    stops = Conveyor(Pose(0.0, 0.4), 0.1, (Change(1.0, 0.0, 0.5, 5.0), Change(3.0, 0.1, 0.5, 5.0)))
+    stops = conveyor(Pose(0.0, 0.4), 0.1, (Change(1.0, 0.0, 0.5, 5.0), Change(3.0, 0.1, 0.5, 5.0)))
     found = point(stops, Window(along=(0.0, 0.15)), 0.5).intervals
     assert len(found) == 1
     low, high = found[0]
@@ -103,14 +103,14 @@ def test_a_belt_that_runs_backwards_and_one_that_stops_have_their_windows() -> N
 
 
 def test_a_drifting_body_has_a_way_along_its_velocity() -> None:
-    law = Linear(Pose(0.1, 0.2, 0.3), (0.3, 0.4, 0.0))
+    law = linear(Pose(0.1, 0.2, 0.3), (0.3, 0.4, 0.0))
     way = point(law, x=0.0).along(np.array([0.0, 2.0]))
     assert way == pytest.approx([0.0, 1.0])
 
 
 @pytest.mark.parametrize("width", [0.005, 0.0004])
 def test_a_window_that_is_passed_in_less_than_a_grid_step_is_found(width: float) -> None:
-    fast = Conveyor(Pose(-0.3, 0.4), 0.5)
+    fast = conveyor(Pose(-0.3, 0.4), 0.5)
     found = point(fast, Window(along=(0.1013, 0.1013 + width))).intervals
     assert found == [pytest.approx((0.2026, 0.2026 + width / 0.5), abs=1e-9)]
 
@@ -121,20 +121,20 @@ def test_both_windows_count() -> None:
 
 
 def test_a_law_that_ends_and_a_latest_end_bound_the_times() -> None:
-    assert point(Conveyor(Pose(), 0.1, valid=(-1.0, 5.0)), dwell=1.0).intervals == [(0.0, 4.0)]
+    assert point(conveyor(Pose(), 0.1, valid=(-1.0, 5.0)), dwell=1.0).intervals == [(0.0, 4.0)]
     assert point(BELT, latest_end_s=3.0, dwell=1.0).intervals == [(0.0, 2.0)]
 
 
 def test_millimetres_of_a_frame_that_is_no_conveyor_are_refused_by_name() -> None:
     with pytest.raises(InputError, match="window"):
-        _ = point(Turntable(Pose(0.3, 0.0), 1.0), Window(along=(0.0, 0.1))).intervals
+        _ = point(turntable(Pose(0.3, 0.0), 1.0), Window(along=(0.0, 0.1))).intervals
     with pytest.raises(InputError, match="conveyor"):
-        _ = point(Fixed(Pose(0.3, 0.0)), Window(along=(0.0, 0.1))).intervals
+        _ = point(fixed(Pose(0.3, 0.0)), Window(along=(0.0, 0.1))).intervals
 
 
 @given(st.floats(-3, 3), st.floats(0.0, 5.0), st.floats(0.0, 0.1))
 def test_the_flange_puts_the_tool_point_over_the_moving_target(yaw: float, t: float, above: float) -> None:
-    law = Turntable(Pose(0.3, 0.1, 0.05, yaw), 0.8)
+    law = turntable(Pose(0.3, 0.1, 0.05, yaw), 0.8)
     scene = cell(go(0.1, 0.02, 0.03, 0.5, "dial"), frames=(frame("dial", law),), tool=CRANKED)
     found = control_point(scene, 0, AT_START, 0.2)
     flange = found.flange(np.array(t), above)
@@ -159,13 +159,13 @@ def test_the_way_along_a_belt_is_that_of_the_point_itself_wherever_it_sits_in_it
     """Against the frame's own motion, for points beside the origin of a frame that is turned."""
     seat = Pose(0.03, -0.02, 0.01, 0.4)
     laws = (
-        Conveyor(Pose(0.1, 0.2, 0.0, 0.7), 0.25, at_time=0.5),
-        Linear(Pose(0.1, 0.2, 0.0, 0.7), (0.1, -0.2, 0.05), 0.5),
+        conveyor(Pose(0.1, 0.2, 0.0, 0.7), 0.25, at_time=0.5),
+        linear(Pose(0.1, 0.2, 0.0, 0.7), (0.1, -0.2, 0.05), 0.5),
     )
     t = np.linspace(-1.0, 2.0, 7)
     for law in laws:
-        moved = law.motion(t).at(seat).p - law.pose.position
+        moved = law.motion(t).at(seat).p - law.numbers.pose.position
         direction = law.motion(t).v[0]
         assert travelled(law, seat, t) == pytest.approx(moved @ (direction / np.linalg.norm(direction)), abs=1e-12)
-    known = Linear(Pose(), (0.1, 0.0, 0.0), 0.0, (0.0, 1.0))
+    known = linear(Pose(), (0.1, 0.0, 0.0), 0.0, (0.0, 1.0))
     assert np.isnan(travelled(known, seat, np.array([-0.1, 0.5, 1.1, np.nan]))).tolist() == [True, False, True, True]

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from assur.planner.frames import Conveyor, Indexer, Law, Swing, Turntable
 from assur.planner.frames.motion import Pose
+from assur.planner.laws import Law, conveyor, indexer, swing, turntable
 from assur.planner.legs.arched import Hop
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import control_point
@@ -31,14 +31,14 @@ from tests.planner.cells import amount_of, cell, frame, go, limits, unit_of
 NONE = np.zeros(4)
 LIMITS = limits()
 LAWS: dict[str, Law] = {
-    "conveyor": Conveyor(Pose(-0.2, 0.35, 0.1), 0.2),
-    "turntable": Turntable(Pose(0.35, 0.1, 0.1), 1.2),
-    "swing": Swing(Pose(0.3, -0.1, 0.1), 0.7, 1.3),
+    "conveyor": conveyor(Pose(-0.2, 0.35, 0.1), 0.2),
+    "turntable": turntable(Pose(0.35, 0.1, 0.1), 1.2),
+    "swing": swing(Pose(0.3, -0.1, 0.1), 0.7, 1.3),
 }
 
 
 def scene_on(law: Law, **options: Any) -> Scene:
-    where = Pose(0.08, 0.0, 0.02, 0.4) if not isinstance(law, Conveyor) else Pose(0.0, 0.0, 0.02, 0.4)
+    where = Pose(0.08, 0.0, 0.02, 0.4) if law.kind != "conveyor" else Pose(0.0, 0.0, 0.02, 0.4)
     return cell(
         go(where.x, where.y, where.z, where.yaw, "moving", **options),
         frames=(frame("moving", law),),
@@ -217,8 +217,8 @@ def test_a_later_meeting_is_later_and_a_wait_is_waited() -> None:
 def test_steps_to_one_point_of_an_indexer_that_hardly_stands_are_planned() -> None:
     """The arm has the state of the point already when the next leg begins, at rest but for rounding."""
     steps = [go(0.02, 0.0, 0.05, 0.0, "dial", name=name) for name in ("once", "again", "at last")]
-    indexer = Indexer(Pose(0.4, 0.0, 0.05), math.radians(1.0), 0.001, 0.0)
-    outcome = plan(cell(*steps, frames=(frame("dial", indexer),), max_candidates=20))
+    dial = indexer(Pose(0.4, 0.0, 0.05), math.radians(1.0), 0.001, 0.0)
+    outcome = plan(cell(*steps, frames=(frame("dial", dial),), max_candidates=20))
     assert isinstance(outcome, Planned)
     moves = [leg for leg in outcome.plan.legs if leg.kind is LegKind.MOVE]
     assert all(leg.t1 - leg.t0 >= SHORTEST for leg in moves)

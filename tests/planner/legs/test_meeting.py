@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.experiments.differential import jacobian
-from assur.planner.frames import Change, Conveyor, Fixed, Linear, Turntable
-from assur.planner.frames.belt_window import HORIZON_S
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
+from assur.planner.laws import Change, conveyor, fixed, linear, turntable
+from assur.planner.laws.belt_window import HORIZON_S
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.meeting import LOOK_AHEAD_S, Meetings, meetings, times
 from assur.planner.legs.missed import holds_for_all_times
@@ -32,7 +32,7 @@ def met(scene: Scene, modes: tuple[int, ...] = (0, 1), earliest: float = 0.0, le
     return meetings(scene, point, earliest, lead, modes)
 
 
-DIAL = frame("dial", Turntable(Pose(0.35, 0.1, 0.05, 0.3), 1.0))
+DIAL = frame("dial", turntable(Pose(0.35, 0.1, 0.05, 0.3), 1.0))
 
 
 @given(st.floats(0.0, 0.25), st.floats(-3, 3))
@@ -87,7 +87,7 @@ def test_a_height_that_is_missing_is_that_of_the_point_or_of_its_approach_whiche
     z: float, missing: float, above: float
 ) -> None:
     """From 50 to 250 mm is the lift's; also where the point moves."""
-    for law in (Conveyor(Pose(0.3, 0.2, z), 0.1), Conveyor(Pose(0.3, 0.2, z), 0.0), Fixed(Pose(0.3, 0.2, z))):
+    for law in (conveyor(Pose(0.3, 0.2, z), 0.1), conveyor(Pose(0.3, 0.2, z), 0.0), fixed(Pose(0.3, 0.2, z))):
         scene = cell(
             Pick("take", "part", Pose(), 0.03, 0.0, 0.0),
             bodies=(Around(solid("part", box(0.02, 0.02, 0.02)), "tray"),),
@@ -117,7 +117,7 @@ def test_a_window_that_opens_long_after_the_start_is_not_missed() -> None:
 
 
 def test_a_part_that_comes_late_on_a_slow_belt_is_not_missed() -> None:
-    belt = frame("belt", Conveyor(Pose(-0.5, 0.35, 0.05), 0.01))
+    belt = frame("belt", conveyor(Pose(-0.5, 0.35, 0.05), 0.01))
     scene = cell(go(0.0, 0.0, 0.05, 0.0, "belt", window=Window(along=(0.4, 0.6))), frames=(belt,))
     found = met(scene)
     assert found.branches, found.refusals
@@ -137,7 +137,7 @@ def test_a_window_that_is_over_or_too_short_says_by_how_much() -> None:
     over = met(cell(go(0.1, 0.0, 0.06, 0.0, "dial", window=Window(time=(0.0, 1.0))), frames=(DIAL,)), earliest=1.4)
     assert over.refusals[0].reason is Reason.WINDOW_MISSED
     assert amount_of(over.refusals[0]) == pytest.approx(0.4)
-    belt = frame("belt", Conveyor(Pose(-0.3, 0.35, 0.05), 0.5))
+    belt = frame("belt", conveyor(Pose(-0.3, 0.35, 0.05), 0.5))
     short = met(cell(Follow("f", at(0.0, 0.0, 0.05, 0.0, "belt"), 0.5, Window(along=(0.2, 0.3))), frames=(belt,)))
     assert short.refusals[0].reason is Reason.WINDOW_MISSED
     assert amount_of(short.refusals[0]) == pytest.approx(0.3)
@@ -147,7 +147,7 @@ def test_a_window_that_is_over_or_too_short_says_by_how_much() -> None:
     assert (facts.open_s, facts.needed_s, facts.belt_m) == pytest.approx((0.2, 0.5, 0.15))
 
 
-BELT = frame("belt", Conveyor(Pose(-0.3, 0.35, 0.05), 0.2))
+BELT = frame("belt", conveyor(Pose(-0.3, 0.35, 0.05), 0.2))
 """A point at its origin is between 0.1 and 0.6 m from 0.5 to 3 s."""
 
 
@@ -177,7 +177,7 @@ def test_windows_that_never_open_say_how_far_they_are_from_it(
 
 
 def test_a_window_that_may_open_when_the_law_has_ended_has_no_number() -> None:
-    ends = frame("belt", Linear(Pose(-0.3, 0.35, 0.05), (0.2, 0.0, 0.0), valid=(0.0, 5.0)))
+    ends = frame("belt", linear(Pose(-0.3, 0.35, 0.05), (0.2, 0.0, 0.0), valid=(0.0, 5.0)))
     window = Window(time=(4.0, 7.0), along=(0.1, 0.6))
     (refusal,) = met(cell(go(0.0, 0.0, 0.05, 0.0, "belt", window=window), frames=(ends,))).refusals
     assert math.isnan(amount_of(refusal))
@@ -185,7 +185,7 @@ def test_a_window_that_may_open_when_the_law_has_ended_has_no_number() -> None:
     assert refusal.facts.miss not in FOR_ALL_TIMES
 
 
-TOO_SOON = frame("belt", Linear(Pose(-0.3, 0.35, 0.05), (0.2, 0.0, 0.0), valid=(0.0, 5.0)))
+TOO_SOON = frame("belt", linear(Pose(-0.3, 0.35, 0.05), (0.2, 0.0, 0.0), valid=(0.0, 5.0)))
 
 
 @pytest.mark.parametrize(
@@ -252,14 +252,14 @@ LATER = (Change(70.0, -0.25, 1.0, 100.0),)
 def test_what_is_searched_for_a_minute_only_is_proved_of_no_longer_time(
     changes: tuple[Change, ...], step: Follow, miss: Miss
 ) -> None:
-    moves = frame("belt", Conveyor(Pose(-0.3, 0.35, 0.05), 0.2, changes=changes))
+    moves = frame("belt", conveyor(Pose(-0.3, 0.35, 0.05), 0.2, changes=changes))
     (refusal,) = met(cell(step, frames=(moves,))).refusals
     assert isinstance(refusal.facts, WindowMissed)
     assert (refusal.facts.miss, refusal.facts.searched_s) == (miss, HORIZON_S)
     outcome = plan(cell(step, frames=(moves,)))
     assert isinstance(outcome, NotPlanned)
     assert not outcome.proved
-    steady = frame("belt", Conveyor(Pose(-0.3, 0.35, 0.05), 0.2))
+    steady = frame("belt", conveyor(Pose(-0.3, 0.35, 0.05), 0.2))
     known = plan(cell(step, frames=(steady,)))
     assert isinstance(known, NotPlanned)
     assert known.proved

@@ -13,8 +13,8 @@ import pytest
 from assur.planner.arrays import FloatArray
 from assur.planner.checker import Code, check
 from assur.planner.errors import InputError
-from assur.planner.frames import Conveyor, Fixed, Turntable
 from assur.planner.frames.motion import Pose
+from assur.planner.laws import conveyor, fixed, turntable
 from assur.planner.model.outcome import Course, NotPlanned, Plan, Planned
 from assur.planner.model.path import ArcTo, LineTo, PathPart, SplineThrough
 from assur.planner.model.refusal import BeyondRange, MotionLimit, Obstacle, OutOfReach, Reason
@@ -109,7 +109,7 @@ def _stops() -> tuple[Move, ...]:
 
 
 @pytest.mark.parametrize(
-    "law", [Conveyor(Pose(0.0, 0.3, 0.06), 0.1), Turntable(Pose(0.35, 0.1, 0.06), 0.4)], ids=["belt", "dial"]
+    "law", [conveyor(Pose(0.0, 0.3, 0.06), 0.1), turntable(Pose(0.35, 0.1, 0.06), 0.4)], ids=["belt", "dial"]
 )
 def test_on_a_frame_that_moves_the_circle_is_one_in_the_frame(law: Any) -> None:
     begin, via, end = (0.0, 0.0, 0.06), (0.03, 0.02, 0.06), (0.06, 0.0, 0.06)
@@ -129,7 +129,7 @@ def test_on_a_frame_that_moves_the_circle_is_one_in_the_frame(law: Any) -> None:
 
 
 def test_a_leg_from_another_frame_is_refused() -> None:
-    law = Conveyor(Pose(0.0, 0.3, 0.06), 0.1)
+    law = conveyor(Pose(0.0, 0.3, 0.06), 0.1)
     end = (0.06, 0.0, 0.06)
     move = Move("round", Target("moving", Pose(*end)), leg="cartesian", path=(ArcTo((0.03, 0.02, 0.06), end),))
     found = refused(cell(first(0.3, -0.1, 0.1), move, frames=(frame("moving", law),), tool=CUP)).refusal
@@ -243,5 +243,5 @@ def test_a_knot_that_is_off_the_path_is_found() -> None:
 def test_a_fixed_frame_that_is_not_the_world_is_a_frame_for_paths() -> None:
     end = (0.05, 0.1, 0.06)
     move = Move("way", Target("moving", Pose(*end)), leg="cartesian", path=(ArcTo((0.06, 0.03, 0.06), end),))
-    scene = cell(first(0.3, -0.1, 0.1), move, frames=(frame("moving", Fixed(Pose(0.3, 0.05, 0.05, 0.7))),), tool=CUP)
+    scene = cell(first(0.3, -0.1, 0.1), move, frames=(frame("moving", fixed(Pose(0.3, 0.05, 0.05, 0.7))),), tool=CUP)
     planned(scene)

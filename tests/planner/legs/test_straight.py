@@ -11,9 +11,9 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames import Conveyor, Fixed, Law, Turntable
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.laws import Law, conveyor, fixed, turntable
 from assur.planner.legs.line import Along
 from assur.planner.legs.state import State, TimedLeg
 from assur.planner.legs.straight import constant_law, mode_changes, scaled, straight
@@ -56,13 +56,13 @@ def ends(draw: st.DrawFn) -> tuple[Law, Pose, Law, Pose]:
         x, y = draw(st.sampled_from([(0.3, 0.2), (0.25, 0.25), (0.35, 0.1)]))
         z, yaw = draw(st.sampled_from([0.08, 0.15, 0.2])), draw(st.sampled_from([0.0, 0.5, -1.0, 2.0]))
         if kind == "fixed":
-            found += [Fixed(Pose(x, side * y, z)), Pose(yaw=yaw)]
+            found += [fixed(Pose(x, side * y, z)), Pose(yaw=yaw)]
         elif kind == "belt":
             speed = draw(st.floats(-0.15, 0.15))
             heading = draw(st.sampled_from([0.0, math.pi / 2, 1.0]))
-            found += [Conveyor(Pose(x, side * y, z, heading), speed), Pose(yaw=yaw)]
+            found += [conveyor(Pose(x, side * y, z, heading), speed), Pose(yaw=yaw)]
         else:
-            found += [Turntable(Pose(x, side * y, z), draw(st.floats(-1.0, 1.0))), Pose(0.05, 0.0, 0.0, yaw)]
+            found += [turntable(Pose(x, side * y, z), draw(st.floats(-1.0, 1.0))), Pose(0.05, 0.0, 0.0, yaw)]
     return found[0], found[1], found[2], found[3]  # type: ignore[return-value]
 
 
@@ -124,7 +124,7 @@ def test_a_straight_leg_begins_and_ends_with_its_frames_and_keeps_all_limits(
 
 
 def still(x: float, y: float, z: float = 0.1) -> tuple[Law, Pose]:
-    return Fixed(Pose(x, y, z)), Pose()
+    return fixed(Pose(x, y, z)), Pose()
 
 
 def between(first: tuple[Law, Pose], second: tuple[Law, Pose], **options: Any) -> TimedLeg | Refusal:
@@ -175,7 +175,7 @@ def test_a_line_that_a_joint_cannot_follow_names_the_joint() -> None:
 
 
 def test_a_law_that_ends_on_the_way_is_refused() -> None:
-    belt = Conveyor(Pose(0.3, 0.2, 0.1), 0.1, valid=(-1.0, 0.05))
+    belt = conveyor(Pose(0.3, 0.2, 0.1), 0.1, valid=(-1.0, 0.05))
     leg = between(still(0.3, -0.2), (belt, Pose()))
     assert isinstance(leg, Refusal)
     assert leg.reason is Reason.LAW_ENDS
@@ -220,12 +220,12 @@ def drawn(rng: np.random.Generator, robot: Robot, mode: int, moving: bool) -> Al
         return None
     place = robot.link_motion(robot.links.index("flange"), q, none, none, none)
     x, y, z = place.p.tolist()
-    law: Law = Fixed(Pose(x, y, z, float(place.yaw)))
+    law: Law = fixed(Pose(x, y, z, float(place.yaw)))
     kind = int(rng.integers(3)) if moving else 0
     if kind == 1:
-        law = Conveyor(Pose(x, y, z, float(rng.uniform(-3, 3))), float(rng.uniform(-0.2, 0.2)))
+        law = conveyor(Pose(x, y, z, float(rng.uniform(-3, 3))), float(rng.uniform(-0.2, 0.2)))
     elif kind == 2:
-        law = Turntable(Pose(x, y, z), float(rng.uniform(-1, 1)))
+        law = turntable(Pose(x, y, z), float(rng.uniform(-1, 1)))
 
     def motion(t: FloatArray) -> Motion:
         found = law.motion(np.asarray(t)).at(Pose())
@@ -276,7 +276,7 @@ def test_no_straight_leg_is_faster_than_the_fastest_joint_move_between_its_ends(
     while len(ratios) < 60:
         mode = len(ratios) % 2
         r, angle, z = rng.uniform(0.25, 0.52, 2), rng.uniform(-1.5, 1.5, 2), rng.uniform(0.06, 0.20, 2)
-        places = [Fixed(Pose(*end)) for end in np.stack([r * np.cos(angle), r * np.sin(angle), z], -1).tolist()]
+        places = [fixed(Pose(*end)) for end in np.stack([r * np.cos(angle), r * np.sin(angle), z], -1).tolist()]
         state = begin(scene, places[0], Pose(), 0.0, mode)
         leg = straight(scene, 0, state, mode, along(places[0], Pose()), along(places[1], Pose()))
         if isinstance(leg, Refusal):
@@ -299,7 +299,7 @@ def test_a_leg_of_no_length_is_refused_and_one_that_only_turns_is_not() -> None:
         nowhere = between(still(0.3, 0.2), still(x, 0.2))
         assert isinstance(nowhere, Refusal)
         assert nowhere.reason is Reason.MOTION_LIMIT
-    turned = between(still(0.3, 0.2), (Fixed(Pose(0.3, 0.2, 0.1)), Pose(yaw=1.0)))
+    turned = between(still(0.3, 0.2), (fixed(Pose(0.3, 0.2, 0.1)), Pose(yaw=1.0)))
     assert isinstance(turned, TimedLeg)
     assert np.abs(np.diff(turned.knots.q[:, :3], axis=0)).max() <= 1e-12
 

@@ -12,9 +12,9 @@ import pytest
 from assur.planner.arrays import FloatArray
 from assur.planner.checker import check
 from assur.planner.errors import InputError
-from assur.planner.frames import Conveyor, Fixed, Frame, Keyframes, Law, Swing, Turntable, Uncertainty
 from assur.planner.frames.motion import Pose
-from assur.planner.frames.ramps import Change
+from assur.planner.laws import Frame, Law, Uncertainty, conveyor, fixed, keyframes, swing, turntable
+from assur.planner.laws.ramps import Change
 from assur.planner.model.outcome import LegKind, NotPlanned, Planned
 from assur.planner.model.path import ArcTo, LineTo, Path, PathPart, SplineThrough
 from assur.planner.model.refusal import BeyondRange, MotionLimit, OutOfReach, Reason, Singular
@@ -27,11 +27,11 @@ from tests.planner.cells import CRANKED, CUP, cell, frame
 TRACED_M, SPEED_SHARE = 1e-5, 0.01
 V = 0.1
 LAWS: dict[str, Law] = {
-    "belt": Conveyor(Pose(-0.05, 0.35, 0.06, 0.2), 0.12),
-    "belt that slows down": Conveyor(Pose(-0.05, 0.35, 0.06, 0.2), 0.12, changes=(Change(0.8, 0.05, 0.5, 5.0),)),
-    "dial": Turntable(Pose(0.32, 0.12, 0.06), 0.5),
-    "swing": Swing(Pose(0.32, 0.12, 0.06), 0.15, 2.5),
-    "table": Fixed(Pose(0.3, 0.2, 0.06, 0.4)),
+    "belt": conveyor(Pose(-0.05, 0.35, 0.06, 0.2), 0.12),
+    "belt that slows down": conveyor(Pose(-0.05, 0.35, 0.06, 0.2), 0.12, changes=(Change(0.8, 0.05, 0.5, 5.0),)),
+    "dial": turntable(Pose(0.32, 0.12, 0.06), 0.5),
+    "swing": swing(Pose(0.32, 0.12, 0.06), 0.15, 2.5),
+    "table": fixed(Pose(0.3, 0.2, 0.06, 0.4)),
 }
 LINES_AND_ARCS: tuple[PathPart, ...] = (
     LineTo((0.03, 0.0, 0.05)),
@@ -128,7 +128,7 @@ def test_a_spline_is_the_natural_one_through_its_points_at_constant_speed(where:
     every = np.array([(0.0, 0.0, 0.05), *POINTS])
     chord = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(every, axis=0), axis=1)))
     # the same curve by another spline of the project, which knows nothing of arc lengths
-    law = Keyframes(tuple(chord.tolist()), tuple(Pose(*row) for row in every.tolist()), "natural")
+    law = keyframes(tuple(chord.tolist()), tuple(Pose(*row) for row in every.tolist()), "natural")
     fine = law.motion(np.linspace(0.0, chord[-1], 400_001)).p
     length = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(fine, axis=0), axis=1)))
     t = times(made)
@@ -179,7 +179,7 @@ def test_a_straight_leg_goes_on_from_the_end_of_a_lead_out_without_a_stop() -> N
 
 
 def test_where_on_the_path_the_arm_is_lost_is_told() -> None:
-    gone = refused(tracing((LineTo((0.45, 0.0, 0.05)),), Fixed(Pose(0.3, 0.0, 0.06)), tool=CUP))
+    gone = refused(tracing((LineTo((0.45, 0.0, 0.05)),), fixed(Pose(0.3, 0.0, 0.06)), tool=CUP))
     far = gone.refusal
     assert far is not None
     assert far.reason is Reason.OUT_OF_REACH
@@ -196,7 +196,7 @@ def test_where_on_the_path_the_arm_is_lost_is_told() -> None:
 
 def test_a_path_too_near_a_singularity_is_told_where_it_comes_too_near() -> None:
     # the path and its lead-out of 4 mm end 599.9 mm from the base: within reach, and not by the margin
-    near = refused(tracing((LineTo((0.2959, 0.0, 0.05)),), Fixed(Pose(0.3, 0.0, 0.06)), tool=CUP)).refusal
+    near = refused(tracing((LineTo((0.2959, 0.0, 0.05)),), fixed(Pose(0.3, 0.0, 0.06)), tool=CUP)).refusal
     assert near is not None
     assert near.reason is Reason.NEAR_SINGULARITY
     assert isinstance(near.facts, Singular)
@@ -210,7 +210,7 @@ def test_a_path_too_near_a_singularity_is_told_where_it_comes_too_near() -> None
 
 
 def test_a_lead_out_that_leaves_the_reach_is_told_as_such() -> None:
-    gone = refused(tracing((LineTo((0.298, 0.0, 0.05)),), Fixed(Pose(0.3, 0.0, 0.06)), tool=CUP, margin=0.0))
+    gone = refused(tracing((LineTo((0.298, 0.0, 0.05)),), fixed(Pose(0.3, 0.0, 0.06)), tool=CUP, margin=0.0))
     assert gone.refusal is not None
     assert isinstance(gone.refusal.facts, OutOfReach)
     assert gone.refusal.facts.path_part == "lead-out"
@@ -219,7 +219,7 @@ def test_a_lead_out_that_leaves_the_reach_is_told_as_such() -> None:
 
 
 def test_a_lead_in_that_begins_out_of_reach_is_told_as_such() -> None:
-    gone = refused(tracing((LineTo((-0.05, 0.0, 0.05)),), Fixed(Pose(0.598, 0.0, 0.06)), tool=CUP, margin=0.0))
+    gone = refused(tracing((LineTo((-0.05, 0.0, 0.05)),), fixed(Pose(0.598, 0.0, 0.06)), tool=CUP, margin=0.0))
     assert gone.refusal is not None
     assert isinstance(gone.refusal.facts, OutOfReach)
     assert gone.refusal.facts.path_part == "lead-in"
@@ -229,7 +229,7 @@ def test_a_lead_in_that_begins_out_of_reach_is_told_as_such() -> None:
 
 def test_where_on_the_path_a_joint_ends_is_told() -> None:
     # the flange is 60 mm above the tool point and no higher than 250 mm: the frame is at 60 mm, so up to z = 130 mm
-    found = refused(tracing((LineTo((0.0, 0.0, 0.2)),), Fixed(Pose(0.3, 0.2, 0.06)), tool=CUP)).refusal
+    found = refused(tracing((LineTo((0.0, 0.0, 0.2)),), fixed(Pose(0.3, 0.2, 0.06)), tool=CUP)).refusal
     assert found is not None
     assert found.reason is Reason.JOINT_LIMIT
     assert isinstance(found.facts, BeyondRange)
@@ -260,7 +260,7 @@ def test_where_on_the_path_a_joint_is_too_fast_is_told() -> None:
 def test_a_lower_process_speed_is_found_where_a_trace_is_too_fast() -> None:
     # a rounded right angle asks for a jerk that grows with the speed's third power
     parts = (LineTo((0.05, 0.0, 0.05)), LineTo((0.05, 0.05, 0.05)))
-    scene = tracing(parts, Fixed(Pose(0.3, 0.1, 0.06)), tool=CUP, blend=1e-3, speed=0.3, lead=0.03, margin=0.0)
+    scene = tracing(parts, fixed(Pose(0.3, 0.1, 0.06)), tool=CUP, blend=1e-3, speed=0.3, lead=0.03, margin=0.0)
     scene = replace(scene, options=replace(scene.options, max_candidates=24, explain_budget_s=30.0))
     found = plan(scene)
     assert isinstance(found, NotPlanned)
@@ -277,7 +277,7 @@ def test_a_lower_process_speed_is_found_where_a_trace_is_too_fast() -> None:
 
 
 def test_a_path_without_corners_has_no_larger_blend() -> None:
-    scene = tracing((LineTo((0.05, 0.0, 0.05)),), Fixed(Pose(0.3, 0.1, 0.06)), tool=CUP)
+    scene = tracing((LineTo((0.05, 0.0, 0.05)),), fixed(Pose(0.3, 0.1, 0.06)), tool=CUP)
     kinds = {kind for kind, _, _ in changes(scene, 0, None)}
     assert "process speed" in kinds
     assert "blend" not in kinds
@@ -285,7 +285,7 @@ def test_a_path_without_corners_has_no_larger_blend() -> None:
 
 def test_a_path_that_leaves_a_belts_window_is_refused() -> None:
     gone = refused(
-        tracing((LineTo((0.3, 0.0, 0.05)),), Conveyor(Pose(-0.05, 0.35, 0.06), 0.12, valid=(0.0, 2.0)), tool=CUP)
+        tracing((LineTo((0.3, 0.0, 0.05)),), conveyor(Pose(-0.05, 0.35, 0.06), 0.12, valid=(0.0, 2.0)), tool=CUP)
     )
     assert gone.refusal is not None
     assert gone.refusal.reason in (Reason.LAW_ENDS, Reason.WINDOW_MISSED)
@@ -327,7 +327,7 @@ def test_a_trace_needs_speed_and_leads(name: str, value: float) -> None:
 
 
 def test_out_of_reach_is_told_where_the_margin_is_none() -> None:
-    scene = tracing((LineTo((0.45, 0.0, 0.05)),), Fixed(Pose(0.3, 0.0, 0.06)), tool=CUP, begin=(0.0, 0.1, 0.05))
+    scene = tracing((LineTo((0.45, 0.0, 0.05)),), fixed(Pose(0.3, 0.0, 0.06)), tool=CUP, begin=(0.0, 0.1, 0.05))
     found = refused(scene).refusal
     assert found is not None
     assert isinstance(found.facts, Singular | OutOfReach)

@@ -12,9 +12,9 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames import Conveyor, Indexer, Law, Linear, Swing, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
+from assur.planner.laws import Law, conveyor, indexer, linear, swing, turntable
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.state import State
 from assur.planner.legs.tracking import Tracked, lead_time, track
@@ -39,14 +39,14 @@ def law(kind: str, rng: np.random.Generator) -> tuple[Law, Pose]:
     yaw = float(rng.uniform(-3, 3))
     if kind == "conveyor":
         at = Pose(-0.05, 0.38, 0.06, float(rng.uniform(-0.3, 0.3)))
-        return Conveyor(at, float(rng.uniform(-0.3, 0.3))), Pose(yaw=yaw)
+        return conveyor(at, float(rng.uniform(-0.3, 0.3))), Pose(yaw=yaw)
     if kind == "linear":
-        return Linear(Pose(0.05, 0.35, 0.06), (0.1, -0.08, 0.01)), Pose(yaw=yaw)
+        return linear(Pose(0.05, 0.35, 0.06), (0.1, -0.08, 0.01)), Pose(yaw=yaw)
     if kind == "turntable":
-        return Turntable(Pose(0.32, 0.12, 0.06), float(rng.uniform(-1.5, 1.5))), Pose(0.08, 0.0, 0.0, yaw)
+        return turntable(Pose(0.32, 0.12, 0.06), float(rng.uniform(-1.5, 1.5))), Pose(0.08, 0.0, 0.0, yaw)
     if kind == "swing":
-        return Swing(Pose(0.3, 0.2, 0.06), 0.5, float(rng.uniform(1.0, 3.0))), Pose(0.1, 0.02, 0.0, yaw)
-    return Indexer(Pose(0.3, 0.15, 0.06), math.pi / 3, 0.4, 0.5), Pose(0.1, 0.0, 0.0, yaw)
+        return swing(Pose(0.3, 0.2, 0.06), 0.5, float(rng.uniform(1.0, 3.0))), Pose(0.1, 0.02, 0.0, yaw)
+    return indexer(Pose(0.3, 0.15, 0.06), math.pi / 3, 0.4, 0.5), Pose(0.1, 0.0, 0.0, yaw)
 
 
 KINDS = st.sampled_from(["conveyor", "linear", "turntable", "swing"])
@@ -155,7 +155,7 @@ def test_a_block_begins_in_its_state_keeps_all_limits_and_ends_with_the_frame(se
 
 
 def test_a_lead_is_the_time_of_the_way_down() -> None:
-    scene = cell_with(Conveyor(Pose(0.2, 0.3, 0.06), 0.1), Pose(), CUP)
+    scene = cell_with(conveyor(Pose(0.2, 0.3, 0.06), 0.1), Pose(), CUP)
     start = begun(scene, 0.0, 0)
     assert start is not None
     point, state = start
@@ -166,7 +166,7 @@ def test_a_lead_is_the_time_of_the_way_down() -> None:
 
 
 def test_a_frame_that_is_faster_than_the_arm_is_a_motion_limit() -> None:
-    scene = cell_with(Turntable(Pose(0.32, 0.12, 0.06), 30.0), Pose(0.08, 0.0), CUP)
+    scene = cell_with(turntable(Pose(0.32, 0.12, 0.06), 30.0), Pose(0.08, 0.0), CUP)
     point = control_point(scene, 0, AT_START, 0.0)
     found = scene.robot.inverse(point.flange(np.array(0.0), point.approach), 0, 2)
     block = track(scene, point, State(0.0, found.q, found.qd, found.qdd), 0, 1.0)
@@ -176,7 +176,7 @@ def test_a_frame_that_is_faster_than_the_arm_is_a_motion_limit() -> None:
 
 def test_the_joint_that_is_too_slow_for_a_frame_is_named_with_what_it_lacks() -> None:
     """At the middle of a dial the wrist alone turns; it can 40 rad/s."""
-    scene = cell_with(Turntable(Pose(0.32, 0.12, 0.06), 45.0), Pose(), CUP)
+    scene = cell_with(turntable(Pose(0.32, 0.12, 0.06), 45.0), Pose(), CUP)
     start = begun(replace(scene, robot=arm(j4=200.0)), 0.0, 0)
     assert start is not None
     block = track(start[0].scene, start[0], start[1], 0, 1.0)
@@ -191,7 +191,7 @@ def test_the_joint_that_is_too_slow_for_a_frame_is_named_with_what_it_lacks() ->
 
 
 def test_a_belt_that_leaves_the_workspace_during_tracking_is_out_of_reach() -> None:
-    scene = cell_with(Conveyor(Pose(0.3, 0.4, 0.06), 0.25), Pose(), CUP, dwell=2.0)
+    scene = cell_with(conveyor(Pose(0.3, 0.4, 0.06), 0.25), Pose(), CUP, dwell=2.0)
     start = begun(scene, 0.0, 0)
     assert start is not None
     block = track(scene, start[0], start[1], 0, 1.0)
@@ -200,14 +200,14 @@ def test_a_belt_that_leaves_the_workspace_during_tracking_is_out_of_reach() -> N
 
 
 def test_the_wrist_turns_on_and_on_with_a_dial_until_its_range_ends() -> None:
-    scene = cell_with(Turntable(Pose(0.32, 0.12, 0.06), 2.0), Pose(0.0, 0.0), CUP, dwell=3.0)
+    scene = cell_with(turntable(Pose(0.32, 0.12, 0.06), 2.0), Pose(0.0, 0.0), CUP, dwell=3.0)
     start = begun(scene, 0.0, 0)
     assert start is not None
     block = track(scene, start[0], start[1], 0, 1.0)
     assert isinstance(block, Tracked)
     path = whole(block)
     assert abs(path.q[-1, 3] - path.q[0, 3]) > 2 * math.pi  # no jump by a turn on the way
-    longer = cell_with(Turntable(Pose(0.32, 0.12, 0.06), 2.0), Pose(0.0, 0.0), CUP, dwell=12.0)
+    longer = cell_with(turntable(Pose(0.32, 0.12, 0.06), 2.0), Pose(0.0, 0.0), CUP, dwell=12.0)
     again = begun(longer, 0.0, 0)
     assert again is not None
     refused = track(longer, again[0], again[1], 0, 1.0)
@@ -217,7 +217,7 @@ def test_the_wrist_turns_on_and_on_with_a_dial_until_its_range_ends() -> None:
 
 
 def test_near_a_singularity_a_block_is_refused_with_the_margin_that_is_missing() -> None:
-    where = Linear(Pose(0.348, 0.464, 0.06), (0.009, 0.012, 0.0))
+    where = linear(Pose(0.348, 0.464, 0.06), (0.009, 0.012, 0.0))
     scene = cell_with(where, Pose(), CUP, dwell=0.5, singularity_margin=0.4)
     point = control_point(scene, 0, AT_START, 0.0)
     found = scene.robot.inverse(point.flange(np.array(0.0), point.approach), 0, 2)
@@ -253,7 +253,7 @@ WITHOUT_LIFT: list[tuple[Robot, int]] = [
 @pytest.mark.parametrize(("robot", "mode"), WITHOUT_LIFT)
 def test_an_arm_without_a_lift_goes_straight_down_to_a_moving_point_and_up_again(robot: Robot, mode: int) -> None:
     """What a pick would ask of it: approach, dwell and depart along the vertical, within all limits."""
-    belt = frame("belt", Conveyor(Pose(0.3, -0.2, 0.1, math.pi / 2), 0.15))
+    belt = frame("belt", conveyor(Pose(0.3, -0.2, 0.1, math.pi / 2), 0.15))
     still = Start(0.0, np.array([0.0, 0.5, 0.5]), np.zeros(3), np.zeros(3))
     step = Follow("f", Target("belt", Pose(0.02, 0.01, 0.05), True), 0.2)
     scene = Scene(robot, Tool(Pose()), still, {"belt": belt}, (), (step,))

@@ -9,7 +9,6 @@ import pytest
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.collision.proof import Prover
-from assur.planner.frames import Frame, Linear
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.kernels.candidates import (
@@ -23,6 +22,7 @@ from assur.planner.kernels.candidates import (
     VIAS,
     WAIT,
 )
+from assur.planner.laws import Frame, linear
 from assur.planner.legs.meeting import Meetings
 from assur.planner.model.scene import Scene
 from assur.planner.search.meeting_options import Option, options
@@ -52,7 +52,7 @@ def drawn(population: Population, count: int, seed: int = 0) -> FloatArray:
 
 def walled() -> Scene:
     """A wall moves across the direct way, and a shelf stands beside it."""
-    frames = (Frame("wall", Linear(Pose(0.45, -0.3, 0.08), (0.0, 0.4, 0.0))),)
+    frames = (Frame("wall", linear(Pose(0.45, -0.3, 0.08), (0.0, 0.4, 0.0))),)
     bodies = (
         Around(solid("wall", box(0.3, 0.02, 0.16)), "wall", Pose()),
         stands("shelf", box(0.2, 0.2, 0.02), 0.3, -0.38, 0.16),
@@ -140,7 +140,7 @@ def test_a_time_at_which_something_was_missed_is_looked_at_from_then_on() -> Non
     known."""
     q = (-0.9, 0.6, 0.2, 0.0)
     tool, _ = arm().forward(np.array(q))
-    law = Linear(Pose(float(tool[0]), float(tool[1]) - 12.0, 0.2), (0.0, 20.0, 0.0))
+    law = linear(Pose(float(tool[0]), float(tool[1]) - 12.0, 0.2), (0.0, 20.0, 0.0))
     bodies = (Around(solid("bullet", box(0.05, 0.05, 0.05)), "bullet", Pose()),)
     scene = cell(go(0.33, 0.25, 0.1), bodies=bodies, frames=(Frame("bullet", law),), q=q)
     _, _, population = asked(scene)

@@ -14,7 +14,7 @@ from assur.planner.checker import Code, check
 from assur.planner.checker.tracking import assembled
 from assur.planner.checker.world import World
 from assur.planner.errors import InputError
-from assur.planner.model.link_frames import TrajectoryLaw
+from assur.planner.model.link_frames import link_law
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.trajectory import Trajectory
 from assur.scenes.reading.plan import plan_of
@@ -143,4 +143,4 @@ def test_a_neighbour_that_would_come_apart_is_bad_input() -> None:
     robot = cell_of(shipped("five-bar-type-2").request).scene.robot
     q = np.array([[1.8, 0.4, 0.1, 0.0], [-0.4, -1.8, 0.1, 0.0]])
     with pytest.raises(InputError, match="stays assembled"):
-        TrajectoryLaw(robot, Trajectory(np.array([0.0, 1.0]), q, 0 * q, 0 * q), 2)
+        link_law(robot, Trajectory(np.array([0.0, 1.0]), q, 0 * q, 0 * q), 2)

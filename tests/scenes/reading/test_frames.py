@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from assur.planner.errors import InputError
-from assur.planner.frames import Frame
+from assur.planner.laws import Frame
 from assur.scenes.requests import request_digest, scene_of
 from tests.scenes.bad_requests import GOOD_REQUEST
 

@@ -71,11 +71,11 @@ def test_what_is_out_of_reach_is_so_by_the_margin_of_the_robot(name: str) -> Non
         x, y = (Span(min(s), max(s)) for s in (x, y))
         far = Goal(x, y, goal.z, goal.yaw, goal.pitch, goal.roll)
         for number, mode in enumerate(robot.modes):
-            from assur.planner.frames import Fixed
             from assur.planner.frames.motion import Pose
             from assur.planner.frames.tilted import TiltedMotion
+            from assur.planner.laws import fixed
 
-            motion = Fixed(Pose(far.x.middle, far.y.middle, far.z.middle)).motion(np.zeros(1))
+            motion = fixed(Pose(far.x.middle, far.y.middle, far.z.middle)).motion(np.zeros(1))
             if "pitch" in robot.coordinates:
                 motion = TiltedMotion.of(motion, np.array([far.pitch.middle, far.roll.middle]))
             short = -float(robot.reach_margin(motion, number)[0])

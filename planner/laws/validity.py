@@ -1,19 +1,11 @@
-"""Where a law is known, and what its numbers may be. Nothing is ever extrapolated.
-
-Times outside a law's `valid` interval, NaN and infinite times get NaN motions here, in one place, so that no law can
-forget it.
-"""
+"""Where a law may be known, and what its numbers may be."""
 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 
-import numpy as np
-
-from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.motion import Pose
 
 ALWAYS = (-math.inf, math.inf)
 """The validity of a law that is known for all times."""
@@ -57,30 +49,3 @@ def interval(valid: tuple[float, float], field: str) -> tuple[float, float]:
     if not (first < last and first < FURTHEST_S and last > -FURTHEST_S):
         raise InputError(field, valid, wanted)
     return first, last
-
-
-class KnownLaw(ABC):
-    """A law that is known over `valid`: its subclasses give `_motion` for known times only."""
-
-    valid: tuple[float, float]
-
-    def knows(self, t: FloatArray) -> BoolArray:
-        """Whether the law is known at times `t` (...), s; NaN is no time."""
-        return np.asarray((max(self.valid[0], -FURTHEST_S) <= t) & (t <= min(self.valid[1], FURTHEST_S)))
-
-    def motion(self, t: FloatArray) -> Motion:
-        """Pose and three derivatives at times `t` (...), s; NaN in each row whose time is not known."""
-        t = np.asarray(t, dtype=np.float64)
-        known = self.knows(t)
-        if known.all():
-            return self._motion(t)
-        found = self._motion(np.where(known, t, max(self.valid[0], -FURTHEST_S)))
-        row = known[..., None]
-        return Motion(
-            *(np.where(row, vector, math.nan) for vector in (found.p, found.v, found.a, found.j)),
-            *(np.where(known, angle, math.nan) for angle in (found.yaw, found.yaw_d, found.yaw_dd, found.yaw_ddd)),
-        )
-
-    @abstractmethod
-    def _motion(self, t: FloatArray, /) -> Motion:
-        """As `motion`; each time is finite and known."""

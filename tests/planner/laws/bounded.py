@@ -7,11 +7,10 @@ from dataclasses import astuple, dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames import Law, Motion
 from assur.planner.kernels.carriers import point_bound
 from assur.planner.kernels.laws import bound_frame
 from assur.planner.kernels.links import ACCELERATION, BOUND_COLUMNS, V_REACH
-from assur.planner.tables.laws import law_tables
+from assur.planner.laws import Law, Motion, law_tables
 
 
 @dataclass(frozen=True)

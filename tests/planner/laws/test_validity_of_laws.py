@@ -11,39 +11,39 @@ import numpy as np
 import pytest
 
 from assur.planner.errors import InputError
-from assur.planner.frames import (
+from assur.planner.laws import (
     ALWAYS,
     Change,
-    Conveyor,
-    Fixed,
-    Indexer,
-    Keyframes,
     Law,
-    Linear,
     Motion,
-    Oscillation,
     Pose,
-    Swing,
-    Turntable,
+    conveyor,
+    fixed,
+    indexer,
+    keyframes,
+    linear,
+    oscillation,
+    swing,
+    turntable,
 )
-from assur.planner.frames.validity import FURTHEST_S
-from tests.planner.frames.bounded import bounded
+from assur.planner.laws.validity import FURTHEST_S
+from tests.planner.laws.bounded import bounded
 
 HOME = Pose(0.1, -0.2, 0.3, 0.4)
 STOP = Change(1.0, 0.0, 2.0, 20.0)
 UP = np.array([[0.0, 0.6, 0.8]])
 
 MAKERS: dict[str, Callable[[tuple[float, float]], Law]] = {
-    "fixed": lambda valid: Fixed(HOME, valid),
-    "linear": lambda valid: Linear(HOME, (0.1, 0.2, 0.3), 0.5, valid),
-    "conveyor": lambda valid: Conveyor(HOME, 0.25, (STOP,), 0.0, valid),
-    "turntable": lambda valid: Turntable(HOME, 1.0, 0.1, (STOP,), 0.0, valid),
-    "indexer": lambda valid: Indexer(HOME, 0.5, 0.4, 0.2, "turn", 0.0, valid),
-    "travelling indexer": lambda valid: Indexer(HOME, 0.5, 0.4, 0.2, "travel", 0.0, valid),
-    "swing": lambda valid: Swing(HOME, 0.5, 1.6, 0.0, valid),
-    "oscillation": lambda valid: Oscillation(HOME, (0.0, 0.6, 0.8), 0.5, 1.6, 0.0, valid),
-    "repeated keyframes": lambda valid: Keyframes((-0.2, 0.5, 1.0), (HOME, Pose(), HOME), "periodic", valid),
-    "keyframes": lambda valid: Keyframes((-9.0, 0.0, 9.0), (HOME, Pose(), HOME), "natural", valid),
+    "fixed": lambda valid: fixed(HOME, valid),
+    "linear": lambda valid: linear(HOME, (0.1, 0.2, 0.3), 0.5, valid),
+    "conveyor": lambda valid: conveyor(HOME, 0.25, (STOP,), 0.0, valid),
+    "turntable": lambda valid: turntable(HOME, 1.0, 0.1, (STOP,), 0.0, valid),
+    "indexer": lambda valid: indexer(HOME, 0.5, 0.4, 0.2, "turn", 0.0, valid),
+    "travelling indexer": lambda valid: indexer(HOME, 0.5, 0.4, 0.2, "travel", 0.0, valid),
+    "swing": lambda valid: swing(HOME, 0.5, 1.6, 0.0, valid),
+    "oscillation": lambda valid: oscillation(HOME, (0.0, 0.6, 0.8), 0.5, 1.6, 0.0, valid),
+    "repeated keyframes": lambda valid: keyframes((-0.2, 0.5, 1.0), (HOME, Pose(), HOME), "periodic", valid),
+    "keyframes": lambda valid: keyframes((-9.0, 0.0, 9.0), (HOME, Pose(), HOME), "natural", valid),
 }
 
 
@@ -118,41 +118,41 @@ POSITIVE = (*NUMBERS, 0.0, -1.0)
 REFUSED: list[tuple[str, Callable[[float], object], tuple[object, ...]]] = [
     ("pose.x", lambda x: Pose(x=x), NUMBERS[:3]),
     ("pose.yaw", lambda x: Pose(yaw=x), NUMBERS[:3]),
-    ("fixed.pose.y", lambda x: Fixed(Pose(y=x)), (1e7,)),
-    ("linear.pose.z", lambda x: Linear(Pose(z=x), (0, 0, 0)), (-1e7,)),
-    ("linear.velocity[1]", lambda x: Linear(HOME, (0, x, 0)), NUMBERS),
-    ("linear.at_time", lambda x: Linear(HOME, (0, 0, 0), x), NUMBERS),
-    ("conveyor.speed", lambda x: Conveyor(HOME, x), NUMBERS),
-    ("conveyor.at_time", lambda x: Conveyor(HOME, 0.1, (), x), NUMBERS),
-    ("conveyor.pose.yaw", lambda x: Conveyor(Pose(yaw=x), 0.1), (1e7,)),
-    ("turntable.pose.x", lambda x: Turntable(Pose(x), 0.1), (1e7,)),
-    ("turntable.rate", lambda x: Turntable(HOME, x), NUMBERS),
-    ("turntable.rise", lambda x: Turntable(HOME, 0.1, x), NUMBERS),
-    ("turntable.at_time", lambda x: Turntable(HOME, 0.1, 0.0, (), x), NUMBERS),
+    ("fixed.pose.y", lambda x: fixed(Pose(y=x)), (1e7,)),
+    ("linear.pose.z", lambda x: linear(Pose(z=x), (0, 0, 0)), (-1e7,)),
+    ("linear.velocity[1]", lambda x: linear(HOME, (0, x, 0)), NUMBERS),
+    ("linear.at_time", lambda x: linear(HOME, (0, 0, 0), x), NUMBERS),
+    ("conveyor.speed", lambda x: conveyor(HOME, x), NUMBERS),
+    ("conveyor.at_time", lambda x: conveyor(HOME, 0.1, (), x), NUMBERS),
+    ("conveyor.pose.yaw", lambda x: conveyor(Pose(yaw=x), 0.1), (1e7,)),
+    ("turntable.pose.x", lambda x: turntable(Pose(x), 0.1), (1e7,)),
+    ("turntable.rate", lambda x: turntable(HOME, x), NUMBERS),
+    ("turntable.rise", lambda x: turntable(HOME, 0.1, x), NUMBERS),
+    ("turntable.at_time", lambda x: turntable(HOME, 0.1, 0.0, (), x), NUMBERS),
     ("change.time", lambda x: Change(x, 0.1, 1.0, 1.0), NUMBERS),
     ("change.speed", lambda x: Change(0.0, x, 1.0, 1.0), NUMBERS),
     ("change.acceleration", lambda x: Change(0.0, 0.1, x, 1.0), POSITIVE),
     ("change.jerk", lambda x: Change(0.0, 0.1, 1.0, x), (math.nan, -math.inf, 0.0, -1.0, 1e10, "fast", None)),
-    ("indexer.pose.x", lambda x: Indexer(Pose(x), 0.1, 1.0, 1.0), (1e7,)),
-    ("indexer.step", lambda x: Indexer(HOME, x, 1.0, 1.0), NUMBERS),
-    ("indexer.move_s", lambda x: Indexer(HOME, 0.1, x, 1.0), (*POSITIVE, 1e-4)),
-    ("indexer.dwell_s", lambda x: Indexer(HOME, 0.1, 1.0, x), (*NUMBERS, -1.0)),
-    ("indexer.start", lambda x: Indexer(HOME, 0.1, 1.0, 1.0, "turn", x), NUMBERS),
-    ("indexer.kind", lambda x: Indexer(HOME, 0.1, 1.0, 1.0, x), ("spin", None)),  # type: ignore[arg-type]
-    ("swing.pose.x", lambda x: Swing(Pose(x), 0.1, 1.0), (1e7,)),
-    ("swing.amplitude", lambda x: Swing(HOME, x, 1.0), NUMBERS),
-    ("swing.period", lambda x: Swing(HOME, 0.1, x), (*POSITIVE, 1e-4)),
-    ("swing.phase", lambda x: Swing(HOME, 0.1, 1.0, x), NUMBERS),
-    ("oscillation.pose.x", lambda x: Oscillation(Pose(x), (0, 0, 1), 0.1, 1.0), (1e7,)),
-    ("oscillation.direction[2]", lambda x: Oscillation(HOME, (0, 0, x), 0.1, 1.0), NUMBERS),
-    ("oscillation.direction", lambda x: Oscillation(HOME, (0, 0, x), 0.1, 1.0), (0.0, 1e-4)),
-    ("oscillation.amplitude", lambda x: Oscillation(HOME, (0, 0, 1), x, 1.0), NUMBERS),
-    ("oscillation.period", lambda x: Oscillation(HOME, (0, 0, 1), 0.1, x), (*POSITIVE, 1e-4)),
-    ("oscillation.phase", lambda x: Oscillation(HOME, (0, 0, 1), 0.1, 1.0, x), NUMBERS),
-    ("keyframes.times", lambda x: Keyframes((0.0, x), (HOME, HOME)), (math.nan, math.inf, "late")),
-    ("keyframes.points[1].time", lambda x: Keyframes((0.0, x), (HOME, HOME)), (0.0, -1.0, 1e-4, 1e7)),
-    ("keyframes.points[1].x", lambda x: Keyframes((0.0, 1.0), (HOME, Pose(x))), (1e7,)),
-    ("keyframes.ends", lambda x: Keyframes((0.0, 1.0), (HOME, HOME), x), ("loose", None)),  # type: ignore[arg-type]
+    ("indexer.pose.x", lambda x: indexer(Pose(x), 0.1, 1.0, 1.0), (1e7,)),
+    ("indexer.step", lambda x: indexer(HOME, x, 1.0, 1.0), NUMBERS),
+    ("indexer.move_s", lambda x: indexer(HOME, 0.1, x, 1.0), (*POSITIVE, 1e-4)),
+    ("indexer.dwell_s", lambda x: indexer(HOME, 0.1, 1.0, x), (*NUMBERS, -1.0)),
+    ("indexer.start", lambda x: indexer(HOME, 0.1, 1.0, 1.0, "turn", x), NUMBERS),
+    ("indexer.kind", lambda x: indexer(HOME, 0.1, 1.0, 1.0, x), ("spin", None)),  # type: ignore[arg-type]
+    ("swing.pose.x", lambda x: swing(Pose(x), 0.1, 1.0), (1e7,)),
+    ("swing.amplitude", lambda x: swing(HOME, x, 1.0), NUMBERS),
+    ("swing.period", lambda x: swing(HOME, 0.1, x), (*POSITIVE, 1e-4)),
+    ("swing.phase", lambda x: swing(HOME, 0.1, 1.0, x), NUMBERS),
+    ("oscillation.pose.x", lambda x: oscillation(Pose(x), (0, 0, 1), 0.1, 1.0), (1e7,)),
+    ("oscillation.direction[2]", lambda x: oscillation(HOME, (0, 0, x), 0.1, 1.0), NUMBERS),
+    ("oscillation.direction", lambda x: oscillation(HOME, (0, 0, x), 0.1, 1.0), (0.0, 1e-4)),
+    ("oscillation.amplitude", lambda x: oscillation(HOME, (0, 0, 1), x, 1.0), NUMBERS),
+    ("oscillation.period", lambda x: oscillation(HOME, (0, 0, 1), 0.1, x), (*POSITIVE, 1e-4)),
+    ("oscillation.phase", lambda x: oscillation(HOME, (0, 0, 1), 0.1, 1.0, x), NUMBERS),
+    ("keyframes.times", lambda x: keyframes((0.0, x), (HOME, HOME)), (math.nan, math.inf, "late")),
+    ("keyframes.points[1].time", lambda x: keyframes((0.0, x), (HOME, HOME)), (0.0, -1.0, 1e-4, 1e7)),
+    ("keyframes.points[1].x", lambda x: keyframes((0.0, 1.0), (HOME, Pose(x))), (1e7,)),
+    ("keyframes.ends", lambda x: keyframes((0.0, 1.0), (HOME, HOME), x), ("loose", None)),  # type: ignore[arg-type]
 ]
 
 
@@ -170,19 +170,19 @@ def test_a_number_that_is_not_allowed_is_refused_by_its_name(
 @pytest.mark.parametrize("times", [(), (0.0,), (0.0, 1.0, 2.0), ((0.0, 1.0), (2.0, 3.0))])
 def test_keyframes_need_two_poses_and_as_many_times(times: object) -> None:
     with pytest.raises(InputError, match=r"keyframes\.(times|points)"):
-        Keyframes(times, (HOME, HOME)[: len(times) if len(times) < 2 else 2])  # type: ignore[arg-type]
+        keyframes(times, (HOME, HOME)[: len(times) if len(times) < 2 else 2])  # type: ignore[arg-type]
 
 
 def test_keyframes_refuse_a_validity_that_misses_their_times() -> None:
     with pytest.raises(InputError) as refused:
-        Keyframes((0.0, 1.0), (HOME, HOME), valid=(1.0, 2.0))
+        keyframes((0.0, 1.0), (HOME, HOME), valid=(1.0, 2.0))
     assert refused.value.field == "keyframes.valid"
 
 
 def test_a_velocity_or_a_direction_of_two_numbers_is_refused() -> None:
     with pytest.raises(InputError) as refused:
-        Linear(HOME, (0.1, 0.2))  # type: ignore[arg-type]
+        linear(HOME, (0.1, 0.2))  # type: ignore[arg-type]
     assert refused.value.field == "linear.velocity"
     with pytest.raises(InputError) as refused:
-        Oscillation(HOME, (0.1, 0.2), 0.1, 1.0)  # type: ignore[arg-type]
+        oscillation(HOME, (0.1, 0.2), 0.1, 1.0)  # type: ignore[arg-type]
     assert refused.value.field == "oscillation.direction"

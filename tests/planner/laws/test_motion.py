@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames import Motion, Pose
-from tests.planner.frames.laws import Case, cases
-from tests.planner.frames.test_motions_of_laws import STEP_S, stacked
+from assur.planner.laws import Motion, Pose
+from tests.planner.laws.laws import Case, cases
+from tests.planner.laws.test_motions_of_laws import STEP_S, stacked
 
 coordinates = st.one_of(st.sampled_from([0.0, 1.0, -0.5, math.pi / 2, math.pi]), st.floats(-10, 10))
 poses = st.builds(Pose, coordinates, coordinates, coordinates, coordinates)

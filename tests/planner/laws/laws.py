@@ -9,18 +9,18 @@ import numpy as np
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames import (
+from assur.planner.laws import (
     Change,
-    Conveyor,
-    Fixed,
-    Indexer,
-    Keyframes,
     Law,
-    Linear,
-    Oscillation,
     Pose,
-    Swing,
-    Turntable,
+    conveyor,
+    fixed,
+    indexer,
+    keyframes,
+    linear,
+    oscillation,
+    swing,
+    turntable,
 )
 
 
@@ -68,10 +68,10 @@ def changes(draw: st.DrawFn, speed: float) -> tuple[tuple[Change, ...], tuple[fl
 def cases(draw: st.DrawFn, kinds: tuple[str, ...] = valid_kinds) -> Case:
     kind, pose = draw(st.sampled_from(kinds)), draw(poses)
     if kind == "fixed":
-        return Case(Fixed(pose), (-2.0, 2.0))
+        return Case(fixed(pose), (-2.0, 2.0))
     if kind == "linear":
         velocity = (draw(number(-1, 1)), draw(number(-1, 1)), draw(st.sampled_from([0.0, 0.1])))
-        return Case(Linear(pose, velocity, draw(number(-1, 1))), (-2.0, 2.0))
+        return Case(linear(pose, velocity, draw(number(-1, 1))), (-2.0, 2.0))
     if kind in ("conveyor", "turntable"):
         speed = draw(st.sampled_from([0.0, 0.25, -0.5, 1.0]))
         commands, switches = draw(changes(speed))
@@ -79,31 +79,31 @@ def cases(draw: st.DrawFn, kinds: tuple[str, ...] = valid_kinds) -> Case:
         end = max((2.0, *switches)) + 0.5
         at_time = draw(st.sampled_from([0.0, *switches, 1.3]))
         if kind == "conveyor":
-            return Case(Conveyor(pose, speed, commands, at_time), (-2.0, end), switches, jumps)
+            return Case(conveyor(pose, speed, commands, at_time), (-2.0, end), switches, jumps)
         rise = draw(st.sampled_from([0.0, 0.02, -0.1]))
-        return Case(Turntable(pose, speed, rise, commands, at_time), (-2.0, end), switches, jumps)
+        return Case(turntable(pose, speed, rise, commands, at_time), (-2.0, end), switches, jumps)
     if kind in ("turn", "travel"):
         move, dwell, start = draw(number(0.2, 1.0)), draw(st.sampled_from([0.0, 0.5, 0.3])), draw(number(-1, 1))
         step = draw(st.sampled_from([0.8, -0.3, 0.0]))
-        law = Indexer(pose, step, move, dwell, "turn" if kind == "turn" else "travel", start)
+        law = indexer(pose, step, move, dwell, "turn" if kind == "turn" else "travel", start)
         begins = [start + k * (move + dwell) for k in range(-5, 6)]
         switches = tuple(time for begin in begins for time in (begin, begin + move))
         return Case(law, (-2.0, 2.0), tuple(time for time in switches if -2.0 <= time <= 2.0))
     if kind == "swing":
         period = draw(number(0.5, 4.0))
-        return Case(Swing(pose, draw(st.sampled_from([0.9, -0.4, 0.0])), period, draw(number(-4, 4))), (-2.0, 2.0))
+        return Case(swing(pose, draw(st.sampled_from([0.9, -0.4, 0.0])), period, draw(number(-4, 4))), (-2.0, 2.0))
     if kind == "oscillation":
         along = draw(st.sampled_from([(0.0, 0.0, 1.0), (0.6, -0.8, 0.0), (-1.0, 0.3, 0.2)]))
         amplitude, period = draw(st.sampled_from([0.2, -0.05, 0.0])), draw(number(0.5, 4.0))
-        return Case(Oscillation(pose, along, amplitude, period, draw(number(-4, 4))), (-2.0, 2.0))
+        return Case(oscillation(pose, along, amplitude, period, draw(number(-4, 4))), (-2.0, 2.0))
     steps = draw(st.lists(st.sampled_from([0.2, 0.5, 1.0]), min_size=1, max_size=5))
     times = np.cumsum([draw(number(-1, 1)), *steps])
     way = tuple(draw(poses) for _ in times)
     if kind == "keyframes":
-        once = Keyframes(times, way, draw(st.sampled_from(["natural", "clamped"])))
+        once = keyframes(times, way, draw(st.sampled_from(["natural", "clamped"])))
         return Case(once, (float(times[0]), float(times[-1])), tuple(times.tolist()), 3)
     turns = draw(st.sampled_from([0, 0, 1, -2]))
-    again = Keyframes(times, (*way[:-1], replace(way[0], yaw=way[0].yaw + turns * math.tau)), "periodic")
+    again = keyframes(times, (*way[:-1], replace(way[0], yaw=way[0].yaw + turns * math.tau)), "periodic")
     period = float(times[-1] - times[0])
     rounds = [k * period + time for k in range(-12, 13) for time in times[:-1].tolist()]
     return Case(again, (-2.0, 2.0), tuple(time for time in rounds if -2.0 <= time <= 2.0), 3)

@@ -6,9 +6,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames.profile import Profile, chained, steady
-from assur.planner.frames.validity import FURTHEST_S, LARGEST, number
+from assur.planner.laws.validity import FURTHEST_S, LARGEST, number
 
 SMALLEST = 1e-6
 """Least acceleration (and jerk) of a change, SI: below it the speed takes days to change."""
@@ -59,14 +61,16 @@ class Change:
         return [(rise, 0.0, sign * self.jerk), *middle, (rise, peak, -sign * self.jerk)]
 
 
-def ramped(speed: float, changes: Sequence[Change], at_time: float, field: str) -> Profile:
-    """The travel of what has `speed` from the beginning and is given `changes`; zero at `at_time`.
+def ramped(speed: float, changes: Sequence[Change], at_time: float, field: str) -> FloatArray:
+    """The travel of what has `speed` from the beginning and is given `changes`, zero at `at_time`: for each piece
+    (K, 5) when it begins, and travel, speed, acceleration and jerk then. The first piece and the last one are at
+    constant speed for ever.
 
     Raises `InputError` naming the change that begins before the one before it has ended, or that takes no time.
     """
     free = -math.inf
-    switches: list[float] = []
-    slopes: list[tuple[float, float, float]] = [(speed, 0.0, 0.0)]
+    found: list[tuple[float, float, float, float]] = []
+    first = speed
     for i, change in enumerate(changes):
         if not change.time >= free:
             allowed = f"{free} s or later: the change before ends then"
@@ -77,12 +81,18 @@ def ramped(speed: float, changes: Sequence[Change], at_time: float, field: str) 
             raise InputError(f"{field}.changes[{i}].acceleration", change.acceleration, "one that takes 10 µs at least")
         time = change.time
         for duration, acceleration, jerk in phases:
-            switches.append(time)
-            slopes.append((speed, acceleration / 2, jerk / 6))
+            found.append((time, speed, acceleration, jerk))
             speed += acceleration * duration + jerk * duration**2 / 2
             time += duration
         if phases:
-            switches.append(time)
-            slopes.append((change.speed, 0.0, 0.0))
+            found.append((time, change.speed, 0.0, 0.0))
         speed, free = change.speed, time
-    return chained(switches, slopes, at_time) if switches else steady(speed, at_time)
+    begin = found[0][0] if found else at_time
+    pieces = np.array([(begin, first, 0.0, 0.0), *found])
+    t, v, a, j = pieces.T
+    h = np.diff(t)
+    gone = np.append(0.0, np.cumsum(h * (v[:-1] + h * (a[:-1] / 2 + h * (j[:-1] / 6)))))
+    at = int(np.searchsorted(t[1:], at_time, side="right"))
+    since = at_time - t[at]
+    zero = gone[at] + since * (v[at] + since * (a[at] / 2 + since * (j[at] / 6)))
+    return np.column_stack([t, gone - zero, v, a, j])

@@ -9,8 +9,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames import Change, Conveyor, Law, Motion, Pose
-from tests.planner.frames.laws import Case, cases
+from assur.planner.laws import Change, Law, Motion, Pose, conveyor
+from tests.planner.laws.laws import Case, cases
 
 STEP_S = 2e-4
 """Step of the differences, which are of fourth order."""
@@ -32,7 +32,7 @@ def differences(law: Law, t: FloatArray) -> FloatArray:
 
 
 @given(cases(), st.lists(st.floats(0, 1), min_size=1, max_size=20))
-@example(Case(Conveyor(Pose(), 0.0, (Change(0.0, 1.0, 2.0, 8.0),)), (-1.0, 2.0), (0.0, 0.25, 0.5, 0.75), 3), [0.4])
+@example(Case(conveyor(Pose(), 0.0, (Change(0.0, 1.0, 2.0, 8.0),)), (-1.0, 2.0), (0.0, 0.25, 0.5, 0.75), 3), [0.4])
 def test_each_derivative_is_the_difference_quotient_of_the_one_below(case: Case, where: list[float]) -> None:
     low, high = case.window[0] + 3 * STEP_S, case.window[1] - 3 * STEP_S
     t = low + np.array(where) * (high - low)

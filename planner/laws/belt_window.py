@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames import Conveyor, Linear
+from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Pose
+from assur.planner.laws.law import Law
 
 HORIZON_S = 60.0
 """Windows along a conveyor are looked for this long after the start, s."""
@@ -25,23 +25,19 @@ Stretch = tuple[float, float]
 """From where to where along the conveyor, m."""
 
 
-def travelled(law: Conveyor | Linear, point: Pose, t: FloatArray) -> FloatArray:
+def travelled(law: Law, point: Pose, t: FloatArray) -> FloatArray:
     """Way (...) m of a point that is fixed in the frame, along the law's direction of travel, from the law's pose; NaN
-    where the law is not known. Neither frame turns, so the point's own part of the way is constant."""
-    t = np.asarray(t, dtype=np.float64)
-    known = law.knows(t)
-    held = np.where(known, t, law.at_time)
-    if isinstance(law, Conveyor):
-        return np.where(known, law.drive.evaluate(held)[0] + point.x, math.nan)
-    speed = math.hypot(*law.velocity)
-    direction = [part / speed for part in law.velocity] if speed > 0 else [1.0, 0.0, 0.0]
-    own = Pose(yaw=law.pose.yaw).then(point)
-    offset = own.x * direction[0] + own.y * direction[1] + own.z * direction[2]
-    return np.where(known, speed * (held - law.at_time) + offset, math.nan)
+    where the law is not known. The frame does not turn, so the point's own part of the way is constant."""
+    if law.way is None:
+        raise FaultError(f"no way is measured along a frame of the kind {law.kind}")
+    of = law.numbers.pose
+    own = Pose(yaw=of.yaw).then(point)
+    moved = law.motion(t).p - of.position
+    return np.asarray((moved + own.position) @ np.array(law.way))
 
 
 @lru_cache(maxsize=KEPT)
-def inside(law: Conveyor | Linear, point: Pose, stretch: Stretch, start: float) -> tuple[tuple[float, float], ...]:
+def inside(law: Law, point: Pose, stretch: Stretch, start: float) -> tuple[tuple[float, float], ...]:
     """When a point that is fixed in the frame is within `stretch` in the `HORIZON_S` after `start`, s; closed intervals
     in order."""
     grid = np.arange(start, start + HORIZON_S + WINDOW_STEP_S, WINDOW_STEP_S)
@@ -57,19 +53,19 @@ def inside(law: Conveyor | Linear, point: Pose, stretch: Stretch, start: float) 
     return tuple((_edge(law, point, stretch, grid, a, -1), _edge(law, point, stretch, grid, b - 1, 1)) for a, b in ends)
 
 
-def outside_for_good(law: Conveyor | Linear, point: Pose, stretch: Stretch, start: float) -> bool:
+def outside_for_good(law: Law, point: Pose, stretch: Stretch, start: float) -> bool:
     """Whether a point stays outside `stretch` after the time that is searched: its law is over then, or does not change
     any more and leads away from the stretch, or nowhere."""
     until = start + HORIZON_S
     if law.valid[1] <= until:
         return True
-    if isinstance(law, Conveyor) and len(law.drive.switches) and law.drive.switches[-1] > until:
+    if law.changes_until > until:
         return False
     last, later = travelled(law, point, np.array([until, min(until + 1.0, law.valid[1])])).tolist()
     return bool((last > stretch[1] and later >= last) or (last < stretch[0] and later <= last))
 
 
-def _passed(law: Conveyor | Linear, point: Pose, stretch: Stretch, before: float, after: float) -> float:
+def _passed(law: Law, point: Pose, stretch: Stretch, before: float, after: float) -> float:
     """A time inside the stretch, which is passed between the two; if no double is in it, one beside it."""
     for _ in range(ROUNDS):
         times = np.linspace(before, after, PARTS + 1)
@@ -83,7 +79,7 @@ def _passed(law: Conveyor | Linear, point: Pose, stretch: Stretch, before: float
     return before
 
 
-def _edge(law: Conveyor | Linear, point: Pose, stretch: Stretch, grid: FloatArray, index: int, side: int) -> float:
+def _edge(law: Law, point: Pose, stretch: Stretch, grid: FloatArray, index: int, side: int) -> float:
     """The last time inside the stretch between grid point `index`, inside, and its neighbour at `side`, outside."""
     inner, neighbour = float(grid[index]), index + side
     if not 0 <= neighbour < len(grid):

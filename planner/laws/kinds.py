@@ -1,0 +1,291 @@
+"""The eight kinds of laws: each turns the numbers of the request into pieces, sines and a period.
+
+Each raises `InputError` naming the number that is not allowed. Equations F1 to F5, F8 and F9 of docs/kinematics.md.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray, frozen
+from assur.planner.errors import InputError
+from assur.planner.frames.motion import Pose
+from assur.planner.laws.law import Ends, Law, Numbers
+from assur.planner.laws.ramps import Change, ramped
+from assur.planner.laws.splines import spline, whole_turns
+from assur.planner.laws.tables import Repeat, tables
+from assur.planner.laws.validity import ALWAYS, FURTHEST_S, SHORTEST_S, interval, number, placed, span
+
+Valid = tuple[float, float]
+Vector = tuple[float, float, float]
+
+MOVE = (420.0, -1680.0, 2100.0, -840.0)
+"""Coefficients of u², u³, u⁴, u⁵ of the second derivative of a step's law (F3)."""
+CORNERS = 0.5 - 0.5 / math.sqrt(5.0), 0.5, 0.5 + 0.5 / math.sqrt(5.0)
+"""Where in a move its acceleration is greatest, zero, and least, as shares of its duration (F3)."""
+STEEPEST = 7.0
+"""Bound of the speed of an indexer's move as a multiple of its mean: the law of degree 7 (F3) has its peak at 2.2 of
+it, but its control values differ by this, and the checker bounds it by them."""
+STILL, NO_POWERS = np.zeros((1, 4)), np.zeros((1, 4, 0))
+"""Rates and powers of the only piece of what does not accelerate."""
+YAW = np.array([0.0, 0.0, 0.0, 1.0])
+"""The shares that coordinates have in what turns."""
+SHORTEST_DIRECTION = 1e-3
+"""Least length of a direction (no unit): a shorter one was mistaken."""
+ENDS = ("natural", "clamped", "periodic")
+
+
+def fixed(pose: Pose, valid: Valid = ALWAYS) -> Law:
+    """A frame that stands at `pose`."""
+    pose, valid = placed(pose, "fixed.pose"), interval(valid, "fixed.valid")
+    row, side = tables([0.0], _at(pose), STILL, NO_POWERS, turns=False)
+    return Law("fixed", Numbers(pose), valid, row=row, side=side)
+
+
+def linear(pose: Pose, velocity: Vector, at_time: float = 0.0, valid: Valid = ALWAYS) -> Law:
+    """A frame that moves with the constant `velocity` (3,) m/s and is at `pose` at `at_time`; it does not turn.
+
+    p = p0 + v (t − at_time).
+    """
+    velocity, pose = _vector(velocity, "linear.velocity"), placed(pose, "linear.pose")
+    at_time = number(at_time, "linear.at_time", -FURTHEST_S, FURTHEST_S)
+    speed = math.hypot(*velocity)
+    x, y, z = (part / speed for part in velocity) if speed > 0.0 else (1.0, 0.0, 0.0)
+    row, side = tables([at_time], _at(pose), np.array([(*velocity, 0.0)]), NO_POWERS, turns=False, line=(x, y, z))
+    numbers = Numbers(pose, velocity=velocity, at_time=at_time)
+    known, fastest = interval(valid, "linear.valid"), (speed, 0.0)
+    return Law("linear", numbers, known, row=row, side=side, way=(x, y, z), fastest=fastest, stated_s=at_time)
+
+
+def conveyor(
+    pose: Pose, speed: float, changes: Sequence[Change] = (), at_time: float = 0.0, valid: Valid = ALWAYS
+) -> Law:
+    """A belt: a frame that is at `pose` at `at_time` and travels along its local x with `speed` until the first of
+    `changes`.
+
+    With u = (cos yaw, sin yaw, 0) and s the travel (equation F1): p = p0 + s(t) u. A negative speed runs backwards.
+    Refuses changes that overlap.
+    """
+    pose, speed = placed(pose, "conveyor.pose"), number(speed, "conveyor.speed")
+    at_time = number(at_time, "conveyor.at_time", -FURTHEST_S, FURTHEST_S)
+    numbers = Numbers(pose, speed=speed, changes=tuple(changes), at_time=at_time)
+    way = _own_x(pose)
+    begins, poses, rates, powers = _ramps(pose, ramped(speed, changes, at_time, "conveyor"), np.array([*way, 0.0]))
+    row, side = tables(begins, poses, rates, powers, turns=False, line=way)
+    fastest, known = (_fastest(speed, changes), 0.0), interval(valid, "conveyor.valid")
+    return Law("conveyor", numbers, known, row=row, side=side, way=way, fastest=fastest, stated_s=at_time)
+
+
+def turntable(
+    pose: Pose,
+    rate: float,
+    rise: float = 0.0,
+    changes: Sequence[Change] = (),
+    at_time: float = 0.0,
+    valid: Valid = ALWAYS,
+) -> Law:
+    """A dial that turns in place with `rate` (rad/s) until the first of `changes` (of the rate), and climbs.
+
+    Its origin is the centre; at `at_time` it is at `pose`. With θ the angle turned since then (equation F2):
+
+        yaw = pose.yaw + θ(t),   z = pose.z + rise (t − at_time)
+
+    `rise` is in m/s and constant: with it, this is a screw. Refuses changes that overlap.
+    """
+    pose, rate, rise = placed(pose, "turntable.pose"), number(rate, "turntable.rate"), number(rise, "turntable.rise")
+    at_time = number(at_time, "turntable.at_time", -FURTHEST_S, FURTHEST_S)
+    numbers = Numbers(pose, rate=rate, rise=rise, changes=tuple(changes), at_time=at_time)
+    begins, poses, rates, powers = _ramps(pose, ramped(rate, changes, at_time, "turntable"), YAW)
+    poses[:, 2] += rise * (begins - at_time)
+    rates[:, 2] = rise
+    row, side = tables(begins, poses, rates, powers, turns=True)
+    steady = rate != 0.0 and rise == 0.0 and not changes
+    return Law(
+        "turntable",
+        numbers,
+        interval(valid, "turntable.valid"),
+        row=row,
+        side=side,
+        fastest=(abs(rise), _fastest(rate, changes)),
+        stated_s=at_time,
+        cycle_s=math.tau / abs(rate) if steady else None,
+    )
+
+
+def indexer(
+    pose: Pose,
+    step: float,
+    move_s: float,
+    dwell_s: float,
+    kind: str = "turn",
+    start: float = 0.0,
+    valid: Valid = ALWAYS,
+) -> Law:
+    """A frame that moves by `step` in `move_s`, stands for `dwell_s`, and so on; at `start` a move begins from `pose`.
+
+    It goes on for ever, before `start` too. Kind `turn`: in place about its origin, `step` in rad; `travel`: along
+    its local x, `step` in m. The law of a move, u from 0 to 1 over `move_s`, is the polynomial of least degree that
+    begins and ends with no velocity, no acceleration and no jerk (equation F3):
+
+        x = step (35 u⁴ − 84 u⁵ + 70 u⁶ − 20 u⁷)
+
+    Refuses a time that is not positive (the dwell may be zero).
+    """
+    if kind not in ("turn", "travel"):
+        raise InputError("indexer.kind", kind, "one of ('turn', 'travel')")
+    turns, pose, step = kind == "turn", placed(pose, "indexer.pose"), number(step, "indexer.step")
+    move_s = span(move_s, "indexer.move_s")
+    dwell_s = number(dwell_s, "indexer.dwell_s", 0.0, FURTHEST_S)
+    start = number(start, "indexer.start", -FURTHEST_S, FURTHEST_S)
+    numbers = Numbers(pose, step=step, move_s=move_s, dwell_s=dwell_s, turns=turns, at_time=start)
+    line = (0.0, 0.0, 0.0) if turns else _own_x(pose)
+    shares, count = YAW if turns else np.array([*line, 0.0]), 2 if dwell_s > 0.0 else 1
+    moved = [0.0, 0.0, *(step * a / move_s ** (k + 4) for k, a in enumerate(MOVE))]
+    row, side = tables(
+        [0.0, move_s][:count],
+        np.concatenate([_at(pose), _at(pose) + step * shares])[:count],
+        np.zeros((count, 4)),
+        np.stack([np.outer(shares, moved), np.zeros((4, len(moved)))])[:count],
+        turns=turns,
+        corners=[[share * move_s for share in CORNERS]],
+        repeat=Repeat(start, move_s + dwell_s, step * shares),
+        line=line,
+    )
+    fastest = STEEPEST * abs(step) / move_s
+    return Law(
+        "indexer",
+        numbers,
+        interval(valid, "indexer.valid"),
+        row=row,
+        side=side,
+        fastest=(0.0, fastest) if turns else (fastest, 0.0),
+        stated_s=start,
+    )
+
+
+def swing(pose: Pose, amplitude: float, period: float, phase: float = 0.0, valid: Valid = ALWAYS) -> Law:
+    """A gate: a frame that turns in place about `pose`, its pivot and mean yaw, by `amplitude` (rad) to either side.
+
+    With θ = 2π t/period + phase (equation F4): yaw = pose.yaw + amplitude sin θ. What turns on and on is a turntable.
+    """
+    pose, amplitude = placed(pose, "swing.pose"), number(amplitude, "swing.amplitude")
+    period, phase = span(period, "swing.period"), number(phase, "swing.phase")
+    numbers = Numbers(pose, amplitude=amplitude, period=period, phase=phase)
+    w = math.tau / period
+    row, side = tables([0.0], _at(pose), STILL, NO_POWERS, turns=True, waves=[(3, amplitude, w, phase)])
+    fastest, known = (0.0, w * abs(amplitude)), interval(valid, "swing.valid")
+    return Law("swing", numbers, known, row=row, side=side, fastest=fastest, cycle_s=period)
+
+
+def oscillation(
+    pose: Pose, direction: Vector, amplitude: float, period: float, phase: float = 0.0, valid: Valid = ALWAYS
+) -> Law:
+    """A shutter, a lift or a shaker: a frame that travels by `amplitude` (m) to either side of `pose` along `direction`
+    (3,); it does not turn.
+
+    The direction is in world axes, and its length does not count. With u the unit vector along it and
+    θ = 2π t/period + phase (equation F8): p = pose + amplitude sin θ u.
+    """
+    direction = _vector(direction, "oscillation.direction")
+    length = math.hypot(*direction)
+    if not length >= SHORTEST_DIRECTION:
+        raise InputError("oscillation.direction", direction, f"a vector of length {SHORTEST_DIRECTION:g} or more")
+    pose, amplitude = placed(pose, "oscillation.pose"), number(amplitude, "oscillation.amplitude")
+    period, phase = span(period, "oscillation.period"), number(phase, "oscillation.phase")
+    numbers = Numbers(pose, direction=direction, amplitude=amplitude, period=period, phase=phase)
+    line, w = [part / length for part in direction], math.tau / period
+    waves = [(k, amplitude * share, w, phase) for k, share in enumerate(line) if share != 0.0]
+    row, side = tables([0.0], _at(pose), STILL, NO_POWERS, turns=False, waves=waves, line=line)
+    fastest, known = (w * abs(amplitude), 0.0), interval(valid, "oscillation.valid")
+    return Law("oscillation", numbers, known, row=row, side=side, fastest=fastest, cycle_s=period)
+
+
+def keyframes(
+    times: Sequence[float] | FloatArray, poses: Sequence[Pose], ends: Ends = "clamped", valid: Valid = ALWAYS
+) -> Law:
+    """A frame that is at `poses` (K) at `times` (K,) s; between them a cubic spline in x, y, z and yaw, C².
+
+    At both ends either the velocity is zero (`clamped`) or the acceleration (`natural`), and the law is known from the
+    first to the last time. Or the sequence repeats for ever, before the first time, too (`periodic`): the last pose is
+    the first, but for whole turns of the yaw, which add up, and the spline is C² there, as everywhere. `valid` may
+    narrow that. Yaw is taken as written: going from 350° to 10° turns backwards by 340°. The jerk jumps at the inner
+    times, and where a period ends; there the later piece counts.
+
+    In piece i, with τ = t − times[i] (equation F5): x(t) = Σ c_ik τ^k, k = 0..3. Of a periodic law t is the time after
+    whole periods were taken away (equation F9).
+
+    Refuses fewer than two poses, times that do not ascend by a millisecond at least, a `valid` that has nothing in
+    common with the times, or a period that does not close.
+    """
+    known = frozen(times, (None,), "keyframes.times")
+    poses = tuple(placed(pose, f"keyframes.points[{i}]") for i, pose in enumerate(poses))
+    if not 2 <= len(known) == len(poses):
+        raise InputError("keyframes.points", len(poses), f"as many as times ({len(known)}), two at least")
+    for i, time in enumerate(known.tolist()):
+        least = -FURTHEST_S if i == 0 else float(known[i - 1]) + SHORTEST_S
+        number(time, f"keyframes.points[{i}].time", least, FURTHEST_S)
+    if ends not in ENDS:
+        raise InputError("keyframes.ends", ends, f"one of {ENDS}")
+    valid, repeats, turn, knots = interval(valid, "keyframes.valid"), ends == "periodic", 0.0, known
+    if repeats:
+        knots, turn = known - known[0], whole_turns(poses)
+    else:
+        valid = max(valid[0], float(known[0])), min(valid[1], float(known[-1]))
+    if not valid[0] < valid[1]:
+        raise InputError("keyframes.valid", valid, f"times from {known[0]} to {known[-1]} s")
+    cubics, last = spline(knots, np.concatenate([_at(pose) for pose in poses]), ends, turn), float(knots[-1])
+    row, side = tables(
+        knots[:-1],
+        cubics[:, 0],
+        cubics[:, 1],
+        np.stack([2.0 * cubics[:, 2], 6.0 * cubics[:, 3]], -1),
+        last,
+        turns=any(pose.yaw != poses[0].yaw for pose in poses),
+        repeat=Repeat(float(known[0]), last, (0.0, 0.0, 0.0, turn), whole=True) if repeats else None,
+    )
+    numbers = Numbers(poses[0], times=tuple(known.tolist()), poses=poses, ends=ends)
+    return Law("keyframes", numbers, valid, row=row, side=side, cycle_s=last if repeats else None)
+
+
+def slowed(law: Law, share: float) -> Law | None:
+    """A belt at a share of its speed; None: the law is no belt of constant speed."""
+    of = law.numbers
+    if law.kind != "conveyor" or of.changes:
+        return None
+    return conveyor(of.pose, share * of.speed, (), of.at_time, law.valid)
+
+
+def _vector(value: Vector, field: str) -> Vector:
+    if len(value) != 3:
+        raise InputError(field, value, "three numbers")
+    x, y, z = (number(part, f"{field}[{i}]") for i, part in enumerate(value))
+    return x, y, z
+
+
+def _at(pose: Pose) -> FloatArray:
+    """Its coordinates (1, 4)."""
+    return np.array([(pose.x, pose.y, pose.z, pose.yaw)])
+
+
+def _ramps(pose: Pose, ways: FloatArray, shares: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Begins, poses, rates and powers of the pieces of what travels or turns (`ramped`), by the shares (4,) that
+    coordinates have in that."""
+    begins, gone, speed, *pull = ways.T
+    return (
+        begins,
+        _at(pose) + np.outer(gone, shares),
+        np.outer(speed, shares),
+        shares[None, :, None] * np.stack(pull, 1)[:, None, :],
+    )
+
+
+def _own_x(pose: Pose) -> Vector:
+    """The unit vector along the frame's x axis."""
+    return math.cos(pose.yaw), math.sin(pose.yaw), 0.0
+
+
+def _fastest(speed: float, changes: Sequence[Change]) -> float:
+    return max(abs(each) for each in (speed, *(change.speed for change in changes)))
