@@ -20,8 +20,8 @@ from assur.planner.model.link_frames import link_law
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import spline_table
-from tests.planner.laws.laws import Case, cases, directions, intervals, samples
 from tests.planner.kernels.arms import ARMS, states
+from tests.planner.laws.laws import Case, cases, directions, intervals, samples
 from tests.planner.robots.point_bounds import Sweep
 from tests.planner.trajectory.splines import bernstein, splines
 
