@@ -229,8 +229,8 @@ def ramped(speed: float, changes: tuple[Change, ...], at_time: float, start: flo
 def _indexed(law: Law) -> list[Way]:
     """The move and the dwell of an indexer (F3)."""
     of, powers = law.numbers, [0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0]
-    end = of.at_time + of.move_s
-    move = (of.at_time, end, [of.step * c / of.move_s**k for k, c in enumerate(powers)])
+    end = of.start + of.move_s
+    move = (of.start, end, [of.step * c / of.move_s**k for k, c in enumerate(powers)])
     return [move, (end, end + of.dwell_s, [of.step])] if end + of.dwell_s > end else [move]
 
 

@@ -14,7 +14,6 @@ from assur.planner.claim.laws import endless, law_of
 from assur.planner.laws import Frame, Law
 from assur.planner.model.scene import Scene
 from assur.planner.robots.robot import Robot
-from assur.planner.tables.uncertainty import direction
 from assur.planner.trajectory import Trajectory
 
 BEYOND_S = 1e-3
@@ -94,7 +93,7 @@ def frames_of(scene: Scene) -> Frames:
 def _displaced(row: int, frame: Frame) -> list[tuple[float, ...]]:
     """What is uncertain of a frame: along the line on which it travels (else in every horizontal direction), across
     that line, and up or down."""
-    known, line = frame.uncertainty, direction(frame)
+    known, line = frame.uncertainty, frame.law.line
     x, y, z = (0.0, 0.0, 0.0) if line is None else line.tolist()
     level = math.hypot(x, y)
     across = (-y / level, x / level, 0.0) if level > 0.0 else (0.0, 0.0, 0.0)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from assur.planner.laws.law import Ends, Law, Numbers
 from assur.planner.laws.ramps import Change, ramped
 from assur.planner.laws.splines import spline, whole_turns
 from assur.planner.laws.tables import Repeat, tables
-from assur.planner.laws.validity import ALWAYS, FURTHEST_S, SHORTEST_S, interval, number, placed, span
+from assur.planner.laws.validity import ALWAYS, FURTHEST_S, SHORTEST_S, checked, interval, number, placed
 
 Valid = tuple[float, float]
 Vector = tuple[float, float, float]
@@ -29,20 +30,16 @@ CORNERS = 0.5 - 0.5 / math.sqrt(5.0), 0.5, 0.5 + 0.5 / math.sqrt(5.0)
 STEEPEST = 7.0
 """Bound of the speed of an indexer's move as a multiple of its mean: the law of degree 7 (F3) has its peak at 2.2 of
 it, but its control values differ by this, and the checker bounds it by them."""
-STILL, NO_POWERS = np.zeros((1, 4)), np.zeros((1, 4, 0))
-"""Rates and powers of the only piece of what does not accelerate."""
-YAW = np.array([0.0, 0.0, 0.0, 1.0])
-"""The shares that coordinates have in what turns."""
 SHORTEST_DIRECTION = 1e-3
 """Least length of a direction (no unit): a shorter one was mistaken."""
-ENDS = ("natural", "clamped", "periodic")
+YAW = np.array([0.0, 0.0, 0.0, 1.0])
+"""The shares that coordinates have in what turns."""
 
 
 def fixed(pose: Pose, valid: Valid = ALWAYS) -> Law:
     """A frame that stands at `pose`."""
-    pose, valid = placed(pose, "fixed.pose"), interval(valid, "fixed.valid")
-    row, side = tables([0.0], _at(pose), STILL, NO_POWERS, turns=False)
-    return Law("fixed", Numbers(pose), valid, row=row, side=side)
+    of = Numbers(**checked("fixed", pose=pose))
+    return Law("fixed", of, interval(valid, "fixed.valid"), *_steady(of.pose, turns=False))
 
 
 def linear(pose: Pose, velocity: Vector, at_time: float = 0.0, valid: Valid = ALWAYS) -> Law:
@@ -50,14 +47,11 @@ def linear(pose: Pose, velocity: Vector, at_time: float = 0.0, valid: Valid = AL
 
     p = p0 + v (t − at_time).
     """
-    velocity, pose = _vector(velocity, "linear.velocity"), placed(pose, "linear.pose")
-    at_time = number(at_time, "linear.at_time", -FURTHEST_S, FURTHEST_S)
-    speed = math.hypot(*velocity)
-    x, y, z = (part / speed for part in velocity) if speed > 0.0 else (1.0, 0.0, 0.0)
-    row, side = tables([at_time], _at(pose), np.array([(*velocity, 0.0)]), NO_POWERS, turns=False, line=(x, y, z))
-    numbers = Numbers(pose, velocity=velocity, at_time=at_time)
-    known, fastest = interval(valid, "linear.valid"), (speed, 0.0)
-    return Law("linear", numbers, known, row=row, side=side, way=(x, y, z), fastest=fastest, stated_s=at_time)
+    of = Numbers(**checked("linear", pose=pose, velocity=velocity, at_time=at_time))
+    speed, valid = math.hypot(*of.velocity), interval(valid, "linear.valid")
+    x, y, z = (part / speed for part in of.velocity) if speed > 0.0 else (1.0, 0.0, 0.0)
+    made = _steady(of.pose, of.at_time, (*of.velocity, 0.0), turns=False, line=(x, y, z))
+    return Law("linear", of, valid, *made, way=(x, y, z), fastest=(speed, 0.0), stated_s=of.at_time)
 
 
 def conveyor(
@@ -69,14 +63,11 @@ def conveyor(
     With u = (cos yaw, sin yaw, 0) and s the travel (equation F1): p = p0 + s(t) u. A negative speed runs backwards.
     Refuses changes that overlap.
     """
-    pose, speed = placed(pose, "conveyor.pose"), number(speed, "conveyor.speed")
-    at_time = number(at_time, "conveyor.at_time", -FURTHEST_S, FURTHEST_S)
-    numbers = Numbers(pose, speed=speed, changes=tuple(changes), at_time=at_time)
-    way = _own_x(pose)
-    begins, poses, rates, powers = _ramps(pose, ramped(speed, changes, at_time, "conveyor"), np.array([*way, 0.0]))
-    row, side = tables(begins, poses, rates, powers, turns=False, line=way)
-    fastest, known = (_fastest(speed, changes), 0.0), interval(valid, "conveyor.valid")
-    return Law("conveyor", numbers, known, row=row, side=side, way=way, fastest=fastest, stated_s=at_time)
+    of = Numbers(**checked("conveyor", pose=pose, speed=speed, at_time=at_time), changes=tuple(changes))
+    way, valid = _own_x(of.pose), interval(valid, "conveyor.valid")
+    pieces = _ramps(of.pose, ramped(of.speed, of.changes, of.at_time, "conveyor"), np.array([*way, 0.0]))
+    made, fastest = tables(*pieces, turns=False, line=way), (_fastest(of.speed, of.changes), 0.0)
+    return Law("conveyor", of, valid, *made, way=way, fastest=fastest, stated_s=of.at_time)
 
 
 def turntable(
@@ -95,24 +86,14 @@ def turntable(
 
     `rise` is in m/s and constant: with it, this is a screw. Refuses changes that overlap.
     """
-    pose, rate, rise = placed(pose, "turntable.pose"), number(rate, "turntable.rate"), number(rise, "turntable.rise")
-    at_time = number(at_time, "turntable.at_time", -FURTHEST_S, FURTHEST_S)
-    numbers = Numbers(pose, rate=rate, rise=rise, changes=tuple(changes), at_time=at_time)
-    begins, poses, rates, powers = _ramps(pose, ramped(rate, changes, at_time, "turntable"), YAW)
-    poses[:, 2] += rise * (begins - at_time)
-    rates[:, 2] = rise
-    row, side = tables(begins, poses, rates, powers, turns=True)
-    steady = rate != 0.0 and rise == 0.0 and not changes
-    return Law(
-        "turntable",
-        numbers,
-        interval(valid, "turntable.valid"),
-        row=row,
-        side=side,
-        fastest=(abs(rise), _fastest(rate, changes)),
-        stated_s=at_time,
-        cycle_s=math.tau / abs(rate) if steady else None,
-    )
+    of = Numbers(**checked("turntable", pose=pose, rate=rate, rise=rise, at_time=at_time), changes=tuple(changes))
+    begins, poses, rates, powers = _ramps(of.pose, ramped(of.rate, of.changes, of.at_time, "turntable"), YAW)
+    poses[:, 2] += of.rise * (begins - of.at_time)
+    rates[:, 2] = of.rise
+    made, fastest = tables(begins, poses, rates, powers, turns=True), (abs(of.rise), _fastest(of.rate, of.changes))
+    steady, valid = of.rate != 0.0 and of.rise == 0.0 and not changes, interval(valid, "turntable.valid")
+    cycle = math.tau / abs(of.rate) if steady else None
+    return Law("turntable", of, valid, *made, fastest=fastest, stated_s=of.at_time, cycle_s=cycle)
 
 
 def indexer(
@@ -136,34 +117,24 @@ def indexer(
     """
     if kind not in ("turn", "travel"):
         raise InputError("indexer.kind", kind, "one of ('turn', 'travel')")
-    turns, pose, step = kind == "turn", placed(pose, "indexer.pose"), number(step, "indexer.step")
-    move_s = span(move_s, "indexer.move_s")
-    dwell_s = number(dwell_s, "indexer.dwell_s", 0.0, FURTHEST_S)
-    start = number(start, "indexer.start", -FURTHEST_S, FURTHEST_S)
-    numbers = Numbers(pose, step=step, move_s=move_s, dwell_s=dwell_s, turns=turns, at_time=start)
-    line = (0.0, 0.0, 0.0) if turns else _own_x(pose)
-    shares, count = YAW if turns else np.array([*line, 0.0]), 2 if dwell_s > 0.0 else 1
-    moved = [0.0, 0.0, *(step * a / move_s ** (k + 4) for k, a in enumerate(MOVE))]
-    row, side = tables(
-        [0.0, move_s][:count],
-        np.concatenate([_at(pose), _at(pose) + step * shares])[:count],
+    given = checked("indexer", pose=pose, step=step, move_s=move_s, dwell_s=dwell_s, start=start)
+    of, valid = Numbers(**given, turns=kind == "turn"), interval(valid, "indexer.valid")
+    line = (0.0, 0.0, 0.0) if of.turns else _own_x(of.pose)
+    shares, count = YAW if of.turns else np.array([*line, 0.0]), 2 if of.dwell_s > 0.0 else 1
+    moved = [0.0, 0.0, *(of.step * a / of.move_s ** (k + 4) for k, a in enumerate(MOVE))]
+    made = tables(
+        [0.0, of.move_s][:count],
+        np.concatenate([_at(of.pose), _at(of.pose) + of.step * shares])[:count],
         np.zeros((count, 4)),
         np.stack([np.outer(shares, moved), np.zeros((4, len(moved)))])[:count],
-        turns=turns,
-        corners=[[share * move_s for share in CORNERS]],
-        repeat=Repeat(start, move_s + dwell_s, step * shares),
+        turns=of.turns,
+        corners=[share * of.move_s for share in CORNERS],
+        repeat=Repeat(of.start, of.move_s + of.dwell_s, of.step * shares),
         line=line,
     )
-    fastest = STEEPEST * abs(step) / move_s
-    return Law(
-        "indexer",
-        numbers,
-        interval(valid, "indexer.valid"),
-        row=row,
-        side=side,
-        fastest=(0.0, fastest) if turns else (fastest, 0.0),
-        stated_s=start,
-    )
+    fastest = STEEPEST * abs(of.step) / of.move_s
+    both = (0.0, fastest) if of.turns else (fastest, 0.0)
+    return Law("indexer", of, valid, *made, fastest=both, stated_s=of.start)
 
 
 def swing(pose: Pose, amplitude: float, period: float, phase: float = 0.0, valid: Valid = ALWAYS) -> Law:
@@ -171,13 +142,10 @@ def swing(pose: Pose, amplitude: float, period: float, phase: float = 0.0, valid
 
     With θ = 2π t/period + phase (equation F4): yaw = pose.yaw + amplitude sin θ. What turns on and on is a turntable.
     """
-    pose, amplitude = placed(pose, "swing.pose"), number(amplitude, "swing.amplitude")
-    period, phase = span(period, "swing.period"), number(phase, "swing.phase")
-    numbers = Numbers(pose, amplitude=amplitude, period=period, phase=phase)
-    w = math.tau / period
-    row, side = tables([0.0], _at(pose), STILL, NO_POWERS, turns=True, waves=[(3, amplitude, w, phase)])
-    fastest, known = (0.0, w * abs(amplitude)), interval(valid, "swing.valid")
-    return Law("swing", numbers, known, row=row, side=side, fastest=fastest, cycle_s=period)
+    of = Numbers(**checked("swing", pose=pose, amplitude=amplitude, period=period, phase=phase))
+    w, valid = math.tau / of.period, interval(valid, "swing.valid")
+    made = _steady(of.pose, turns=True, waves=[(3, of.amplitude, w, of.phase)])
+    return Law("swing", of, valid, *made, fastest=(0.0, w * abs(of.amplitude)), cycle_s=of.period)
 
 
 def oscillation(
@@ -189,18 +157,15 @@ def oscillation(
     The direction is in world axes, and its length does not count. With u the unit vector along it and
     θ = 2π t/period + phase (equation F8): p = pose + amplitude sin θ u.
     """
-    direction = _vector(direction, "oscillation.direction")
-    length = math.hypot(*direction)
+    given = checked("oscillation", pose=pose, direction=direction, amplitude=amplitude, period=period, phase=phase)
+    of, valid = Numbers(**given), interval(valid, "oscillation.valid")
+    length = math.hypot(*of.direction)
     if not length >= SHORTEST_DIRECTION:
         raise InputError("oscillation.direction", direction, f"a vector of length {SHORTEST_DIRECTION:g} or more")
-    pose, amplitude = placed(pose, "oscillation.pose"), number(amplitude, "oscillation.amplitude")
-    period, phase = span(period, "oscillation.period"), number(phase, "oscillation.phase")
-    numbers = Numbers(pose, direction=direction, amplitude=amplitude, period=period, phase=phase)
-    line, w = [part / length for part in direction], math.tau / period
-    waves = [(k, amplitude * share, w, phase) for k, share in enumerate(line) if share != 0.0]
-    row, side = tables([0.0], _at(pose), STILL, NO_POWERS, turns=False, waves=waves, line=line)
-    fastest, known = (w * abs(amplitude), 0.0), interval(valid, "oscillation.valid")
-    return Law("oscillation", numbers, known, row=row, side=side, fastest=fastest, cycle_s=period)
+    line, w = [part / length for part in of.direction], math.tau / of.period
+    waves = [(k, of.amplitude * share, w, of.phase) for k, share in enumerate(line) if share != 0.0]
+    made = _steady(of.pose, turns=False, waves=waves, line=line)
+    return Law("oscillation", of, valid, *made, fastest=(w * abs(of.amplitude), 0.0), cycle_s=of.period)
 
 
 def keyframes(
@@ -227,27 +192,21 @@ def keyframes(
     for i, time in enumerate(known.tolist()):
         least = -FURTHEST_S if i == 0 else float(known[i - 1]) + SHORTEST_S
         number(time, f"keyframes.points[{i}].time", least, FURTHEST_S)
-    if ends not in ENDS:
-        raise InputError("keyframes.ends", ends, f"one of {ENDS}")
-    valid, repeats, turn, knots = interval(valid, "keyframes.valid"), ends == "periodic", 0.0, known
-    if repeats:
+    if ends not in ("natural", "clamped", "periodic"):
+        raise InputError("keyframes.ends", ends, "one of ('natural', 'clamped', 'periodic')")
+    valid, repeat, turn, knots = interval(valid, "keyframes.valid"), None, 0.0, known
+    if ends == "periodic":
         knots, turn = known - known[0], whole_turns(poses)
+        repeat = Repeat(float(known[0]), float(knots[-1]), turn * YAW, whole=True)
     else:
         valid = max(valid[0], float(known[0])), min(valid[1], float(known[-1]))
     if not valid[0] < valid[1]:
         raise InputError("keyframes.valid", valid, f"times from {known[0]} to {known[-1]} s")
-    cubics, last = spline(knots, np.concatenate([_at(pose) for pose in poses]), ends, turn), float(knots[-1])
-    row, side = tables(
-        knots[:-1],
-        cubics[:, 0],
-        cubics[:, 1],
-        np.stack([2.0 * cubics[:, 2], 6.0 * cubics[:, 3]], -1),
-        last,
-        turns=any(pose.yaw != poses[0].yaw for pose in poses),
-        repeat=Repeat(float(known[0]), last, (0.0, 0.0, 0.0, turn), whole=True) if repeats else None,
-    )
-    numbers = Numbers(poses[0], times=tuple(known.tolist()), poses=poses, ends=ends)
-    return Law("keyframes", numbers, valid, row=row, side=side, cycle_s=last if repeats else None)
+    cubics = spline(knots, np.concatenate([_at(pose) for pose in poses]), ends, turn)
+    powers, turns = np.stack([2.0 * cubics[:, 2], 6.0 * cubics[:, 3]], -1), any(p.yaw != poses[0].yaw for p in poses)
+    made = tables(knots[:-1], cubics[:, 0], cubics[:, 1], powers, float(knots[-1]), turns=turns, repeat=repeat)
+    of = Numbers(poses[0], times=tuple(known.tolist()), poses=poses, ends=ends)
+    return Law("keyframes", of, valid, *made, cycle_s=None if repeat is None else repeat.period)
 
 
 def slowed(law: Law, share: float) -> Law | None:
@@ -258,11 +217,9 @@ def slowed(law: Law, share: float) -> Law | None:
     return conveyor(of.pose, share * of.speed, (), of.at_time, law.valid)
 
 
-def _vector(value: Vector, field: str) -> Vector:
-    if len(value) != 3:
-        raise InputError(field, value, "three numbers")
-    x, y, z = (number(part, f"{field}[{i}]") for i, part in enumerate(value))
-    return x, y, z
+def _own_x(pose: Pose) -> Vector:
+    """The unit vector along the frame's x axis."""
+    return math.cos(pose.yaw), math.sin(pose.yaw), 0.0
 
 
 def _at(pose: Pose) -> FloatArray:
@@ -270,21 +227,19 @@ def _at(pose: Pose) -> FloatArray:
     return np.array([(pose.x, pose.y, pose.z, pose.yaw)])
 
 
+def _steady(
+    pose: Pose, at: float = 0.0, rate: Sequence[float] = (0.0, 0.0, 0.0, 0.0), **more: Any
+) -> tuple[FloatArray, FloatArray]:
+    """The tables of a law of one piece, without acceleration."""
+    return tables([at], _at(pose), np.array([rate]), np.zeros((1, 4, 0)), **more)
+
+
 def _ramps(pose: Pose, ways: FloatArray, shares: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Begins, poses, rates and powers of the pieces of what travels or turns (`ramped`), by the shares (4,) that
     coordinates have in that."""
-    begins, gone, speed, *pull = ways.T
-    return (
-        begins,
-        _at(pose) + np.outer(gone, shares),
-        np.outer(speed, shares),
-        shares[None, :, None] * np.stack(pull, 1)[:, None, :],
-    )
-
-
-def _own_x(pose: Pose) -> Vector:
-    """The unit vector along the frame's x axis."""
-    return math.cos(pose.yaw), math.sin(pose.yaw), 0.0
+    begins, gone, speed = ways[:, 0], ways[:, 1], ways[:, 2]
+    powers = shares[None, :, None] * ways[:, None, 3:]
+    return begins, _at(pose) + np.outer(gone, shares), np.outer(speed, shares), powers
 
 
 def _fastest(speed: float, changes: Sequence[Change]) -> float:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -18,7 +18,7 @@ from assur.planner.frames.motion import Motion, Pose
 from assur.planner.kernels import law_columns as c
 from assur.planner.laws.links import ArmLink
 from assur.planner.laws.ramps import Change
-from assur.planner.laws.validity import ALWAYS, FURTHEST_S
+from assur.planner.laws.validity import FURTHEST_S
 
 Kind = Literal[
     "fixed", "linear", "conveyor", "turntable", "indexer", "swing", "oscillation", "keyframes", "link"
@@ -28,7 +28,8 @@ Ends = Literal["natural", "clamped", "periodic"]
 
 @dataclass(frozen=True)
 class Numbers:
-    """The numbers of a law as the request states them; `assur.planner.laws.kinds` says which of them a kind has."""
+    """The numbers of a law as the request states them, in SI units; `assur.planner.laws.kinds` says which of them a
+    kind has, and what they mean."""
 
     pose: Pose = Pose()
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -40,6 +41,7 @@ class Numbers:
     step: float = 0.0
     move_s: float = 0.0
     dwell_s: float = 0.0
+    start: float = 0.0
     turns: bool = False
     """Of an indexer: it turns about its origin, and else travels along its x axis."""
     direction: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -61,8 +63,7 @@ class Law:
 
     kind: Kind
     numbers: Numbers
-    valid: tuple[float, float] = ALWAYS
-    _: KW_ONLY
+    valid: tuple[float, float]
     row: FloatArray = field(repr=False, compare=False)
     side: FloatArray = field(repr=False, compare=False)
     way: tuple[float, float, float] | None = field(default=None, compare=False)
@@ -99,14 +100,13 @@ class Law:
         """The yaw, rad, that the frame has at all times, known or not; None: it turns, or that is not known."""
         if self.row[c.TURNS] > 0.0 or self.link is not None:
             return None
-        return float(self.side[int(self.row[c.BEGIN]), c.POSE + 3])
+        return float(self.side[0, c.POSE + 3])
 
     @property
     def changes_until(self) -> float:
         """When its last piece begins, s; minus infinity: it has one, or repeats."""
-        begin, count = (int(self.row[column]) for column in (c.BEGIN, c.COUNT))
-        several = count > 1 and not self.row[c.PERIOD] > 0.0
-        return float(self.side[begin + count - 1, c.PIECE_BEGIN]) if several else -math.inf
+        count, repeats = int(self.row[c.COUNT]), self.row[c.PERIOD] > 0.0
+        return -math.inf if count < 2 or repeats else float(self.side[count - 1, c.PIECE_BEGIN])
 
     def knows(self, t: FloatArray) -> BoolArray:
         """Whether the law is known at times `t` (...), s; NaN is no time."""

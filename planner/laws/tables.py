@@ -35,7 +35,7 @@ def tables(
     end: float = math.inf,
     *,
     turns: bool,
-    corners: Sequence[Sequence[float]] = (),
+    corners: Sequence[float] = (),
     waves: Sequence[tuple[int, float, float, float]] = (),
     repeat: Repeat | None = None,
     line: Sequence[float] = (0.0, 0.0, 0.0),
@@ -43,8 +43,8 @@ def tables(
     """Row and side table of a law of K pieces that begin at `begins` (K,), the last of them until `end`, with `poses`
     and `rates` (K, 4) then and the powers (K, 4, P) of their accelerations.
 
-    `turns`: whether the yaw may change. `corners`: of each piece whose accelerations are no linear functions. `waves`:
-    coordinate, amplitude, rate and phase of each sine. `line` (3,): the only line along which the frame travels.
+    `turns`: whether the yaw may change. `corners`: of a first piece whose accelerations are no linear functions.
+    `waves`: coordinate, amplitude, rate and phase of each sine. `line` (3,): the only line along which it travels.
     """
     count, shape = len(begins), np.asarray(powers)
     used = np.flatnonzero(shape.any(axis=(0, 1)))
@@ -66,8 +66,7 @@ def tables(
         constant, linear = shape[:, :, 0], shape[:, :, 1]
         found = np.divide(-constant, linear, out=np.full(constant.shape, math.inf), where=linear != 0.0)
         pieces[:, c.CORNER : c.CORNER + 4] = found
-    for piece, times in zip(pieces, corners, strict=False):
-        piece[c.CORNER : c.CORNER + len(times)] = times
+    pieces[0, c.CORNER : c.CORNER + len(corners)] = corners
     for k, wave in enumerate(waves):
         side[count + k, : len(wave)] = wave
     row[c.SLACK : c.SLACK + 4] = ROUNDING * _largest(pieces[:, c.PIECE_END] - pieces[:, c.PIECE_BEGIN], rates, shape)

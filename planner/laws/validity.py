@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
@@ -17,6 +18,15 @@ LARGEST = 1e6
 SHORTEST_S = 1e-3
 """Shortest period, move or step between keyframes, s: below it a unit was mistaken."""
 
+RANGES = {
+    "at_time": (-FURTHEST_S, FURTHEST_S),
+    "start": (-FURTHEST_S, FURTHEST_S),
+    "dwell_s": (0.0, FURTHEST_S),
+    "move_s": (SHORTEST_S, FURTHEST_S),
+    "period": (SHORTEST_S, FURTHEST_S),
+}
+"""Least and greatest number, where it is not `LARGEST` to either side."""
+
 
 def number(value: float, field: str, least: float = -LARGEST, most: float = LARGEST) -> float:
     """`value` as a float from `least` to `most`. Raises `InputError` naming `field` (for NaN and non-numbers too)."""
@@ -27,11 +37,6 @@ def number(value: float, field: str, least: float = -LARGEST, most: float = LARG
     if not least <= result <= most:
         raise InputError(field, value, f"a number from {least:g} to {most:g}")
     return result
-
-
-def span(value: float, field: str) -> float:
-    """`value` as a duration in seconds, not zero. Raises `InputError` naming `field`."""
-    return number(value, field, SHORTEST_S, FURTHEST_S)
 
 
 def placed(pose: Pose, field: str) -> Pose:
@@ -49,3 +54,19 @@ def interval(valid: tuple[float, float], field: str) -> tuple[float, float]:
     if not (first < last and first < FURTHEST_S and last > -FURTHEST_S):
         raise InputError(field, valid, wanted)
     return first, last
+
+
+def checked(kind: str, **given: Any) -> dict[str, Any]:
+    """The numbers of a law of this kind, by name. Raises `InputError` naming the one that is not allowed."""
+    found = dict[str, Any]()
+    for name, value in given.items():
+        field = f"{kind}.{name}"
+        if name == "pose":
+            found[name] = placed(value, field)
+        elif name in ("velocity", "direction"):
+            if len(value) != 3:
+                raise InputError(field, value, "three numbers")
+            found[name] = tuple(number(part, f"{field}[{i}]") for i, part in enumerate(value))
+        else:
+            found[name] = number(value, field, *RANGES.get(name, ()))
+    return found

@@ -19,7 +19,6 @@ from assur.planner.frames.motion import Motion, Pose
 from assur.planner.kernels.carriers import point_bound
 from assur.planner.kernels.laws import bound_frame
 from assur.planner.kernels.links import ACCELERATION, BOUND_COLUMNS, V_REACH, bound_links
-from assur.planner.laws import law_tables
 from assur.planner.laws.law import EXACT, PoseUncertainty
 from assur.planner.model.arrival_error import ArrivalError, Cause, Share
 from assur.planner.model.attachments import Attachments
@@ -27,7 +26,6 @@ from assur.planner.model.phases import Handled, on_way
 from assur.planner.model.refusal import Inaccurate, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Trace
 from assur.planner.robots.scara import Scara
-from assur.planner.tables.uncertainty import direction
 
 RESERVE_M, RESERVE_RAD = 2e-6, 2e-6
 """Added to what is found: the tool meets its point within 1 µm and 1 µrad, and the checker has bounds of its own."""
@@ -95,7 +93,7 @@ def arrival_error(
 
 def _add_frame(scene: Scene, name: str, here: Motion, until: float, corrected: bool, terms: _Terms) -> None:
     frame = scene.frames[name]
-    known, along = frame.uncertainty, direction(frame)
+    known, along = frame.uncertainty, frame.law.line
     lasts = max(until + scene.execution.start_tolerance_s - scene.start.time, 0.0)
     amount = 0.0 if corrected else known.position_m + known.speed_m_s * lasts
     if along is None:
@@ -120,7 +118,7 @@ def _add_correction(scene: Scene, belts: list[str], until: float, terms: _Terms)
     """How far a controller that corrects for belts may have shifted the tool, which is on its way from or to them."""
     lasts = max(until + scene.execution.start_tolerance_s - scene.start.time, 0.0)
     for name in belts:
-        known, along = scene.frames[name].uncertainty, direction(scene.frames[name])
+        known, along = scene.frames[name].uncertainty, scene.frames[name].law.line
         if along is not None:
             terms.add_signed(Cause.FRAME, f"{name} along", -(known.position_m + known.speed_m_s * lasts) * along)
 
@@ -135,9 +133,8 @@ def _add_late(scene: Scene, name: str, local: Pose, until: float, terms: _Terms)
     way = frame.law.motion(until + times).at(local)
     here = frame.law.motion(np.array(until)).at(local)
     terms.late, terms.late_s = way.p - here.p, times
-    rows, side = law_tables([frame.law])
     bounds = np.zeros((1, BOUND_COLUMNS))
-    bound_frame(rows[0], side, until + early, until + late, bounds, 0)
+    bound_frame(frame.law.row, frame.law.side, until + early, until + late, bounds, 0)
     far = math.hypot(local.x, local.y)
     between = float(np.diff(times).max())
     bend = max(point_bound(bounds, 0, far, math.hypot(far, local.z), *axis)[1] for axis in np.eye(3).tolist())

@@ -44,9 +44,8 @@ def link_law(robot: Robot, trajectory: Trajectory, link: int, valid: tuple[float
         at = "" if lost.interval is None else f" at {lost.interval[0]:.3f} s"
         allowed = f"a motion on which {robot.name} stays assembled"
         raise InputError("neighbour.trajectory", f"a type 2 singularity{at}", allowed)
-    row, side = _tables(robot, trajectory, link)
-    known = interval(valid, "neighbour.valid")
-    return Law("link", Numbers(), known, row=row, side=side, link=ArmLink(robot, trajectory, link))
+    made, known = _tables(robot, trajectory, link), interval(valid, "neighbour.valid")
+    return Law("link", Numbers(), known, *made, link=ArmLink(robot, trajectory, link))
 
 
 def _tables(robot: Robot, trajectory: Trajectory, link: int) -> tuple[FloatArray, FloatArray]:

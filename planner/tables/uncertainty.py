@@ -33,11 +33,6 @@ BASE, ARM, TOOL, HELD = range(4)
 KINDS = 4
 
 
-def direction(frame: Frame) -> FloatArray | None:
-    """The unit vector (3,) along which a frame travels for ever, in the world; None: it has no such line."""
-    return frame.law.line
-
-
 def tool_shares(scene: Scene, phase: Phase) -> dict[str, tuple[float, float]]:
     """The frames in whose error along their line the tool has a share, with the least and the greatest share."""
     if phase.tracked is None:
@@ -137,7 +132,7 @@ class Displacements:
     def _add_seat(self, row: FloatArray, seat: Seat) -> None:
         """What counts for a body in any case: the rest of its frame's errors, and its own."""
         frame = self.scene.frames[seat.frame]
-        known, along = frame.uncertainty, direction(frame)
+        known, along = frame.uncertainty, frame.law.line
         if known.lateral_m > 0.0 and along is not None:
             level = math.hypot(along[0], along[1])
             across = np.array([-along[1], along[0], 0.0]) / level if level > 0.0 else None
@@ -166,7 +161,7 @@ def _add_error(row: FloatArray, frame: Frame) -> None:
     known: Uncertainty = frame.uncertainty
     if not (known.position_m > 0.0 or known.speed_m_s > 0.0):
         return
-    along = direction(frame)
+    along = frame.law.line
     if along is None:
         row[FLAT] += known.position_m
         row[FLAT_GROWTH] += known.speed_m_s

@@ -15,6 +15,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker import jets
 from assur.planner.checker.laws import tables
 from assur.planner.checker.motion import Tables, all_jets, carry
+from assur.planner.kernels.law_columns import PERIOD
 from assur.planner.laws import (
     Change,
     Law,
@@ -176,7 +177,7 @@ def test_what_repeats_is_where_the_law_has_it_at_every_seam_and_far_from_it(
 ) -> None:
     """The checker's own polynomials, the law's own motion, and difference quotients of the checker's places."""
     law, step = case.law, 1e-4
-    shift = rounds * float(getattr(law, "period"))  # noqa: B009
+    shift = rounds * (float(law.row[PERIOD]) or law.cycle_s or 0.0)
     seams = [shift + switch for switch in case.switches[:4]]
     beside = [seam + d for seam in seams for d in (-1e-9, 1e-9)]
     inside = [shift + 2.0 * w for w in where]

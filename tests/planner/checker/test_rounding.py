@@ -103,8 +103,8 @@ def exact(law: Law, t: float) -> tuple[Decimal, Decimal, Decimal]:
     else:
         assert law.kind == "indexer"
         period = Fraction(of.move_s) + Fraction(of.dwell_s)
-        whole = math.floor((Fraction(t) - Fraction(of.at_time)) / period)
-        share = min((Fraction(t) - Fraction(of.at_time) - whole * period) / Fraction(of.move_s), Fraction(1))
+        whole = math.floor((Fraction(t) - Fraction(of.start)) / period)
+        share = min((Fraction(t) - Fraction(of.start) - whole * period) / Fraction(of.move_s), Fraction(1))
         step = Fraction(of.step) * (whole + sum(Fraction(a) * share ** (k + 1) for k, a in enumerate(STEP)))
         if of.turns:
             c, s = wave(yaw + decimal(step))
