@@ -52,7 +52,9 @@ def linear(pose: Pose, velocity: Vector, at_time: float = 0.0, valid: Valid = AL
     speed, valid = math.hypot(*of.velocity), interval(valid, "linear.valid")
     x, y, z = (part / speed for part in of.velocity) if speed > 0.0 else (1.0, 0.0, 0.0)
     made = tables([(of.at_time, _at(of.pose), (*of.velocity, 0.0), ())], turns=False, line=(x, y, z))
-    return Law("linear", of, valid, *made, way=(x, y, z), fastest=(speed, 0.0), stated_s=of.at_time)
+    cosine, sine = math.cos(of.pose.yaw), math.sin(of.pose.yaw)
+    way = cosine * x + sine * y, cosine * y - sine * x, z
+    return Law("linear", of, valid, *made, way=way, fastest=(speed, 0.0), stated_s=of.at_time)
 
 
 def conveyor(
@@ -65,13 +67,13 @@ def conveyor(
     Refuses changes that overlap.
     """
     of = Numbers(**checked("conveyor", pose=pose, speed=speed, at_time=at_time), changes=tuple(changes))
-    way, valid = _own_x(of.pose), interval(valid, "conveyor.valid")
+    line, valid = _own_x(of.pose), interval(valid, "conveyor.valid")
     pieces = [
-        (begin, *_moved(of.pose, (*way, 0.0), *state))
+        (begin, *_moved(of.pose, (*line, 0.0), *state))
         for begin, *state in ramped(of.speed, of.changes, of.at_time, "conveyor")
     ]
-    made, fastest = tables(pieces, turns=False, line=way), (_fastest(of.speed, of.changes), 0.0)
-    return Law("conveyor", of, valid, *made, way=way, fastest=fastest, stated_s=of.at_time)
+    made, fastest = tables(pieces, turns=False, line=line), (_fastest(of.speed, of.changes), 0.0)
+    return Law("conveyor", of, valid, *made, way=(1.0, 0.0, 0.0), fastest=fastest, stated_s=of.at_time)
 
 
 def turntable(
