@@ -9,6 +9,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Pose
+from assur.planner.kernels import law_columns as c
 from assur.planner.laws.law import Law
 
 HORIZON_S = 60.0
@@ -30,10 +31,8 @@ def travelled(law: Law, point: Pose, t: FloatArray) -> FloatArray:
     where the law is not known. The frame does not turn, so the point's own part of the way is constant."""
     if law.way is None:
         raise FaultError(f"no way is measured along a frame of the kind {law.kind}")
-    of = law.numbers.pose
-    own = Pose(yaw=of.yaw).then(point)
-    moved = law.motion(t).p - of.position
-    return np.asarray((moved + own.position) @ np.array(law.way))
+    moved = law.motion(t).p - law.numbers.pose.position
+    return np.asarray(moved @ law.row[c.LINE : c.LINE + 3] + point.position @ np.array(law.way))
 
 
 @lru_cache(maxsize=KEPT)

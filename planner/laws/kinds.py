@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -17,11 +16,12 @@ from assur.planner.frames.motion import Pose
 from assur.planner.laws.law import Ends, Law, Numbers
 from assur.planner.laws.ramps import Change, ramped
 from assur.planner.laws.splines import spline, whole_turns
-from assur.planner.laws.tables import Repeat, tables
+from assur.planner.laws.tables import Piece, Repeat, tables
 from assur.planner.laws.validity import ALWAYS, FURTHEST_S, SHORTEST_S, checked, interval, number, placed
 
 Valid = tuple[float, float]
 Vector = tuple[float, float, float]
+Four = tuple[float, float, float, float]
 
 MOVE = (420.0, -1680.0, 2100.0, -840.0)
 """Coefficients of u², u³, u⁴, u⁵ of the second derivative of a step's law (F3)."""
@@ -32,14 +32,15 @@ STEEPEST = 7.0
 it, but its control values differ by this, and the checker bounds it by them."""
 SHORTEST_DIRECTION = 1e-3
 """Least length of a direction (no unit): a shorter one was mistaken."""
-YAW = np.array([0.0, 0.0, 0.0, 1.0])
+YAW = (0.0, 0.0, 0.0, 1.0)
 """The shares that coordinates have in what turns."""
 
 
 def fixed(pose: Pose, valid: Valid = ALWAYS) -> Law:
     """A frame that stands at `pose`."""
     of = Numbers(**checked("fixed", pose=pose))
-    return Law("fixed", of, interval(valid, "fixed.valid"), *_steady(of.pose, turns=False))
+    made = tables([_still(of.pose)], turns=False)
+    return Law("fixed", of, interval(valid, "fixed.valid"), *made)
 
 
 def linear(pose: Pose, velocity: Vector, at_time: float = 0.0, valid: Valid = ALWAYS) -> Law:
@@ -50,8 +51,10 @@ def linear(pose: Pose, velocity: Vector, at_time: float = 0.0, valid: Valid = AL
     of = Numbers(**checked("linear", pose=pose, velocity=velocity, at_time=at_time))
     speed, valid = math.hypot(*of.velocity), interval(valid, "linear.valid")
     x, y, z = (part / speed for part in of.velocity) if speed > 0.0 else (1.0, 0.0, 0.0)
-    made = _steady(of.pose, of.at_time, (*of.velocity, 0.0), turns=False, line=(x, y, z))
-    return Law("linear", of, valid, *made, way=(x, y, z), fastest=(speed, 0.0), stated_s=of.at_time)
+    made = tables([(of.at_time, _at(of.pose), (*of.velocity, 0.0), ())], turns=False, line=(x, y, z))
+    cosine, sine = math.cos(of.pose.yaw), math.sin(of.pose.yaw)
+    way = cosine * x + sine * y, cosine * y - sine * x, z
+    return Law("linear", of, valid, *made, way=way, fastest=(speed, 0.0), stated_s=of.at_time)
 
 
 def conveyor(
@@ -64,10 +67,13 @@ def conveyor(
     Refuses changes that overlap.
     """
     of = Numbers(**checked("conveyor", pose=pose, speed=speed, at_time=at_time), changes=tuple(changes))
-    way, valid = _own_x(of.pose), interval(valid, "conveyor.valid")
-    pieces = _ramps(of.pose, ramped(of.speed, of.changes, of.at_time, "conveyor"), np.array([*way, 0.0]))
-    made, fastest = tables(*pieces, turns=False, line=way), (_fastest(of.speed, of.changes), 0.0)
-    return Law("conveyor", of, valid, *made, way=way, fastest=fastest, stated_s=of.at_time)
+    line, valid = _own_x(of.pose), interval(valid, "conveyor.valid")
+    pieces = [
+        (begin, *_moved(of.pose, (*line, 0.0), *state))
+        for begin, *state in ramped(of.speed, of.changes, of.at_time, "conveyor")
+    ]
+    made, fastest = tables(pieces, turns=False, line=line), (_fastest(of.speed, of.changes), 0.0)
+    return Law("conveyor", of, valid, *made, way=(1.0, 0.0, 0.0), fastest=fastest, stated_s=of.at_time)
 
 
 def turntable(
@@ -87,10 +93,12 @@ def turntable(
     `rise` is in m/s and constant: with it, this is a screw. Refuses changes that overlap.
     """
     of = Numbers(**checked("turntable", pose=pose, rate=rate, rise=rise, at_time=at_time), changes=tuple(changes))
-    begins, poses, rates, powers = _ramps(of.pose, ramped(of.rate, of.changes, of.at_time, "turntable"), YAW)
-    poses[:, 2] += of.rise * (begins - of.at_time)
-    rates[:, 2] = of.rise
-    made, fastest = tables(begins, poses, rates, powers, turns=True), (abs(of.rise), _fastest(of.rate, of.changes))
+    pieces = list[Piece]()
+    for begin, *state in ramped(of.rate, of.changes, of.at_time, "turntable"):
+        (x, y, z, yaw), (*_, turning), powers = _moved(of.pose, YAW, *state)
+        z += of.rise * (begin - of.at_time)
+        pieces.append((begin, (x, y, z, yaw), (0.0, 0.0, of.rise, turning), powers))
+    made, fastest = tables(pieces, turns=True), (abs(of.rise), _fastest(of.rate, of.changes))
     steady, valid = of.rate != 0.0 and of.rise == 0.0 and not changes, interval(valid, "turntable.valid")
     cycle = math.tau / abs(of.rate) if steady else None
     return Law("turntable", of, valid, *made, fastest=fastest, stated_s=of.at_time, cycle_s=cycle)
@@ -120,18 +128,14 @@ def indexer(
     given = checked("indexer", pose=pose, step=step, move_s=move_s, dwell_s=dwell_s, start=start)
     of, valid = Numbers(**given, turns=kind == "turn"), interval(valid, "indexer.valid")
     line = (0.0, 0.0, 0.0) if of.turns else _own_x(of.pose)
-    shares, count = YAW if of.turns else np.array([*line, 0.0]), 2 if of.dwell_s > 0.0 else 1
+    shares = YAW if of.turns else (*line, 0.0)
     moved = [0.0, 0.0, *(of.step * a / of.move_s ** (k + 4) for k, a in enumerate(MOVE))]
-    made = tables(
-        [0.0, of.move_s][:count],
-        np.concatenate([_at(of.pose), _at(of.pose) + of.step * shares])[:count],
-        np.zeros((count, 4)),
-        np.stack([np.outer(shares, moved), np.zeros((4, len(moved)))])[:count],
-        turns=of.turns,
-        corners=[share * of.move_s for share in CORNERS],
-        repeat=Repeat(of.start, of.move_s + of.dwell_s, of.step * shares),
-        line=line,
-    )
+    pieces: list[Piece] = [(0.0, *_moved(of.pose, shares, 0.0, 0.0, *moved))]
+    if of.dwell_s > 0.0:
+        pieces.append((of.move_s, *_moved(of.pose, shares, of.step, 0.0)))
+    repeat = Repeat(of.start, of.move_s + of.dwell_s, [of.step * share for share in shares])
+    corners = [share * of.move_s for share in CORNERS]
+    made = tables(pieces, turns=of.turns, corners=corners, repeat=repeat, line=line)
     fastest = STEEPEST * abs(of.step) / of.move_s
     both = (0.0, fastest) if of.turns else (fastest, 0.0)
     return Law("indexer", of, valid, *made, fastest=both, stated_s=of.start)
@@ -144,7 +148,7 @@ def swing(pose: Pose, amplitude: float, period: float, phase: float = 0.0, valid
     """
     of = Numbers(**checked("swing", pose=pose, amplitude=amplitude, period=period, phase=phase))
     w, valid = math.tau / of.period, interval(valid, "swing.valid")
-    made = _steady(of.pose, turns=True, waves=[(3, of.amplitude, w, of.phase)])
+    made = tables([_still(of.pose)], turns=True, waves=[(3, of.amplitude, w, of.phase)])
     return Law("swing", of, valid, *made, fastest=(0.0, w * abs(of.amplitude)), cycle_s=of.period)
 
 
@@ -164,7 +168,7 @@ def oscillation(
         raise InputError("oscillation.direction", direction, f"a vector of length {SHORTEST_DIRECTION:g} or more")
     line, w = [part / length for part in of.direction], math.tau / of.period
     waves = [(k, of.amplitude * share, w, of.phase) for k, share in enumerate(line) if share != 0.0]
-    made = _steady(of.pose, turns=False, waves=waves, line=line)
+    made = tables([_still(of.pose)], turns=False, waves=waves, line=line)
     return Law("oscillation", of, valid, *made, fastest=(w * abs(of.amplitude), 0.0), cycle_s=of.period)
 
 
@@ -197,14 +201,16 @@ def keyframes(
     valid, repeat, turn, knots = interval(valid, "keyframes.valid"), None, 0.0, known
     if ends == "periodic":
         knots, turn = known - known[0], whole_turns(poses)
-        repeat = Repeat(float(known[0]), float(knots[-1]), turn * YAW, whole=True)
+        repeat = Repeat(float(known[0]), float(knots[-1]), (0.0, 0.0, 0.0, turn), whole=True)
     else:
         valid = max(valid[0], float(known[0])), min(valid[1], float(known[-1]))
     if not valid[0] < valid[1]:
         raise InputError("keyframes.valid", valid, f"times from {known[0]} to {known[-1]} s")
-    cubics = spline(knots, np.concatenate([_at(pose) for pose in poses]), ends, turn)
-    powers, turns = np.stack([2.0 * cubics[:, 2], 6.0 * cubics[:, 3]], -1), any(p.yaw != poses[0].yaw for p in poses)
-    made = tables(knots[:-1], cubics[:, 0], cubics[:, 1], powers, float(knots[-1]), turns=turns, repeat=repeat)
+    cubics = spline(knots, np.array([_at(pose) for pose in poses]), ends, turn)
+    pulls = np.stack([2.0 * cubics[:, 2], 6.0 * cubics[:, 3]], -1).tolist()
+    pieces = list(zip(knots[:-1].tolist(), cubics[:, 0].tolist(), cubics[:, 1].tolist(), pulls, strict=True))
+    turns = any(pose.yaw != poses[0].yaw for pose in poses)
+    made = tables(pieces, float(knots[-1]), turns=turns, repeat=repeat)
     of = Numbers(poses[0], times=tuple(known.tolist()), poses=poses, ends=ends)
     return Law("keyframes", of, valid, *made, cycle_s=None if repeat is None else repeat.period)
 
@@ -222,24 +228,24 @@ def _own_x(pose: Pose) -> Vector:
     return math.cos(pose.yaw), math.sin(pose.yaw), 0.0
 
 
-def _at(pose: Pose) -> FloatArray:
-    """Its coordinates (1, 4)."""
-    return np.array([(pose.x, pose.y, pose.z, pose.yaw)])
+def _at(pose: Pose) -> Four:
+    return pose.x, pose.y, pose.z, pose.yaw
 
 
-def _steady(
-    pose: Pose, at: float = 0.0, rate: Sequence[float] = (0.0, 0.0, 0.0, 0.0), **more: Any
-) -> tuple[FloatArray, FloatArray]:
-    """The tables of a law of one piece, without acceleration."""
-    return tables([at], _at(pose), np.array([rate]), np.zeros((1, 4, 0)), **more)
+def _still(pose: Pose) -> Piece:
+    """The piece of what does not move."""
+    return 0.0, _at(pose), (0.0,) * 4, ()
 
 
-def _ramps(pose: Pose, ways: FloatArray, shares: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Begins, poses, rates and powers of the pieces of what travels or turns (`ramped`), by the shares (4,) that
-    coordinates have in that."""
-    begins, gone, speed = ways[:, 0], ways[:, 1], ways[:, 2]
-    powers = shares[None, :, None] * ways[:, None, 3:]
-    return begins, _at(pose) + np.outer(gone, shares), np.outer(speed, shares), powers
+def _moved(
+    pose: Pose, shares: Four, gone: float, speed: float, *pull: float
+) -> tuple[Four, Four, Sequence[Sequence[float]]]:
+    """Coordinates, rates and powers of what has travelled or turned by `gone`, has this speed and is accelerated by the
+    powers `pull`, by the shares that coordinates have in that."""
+    x, y, z, yaw = (at + gone * share for at, share in zip(_at(pose), shares, strict=True))
+    u, v, w, turning = (speed * share for share in shares)
+    powers = [[share * a for a in pull] for share in shares] if any(pull) else []
+    return (x, y, z, yaw), (u, v, w, turning), powers
 
 
 def _fastest(speed: float, changes: Sequence[Change]) -> float:

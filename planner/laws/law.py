@@ -67,7 +67,7 @@ class Law:
     row: FloatArray = field(repr=False, compare=False)
     side: FloatArray = field(repr=False, compare=False)
     way: tuple[float, float, float] | None = field(default=None, compare=False)
-    """The unit vector in the world along which windows in metres are measured; None: there is none."""
+    """The unit vector, in the frame's own axes, along which windows in metres are measured; None: there is none."""
     fastest: tuple[float, float] = field(default=(0.0, 0.0), compare=False)
     """Upper bounds of its speed, m/s, and of its yaw rate, rad/s; 0 for what is given by instants that are exact:
     keyframes, and links."""
@@ -93,7 +93,7 @@ class Law:
         """The unit vector (3,) along which the frame travels for ever, in the world; None: it has no such line. A belt
         has one although it stands."""
         stands = self.kind == "linear" and self.fastest[0] == 0.0
-        return None if self.way is None or stands else np.array(self.way)
+        return None if self.way is None or stands else self.row[c.LINE : c.LINE + 3].copy()
 
     @property
     def yaw(self) -> float | None:

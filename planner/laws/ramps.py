@@ -6,12 +6,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
-from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.laws.validity import FURTHEST_S, LARGEST, number
 
+Way = tuple[float, float, float, float, float]
+"""When a piece begins, and travel, speed, acceleration and jerk then."""
 SMALLEST = 1e-6
 """Least acceleration (and jerk) of a change, SI: below it the speed takes days to change."""
 LARGEST_JERK = 1e9
@@ -61,10 +60,9 @@ class Change:
         return [(rise, 0.0, sign * self.jerk), *middle, (rise, peak, -sign * self.jerk)]
 
 
-def ramped(speed: float, changes: Sequence[Change], at_time: float, field: str) -> FloatArray:
-    """The travel of what has `speed` from the beginning and is given `changes`, zero at `at_time`: for each piece
-    (K, 5) when it begins, and travel, speed, acceleration and jerk then. The first piece and the last one are at
-    constant speed for ever.
+def ramped(speed: float, changes: Sequence[Change], at_time: float, field: str) -> list[Way]:
+    """The travel of what has `speed` from the beginning and is given `changes`, zero at `at_time`, piece by piece.
+    The first piece and the last one are at constant speed for ever.
 
     Raises `InputError` naming the change that begins before the one before it has ended, or that takes no time.
     """
@@ -87,12 +85,16 @@ def ramped(speed: float, changes: Sequence[Change], at_time: float, field: str) 
         if phases:
             found.append((time, change.speed, 0.0, 0.0))
         speed, free = change.speed, time
-    begin = found[0][0] if found else at_time
-    pieces = np.array([(begin, first, 0.0, 0.0), *found])
-    t, v, a, j = pieces.T
-    h = np.diff(t)
-    gone = np.append(0.0, np.cumsum(h * (v[:-1] + h * (a[:-1] / 2 + h * (j[:-1] / 6)))))
-    at = int(np.searchsorted(t[1:], at_time, side="right"))
-    since = at_time - t[at]
-    zero = gone[at] + since * (v[at] + since * (a[at] / 2 + since * (j[at] / 6)))
-    return np.column_stack([t, gone - zero, v, a, j])
+    ways, gone = [(found[0][0] if found else at_time, 0.0, first, 0.0, 0.0)], 0.0
+    for time, speed, acceleration, jerk in found:
+        begin, _, *rates = ways[-1]
+        gone += _gone(time - begin, *rates)
+        ways.append((time, gone, speed, acceleration, jerk))
+    begin, before, *rates = [ways[0], *(way for way in ways[1:] if way[0] <= at_time)][-1]
+    zero = before + _gone(at_time - begin, *rates)
+    return [(begin, gone - zero, v, a, j) for begin, gone, v, a, j in ways]
+
+
+def _gone(h: float, speed: float, acceleration: float, jerk: float) -> float:
+    """The travel in a time `h`, s."""
+    return h * (speed + h * (acceleration / 2 + h * (jerk / 6)))

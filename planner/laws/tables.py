@@ -16,6 +16,10 @@ ROUNDING = 1e-14
 """Bounds are raised by this part of the sum of the terms of a polynomial: ten times its rounding."""
 
 
+Piece = tuple[float, Sequence[float], Sequence[float], Sequence[Sequence[float]]]
+"""When a piece begins; x, y, z and yaw then, and their rates; the powers of their accelerations, or nothing."""
+
+
 @dataclass(frozen=True, slots=True)
 class Repeat:
     """A period begins at `start`, s, and lasts `period`; coordinates (4,) have gone on by `step` after it. `whole`: the
@@ -23,15 +27,12 @@ class Repeat:
 
     start: float
     period: float
-    step: Sequence[float] | FloatArray
+    step: Sequence[float]
     whole: bool = False
 
 
 def tables(
-    begins: Sequence[float] | FloatArray,
-    poses: FloatArray,
-    rates: FloatArray,
-    powers: FloatArray,
+    pieces: Sequence[Piece],
     end: float = math.inf,
     *,
     turns: bool,
@@ -40,48 +41,43 @@ def tables(
     repeat: Repeat | None = None,
     line: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> tuple[FloatArray, FloatArray]:
-    """Row and side table of a law of K pieces that begin at `begins` (K,), the last of them until `end`, with `poses`
-    and `rates` (K, 4) then and the powers (K, 4, P) of their accelerations.
+    """Row and side table of a law of these pieces, the last of them until `end`, s.
 
     `turns`: whether the yaw may change. `corners`: of a first piece whose accelerations are no linear functions.
     `waves`: coordinate, amplitude, rate and phase of each sine. `line` (3,): the only line along which it travels.
     """
-    count, shape = len(begins), np.asarray(powers)
-    used = np.flatnonzero(shape.any(axis=(0, 1)))
-    row, side = np.zeros(c.LAW_COLUMNS), np.zeros((count + len(waves), c.PIECE_COLUMNS))
-    row[[c.COUNT, c.WAVE, c.WAVES, c.TURNS]] = count, count, len(waves), turns
-    row[c.POWERS] = used[-1] + 1 if len(used) else 0
-    yaw = float(poses[0][3])
-    row[c.COS : c.SIN + 1] = math.cos(yaw), math.sin(yaw)
-    row[c.LINE : c.LINE + 3], row[c.AXIS] = line, np.argmax(np.abs(line))
+    # plain Python: most laws have one piece
+    row, side, most, yaw = [0.0] * c.LAW_COLUMNS, list[list[float]](), 0, pieces[0][1][3]
+    ends = [*(begin for begin, *_ in pieces[1:]), end if repeat is None else repeat.period]
+    row[c.COUNT] = row[c.WAVE] = len(pieces)
+    row[c.WAVES], row[c.TURNS], row[c.COS], row[c.SIN] = len(waves), turns, math.cos(yaw), math.sin(yaw)
+    row[c.LINE : c.LINE + 3], row[c.AXIS] = line, max(range(3), key=lambda k: abs(line[k]))
     if repeat is not None:
-        row[[c.START, c.PERIOD, c.WHOLE]] = repeat.start, repeat.period, repeat.whole
-        row[c.STEP : c.STEP + 4], end = repeat.step, repeat.period
-    pieces = side[:count]
-    pieces[:, c.PIECE_BEGIN], pieces[:, c.PIECE_END] = begins, np.append(begins[1:], end)
-    pieces[:, c.POSE : c.POSE + 4], pieces[:, c.RATE : c.RATE + 4] = poses, rates
-    pieces[:, c.POWER :].reshape(count, 4, c.MOST_POWERS)[:, :, : shape.shape[2]] = shape
-    pieces[:, c.CORNER : c.CORNER + c.CORNERS] = math.inf
-    if row[c.POWERS] == 2.0:
-        constant, linear = shape[:, :, 0], shape[:, :, 1]
-        found = np.divide(-constant, linear, out=np.full(constant.shape, math.inf), where=linear != 0.0)
-        pieces[:, c.CORNER : c.CORNER + 4] = found
-    pieces[0, c.CORNER : c.CORNER + len(corners)] = corners
-    for k, wave in enumerate(waves):
-        side[count + k, : len(wave)] = wave
-    row[c.SLACK : c.SLACK + 4] = ROUNDING * _largest(pieces[:, c.PIECE_END] - pieces[:, c.PIECE_BEGIN], rates, shape)
-    return row, side
+        row[c.START : c.WHOLE + 1] = repeat.start, repeat.period, *repeat.step, repeat.whole
+    for (begin, pose, rates, powers), until in zip(pieces, ends, strict=True):
+        turning = [-way[0] / way[1] for way in powers if len(way) == 2 and way[1] != 0.0]
+        turning += () if side else corners
+        side.append([begin, until, *pose, *rates, *turning, *[math.inf] * (c.CORNERS - len(turning))])
+        for way in powers or ((),) * 4:
+            side[-1] += [*way, *[0.0] * (c.MOST_POWERS - len(way))]
+            most = max(most, len(way))
+        sizes = [_largest(rate, way, until - begin) for rate, way in zip(rates, powers or ((),) * 4, strict=True)]
+        for n in range(2):
+            row[c.SLACK + n] = max(row[c.SLACK + n], ROUNDING * sum(size[n] for size in sizes[:3]))
+            row[c.SLACK + 2 + n] = max(row[c.SLACK + 2 + n], ROUNDING * sizes[3][n])
+    row[c.POWERS] = most
+    side += [[*wave, *[0.0] * (c.PIECE_COLUMNS - len(wave))] for wave in waves]
+    return np.array(row), np.array(side)
 
 
-def _largest(lasts: FloatArray, rates: FloatArray, powers: FloatArray) -> FloatArray:
-    """(4,): the greatest sums of the terms of speed, acceleration, yaw rate and yaw acceleration."""
-    speed, acceleration = np.abs(rates), np.zeros(np.shape(rates))
-    h = np.where(np.isfinite(lasts), lasts, 0.0)[:, None]  # a piece without an end is at constant speed
-    for n in range(powers.shape[2]):
-        size = np.abs(powers[:, :, n]) * h**n
-        acceleration, speed = acceleration + size, speed + size * h / (n + 1)
-    travel = [rate[:, :3].sum(axis=1).max() for rate in (speed, acceleration)]  # no squares: they might underflow
-    return np.array([*travel, speed[:, 3].max(), acceleration[:, 3].max()])
+def _largest(rate: float, way: Sequence[float], lasts: float) -> tuple[float, float]:
+    """The sums of the terms of velocity and acceleration of a coordinate over a piece. One without an end is at
+    constant speed."""
+    speed, acceleration = abs(rate), 0.0
+    for n, a in enumerate(way):
+        size = abs(a) * lasts**n
+        speed, acceleration = speed + size * lasts / (n + 1), acceleration + size
+    return speed, acceleration
 
 
 def law_tables(laws: Sequence[Law]) -> tuple[FloatArray, FloatArray]:

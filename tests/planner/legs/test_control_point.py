@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import Change, Law, conveyor, fixed, linear, turntable
-from assur.planner.laws.belt_window import travelled
+from assur.planner.laws.belt_window import HORIZON_S, inside, travelled
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.model.attachments import AT_START
 from assur.planner.model.scene import Follow, Window
@@ -169,3 +169,14 @@ def test_the_way_along_a_belt_is_that_of_the_point_itself_wherever_it_sits_in_it
         assert travelled(law, seat, t) == pytest.approx(moved @ (direction / np.linalg.norm(direction)), abs=1e-12)
     known = linear(Pose(), (0.1, 0.0, 0.0), 0.0, (0.0, 1.0))
     assert np.isnan(travelled(known, seat, np.array([-0.1, 0.5, 1.1, np.nan]))).tolist() == [True, False, True, True]
+
+
+@given(st.floats(-3.0, 3.0), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
+def test_a_part_on_a_belt_that_stands_is_inside_a_window_that_begins_or_ends_where_it_is(
+    yaw: float, x: float, y: float
+) -> None:
+    belt, part = conveyor(Pose(0.3, -0.7, 0.1, yaw), 0.0), Pose(x, y)
+    for window in ((x, x + 0.1), (x - 0.1, x)):
+        ((begin, end),) = inside(belt, part, window, 0.0)
+        assert begin == 0.0
+        assert end >= HORIZON_S
