@@ -62,12 +62,12 @@ def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = Non
     scene, cell, path = base.scene, base.cell, plan.trajectory
     if phases is None:
         phases = phases_in(scene, plan.legs, plan.arrivals)
-    end, stands = phases[-1].t1, max(phase.t1 for phase in phases if phase.robot)
+    end, robot_until = phases[-1].t1, max(phase.t1 for phase in phases if phase.robot)
     required = cell.tables["required"].copy()
     required[0, c.REQUIRED_UNTIL] = end
     story = phases_of(scene, cell.carriers, base.seats, phases)
     return Claim(
-        **{**cell.tables, **cell.frames.around(path, stands, end), **story, "required": required},
+        **{**cell.tables, **cell.frames.around(path, robot_until, end), **story, "required": required},
         limits=base.limits.over(path.start, phases),
         points=c.table("points", [row for _, row in points_of(scene, plan)]),
         pulls=c.table("pulls", [row for _, row in pulls_of(scene, plan, phases)]),
