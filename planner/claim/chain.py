@@ -64,7 +64,7 @@ def known_between(known: dict[tuple[float, ...], int], yaws: list[int], start: i
 
 
 def knots_of(path: Trajectory, begin: float, until: float) -> FloatArray:
-    """Knots (K, c.KNOT) of an arm that follows a trajectory and stands before and after it, from `begin` to `until`, s.
+    """Knots (K, c.KNOT) of an arm that follows a trajectory and rests before and after it, from `begin` to `until`, s.
 
     Raises `InputError` for a trajectory that does not rest at an end beyond which it is required.
     """

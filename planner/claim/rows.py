@@ -32,14 +32,14 @@ def rows_of(
 ) -> FloatArray:
     """All rows, sorted by their times. `bodies`, `number`: the claim's, and their rows by name; `tables`: the phases of
     the plan with their seats."""
-    found = certified(certificate, number)
+    found = certificate_rows(certificate, number)
     planes = found[:, c.ROW_BODY + 1] < 0.0
     if planes.any():
         found = np.concatenate((found[~planes], _pairs(_Places(scene, bodies, path, tables), tables, found, planes)))
     return found[np.lexsort((found[:, c.ROW_T1], found[:, c.ROW_T0]))]
 
 
-def certified(rows: Certificate, number: dict[str, int]) -> FloatArray:
+def certificate_rows(rows: Certificate, number: dict[str, int]) -> FloatArray:
     """The columns of a certificate, with the claim's numbers of bodies; where a row is against a plane its second body
     is -1."""
     found = np.zeros((len(rows), c.ROW))
@@ -56,7 +56,7 @@ def certified(rows: Certificate, number: dict[str, int]) -> FloatArray:
 
 
 def _pairs(places: _Places, tables: dict[str, FloatArray], rows: FloatArray, planes: BoolArray) -> FloatArray:
-    """For each body that planes keep apart from what stands still, a row for each pair in place of them: along the
+    """For each body that planes keep apart from what never moves, a row for each pair in place of them: along the
     normal of the plane that is farthest from the pair's second body."""
     phases, seated = tables["phases"], tables["seated"].astype(np.int64)
     of: IntArray = np.searchsorted(phases[:, c.PHASE_T0], rows[:, c.ROW_T0], side="right") - 1

@@ -107,7 +107,7 @@ class _Cutting:
         return [half for half in halves if len(half) > 2]
 
 
-def kept(pieces: Sequence[Piece], surface: Surface) -> Cut:
+def cut_of(pieces: Sequence[Piece], surface: Surface) -> Cut:
     """As `in_pieces`, which is called once for each surface: a large mesh takes a second."""
     found = _KEPT.get(pieces[0])
     if found is None or found[0] is not surface or len(found[1]) != len(pieces):
