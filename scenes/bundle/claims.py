@@ -27,12 +27,12 @@ CARRY_SHARE = 1e-6
 
 def limits_of(scene: Scene, plan: Plan, phases: Sequence[Phase]) -> list[Document]:
     """The limits of the joints, and for each part those that its load leaves, for as long as it is held."""
-    blended = scene.options.blended
-    found = [_limits(scene.robot.limits, plan.trajectory.start, phases[-1].t1, jerk=not blended)]
+    limited = scene.options.jerk_limited
+    found = [_limits(scene.robot.limits, plan.trajectory.start, phases[-1].t1, jerk=limited)]
     for held, group in groupby((phase for phase in phases if phase.step >= 0), key=lambda phase: phase.attached.held):
         own, all_ = scene.limits_with(None if held is None else held.part), list(group)
         if own is not scene.robot.limits:
-            found.append(_limits(own, all_[0].t0, all_[-1].t1, jerk=not blended))
+            found.append(_limits(own, all_[0].t0, all_[-1].t1, jerk=limited))
     return found
 
 
@@ -65,7 +65,7 @@ def points_of(scene: Scene, plan: Plan) -> list[Document]:
             "tool": _four(scene.tool.tcp),
             "target": _four(target),
         }
-        passed = scene.options.blended and isinstance(step, Move) and step.via
+        passed = scene.options.vias_missed and isinstance(step, Move) and step.via
         for t in () if isinstance(step, Trace) or passed else dict.fromkeys((arrival.time, arrival.until)):
             fast = t == arrival.time and (arrival.matched or _matches(step))
             found.append(

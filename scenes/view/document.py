@@ -82,7 +82,7 @@ def view_of(cell: Cell, given: object) -> document.ViewDocument:
             "time_s": floats(shown.tool_time - start),
             "path_m": floats(shown.tool_path),
         },
-        "curves": _curves(shown, cell.conventions, motion, blended=scene.options.blended),
+        "curves": _curves(shown, cell.conventions, motion, jerk_limited=scene.options.jerk_limited),
         "distances": _distances(shown),
         "legs": [_leg(leg, shown) for leg in legs],
         "held": [
@@ -189,7 +189,7 @@ def _points(shown: Tracks) -> list[document.ShownPoint]:
 
 
 def _curves(
-    shown: Tracks, conventions: Conventions, motion: dict[str, Any] | None, *, blended: bool
+    shown: Tracks, conventions: Conventions, motion: dict[str, Any] | None, *, jerk_limited: bool
 ) -> document.ShownCurves | None:
     if shown.curves is None or motion is None:
         return None
@@ -208,7 +208,7 @@ def _curves(
                 "upper": ends.max(0).tolist(),
                 "velocity": rates[0],
                 "acceleration": rates[1],
-                "jerk": None if blended else rates[2],
+                "jerk": rates[2] if jerk_limited else None,
             }
         )
     joints = rates_as_maker(counted.joints, conventions)
