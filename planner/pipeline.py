@@ -9,7 +9,7 @@ import time
 from dataclasses import dataclass, replace
 from functools import partial
 
-from assur.planner.blends.search import searcher
+from assur.planner.blends import BlendSearch
 from assur.planner.checker.bound.duration import least_duration
 from assur.planner.collision.proof import Prover
 from assur.planner.compiled import load_defined
@@ -40,7 +40,7 @@ from assur.planner.report.checker_first import checker_first
 from assur.planner.report.margins import carried, contacts, margins
 from assur.planner.report.sentence import sentence
 from assur.planner.report.straight_parts import assumed
-from assur.planner.search.beam import Found
+from assur.planner.search.beam import Found, Search
 from assur.planner.search.best_candidate import best_candidate
 from assur.planner.search.cause import cause_of
 from assur.planner.search.census import Counter
@@ -137,7 +137,7 @@ def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: 
     if never is not None:
         proof = shown(scene, prover, never)
         return _not_planned(scene, run, never, Counter().census(), proof=proof, cut=False)
-    found = searcher(scene, prover, run.started, adaptive=adaptive, watch=run.watch).run()
+    found = _search_of(scene)(scene, prover, run.started, adaptive=adaptive, watch=run.watch).run()
     run.laps.lap("search")
     if found.plan is None:
         with run.tail(scene):
@@ -149,6 +149,11 @@ def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: 
             return _not_planned(scene, run, never, census, proof=proof, cut=False)
         return _not_found(scene, run, prover, found)
     return _planned(scene, run, prover, found, found.plan, pairs)
+
+
+def _search_of(scene: Scene) -> type[Search]:
+    """What plans with the timing of the scene."""
+    return Search if scene.options.jerk_limited else BlendSearch
 
 
 def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan, pairs: int) -> Planned:
@@ -229,6 +234,7 @@ def _not_planned(
             deadline,
             refusal,
             proved=proof is not None,
+            search=_search_of(scene),
             watch=run.watch,
         )
         run.laps.lap("explain")

@@ -29,8 +29,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.errors import InputError
-from assur.planner.model.blendable import LEAST_ACCELERATION_TIME_S
+from assur.planner.model.options import LEAST_ACCELERATION_TIME_S
 
 SHORTEST = 1e-5
 """s. The shortest straight piece; else zones meet. Over 10 µs, rounding of positions costs a velocity of 1e-10 rad/s
@@ -46,32 +45,12 @@ class ParabolicBlend:
     """The move through `poses` (K+1, n) with `segments` (K,) s from each to the next and half acceleration times `tau`
     (K+1,) s.
 
-    Raises `InputError` for shapes that do not fit, fewer than two poses, times that are not above zero, zones that
-    overlap (T_k < τ_{k-1} + τ_k), and straight pieces that last, but less than `SHORTEST`.
+    Zones may meet; straight pieces that last are `SHORTEST` or longer (`durations.fitting`).
     """
 
     poses: FloatArray
     segments: FloatArray
     tau: FloatArray
-
-    def __post_init__(self) -> None:
-        count = len(self.poses)
-        if self.poses.ndim != 2 or count < 2 or not np.isfinite(self.poses).all():
-            raise InputError("parabolic_blend.poses", self.poses.shape, "two poses or more, finite")
-        for name, size in (("segments", count - 1), ("tau", count)):
-            value = getattr(self, name)
-            if value.shape != (size,) or not (np.isfinite(value) & (value > 0)).all():
-                raise InputError(f"parabolic_blend.{name}", value, f"{size} times above zero")
-        fits = (np.abs(self._straight) <= MEETS) | (self._straight >= SHORTEST * (1 - 1e-9))
-        if not fits.all():
-            k = int(np.argmin(fits))
-            allowed = f"the sum of its two half blends, or {SHORTEST} s more"
-            raise InputError(f"parabolic_blend.segments[{k}]", float(self.segments[k]), allowed)
-
-    @property
-    def _straight(self) -> FloatArray:
-        """Lengths of the straight pieces (K,), s."""
-        return np.asarray(self.segments - self.tau[:-1] - self.tau[1:])
 
     @property
     def duration(self) -> float:
@@ -85,8 +64,7 @@ class ParabolicBlend:
     @property
     def velocities(self) -> FloatArray:
         """v_0 … v_{K+1} (K+2, n), the first and the last zero."""
-        still = np.zeros((1, self.poses.shape[1]))
-        return np.concatenate([still, np.diff(self.poses, axis=0) / self.segments[:, None], still])
+        return np.pad(np.diff(self.poses, axis=0) / self.segments[:, None], ((1, 1), (0, 0)))
 
     @property
     def accelerations(self) -> FloatArray:
@@ -96,29 +74,11 @@ class ParabolicBlend:
     @property
     def missed_by(self) -> FloatArray:
         """B3 for each pose (K+1, n); zero for the first and the last, where the motion rests."""
-        missed = np.asarray(self.tau[:, None] * np.diff(self.velocities, axis=0) / 4)
-        missed[0] = missed[-1] = 0.0
-        return missed
+        missed = self.tau[:, None] * np.diff(self.velocities, axis=0) / 4
+        return np.pad(missed[1:-1], ((1, 1), (0, 0)))
 
-    def evaluate(self, t: FloatArray | float, derivative: int = 0) -> FloatArray:
-        """q, q̇ or q̈ (derivative 0, 1, 2) at times t (...), (..., n); q̈ from the right. Outside [0, duration]: rest."""
-        t = np.asarray(t, dtype=np.float64)
-        passed, velocity = self.passed, self.velocities
-        k = np.clip(np.searchsorted(passed + self.tau, t, "right"), 0, len(self.tau) - 1)
-        s, tau = (t - passed[k])[..., None], self.tau[k][..., None]
-        before, behind = velocity[k], velocity[k + 1]
-        s = np.minimum(s, tau)
-        early = s < -tau  # on the straight piece before zone I of this pose
-        if derivative == 0:
-            blend = self.poses[k] + (behind * (tau + s) ** 2 - before * (tau - s) ** 2) / (4 * tau)
-            return np.asarray(np.where(early, self.poses[k] + before * s, blend))
-        if derivative == 1:
-            return np.asarray(np.where(early, before, (before * (tau - s) + behind * (tau + s)) / (2 * tau)))
-        rest = (t < 0) | (t >= self.duration)
-        return np.asarray(np.where(early | rest[..., None], 0.0, self.accelerations[k]))
-
-    def knots(self, begin: float = 0.0) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Times (M,), q, q̇, q̈ (M, n) of a motion that begins at `begin` s: two wherever the acceleration jumps.
+    def knots(self, begin: float) -> FloatArray:
+        """Knots (M, 1 + 3n) of a motion that begins at `begin` s, two at each time at which the acceleration jumps.
 
         The first and the last are at rest in the outermost poses, to the bit. Times are rounded first, and the way
         between them follows from them, so that pieces are parabolas to the last digits.
@@ -126,7 +86,7 @@ class ParabolicBlend:
         time, rate = [begin], [0 * self.poses[0]]
         ends, velocity = self.passed + self.tau + begin, self.velocities
         for k, tau in enumerate(self.tau):
-            if k and self._straight[k - 1] > MEETS:
+            if k and self.segments[k - 1] - self.tau[k - 1] - tau > MEETS:
                 time.append(ends[k] - 2 * tau)
                 rate.append(velocity[k])
             time.append(ends[k])
@@ -134,12 +94,9 @@ class ParabolicBlend:
         at, qd = np.array(time), np.array(rate)
         length = np.diff(at)[:, None]
         way = length * (qd[1:] + qd[:-1]) / 2
-        q = self.poses[0] + np.concatenate([0 * way[:1], np.cumsum(way, axis=0)])
+        q = self.poses[0] + np.cumsum(np.concatenate([0 * way[:1], way]), axis=0)
         q[-1] = self.poses[-1]
         pull = np.concatenate([0 * way[:1], np.diff(qd, axis=0) / length, 0 * way[:1]])
-        twice = np.repeat(np.arange(len(at)), 2)
-        leaps = np.ones(len(twice), dtype=bool)
-        leaps[1::2] = (pull[1:] != pull[:-1]).any(1)
-        qdd = np.stack([pull[:-1], pull[1:]], 1).reshape(len(twice), -1)
-        which = twice[leaps]
-        return at[which], q[which], qd[which], qdd[leaps]
+        both = [np.column_stack([at, q, qd, side]) for side in (pull[:-1], pull[1:])]
+        jumps = (pull[1:] != pull[:-1]).any(1)
+        return np.asarray(np.stack(both, 1)[np.column_stack([np.ones_like(jumps), jumps])])

@@ -10,7 +10,6 @@ from collections.abc import Callable
 import numpy as np
 
 from assur.planner.checker.accuracy import accuracies
-from assur.planner.checker.blends import blends
 from assur.planner.checker.claims.bound import bound
 from assur.planner.checker.claims.joints import peaks
 from assur.planner.checker.claims.options import modes, options
@@ -25,6 +24,7 @@ from assur.planner.checker.legs import TIME_S, ends, order
 from assur.planner.checker.limits import corrected, limits, loads
 from assur.planner.checker.meeting import meetings
 from assur.planner.checker.nearest import claimed, nearest, pairs
+from assur.planner.checker.passed import passed
 from assur.planner.checker.paths.following import traced
 from assur.planner.checker.paths.straight_way import straight_ways
 from assur.planner.checker.rows import Apart
@@ -56,7 +56,7 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
 
     A plan of another task or robot gets findings, not exceptions. Not checked: that the plan is good.
     """
-    knots, certificate, blended = plan.trajectory, plan.certificate, scene.options.blended
+    knots, certificate = plan.trajectory, plan.certificate
     strange = _strange(scene, plan)
     if strange:
         return Verdict.of(strange)
@@ -65,7 +65,7 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
         findings.append(Finding(Code.DIGEST, "request, plan and certificate do not belong together"))
     world = World(scene, plan)
     between()
-    findings += limits(world, blended=blended) + ends(world)
+    findings += limits(world) + ends(world)
     broken = assembled(world)
     if broken:
         # Where a chain does not assemble its bodies are nowhere: of them nothing more can be said.
@@ -77,14 +77,14 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     between()
     goals = targets(scene, plan.arrivals)
     findings += meetings(world, plan.legs, plan.arrivals, goals) + arches(world, plan.legs)
-    findings += blends(world, plan.arrivals, goals) + tracked(world, plan.legs, goals)
+    findings += passed(world, plan.arrivals, goals) + tracked(world, plan.legs, goals)
     between()
     findings += traced(world, plan.legs, plan.arrivals, goals)
     findings += straight(world, plan.legs, plan.arrivals) + straight_ways(world, plan.legs, plan.arrivals, goals)
     findings += options(world, plan.legs, plan.arrivals, goals)
     findings += routes(world, plan.legs, plan.arrivals) + windows(world, plan.arrivals, goals)
     of_plan = phases(scene, plan.legs, plan.arrivals)
-    findings += loads(world, of_plan, claims.carried, blended=blended)
+    findings += loads(world, of_plan, claims.carried)
     findings += accuracies(world, plan.arrivals, goals, of_plan)
     findings += pulled(world, of_plan) + turned_into(world)
     between()
@@ -131,16 +131,14 @@ def _touching(phases: tuple[Phase, ...], said: tuple[Contact, ...] | None) -> li
 def _strange(scene: Scene, plan: Plan) -> list[Finding]:
     """Findings about a plan that is none for this robot and task, so that nothing after has to ask."""
     findings = []
-    knots, blended, n = plan.trajectory, scene.options.blended, len(scene.robot.joints)
+    knots, n = plan.trajectory, len(scene.robot.joints)
     if knots.n != n:
         findings.append(Finding(Code.FORM, f"knots of {knots.n} joints, the robot has {n}"))
-    if knots.jumps is not blended:
-        asked = "parabolic_blend" if blended else "jerk_limited"
-        findings.append(
-            Finding(Code.FORM, f"jumps in acceleration are said to be {knots.jumps}, the timing is {asked}")
-        )
-    if plan.certificate.covers != covered(blended=blended):
-        what = f"the certificate must say that it covers {', '.join(covered(blended=blended))}"
+    if knots.jumps is not (not scene.options.jerk_limited):
+        what = f"jumps in acceleration are said to be {knots.jumps}, the timing is {scene.options.timing}"
+        findings.append(Finding(Code.FORM, what))
+    if plan.certificate.covers != covered(knots):
+        what = f"the certificate must say that it covers {', '.join(covered(knots))}"
         findings.append(Finding(Code.FORM, what))
     for arrival in plan.arrivals:
         if arrival.missed_by is not None and len(arrival.missed_by.joints) != n:

@@ -30,15 +30,15 @@ LOAD = 1e-9
 """Relative: by which a mass or an inertia may exceed what is allowed, for rounding of sums."""
 
 
-def limits(world: World, *, blended: bool) -> list[Finding]:
+def limits(world: World) -> list[Finding]:
     """One finding for each kind of limit and joint that is broken, with the excess found and when.
 
-    With parabolic blends the jerk has no bound, and is not looked at: the certificate says so.
+    Where the acceleration may jump, the jerk has no bound and is not evaluated: the certificate states that.
     """
-    return _broken(world, 0, len(world.knots.time) - 1, 1.0, "", blended=blended)
+    return _broken(world, 0, len(world.knots.time) - 1, 1.0, "")
 
 
-def loads(world: World, phases: tuple[Phase, ...], said: tuple[Carried, ...] | None, *, blended: bool) -> list[Finding]:
+def loads(world: World, phases: tuple[Phase, ...], said: tuple[Carried, ...] | None) -> list[Finding]:
     """A finding for each load that may not be carried, for what breaks the limits that are left with a load, and for
     what is `said` of the loads and is not so (None: nothing is said)."""
     scene, findings, time = world.scene, list[Finding](), world.knots.time.tolist()
@@ -57,7 +57,7 @@ def loads(world: World, phases: tuple[Phase, ...], said: tuple[Carried, ...] | N
             first = max(bisect_right(time, load.t0) - 1, 0)
             last = min(bisect_left(time, load.t1), len(time) - 1)
             told = f"{with_part} (share {load.share:.6g})"
-            findings += _broken(world, first, last, load.share, told, blended=blended)
+            findings += _broken(world, first, last, load.share, told)
     return findings if said is None else findings + _said(own, said)
 
 
@@ -114,7 +114,7 @@ SAID = {
 """What the numbers of a load are called."""
 
 
-def _broken(world: World, first: int, last: int, share: float, told: str, *, blended: bool) -> list[Finding]:
+def _broken(world: World, first: int, last: int, share: float, told: str) -> list[Finding]:
     """The limits that are broken between two knots, where acceleration and jerk have this share."""
     robot = world.scene.robot
     given, n = robot.limits, len(robot.joints)
@@ -122,7 +122,7 @@ def _broken(world: World, first: int, last: int, share: float, told: str, *, ble
     allowed[0], allowed[1] = (given.upper + given.lower) / 2, (given.upper - given.lower) / 2
     allowed[2], allowed[3], allowed[4] = given.velocity, share * given.acceleration, share * given.jerk
     findings: list[Finding] = []
-    if excesses(world.tables[1][first : last + 1], n, allowed, 3 if blended else 4, worst, when):
+    if excesses(world.tables[1][first : last + 1], n, allowed, 3 if world.knots.jumps else 4, worst, when):
         return findings
     for kind, joint in np.argwhere(~(worst <= 0.0)):
         what = f"{robot.joints[joint].name} breaks its {KINDS[kind]} limit{told}"

@@ -88,8 +88,8 @@ def _met(world: World, arrival: Arrival, target: Target) -> list[Finding]:
     tool, goal, left, behind = world.states(
         [(c, pose, t) for t in (arrival.time, arrival.until) for c, pose in ((world.flange, tcp), (frame, target.tool))]
     )
-    # checker.blends says by how much vias are missed that are blended past, paths.following what a trace does
-    if not (isinstance(step, Trace) or (world.scene.options.blended and asks_passing(step))):
+    # checker.passed says by how much vias are missed, paths.following what a trace does
+    if not (isinstance(step, Trace) or (world.scene.options.vias_missed and asks_passing(step))):
         hands = ((tool.pitch, tool.roll), (left.pitch, left.roll))
         findings += tilted(hands if target.tilt is not None else (), arrival, target)
         for here, there in ((tool, goal), (left, behind)):

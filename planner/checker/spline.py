@@ -3,7 +3,7 @@
 Over a piece of length h, with s from 0 to 1, a derivative of degree d is Σ c_i B_i^d(s) (equation V1): it takes c_0 and
 c_d at its ends and nowhere leaves [min c, max c]; the part of it over [s0, s1] has control values of its own, by de
 Casteljau's cuts, that lie closer. Control values of rates are made from the knots' own rates: differences of positions
-would lose them on short pieces. Two knots at one time (parabolic blends) are no piece.
+would lose them on short pieces. Two knots at one time are no piece.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ class JointLimits:
     """The rows of a scene's limits without their times: of the robot, and of it with each load that lowers them."""
 
     def __init__(self, scene: Scene) -> None:
-        own, jerk = scene.robot.limits, not scene.options.blended
+        own, jerk = scene.robot.limits, scene.options.jerk_limited
         lowered = {load.part: scene.limits_with(load.part) for load in scene.loads}
         self._own = _row(own, jerk=jerk)
         self._lowered = {part: _row(each, jerk=jerk) for part, each in lowered.items() if each is not own}

@@ -40,7 +40,7 @@ def points_of(scene: Scene, plan: Plan) -> Rows:
         at = flange.then(tcp)
         target = (frames.index(frame), link, *tool, at.x, at.y, at.z, at.yaw)
         # with parabolic blends a via is missed
-        for t in () if step.via and scene.options.blended else dict.fromkeys((arrival.time, arrival.until)):
+        for t in () if step.via and scene.options.vias_missed else dict.fromkeys((arrival.time, arrival.until)):
             fast = t == arrival.time and (arrival.matched or _matches(step))
             rates = (MEET_M_S, turning) if fast else (FREE, FREE)
             found.append((step.name, (t, t, *target, 0.0, FREE, MEET_M, met, *rates)))

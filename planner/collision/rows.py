@@ -82,6 +82,6 @@ def written(
         normal=table[:, ALONG : ALONG + 3].copy(),
         shift0=table[:, FROM].copy() if shifted else None,
         shift1=table[:, TO].copy() if shifted else None,
-        covers=covered(blended=scene.options.blended),
+        covers=covered(trajectory),
     )
     return replace(certificate, digest=digest(scene.digest, trajectory, legs, arrivals, certificate))

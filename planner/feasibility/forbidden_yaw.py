@@ -37,7 +37,7 @@ def yaw_impossible(scene: Scene) -> Refusal | None:
             turned = isinstance(step, Pick) or (turned and not isinstance(step, Place))
             offsets, known = (0.0,), False
         else:
-            known = not (scene.options.blended and step.via)  # a via that is blended past is missed
+            known = not (scene.options.vias_missed and step.via)
         points = [(held, control_point(scene, number, held, turn)) for held in ways for turn in offsets]
         refusals = []
         for _, point in points:

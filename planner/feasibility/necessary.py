@@ -138,7 +138,7 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
             return out
         if roll_free(scene, step):
             continue  # at another roll a body on the flange may be elsewhere
-        if scene.options.blended and step.via:
+        if scene.options.vias_missed and step.via:
             continue  # its pose is missed: that it collides there proves nothing
         found = [_point(scene, prover, point, attached) for attached, point in points]
         hits = [each for each in found if each is not None]

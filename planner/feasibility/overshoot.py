@@ -17,8 +17,8 @@ from assur.planner.robots.facts import Limits
 
 def overshoots(scene: Scene) -> Iterator[Refusal]:
     """A refusal for each limit of a joint that is exceeded after the start by all motions that end at rest."""
-    if scene.options.blended or scene.options.end != "rest" or not scene.start.moving:
-        return  # blends have no jerk limit, and a motion that ends in motion may end before
+    if not scene.options.jerk_limited or scene.options.end != "rest" or not scene.start.moving:
+        return  # without a limit the jerk is as high as is needed, and a motion that ends in motion may end before
     given, start = scene.robot.limits, scene.start
     for i, joint in enumerate(scene.robot.joints):
         for sign in (1.0, -1.0):

@@ -80,8 +80,8 @@ def yaw_refused(
 def allowed_branches(scene: Scene, point: ControlPoint, branches: list[Branch]) -> tuple[list[Branch], Refusal | None]:
     """The branches of one mode at the times at which the tool may be there; if none is left, why. A SCARA has to come
     there from its start without a turn through a forbidden range."""
-    if not scene.forbidden_yaw or not branches or (scene.options.blended and point.via):
-        return branches, None  # a via that is blended past is missed: the whole motion is looked at
+    if not scene.forbidden_yaw or not branches or (scene.options.vias_missed and point.via):
+        return branches, None  # a via that is missed says nothing: the whole motion is evaluated
     free, slack = start_room(scene), _slack(scene)
     kept, refusals = list[Branch](), list[Refusal]()
     for branch in branches:

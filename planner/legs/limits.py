@@ -29,7 +29,8 @@ from assur.planner.trajectory import LimitCheck, LimitReport, Trajectory, accept
 @dataclass(frozen=True, slots=True, eq=False)
 class Rates:
     """Peaks of velocity, acceleration and jerk over their limits, the worst joint each; `ok`: all are kept; `ratios`
-    (3, n): those of all joints; `limits`: of what they are shares."""
+    (3, n): those of all joints, without the jerk (2, n) where the acceleration may jump; `limits`: of what they are
+    shares."""
 
     velocity: float
     acceleration: float
@@ -51,25 +52,27 @@ def rates(scene: Scene, stage: Stage, step: int, trajectory: Trajectory, limits:
     if not report.position.ok:
         return _beyond(scene, stage, step, trajectory, report.position)
     ratios = np.stack([check.ratio for check in report.checks[1:]])
-    velocity, acceleration, jerk = ratios.max(1).tolist()
+    velocity, acceleration, jerk = (*ratios.max(1).tolist(), 0.0)[:3]
     return Rates(velocity, acceleration, jerk, report.ok, ratios, limits)
 
 
 def _report(limits: Limits, trajectory: Trajectory) -> LimitReport:
-    kinds = limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk
-    return check_limits(trajectory, *kinds)
+    jerk = None if trajectory.jumps else limits.jerk
+    return check_limits(trajectory, limits.lower, limits.upper, limits.velocity, limits.acceleration, jerk)
 
 
 @lru_cache(maxsize=16)
-def _bands(limits: Limits) -> FloatArray:
-    """What is accepted of motions within these limits; for every robot once."""
-    return accepted_bands(limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk)
+def _bands(limits: Limits, jumps: bool) -> FloatArray:
+    """What is accepted of motions within these limits, that of the jerk only where the acceleration does not jump; for
+    every robot once."""
+    jerk = None if jumps else limits.jerk
+    return accepted_bands(limits.lower, limits.upper, limits.velocity, limits.acceleration, jerk)
 
 
 def beyond_limits(scene: Scene, step: int, trajectory: Trajectory, limits: Limits) -> Refusal | None:
     """Whether a joint breaks one of `limits` on the way: moving ends overshoot, and the spline as written is what
     counts."""
-    if keeps_bands(trajectory, _bands(limits)):
+    if keeps_bands(trajectory, _bands(limits, trajectory.jumps)):
         return None
     fast = rates(scene, Stage.LIMITS, step, trajectory, limits)
     if isinstance(fast, Refusal):

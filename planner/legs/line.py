@@ -63,18 +63,18 @@ class Line:
         clock = np.clip(t - self.begin, 0.0, self.phase.duration)
         s, sd, sdd = (x[:, 0] for x in self.phase.states(clock))
         turn = np.round((b.yaw[0] - a.yaw[0]) / (2 * np.pi)) * 2 * np.pi
-        p, v, acceleration = _blend(a.p, a.v, a.a, b.p, b.v, b.a, s[:, None], sd[:, None], sdd[:, None])
-        yaw, yaw_d, yaw_dd = _blend(a.yaw, a.yaw_d, a.yaw_dd, b.yaw - turn, b.yaw_d, b.yaw_dd, s, sd, sdd)
+        p, v, acceleration = _between(a.p, a.v, a.a, b.p, b.v, b.a, s[:, None], sd[:, None], sdd[:, None])
+        yaw, yaw_d, yaw_dd = _between(a.yaw, a.yaw_d, a.yaw_dd, b.yaw - turn, b.yaw_d, b.yaw_dd, s, sd, sdd)
         motion = Motion(p, v, acceleration, np.zeros_like(p), yaw, yaw_d, yaw_dd, np.zeros_like(yaw))
         if not (isinstance(a, TiltedMotion) and isinstance(b, TiltedMotion)):
             return motion.at(beside.inverse())
         turns = np.round((b.tilt[0] - a.tilt[0]) / (2 * np.pi)) * 2 * np.pi
         rates = a.tilt_d, a.tilt_dd, b.tilt - turns, b.tilt_d, b.tilt_dd
-        tilt = _blend(a.tilt, *rates, s[:, None], sd[:, None], sdd[:, None])
+        tilt = _between(a.tilt, *rates, s[:, None], sd[:, None], sdd[:, None])
         return TiltedMotion.of(motion, *tilt, np.zeros_like(tilt[0]))
 
 
-def _blend(
+def _between(
     a: FloatArray,
     ad: FloatArray,
     add: FloatArray,

@@ -48,8 +48,8 @@ class Course(StrEnum):
     STRAIGHT = "straight"
     PATH = "path"
     """Along a path of lines, arcs and splines."""
-    BLENDS = "blends"
-    """With parabolic blends."""
+    ROUNDED = "blends"
+    """Straight for the joints from pose to pose, each pose passed at a distance by a parabola (parabolic blends)."""
     TO_REST = "to rest"
     """From the velocity of its last point to a stop, where the plan ends."""
     FOR_BODIES = "for bodies"
@@ -94,8 +94,8 @@ class Leg:
 
 @dataclass(frozen=True, slots=True)
 class Missed:
-    """By how much a parabolic blend misses its pose at its time: each joint (B3), rad or m in the robot's order, and
-    the tool point, m. Raises `InputError` for what is not a finite number."""
+    """By how much a via that is passed at a distance is missed at its time: each joint, rad or m in the robot's order,
+    and the tool point, m. Raises `InputError` for what is not a finite number."""
 
     joints: tuple[float, ...]
     distance_m: float
@@ -133,8 +133,8 @@ class Arrival:
     in its window; `matched`: velocity matched, too. For a follow, pick or place `time` is when tracking of the point
     begins and `until` when it ends (attach, detach); elsewhere until = time. `yaw_offset`: by how much the tool was
     turned about the part's vertical axis, where the part's symmetry (or a free yaw) leaves the choice. `pitch`, `roll`:
-    with which the tool met it, rad; None for an arm that has none. `missed_by`: of a via with parabolic blends, whose
-    `pose` is where the tool is at `time`, while pitch and roll are those of the pose it misses. `error`: how far the
+    with which the tool met it, rad; None for an arm that has none. `missed_by`: of a via that is missed: then `pose` is
+    where the tool is at `time`, and pitch and roll are those of the pose it misses. `error`: how far the
     tool may be from the control point at `until`; None where all is known. `trace`: of a trace, whose `time` and
     `until` are those of the path's beginning and end; it is `matched` if the tool then has the process speed in the
     frame. `grip_m`: of a pick, how far the tool's bodies are from the part at `until`; `support_m`: of a place, how far
@@ -196,9 +196,9 @@ COVERS = ("separation", "position", "velocity", "acceleration", "jerk")
 """What a certificate covers: separation by its rows, the limits by the exact extrema of the trajectory it is of."""
 
 
-def covered(*, blended: bool) -> tuple[str, ...]:
-    """What the certificate of a plan covers: with parabolic blends all but the jerk, which has no bound."""
-    return COVERS[:-1] if blended else COVERS
+def covered(trajectory: Trajectory) -> tuple[str, ...]:
+    """What the certificate of a plan covers: all but the jerk, which has no bound, where the acceleration may jump."""
+    return COVERS[:-1] if trajectory.jumps else COVERS
 
 
 @dataclass(frozen=True, eq=False)

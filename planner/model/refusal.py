@@ -247,7 +247,7 @@ class Overshoot:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AccelerationTime:
-    """MOTION_LIMIT of a parabolic blend whose acceleration time is given: what it would need of the joint, and the
+    """MOTION_LIMIT where the acceleration time is given: what it would need of the joint, and the
     joint's limit, rad/s² or m/s²; `enough_s`: an acceleration time that would do, where one is known."""
 
     kind: Literal["acceleration_time"] = "acceleration_time"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
 
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
@@ -14,10 +13,10 @@ from assur.planner.geometry.pieces import Pieces, pieces
 from assur.planner.geometry.shapes import Body
 from assur.planner.laws.law import EXACT, Frame, PoseUncertainty, Uncertainty
 from assur.planner.laws.rounding import check_rounding
-from assur.planner.model.blendable import refuse_acceleration_time, refuse_unblendable
 from assur.planner.model.execution import AS_PLANNED, Execution, check_execution
 from assur.planner.model.forbidden_yaw import YawRange, check_ranges
 from assur.planner.model.load import UNKNOWN, Load, LoadLimits, Tool, greatest_inertia
+from assur.planner.model.options import DEFAULTS, Clearance, ClearanceException, Options, check_timing
 from assur.planner.model.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Trace, Window
 from assur.planner.robots.facts import Limits, lowered
 from assur.planner.robots.robot import Robot
@@ -115,53 +114,6 @@ STRAIGHT = 1.1
 planned, less than would cost time."""
 
 
-@dataclass(frozen=True, slots=True)
-class ClearanceException:
-    """Required distances, m, of any body of `first` from any of `second` (none named: of all)."""
-
-    first: frozenset[str]
-    second: frozenset[str]
-    travel_m: float
-    near_m: float
-
-
-@dataclass(frozen=True, slots=True)
-class Clearance:
-    """Required distances, m: `near` in approach, follow and depart, `travel` elsewhere; and what differs from that, of
-    which the last that names a pair counts."""
-
-    travel_m: float = 0.0
-    near_m: float = 0.0
-    exceptions: tuple[ClearanceException, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Options:
-    """How to search. `stop`: at the first certified plan, or when the budget is spent."""
-
-    seed: int = 0
-    budget_s: float = 1.0
-    max_candidates: int | None = None
-    stop: Literal["first", "budget"] = "budget"
-    explain_budget_s: float = 0.0
-    clearance: Clearance = Clearance()
-    singularity_margin: float = 0.05
-    elbow: str = "keep"
-    """`keep` (the start's working mode), `auto` (any, changes allowed), or the name of one of the robot's modes."""
-    end: Literal["rest", "moving"] = "rest"
-    stay_safe_s: float = 0.0
-    latest_end_s: float | None = None
-    """The motion must have ended by this time, s."""
-    timing: Literal["jerk_limited", "parabolic_blend"] = "jerk_limited"
-    """`parabolic_blend`: joint moves whose acceleration jumps and whose vias are missed (equations B1 to B7)."""
-    acceleration_time_s: float | None = None
-    """How long each blend lasts, s; None: each as short as the limits allow."""
-
-    @property
-    def blended(self) -> bool:
-        return self.timing == "parabolic_blend"
-
-
 @dataclass(frozen=True, eq=False)
 class Scene:
     """A whole request, valid: robot, tool, start, frames, bodies, task, options."""
@@ -172,7 +124,7 @@ class Scene:
     frames: dict[str, Frame]
     bodies: tuple[WorldBody, ...]
     task: tuple[Step, ...]
-    options: Options = Options()
+    options: Options = DEFAULTS
     execution: Execution = AS_PLANNED
     carry_acceleration: float | None = None
     """Limit of the tool point's acceleration while a part is held, m/s²."""
@@ -222,9 +174,7 @@ class Scene:
         check_execution(self.execution, self.robot, self._tracked())
         self._check_rounding()
         check_ranges(self.robot, self.forbidden_yaw, self.execution.lag)
-        refuse_acceleration_time(self.options.timing, self.options.acceleration_time_s)
-        if self.options.blended:
-            refuse_unblendable(self.task, self.frames, moving=self.start.moving, end=self.options.end)
+        check_timing(self.options, self.task, self.frames, moving=self.start.moving)
 
     def _check_rounding(self) -> None:
         """No frame is so fast, or stated so long ago, that proofs about what is on it would be about rounding."""

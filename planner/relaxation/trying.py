@@ -8,12 +8,13 @@ it helps, the weakest member that helps, too, is reported.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from itertools import groupby
 
 import numpy as np
 
-from assur.planner.blends.search import searcher
 from assur.planner.collision.proof import Prover
 from assur.planner.frames.motion import Pose
 from assur.planner.laws.belt_window import travelled
@@ -25,6 +26,7 @@ from assur.planner.relaxation.by_cause import allowed
 from assur.planner.relaxation.change import Change, frame_of, with_step
 from assur.planner.relaxation.changes import MORE, changes
 from assur.planner.relaxation.rounded import ROUNDING, WHOLE, down, up
+from assur.planner.search.beam import Search
 
 ATTEMPT_S = 1.0
 """Longest time for one change of a request that counts no candidates, s."""
@@ -43,15 +45,18 @@ def relax(
     deadline: float,
     refusal: Refusal | None = None,
     *,
+    search: type[Search],
     proved: bool = False,
     watch: Watch | None = None,
 ) -> tuple[Relaxation | None, tuple[str, ...], bool]:
     """The first kind of change that works, as small as it was found to work; what was tried; and whether the time was
     spent before all of it was. `deadline` in monotonic seconds.
 
-    `refusal`: why there is no plan, and whether that is `proved`: only what it leaves open is tried.
+    `refusal`: why there is no plan, and whether that is `proved`: only what it leaves open is tried. `search`: what
+    plans with the timing of the scene.
     """
     tried: list[str] = []
+    attempt = partial(_attempt, deadline=deadline, tried=tried, search=search, watch=watch)
     for what, members in groupby(changes(scene, step, blocker, refusal), key=lambda change: change[0]):
         if not allowed(refusal, what, proved=proved):
             continue
@@ -59,10 +64,10 @@ def relax(
         left = deadline - time.perf_counter()
         if left < FEWEST_S:
             return None, tuple(tried), True
-        strongest = _attempt(family[-1], deadline, tried, watch)
+        strongest = attempt(family[-1])
         if strongest is None:
             continue
-        relaxation, spent = _weakest(scene, step, family, strongest, deadline, tried, watch)
+        relaxation, spent = _weakest(scene, step, family, strongest, deadline, attempt)
         return relaxation, tuple(tried), spent
     return None, tuple(tried), False
 
@@ -73,8 +78,7 @@ def _weakest(
     family: list[Change],
     strongest: Plan,
     deadline: float,
-    tried: list[str],
-    watch: Watch | None,
+    attempt: Callable[[Change], Plan | None],
 ) -> tuple[Relaxation, bool]:
     """The weakest member of a family whose strongest has the plan `strongest`; whether the time was spent before it was
     known to be the weakest."""
@@ -82,7 +86,7 @@ def _weakest(
     for weaker in family[:-1]:
         if deadline - time.perf_counter() < FEWEST_S:
             return _told(scene, change, made), True
-        found = _attempt(weaker, deadline, tried, watch)
+        found = attempt(weaker)
         if found is not None:
             change, made = weaker, found
             break
@@ -92,7 +96,7 @@ def _weakest(
         if narrow is not None:
             if deadline - time.perf_counter() < FEWEST_S:
                 return _told(scene, change, made), True
-            found = _attempt(narrow, deadline, tried, watch)
+            found = attempt(narrow)
             if found is not None:
                 change, made = narrow, found
     return _told(scene, change, made), False
@@ -102,7 +106,9 @@ def _told(scene: Scene, change: Change, made: Plan) -> Relaxation:
     return Relaxation(change[0], change[1], made.trajectory.end - scene.start.time)
 
 
-def _attempt(change: Change, deadline: float, tried: list[str], watch: Watch | None = None) -> Plan | None:
+def _attempt(
+    change: Change, deadline: float, tried: list[str], search: type[Search], watch: Watch | None
+) -> Plan | None:
     """The search that the changed request would cause, up to its first plan: what is found here, that request finds.
 
     A search that could only repeat what has failed, because no more time is left for it, is left out.
@@ -125,9 +131,9 @@ def _attempt(change: Change, deadline: float, tried: list[str], watch: Watch | N
     tried.append(f"{what}: {value}")
     changed = replace(scene, options=replace(options, budget_s=longest))
     told: Watch | None = None if watch is None else lambda progress: watch(replace(progress, stage="relaxation"))
-    search = searcher(changed, Prover(changed), time.perf_counter(), watch=told)
-    search.until_first = True
-    return search.run().plan
+    first = search(changed, Prover(changed), time.perf_counter(), watch=told)
+    first.until_first = True
+    return first.run().plan
 
 
 def _narrowed(scene: Scene, step: int, change: Change, made: Plan) -> Change | None:

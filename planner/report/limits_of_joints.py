@@ -28,7 +28,7 @@ def overshoots(scene: Scene, refusal: Refusal, facts: Overshoot) -> str:
 
 
 def acceleration_time(refusal: Refusal, facts: AccelerationTime) -> str:
-    """What a parabolic blend would need of a joint in the time that is given, and what would be enough."""
+    """What a change of velocity would need of a joint in the time that is given, and what would be enough."""
     unit = "m/s²" if refusal.amount is None else refusal.amount.unit
     enough = "" if facts.enough_s is None else f"; {amount(facts.enough_s, 's')} would be enough"
     return (

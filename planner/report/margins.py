@@ -62,7 +62,7 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
         tool_acceleration_limit=limit,
         singularity=serial,
         parallel=parallel,
-        jerk="unbounded" if scene.options.blended else "limited",
+        jerk="limited" if scene.options.jerk_limited else "unbounded",
         busiest=_busiest(phases, t, lasts, used >= (1.0 - NEAR_PEAK) * ratio),
         helps=helps,
         tool=tool,
@@ -106,7 +106,7 @@ def _peaks(
 ) -> tuple[tuple[JointPeak, ...], tuple[float, str, str]]:
     """The peaks of all joints, and the greatest ratio of one to its limit, with joint and kind. No jerk where it was
     not asked. A ratio is the greatest of all phases, each with the limits of its load."""
-    joints, kinds = scene.robot.joints, RATES[:2] if scene.options.blended else RATES
+    joints, kinds = scene.robot.joints, RATES if scene.options.jerk_limited else RATES[:2]
     tops, ratios = np.zeros((len(kinds), len(joints))), np.zeros((len(kinds), len(joints)))
     spans = [(phase.t1, phase.attached.limits(scene)) for phase in phases if phase.t1 <= trajectory.end]
     for part, limits in parts(trajectory, spans):

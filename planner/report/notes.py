@@ -33,16 +33,12 @@ def warned(warning: InputWarning) -> str:
 
 
 COURSES = {
-    Course.DIRECT: "direct",
-    Course.ARCH: "arch",
-    Course.STRAIGHT: "straight",
     Course.PATH: "along its path",
-    Course.BLENDS: "blends",
     Course.TO_REST: "comes to rest",
     Course.FOR_BODIES: "lets bodies pass",
     Course.FOR_POINT: "waits for the control point",
 }
-"""Notes of legs."""
+"""Notes of legs, where they are not the names of the courses."""
 
 
 def note(route: Route | None) -> str:
@@ -51,7 +47,7 @@ def note(route: Route | None) -> str:
         return ""
     vias = f"{route.vias} via point{'s' * (route.vias != 1)}" if route.vias else ""
     if route.course is Course.DIRECT:
-        words = vias or COURSES[route.course]
+        words = vias or str(route.course)
     else:
-        words = COURSES[route.course] + (f", {vias}" if vias else "")
+        words = COURSES.get(route.course, str(route.course)) + (f", {vias}" if vias else "")
     return words + " after a wait" * route.after_wait + " later" * route.later

@@ -120,7 +120,7 @@ def judged(scene: Scene, trajectory: Trajectory, plan: Plan | None = None) -> Ju
     first = [beyond(scene, of_motion, trajectory)]
     if resisted is not None:
         earliest = _earliest(prover, *resisted, trajectory)
-        findings = limits(World(scene, made), blended=trajectory.jumps)
+        findings = limits(World(scene, made))
         findings.append(unproved(earliest, "travel" if plan is None else resisted[0].kind))
         amount = None if earliest.gap > earliest.required else earliest.required - earliest.gap
         first.append(First(findings[-1].what, earliest.time, amount, "m", earliest.bodies))
@@ -141,12 +141,12 @@ def _when(first: First) -> float:
 
 def _in_travel(scene: Scene, made: Plan, of_motion: tuple[Phase, ...]) -> list[Finding]:
     """What the checker finds of a motion without legs: all that it looks at but for what a task asks."""
-    world, blended = World(scene, made), made.trajectory.jumps
-    findings, broken = limits(world, blended=blended), assembled(world)
+    world = World(scene, made)
+    findings, broken = limits(world), assembled(world)
     if broken:
         return findings + broken
     table = solids(scene, of_motion)
-    findings += loads(world, of_motion, None, blended=blended) + pulled(world, of_motion) + turned_into(world)
+    findings += loads(world, of_motion, None) + pulled(world, of_motion) + turned_into(world)
     findings += _unknown(scene, table, of_motion)
     apart = Apart.of(scene, of_motion, table, world.tables)
     return findings + apart.found(made.certificate)[0] + enclosed(world, apart)

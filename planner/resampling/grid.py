@@ -39,7 +39,7 @@ def on_nanoseconds(trajectory: Trajectory, also: int | None = None) -> Trajector
     Raises `InputError` for two knots at one time, or in one nanosecond.
     """
     if trajectory.jumps:
-        allowed = "knots at different times: the acceleration of parabolic blends jumps (timing: jerk_limited has none)"
+        allowed = "knots at different times: the acceleration of this motion jumps (timing: jerk_limited has none)"
         raise InputError("trajectory.acceleration_jumps", True, allowed)
     whole = np.rint((trajectory.time - trajectory.start) / NANO)
     if also is not None:
@@ -73,7 +73,7 @@ def on_ticks(scene: Scene, plan: Plan, tick_s: float, *, hold_jerk: bool = False
         raise InputError("tick_s", tick_s, f"from {SHORTEST_TICK_S:g} to {LONGEST_TICK_S:g} s")
     if trajectory.jumps:
         allowed = (
-            "none: between two ticks the acceleration of parabolic blends jumps, and a motion through states at ticks "
+            "none: between two ticks the acceleration of this motion jumps, and a motion through states at ticks "
             "has no parabolas that could be proved; export the knots as csv, or plan with timing: jerk_limited"
         )
         raise InputError("tick_s", tick_s, allowed)

@@ -194,9 +194,20 @@ class Search:
 
     def _sampler(self, partial: PartialPlan) -> Sampler:
         """What samples the continuations of a partial plan, with the options in which its next point can be met."""
-        scene, met = self.scene, list[tuple[float, Meetings]]()
+        scene, attitudes = self.scene, tilts(self.scene, self.scene.task[partial.step], partial.state.q)
+        found = options(scene, partial, self._met(partial))[: max(MOST_OPTIONS, len(attitudes))]
+        score = bound(CoarseScore, self.prover, partial, found)
+        sampler = Sampler(scene, partial, found, self.rng, score, self.adaptive)
+        high = sampler.too_high()
+        if high is not None:
+            self.found.census.note(high)
+            sampler.options = ()
+        return sampler
+
+    def _met(self, partial: PartialPlan) -> list[tuple[float, Meetings]]:
+        """How the next point can be met, with the turn of the tool about the part's axis; why not is noted."""
+        scene, met, modes = self.scene, list[tuple[float, Meetings]](), self._modes(partial)
         attitudes = tilts(scene, scene.task[partial.step], partial.state.q)
-        modes = self._modes(partial)
         offsets = yaw_offsets(scene, scene.task[partial.step])
         if offsets is None:
             offsets = free_yaws(scene, partial, partial.step, modes)
@@ -207,14 +218,7 @@ class Search:
                     self.found.census.note(refusal)
                 if isinstance(meeting, Meetings):
                     met.append((offset, meeting))
-        found = options(scene, partial, met)[: max(MOST_OPTIONS, len(attitudes))]
-        score = bound(CoarseScore, self.prover, partial, found)
-        sampler = Sampler(scene, partial, found, self.rng, score, self.adaptive)
-        high = sampler.too_high()
-        if high is not None:
-            self.found.census.note(high)
-            sampler.options = ()
-        return sampler
+        return met
 
     def _gripping(self, partial: PartialPlan, offsets: tuple[float, ...]) -> list[float]:
         """The turns of the tool in which it is near enough to the part that is picked; any, where that is not asked."""

@@ -92,9 +92,7 @@ def _leg_of(motion: TimedCandidate) -> tuple[tuple[Leg, ...], tuple[Arrival, ...
 def motion_told(scene: Scene, knots: Knots) -> Trajectory:
     """The motion through knots, or, where they are more than `MOST_KNOTS`, through so many of them: it is told for help
     and nothing is proved of it."""
-    if scene.options.blended:
-        return Trajectory(knots.time, knots.q, knots.qd, knots.qdd, jumps=True)
     table = knots.table
     if len(table) > MOST_KNOTS:
         table = table[np.linspace(0, len(table) - 1, MOST_KNOTS).round().astype(np.int64)]
-    return Trajectory.of_knots(table)
+    return Trajectory.of_knots(table, jumps=not scene.options.jerk_limited)

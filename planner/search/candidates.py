@@ -148,7 +148,7 @@ class Sampler:
     def step(self) -> Step:
         return self.scene.task[self.partial.step]
 
-    def _may_wait(self) -> bool:
+    def may_wait(self) -> bool:
         """Whether waiting is possible and changes anything."""
         return can_wait(self.scene, self.partial) and not all_stand(self.scene.frames.values())
 
@@ -170,7 +170,7 @@ class Sampler:
         shape = Shape(hop=Hop(top, float(rng.random()), float(rng.random())))
         if self.step.via:
             shape = replace(shape, through=float(rng.uniform(SLOWEST_THROUGH, FASTEST_THROUGH)))
-        if self._may_wait() and rng.random() < tuning.ARCH_WAITS:
+        if self.may_wait() and rng.random() < tuning.ARCH_WAITS:
             shape = replace(shape, wait=float(rng.exponential(WAIT_S)))
         return option, self._candidate(option, shape)
 
@@ -183,7 +183,7 @@ class Sampler:
             corners = np.array([hop.rise, hop.fall]) + rng.normal(0.0, tuning.CORNER_NUDGE, 2)
             rise, fall = np.clip(corners, 0.0, 1.0)
             shape = replace(shape, hop=Hop(hop.top, float(rise), float(fall)))
-        if self._may_wait() and rng.random() < NUDGED_TIME:
+        if self.may_wait() and rng.random() < NUDGED_TIME:
             shape = replace(shape, wait=max(0.0, shape.wait + float(rng.normal(0.0, TIME_NUDGE_S))))
         return option, replace(parent, shape=shape)
 

@@ -42,8 +42,8 @@ def cause_of(found: Found) -> Cause:
 
 
 def most_frequent(census: Census, step: int) -> CensusLine | None:
-    """The most frequent refusal at a step."""
-    here = [line for line in census.lines if line.refusal.step == step]
+    """The most frequent refusal at a step or behind it: some searches take several steps at once."""
+    here = [line for line in census.lines if line.refusal.step >= step]
     of_candidates = [line for line in here if line.refusal.stage in OF_CANDIDATES]
     # a mode that is not reached at all refuses once for all candidates: it counts as most frequent
     once = [line for line in here if line.refusal.stage is Stage.INVERSE]

@@ -22,11 +22,7 @@ def completed(scene: Scene, partial: PartialPlan) -> Plan | Refusal:
     """
     if partial.knots is None:
         raise FaultError("a whole partial without knots")
-    knots = partial.knots
-    if scene.options.blended:
-        trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd, jumps=True)
-    else:
-        trajectory = Trajectory.of_knots(knots.table)
+    trajectory = Trajectory.of_knots(partial.knots.table, jumps=not scene.options.jerk_limited)
     certificate = written(scene, trajectory, partial.legs, partial.arrivals, list(partial.proofs))
     plan = Plan(trajectory, partial.legs, partial.arrivals, certificate)
     verdict = check(scene, plan, between=look)

@@ -45,7 +45,7 @@ def options(scene: Scene, partial: PartialPlan, found: list[tuple[float, Meeting
         look()
         for branch in meeting.branches:
             every = 1 + len(branch.meetings) // EVALUATED_MEETINGS
-            least = branch.least_durations(start, limits, every, jerk_limited=not scene.options.blended)
+            least = branch.least_durations(start, limits, every, jerk_limited=scene.options.jerk_limited)
             if branch.still:
                 result.append(Option(meeting, yaw_offset, branch, float(least.min())))
                 continue

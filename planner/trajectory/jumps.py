@@ -1,7 +1,7 @@
 """Two knots at one time: a jump in acceleration, and nothing else.
 
-Parabolic blends have constant acceleration and jump from one to the next. At such a time there is one knot for what
-ends and one for what begins; q and q̇ are the same in both, to the bit, so the motion and its speed are continuous.
+A motion without a limit of the jerk may jump from one acceleration to another. At such a time there is one knot for
+what ends and one for what begins; q and q̇ are the same in both, to the bit, so the motion and its speed are continuous.
 Evaluation is continuous from the right. The jerk has no bound there.
 """
 

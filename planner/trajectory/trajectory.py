@@ -4,7 +4,7 @@ It is what ROS 2's joint_trajectory_controller runs from points with positions, 
 whatever is proved here holds for what moves. A piecewise cubic with a knot at every jump of its jerk is reproduced
 exactly. Times are strictly increasing; q, q̇ and q̈ are continuous, the jerk jumps at knots.
 
-A trajectory that says so (`jumps`: parabolic blends) may hold two knots at one time, with the same q and q̇, where q̈
+A trajectory that says so (`jumps`) may hold two knots at one time, with the same q and q̇, where q̈
 jumps (`assur.planner.trajectory.jumps`). Its pieces are those that last; at a jump the one to the right counts.
 
 Kernels are imported where they are called: whoever only names a trajectory, as the web process does, loads no compiler.
@@ -58,11 +58,15 @@ class Trajectory:
             doubled(self.time, self.q, self.qd, self.qdd)
 
     @classmethod
-    def of_knots(cls, knots: FloatArray) -> Trajectory:
-        """The trajectory of a table (K, 1 + 3n) of K > 1 knots, which is not copied: times, q, q̇, q̈ side by side.
+    def of_knots(cls, knots: FloatArray, *, jumps: bool = False) -> Trajectory:
+        """The trajectory of a table (K, 1 + 3n) of K > 1 knots: times, q, q̇, q̈ side by side. It is not copied where
+        nothing `jumps`.
 
-        Raises `FaultError` for numbers that are not finite and times that do not increase.
+        Raises `FaultError` for numbers that are not finite and times that do not increase; with `jumps`, `InputError`
+        as the constructor does.
         """
+        if jumps:
+            return cls(knots[:, 0], *np.split(knots[:, 1:], 3, axis=1), jumps=True)
         from assur.planner.kernels.hermite import first_bad_knot
 
         bad = first_bad_knot(knots)

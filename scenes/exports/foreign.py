@@ -49,7 +49,7 @@ def verdict(
         cell.conventions,
         asked.start_s,
         scene.start.time,
-        jumps=scene.options.blended,
+        jumps=not scene.options.jerk_limited,
     )
     if not trajectory.start >= scene.start.time - EARLY_S:
         allowed = f"times from {scene.start.time:.15g} s on, when the request begins"

@@ -126,7 +126,7 @@ def untrue_repeats(plan: object, scene: Scene) -> tuple[Finding, ...]:
         (lasting, "load.", "max_inertia_kgm2", known.max_inertia_kgm2),
         (lasting, "load.", "law", law),
         (margins, "margins.", "tool_acceleration_limit_m_s2", scene.carry_acceleration),
-        (margins, "margins.", "jerk", "unbounded" if scene.options.blended else "limited"),
+        (margins, "margins.", "jerk", "limited" if scene.options.jerk_limited else "unbounded"),
     ]
     found = [
         Finding(Code.CLAIM, f"{above}{key} is {_short(inside[key])}, but of this request it is {_short(true)}",

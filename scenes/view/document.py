@@ -187,7 +187,7 @@ def _limits(
                 "upper": ends.max(0).tolist(),
                 "velocity": rates[0],
                 "acceleration": rates[1],
-                "jerk": None if scene.options.blended else rates[2],
+                "jerk": rates[2] if scene.options.jerk_limited else None,
             }
         )
         last = limits

@@ -483,7 +483,7 @@ def test_every_reason_and_every_kind_of_facts_is_tried_above() -> None:
 
 def test_each_note_of_a_leg_is_another_one() -> None:
     routes = [Route(course) for course in Course]
-    routes += [Route(Course.DIRECT, 1), Route(Course.DIRECT, 2), Route(Course.BLENDS, 2)]
+    routes += [Route(Course.DIRECT, 1), Route(Course.DIRECT, 2), Route(Course.ROUNDED, 2)]
     routes += [Route(Course.DIRECT, after_wait=True), Route(Course.DIRECT, later=True)]
     assert len({note(route) for route in routes}) == len(routes)
     assert note(Route(Course.DIRECT, 2, after_wait=True, later=True)) == "2 via points after a wait later"

@@ -37,6 +37,7 @@ from assur.planner.pipeline import plan
 from assur.planner.relaxation.by_cause import worth_trying
 from assur.planner.relaxation.changes import changes
 from assur.planner.relaxation.trying import _attempt, relax
+from assur.planner.search.beam import Search
 from tests.docs.pages import ROOT
 from tests.planner.cells import CUP, Around, arm, at, belt_and_dial, cell, frame, go, solid, stands, table_to_table
 from tests.planner.five_axis_cells import aim, five_axis_cell, goes
@@ -343,7 +344,7 @@ def test_a_search_that_could_only_repeat_what_failed_is_not_tried() -> None:
     scene = post_beside(max_candidates=None, budget_s=1.0)
     tried: list[str] = []
     (budget,) = (each for each in changes(scene, 0, None) if each[0] == "budget")
-    assert _attempt(budget, time.perf_counter() + 2.0, tried) is None
+    assert _attempt(budget, time.perf_counter() + 2.0, tried, Search, None) is None
     assert tried == []
 
 
@@ -432,7 +433,7 @@ def test_of_a_law_that_ends_too_soon_only_what_needs_less_of_it_is_tried() -> No
 
 
 def test_a_spent_budget_is_said() -> None:
-    found, tried, spent = relax(post_beside(), 0, None, time.perf_counter() - 1.0)
+    found, tried, spent = relax(post_beside(), 0, None, time.perf_counter() - 1.0, search=Search)
     assert found is None
     assert tried == ()
     assert spent

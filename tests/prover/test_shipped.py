@@ -57,7 +57,7 @@ def test_both_checkers_agree_on_every_plan_that_a_shipped_scenario_has(name: str
     assert told["smallest distance of a pair, m"] == min(least + every)
     assert told["greatest delay of the robot's start, s"] == scene.execution.start_tolerance_s
     assert told["greatest lag of a joint, rad or m"] == max(scene.execution.lag or (0.0,))
-    assert (told["limits of each joint, jerk"] == "not limited") is scene.options.blended
+    assert (told["limits of each joint, jerk"] == "not limited") is not scene.options.jerk_limited
     meshes = [body for body in bodies_in(scene) if body.surface is not None]
     assert told["bodies from meshes, with what they enclose"] == len(meshes)
     assert told["rows that show it"] > 0 < told["pairs of bodies that keep their distance, counted in each phase"]

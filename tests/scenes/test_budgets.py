@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from assur.planner.errors import InputError
-from assur.planner.model.blendable import LEAST_ACCELERATION_TIME_S
+from assur.planner.model.options import LEAST_ACCELERATION_TIME_S
 from assur.scenes import bounds
 from assur.scenes.requests import check_document, plan_document, validate, view_document
 from assur.scenes.schema import sizes

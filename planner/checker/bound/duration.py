@@ -126,7 +126,7 @@ def _rested(scene: Scene, left: Left, since: FloatArray) -> float:
 
 def _claimed(scene: Scene, lasts: float) -> float | None:
     """A bound less its reserve; None where it says nothing."""
-    own = UNBOUNDED_JERK_S * 4 * len(scene.task) if scene.options.blended else 0.0
+    own = 0.0 if scene.options.jerk_limited else UNBOUNDED_JERK_S * 4 * len(scene.task)
     bound = lasts - RESERVE * lasts - own
     return bound if bound > RESERVE else None
 
@@ -140,7 +140,7 @@ def _begun(scene: Scene) -> Left:
 def _limits(scene: Scene, part: str | None) -> FloatArray:
     """Range, velocity, acceleration and jerk (5, n) with a part in the gripper."""
     limits = np.array(scene.limits_with(part).table)
-    if scene.options.blended:
+    if not scene.options.jerk_limited:
         limits[4] = limits[3] / UNBOUNDED_JERK_S
     return limits
 

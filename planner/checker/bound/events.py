@@ -111,7 +111,7 @@ def _events(
             Event(step, frame, point, here, free, pitch, roll, PASSES, 0.0, sooner, before, after, traced)
             for here, (sooner, traced) in zip(both, spans, strict=True)
         ]
-    if isinstance(step, Move) and step.via and scene.options.blended:
+    if isinstance(step, Move) and step.via and scene.options.vias_missed:
         poses = ()  # it is not passed exactly
     return [Event(step, frame, point, poses, free, pitch, roll, kind, lasts, opens, before, after)]
 

@@ -28,16 +28,16 @@ TIE = 1e-9
 
 def peaks(world: World, phases: tuple[Phase, ...], claims: Claims) -> list[Finding]:
     """Findings about the peaks of the joints, their shares of the limits, and about which of them binds."""
-    said, blended = claims.peaks, world.scene.options.blended
+    said, limited = claims.peaks, world.scene.options.jerk_limited
     if said is None:
         alone = "what binds cannot be verified without the peaks of the joints"
         told = (("binds", claims.binds), ("helps", claims.helps), ("busiest", claims.busiest))
         return [Finding(Code.CLAIM, alone, where=f"margins.{name}") for name, claim in told if claim is not None]
-    joints, count = world.scene.robot.joints, 2 if blended else 3
+    joints, count = world.scene.robot.joints, 3 if limited else 2
     if [peak.joint for peak in said] != [joint.name for joint in joints]:
         return [Finding(Code.CLAIM, f"there must be a peak of each joint: {', '.join(each.name for each in joints)}")]
-    if any((value is None) is not blended for peak in said for value in (peak.jerk, peak.jerk_ratio)):
-        which = "no jerk, which has no bound with parabolic blends" if blended else "a jerk"
+    if any((value is None) is limited for peak in said for value in (peak.jerk, peak.jerk_ratio)):
+        which = "a jerk" if limited else "no jerk, which has no bound"
         return [Finding(Code.CLAIM, f"the peaks of the joints must have {which}")]
     limits, whole = world.scene.robot.limits, (0, len(world.knots.time) - 1)
     every = np.array([limits.velocity, limits.acceleration, limits.jerk])[:count]

@@ -44,7 +44,7 @@ def options(
 
 
 def _modes(world: World, arrivals: tuple[Arrival, ...]) -> list[Finding]:
-    """The working mode in which each control point is met; of a via that is blended past, that of the pose missed."""
+    """The working mode in which each control point is met; of a missed via, that of the pose that is missed."""
     robot, asked = world.scene.robot, world.scene.options.elbow
     if asked == "auto":
         return []

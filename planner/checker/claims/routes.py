@@ -46,17 +46,17 @@ def routes(world: World, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -
 
 def _courses(world: World, leg: Leg, until: float) -> tuple[Course, ...]:
     """The courses that a leg may have; `until`: when its step is done, s."""
-    step, blended = world.scene.task[leg.step], world.scene.options.blended
+    step, limited = world.scene.task[leg.step], world.scene.options.jerk_limited
     if leg.kind in TRACKING:
         return ()
     if leg.kind is LegKind.WAIT:
-        return (Course.FOR_BODIES, Course.FOR_POINT) if blended else (Course.FOR_BODIES,)
+        return (Course.FOR_BODIES,) if limited else (Course.FOR_BODIES, Course.FOR_POINT)
     if leg.kind is LegKind.ARCH:
         return (Course.ARCH,)
     if leg.t0 >= until - TIME_S:
         return (Course.TO_REST,)
-    if blended:
-        return (Course.BLENDS,)
+    if not limited:
+        return (Course.ROUNDED,)
     if isinstance(step, Move) and step.leg == "cartesian":
         return (Course.PATH,) if step.path else (Course.STRAIGHT,)
     return (Course.DIRECT,)

@@ -50,7 +50,7 @@ def hindrances(scene: Scene, way: Way, mode: str, above: float) -> Iterator[Hind
     if wide.short.low > 0.0 and not isinstance(robot, PolarArm):
         yield hindrance(Reason.OUT_OF_REACH, exact.short.low, "m")
         return
-    if scene.options.blended and way_is_via(scene, way):
+    if scene.options.vias_missed and way_is_via(scene, way):
         return  # its joints are missed; that there are none is all that can be said
     limits = robot.limits
     for k, joint in enumerate(robot.joints):

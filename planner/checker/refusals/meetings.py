@@ -89,8 +89,8 @@ def at_the_start(scene: Scene, meeting: Meeting) -> Judged | str:
 def at_a_point(scene: Scene, way: Way, meeting: Meeting) -> Judged | str:
     """The pair of a meeting at a control point, in the mode of the meeting, or why it proves nothing."""
     t, robot, step = scene.start.time, scene.robot, scene.task[way.number]
-    if scene.options.blended and step.via:
-        return "a via with parabolic blends is missed"
+    if scene.options.vias_missed and step.via:
+        return "the via is missed"
     tilts = "pitch" in robot.coordinates
     if tilts and not all(math.isfinite(angle) for angle in way.tilt):
         return "pitch or roll are free"

@@ -25,7 +25,7 @@ def overshoot(scene: Scene, refusal: Refusal, facts: Overshoot) -> str:
     k = next((k for k, joint in enumerate(scene.robot.joints) if joint.name == refusal.joint), None)
     if k is None or facts.rate not in (None, "velocity"):
         return "the robot has no such joint, or the joint no such limit"
-    if scene.options.blended or scene.options.end != "rest":
+    if not scene.options.jerk_limited or scene.options.end != "rest":
         return "the motion may end before, or its jerk is not limited"
     return "" if any(_shown(scene, refusal, facts, k, sign) for sign in (1.0, -1.0)) else "the joint can keep its limit"
 

@@ -301,8 +301,8 @@ def yaws_forbidden(scene: Scene, refusal: Refusal, facts: ForbiddenYaw) -> str:
     """Why it is not shown that the tool has a forbidden yaw at a control point, however the part is turned; nothing: it
     has."""
     yaws = [yaw_of(scene, way) for way in ways(scene, refusal.step)]
-    if scene.options.blended and scene.task[refusal.step].via:
-        return "a via with parabolic blends is missed"
+    if scene.options.vias_missed and scene.task[refusal.step].via:
+        return "the via is missed"
     slack = slack_of(scene.execution.lag)
     if not all(
         yaw is not None and max(each.depth(yaw, slack) for each in scene.forbidden_yaw) > PROVED_RAD for yaw in yaws

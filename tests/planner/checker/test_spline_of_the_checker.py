@@ -136,7 +136,7 @@ def findings(line: Trajectory, given_limits: Limits) -> list[Any]:
     scene, plan = crossing_case()
     robot: Any = scene.robot
     other = replace(scene, robot=replace(robot, limits=given_limits))
-    return limits(World(other, replace(plan, trajectory=line)), blended=False)
+    return limits(World(other, replace(plan, trajectory=line)))
 
 
 @given(seeds, sizes, st.integers(0, 3), st.integers(0, 3), st.booleans())

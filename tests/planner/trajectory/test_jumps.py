@@ -26,7 +26,7 @@ def blended(seed: int = 0, count: int = 4, begin: float = 0.5) -> Trajectory:
     rng = np.random.default_rng(seed)
     tau = rng.uniform(0.02, 0.2, count)
     law = ParabolicBlend(rng.uniform(-2, 2, (count, 2)), tau[1:] + tau[:-1] + rng.uniform(0.01, 0.2, count - 1), tau)
-    return Trajectory(*law.knots(begin), jumps=True)
+    return Trajectory.of_knots(law.knots(begin), jumps=True)
 
 
 PATHS = st.builds(blended, st.integers(0, 10**6), st.integers(2, 6), st.floats(-3, 30))
@@ -153,8 +153,8 @@ def test_motions_that_end_and_begin_with_a_jump_meet_in_one_jump() -> None:
 
 def meeting(one: Trajectory, other: Trajectory, jumps: bool = True) -> Trajectory:
     """Both motions, one after the other."""
-    first, second = ((path.time, path.q, path.qd, path.qdd) for path in (one, other))
-    return Trajectory(*joined(first, second), jumps=jumps)
+    table = joined(one.knots, other.knots)
+    return Trajectory(table[:, 0], *np.split(table[:, 1:], 3, axis=1), jumps=jumps)
 
 
 def test_smooth_motions_meet_in_a_jump_where_their_accelerations_differ_and_in_one_knot_where_they_do_not() -> None:

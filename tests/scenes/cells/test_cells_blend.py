@@ -136,22 +136,7 @@ def test_doubled_knots_are_refused_where_the_answer_does_not_own_up_to_them_or_t
         (lambda r: r["options"].update(acceleration_time_ms=0), "options.acceleration_time_ms"),
         (lambda r: r["options"].update(acceleration_time_ms=1), "options.acceleration_time_ms"),
         (lambda r: r["options"].update(timing="jerk_limited"), "options.acceleration_time_ms"),
-        (lambda r: r["options"].update(end="moving"), "options.end"),
         (lambda r: r["task"][0]["move"].update(leg="cartesian"), "task[0].move.leg"),
-        (lambda r: r["task"][0]["move"].update(arch={"top_mm": -50}), "task[0].move.arch"),
-        (lambda r: r["task"][1]["move"].update(via=True), "task[1].move.via"),
-        (
-            lambda r: r["task"][1]["move"].update(
-                match="velocity", to={"frame": "gate-a", "at_mm": [0, 0, 0], "yaw_deg": 0}
-            ),
-            "task[1].move.match",
-        ),
-        (
-            lambda r: r["task"].insert(
-                0, {"follow": {"to": {"at_mm": [200, 200, -100], "yaw_deg": 0}, "duration_s": 1}}
-            ),
-            "task[0].follow",
-        ),
         (
             lambda r: r["start"].update(
                 velocity={"theta1_deg_s": 1, "theta2_deg_s": 0, "d3_mm_s": 0, "theta4_deg_s": 0}

@@ -1,4 +1,7 @@
-"""Parabolic blends from request to plan: what is planned holds, the rest is refused at its field or by its number."""
+"""Parabolic blends from request to plan: what is planned holds, the rest is refused at its field or by its number.
+
+The tool point keeps the limit of its acceleration with a held part, on both sides of every jump.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assur.planner.blends.candidates import DIRECT
+from assur.planner.checker import Code as Finding
 from assur.planner.checker import check
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
@@ -22,11 +25,26 @@ from assur.planner.geometry.shapes import box, cylinder
 from assur.planner.laws import conveyor, swing, turntable
 from assur.planner.model.link_frames import link_law
 from assur.planner.model.outcome import Course, NotPlanned, Outcome, Planned, Route
-from assur.planner.model.refusal import AccelerationTime, Reason
-from assur.planner.model.scene import Arch, Follow, Options, Pick, Place, Scene, Start, Step, Target, Window
+from assur.planner.model.refusal import AccelerationTime, Carrying, Reason
+from assur.planner.model.scene import (
+    Arch,
+    Follow,
+    Holding,
+    Options,
+    Pick,
+    Place,
+    Scene,
+    Start,
+    Step,
+    Target,
+    Window,
+    WorldBody,
+)
 from assur.planner.pipeline import plan
 from assur.planner.robots.facts import Code
 from assur.planner.robots.scara import FLANGE, LINK1
+from assur.planner.search.tuning import MOST_OPTIONS
+from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CUP, PART, Around, amount_of, arm, at, cell, frame, go, solid, stands, unit_of
 from tests.planner.trajectory.splines import bernstein
 
@@ -122,7 +140,7 @@ def planned(name: str) -> tuple[Scene, Planned]:
 
 def test_a_point_that_is_not_yet_in_reach_is_waited_for_and_met_as_soon_as_it_is() -> None:
     _, outcome = planned("not yet in reach")
-    assert [leg.route for leg in outcome.plan.legs] == [Route(Course.FOR_POINT), Route(Course.BLENDS, after_wait=True)]
+    assert [leg.route for leg in outcome.plan.legs] == [Route(Course.FOR_POINT), Route(Course.ROUNDED, after_wait=True)]
     scene = CELLS["not yet in reach"]()
     robot, law = scene.robot, scene.frames["late"].law
     target = Pose(0.0, 0.0, 0.15)
@@ -300,7 +318,7 @@ def test_an_acceleration_time_that_is_too_short_is_refused_with_joint_limit_and_
     assert refusal.facts.needed == pytest.approx(limit + amount_of(refusal))
     assert f"with an acceleration time of 50 ms {refusal.joint} would need" in outcome.sentence
     assert {line.refusal.stage for line in outcome.census.lines if line.refusal.step >= 0} <= {"timing", "inverse"}
-    assert outcome.census.candidates <= DIRECT  # the direct ways, and none with more poses
+    assert outcome.census.candidates <= MOST_OPTIONS  # the direct ways, and none with more poses
     least = refusal.facts.enough_s
     assert least is not None
     assert isinstance(plan(replace(scene, options=replace(scene.options, acceleration_time_s=least))), Planned)
@@ -313,12 +331,12 @@ def test_free_poses_go_round_bodies_and_a_leg_counts_its_own() -> None:
     task = (go(0.4, -0.3), go(0.4, 0.3, name="b"), go(0.35, 0.3, name="c"))
     open_cell = plan(blend(cell(*task), stop="budget", max_candidates=80))
     assert isinstance(open_cell, Planned)
-    assert {leg.route for leg in open_cell.plan.legs if leg.kind == "MOVE"} == {Route(Course.BLENDS)}
+    assert {leg.route for leg in open_cell.plan.legs if leg.kind == "MOVE"} == {Route(Course.ROUNDED)}
     vias = (go(0.4, -0.3, via=True), go(0.4, 0.3, name="b", via=True), go(0.35, 0.3, name="c"))
     walled = plan(blend(cell(*vias, bodies=(wall(),)), max_candidates=400))
     assert isinstance(walled, Planned)
     routes = [leg.route for leg in walled.plan.legs if leg.kind == "MOVE"]
-    assert routes == [Route(Course.BLENDS, 2)] * 3  # up and over on the way to each
+    assert routes == [Route(Course.ROUNDED, 2)] * 3  # up and over on the way to each
 
 
 def test_what_would_have_helped_is_to_leave_the_acceleration_time_to_the_planner() -> None:
@@ -348,7 +366,7 @@ def test_what_cannot_be_reached_or_comes_too_late_is_refused_with_its_reason() -
     late = plan(blend(cell(go(0.35, -0.2, window=Window(time=(0.0, 0.05)))), max_candidates=20))
     assert isinstance(late, NotPlanned)
     assert late.reason is Reason.WINDOW_MISSED
-    assert late.census.candidates <= DIRECT  # in a cell where nothing moves, nothing else would come sooner
+    assert late.census.candidates <= MOST_OPTIONS  # in a cell where nothing moves, nothing else would come sooner
     end = plan(blend(cell(go(0.35, -0.2)), max_candidates=20, latest_end_s=0.1))
     assert isinstance(end, NotPlanned)
     assert end.reason is Reason.WINDOW_MISSED
@@ -423,3 +441,68 @@ def test_an_arm_that_runs_such_a_plan_is_no_frame() -> None:
     with pytest.raises(InputError) as caught:
         link_law(scene.robot, outcome.plan.trajectory, LINK1)
     assert caught.value.field == "neighbour.trajectory"
+
+
+LID = WorldBody(solid("lid", box(0.04, 0.04, 0.02)))
+
+
+def holding(carry: float | None, given: float | None = None, **options: Any) -> Scene:
+    """A lid is carried past a via to a stop."""
+    task = (go(0.4, 0.0, 0.15, name="over", via=True), go(0.3, -0.25, 0.12, name="there"))
+    scene = cell(*task, bodies=(LID,), tool=CUP, carry=carry)
+    scene = replace(scene, start=replace(scene.start, holding=Holding("lid", Pose(z=0.01))))
+    return blend(scene, max_candidates=40, acceleration_time_s=given, **options)
+
+
+def peak(scene: Scene, path: Trajectory) -> float:
+    """The largest acceleration of the tool point, m/s², by differences of positions within each piece."""
+    largest, h = 0.0, 1e-5
+    for one, other in zip(path.edges[:-1], path.edges[1:], strict=True):
+        if other - one < 4 * h:
+            continue
+        t = np.linspace(one + h, other - h, 400)
+        p = [scene.robot.forward(path.evaluate(t + k * h))[0] for k in (-1, 0, 1)]
+        largest = max(largest, float(np.linalg.norm(p[0] - 2 * p[1] + p[2], axis=-1).max()) / h**2)
+    return largest
+
+
+@pytest.mark.parametrize("given", [None, 0.15, 0.3])
+@pytest.mark.parametrize("limit", [20.0, 3.0])
+def test_the_limit_is_kept_by_a_slower_motion(given: float | None, limit: float) -> None:
+    free = plan(holding(None, given))
+    scene = holding(limit, given)
+    found = plan(scene)
+    assert isinstance(free, Planned)
+    assert isinstance(found, Planned), found.sentence
+    told = found.margins.tool_acceleration
+    assert peak(scene, found.plan.trajectory) == pytest.approx(told, rel=5e-3)
+    assert told <= limit
+    if peak(scene, free.plan.trajectory) > limit:
+        assert found.plan.trajectory.duration > free.plan.trajectory.duration
+        assert told > 0.7 * limit  # no slower than it has to be
+        # the checker, too, refuses the motion that pulls harder
+        fast = check(scene, free.plan)
+        assert {finding.code for finding in fast.findings} == {Finding.CARRY}
+
+
+def test_the_checker_bounds_each_side_of_a_jump_by_itself_and_no_more() -> None:
+    """It accepts a limit that is just above the peak, and refuses one that is just below."""
+    scene = holding(5.0)
+    found = plan(scene)
+    assert isinstance(found, Planned)
+    true = peak(scene, found.plan.trajectory)
+    for share, refused in ((1.002, False), (0.998, True)):
+        findings = check(replace(scene, carry_acceleration=share * true), found.plan).findings
+        assert (Finding.CARRY in {finding.code for finding in findings}) is refused
+
+
+def test_where_no_slower_motion_is_in_time_the_limit_is_told() -> None:
+    scene = holding(1.0, latest_end_s=0.8)
+    assert isinstance(plan(replace(scene, carry_acceleration=None)), Planned)
+    found = plan(scene)
+    assert isinstance(found, NotPlanned)
+    lines = [line.refusal for line in found.census.lines if line.refusal.reason is Reason.CARRY_LIMIT]
+    assert lines
+    assert isinstance(lines[0].facts, Carrying)
+    assert lines[0].facts.limit == 1.0
+    assert not any(line.refusal.stage == "checker" for line in found.census.lines)
