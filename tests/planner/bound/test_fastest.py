@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.bound.fastest import EXACT, FREE, beyond, changed, farthest, from_rest, soonest
+from assur.planner.bound.fastest import EXACT, FREE, beyond, changed, farthest, from_rest, soonest
 
 Limit = tuple[float, float, float]
 SEEDS = st.integers(0, 2**32 - 1)

@@ -12,8 +12,22 @@ from itertools import product
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.laws import arm_row
-from assur.planner.checker.motion import BASE, ELBOW, FAMILY, FIVE_AXIS, FIVE_BAR, NUMBERS, POLAR, SCARA
+from assur.planner.kernels.links import (
+    BASE_COS,
+    BASE_SIN,
+    BASE_X,
+    BASE_YAW,
+    BASE_Z,
+    ELBOW,
+    FIVE_AXIS,
+    FIVE_BAR,
+    HEIGHT,
+    KIND,
+    L1,
+    L4,
+    POLAR,
+    SCARA,
+)
 from assur.planner.robots.robot import Robot
 
 STRETCH_M = 1e-9
@@ -33,13 +47,12 @@ def places(
 ) -> FloatArray:
     """Joint positions (N, n) within the joints' ranges that put the flange there, in any of the working modes; NaN in
     what an angle that is not given (NaN) leaves open. Raises `Unplaced` where there are none or more than `MOST`."""
-    row, n = np.array(arm_row(robot)), len(robot.joints)
     found: list[tuple[float, ...]] = []
     for mode in modes:
-        q = _place(row, mode, (x, y, z, yaw, pitch, roll))
+        q = _place(robot.row, mode, (x, y, z, yaw, pitch, roll))
         if q is None:
             continue
-        choices = [_turned(robot, k, q[k]) for k in range(n)]
+        choices = [turned(robot, k, q[k]) for k in range(len(robot.joints))]
         # counted before they are made: joints with 64 turns each have a thousand million positions together
         if len(found) + math.prod(map(len, choices)) > MOST:
             raise Unplaced
@@ -56,16 +69,16 @@ def modes_asked(robot: Robot, elbow: str, q: FloatArray) -> tuple[int, ...]:
         return every
     if elbow != "keep":
         return (robot.modes.index(elbow),)
-    row = np.array(arm_row(robot))
-    if row[FAMILY] == SCARA:
+    if robot.row[KIND] == SCARA:
         return (int(math.sin(q[1]) > 0.0),)
     return every
 
 
-def _turned(robot: Robot, joint: int, at: float) -> list[float]:
-    """Positions of a joint within its range that are whole turns from `at`; NaN stays as it is."""
+def turned(robot: Robot, joint: int, at: float, off: float = 0.0) -> list[float]:
+    """Positions of a joint, whole turns from `at`, that are within its range or at most `off` beyond it; NaN stays as
+    it is."""
     low, high = (float(edge[joint]) for edge in robot.limits.within)
-    slack = 1e-9 * (high - low)
+    slack = 1e-9 * (high - low) + off
     if math.isnan(at):
         return [at]
     if robot.joints[joint].kind != "revolute":
@@ -89,34 +102,34 @@ def _dyad(l1: float, l2: float, x: float, y: float, sign: float) -> tuple[float,
 
 def _place(row: FloatArray, mode: int, at: tuple[float, float, float, float, float, float]) -> list[float] | None:
     """The joints in a working mode; None: out of reach."""
-    family, p = int(row[FAMILY]), row[NUMBERS:].tolist()
-    bx, by, bz, turn = row[BASE : BASE + 4].tolist()
+    family, (l1, l2, l3, l4) = int(row[KIND]), row[L1 : L4 + 1].tolist()
+    (bx, by, bz), turn, height = row[BASE_X : BASE_Z + 1].tolist(), float(row[BASE_YAW]), float(row[HEIGHT])
     x, y, z, yaw, pitch, roll = at[0] - bx, at[1] - by, *at[2:]
     if family == SCARA:
-        both = _dyad(p[0], p[1], x, y, 1.0 if mode == 1 else -1.0)
+        both = _dyad(l1, l2, x, y, 1.0 if mode == 1 else -1.0)
         if both is None:
             return None
         return [both[0] - turn, both[1], z - bz, yaw - both[0] - both[1]]
     if family == FIVE_BAR:
-        c, s = math.cos(turn), math.sin(turn)
-        u, v, half = c * x + s * y, c * y - s * x, p[0] / 2.0
-        left = _dyad(p[1], p[3], u, v - half, 1.0 if mode // 2 == 1 else -1.0)
-        right = _dyad(p[2], p[4], u, v + half, 1.0 if mode % 2 == 1 else -1.0)
+        c, s = float(row[BASE_COS]), float(row[BASE_SIN])
+        u, v, half = c * x + s * y, c * y - s * x, height / 2.0
+        left = _dyad(l1, l2, u, v - half, 1.0 if mode // 2 == 1 else -1.0)
+        right = _dyad(l3, l4, u, v + half, 1.0 if mode % 2 == 1 else -1.0)
         if left is None or right is None:
             return None
         return [left[0], right[0], z - bz, yaw - turn - left[0] - left[1]]
     back, far = (mode == 1 if family == POLAR else mode >= 2), math.hypot(x, y)
     base = math.atan2(y, x) + (math.pi if back else 0.0) - turn if far > STRETCH_M else math.nan
-    out, high = -far if back else far, z - bz - p[0]
+    out, high = -far if back else far, z - bz - height
     if family == POLAR:
         return [base, math.atan2(high, out), math.hypot(out, high)]
     if family == FIVE_AXIS:
-        out, high = out - p[3] * math.cos(pitch), high - p[3] * math.sin(pitch)
+        out, high = out - l3 * math.cos(pitch), high - l3 * math.sin(pitch)
         if math.isnan(pitch):
             return [base, math.nan, math.nan, math.nan, roll]
     elif family != ELBOW:
         return None
-    both = _dyad(p[1], p[2], out, high, -1.0 if mode in (0, 3) else 1.0)
+    both = _dyad(l1, l2, out, high, -1.0 if mode in (0, 3) else 1.0)
     if both is None:
         return None
     return [base, *both] + ([pitch - both[0] - both[1], roll] if family == FIVE_AXIS else [])

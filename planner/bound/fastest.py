@@ -13,9 +13,10 @@ import math
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.jets import F1, F2, F3
 from assur.planner.compiled import kernel
 
+F1, F2, F3 = "float64[::1]", "float64[:, ::1]", "float64[:, :, ::1]"
+"""Types of arrays in signatures."""
 ROUNDING = 1e-10
 """rad or m. A position that is no farther beyond what can be reached counts as reached: rounding of kinematics is
 1e-14, and of a joint beside a singularity 1e-12."""
