@@ -9,7 +9,6 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.legs.control_point import WINDOW_S, ControlPoint
-from assur.planner.legs.tool_motion import tool_accelerations
 from assur.planner.model.input_warning import InputWarning, Odd
 from assur.planner.model.outcome import Busiest, Course, Route
 from assur.planner.model.phases import Phase
@@ -47,6 +46,8 @@ def busiest(
 ) -> Busiest | None:
     """The phase in which a limit is longest within `NEAR_PEAK` of its peak; None: it is at none of the times `t` (T,),
     each of which counts for so long (T,), s."""
+    from assur.planner.legs.tool_motion import tool_accelerations  # kernels, which no writer of answers may load
+
     if limit.joint:
         number, order = [each.name for each in scene.robot.joints].index(limit.joint), RATES.index(limit.kind) + 1
         used = np.abs(trajectory.evaluate(t, order)[:, number])

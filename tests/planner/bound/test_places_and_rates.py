@@ -10,7 +10,7 @@ import pytest
 from assur.planner.arrays import FloatArray
 from assur.planner.bound.fastest import STATE
 from assur.planner.bound.guided import BOUNDED, DYAD, NOWHERE, UNKNOWN, guided
-from assur.planner.bound.places import LEAST_SINE, Unplaced, modes_asked, places
+from assur.planner.bound.places import LEAST_MARGIN, Unplaced, modes_asked, places
 from assur.planner.bound.rates import climbs, known, rates
 from assur.planner.frames import (
     Conveyor,
@@ -120,7 +120,7 @@ def test_what_is_not_known_near_a_singularity_is_not_claimed_and_out_of_reach_is
     far = robot.l1 + robot.l2
     with pytest.raises(Unplaced):
         places(robot, (0, 1), far + 1e-6, 0.0, 0.2, 0.0, math.nan, math.nan)
-    near = places(robot, (0, 1), far * (1.0 - LEAST_SINE**2 / 10.0), 0.0, 0.2, 0.0, math.nan, math.nan)
+    near = places(robot, (0, 1), far * (1.0 - LEAST_MARGIN**2 / 10.0), 0.0, 0.2, 0.0, math.nan, math.nan)
     assert np.isnan(near[:, [0, 1, 3]]).all()
     assert not np.isnan(near[:, 2]).any()
 
