@@ -132,10 +132,11 @@ def kernel(signature: str, *, allocates: bool = False) -> Callable[[F], F]:
     return define
 
 
-def load_defined() -> None:
-    """Loads every kernel that was defined in this process, or compiles it. Raises as `kernel` says."""
+def load_defined(within: str = "") -> None:
+    """Loads every kernel that was defined in this process, in modules whose names begin so, or compiles it. Raises as
+    `kernel` says."""
     for name in list(KERNELS):
-        if name in _FIRST_USES:
+        if name in _FIRST_USES and name.startswith(within):
             _FIRST_USES[name].load()
 
 

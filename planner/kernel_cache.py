@@ -11,7 +11,7 @@ import os
 from functools import cache
 from pathlib import Path
 
-ROOMS = ("kernels", "checker")
+ROOMS = ("kernels", "checker", "bound")
 """Rooms of the planner whose modules, and those of rooms within them, may hold kernels."""
 VARIABLE = "NUMBA_CACHE_DIR"
 """Environment variable that says below which folder compiled kernels are kept; the compiler's own."""

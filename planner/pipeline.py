@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from assur.planner.blends import BlendSearch
-from assur.planner.checker.bound.duration import least_duration
+from assur.planner.bound.duration import least_duration
 from assur.planner.collision.proof import Prover
 from assur.planner.compiled import load_defined
 from assur.planner.feasibility.forbidden_yaw import yaw_impossible

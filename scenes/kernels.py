@@ -35,21 +35,21 @@ def counted() -> tuple[int, int]:
 
 
 def load_room(room: str) -> list[str]:
-    """Loads the kernels of one room of the planner and of those within it. Returns the names of those that had to be
-    compiled now."""
+    """Loads the kernels of one room of the planner and of those within it, and what they call. Returns the names of
+    those that had to be compiled now."""
     from assur.planner import compiled
 
     package = import_module(f"assur.planner.{room}")
     for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
         import_module(module.name)
-    compiled.load_defined()
+    compiled.load_defined(f"{package.__name__}.")
     return compiled.compiled_now()
 
 
 def load() -> Loaded:
     """Loads every kernel. Where the folder does not have them, every room is compiled by a process of its own.
 
-    The rooms share no kernel, so that takes about half as long on two processors, some minute.
+    The rooms share next to no kernel, so that takes about half as long on two processors, some minute.
     Raises `FaultError` for a kernel that is not there where the folder cannot be written.
     """
     begun = time.perf_counter()

@@ -355,13 +355,16 @@ def read_plan(cell: Cell, plan: object, *, proved_anew: bool = False) -> tuple[P
 
 
 def check_plan(cell: Cell, made: Plan, told: tuple[Finding, ...] = (), claims: Claims | None = None) -> dict[str, Any]:
-    """The checker's verdict on a plan that has been read, and on what is claimed of it (None: nothing is). `told`:
-    findings before the checker's, who knows no documents."""
+    """The checker's verdict on a plan that has been read, and on what is claimed of it (None: nothing is), with the
+    lower bound computed again. `told`: findings before the checker's, who knows no documents."""
     from assur.planner.checker import check
     from assur.planner.model.claims import NOTHING
+    from assur.scenes.reading.claims import untrue_bound
 
-    verdict = check(cell.scene, made, claims or NOTHING)
-    return _verdict(cell, (*told, *verdict.findings), (claims or NOTHING).not_checked)
+    claims = claims or NOTHING
+    verdict = check(cell.scene, made, claims)
+    told += verdict.findings + untrue_bound(claims.lower_bound, cell.scene, made.trajectory.duration)
+    return _verdict(cell, told, claims.not_checked)
 
 
 def _verdict(cell: Cell, found: tuple[Finding, ...], not_checked: Iterable[str]) -> dict[str, Any]:

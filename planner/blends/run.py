@@ -16,6 +16,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.blends.durations import fastest, with_acceleration_time
 from assur.planner.blends.law import ParabolicBlend
+from assur.planner.legs.control_point import WINDOW_S
 from assur.planner.legs.forbidden_yaw import turns_into
 from assur.planner.legs.limits import beyond_limits
 from assur.planner.legs.state import Knots
@@ -39,7 +40,7 @@ from assur.planner.model.scene import Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.robots.facts import Code
 from assur.planner.search.extension import arrival, too_hard
-from assur.planner.search.late_end import WINDOW_S, ends_too_late
+from assur.planner.search.late_end import ends_too_late
 from assur.planner.search.meeting_options import Option
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan
 from assur.planner.trajectory import Trajectory

@@ -10,14 +10,11 @@ from collections.abc import Callable
 import numpy as np
 
 from assur.planner.checker.accuracy import accuracies
-from assur.planner.checker.claims.bound import bound
 from assur.planner.checker.claims.joints import peaks
 from assur.planner.checker.claims.options import modes, options
-from assur.planner.checker.claims.routes import routes
 from assur.planner.checker.claims.singular import singular
 from assur.planner.checker.claims.tool import tool
 from assur.planner.checker.claims.touching import distances
-from assur.planner.checker.claims.windows import windows
 from assur.planner.checker.enclosure import enclosed
 from assur.planner.checker.laws import rounding
 from assur.planner.checker.legs import TIME_S, ends, order
@@ -82,7 +79,6 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     findings += traced(world, plan.legs, plan.arrivals, goals)
     findings += straight(world, plan.legs, plan.arrivals) + straight_ways(world, plan.legs, plan.arrivals, goals)
     findings += options(world, plan.legs, plan.arrivals, goals)
-    findings += routes(world, plan.legs, plan.arrivals) + windows(world, plan.arrivals, goals)
     of_plan = phases(scene, plan.legs, plan.arrivals)
     findings += loads(world, of_plan, claims.carried)
     findings += accuracies(world, plan.arrivals, goals, of_plan)
@@ -99,9 +95,8 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     findings += _known(world, table, of_plan) + apart_findings + enclosed(world, apart, between)
     findings += nearest(apart, claims, against) + pairs(apart, claims.pairs) + _touching(of_plan, claims.contacts)
     between()
-    findings += bound(scene, knots.end - knots.start, claims.lower_bound)
     findings += distances(apart, scene, plan.arrivals)
-    findings += peaks(world, of_plan, claims) + tool(world, of_plan, claims) + singular(world, claims)
+    findings += peaks(world, of_plan, claims.peaks) + tool(world, of_plan, claims) + singular(world, claims)
     return Verdict.of(findings + modes(world, plan.arrivals, claims.modes))
 
 

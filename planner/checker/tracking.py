@@ -25,6 +25,13 @@ YAW_RAD = 1e-9
 WHAT = ("leaves its line or point", "goes below its point", "goes higher than asked", "is turned", "tilts or rolls")
 INSTANTS, ROUNDS = 16, 9
 """Times at which the height of an arch is looked for, and rounds, each between the neighbours of the highest."""
+BACK_M, BACK = 1e-4, 0.1
+"""m, and share of the height to which an arch rises above its ends: so far the lift may go the wrong way in total. A
+motion through ticks of a controller, 4 ms apart, sways by some tenths of a millimetre where the lift turns."""
+RISE_M = 1e-6
+"""m. So far an arch goes above both of its ends at least, or to the end of the lift's range."""
+CUTS = 5
+"""How often the pieces of an arch are halved until its ways up and down are known."""
 
 
 def tracked(world: World, legs: tuple[Leg, ...], found: tuple[Target, ...]) -> list[Finding]:
@@ -63,8 +70,13 @@ def tracked(world: World, legs: tuple[Leg, ...], found: tuple[Target, ...]) -> l
 
 
 def arches(world: World, legs: tuple[Leg, ...]) -> list[Finding]:
-    """Whether the tool point rises as high as an arch asks: a value that is taken proves it."""
-    findings = []
+    """Whether each ARCH goes up and then down, and the tool point rises as high as its step asks: a value that is taken
+    proves it."""
+    findings = [
+        Finding(Code.CLAIM, "a leg that is called ARCH does not go up and then down", where=f"legs[{i}].kind")
+        for i, leg in enumerate(legs)
+        if leg.kind is LegKind.ARCH and not _goes_over(world, leg)
+    ]
     for number, step in enumerate(world.scene.task):
         spans = [leg for leg in legs if leg.step == number and leg.kind is LegKind.ARCH]
         if step.arch is None or not spans:
@@ -81,6 +93,30 @@ def arches(world: World, legs: tuple[Leg, ...]) -> list[Finding]:
         if not missing <= MEET_M:
             findings.append(Finding(Code.ARCH, f"the arch to {step.name} is too low", missing, "m", f"{at:.6g} s"))
     return findings
+
+
+def _goes_over(world: World, leg: Leg) -> bool:
+    """Whether the lift goes up and then down, up to `BACK_M` and `BACK`, and higher than both ends."""
+    lift = world.scene.robot.lift
+    if lift is None:
+        return False
+    time = world.knots.time
+    edges = np.unique([leg.t0, *time[(time > leg.t0) & (time < leg.t1)].tolist(), leg.t1])
+    heights = [float(world.joints(t, t)[lift, 0]) for t in edges.tolist()]
+    top = int(np.argmax(heights))
+    most = min(max(heights[0], heights[-1]) + RISE_M, float(world.scene.robot.limits.upper[lift]) - RISE_M)
+    if not heights[top] >= most:
+        return False
+    turn, allowed = float(edges[top]), BACK_M + BACK * (heights[top] - max(heights[0], heights[-1]))
+    for _ in range(CUTS):
+        back = 0.0
+        for a, b in pairwise(edges.tolist()):
+            low, high = world.joints(a, b)[lift, 2:4].tolist()
+            back += max(-low if b <= turn else high, 0.0) * (b - a)
+        if back <= allowed:
+            return True
+        edges = np.sort(np.append(edges, (edges[1:] + edges[:-1]) / 2.0))
+    return False
 
 
 def straight(world: World, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -> list[Finding]:

@@ -18,6 +18,8 @@ from assur.planner.model.attachments import Attachments
 from assur.planner.model.scene import Scene, Step, Trace, Window
 from assur.planner.robots.facts import Limits
 
+WINDOW_S = 1e-12
+"""A window, and the latest end, are kept up to this, s: rounding of times."""
 ROUNDED_S, ROUNDED = 1e-12, 8
 """By so many seconds, and units in the last place of a clock that counts far, a window may seem too short for its
 dwell: its ends were read, converted from milliseconds, or found along a belt. In 1 ps a fast arm goes 10 pm."""

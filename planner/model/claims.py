@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from assur.planner.model.load import Carried
-from assur.planner.model.outcome import Busiest, Contact, JointPeak, Nearest, ToolPeaks
+from assur.planner.model.outcome import Contact, JointPeak, Nearest, ToolPeaks
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,12 +14,11 @@ class Claims:
 
     `nearest`: the smallest clearance of the arm, its tool and what it holds, and `placed` that of parts that were put
     down, (None,) being that there is nothing to keep apart; `pairs`: how near pairs of
-    bodies come; `carried`: the loads; `contacts`: which bodies may touch; `peaks`, `binds`: of the joints; `tool`: of
-    the tool point over all of the motion, and `tool_acceleration`, m/s², the largest while a part is carried (where
-    none is: over all of the motion). `busiest`: the leg in which the limit that binds is used longest; `helps`: what
-    would make it quicker; `singularity`, `parallel`: the least margins. Of three of them (None,) is that there is none.
+    bodies come; `carried`: the loads; `contacts`: which bodies may touch; `peaks`: of the joints; `tool`: of the tool
+    point over all of the motion, and `tool_acceleration`, m/s², the largest while a part is carried (where none is:
+    over all of the motion). `singularity`, `parallel`: the least margins; (None,) is that there is none.
     `modes`: the working modes of the arrivals; `lower_bound`, s: a duration that no plan of the request beats.
-    `not_checked`: what is said beside all this, that no plan shows.
+    `not_checked`: the fields of the answer that are notes.
     """
 
     nearest: tuple[Nearest | None] | None = None
@@ -28,11 +27,8 @@ class Claims:
     carried: tuple[Carried, ...] | None = None
     contacts: tuple[Contact, ...] | None = None
     peaks: tuple[JointPeak, ...] | None = None
-    binds: str | None = None
     tool: ToolPeaks | None = None
     tool_acceleration: float | None = None
-    busiest: tuple[Busiest | None] | None = None
-    helps: str | None = None
     singularity: tuple[float | None] | None = None
     parallel: tuple[float | None] | None = None
     modes: tuple[str | None, ...] | None = None

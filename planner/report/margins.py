@@ -1,4 +1,4 @@
-"""What a plan leaves: peaks against limits, what binds, the smallest clearance, the tool's acceleration."""
+"""What a plan leaves: peaks against limits, the smallest clearance, the tool's acceleration; and which limit binds."""
 
 from __future__ import annotations
 
@@ -7,55 +7,42 @@ from dataclasses import replace
 
 import numpy as np
 
-from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.arrays import FloatArray
 from assur.planner.collision.nearest import nearest, nearest_pairs
 from assur.planner.collision.proof import Prover
 from assur.planner.legs.limits import parts
-from assur.planner.legs.tool_motion import carrying_peak, tool_accelerations, tool_peaks
+from assur.planner.legs.tool_motion import carrying_peak, tool_peaks
 from assur.planner.model.load import Carried, held_inertia
-from assur.planner.model.outcome import Busiest, Contact, JointPeak, Margins
+from assur.planner.model.outcome import Contact, JointPeak, Margins
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import RATES
 from assur.planner.model.scene import Scene
 from assur.planner.report.least_margins import least_margins
+from assur.planner.report.notes import MostUsed, busiest
 from assur.planner.trajectory import Trajectory
 
 FINE_S = 0.001
 """Sampling of what is used of the limit that binds, s."""
-NEAR_PEAK = 0.01
-"""A limit is used within this share of its peak."""
 MOST_FINE = 100_000
 """So many of these times at most: where the arm moves for longer they are further apart. Where it rests there are none
 beyond so many: nothing is used of a limit there."""
-ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
 
 
 def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...], pairs: int = 0) -> Margins:
     """The margins of a plan, with so many `pairs` of bodies that come nearest. Peaks of joints are exact extrema; those
     of the tool point are looked for at times. A smallest clearance that is not found before the deadline in force is
     told as 0, which is proved, too."""
-    peaks, (ratio, joint, kind) = _peaks(scene, trajectory, phases)
+    peaks, binding = _peaks(scene, trajectory, phases)
     limit, carrying = scene.carry_acceleration, carrying_peak(scene, trajectory, phases)
     tool = tool_peaks(scene, trajectory, trajectory.start, trajectory.end)
     held = None if carrying is None else carrying[0]
-    binds, helps = f"{kind} of {joint} ({100 * ratio:.0f} %)", f"a higher limit, or less travel of {joint}"
+    if held is not None and limit is not None and held / limit > binding.share:
+        binding = MostUsed(held / limit, "", "acceleration")
     t, lasts = _even(trajectory)
     serial, parallel = least_margins(scene.robot, trajectory, t)
-    if held is not None and limit is not None and held / limit > ratio:
-        binds = f"acceleration of the carried part ({100 * held / limit:.0f} %)"
-        helps = "a higher limit (carry)"
-        ratio = held / limit
-        carried = np.any([(t >= p.t0) & (t <= p.t1) for p in phases if p.attached.held is not None], axis=0)
-        used = np.where(carried, tool_accelerations(scene, trajectory, t) / limit, 0.0)
-    else:
-        number = [each.name for each in scene.robot.joints].index(joint)
-        used = np.abs(trajectory.evaluate(t, ORDERS[kind])[:, number])
-        for phase in phases:
-            here = (t >= phase.t0) & (t < phase.t1)
-            used[here] /= getattr(phase.attached.limits(scene), kind)[number]
     return Margins(
         peaks=peaks,
-        binds=binds,
+        binds=binding.binds,
         nearest=nearest(prover, trajectory, phases, of="arm"),
         placed=nearest(prover, trajectory, phases, of="placed"),
         tool_acceleration=tool.acceleration if held is None else held,
@@ -63,26 +50,12 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
         singularity=serial,
         parallel=parallel,
         jerk="limited" if scene.options.jerk_limited else "unbounded",
-        busiest=_busiest(phases, t, lasts, used >= (1.0 - NEAR_PEAK) * ratio),
-        helps=helps,
+        busiest=busiest(scene, trajectory, phases, binding, t, lasts),
+        helps=binding.helps,
         tool=tool,
         travel_pairs=nearest_pairs(prover, trajectory, tuple(p for p in phases if not p.near), pairs),
         near_pairs=nearest_pairs(prover, trajectory, tuple(p for p in phases if p.near), pairs),
     )
-
-
-def _busiest(phases: tuple[Phase, ...], t: FloatArray, lasts: FloatArray, at_peak: BoolArray) -> Busiest | None:
-    """The phase in which a limit is longest within a hundredth of its peak, which it is `at_peak` (T,) of the times t
-    (T,), each of which stands for so long (T,), s; None: at none of them."""
-    found: tuple[float, Phase] | None = None
-    for phase in phases:
-        time = float(lasts[at_peak & (t >= phase.t0) & (t < phase.t1)].sum())
-        if phase.step >= 0 and phase.t1 > phase.t0 and time > (0.0 if found is None else found[0]):
-            found = time, phase
-    if found is None:
-        return None
-    time, phase = found
-    return Busiest(str(phase.kind), phase.step, phase.t0, phase.t1, min(time, phase.t1 - phase.t0))
 
 
 def _even(trajectory: Trajectory) -> tuple[FloatArray, FloatArray]:
@@ -101,11 +74,9 @@ def _even(trajectory: Trajectory) -> tuple[FloatArray, FloatArray]:
     return np.append(even, trajectory.time[-1]), np.append(np.repeat(lengths / counts, counts), 0.0)
 
 
-def _peaks(
-    scene: Scene, trajectory: Trajectory, phases: tuple[Phase, ...]
-) -> tuple[tuple[JointPeak, ...], tuple[float, str, str]]:
-    """The peaks of all joints, and the greatest ratio of one to its limit, with joint and kind. No jerk where it was
-    not asked. A ratio is the greatest of all phases, each with the limits of its load."""
+def _peaks(scene: Scene, trajectory: Trajectory, phases: tuple[Phase, ...]) -> tuple[tuple[JointPeak, ...], MostUsed]:
+    """The peaks of all joints, and the limit of which most is used. No jerk where it has no limit. A ratio is the
+    greatest of all phases, each with the limits of its load."""
     joints, kinds = scene.robot.joints, RATES if scene.options.jerk_limited else RATES[:2]
     tops, ratios = np.zeros((len(kinds), len(joints))), np.zeros((len(kinds), len(joints)))
     spans = [(phase.t1, phase.attached.limits(scene)) for phase in phases if phase.t1 <= trajectory.end]
@@ -121,7 +92,7 @@ def _peaks(
     )
     return tuple(
         _peak(joint.name, tops[:, i].tolist(), ratios[:, i].tolist()) for i, joint in enumerate(joints)
-    ), binding
+    ), MostUsed(*binding)
 
 
 def _peak(joint: str, top: list[float], ratio: list[float]) -> JointPeak:

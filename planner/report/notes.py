@@ -1,10 +1,84 @@
-"""Notes for people: how a leg goes, and what of a request is probably not meant. No decision reads them."""
+"""The notes of an answer: which limit binds, where, and what helps; how a leg goes; the time left in a window; and what
+of a request is probably not meant. No decision reads them, and nobody verifies them (`not_checked` in a verdict)."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+import numpy as np
+
+from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.legs.control_point import WINDOW_S, ControlPoint
 from assur.planner.model.input_warning import InputWarning, Odd
-from assur.planner.model.outcome import Course, Route
+from assur.planner.model.outcome import Busiest, Course, Route
+from assur.planner.model.phases import Phase
+from assur.planner.model.refusal import RATES
+from assur.planner.model.scene import Scene, Window
 from assur.planner.report.number_format import amount
+from assur.planner.trajectory import Trajectory
+
+NEAR_PEAK = 0.01
+"""A limit is used within this share of its peak."""
+
+
+@dataclass(frozen=True, slots=True)
+class MostUsed:
+    """The limit of which a plan uses the largest share: velocity, acceleration or jerk (`kind`) of a joint, or, where
+    `joint` is empty, the acceleration of the carried part."""
+
+    share: float
+    joint: str
+    kind: str
+
+    @property
+    def binds(self) -> str:
+        """The limit and its share in words."""
+        return f"{self.kind} of {self.joint or 'the carried part'} ({100 * self.share:.0f} %)"
+
+    @property
+    def helps(self) -> str:
+        """What would make the busiest leg quicker."""
+        return f"a higher limit, or less travel of {self.joint}" if self.joint else "a higher limit (carry)"
+
+
+def busiest(
+    scene: Scene, trajectory: Trajectory, phases: tuple[Phase, ...], limit: MostUsed, t: FloatArray, lasts: FloatArray
+) -> Busiest | None:
+    """The phase in which a limit is longest within `NEAR_PEAK` of its peak; None: it is at none of the times `t` (T,),
+    each of which counts for so long (T,), s."""
+    from assur.planner.legs.tool_motion import tool_accelerations  # kernels, which no writer of answers may load
+
+    if limit.joint:
+        number, order = [each.name for each in scene.robot.joints].index(limit.joint), RATES.index(limit.kind) + 1
+        used = np.abs(trajectory.evaluate(t, order)[:, number])
+        for phase in phases:
+            here = (t >= phase.t0) & (t < phase.t1)
+            used[here] /= getattr(phase.attached.limits(scene), limit.kind)[number]
+    else:
+        carried = np.any([(t >= p.t0) & (t <= p.t1) for p in phases if p.attached.held is not None], axis=0)
+        used = np.where(carried, tool_accelerations(scene, trajectory, t) / (scene.carry_acceleration or np.inf), 0.0)
+    return _longest(phases, t, lasts, used >= (1.0 - NEAR_PEAK) * limit.share)
+
+
+def _longest(phases: tuple[Phase, ...], t: FloatArray, lasts: FloatArray, at_peak: BoolArray) -> Busiest | None:
+    """The phase in which `at_peak` (T,) holds longest."""
+    longest: tuple[float, Phase] | None = None
+    for phase in phases:
+        time = float(lasts[at_peak & (t >= phase.t0) & (t < phase.t1)].sum())
+        if phase.step >= 0 and phase.t1 > phase.t0 and time > (0.0 if longest is None else longest[0]):
+            longest = time, phase
+    if longest is None:
+        return None
+    time, phase = longest
+    return Busiest(str(phase.kind), phase.step, phase.t0, phase.t1, min(time, phase.t1 - phase.t0))
+
+
+def window_left(point: ControlPoint, begin: float) -> float | None:
+    """How much later, s, than at `begin` a point could be met in its window; None: it has none."""
+    if point.window == Window():
+        return None
+    spans = (span for span in point.intervals if span[0] - WINDOW_S <= begin <= span[1] + WINDOW_S)
+    return next((max(high - begin, 0.0) for _, high in spans), None)
 
 
 def warned(warning: InputWarning) -> str:

@@ -11,7 +11,7 @@ from itertools import product
 
 import numpy as np
 
-from assur.planner.checker.bound.duration import least_duration
+from assur.planner.bound.duration import least_duration
 from assur.planner.collision.contact_depth import deepest
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved

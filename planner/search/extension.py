@@ -11,7 +11,7 @@ from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.legs.accuracy import arrival_error, too_far
-from assur.planner.legs.control_point import ControlPoint
+from assur.planner.legs.control_point import WINDOW_S, ControlPoint
 from assur.planner.legs.correction import shifted_out
 from assur.planner.legs.forbidden_yaw import turns_into
 from assur.planner.legs.joint import JointMotion
@@ -43,10 +43,11 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Move, Scene, Trace
 from assur.planner.model.window_missed import Miss, WindowMissed
+from assur.planner.report.notes import window_left
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.robot import Robot
 from assur.planner.search.flown_by import stops_at_via
-from assur.planner.search.late_end import WINDOW_S, ends_too_late, laws_over, tracked_too_long
+from assur.planner.search.late_end import ends_too_late, laws_over, tracked_too_long
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, paced
 from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.trajectory import Trajectory
@@ -369,8 +370,6 @@ def arrival(
     p, yaw = scene.robot.forward(trajectory.evaluate(np.array(begin)))
     pose = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw)).then(scene.tool.tcp)
     along = point.along(np.array(begin))
-    left = [max(high - begin, 0.0) for low, high in point.intervals if low - WINDOW_S <= begin <= high + WINDOW_S]
-    bounded = point.window.time is not None or point.window.along is not None
     return Arrival(
         step=point.step,
         control_point=point.name,
@@ -380,7 +379,7 @@ def arrival(
         matched=point.matched and not point.via,
         yaw_offset=point.yaw_offset,
         along_m=None if along is None else float(along),
-        window_left_s=left[0] if bounded and left else None,
+        window_left_s=window_left(point, begin),
         pitch=None if point.tilt is None else point.tilt[0],
         roll=None if point.tilt is None else point.tilt[1],
         error=arrival_error(

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from assur.planner.legs.control_point import WINDOW_S
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import Quantity, Refusal, Stage, law_ends, window_missed
 from assur.planner.model.scene import Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
-
-WINDOW_S = 1e-12
-"""A window, and the latest end, are kept up to this, s: rounding of times."""
 
 
 def ends_too_late(scene: Scene, step: int, end: float) -> Refusal | None:

@@ -175,8 +175,8 @@ def _turns(motion: Motion, own: FloatArray) -> int:
 
 def _leg(motion: Motion, world: World, dialect: Dialect, number: int, leg: Leg) -> list[str]:
     from assur.planner.legs.tool_motion import tool_peaks
-    from assur.planner.model.outcome import TRACKING, Course, LegKind
-    from assur.planner.model.scene import Pick, Place, Trace
+    from assur.planner.model.outcome import TRACKING, LegKind
+    from assur.planner.model.scene import Move, Pick, Place, Trace
 
     scene, trajectory, step = motion.cell.scene, motion.plan.trajectory, motion.cell.scene.task[leg.step]
     told = [f"{dialect.comment}{leg.kind} for {step.name}, {leg.t0:.4f} to {leg.t1:.4f} s"]
@@ -197,11 +197,14 @@ def _leg(motion: Motion, world: World, dialect: Dialect, number: int, leg: Leg) 
     speed = float((most[0] / velocity).max())
     accel = float((np.maximum(most[1], most[0] / lasts) / acceleration).max())
     peaks = tool_peaks(scene, trajectory, leg.t0, leg.t1)
-    straight = leg.kind in TRACKING or (leg.route is not None and leg.route.course in (Course.STRAIGHT, Course.PATH))
+    # what the task requires: a leg's route is a note, which nobody verifies
+    guided = isinstance(step, Move) and step.leg == "cartesian" and leg.kind is LegKind.MOVE
+    guided = guided and any(leg.t0 < each.until for each in motion.plan.arrivals if each.step == leg.step)
+    straight = leg.kind in TRACKING or guided
     on = dialect.on[bool((np.abs(trajectory.evaluate(leg.t1, 1)) > MOVING).any())]
     rates = dialect.line_rates if straight else dialect.joint_rates
     traced = leg.kind is LegKind.FOLLOW and isinstance(step, Trace)
-    if traced or (leg.route is not None and leg.route.course is Course.PATH):
+    if traced or (guided and isinstance(step, Move) and step.path):
         told.append(
             f"{dialect.comment}  the plan goes along the path of the step here, not straight: write it with arcs"
         )

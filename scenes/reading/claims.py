@@ -1,7 +1,7 @@
 """What an answer says beside its plan: claims for the checker, and what it repeats of the request, held to that here.
 
 What an answer leaves out is no claim. Of fields about the search (how long, what was refused), and of notes for people,
-only the form is looked at (`scenes.schema.checked`). A field that no answer has is refused, wherever it is.
+only the form is checked (`scenes.schema.checked`). A field that no answer has is refused, wherever it is.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from assur.planner.checker.targets import asks_velocity, targets
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.model.claims import Claims
 from assur.planner.model.load import Carried
-from assur.planner.model.outcome import Arrival, Busiest, Contact, JointPeak, Nearest, ToolPeaks
+from assur.planner.model.outcome import Arrival, Contact, JointPeak, Nearest, ToolPeaks
 from assur.planner.model.scene import Scene
 from assur.planner.report.straight_parts import assumed
 from assur.scenes.faults import fault
@@ -26,6 +26,8 @@ from assur.scenes.schema.checked import NOT_CHECKED, not_checked
 from assur.scenes.schema.read import read_normal, read_written
 
 Stated = TypeVar("Stated")
+BOUND_S = 1e-9
+"""A stated lower bound may exceed the computed one by this, s: rounding of what is written."""
 
 
 def check_beside(plan: object) -> None:
@@ -82,11 +84,8 @@ def claims_of(plan: object) -> Claims:
         peaks=None
         if peaks is None
         else tuple(_peak(i, each) for i, each in enumerate(_items(peaks, "margins", "peaks"))),
-        binds=_read(document.Text, margins.get("binds"), "margins", "binds"),
         tool=None if tool is None else _tool(tool),
         tool_acceleration=_read(document.Number, pull, "margins", "tool_acceleration_m_s2"),
-        busiest=_stated(margins, "busiest", _busiest),
-        helps=margins.get("helps"),
         singularity=_stated(margins, "singularity", float),
         parallel=_stated(margins, "parallel", float),
         modes=tuple(each.get("mode") for each in arrivals if isinstance(each, dict)) if arrivals else None,
@@ -100,10 +99,6 @@ def _stated(margins: dict[str, Any], key: str, made: Callable[[Any], Stated]) ->
     if key not in margins:
         return None
     return (None if margins[key] is None else made(margins[key]),)
-
-
-def _busiest(item: document.Busiest) -> Busiest:
-    return Busiest(item["kind"], item["step"], item["from_s"], item["to_s"], item["at_limit_s"])
 
 
 def untrue_repeats(plan: object, scene: Scene) -> tuple[Finding, ...]:
@@ -154,6 +149,26 @@ def untrue_arrivals(arrivals: Sequence[Arrival], scene: Scene) -> tuple[Finding,
             what = f"{name} is on a conveyor, and it is not said how far along"
             found.append(Finding(Code.CLAIM, what, where=f"arrivals[{i}].along_m"))
     return tuple(found)
+
+
+def untrue_bound(stated: float | None, scene: Scene, lasts: float) -> tuple[Finding, ...]:
+    """A finding if a stated lower bound of the duration, s, is larger than the one that is computed again from the
+    request, or than the plan takes (`lasts`, s). None, 0 or less states nothing."""
+    from assur.planner.bound.duration import least_duration
+
+    where = "lower_bound_s"
+    if stated is None or stated <= 0.0:
+        return ()
+    if not stated <= lasts + BOUND_S:
+        what = f"{where} is {stated:.6f}, but this plan takes only {lasts:.6f}"
+        return (Finding(Code.CLAIM, what, stated - lasts, "s", where),)
+    least = least_duration(scene)
+    if least is None:
+        return (Finding(Code.CLAIM, f"{where} is {stated:.6f}, but no bound is known of this request", where=where),)
+    if not stated <= least + BOUND_S:
+        what = f"{where} is {stated:.6f}, but of this request it is {least:.6f}"
+        return (Finding(Code.CLAIM, what, stated - least, "s", where),)
+    return ()
 
 
 def _short(value: object) -> str:

@@ -21,7 +21,6 @@ from assur.planner.model.outcome import (
 )
 from assur.planner.model.path import LONGEST_S
 from assur.planner.model.scene import Move, Scene, Trace
-from assur.planner.report.notes import note
 from assur.planner.trajectory import Trajectory
 from assur.scenes.conventions import Conventions, as_counted, converted, converted_rates
 from assur.scenes.faults import Refused, fault, located, within
@@ -54,8 +53,8 @@ PATH_TIME_S = 1e-3
 
 
 def plan_of(plan: object, conventions: Conventions, *, proved_anew: bool = False) -> tuple[Plan, tuple[Finding, ...]]:
-    """The plan in a planned answer with a full certificate, and what the answer says of its durations, of its routes in
-    words, and of the joints of its arrivals, that is not so.
+    """The plan in a planned answer with a full certificate, and what the answer says of its durations and of the joints
+    of its arrivals, that is not so.
 
     `proved_anew`: its motion will be proved again, so that the digest of the certificate is enough; the certificate of
     the plan has no rows then. Not checked here: whether anything else in it is true (`claims`, and the checker).
@@ -74,7 +73,7 @@ def plan_of(plan: object, conventions: Conventions, *, proved_anew: bool = False
                 plan["certificate"] = {**certificate, "rows": 0} | {key: [] for key in COLUMNS}
         item: document.CheckedPlan = read_normal(document.CheckedPlan, plan, plan, (PLAN,))
         made = _made(item, conventions)
-        return made, _untrue(item) + _untrue_notes(item, made) + _untrue_joints(item, made, conventions)
+        return made, _untrue(item) + _untrue_joints(item, made, conventions)
 
 
 def check_lengths(answer: dict[str, object], made: Plan, scene: Scene) -> None:
@@ -194,16 +193,6 @@ def _untrue(item: document.CheckedPlan) -> tuple[Finding, ...]:
             ("start_s", item.get("start_s"), first),
         )
         if said is not None and not abs(said - true) <= TIME_S
-    )
-
-
-def _untrue_notes(item: document.CheckedPlan, made: Plan) -> tuple[Finding, ...]:
-    """Notes of legs that are not their routes in words."""
-    told = [(leg.get("note"), note(own.route)) for leg, own in zip(item["legs"], made.legs, strict=True)]
-    return tuple(
-        Finding(Code.CLAIM, f"the note of a leg is {said!r:.60}, but its route is {true!r}", where=f"legs[{i}].note")
-        for i, (said, true) in enumerate(told)
-        if said not in (None, true)
     )
 
 

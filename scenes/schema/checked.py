@@ -41,27 +41,33 @@ ONE_SIDE = (
     "arrivals.trace.slowest_m_s",
     "arrivals.trace.fastest_m_s",
     "arrivals.trace.error_m",
-    "lower_bound_s",
     "margins.travel_pairs",
     "margins.near_pairs",
 )
 """True, but another value might be, too: rows are a proof, and others may be one; an ARCH is one, and a MOVE as well;
 bounds are bounds, and may be wider; pairs are so near, and may be nearer at another time."""
+RECOMPUTED = ("lower_bound_s",)
+"""Computed again from the request by the same code (`planner.bound`), and not proved; a larger value is a finding."""
 NOT_CHECKED = (
+    "arrivals.window_left_s",
     "census",
     "cut_by_clock",
     "elapsed_s",
     "first_s",
-    "legs.route.later",
-    "legs.route.vias",
+    "legs.note",
+    "legs.route",
+    "margins.binds",
+    "margins.busiest",
+    "margins.helps",
     "warnings",
 )
-"""Nobody looks at them but for their form: what was tried, how long it took, and notes for people."""
-PLACES = (VERIFIED, ONE_SIDE, NOT_CHECKED)
+"""Notes, verified by nobody but for their form: what was tried, how long it took, and what the planner says of its plan
+(`planner.report.notes`)."""
+PLACES = (VERIFIED, ONE_SIDE, RECOMPUTED, NOT_CHECKED)
 
 
 def not_checked(answer: object) -> tuple[str, ...]:
-    """The fields that an answer has and that no checker looks at, by their paths."""
+    """The notes that an answer has, by their paths."""
     return present(answer, NOT_CHECKED)
 
 

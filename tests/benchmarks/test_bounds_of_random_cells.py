@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from assur.planner.checker.bound.duration import least_duration
+from assur.planner.bound.duration import least_duration
 from assur.planner.model.outcome import Planned
 from assur.planner.pipeline import plan
 from assur.scenes.requests import scene_of

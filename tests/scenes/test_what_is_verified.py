@@ -22,7 +22,7 @@ from assur.scenes.reading.cell import Cell
 from assur.scenes.requests import cell_of, check_document, check_plan, plan_cell, plan_document, read_plan
 from assur.scenes.scenarios import shipped
 from assur.scenes.schema import answer as document
-from assur.scenes.schema.checked import NOT_CHECKED, ONE_SIDE, PLACES, VERIFIED, not_checked
+from assur.scenes.schema.checked import NOT_CHECKED, ONE_SIDE, PLACES, RECOMPUTED, VERIFIED, not_checked
 from tests.scenes.forged_cells import answered
 from tests.scenes.test_forged_answers import findings, sealed
 
@@ -125,8 +125,6 @@ def verdicts(field: str) -> list[list[str]]:
     for other in changed(held(answer, where)):
         forged = copy.deepcopy(answer)
         held(forged, where[:-1])[where[-1]] = other
-        if where[0] == "legs" and where[-1] != "note":
-            del forged["legs"][where[1]]["note"]  # it says the same in words
         found.append(findings(cell, forged if field in KEPT else sealed(cell, forged)))
     return found
 
@@ -138,8 +136,9 @@ def test_the_page_has_the_table() -> None:
 def test_only_census_notes_and_timings_are_not_checked() -> None:
     """What may be left unchecked is decided here, too."""
     timings = {"elapsed_s", "first_s", "cut_by_clock"}
-    notes = {"legs.route.later", "legs.route.vias", "warnings"}
-    assert set(NOT_CHECKED) == {"census"} | timings | notes
+    limits, legs = {"margins.binds", "margins.busiest", "margins.helps"}, {"legs.note", "legs.route"}
+    assert set(NOT_CHECKED) == {"arrivals.window_left_s", "census", "warnings"} | timings | limits | legs
+    assert RECOMPUTED == ("lower_bound_s",)
 
 
 def test_the_table_names_only_fields_that_there_are() -> None:
@@ -152,7 +151,7 @@ def test_the_checker_does_with_a_field_what_the_table_says(field: str) -> None:
     where, found = place(field), verdicts(field)
     if where is VERIFIED:
         assert all(found), "a changed value is not refused"
-    elif where is ONE_SIDE:
+    elif where in (ONE_SIDE, RECOMPUTED):
         assert any(found), "no changed value is refused"
     else:
         told = [each for verdict in found for each in verdict]
@@ -164,12 +163,45 @@ def test_the_verdict_lists_what_is_not_checked(name: str) -> None:
     cell, answer = answered(name)
     verdict = check_plan(cell, *read_plan(cell, answer))
     assert verdict["ok"]
-    assert verdict["not_checked"] == list(NOT_CHECKED)
-    less = {key: value for key, value in answer.items() if key not in ("census", "warnings", "first_s")}
+    windows = any(arrival["window_left_s"] is not None for arrival in answer["arrivals"])
+    assert verdict["not_checked"] == [name for name in NOT_CHECKED if windows or name != "arrivals.window_left_s"]
+    less = {key: value for key, value in answer.items() if key not in ("census", "warnings", "first_s", "margins")}
     less["legs"] = [{key: value for key, value in leg.items() if key not in ("route", "note")} for leg in less["legs"]]
+    less["arrivals"] = [{**arrival, "window_left_s": None} for arrival in less["arrivals"]]
     assert not_checked(less) == ("cut_by_clock", "elapsed_s")
     bare = {key: less[key] for key in document.CheckedPlan.__annotations__}
     assert check_plan(cell, *read_plan(cell, sealed(cell, bare)))["not_checked"] == []
+
+
+NOTES = (
+    (("margins", "binds"), "velocity of j1 (98 %)"),
+    (("margins", "busiest"), None),
+    (("margins", "helps"), "less travel of j1"),
+    (("legs", 0, "note"), "straight"),
+    (("legs", 0, "route"), {"course": "straight", "vias": 0, "after_wait": True, "later": False}),
+    (("arrivals", 0, "window_left_s"), 1000.0),
+)
+"""Notes, and other values that have their form."""
+
+
+@pytest.mark.parametrize(("where", "value"), NOTES)
+def test_a_note_is_verified_by_nobody_and_the_verdict_lists_it(where: Path_, value: object) -> None:
+    cell, answer = answered("demo")
+    other = copy.deepcopy(answer)
+    assert held(other, where) != value
+    held(other, where[:-1])[where[-1]] = value
+    verdict = check_plan(cell, *read_plan(cell, sealed(cell, other)))
+    assert verdict["findings"] == []
+    assert ".".join(str(key) for key in where if isinstance(key, str)) in NOT_CHECKED
+
+
+@pytest.mark.parametrize(("where", "value"), NOTES)
+def test_a_note_must_have_its_form(where: Path_, value: object) -> None:
+    cell, answer = answered("demo")
+    forged = copy.deepcopy(answer)
+    held(forged, where[:-1])[where[-1]] = {"certified": value}
+    (told,) = findings(cell, forged)
+    assert "; allowed: " in told
 
 
 @pytest.mark.parametrize(
@@ -243,18 +275,6 @@ def test_how_far_a_point_is_along_its_conveyor_must_be_said() -> None:
         forged = copy.deepcopy(answer)
         forged["arrivals"][i]["along_m"] = None
         assert untrue(cell, forged) == [f"arrivals[{i}].along_m"]
-
-
-def test_what_binds_is_not_believed_without_the_peaks() -> None:
-    answer: Any = plan_document(shipped("transfer").request)
-    told = ("binds", "helps", "busiest")
-    del answer["margins"]["peaks"]
-    answer["margins"]["binds"] = "jerk of j9 (999 %)"
-    verdict = check_document(shipped("transfer").request, answer)
-    assert [(each["code"], each["where"]) for each in verdict["findings"]] == [("CLAIM", f"margins.{x}") for x in told]
-    for key in told:
-        del answer["margins"][key]
-    assert check_document(shipped("transfer").request, answer)["ok"]
 
 
 def acceleration(world: World, t: float) -> float:

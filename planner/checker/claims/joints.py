@@ -1,6 +1,5 @@
 """Whether the peaks of the joints are what an answer says, from both sides: no instant exceeds them, and one reaches
-them. Both follow from control values of the spline, cut until they decide (`spline.excesses`). And whether what it says
-of them is so: which limit binds, in which leg, and what would help."""
+them. Both follow from control values of the spline, cut until they decide (`spline.excesses`)."""
 
 from __future__ import annotations
 
@@ -9,30 +8,24 @@ from collections.abc import Sequence
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.checker.claims.busiest import busiest
 from assur.planner.checker.legs import TIME_S
 from assur.planner.checker.limits import KINDS, weighed
 from assur.planner.checker.spline import excesses
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
-from assur.planner.model.claims import Claims
 from assur.planner.model.outcome import JointPeak
 from assur.planner.model.phases import Phase
 
 WITHIN = (1e-6, 1e-6, 1e-3)
 """By how much a peak of velocity, acceleration and jerk may be off, as a share of the joint's limit: rounding. Jerk is
 a third difference of the knots' numbers, which over pieces of 10 µs rounds to 1e-4 of a usual limit."""
-TIE = 1e-9
-"""Shares of limits that differ by less are equal."""
 
 
-def peaks(world: World, phases: tuple[Phase, ...], claims: Claims) -> list[Finding]:
-    """Findings about the peaks of the joints, their shares of the limits, and about which of them binds."""
-    said, limited = claims.peaks, world.scene.options.jerk_limited
+def peaks(world: World, phases: tuple[Phase, ...], said: tuple[JointPeak, ...] | None) -> list[Finding]:
+    """Findings about the stated peaks of the joints and their shares of the limits; None: nothing is stated."""
     if said is None:
-        alone = "what binds cannot be verified without the peaks of the joints"
-        told = (("binds", claims.binds), ("helps", claims.helps), ("busiest", claims.busiest))
-        return [Finding(Code.CLAIM, alone, where=f"margins.{name}") for name, claim in told if claim is not None]
+        return []
+    limited = world.scene.options.jerk_limited
     joints, count = world.scene.robot.joints, 3 if limited else 2
     if [peak.joint for peak in said] != [joint.name for joint in joints]:
         return [Finding(Code.CLAIM, f"there must be a peak of each joint: {', '.join(each.name for each in joints)}")]
@@ -44,8 +37,7 @@ def peaks(world: World, phases: tuple[Phase, ...], claims: Claims) -> list[Findi
     sizes, shares = _numbers(said, count, ratios=False), _numbers(said, count, ratios=True)
     findings = _wrong(world, [(*whole, sizes)], every, "peak of the")
     spans = [(first, last, shares * left * every) for first, last, left in _loaded(world, phases, count)]
-    findings += _wrong(world, spans, every, "share of the limit of")
-    return findings + _binding(world, phases, said, claims)
+    return findings + _wrong(world, spans, every, "share of the limit of")
 
 
 def _numbers(said: Sequence[JointPeak], count: int, *, ratios: bool) -> FloatArray:
@@ -90,39 +82,3 @@ def _exceeds(world: World, first: int, last: int, sizes: FloatArray) -> BoolArra
     allowed[1], allowed[2 : 2 + count] = np.inf, sizes
     excesses(world.tables[1][first : last + 1], n, allowed, 1 + count, worst, when)
     return np.asarray(~(worst[1 : 1 + count] <= 0.0) | ~np.isfinite(sizes))
-
-
-def _binding(world: World, phases: tuple[Phase, ...], said: Sequence[JointPeak], claims: Claims) -> list[Finding]:
-    """Whether what binds is what is used most, of shares that were looked at already, and what is said of it."""
-    limit = world.scene.carry_acceleration
-    if claims.binds is None or (limit is not None and claims.tool_acceleration is None):
-        missing = "binds" if claims.binds is None else "tool_acceleration_m_s2"
-        told = (("binds", claims.binds), ("helps", claims.helps))
-        alone = f"this cannot be verified without margins.{missing}"
-        findings = [Finding(Code.CLAIM, alone, where=f"margins.{name}") for name, claim in told if claim is not None]
-        return findings + busiest(world, phases, claims, None)
-    used = [
-        (ratio, str(kind), peak.joint)
-        for peak in said
-        for kind, ratio in zip(KINDS[1:], (peak.velocity_ratio, peak.acceleration_ratio, peak.jerk_ratio), strict=True)
-        if ratio is not None
-    ]
-    if limit is not None and claims.tool_acceleration is not None:
-        held = any(phase.attached.held is not None and phase.t1 > phase.t0 and phase.step >= 0 for phase in phases)
-        used += [(claims.tool_acceleration / limit, "acceleration", "")] * held
-    most = max(ratio for ratio, _, _ in used)
-    allowed = {
-        f"{kind} of {joint or 'the carried part'} ({100 * ratio:.0f} %)": (ratio, kind, joint)
-        for ratio, kind, joint in used
-        if ratio >= most - TIE
-    }
-    if claims.binds not in allowed:
-        what = f"what binds is {' or '.join(allowed)}, not {claims.binds!r:.60}"
-        return [Finding(Code.CLAIM, what, where="margins.binds")]
-    binding = allowed[claims.binds]
-    helps = f"a higher limit, or less travel of {binding[2]}" if binding[2] else "a higher limit (carry)"
-    findings = busiest(world, phases, claims, binding)
-    if claims.helps not in (None, helps):
-        what = f"what helps is {helps}, not {claims.helps!r:.60}"
-        findings.append(Finding(Code.CLAIM, what, where="margins.helps"))
-    return findings

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from assur.planner.checker.bound.duration import least_duration
+from assur.planner.bound.duration import least_duration
 from assur.planner.collision.proof import Prover
 from assur.planner.frames.motion import Pose
 from assur.planner.legs.meeting import Meetings

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 import re
 
@@ -110,6 +111,15 @@ def test_a_path_is_not_said_to_be_straight() -> None:
     for name, times in (("bead-on-belt", 1), ("circular-legs", 2)):
         assert recipe(name, "spel").count("the plan goes along the path of the step here") == times
     assert "the plan goes along the path" not in recipe("demo", "spel")
+
+
+@pytest.mark.parametrize("name", ["circular-legs", "demo", "standard-cycle"])
+def test_a_recipe_is_made_from_the_task_and_not_from_routes_which_nobody_verifies(name: str) -> None:
+    answer = copy.deepcopy(planned(name))
+    for leg in answer["legs"]:
+        leg.pop("route"), leg.pop("note")
+    for form in ("spel", "melfa"):
+        assert export_document(request_of(name), answer, {"format": form})["file"] == recipe(name, form)
 
 
 def test_recipes_are_for_scaras_and_have_no_ticks() -> None:

@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.bound.fastest import EXACT, FREE, beyond, changed, farthest, from_rest, soonest
+from assur.planner.bound.fastest import EXACT, FREE, beyond, changed, farthest, soonest
+from assur.planner.kernels.meetings import rest_to_rest_time
 
 Limit = tuple[float, float, float]
 SEEDS = st.integers(0, 2**32 - 1)
@@ -67,7 +68,7 @@ def test_the_least_duration_is_the_one_that_ruckig_finds(seed: int) -> None:
         found = soonest(begin, goal, np.zeros(1), np.array(limit)[:, None], 0.0)
         assert found == pytest.approx(least, rel=1e-5, abs=1e-6)
     if v0 == a0 == v1 == a1 == 0.0:
-        assert from_rest(way, *limit) == pytest.approx(least, rel=1e-6)
+        assert rest_to_rest_time(way, *limit) == pytest.approx(least, rel=1e-6)
 
 
 def wandered(rng: np.random.Generator, limit: Limit) -> tuple[FloatArray, list[tuple[float, FloatArray]]]:
@@ -124,7 +125,7 @@ def test_who_must_stop_above_a_height_takes_no_less_than_the_way_there_from_rest
     """Going beyond it and coming back is no short cut, however it turns round."""
     rng = np.random.default_rng(seed)
     limit, way = drawn(rng), float(np.exp(rng.uniform(-6.0, 0.0)))
-    whole = from_rest(way, *limit)
+    whole = rest_to_rest_time(way, *limit)
     for share in np.linspace(0.0, 1.0, 33).tolist():
         a = -share * limit[1]
         if not keeps(0.0, a, limit):

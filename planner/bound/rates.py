@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.bound.guided import RATES
+from assur.planner.bound.guided import RATES
 from assur.planner.checker.laws import ramped, spline_of
 from assur.planner.laws import Law
 from assur.planner.laws.ramps import Change
@@ -38,7 +38,7 @@ def climbs(law: Law) -> bool:
 
 
 def rates(law: Law, arm_m: float, begin: FloatArray, end: FloatArray) -> FloatArray:
-    """Bounds (N, 9) as `assur.planner.checker.bound.guided` has them, of a point `arm_m` metres from a frame's axis,
+    """Bounds (N, 9) as `assur.planner.bound.guided` has them, of a point `arm_m` metres from a frame's axis,
     over [begin, end] (N,), s: of the velocity, acceleration and jerk of the point in the plane, of its height, and of
     the frame's yaw. Infinite: not bounded."""
     plane, height, yaw = (np.zeros((3, len(begin))) for _ in range(3))

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assur.planner.checker.bound.duration import least_duration
+from assur.planner.bound.duration import least_duration
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import conveyor, turntable
 from assur.planner.model.attachments import AT_START

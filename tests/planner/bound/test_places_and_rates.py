@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.bound.fastest import STATE
-from assur.planner.checker.bound.guided import BOUNDED, DYAD, NOWHERE, UNKNOWN, guided
-from assur.planner.checker.bound.places import LEAST_SINE, Unplaced, modes_asked, places
-from assur.planner.checker.bound.rates import climbs, known, rates
-from assur.planner.checker.laws import arm_row
+from assur.planner.bound.fastest import STATE
+from assur.planner.bound.guided import BOUNDED, DYAD, NOWHERE, UNKNOWN, guided
+from assur.planner.bound.places import LEAST_MARGIN, Unplaced, modes_asked, places
+from assur.planner.bound.rates import climbs, known, rates
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.laws import (
@@ -121,7 +120,7 @@ def test_what_is_not_known_near_a_singularity_is_not_claimed_and_out_of_reach_is
     far = robot.l1 + robot.l2
     with pytest.raises(Unplaced):
         places(robot, (0, 1), far + 1e-6, 0.0, 0.2, 0.0, math.nan, math.nan)
-    near = places(robot, (0, 1), far * (1.0 - LEAST_SINE**2 / 10.0), 0.0, 0.2, 0.0, math.nan, math.nan)
+    near = places(robot, (0, 1), far * (1.0 - LEAST_MARGIN**2 / 10.0), 0.0, 0.2, 0.0, math.nan, math.nan)
     assert np.isnan(near[:, [0, 1, 3]]).all()
     assert not np.isnan(near[:, 2]).any()
 
@@ -139,7 +138,7 @@ def test_the_working_modes_that_are_asked_for() -> None:
 @pytest.mark.parametrize("before", [0.0, 1e-3, 0.05, 0.3])
 def test_guided_joints_are_those_of_the_inverse_and_keep_to_their_bounds(robot: Scara | FiveBar, before: float) -> None:
     rng, n = np.random.default_rng(5), len(robot.joints)
-    arm, work, seen = np.array(arm_row(robot)), np.zeros(2 * DYAD), {BOUNDED: 0, UNKNOWN: 0, NOWHERE: 0}
+    arm, work, seen = robot.row, np.zeros(2 * DYAD), {BOUNDED: 0, UNKNOWN: 0, NOWHERE: 0}
     for _ in range(60):
         (x, y), (u, v) = rng.uniform(-0.5, 0.5, 2).tolist(), rng.uniform(-0.4, 0.4, 2).tolist()
         law, pose = (

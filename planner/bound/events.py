@@ -8,9 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.bound.fastest import EXACT, FREE, KINDS, STATE, soonest
-from assur.planner.checker.legs import dwell
-from assur.planner.checker.targets import asks_passing, asks_rest
+from assur.planner.bound.fastest import EXACT, FREE, KINDS, STATE, soonest
 from assur.planner.frames.motion import Pose
 from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.scene import Move, Pick, Place, Scene, Step, Trace
@@ -44,38 +42,31 @@ class Event:
     traced: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Hand:
-    """What the gripper holds: a part, and the poses of the tool point in the part that it may have."""
-
-    part: str | None
-    grasps: tuple[Pose, ...]
-
-
 def events(scene: Scene) -> tuple[Event, ...]:
     """What must be passed, in order. A path that is traced is two events: its first point, and its last."""
     lies = {body.name: (body.frame, body.pose) for body in scene.bodies}
-    holding = scene.start.holding
-    hand = Hand(None, ()) if holding is None else Hand(holding.part, (holding.grasp,))
-    found = list[Event]()
+    # the part in the gripper, and the poses that the tool point may have in it
+    held, grasps, found = None, tuple[Pose, ...](), list[Event]()
+    if scene.start.holding is not None:
+        held, grasps = scene.start.holding.part, (scene.start.holding.grasp,)
     for step in scene.task:
-        before = hand.part
+        before = held
         if isinstance(step, Pick):
             (frame, point), offsets = lies[step.part], yaw_offsets(scene, step)
             turns = offsets if offsets is not None and len(offsets) <= MOST_TURNS else None
-            grasps = tuple(Pose(yaw=turn).then(step.grasp) for turn in turns or (0.0, 0.5 * math.pi))
-            free, hand = turns is None, Hand(step.part, () if turns is None else grasps)
-            tools = tuple(point.then(grasp) for grasp in grasps)
+            taken = tuple(Pose(yaw=turn).then(step.grasp) for turn in turns or (0.0, 0.5 * math.pi))
+            tools, free = tuple(point.then(grasp) for grasp in taken), turns is None
+            held, grasps = step.part, () if turns is None else taken
         elif isinstance(step, Place):
             frame, point = step.to.frame, step.to.pose
-            tools, free = tuple(point.then(grasp) for grasp in hand.grasps), False
-            lies[step.part], hand = (frame, point), Hand(None, ())
+            tools, free = tuple(point.then(grasp) for grasp in grasps), False
+            lies[step.part], held, grasps = (frame, point), None, ()
         else:
             frame, point = step.target.frame, step.target.pose
             free = step.target.yaw_free
             turns = (0.0, 0.5 * math.pi) if free else (0.0,)
             tools = tuple(Pose(point.x, point.y, point.z, point.yaw + turn) for turn in turns)
-        found += _events(scene, step, (frame, point), tools, free, before, hand.part)
+        found += _events(scene, step, (frame, point), tools, free, before, held)
     return tuple(found)
 
 
@@ -98,10 +89,10 @@ def _events(
     pitch, roll = (math.nan if each is None else each for each in ((target.pitch, target.roll) if target else (0, 0)))
     window = step.window.time
     opens = max(scene.start.time, scene.frames[frame].law.valid[0], -math.inf if window is None else window[0])
-    kind = PASSES if asks_passing(step) else STOPS if asks_rest(step) else ALONG
-    if kind == STOPS and not isinstance(step, Move) and scene.frames[frame].law.kind != "fixed":
+    kind = PASSES if step.via else STOPS if step.match == "position" else ALONG
+    if kind == STOPS and not isinstance(step, Move) and not scene.frames[frame].law.stands:
         kind = PASSES  # above the point the tool goes along with it, and stands at the point: nothing holds at both
-    lasts = dwell(step)
+    lasts = step.dwell_s
     if isinstance(step, Trace):
         ends = (step.path.begin, step.path.end)
         tcp = scene.tool.tcp.inverse()
@@ -120,18 +111,17 @@ ROUNDING_M = 1e-9
 """m. Places that are no farther apart are one."""
 
 
-def straight_times(scene: Scene, event: Event, before: FloatArray, behind: FloatArray) -> tuple[float, float]:
+def straight_times(scene: Scene, event: Event, before: FloatArray, behind: FloatArray) -> tuple[float, float, float]:
     """The least times, s, that the lift takes for the straight parts before and behind a point that stays at its
-    height, in which no other joint may move against it. `before`, `behind` (3, n): limits of velocity, acceleration and
-    jerk. 0 where the arm has no lift."""
+    height, in which no other joint may move against it, and for that behind it if the motion ends at rest there.
+    `before`, `behind` (3, n): limits of velocity, acceleration and jerk. 0 where the arm has no lift."""
     lift, step = scene.robot.lift, event.step
     if lift is None or not isinstance(step, Pick | Place):
-        return 0.0, 0.0
-    approach, depart = scene.straight(step)
-    return (
-        lifted(approach, before[:, lift], stops=step.approach_stop),
-        lifted(depart, behind[:, lift], stops=step.depart_stop),
-    )
+        return 0.0, 0.0, 0.0
+    (approach, depart), limits = scene.straight(step), behind[:, lift]
+    early = lifted(approach, before[:, lift], stops=step.approach_stop)
+    rests = lifted(depart, limits, stops=True) if scene.options.end == "rest" else 0.0
+    return early, lifted(depart, limits, stops=step.depart_stop), rests
 
 
 def lifted(way: float, limits: FloatArray, *, stops: bool) -> float:

@@ -15,10 +15,24 @@ import math
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.checker.bound.fastest import EXACT, FREE, KINDS, ROUNDING, STATE, unhindered, ways
-from assur.planner.checker.jets import F1, F2, F3, TURN
-from assur.planner.checker.motion import BASE, FAMILY, FIVE_BAR, NUMBERS
+from assur.planner.bound.fastest import EXACT, F1, F2, F3, FREE, KINDS, ROUNDING, STATE, unhindered, ways
 from assur.planner.compiled import kernel
+from assur.planner.kernels.inverse import TURN
+from assur.planner.kernels.links import (
+    BASE_COS,
+    BASE_SIN,
+    BASE_X,
+    BASE_Y,
+    BASE_YAW,
+    BASE_Z,
+    FIVE_BAR,
+    HEIGHT,
+    KIND,
+    L1,
+    L2,
+    L3,
+    L4,
+)
 
 LEAST_SINE = 1e-3
 """An arm that comes nearer to a singularity than this is not bounded."""
@@ -100,41 +114,36 @@ def guided(
     """Fills `state` (4, n) with the joints of an arm in a working mode whose flange moves as `point` (4, 4: a row an
     order, columns x, y, z, yaw in the world) at an instant, and `bounds` (3, n) with bounds of their velocities,
     accelerations and jerks over the `before` s beside it, in which the point keeps to `rates` (9,). `work` (28,)."""
-    p = arm[NUMBERS:]
-    dx, dy = point[0, 0] - arm[BASE], point[0, 1] - arm[BASE + 1]
+    dx, dy = point[0, 0] - arm[BASE_X], point[0, 1] - arm[BASE_Y]
     off, turning = rates[0] * before, 1
     left, right = work[:DYAD], work[DYAD : 2 * DYAD]
-    if arm[FAMILY] == FIVE_BAR:
-        cb, sb = math.cos(arm[BASE + 3]), math.sin(arm[BASE + 3])
-        half = 0.5 * p[0]
-        found = dyad(
-            p[1], p[3], 1.0 if mode // 2 == 1 else -1.0, point, dx + sb * half, dy - cb * half, rates, before, off, left
-        )
-        other = dyad(
-            p[2], p[4], 1.0 if mode % 2 == 1 else -1.0, point, dx - sb * half, dy + cb * half, rates, before, off, right
-        )
+    if arm[KIND] == FIVE_BAR:
+        x, y = 0.5 * arm[HEIGHT] * arm[BASE_SIN], 0.5 * arm[HEIGHT] * arm[BASE_COS]
+        bend, other_bend = 1.0 if mode // 2 == 1 else -1.0, 1.0 if mode % 2 == 1 else -1.0
+        found = dyad(arm[L1], arm[L2], bend, point, dx + x, dy - y, rates, before, off, left)
+        other = dyad(arm[L3], arm[L4], other_bend, point, dx - x, dy + y, rates, before, off, right)
         if found != BOUNDED or other != BOUNDED:
             return NOWHERE if NOWHERE in (found, other) else UNKNOWN
         for row in range(3):
             state[row, 0], state[row, 1] = left[2 * row], right[2 * row]
             bounds[row, 0], bounds[row, 1] = left[BOUNDS + 2 * row], right[BOUNDS + 2 * row]
-        state[0, 0] -= arm[BASE + 3]
-        state[0, 1] -= arm[BASE + 3]
+        state[0, 0] -= arm[BASE_YAW]
+        state[0, 1] -= arm[BASE_YAW]
     else:
-        found = dyad(p[0], p[1], 1.0 if mode == 1 else -1.0, point, dx, dy, rates, before, off, left)
+        found = dyad(arm[L1], arm[L2], 1.0 if mode == 1 else -1.0, point, dx, dy, rates, before, off, left)
         if found != BOUNDED:
             return found
         for row in range(3):
             state[row, 0], state[row, 1] = left[2 * row], left[2 * row + 1] - left[2 * row]
             bounds[row, 0] = left[BOUNDS + 2 * row]
-        state[0, 0] -= arm[BASE + 3]
+        state[0, 0] -= arm[BASE_YAW]
         bounds[0, 1], bounds[1, 1] = left[BOUNDS + 6], left[BOUNDS + 7]
         bounds[2, 1] = left[BOUNDS + 4] + left[BOUNDS + 5]
     many = state.shape[1]
     if many > 2:
         for row in range(3):
             state[row, 2], bounds[row, 2] = point[row, 2], rates[3 + row]
-        state[0, 2] -= arm[BASE + 2]
+        state[0, 2] -= arm[BASE_Z]
     if many > 3:
         for row in range(3):
             state[row, 3] = point[row, 3] - left[2 * row + turning]

@@ -13,9 +13,11 @@ import math
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.jets import F1, F2, F3
 from assur.planner.compiled import kernel
+from assur.planner.kernels.meetings import rest_to_rest_time
 
+F1, F2, F3 = "float64[::1]", "float64[:, ::1]", "float64[:, :, ::1]"
+"""Types of arrays in signatures."""
 ROUNDING = 1e-10
 """rad or m. A position that is no farther beyond what can be reached counts as reached: rounding of kinematics is
 1e-14, and of a joint beside a singularity 1e-12."""
@@ -193,21 +195,6 @@ def beyond(
     return way > up + slack or way < down - slack
 
 
-@kernel("float64(float64, float64, float64, float64)")
-def from_rest(way: float, most_v: float, most_a: float, most_j: float) -> float:
-    """The least time from rest to rest over a way, in closed form."""
-    way = abs(way)
-    ramp = most_a / most_j
-    if most_v * most_j >= most_a * most_a:
-        if way >= most_v * (most_v / most_a + ramp):
-            return way / most_v + most_v / most_a + ramp
-        if way >= 2.0 * most_a * ramp * ramp:
-            return ramp + math.sqrt(ramp * ramp + 4.0 * way / most_a)
-    elif way >= 2.0 * most_v * math.sqrt(most_v / most_j):
-        return way / most_v + 2.0 * math.sqrt(most_v / most_j)
-    return 4.0 * math.pow(way / (2.0 * most_j), 1.0 / 3.0)
-
-
 @kernel(f"float64({F2}, {F2}, {F1}, {F2}, float64)")
 def soonest(begin: FloatArray, end: FloatArray, delay: FloatArray, limits: FloatArray, least: float) -> float:
     """The least time, s, `least` at least, in which every joint can come from its state in `begin` (4, n) to that in
@@ -225,7 +212,7 @@ def soonest(begin: FloatArray, end: FloatArray, delay: FloatArray, limits: Float
         for row in range(1, KINDS):
             rest = rest and begin[row, joint] == 0.0 and end[row, joint] == 0.0
         if rest:
-            least = max(least, delay[joint] + from_rest(max(0.0, abs(way) - ROUNDING), v, a, j))
+            least = max(least, delay[joint] + rest_to_rest_time(max(0.0, abs(way) - ROUNDING), v, a, j))
             continue
         low, span = max(0.0, least - delay[joint]), 1e-3
         high = low + span
