@@ -104,10 +104,6 @@ def _arm_agrees(robot: Robot, arm: int, claim: c.Claim) -> Iterator[Difference]:
         loop = claim.loops[int(row[c.ARM_LOOP])]
         if not loop[c.LOOP_LEAST] >= robot.parallel_least:
             yield Difference(Topic.LINK, f"{robot.name} may come nearer to a singularity of its loop")
-        yaws = claim.links[loop[c.LOOP_CRANK : c.LOOP_CRANK + 2].astype(int), c.LINK_YAW].astype(int)
-        between = claim.angles[yaws[1]] - claim.angles[yaws[0]]
-        if not (claim.angles[int(loop[c.LOOP_BETWEEN])] == between).all():
-            yield Difference(Topic.LINK, f"the angle between the cranks of {robot.name} is another one")
 
 
 def _chain(claim: c.Claim, arm: int, q: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -19,6 +19,7 @@ from assur.planner.claim import columns as c
 from assur.planner.frames.law import Frame, Uncertainty
 
 EXACT = Uncertainty()
+"""Of a frame of which nothing is uncertain."""
 
 
 def frames_agree(frames: Mapping[str, Frame], claim: c.Claim) -> Iterator[Difference]:
@@ -27,8 +28,7 @@ def frames_agree(frames: Mapping[str, Frame], claim: c.Claim) -> Iterator[Differ
         yield Difference(Topic.LAW, f"the claim has {len(claim.frames)} frames, not {len(frames)}")
         return
     for number, (frame, row) in enumerate(zip(frames.values(), claim.frames.tolist(), strict=True)):
-        if frame.uncertainty != EXACT:
-            yield from _uncertainty_agrees(number, frame, row, claim)
+        yield from _uncertainty_agrees(number, frame, row, claim)
         if laws.link_of(frame.law) is None:
             yield from _motion_agrees(frame, row, claim)
 
@@ -41,8 +41,9 @@ def _uncertainty_agrees(number: int, frame: Frame, row: list[float], claim: c.Cl
         yield Difference(Topic.UNCERTAINTY, f"the motion of {name} may be earlier or later than the claim states")
     if not row[c.FRAME_YAW] >= required.yaw_rad:
         yield Difference(Topic.UNCERTAINTY, f"{name} may be turned by more than the claim states")
-    line = laws.line_of(frame.law)
-    side = None
+    if required == EXACT:
+        return
+    line, side = laws.line_of(frame.law), None
     if line is not None and math.hypot(line[0], line[1]) > 0.0:
         length = math.hypot(line[0], line[1])
         side = (-line[1] / length, line[0] / length, 0.0)

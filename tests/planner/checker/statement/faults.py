@@ -189,7 +189,9 @@ FAULTS: tuple[Fault, ...] = (
     Fault("an exception dropped", DEMO, T.DISTANCE, lambda k: drop(k, "rules", -1)),
     Fault("a smaller exception", DEMO, T.DISTANCE, lambda k: put(k, "rules", 0, c.RULE_NEAR, times(0.99))),
     Fault("an exception of others", DEMO, T.DISTANCE, lambda k: put(k, "rules", 0, RULE + k.body("cup"), 0.0)),
-    Fault("an exception more", DEMO, T.DISTANCE, lambda k: more(k, "rules", [0.0] * 2 + [1.0] * 2 * len(k.claim.bodies))),
+    Fault(
+        "an exception more", DEMO, T.DISTANCE, lambda k: more(k, "rules", [0.0] * 2 + [1.0] * 2 * len(k.claim.bodies))
+    ),
     Fault("near in place of travel", DEMO, T.DISTANCE, lambda k: put(k, "phases", k.phase("MOVE"), c.PHASE_NEAR, 1.0)),
     Fault("no pair of links", DEMO, T.DISTANCE, lambda k: put(k, "self_pairs", slice(None), slice(None), 0.0)),
     Fault("a robot that does not count", DEMO, T.DISTANCE, lambda k: put(k, "phases", 0, c.PHASE_ROBOT, 0.0)),
@@ -208,46 +210,86 @@ FAULTS: tuple[Fault, ...] = (
     Fault("a body elsewhere", DEMO, T.SEAT, lambda k: seated(k, k.phase("MOVE"), "belt-bed", 3, plus(1e-5))),
     Fault("a tool on the quill", FLOW, T.SEAT, lambda k: seated(k, k.phase("MOVE"), "finger-front", c.SEAT_LINK, 3.0)),
     # what is uncertain
-    Fault("half the growth of an error", DEMO, T.UNCERTAINTY,
-          lambda k: put(k, "displaced", displaced(k, "belt", 0), c.DISPLACED_GROWTH, times(0.5))),
+    Fault(
+        "half the growth of an error",
+        DEMO,
+        T.UNCERTAINTY,
+        lambda k: put(k, "displaced", displaced(k, "belt", 0), c.DISPLACED_GROWTH, times(0.5)),
+    ),
     Fault("an error dropped", FLOW, T.UNCERTAINTY, lambda k: drop(k, "displaced", displaced(k, "belt", 1))),
-    Fault("an error along another line", FLOW, T.UNCERTAINTY,
-          lambda k: put(k, "displaced", displaced(k, "belt", 0), [2, 3, 4], [0.0, 1.0, 0.0])),
-    Fault("a shared error that no encoder reads", FLOW, T.UNCERTAINTY,
-          lambda k: put(k, "displaced", displaced(k, "belt", 1), c.DISPLACED_SHARED, 1.0)),
+    Fault(
+        "an error along another line",
+        FLOW,
+        T.UNCERTAINTY,
+        lambda k: put(k, "displaced", displaced(k, "belt", 0), [2, 3, 4], [0.0, 1.0, 0.0]),
+    ),
+    Fault(
+        "a shared error that no encoder reads",
+        FLOW,
+        T.UNCERTAINTY,
+        lambda k: put(k, "displaced", displaced(k, "belt", 1), c.DISPLACED_SHARED, 1.0),
+    ),
     Fault("no error of a yaw", FLOW, T.UNCERTAINTY, lambda k: put(k, "frames", k.frame("belt"), c.FRAME_YAW, 0.0)),
     Fault("no error of a body", FLOW, T.UNCERTAINTY, lambda k: put(k, "off", slice(None), k.body("before"), 0.0)),
     Fault("no error of a held part", FLOW, T.UNCERTAINTY, lambda k: put(k, "off", slice(4, None), k.body("part"), 0.0)),
-    Fault("all of an error on the way", FLOW, T.UNCERTAINTY,
-          lambda k: put(k, "shares", k.phase("MOVE"), k.frame("belt"), 1.0)),
-    Fault("no share of an error when tracking", FLOW, T.UNCERTAINTY,
-          lambda k: put(k, "shares", k.phase("FOLLOW"), len(k.claim.frames) + k.frame("belt"), 0.0)),
+    Fault(
+        "all of an error on the way",
+        FLOW,
+        T.UNCERTAINTY,
+        lambda k: put(k, "shares", k.phase("MOVE"), k.frame("belt"), 1.0),
+    ),
+    Fault(
+        "no share of an error when tracking",
+        FLOW,
+        T.UNCERTAINTY,
+        lambda k: put(k, "shares", k.phase("FOLLOW"), len(k.claim.frames) + k.frame("belt"), 0.0),
+    ),
     Fault("an error that links share", FLOW, T.UNCERTAINTY, lambda k: put(k, "required", 0, c.REQUIRED_TOOL, 2.0)),
     Fault("errors grow later", DEMO, T.UNCERTAINTY, lambda k: put(k, "required", 0, c.REQUIRED_SINCE, 1.0)),
     Fault("no lateness", DEMO, T.UNCERTAINTY, lambda k: put(k, "required", 0, c.REQUIRED_LATE, 0.0)),
     Fault("no lag of a joint", DEMO, T.UNCERTAINTY, lambda k: put(k, "required", 0, c.REQUIRED_LAG + 2, 0.0)),
-    Fault("no lateness of a neighbour", "two-robots, start uncertain", T.UNCERTAINTY,
-          lambda k: put(k, "frames", slice(None), [c.FRAME_SHIFT, c.FRAME_SHIFT + 1], 0.0)),
+    Fault(
+        "no lateness of a neighbour",
+        "two-robots, start uncertain",
+        T.UNCERTAINTY,
+        lambda k: put(k, "frames", slice(None), [c.FRAME_SHIFT, c.FRAME_SHIFT + 1], 0.0),
+    ),
     # motions
     Fault("a belt 1 ms late", DEMO, T.LAW, lambda k: shifted(k, "belt", 1e-3)),
     Fault("a belt 1 % faster", DEMO, T.LAW, lambda k: put(k, "frames", k.frame("belt"), c.FRAME_RATE, times(1.01))),
     Fault("a dial 1 ms late", DEMO, T.LAW, lambda k: shifted(k, "dial", 1e-3)),
     Fault("a gate 1 ms late", DEMO, T.LAW, lambda k: shifted(k, "gate", 1e-3)),
     Fault("a gate that swings less", DEMO, T.LAW, lambda k: put(k, "waves", 0, c.WAVE_AMPLITUDE, times(0.99))),
-    Fault("a frame that does not move", DEMO, T.LAW,
-          lambda k: put(k, "frames", k.frame("belt"), [*range(6, 10), c.FRAME_PIECES], 0.0)),
+    Fault(
+        "a frame that does not move",
+        DEMO,
+        T.LAW,
+        lambda k: put(k, "frames", k.frame("belt"), [*range(6, 10), c.FRAME_PIECES], 0.0),
+    ),
     Fault("an indexer 1 ms late", LAWS, T.LAW, lambda k: shifted(k, "star", 1e-3)),
     Fault("a screw that turns more", LAWS, T.LAW, lambda k: put(k, "frames", k.frame("cart"), 8, plus(1e-3))),
-    Fault("a belt that slows down 1 ms late", "demo, belt that slows down", T.LAW,
-          lambda k: inner_ends_later(k, "belt", 1e-3)),
+    Fault(
+        "a belt that slows down 1 ms late",
+        "demo, belt that slows down",
+        T.LAW,
+        lambda k: inner_ends_later(k, "belt", 1e-3),
+    ),
     Fault("another acceleration between poses", "loader", T.LAW, lambda k: first_power(k, list(k.scene.frames)[1])),
     Fault("a law with a hole in time", "loader", T.LAW, lambda k: put(k, "laws", 0, c.LAW_END, plus(-1e-3))),
     Fault("a law that ends early", DEMO, T.LAW, lambda k: put(k, "laws", 0, c.LAW_END, plus(-0.5))),
-    Fault("a neighbour's knot 1 µrad off", "two-robots", T.MOTION,
-          lambda k: put(k, "knots", knots_of(k, 1, 3), c.KNOT_Q, plus(1e-6))),
+    Fault(
+        "a neighbour's knot 1 µrad off",
+        "two-robots",
+        T.MOTION,
+        lambda k: put(k, "knots", knots_of(k, 1, 3), c.KNOT_Q, plus(1e-6)),
+    ),
     Fault("a neighbour 1 ms late", "two-robots", T.MOTION, lambda k: put(k, "knots", all_knots(k, 1), 0, plus(1e-3))),
-    Fault("another link of a neighbour", "two-robots", T.LAW,
-          lambda k: put(k, "frames", 3, c.FRAME_LINK, k.claim.frames[2, c.FRAME_LINK])),
+    Fault(
+        "another link of a neighbour",
+        "two-robots",
+        T.LAW,
+        lambda k: put(k, "frames", 3, c.FRAME_LINK, k.claim.frames[2, c.FRAME_LINK]),
+    ),
     Fault("a frame that is no neighbour's link", "two-robots", T.LAW, lambda k: put(k, "frames", 3, [0, 1], -1.0)),
     Fault("a frame on the robot", DEMO, T.LAW, lambda k: put(k, "frames", k.frame("belt"), [0, 1], 0.0)),
     Fault("the robot's knot 1 µrad off", DEMO, T.MOTION, lambda k: put(k, "knots", 3, c.KNOT_Q, plus(1e-6))),
@@ -259,32 +301,49 @@ FAULTS: tuple[Fault, ...] = (
     Fault("an edge less", DEMO, T.SOLID, lambda k: put(k, "pieces", k.piece("belt-bed"), c.PIECE_EDGES, 2.0)),
     Fault("a thinner capsule", DEMO, T.SOLID, lambda k: put(k, "pieces", k.piece("bar"), c.PIECE_BALL, plus(-1e-5))),
     Fault("a capsule along another axis", DEMO, T.SOLID, lambda k: edge(k, "bar", lambda old: old[..., ::-1])),
-    Fault("a smaller disc", DEMO, T.SOLID, lambda k: put(k, "pieces", k.piece("dial-plate"), c.PIECE_DISC, plus(-1e-5))),
-    Fault("a disc across another axis", DEMO, T.SOLID,
-          lambda k: put(k, "pieces", k.piece("dial-plate"), [3, 4, 5], [1.0, 0.0, 0.0])),
+    Fault(
+        "a smaller disc", DEMO, T.SOLID, lambda k: put(k, "pieces", k.piece("dial-plate"), c.PIECE_DISC, plus(-1e-5))
+    ),
+    Fault(
+        "a disc across another axis",
+        DEMO,
+        T.SOLID,
+        lambda k: put(k, "pieces", k.piece("dial-plate"), [3, 4, 5], [1.0, 0.0, 0.0]),
+    ),
     Fault("a solid 10 µm aside", DEMO, T.SOLID, lambda k: put(k, "pieces", k.piece("cup"), 2, plus(1e-5))),
-    Fault("a hull without a corner", "demo", T.SOLID,
-          lambda k: put(k, "pieces", k.claim.pieces[:, c.PIECE_VERTICES] > 0.0, c.PIECE_VERTICES, plus(-1.0))),
+    Fault(
+        "a hull without a corner",
+        "demo",
+        T.SOLID,
+        lambda k: put(k, "pieces", k.claim.pieces[:, c.PIECE_VERTICES] > 0.0, c.PIECE_VERTICES, plus(-1.0)),
+    ),
     Fault("a mesh without its surface", DEMO, T.SOLID, lambda k: no_surface(k, "part")),
     Fault("a triangle turned round", DEMO, T.SOLID, lambda k: turned_triangle(k, "part")),
     Fault("a triangle twice", DEMO, T.SOLID, lambda k: spoken_twice(k, "part")),
     Fault("a corner of a mesh 10 µm off", DEMO, T.SOLID, lambda k: moved_vertex(k, "part")),
-    Fault("a triangle less", DEMO, T.SOLID,
-          lambda k: put(k, "bodies", k.body("part"), c.BODY_TRIANGLES, plus(-1.0))),
-    Fault("a triangle in another piece", DEMO, T.SOLID,
-          lambda k: put(k, "triangles", triangles_of(k, "part").start, c.TRIANGLE_PIECE, plus(1.0))),
+    Fault("a triangle less", DEMO, T.SOLID, lambda k: put(k, "bodies", k.body("part"), c.BODY_TRIANGLES, plus(-1.0))),
+    Fault(
+        "a triangle in another piece",
+        DEMO,
+        T.SOLID,
+        lambda k: put(k, "triangles", triangles_of(k, "part").start, c.TRIANGLE_PIECE, plus(1.0)),
+    ),
     Fault("a link 10 µm longer", DEMO, T.LINK, lambda k: put(k, "links", 2, c.LINK_OFFSET, plus(1e-5))),
-    Fault("a link that does not turn", DEMO, T.LINK,
-          lambda k: put(k, "angles", angle_of(k, 2), c.ANGLE_SHARE + 1, 0.0)),
+    Fault(
+        "a link that does not turn", DEMO, T.LINK, lambda k: put(k, "angles", angle_of(k, 2), c.ANGLE_SHARE + 1, 0.0)
+    ),
     Fault("a base turned by 10 µrad", DEMO, T.LINK, lambda k: put(k, "angles", angle_of(k, 1), 0, plus(1e-5))),
     Fault("a quill that sinks", DEMO, T.LINK, lambda k: put(k, "links", 3, c.LINK_AXIS + 2, -1.0)),
     Fault("a link of another parent", DEMO, T.LINK, lambda k: put(k, "links", 3, c.LINK_PARENT, 1.0)),
     Fault("a loop that closes behind", "five-bar", T.LINK, lambda k: put(k, "loops", 0, c.LOOP_SIDE, times(-1.0))),
     Fault("a longer coupler", "five-bar", T.LINK, lambda k: put(k, "loops", 0, c.LOOP_COUPLER, plus(1e-5))),
     Fault("a loop nearer to singular", "five-bar", T.LINK, lambda k: put(k, "loops", 0, c.LOOP_LEAST, times(0.9))),
-    Fault("another angle between cranks", "five-bar", T.LINK, lambda k: put(k, "loops", 0, c.LOOP_BETWEEN, 0.0)),
-    Fault("a hand that rolls the other way", "rv-m1", T.LINK,
-          lambda k: put(k, "angles", angle_of(k, 5, c.LINK_ROLL), c.ANGLE_SHARE + 4, -1.0)),
+    Fault(
+        "a hand that rolls the other way",
+        "rv-m1",
+        T.LINK,
+        lambda k: put(k, "angles", angle_of(k, 5, c.LINK_ROLL), c.ANGLE_SHARE + 4, -1.0),
+    ),
     # limits, points, pulls, axes
     Fault("a higher velocity", DEMO, T.LIMIT, lambda k: put(k, "limits", 0, c.LIMIT_VELOCITY, times(1.001))),
     Fault("a higher jerk", DEMO, T.LIMIT, lambda k: put(k, "limits", 0, c.LIMIT_JERK + 3, times(1.001))),
@@ -300,15 +359,19 @@ FAULTS: tuple[Fault, ...] = (
     Fault("another tool point", DEMO, T.POINT, lambda k: put(k, "points", slice(None), c.POINT_TOOL + 2, plus(1e-5))),
     Fault("no velocity", DEMO, T.POINT, lambda k: put(k, "points", slice(None), [16, 17], -1.0)),
     Fault("no yaw", DEMO, T.POINT, lambda k: put(k, "points", slice(None), c.POINT_YAW, -1.0)),
-    Fault("an approach aside", DEMO, T.POINT, lambda k: put(k, "points", high_points(k), c.POINT_POSITION, times(10.0))),
-    Fault("a depart 1 mm higher", DEMO, T.POINT, lambda k: put(k, "points", high_points(k), c.POINT_HEIGHT, plus(1e-3))),
+    Fault(
+        "an approach aside", DEMO, T.POINT, lambda k: put(k, "points", high_points(k), c.POINT_POSITION, times(10.0))
+    ),
+    Fault(
+        "a depart 1 mm higher", DEMO, T.POINT, lambda k: put(k, "points", high_points(k), c.POINT_HEIGHT, plus(1e-3))
+    ),
     Fault("tracking 1 ms shorter", DEMO, T.POINT, lambda k: put(k, "points", tracked_points(k), 1, plus(-1e-3))),
     Fault("a part pulled harder", "belt-to-belt", T.PULL, lambda k: put(k, "pulls", 1, c.PULL_MOST, times(1.01))),
     Fault("a pull less", "belt-to-belt", T.PULL, lambda k: drop(k, "pulls", -1)),
     Fault("no forbidden yaw", "hose-on-gripper", T.YAW, lambda k: drop(k, "axes", -1)),
     Fault("a narrower forbidden yaw", "hose-on-gripper", T.YAW, lambda k: put(k, "axes", 0, c.AXIS_HIGH, plus(1e-4))),
     Fault("a pitch farther off", "rv-m1", T.AXIS, lambda k: put(k, "axes", slice(None), c.AXIS_HIGH, plus(1e-5))),
-)  # fmt: skip
+)
 
 
 def drop_supports(case: Case, row: int) -> Case:
@@ -331,6 +394,14 @@ def without_phase(case: Case, phase: int) -> Claim:
     return case.claim._replace(**found)
 
 
+def any_share(case: Case) -> Claim:
+    """The claim in which the tool may have any share in the error of any frame, in all phases."""
+    count = len(case.claim.frames)
+    claim = put(case, "shares", slice(None), slice(0, count), 0.0)
+    claim.shares[:, count:] = 1.0
+    return claim
+
+
 MORE: tuple[tuple[str, str, Change], ...] = (
     ("a larger distance", DEMO, lambda k: put(k, "required", 0, c.REQUIRED_TRAVEL, times(1.01))),
     ("no contact", DEMO, lambda k: drop(k, "contacts", slice(None))),
@@ -340,16 +411,8 @@ MORE: tuple[tuple[str, str, Change], ...] = (
     ("more that is uncertain", FLOW, lambda k: put(k, "displaced", displaced(k, "belt", 0), 5, plus(1e-3))),
     ("a pair of links more", DEMO, lambda k: put(k, "self_pairs", [1, 2], [2, 1], 1.0)),
     ("travel in place of near", DEMO, lambda k: put(k, "phases", k.phase("FOLLOW"), c.PHASE_NEAR, 0.0)),
-    ("any share of an error", FLOW, lambda k: any_share(k)),
+    ("any share of an error", FLOW, any_share),
     ("distances that are kept longer", DEMO, lambda k: put(k, "required", 0, c.REQUIRED_UNTIL, plus(1.0))),
     ("a lower approach", DEMO, lambda k: put(k, "points", high_points(k), c.POINT_HEIGHT, plus(-1e-3))),
 )
 """Changes with which a claim states more than is required."""
-
-
-def any_share(case: Case) -> Claim:
-    """The claim in which the tool may have any share in the error of any frame, in all phases."""
-    count = len(case.claim.frames)
-    claim = put(case, "shares", slice(None), slice(0, count), 0.0)
-    claim.shares[:, count:] = 1.0
-    return claim

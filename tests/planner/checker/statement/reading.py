@@ -22,11 +22,16 @@ def tables_of(bundle: Document) -> Claim:
     for i, k in required["self_pairs"]:
         pairs[i, k] = pairs[k, i] = 1.0
     everything = range(count)
-    sides = [[_members(rule[key] or everything, count) for key in ("first", "second")] for rule in required["exceptions"]]
+    sides = [
+        [_members(rule[key] or everything, count) for key in ("first", "second")] for rule in required["exceptions"]
+    ]
     rules = [(rule["travel"], rule["near"], *a, *b) for rule, (a, b) in zip(required["exceptions"], sides, strict=True)]
     row = [required[key] for key in ("travel", "near", "until", "late", "since", "tool_from")]
-    phases, put_down = bundle["phases"], [(p, put) for p, phase in enumerate(bundle["phases"]) for put in phase["put_down"]]
-    flags = [(phase["t0"], phase["t1"], phase["near"], phase["robot"]) for phase in phases]
+    phases, put_down = (
+        bundle["phases"],
+        [(p, put) for p, phase in enumerate(bundle["phases"]) for put in phase["put_down"]],
+    )
+    flags: list[tuple[float, ...]] = [(phase["t0"], phase["t1"], phase["near"], phase["robot"]) for phase in phases]
     contacts = [(p, *each["bodies"], each["depth"]) for p, phase in enumerate(phases) for each in phase["contacts"]]
     return Claim(
         **arms,
@@ -109,7 +114,9 @@ def _frames(frames: list[Document], arms: Any) -> dict[str, Any]:
 def _bodies(bodies: list[Document]) -> dict[str, Any]:
     rows, pieces, vertices, triangles = [], [], [], []  # type: ignore[var-annotated]
     for body in bodies:
-        rows.append((len(pieces), len(body["pieces"]), len(triangles), sum(len(p["triangles"]) for p in body["pieces"])))
+        rows.append(
+            (len(pieces), len(body["pieces"]), len(triangles), sum(len(p["triangles"]) for p in body["pieces"]))
+        )
         for piece in body["pieces"]:
             first, edges = len(vertices), [x for edge in piece["edges"] for x in edge]
             shape = (piece["disc"], piece["ball"], first, len(piece["vertices"]), len(piece["edges"]))

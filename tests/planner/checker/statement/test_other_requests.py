@@ -27,6 +27,11 @@ def other(name: str, change: Edit) -> Case:
     return Case(request, scene, sealed(scene, case.plan), case.claim)
 
 
+def heavier(request: Document) -> None:
+    """A part that leaves a smaller share of the accelerations."""
+    next(body for body in request["bodies"] if "mass_kg" in body).update(mass_kg=5.0)
+
+
 POST = {"name": "post", "shape": {"sphere": {"radius_mm": 10}}, "pose": {"at_mm": [0, -900, 0]}}
 REFUSED: tuple[tuple[str, str, Topic, Edit], ...] = (
     ("a window along the belt", DEMO, T.WINDOW, lambda r: step(r, 0).update(window_mm=[-300, -290])),
@@ -48,18 +53,13 @@ REFUSED: tuple[tuple[str, str, Topic, Edit], ...] = (
     ("a body more", DEMO, T.SOLID, lambda r: r["bodies"].append(POST)),
     ("a body 0.1 mm aside", DEMO, T.SEAT, lambda r: r["bodies"][0]["pose"].update(at_mm=[0.1, 350, 25])),
     ("a larger distance", DEMO, T.DISTANCE, lambda r: r["options"]["clearance_mm"].update(near=1.6)),
-    ("a heavier part", "heavy-casting", T.LIMIT, lambda r: heavier(r)),
+    ("a heavier part", "heavy-casting", T.LIMIT, heavier),
     ("a later start", DEMO, T.UNCERTAINTY, lambda r: r["execution"].update(start_tolerance_ms=3)),
     ("a faster belt", DEMO, T.LAW, lambda r: r["frames"]["belt"]["conveyor"].update(speed_mm_s=250.1)),
     ("no belt correction", FLOW, T.UNCERTAINTY, lambda r: r["execution"].update(belt_correction=False)),
     ("a smaller tolerance", FLOW, T.ARRIVAL, lambda r: step(r, 0).update(tolerance_mm=0.01)),
     ("another support", DEMO, T.CONTACT, lambda r: step(r, 1).update(contact_with=["belt-bed"])),
 )
-
-
-def heavier(request: Document) -> None:
-    """A part that leaves a smaller share of the accelerations."""
-    next(body for body in request["bodies"] if "mass_kg" in body).update(mass_kg=5.0)
 
 
 @pytest.mark.parametrize(("name", "topic", "change"), [each[1:] for each in REFUSED], ids=[each[0] for each in REFUSED])
@@ -89,7 +89,7 @@ NOT_STATED: tuple[tuple[str, Edit], ...] = (
     ("the other working mode", lambda r: r["options"].update(elbow="left")),
     ("a straight way", lambda r: step(r, 2).update(leg="cartesian")),
 )
-"""Other requests that are accepted, because no claim can state yet what they ask. Each has to be refused once it can."""
+"""Other requests that are accepted, because no claim can state yet what they ask. Each is to be refused then."""
 
 
 @pytest.mark.parametrize("change", [each[1] for each in NOT_STATED], ids=[each[0] for each in NOT_STATED])
