@@ -126,7 +126,8 @@ def _chain(claim: c.Claim, arm: int, q: FloatArray) -> tuple[FloatArray, FloatAr
         numbers = claim.loops[loop]
         cranks = numbers[c.LOOP_CRANK : c.LOOP_CRANK + 2].astype(int) - first
         lengths = numbers[c.LOOP_LENGTH : c.LOOP_LENGTH + 2]
-        ends = [places[k] + n * _rotations(angles[k])[:, :, 0] for k, n in zip(cranks, lengths, strict=True)]
+        ahead = np.array([1.0, 0.0, 0.0])
+        ends = [places[k] + _turned(angles[k], n * ahead) for k, n in zip(cranks, lengths, strict=True)]
         one, two = (end[:, 0] + 1j * end[:, 1] for end in ends)
         directions = _couplers(one, two, *numbers[c.LOOP_COUPLER : c.LOOP_SIDE + 1].tolist())
         couplers = links[:, c.LINK_COUPLER].astype(int)
@@ -137,21 +138,20 @@ def _chain(claim: c.Claim, arm: int, q: FloatArray) -> tuple[FloatArray, FloatAr
 
 def _stacked(parents: FloatArray, local: FloatArray, angles: FloatArray) -> FloatArray:
     """Places (L, m, 3) of links whose origins are at `local` in the axes of their parents."""
-    steps = np.einsum("lmij,lmj->lmi", _rotations(angles)[parents], local)
+    steps = _turned(angles[parents], local)
     places = np.zeros_like(local)
     for k, parent in enumerate(parents.tolist()):
         places[k] = local[k] if parent < 0 else places[parent] + steps[k]
     return places
 
 
-def _rotations(angles: FloatArray) -> FloatArray:
-    """Rz(yaw) Ry(-pitch) Rx(roll), (..., 3, 3), of angles (..., 3)."""
+def _turned(angles: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Rz(yaw) Ry(-pitch) Rx(roll) times vectors (..., 3), for angles (..., 3)."""
     (cy, cp, cr), (sy, sp, sr) = np.moveaxis(np.cos(angles), -1, 0), np.moveaxis(np.sin(angles), -1, 0)
-    found = np.empty((*angles.shape, 3))
-    found[..., 0, 0], found[..., 1, 0], found[..., 2, 0] = cy * cp, sy * cp, sp
-    found[..., 0, 1], found[..., 1, 1], found[..., 2, 1] = -sy * cr - cy * sp * sr, cy * cr - sy * sp * sr, cp * sr
-    found[..., 0, 2], found[..., 1, 2], found[..., 2, 2] = sy * sr - cy * sp * cr, -cy * sr - sy * sp * cr, cp * cr
-    return found
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    y, z = cr * y - sr * z, sr * y + cr * z
+    x, z = cp * x - sp * z, sp * x + cp * z
+    return np.stack([cy * x - sy * y, sy * x + cy * y, z], axis=-1)
 
 
 def _couplers(one: Complex, two: Complex, a: float, b: float, side: float) -> tuple[FloatArray, FloatArray]:

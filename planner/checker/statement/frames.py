@@ -107,8 +107,9 @@ def _motion_agrees(frame: Frame, row: list[float], claim: c.Claim) -> Iterator[D
 
 def _are_same_sines(stated: list[list[float]], required: Sequence[laws.Sine]) -> bool:
     """Whether sines have the same numbers, in any order."""
-    rows, others = sorted(stated), sorted(map(list, required))
-    return len(rows) == len(others) and bool(np.allclose(rows, others, rtol=1e-12, atol=0.0))
+    pairs = zip(sorted(stated), sorted(required), strict=False)
+    same = (math.isclose(x, y, rel_tol=1e-12) for one, other in pairs for x, y in zip(one, other, strict=True))
+    return len(stated) == len(required) and all(same)
 
 
 def _farthest_off(frame: FloatArray, pieces: FloatArray, formula: laws.Formula) -> tuple[Interval, float]:
@@ -117,8 +118,8 @@ def _farthest_off(frame: FloatArray, pieces: FloatArray, formula: laws.Formula) 
     if not (starts[1:] == ends[:-1]).all():
         return (float(starts[0]), float(ends[-1])), math.inf
     degree = max(formula.degree, powers.shape[2] + 1)
-    inside = [t for t in formula.ends if starts[0] < t < ends[-1]]
-    cuts = np.unique([*starts, ends[-1], *inside])
+    inside = (t for t in formula.ends if starts[0] < t < ends[-1])
+    cuts = np.array(sorted({*starts.tolist(), float(ends[-1]), *inside}))
     nodes = 0.5 - 0.5 * np.cos(math.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
     times = (cuts[:-1, None] + np.diff(cuts)[:, None] * nodes).ravel()
     i = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)

@@ -107,7 +107,7 @@ def _seats_agree(handling: Handling, stages: list[Stage], claim: c.Claim, names:
 def _required_seats(handling: Handling, stages: list[Stage], names: list[str]) -> tuple[FloatArray, FloatArray]:
     """The seat of each body in each stage, (P, B, 7), and by how much each may be off it: (P, 2 B), horizontally, and
     then up or down, m."""
-    scene, count = handling.scene, len(names)
+    scene = handling.scene
     frames, flange = {name: float(k) for k, name in enumerate(scene.frames)}, float(flange_row(scene.robot))
 
     def seat(body: int, where: Where) -> tuple[float, ...]:
@@ -116,18 +116,18 @@ def _required_seats(handling: Handling, stages: list[Stage], names: list[str]) -
 
     links = [link_row(scene.robot, item.link) for item in scene.robot.bodies]
     links += [flange_row(scene.robot)] * len(scene.tool.bodies)
-    first: list[tuple[float, ...]] = [(k, link, -1.0, *IDENTITY) for k, link in enumerate(links)]
-    first += [seat(k, handling.place(body.name, ())) for k, body in enumerate(scene.bodies, start=len(links))]
-    seats, off = np.empty((len(stages), count, c.SEAT)), np.zeros((len(stages), 2 * count))
-    seats[:] = first
-    for k, item in enumerate(scene.bodies, start=len(links)):
-        off[:, [k, count + k]] = handling.displaced(item.name, ())
-    for part in handling.parts:
-        k = names.index(part)
+    seats: list[tuple[float, ...]] = [(k, link, -1.0, *IDENTITY) for k, link in enumerate(links)]
+    off = [(0.0, 0.0)] * len(links)
+    for k, body in enumerate(scene.bodies, start=len(links)):
+        seats.append(seat(k, handling.place(body.name, ())))
+        off.append(handling.displaced(body.name, ()))
+    # parts that are handled have others, phase by phase
+    all_seats, all_off = np.array([seats] * len(stages)), np.array([off] * len(stages))
+    for k, part in [(names.index(part), part) for part in handling.parts]:
         for p, stage in enumerate(stages):
-            seats[p, k] = seat(k, handling.place(part, stage.handed))
-            off[p, [k, count + k]] = handling.displaced(part, stage.handed)
-    return seats, off
+            all_seats[p, k] = seat(k, handling.place(part, stage.handed))
+            all_off[p, k] = handling.displaced(part, stage.handed)
+    return all_seats, all_off.transpose(0, 2, 1).reshape(len(stages), -1)
 
 
 def _contacts_agree(stages: list[Stage], claim: c.Claim, names: list[str]) -> Iterator[Difference]:
