@@ -182,6 +182,14 @@ class Body:
         return spread(self)
 
     @cached_property
+    def cut_surface(self) -> tuple[tuple[FloatArray, IntArray], ...]:
+        """For each piece: corners (V, 3), m, and the triangles (T, 3) of them, into which the surface is cut so that
+        each is in one piece. Without a surface: nothing. Made once: a large mesh takes a second."""
+        from assur.planner.geometry.cut_surface import in_pieces
+
+        return () if self.surface is None else in_pieces(self.pieces, self.surface)
+
+    @cached_property
     def radius(self) -> float:
         """Horizontal distance, m, of its points from its own origin at most."""
         return max(radius(piece) for piece in self.pieces)
