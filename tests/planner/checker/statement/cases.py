@@ -14,13 +14,13 @@ import numpy as np
 import assur
 from assur.planner.checker.statement import Difference, state_cell, state_plan
 from assur.planner.checker.statement.solids import bodies_of
+from assur.planner.claim import filling
 from assur.planner.claim.columns import Claim
+from assur.planner.claim.filling import with_plan
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Plan
 from assur.planner.model.scene import Scene
-from assur.scenes.bundle.writing import bundle_of
 from assur.scenes.requests import cell_of, read_plan
-from tests.planner.checker.statement.reading import tables_of
 
 Document = dict[str, Any]
 CANDIDATES = 200
@@ -67,7 +67,7 @@ def sealed(scene: Scene, plan: Plan) -> Plan:
 
 def claim_of(scene: Scene, plan: Plan) -> Claim:
     """The claim of a plan."""
-    return tables_of(json.loads(json.dumps(bundle_of(scene, plan))))
+    return with_plan(filling.claim_of(scene), plan)
 
 
 def planned(request: Document) -> Case | None:
@@ -81,15 +81,20 @@ def planned(request: Document) -> Case | None:
 
 
 @cache
-def case_of(name: str) -> Case:
-    """The case of a shipped scenario or of a variant."""
+def case_or_none(name: str) -> Case | None:
+    """The case of a shipped scenario or of a variant; None: it has no plan."""
     base, change = VARIANTS.get(name, (name, lambda _: None))
     request = assur.load(base)
     options = request.setdefault("options", {})
     options.pop("budget_ms", None)
     options |= {"max_candidates": CANDIDATES, "budget_s": 60.0, "stop": "first"}
     change(request)
-    found = planned(request)
+    return planned(request)
+
+
+def case_of(name: str) -> Case:
+    """The case of a shipped scenario or of a variant that has a plan."""
+    found = case_or_none(name)
     assert found is not None, name
     return found
 

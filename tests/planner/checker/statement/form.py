@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
+from tests.planner.claim.bounds import outside
 
 SPANS = (
     ("arms", c.ARM_LINK, "links"),
@@ -24,7 +24,7 @@ SPANS = (
 def is_formed(claim: Claim) -> bool:
     """Whether spans follow each other and share out their tables, numbers are within `BOUNDS`, and links and seats
     refer to something."""
-    return all(_spans(claim, *each) for each in SPANS) and _bounded(claim) and _chained(claim) and _seated(claim)
+    return all(_spans(claim, *each) for each in SPANS) and not outside(claim) and _chained(claim) and _seated(claim)
 
 
 def _spans(claim: Claim, table: str, column: int, of: str) -> bool:
@@ -32,20 +32,6 @@ def _spans(claim: Claim, table: str, column: int, of: str) -> bool:
     return bool(
         (first == np.cumsum(count) - count).all() and (count >= 0.0).all() and count.sum() == len(getattr(claim, of))
     )
-
-
-def _bounded(claim: Claim) -> bool:
-    for name, first, count, low, high in c.BOUNDS:
-        numbers: FloatArray = getattr(claim, name)
-        part = numbers[:, first:] if count < 0 else numbers[:, first : first + count]
-        if isinstance(high, str):
-            rows = claim.arms[0, c.ARM_LINKS] if high == "own links" else len(getattr(claim, high, ()))
-            high = float(c.RANGES.get(high, rows)) - 1.0
-            if not (part == np.round(part)).all():
-                return False
-        if not ((part >= low) & (part <= high)).all():
-            return False
-    return True
 
 
 def _chained(claim: Claim) -> bool:

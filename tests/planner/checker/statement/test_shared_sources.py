@@ -15,14 +15,13 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 
+from assur.planner.claim import filling, obligations
+from assur.planner.claim import laws as written_laws
 from assur.planner.frames import keyframes, ramps
 from assur.planner.frames.law import EXACT
 from assur.planner.geometry import shapes
 from assur.planner.model import attachments, phases
 from assur.planner.model import scene as scenes
-from assur.scenes.bundle import laws as written_laws
-from assur.scenes.bundle import phases as written_phases
-from assur.scenes.bundle import writing
 from assur.scenes.requests import cell_of
 from tests.planner.checker.statement.cases import case_of, claim_of, differences, planned, sealed
 
@@ -96,9 +95,9 @@ SHARED = (
     Fault("straight parts are twice as long", DEMO, scenes, "STRAIGHT", 20.0),
 )
 WRITTEN = (
-    Fault("contacts are twice as deep", DEMO, written_phases, "CONTACT_M", 2e-4),
-    Fault("parts change hands a leg too late", DEMO, writing, "phases", late),
-    Fault("a step is another polynomial", LAWS, written_laws, "MOVE", (420.0, -1680.0, 2100.0, -839.9)),
+    Fault("contacts are twice as deep", DEMO, obligations, "contact_gap", lambda _: -2e-3),
+    Fault("parts change hands a leg too late", DEMO, filling, "phases_in", late),
+    Fault("a step is another polynomial", LAWS, written_laws, "MOVE", np.array([420.0, -1680.0, 2100.0, -839.9])),
 )
 """Faults of the writer of claims alone."""
 LEAVE = 8
