@@ -18,8 +18,8 @@ from assur.planner.checker.statement.differences import SAME, Four
 from assur.planner.checker.statement.poses import inverse, numbers, then
 from assur.planner.frames.law import PoseUncertainty
 from assur.planner.geometry.shapes import Body, Hull
-from assur.planner.model.outcome import TRACKING, Arrival, LegKind, Plan
-from assur.planner.model.scene import Pick, Place, Scene, WorldBody
+from assur.planner.model.outcome import TRACKING, LegKind, Plan
+from assur.planner.model.scene import Pick, Place, Scene
 
 CONTACT_M = 1e-4
 """How deep bodies that may touch may overlap, m, besides what the step allows; and how far apart in height what a part
@@ -51,14 +51,6 @@ class Handling:
         """Whether each leg of the plan tracks a control point."""
         return [leg.kind in TRACKING for leg in self.plan.legs]
 
-    def body(self, name: str) -> WorldBody:
-        """A body of the surroundings."""
-        return self.scene.index[name]
-
-    def arrival(self, number: int) -> Arrival:
-        """The arrival of a step."""
-        return self.arrivals[number]
-
     def handed_before_leg(self, leg: int) -> list[int]:
         """The steps whose part has changed hands before a leg of the plan: at the end of their FOLLOW."""
         behind = (each.step for each in self.plan.legs[:leg] if each.kind is LegKind.FOLLOW)
@@ -87,14 +79,14 @@ class Handling:
         holding = self.scene.start.holding
         if holding is not None and holding.part == name:
             return None, then(self.tcp, inverse(numbers(holding.grasp)))
-        return self.body(name).frame, numbers(self.body(name).pose)
+        return self.scene.index[name].frame, numbers(self.scene.index[name].pose)
 
     def grasp(self, number: int) -> Four:
         """The tool point in the part's frame at a pick, turned about the part's axis as the arrival states."""
         step = self.scene.task[number]
         if not isinstance(step, Pick):
             raise ValueError(f"{step.name} is no pick")
-        return then((0.0, 0.0, 0.0, self.arrival(number).yaw_offset), numbers(step.grasp))
+        return then((0.0, 0.0, 0.0, self.arrivals[number].yaw_offset), numbers(step.grasp))
 
     def point(self, number: int) -> tuple[str, Four]:
         """Frame and pose of the part that a step takes, or of its target."""
@@ -114,7 +106,7 @@ class Handling:
         if isinstance(step, Place):
             _, in_flange = self.place(step.part, self.handed_before_step(number))
             return frame, then(at, then(inverse(in_flange), self.tcp))
-        return frame, (at[0], at[1], at[2], at[3] + self.arrival(number).yaw_offset)
+        return frame, (at[0], at[1], at[2], at[3] + self.arrivals[number].yaw_offset)
 
     def supports(self, number: int) -> set[str]:
         """What the part of a pick or a place rests on: the bodies that are named, or those whose top is where the
@@ -124,9 +116,9 @@ class Handling:
             return set()
         if step.contact_with is not None:
             return set(step.contact_with)
-        time, handed = self.arrival(number).until, self.handed_before_step(number)
+        time, handed = self.arrivals[number].until, self.handed_before_step(number)
         there = self._in_world(self.point(number), time)
-        bottom = there[2] - _reach(self.body(step.part).body, -1.0)
+        bottom = there[2] - _reach(self.scene.index[step.part].body, -1.0)
         found = set()
         for body in self.scene.bodies:
             if body.name == step.part:
@@ -174,14 +166,14 @@ class Handling:
         Of a part that a step has handled it is the error of the arrival, or what the step states of the grip.
         """
         for number in reversed(handed):
-            step, error = self.scene.task[number], self.arrival(number).error
+            step, error = self.scene.task[number], self.arrivals[number].error
             if step.part == name:
                 stated = step.held_within if isinstance(step, Pick) else None
                 return stated if stated is not None or error is None else error.within
         holding = self.scene.start.holding
         if holding is not None and holding.part == name:
             return holding.within
-        return self.body(name).uncertainty
+        return self.scene.index[name].uncertainty
 
     def displaced(self, name: str, handed: Sequence[int]) -> tuple[float, float]:
         """How far a point of a body of the surroundings may be off horizontally, and up or down, m."""
@@ -214,7 +206,7 @@ class Handling:
     def radius(self, name: str) -> float:
         """Horizontal distance of the points of a body of the surroundings from its origin at most, m."""
         if name not in self._radius:
-            self._radius[name] = _radius(self.body(name).body)
+            self._radius[name] = _radius(self.scene.index[name].body)
         return self._radius[name]
 
 

@@ -28,66 +28,54 @@ Sine = tuple[int, float, float, float]
 
 @dataclass(frozen=True)
 class Formula:
-    """A law over an interval: polynomials of this degree at most, which end at some times, and sines beside them."""
+    """A law over an interval: polynomials of this degree at most, which end at some times, and sines in addition. The
+    times are those of many periods if the interval is long: they are computed one by one, and can be read once."""
 
     degree: int
-    ends: Sequence[float]
+    ends: Iterable[float]
     place: Place
     sines: Sequence[Sine] = ()
 
 
 def kind_of(law: object) -> str:
-    """The kind of a law."""
-    return type(law).__name__
+    """The kind of a law: fixed, linear, conveyor, turntable, indexer, swing, oscillation, keyframes, trajectorylaw."""
+    return type(law).__name__.lower()
 
 
 def link_of(law: Any) -> tuple[Robot, Trajectory, int] | None:
-    """The arm, its motion and the number of its link (in the arm's own order) of which the frame is; None: of none."""
-    return (law.robot, law.trajectory, law.link) if kind_of(law) == "TrajectoryLaw" else None
-
-
-def is_still(law: Any) -> bool:
-    """Whether the frame does not move, ever."""
-    return kind_of(law) == "Fixed" and tuple(law.valid) == (-math.inf, math.inf)
-
-
-def still_pose(law: Any) -> Four:
-    """The pose of a frame that does not move."""
-    return numbers(law.pose)
+    """The arm, its motion and the number of its link (in the arm's own order) that the frame is; None: it is none."""
+    return (law.robot, law.trajectory, law.link) if kind_of(law) == "trajectorylaw" else None
 
 
 def formula_of(law: Any, begin: float, end: float) -> Formula:
     """The law over [begin, end]. Raises `ValueError` for a kind that this module does not know."""
     kind = kind_of(law)
-    if kind == "Keyframes":
+    if kind == "keyframes":
         return _keyframes(law, begin, end)
     pose = np.array(numbers(law.pose))
     ahead = np.array([math.cos(pose[3]), math.sin(pose[3]), 0.0, 0.0])
     turn, climb = np.array([0.0, 0.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0, 0.0])
-    if kind in ("Fixed", "Swing", "Oscillation"):
+    if kind in ("fixed", "swing", "oscillation"):
         return Formula(0, (), lambda t: np.tile(pose, (len(t), 1)), _sines(law))
-    if kind == "Linear":
+    if kind == "linear":
         velocity = np.array([*law.velocity, 0.0])
         return Formula(1, (), lambda t: pose + np.outer(t - law.at_time, velocity))
-    if kind == "Conveyor":
+    if kind == "conveyor":
         ends, travel = _travel(law.speed, law.changes, law.at_time)
         return Formula(3, ends, lambda t: pose + np.outer(travel(t), ahead))
-    if kind == "Turntable":
+    if kind == "turntable":
         ends, angle = _travel(law.rate, law.changes, law.at_time)
         rise = law.rise * climb
         return Formula(3, ends, lambda t: pose + np.outer(angle(t), turn) + np.outer(t - law.at_time, rise))
-    if kind == "Indexer":
+    if kind == "indexer":
         return _indexer(law, pose, turn if law.kind == "turn" else ahead, begin, end)
     raise ValueError(f"no formula for the motion {kind}")
 
 
 def place_at(law: Any, time: float) -> Four:
     """Where a frame that is no link of an arm is at a time."""
-    if is_still(law):
-        return still_pose(law)
     formula = formula_of(law, time, time)
-    x, y, z, yaw = (float(value) for value in formula.place(np.array([time]))[0])
-    place = [x, y, z, yaw]
+    place = formula.place(np.array([time]))[0].tolist()
     for coordinate, amplitude, rate, phase in formula.sines:
         place[coordinate] += amplitude * math.sin(rate * time + phase)
     return (place[0], place[1], place[2], place[3])
@@ -96,7 +84,7 @@ def place_at(law: Any, time: float) -> Four:
 def known(law: Any) -> Interval:
     """The first and the last time at which a law is known."""
     first, last = law.valid
-    if kind_of(law) == "Keyframes" and law.ends != "periodic":
+    if kind_of(law) == "keyframes" and law.ends != "periodic":
         return max(first, float(law.times[0])), min(last, float(law.times[-1]))
     return first, last
 
@@ -104,9 +92,9 @@ def known(law: Any) -> Interval:
 def line_of(law: Any) -> tuple[float, ...] | None:
     """The direction (unit vector) in which a frame travels; None: it travels along no line. A conveyor that stands has
     one, too: its errors are along it."""
-    if kind_of(law) == "Conveyor":
+    if kind_of(law) == "conveyor":
         return (math.cos(law.pose.yaw), math.sin(law.pose.yaw), 0.0)
-    if kind_of(law) == "Linear" and any(law.velocity):
+    if kind_of(law) == "linear" and any(law.velocity):
         length = math.hypot(*law.velocity)
         return tuple(float(rate) / length for rate in law.velocity)
     return None
@@ -114,21 +102,21 @@ def line_of(law: Any) -> tuple[float, ...] | None:
 
 def measured_along(law: Any) -> tuple[tuple[float, ...], Four] | None:
     """The direction along which windows in metres are measured, and the pose from which; None: there is none."""
-    if kind_of(law) not in ("Conveyor", "Linear"):
+    if kind_of(law) not in ("conveyor", "linear"):
         return None
     return line_of(law) or (1.0, 0.0, 0.0), numbers(law.pose)
 
 
 def encoder_counts(law: Any) -> bool:
     """Whether an encoder counts the travel of the frame: not of a conveyor that always stands."""
-    return kind_of(law) != "Conveyor" or any((law.speed, *(change.speed for change in law.changes)))
+    return kind_of(law) != "conveyor" or any((law.speed, *(change.speed for change in law.changes)))
 
 
 def _sines(law: Any) -> list[Sine]:
     """The sines of a swing (F4) and of an oscillation (F8)."""
-    if kind_of(law) == "Swing":
+    if kind_of(law) == "swing":
         return [(3, law.amplitude, math.tau / law.period, law.phase)]
-    if kind_of(law) == "Oscillation":
+    if kind_of(law) == "oscillation":
         length = math.hypot(*law.direction)
         parts = [(k, law.amplitude * u / length) for k, u in enumerate(law.direction) if u != 0.0]
         return [(k, amplitude, math.tau / law.period, law.phase) for k, amplitude in parts]
@@ -141,6 +129,8 @@ def _travel(speed: float, changes: Iterable[Any], zero: float) -> tuple[list[flo
     rows: list[tuple[float, float, float, float, float]] = []  # begin, way, speed, acceleration, jerk
     way = now = 0.0
     for change in changes:
+        if change.speed == speed:
+            continue
         way, now = way + speed * (change.time - now) if rows else 0.0, change.time
         rows = rows or [(now, 0.0, speed, 0.0, 0.0)]
         more, sign = abs(change.speed - speed), math.copysign(1.0, change.speed - speed)
@@ -149,7 +139,7 @@ def _travel(speed: float, changes: Iterable[Any], zero: float) -> tuple[list[flo
         else:
             rise = min(change.acceleration / change.jerk, math.sqrt(more / change.jerk))
             top, jerk = change.jerk * rise, change.jerk
-        level = more / top - rise if more > 0.0 else 0.0
+        level = more / top - rise
         for lasts, a, j in ((rise, 0.0, sign * jerk), (level, sign * top, 0.0), (rise, sign * top, -sign * jerk)):
             rows.append((now, way, speed, a, j))
             way += lasts * (speed + lasts * (a / 2.0 + lasts * j / 6.0))
@@ -176,7 +166,7 @@ def _indexer(law: Any, pose: FloatArray, along: FloatArray, begin: float, end: f
     """Steps by the polynomial without velocity, acceleration and jerk at both ends (F3), and dwells between them."""
     period = law.move_s + law.dwell_s
     numbers_of_steps = range(math.floor((begin - law.start) / period), math.ceil((end - law.start) / period) + 1)
-    ends = [law.start + k * period + more for k in numbers_of_steps for more in (0.0, law.move_s)]
+    ends = (law.start + k * period + more for k in numbers_of_steps for more in (0.0, law.move_s))
 
     def place(t: FloatArray) -> FloatArray:
         whole = np.floor((t - law.start) / period)
@@ -218,4 +208,4 @@ def _keyframes(law: Any, begin: float, end: float) -> Formula:
         cubic = (moments[i] * one**3 + moments[i + 1] * two**3) / (6.0 * span)
         return np.asarray(cubic + low * one + high * two + np.outer(turns, values[-1] - values[0]))
 
-    return Formula(3, [float(t + k * period) for k in (whole if repeats else range(1)) for t in times], place)
+    return Formula(3, (float(t + k * period) for k in (whole if repeats else range(1)) for t in times), place)

@@ -35,7 +35,7 @@ def limits_agree(handling: Handling, stages: list[Stage], claim: c.Claim) -> Ite
     for stage in stages:
         if not stage.robot:
             continue
-        part = 0.0 if stage.held is None else handling.body(stage.held).mass_kg or 0.0
+        part = 0.0 if stage.held is None else handling.scene.index[stage.held].mass_kg or 0.0
         mass, carried = (scene.tool.mass_kg or 0.0) + part, stage.held or "the tool"
         if not mass <= most * (1.0 + ROUNDING):
             yield Difference(Topic.LOAD, f"{mass:g} kg are too heavy", stage.when)

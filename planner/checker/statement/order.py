@@ -70,7 +70,7 @@ def _pattern(step: Step) -> str:
 
 def _arrival_agrees(handling: Handling, number: int, own: list[Leg], *, is_last: bool) -> Iterator[Difference]:
     """A step meets its control point when its legs say so, as long, as exactly and in the window that it asks for."""
-    step, arrival = handling.scene.task[number], handling.arrival(number)
+    step, arrival = handling.scene.task[number], handling.arrivals[number]
     when = (arrival.time, arrival.until)
     follow = next((leg for leg in own if leg.kind is LegKind.FOLLOW), None)
     ends = [leg.t1 for leg in own if leg.kind is not LegKind.WAIT]
@@ -97,7 +97,7 @@ def _may_turn(handling: Handling, step: Step, turn: float) -> bool:
     if "yaw" not in handling.scene.robot.coordinates:
         return math.isfinite(turn)  # the heading follows from the position
     if isinstance(step, Pick):
-        fold = handling.body(step.part).yaw_symmetry
+        fold = handling.scene.index[step.part].yaw_symmetry
         return math.isfinite(turn) and (fold == 0 or abs(math.remainder(turn, math.tau / fold)) <= SAME)
     free = step.part is None and step.target.yaw_free
     return math.isfinite(turn) and (free or abs(math.remainder(turn, math.tau)) <= SAME)

@@ -60,7 +60,7 @@ def points_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
 def _points_of(handling: Handling, number: int) -> Iterator[Point]:
     """What is required of the tool at the control point of a step: when it is met, when it is left, and while it is
     tracked; it may be higher in the straight parts before and behind."""
-    scene, step, arrival = handling.scene, handling.scene.task[number], handling.arrival(number)
+    scene, step, arrival = handling.scene, handling.scene.task[number], handling.arrivals[number]
     frame, target = handling.tool_point(number)
     turns = "yaw" in scene.robot.coordinates
     at = list(scene.frames).index(frame)
@@ -127,7 +127,7 @@ def tilts_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
     for number, step in enumerate(handling.scene.task):
         if isinstance(step, Trace) or (handling.scene.options.blended and step.via):
             continue
-        arrival = handling.arrival(number)
+        arrival = handling.arrivals[number]
         pitch, roll = arrival.pitch or 0.0, arrival.roll or 0.0
         asked = zip((pitch, roll), (step.target.pitch, step.target.roll), strict=True)  # type: ignore[union-attr]
         if not all(y is None or abs(math.remainder(x - y, math.tau)) <= MEET for x, y in asked):

@@ -93,6 +93,23 @@ def inner_ends_later(case: Case, name: str, seconds: float) -> Claim:
     return claim
 
 
+def without_pieces(case: Case, name: str) -> Claim:
+    """The claim in which a frame that moves by pieces of a polynomial does not move."""
+    claim, row = copied(case.claim), case.claim.frames[case.frame(name)]
+    first, count = int(row[c.FRAME_PIECE]), int(row[c.FRAME_PIECES])
+    claim.frames[case.frame(name), c.FRAME_PIECES] = 0.0
+    claim.frames[claim.frames[:, c.FRAME_PIECE] > first, c.FRAME_PIECE] -= count
+    return claim._replace(laws=np.delete(claim.laws, range(first, first + count), axis=0))
+
+
+def in_one_piece(case: Case, name: str) -> Claim:
+    """The claim in which the first piece of a law lasts for very long."""
+    row = int(case.claim.frames[case.frame(name), c.FRAME_PIECE])
+    claim = put(case, "laws", row, c.LAW_END, 9e4)
+    claim.frames[case.frame(name), c.FRAME_PIECES] = 1.0
+    return claim
+
+
 def first_power(case: Case, name: str) -> Claim:
     """The claim with another acceleration of a frame: the first number that is not zero."""
     row = int(case.claim.frames[case.frame(name), c.FRAME_PIECE])
@@ -266,6 +283,8 @@ FAULTS: tuple[Fault, ...] = (
         T.LAW,
         lambda k: put(k, "frames", k.frame("belt"), [*range(6, 10), c.FRAME_PIECES], 0.0),
     ),
+    Fault("an indexer that does not move", LAWS, T.LAW, lambda k: without_pieces(k, "star")),
+    Fault("poses that are not reached", LAWS, T.LAW, lambda k: without_pieces(k, "round")),
     Fault("an indexer 1 ms late", LAWS, T.LAW, lambda k: shifted(k, "star", 1e-3)),
     Fault("a screw that turns more", LAWS, T.LAW, lambda k: put(k, "frames", k.frame("cart"), 8, plus(1e-3))),
     Fault(
@@ -275,6 +294,7 @@ FAULTS: tuple[Fault, ...] = (
         lambda k: inner_ends_later(k, "belt", 1e-3),
     ),
     Fault("another acceleration between poses", "loader", T.LAW, lambda k: first_power(k, list(k.scene.frames)[1])),
+    Fault("an indexer in one piece", LAWS, T.LAW, lambda k: in_one_piece(k, "star")),
     Fault("a law with a hole in time", "loader", T.LAW, lambda k: put(k, "laws", 0, c.LAW_END, plus(-1e-3))),
     Fault("a law that ends early", DEMO, T.LAW, lambda k: put(k, "laws", 0, c.LAW_END, plus(-0.5))),
     Fault(
