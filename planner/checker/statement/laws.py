@@ -139,7 +139,7 @@ def _travel(speed: float, changes: Iterable[Any], zero: float) -> tuple[list[flo
         else:
             rise = min(change.acceleration / change.jerk, math.sqrt(more / change.jerk))
             top, jerk = change.jerk * rise, change.jerk
-        level = more / top - rise
+        level = max(0.0, more / top - rise) if top > 0.0 else 0.0
         for lasts, a, j in ((rise, 0.0, sign * jerk), (level, sign * top, 0.0), (rise, sign * top, -sign * jerk)):
             rows.append((now, way, speed, a, j))
             way += lasts * (speed + lasts * (a / 2.0 + lasts * j / 6.0))
@@ -152,9 +152,6 @@ def _travel(speed: float, changes: Iterable[Any], zero: float) -> tuple[list[flo
         # before the first change the speed is that of the first row, which has no acceleration
         i = np.maximum(np.searchsorted(table[:, 0], t, side="right") - 1, 0)
         begin, s, v, a, j = table[i].T
-        before = t < table[0, 0]
-        a, j, v = np.where(before, 0.0, a), np.where(before, 0.0, j), np.where(before, table[0, 2], v)
-        s = np.where(before, table[0, 1], s)
         since = t - begin
         return np.asarray(s + since * (v + since * (a / 2.0 + since * j / 6.0)))
 

@@ -40,12 +40,12 @@ def solids_agree(scene: Scene, claim: c.Claim) -> Iterator[Difference]:
     if len(claim.bodies) != len(bodies):
         yield Difference(Topic.SOLID, f"the claim has {len(claim.bodies)} bodies, not {len(bodies)}")
         return
-    rows, pieces = list[int](), list[tuple[Body, Piece]]()
+    rows, pieces, known = list[int](), list[tuple[Body, Piece]](), dict[tuple[bytes, bytes], int]()
     for body, (first, count, triangle, triangles) in zip(bodies, claim.bodies.astype(int).tolist(), strict=True):
         if body.surface is not None:
             vertices, faces = body.surface
-            span = range(first, first + count)
-            yield from _surface_agrees(body.name, vertices[faces], claim, span, (triangle, triangle + triangles))
+            own = claim.triangles[triangle : triangle + triangles]
+            yield from _surface_agrees(body.name, vertices[faces], claim, range(first, first + count), own, known)
         elif count != len(body.pieces) or triangles:
             yield Difference(Topic.SOLID, f"{body.name} has {len(body.pieces)} pieces, which fill it")
         else:
@@ -97,11 +97,16 @@ def _holds(claim: c.Claim, piece: FloatArray, points: FloatArray) -> bool:
 
 
 def _surface_agrees(
-    name: str, mesh: FloatArray, claim: c.Claim, pieces: range, triangles: tuple[int, int]
+    name: str,
+    mesh: FloatArray,
+    claim: c.Claim,
+    pieces: range,
+    triangles: FloatArray,
+    known: dict[tuple[bytes, bytes], int],
 ) -> Iterator[Difference]:
-    """The triangles of a body of the claim are those (m, 3, 3) of the mesh, and each is in one of the body's pieces."""
-    rows = claim.triangles[triangles[0] : triangles[1]].astype(int)
-    piece, corners = rows[:, c.TRIANGLE_PIECE], rows[:, : c.TRIANGLE_PIECE]
+    """The triangles of a body of the claim are those (m, 3, 3) of the mesh, and each is in one of the body's pieces.
+    `known`: how many are not, of meshes that were compared already."""
+    piece, corners = triangles[:, c.TRIANGLE_PIECE].astype(int), triangles[:, : c.TRIANGLE_PIECE].astype(int)
     if not ((piece >= pieces.start) & (piece < pieces.stop)).all():
         yield Difference(Topic.SOLID, f"a triangle of {name} is in a piece of another body")
         return
@@ -109,9 +114,11 @@ def _surface_agrees(
     if not ((corners >= first[:, None]) & (corners < (first + count)[:, None])).all():
         yield Difference(Topic.SOLID, f"a triangle of {name} is not in its piece")
     stated = claim.vertices[corners]
-    uncovered = _uncovered(mesh, stated)
-    if uncovered:
-        yield Difference(Topic.SOLID, f"{uncovered} triangles of {name} are not those of the mesh")
+    key = mesh.tobytes(), stated.tobytes()
+    if key not in known:
+        known[key] = _uncovered(mesh, stated)
+    if known[key]:
+        yield Difference(Topic.SOLID, f"{known[key]} triangles of {name} are not those of the mesh")
 
 
 def _uncovered(mesh: FloatArray, stated: FloatArray) -> int:
