@@ -18,6 +18,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.differences import SAME, Difference, Four, Topic
 from assur.planner.claim import columns as c
+from assur.planner.errors import FaultError
 from assur.planner.model.outcome import Plan
 from assur.planner.model.scene import Scene
 from assur.planner.robots.elbow_arm import ElbowArm
@@ -167,7 +168,7 @@ def _couplers(one: Complex, two: Complex, a: float, b: float, side: float) -> tu
 def textbook(robot: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Places (L, m, 3) and yaw, pitch and roll (L, m, 3) of the links, in the order of `link_names`.
 
-    Raises `ValueError` for an arm of another family.
+    Raises `FaultError` for an arm of another family.
     """
     zero, psi = np.zeros(len(q)), robot.base.yaw
     foot, rows = complex(robot.base.x, robot.base.y) + zero, list[tuple[Any, ...]]()
@@ -222,7 +223,7 @@ def textbook(robot: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
             else:
                 tilted(elbow + robot.l2 * e(three), three)
     else:
-        raise ValueError(f"no textbook has the arm {type(robot).__name__}")
+        raise FaultError(f"no textbook has the arm {type(robot).__name__}")
     table = np.array(rows).transpose(0, 2, 1)
     return table[:, :, :3], table[:, :, 3:]
 

@@ -16,7 +16,8 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import arms, laws
 from assur.planner.checker.statement.differences import SAME, Four
 from assur.planner.checker.statement.poses import inverse, numbers, then
-from assur.planner.frames.law import PoseUncertainty
+from assur.planner.errors import FaultError
+from assur.planner.frames.law import EXACT, PoseUncertainty, Uncertainty
 from assur.planner.geometry.shapes import Body, Hull
 from assur.planner.model.outcome import TRACKING, LegKind, Plan
 from assur.planner.model.scene import Pick, Place, Scene
@@ -38,6 +39,7 @@ class Handling:
         self.tcp = numbers(scene.tool.tcp)
         self._places: dict[tuple[str, float], Four] = {}
         self._radius: dict[str, float] = {}
+        self._supports: dict[int, set[str]] = {}
 
     @cached_property
     def parts(self) -> list[str]:
@@ -45,6 +47,16 @@ class Handling:
         holding = self.scene.start.holding
         names = [] if holding is None else [holding.part]
         return list(dict.fromkeys([*names, *(step.part for step in self.scene.task if step.part is not None)]))
+
+    @cached_property
+    def is_exact(self) -> bool:
+        """Whether nothing is uncertain: frames, bodies, grips, joints and the start."""
+        scene, holding = self.scene, self.scene.start.holding
+        poses = [body.uncertainty for body in scene.bodies] + ([] if holding is None else [holding.within])
+        poses += [step.held_within or EXACT for step in scene.task if isinstance(step, Pick)]
+        frames = [frame.uncertainty for frame in scene.frames.values()]
+        known = all(within == EXACT for within in poses) and all(each == Uncertainty() for each in frames)
+        return known and not any((*scene.execution.lag, scene.execution.start_tolerance_s))
 
     @cached_property
     def tracks(self) -> list[bool]:
@@ -85,7 +97,7 @@ class Handling:
         """The tool point in the part's frame at a pick, turned about the part's axis as the arrival states."""
         step = self.scene.task[number]
         if not isinstance(step, Pick):
-            raise ValueError(f"{step.name} is no pick")
+            raise FaultError(f"{step.name} is no pick")
         return then((0.0, 0.0, 0.0, self.arrivals[number].yaw_offset), numbers(step.grasp))
 
     def point(self, number: int) -> tuple[str, Four]:
@@ -95,7 +107,7 @@ class Handling:
             return step.target.frame, numbers(step.target.pose)
         frame, pose = self.place(step.part, self.handed_before_step(number))
         if frame is None:
-            raise ValueError(f"{step.name} takes a part that the gripper holds")
+            raise FaultError(f"{step.name} takes a part that the gripper holds")
         return frame, pose
 
     def tool_point(self, number: int) -> tuple[str, Four]:
@@ -111,6 +123,11 @@ class Handling:
     def supports(self, number: int) -> set[str]:
         """What the part of a pick or a place rests on: the bodies that are named, or those whose top is where the
         part's bottom is, and which are so near that circles about both overlap."""
+        if number not in self._supports:
+            self._supports[number] = self._find_supports(number)
+        return self._supports[number]
+
+    def _find_supports(self, number: int) -> set[str]:
         step = self.scene.task[number]
         if not isinstance(step, Pick | Place):
             return set()
@@ -133,7 +150,7 @@ class Handling:
         """The pose in the world of what is fixed to a frame."""
         frame, pose = where
         if frame is None:
-            raise ValueError("a step that takes a part from the gripper, or puts one on a part that it holds")
+            raise FaultError("a part that the gripper holds is in no frame")
         if (frame, time) not in self._places:
             law = self.scene.frames[frame].law
             link = laws.link_of(law)
@@ -143,8 +160,7 @@ class Handling:
     def kept_supports(self, part: str, handed: Sequence[int]) -> set[str]:
         """What a part that was put down may touch: what it was put on, but for parts that were taken since."""
         last = [k for k in handed if self.scene.task[k].part == part][-1]
-        later = {self.scene.task[k].part for k in handed if k > last}
-        return {name for name in self.supports(last) if name not in later}
+        return self.supports(last) - {self.scene.task[k].part or "" for k in handed if k > last}
 
     def touching(self, leg: int) -> set[frozenset[str]]:
         """The pairs that may touch in a leg: while a part is gripped or released it and the bodies of the tool, while

@@ -17,6 +17,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement.differences import Four, Interval
 from assur.planner.checker.statement.poses import numbers
+from assur.planner.errors import FaultError
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 
@@ -48,7 +49,7 @@ def link_of(law: Any) -> tuple[Robot, Trajectory, int] | None:
 
 
 def formula_of(law: Any, begin: float, end: float) -> Formula:
-    """The law over [begin, end]. Raises `ValueError` for a kind that this module does not know."""
+    """The law over [begin, end]. Raises `FaultError` for a kind that this module does not know."""
     kind = kind_of(law)
     if kind == "keyframes":
         return _keyframes(law, begin, end)
@@ -69,7 +70,7 @@ def formula_of(law: Any, begin: float, end: float) -> Formula:
         return Formula(3, ends, lambda t: pose + np.outer(angle(t), turn) + np.outer(t - law.at_time, rise))
     if kind == "indexer":
         return _indexer(law, pose, turn if law.kind == "turn" else ahead, begin, end)
-    raise ValueError(f"no formula for the motion {kind}")
+    raise FaultError(f"no formula for the motion {kind}")
 
 
 def place_at(law: Any, time: float) -> Four:

@@ -83,6 +83,8 @@ def _arrival_agrees(handling: Handling, number: int, own: list[Leg], *, is_last:
     if follow is None and not is_last and own[-1].t1 != arrival.time:
         yield Difference(Topic.ARRIVAL, f"{step.name} goes on behind its control point", when)
     error, most = arrival.error, step.tolerance
+    if error is None and not handling.is_exact:
+        yield Difference(Topic.ARRIVAL, f"no error is stated at {step.name}, and not everything is exact", when)
     if error is not None and not (error.position_m <= most.position_m and error.within.yaw_rad <= most.yaw_rad):
         what = f"{step.name} may be missed by {error.position_m:g} m and {error.within.yaw_rad:g} rad"
         yield Difference(Topic.ARRIVAL, what, when)

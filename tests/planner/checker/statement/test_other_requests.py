@@ -75,6 +75,14 @@ def test_a_part_that_is_less_symmetric_allows_fewer_turns() -> None:
     assert Topic.ARRIVAL in {each.topic for each in differences(case, plan=plan)}
 
 
+def test_an_arrival_states_its_error_where_something_is_uncertain() -> None:
+    """What is uncertain of a part in the gripper follows from it."""
+    case = case_of(FLOW)
+    silent = replace(case.plan.arrivals[0], error=None)
+    plan = sealed(case.scene, replace(case.plan, arrivals=(silent, *case.plan.arrivals[1:])))
+    assert {each.topic for each in differences(case, plan=plan)} == {Topic.ARRIVAL}
+
+
 def test_the_digests_of_request_and_plan_are_compared() -> None:
     case = case_of(DEMO)
     wrong = replace(case.plan, certificate=replace(case.plan.certificate, digest=64 * "0"))

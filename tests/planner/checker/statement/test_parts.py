@@ -38,7 +38,7 @@ LAWS: tuple[Law, ...] = (
     Linear(AT, (0.1, -0.2, 0.05), 0.4),
     Conveyor(AT, 0.25, at_time=0.3),
     Conveyor(AT, 0.25, CHANGES, at_time=0.7),
-    Conveyor(AT, 0.25, [Change(0.1 * k, 0.25, 1.0, 1.0) for k in range(20)]),
+    Conveyor(AT, 0.25, tuple(Change(0.1 * k, 0.25, 1.0, 1.0) for k in range(20))),
     Turntable(AT, 0.5, 0.02, CHANGES, at_time=-0.2),
     Indexer(AT, 0.4, 0.3, 0.2, "turn", 0.1),
     Indexer(AT, 0.4, 0.3, 0.0, "travel", 0.1),
