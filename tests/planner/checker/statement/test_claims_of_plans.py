@@ -10,6 +10,7 @@ from assur.planner.errors import InputError
 from assur.scenes.scenarios import shipped_scenarios
 from benchmarks.soak.random_cells import KINDS, random_cell
 from tests.planner.checker.statement.cases import VARIANTS, case_of, case_or_none, differences, planned
+from tests.prover.test_meshes import CASES as MESHES
 
 PLANNED = 30
 """Shipped scenarios that have a plan."""
@@ -25,6 +26,14 @@ def test_the_claims_of_all_shipped_scenarios_are_accepted() -> None:
 @pytest.mark.parametrize("name", VARIANTS)
 def test_the_claim_of_a_variant_is_accepted(name: str) -> None:
     assert differences(case_of(name)) == []
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_the_claim_of_an_arm_among_meshes_is_accepted(name: str) -> None:
+    case = planned(MESHES[name])
+    assert case is not None
+    assert len(case.claim.triangles) > 0
+    assert differences(case) == []
 
 
 def accepted(count: int, seed: int) -> Counter[str]:

@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from assur.planner import kernel_cache
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import arms, laws, solids
 from assur.planner.frames import (
@@ -174,3 +175,11 @@ def test_the_statement_checker_imports_nothing_that_derives_the_same_facts() -> 
 )
 def test_an_import_that_is_forbidden_is_reported(text: str) -> None:
     assert wrong_imports((Source("assur.planner.checker.statement.x", "x", text, ast.parse(text)),)) != []
+
+
+def test_sources_that_do_not_count_as_those_of_kernels_have_none() -> None:
+    """Who changes them need not compile anything."""
+    for room in kernel_cache.PLAIN:
+        texts = [path.read_text(encoding="utf-8") for path in (ROOT / "planner" / room).rglob("*.py")]
+        assert texts
+        assert all("@kernel" not in text and "numba" not in text for text in texts)
