@@ -260,10 +260,9 @@ def _knots_agree(robot: Robot, path: Trajectory, claim: c.Claim, arm: int) -> It
     for column, values in ((c.KNOT_Q, path.q), (c.KNOT_QD, path.qd), (c.KNOT_QDD, path.qdd)):
         same = same and np.array_equal(own[:, column : column + n], values)
     same = same and np.array_equal(own[:, c.KNOT_TIME], path.time)
-    for end, next_ in ((0, first), (-1, first + len(path.time) - 1)):
-        before, after = knots[end], knots[next_] if same else knots[end]
-        if same and before[c.KNOT_TIME] != after[c.KNOT_TIME]:
-            same = np.array_equal(before[c.KNOT_Q :], after[c.KNOT_Q :]) and not before[c.KNOT_QD :].any()
+    for k, beside in [(0, 1)] * first + [(-1, -2)] * (len(knots) - first - len(own)):
+        rests = not knots[[k, beside], c.KNOT_QD :].any()
+        same = same and rests and np.array_equal(knots[k, c.KNOT_Q :], knots[beside, c.KNOT_Q :])
     if not same:
         whose = "plan" if arm == 0 else "request"
         yield Difference(Topic.MOTION, f"the motion of {robot.name} is not that of the {whose}")

@@ -19,17 +19,17 @@ def distances_agree(scene: Scene, claim: c.Claim) -> Iterator[Difference]:
     names, clearance, stated = [body.name for body in bodies_of(scene)], scene.options.clearance, claim.required[0]
     count = len(names)
     for kind, column in (("travel", 0), ("near", 1)):
-        asked = np.full((count, count), getattr(clearance, f"{kind}_m"))
+        required = np.full((count, count), getattr(clearance, f"{kind}_m"))
         for rule in clearance.exceptions:
             sides = [np.array([not side or name in side for name in names]) for side in (rule.first, rule.second)]
-            asked[_both_ways(*sides)] = getattr(rule, f"{kind}_m")
+            required[_both_ways(*sides)] = getattr(rule, f"{kind}_m")
         kept = np.full((count, count), stated[c.REQUIRED_TRAVEL + column])
         for row in claim.rules:
             first, second = row[c.RULE_SIDE : c.RULE_SIDE + count] == 1.0, row[c.RULE_SIDE + count :] == 1.0
             kept[_both_ways(first, second)] = row[c.RULE_TRAVEL + column]
-        for i, k in np.argwhere(~(kept >= asked)).tolist():
+        for i, k in np.argwhere(~(kept >= required)).tolist():
             if i <= k:
-                what = f"{names[i]} and {names[k]} need {asked[i, k]:g} m ({kind}), not {kept[i, k]:g} m"
+                what = f"{names[i]} and {names[k]} need {required[i, k]:g} m ({kind}), not {kept[i, k]:g} m"
                 yield Difference(Topic.DISTANCE, what)
     links = link_names(scene.robot)
     for one, other in scene.robot.self_pairs:

@@ -172,6 +172,15 @@ def all_knots(case: Case, arm: int) -> slice:
     return slice(first, first + count)
 
 
+def more_knots(case: Case) -> Claim:
+    """The claim in which the robot jumps at its end."""
+    end = int(case.claim.arms[0, c.ARM_KNOTS])
+    knots = case.claim.knots[:end].copy()
+    knots[-1] = knots[-2]
+    knots[-1, c.KNOT_Q] += 0.1
+    return case.claim._replace(knots=np.concatenate([knots, case.claim.knots[end:]]))
+
+
 def angle_of(case: Case, link: int, which: int = c.LINK_YAW) -> int:
     """The row of an angle of a link of the robot."""
     return int(case.claim.links[link, which])
@@ -313,6 +322,7 @@ FAULTS: tuple[Fault, ...] = (
     Fault("a frame that is no neighbour's link", "two-robots", T.LAW, lambda k: put(k, "frames", 3, [0, 1], -1.0)),
     Fault("a frame on the robot", DEMO, T.LAW, lambda k: put(k, "frames", k.frame("belt"), [0, 1], 0.0)),
     Fault("the robot's knot 1 µrad off", DEMO, T.MOTION, lambda k: put(k, "knots", 3, c.KNOT_Q, plus(1e-6))),
+    Fault("a knot more", DEMO, T.MOTION, more_knots),
     Fault("a knot less", DEMO, T.MOTION, lambda k: put(k, "arms", 0, c.ARM_KNOTS, plus(-3.0))),
     # bodies and arms
     Fault("a body less", DEMO, T.SOLID, lambda k: drop(k, "bodies", -1)),
