@@ -34,8 +34,8 @@ VECTORS, FEWEST = 24, 6
 and cosines of sums of joint values with a handful of coefficients, so six vectors that are in no special position
 leave none of them free."""
 Complex = NDArray[np.complexfloating[Any, Any]]
-SPREAD = np.sqrt(np.array([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0]))
-"""Multiples of these, less whole numbers, spread over a cube without any pattern."""
+SHARES = np.arange(1.0, VECTORS + 1.0)[:, None] * np.sqrt(np.array([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0])) % 1.0
+"""Points (VECTORS, 8) of a cube that is 1 wide: multiples of roots, less whole numbers, spread without any pattern."""
 FIVE_BAR = ("base", "proximal-left", "proximal-right", "distal-left", "distal-right", "quill", "flange")
 
 
@@ -88,8 +88,7 @@ def _arm_agrees(robot: Robot, arm: int, claim: c.Claim) -> Iterator[Difference]:
         yield Difference(Topic.LINK, f"{robot.name} has {len(names)} links and {len(robot.joints)} joints")
         return
     lower, upper = robot.limits.lower, robot.limits.upper
-    shares = np.arange(1.0, VECTORS + 1.0)[:, None] * SPREAD[: len(lower)] % 1.0
-    q = lower + shares * (upper - lower)
+    q = lower + SHARES[:, : len(lower)] * (upper - lower)
     places, angles = textbook(robot, q)
     stated_places, stated_angles = _chain(claim, arm, q)
     closes = np.isfinite(places[-1]).all(axis=1)

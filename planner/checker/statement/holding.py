@@ -163,9 +163,8 @@ class Handling:
         return self.supports(last) - {self.scene.task[k].part or "" for k in handed if k > last}
 
     def touching(self, leg: int) -> set[frozenset[str]]:
-        """The pairs that may touch in a leg: while a part is gripped or released it and the bodies of the tool, while
-        it is lifted or put down it and what it rests on. Before its pick has taken it, and after its place has put it
-        down, a part is touched by the tool; while it is held, by what it rests on."""
+        """The pairs that may touch in a leg that tracks the point of a pick or place. While the part is held, it may
+        touch what it rests on; before it is taken, and after it was put down, the bodies of the tool."""
         each = self.plan.legs[leg]
         part = self.scene.task[each.step].part
         if each.kind not in TRACKING or part is None:

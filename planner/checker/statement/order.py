@@ -42,8 +42,9 @@ def order_agrees(handling: Handling) -> Iterator[Difference]:
         yield Difference(Topic.END, "the motion ends too late")
     if [first, *(leg.t1 for leg in legs)] != [*(leg.t0 for leg in legs), last]:
         yield Difference(Topic.LEGS, "the legs leave out a time, or count one twice")
-    if [leg.step for leg in legs] != sorted(leg.step for leg in legs):
-        yield Difference(Topic.LEGS, "the legs are not in the order of the steps")
+    steps = [leg.step for leg in legs]
+    if steps != sorted(steps) or set(steps) != set(range(len(scene.task))):
+        yield Difference(Topic.LEGS, "the legs are not those of the steps, in their order")
     if [arrival.step for arrival in plan.arrivals] != list(range(len(scene.task))):
         yield Difference(Topic.ARRIVAL, "the arrivals are not those of the steps, in their order")
         return

@@ -140,14 +140,14 @@ def _contacts_agree(stages: list[Stage], claim: c.Claim, names: list[str]) -> It
             yield Difference(Topic.CONTACT, f"{' and '.join(pair)} may not overlap by {depth:g} m", stage.when)
     stated: list[dict[str, set[str]]] = [{} for _ in stages]
     for (phase, body), row in zip(claim.put_down.tolist(), claim.supports, strict=True):
-        stated[int(phase)][names[int(body)]] = {names[k] for k in np.flatnonzero(row)}
-    for stage, kept in zip(stages, stated, strict=True):
-        for part, supports in stage.supports.items():
-            if part not in kept:
-                yield Difference(Topic.CONTACT, f"{part} was put down, and is not kept clear", stage.when)
-            elif not kept[part] <= supports:
-                others = " and ".join(sorted(kept[part] - supports))
-                yield Difference(Topic.CONTACT, f"{part} does not rest on {others}", stage.when)
+        kept = stated[int(phase)].setdefault(names[int(body)], set())
+        kept.update(names[k] for k in np.flatnonzero(row))
+    for stage, own in zip(stages, stated, strict=True):
+        for part in set(stage.supports) - set(own):
+            yield Difference(Topic.CONTACT, f"{part} was put down, and is not kept clear", stage.when)
+        for part, supports in own.items():
+            for other in supports - stage.supports.get(part, set()):
+                yield Difference(Topic.CONTACT, f"{part} does not rest on {other}", stage.when)
 
 
 def _shares_agree(handling: Handling, stages: list[Stage], claim: c.Claim) -> Iterator[Difference]:

@@ -181,6 +181,14 @@ def more_knots(case: Case) -> Claim:
     return case.claim._replace(knots=np.concatenate([knots, case.claim.knots[end:]]))
 
 
+def support_of_its_own(case: Case) -> Claim:
+    """The claim in which a part that was put down has two rows, one of which allows it to touch one body more."""
+    supports = np.zeros(len(case.claim.bodies))
+    supports[case.body("bar")] = 1.0
+    claim = case.claim._replace(supports=np.vstack([supports, case.claim.supports]))
+    return claim._replace(put_down=np.vstack([claim.put_down[-1], claim.put_down]))
+
+
 def angle_of(case: Case, link: int, which: int = c.LINK_YAW) -> int:
     """The row of an angle of a link of the robot."""
     return int(case.claim.links[link, which])
@@ -208,6 +216,7 @@ FAULTS: tuple[Fault, ...] = (
     Fault("a contact too deep", DEMO, T.CONTACT, lambda k: put(k, "contacts", 0, c.CONTACT_DEPTH, plus(1e-5))),
     Fault("a support that is none", "demo", T.CONTACT, lambda k: touching(k, k.phase("DEPART"), "part", "dial-post")),
     Fault("a put-down part not kept clear", DEMO, T.CONTACT, lambda k: drop(drop_supports(k, -1), "put_down", -1)),
+    Fault("a support in a row of its own", DEMO, T.CONTACT, support_of_its_own),
     Fault("one support more", DEMO, T.CONTACT, lambda k: put(k, "supports", -1, k.body("bar"), 1.0)),
     # which distance
     Fault("travel 1 % smaller", DEMO, T.DISTANCE, lambda k: put(k, "required", 0, c.REQUIRED_TRAVEL, times(0.99))),
