@@ -53,14 +53,19 @@ def _uncertainty_agrees(number: int, frame: Frame, row: list[float], claim: c.Cl
         ("the horizontal across it", side, required.lateral_m, 0.0, False),
         ("the vertical", (0.0, 0.0, 1.0), required.vertical_m, 0.0, False),
     ):
-        covered = any(
-            each[c.DISPLACED_AMOUNT] >= amount
+        if amount == growth == 0.0:
+            continue
+        fits = [
+            each
+            for each in stated
+            if each[c.DISPLACED_AMOUNT] >= amount
             and each[c.DISPLACED_GROWTH] >= growth
             and (shared or each[c.DISPLACED_SHARED] == 0.0)
             and _is_along(each, direction)
-            for each in stated
-        )
-        if not (covered or amount == growth == 0.0):
+        ]
+        if fits:
+            stated.remove(fits[0])  # two displacements along one direction add up: each has a row of its own
+        else:
             yield Difference(Topic.UNCERTAINTY, f"{name} may be displaced by more along {along} than the claim states")
 
 

@@ -148,11 +148,15 @@ def _laws(d: Document) -> None:
         "lift-2": {"keyframes": {"points": shuttle, "ends": "natural"}},
         "round": {"keyframes": {"points": again, "repeat": True}},
         "cart": {"linear": {"at_mm": [0, 0, 2000], "velocity_mm_s": [30, 40, 5], "at_s": 0.5}},
+        "mast": {
+            "linear": {"at_mm": [0, 0, 2200], "velocity_mm_s": [0, 0, 5]},
+            "uncertainty": {"position_mm": 0.5, "vertical_mm": 0.5},
+        },
         "nest": {"fixed": {"frame": "dial", "at_mm": [40, 0, 1900], "yaw_deg": 20}},
     }
     d["bodies"] += [
         {"name": f"on-{name}", "shape": {"sphere": {"radius_mm": 20}}, "pose": {"frame": name, "at_mm": [9, 0, 0]}}
-        for name in ("star", "beam", "lift", "lift-2", "round", "cart", "nest")
+        for name in ("star", "beam", "lift", "lift-2", "round", "cart", "mast", "nest")
     ]
 
 

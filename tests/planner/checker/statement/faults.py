@@ -280,6 +280,9 @@ FAULTS: tuple[Fault, ...] = (
         lambda k: put(k, "shares", k.phase("FOLLOW"), len(k.claim.frames) + k.frame("belt"), 0.0),
     ),
     Fault("an error that links share", FLOW, T.UNCERTAINTY, lambda k: put(k, "required", 0, c.REQUIRED_TOOL, 2.0)),
+    Fault(
+        "one of two errors along a line", LAWS, T.UNCERTAINTY, lambda k: drop(k, "displaced", displaced(k, "mast", 0))
+    ),
     Fault("errors grow later", DEMO, T.UNCERTAINTY, lambda k: put(k, "required", 0, c.REQUIRED_SINCE, 1.0)),
     Fault("no lateness", DEMO, T.UNCERTAINTY, lambda k: put(k, "required", 0, c.REQUIRED_LATE, 0.0)),
     Fault("no lag of a joint", DEMO, T.UNCERTAINTY, lambda k: put(k, "required", 0, c.REQUIRED_LAG + 2, 0.0)),
