@@ -1,4 +1,5 @@
-"""``python -m benchmarks.claim_times``: how long it takes to fill the tables of a plan's claim, beside its bundle.
+"""``python -m benchmarks.claim_times``: how long it takes to fill the tables of a plan's claim, and to write its bundle
+as a document.
 
 Each call is made in turn with the others, so none has warm caches of its own; process CPU time, medians.
 """

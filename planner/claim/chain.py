@@ -1,17 +1,20 @@
-"""Arms as rows: their links, the distinct angles of these, and their loops."""
+"""Arms as rows: their links, the distinct angles of these, their loops, and their motion as knots."""
 
 from __future__ import annotations
+
+import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
 from assur.planner.claim.unstated import unstated
 from assur.planner.robots.robot import Robot
+from assur.planner.trajectory import Trajectory
 
 NO_SLIDE = (-1.0, 0.0, 0.0, 0.0)
 
 
 class Arms:
-    """The arms of a cell, the robot first. Their knots follow from a plan (`motion.py`)."""
+    """The arms of a cell, the robot first."""
 
     def __init__(self) -> None:
         self._arms: list[tuple[float, ...]] = []
@@ -58,3 +61,23 @@ def known_between(known: dict[tuple[float, ...], int], yaws: list[int], start: i
     angles = list(known)
     one, other = (angles[yaw - start] for yaw in yaws)
     return known.setdefault(tuple(b - a for a, b in zip(one, other, strict=True)), start + len(known))
+
+
+def knots_of(path: Trajectory, begin: float, until: float) -> FloatArray:
+    """Knots (K, c.KNOT) of an arm that follows a trajectory and rests before and after it, from `begin` to `until`, s.
+
+    Raises `InputError` for a trajectory that does not rest at an end beyond which it is required.
+    """
+    before, after, count, n = int(begin < path.time[0]), int(until > path.time[-1]), len(path.time), path.n
+    found = np.zeros((count + before + after, c.KNOT))
+    own = found[before : before + count]
+    own[:, c.KNOT_TIME] = path.time
+    for first, states in ((c.KNOT_Q, path.q), (c.KNOT_QD, path.qd), (c.KNOT_QDD, path.qdd)):
+        own[:, first : first + n] = states
+    for needed, end, t in ((before, 0, begin), (after, -1, until)):
+        if needed:
+            if path.qd[end].any() or path.qdd[end].any():
+                when = "begins, and is needed before" if end == 0 else "ends, and is needed after"
+                raise unstated(f"a motion that is not at rest when it {when}")
+            found[end, c.KNOT_TIME], found[end, c.KNOT_Q : c.KNOT_Q + n] = t, path.q[end]
+    return found

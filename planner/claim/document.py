@@ -10,7 +10,7 @@ import numpy as np
 from assur.planner.claim import columns as c
 from assur.planner.claim import forms
 from assur.planner.claim.columns import Claim
-from assur.planner.claim.fields import Document, written
+from assur.planner.claim.fields import Document, object_of
 from assur.planner.claim.labels import Labels
 
 FORM = "assur-bundle/2"
@@ -32,7 +32,7 @@ def document_of(claim: Claim, labels: Labels) -> Document:
         "required": _required(claim, rows, joints),
     }
     for name, form in forms.SECTIONS.items():
-        found[name] = [written(form, row, joints) for row in rows[name]]
+        found[name] = [object_of(form, row, joints) for row in rows[name]]
         if name in forms.NAMED:
             for each, label in zip(found[name], getattr(labels, name), strict=True):
                 each["name"] = label
@@ -61,9 +61,9 @@ def arm_document(rows: dict[str, Rows], arm: list[float], name: str, links: Sequ
         return {
             "name": own,
             "parent": parent - first if parent >= 0 else -1,
-            "slide": written(forms.SLIDE, row) if slides else None,
+            "slide": object_of(forms.SLIDE, row) if slides else None,
             **{key: angle(row[at]) for key, at in forms.TURNS},
-            **written(forms.LINK, row),
+            **object_of(forms.LINK, row),
         }
 
     of_arm = _span(rows["links"], arm, c.ARM_LINK)
@@ -71,7 +71,7 @@ def arm_document(rows: dict[str, Rows], arm: list[float], name: str, links: Sequ
     if arm[c.ARM_LOOP] >= 0.0:
         row = rows["loops"][int(arm[c.ARM_LOOP])]
         cranks = [int(crank) - first for crank in row[c.LOOP_CRANK : c.LOOP_LENGTH]]
-        loop.append({"cranks": cranks, **written(forms.LOOP, row)})
+        loop.append({"cranks": cranks, **object_of(forms.LOOP, row)})
     return {
         "name": name,
         "time": [row[c.KNOT_TIME] for row in knots],
@@ -93,9 +93,9 @@ def frame_document(rows: dict[str, Rows], number: int, name: str) -> Document:
         "link": link,
         "edges": [*(law[c.LAW_BEGIN] for law in laws), *(law[c.LAW_END] for law in laws[-1:])],
         "acceleration": [[_powers(law, k) for k in range(4)] for law in laws],
-        "waves": [written(forms.WAVE, wave) for wave in _span(rows["waves"], row, c.FRAME_WAVE)],
-        "unknown": [written(forms.DISPLACED, each) for each in displaced],
-        **written(forms.FRAME, row),
+        "waves": [object_of(forms.WAVE, wave) for wave in _span(rows["waves"], row, c.FRAME_WAVE)],
+        "unknown": [object_of(forms.DISPLACED, each) for each in displaced],
+        **object_of(forms.FRAME, row),
     }
 
 
@@ -119,7 +119,7 @@ def body_document(rows: dict[str, Rows], body: list[float], name: str) -> Docume
                 "edges": [row[at : at + 3] for at in range(c.PIECE_EDGE, c.PIECE_EDGE + 3 * edges, 3)],
                 "vertices": _span(rows["vertices"], row, c.PIECE_VERTEX),
                 "triangles": own,
-                **written(forms.PIECE, row),
+                **object_of(forms.PIECE, row),
             }
         )
     return {"name": name, "pieces": pieces}
@@ -136,9 +136,9 @@ def _phase(rows: dict[str, Rows], number: int, kind: str) -> Document:
         "seats": [int(seat) for seat in rows["seated"][number]],
         "unknown": _twos(rows["off"][number]),
         "shares": _twos(rows["shares"][number]),
-        "contacts": [written(forms.CONTACT, row) for row in rows["contacts"] if row[c.CONTACT_PHASE] == number],
+        "contacts": [object_of(forms.CONTACT, row) for row in rows["contacts"] if row[c.CONTACT_PHASE] == number],
         "put_down": put_down,
-        **written(forms.PHASE, rows["phases"][number]),
+        **object_of(forms.PHASE, rows["phases"][number]),
     }
 
 
@@ -160,5 +160,5 @@ def _required(claim: Claim, rows: dict[str, Rows], joints: int) -> Document:
         sides = [rule[c.RULE_SIDE : c.RULE_SIDE + half], rule[c.RULE_SIDE + half :]]
         # an empty list is every body
         first, second = ([] if all(side) else _members(side) for side in sides)
-        exceptions.append({"first": first, "second": second, **written(forms.RULE, rule)})
-    return {"self_pairs": pairs, "exceptions": exceptions, **written(forms.REQUIRED, rows["required"][0], joints)}
+        exceptions.append({"first": first, "second": second, **object_of(forms.RULE, rule)})
+    return {"self_pairs": pairs, "exceptions": exceptions, **object_of(forms.REQUIRED, rows["required"][0], joints)}

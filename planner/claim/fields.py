@@ -32,7 +32,7 @@ class Field:
     unread: int = 0
 
 
-def written(form: Iterable[Field], row: Sequence[float], joints: int = 0) -> Document:
+def object_of(form: Iterable[Field], row: Sequence[float], joints: int = 0) -> Document:
     """The object of a row, for a robot with so many joints."""
     return {field.key: _value(field, row, joints) for field in form}
 

@@ -11,7 +11,7 @@ from assur.planner.claim.columns import Claim
 from assur.planner.claim.frames import Frames, frames_of
 from assur.planner.claim.limits import JointLimits
 from assur.planner.claim.obligations import Carriers, Seats, carriers_of, distances_of, phases_of, seats_of
-from assur.planner.claim.points import Targets, axes_of, points_of, pulls_of
+from assur.planner.claim.points import axes_of, points_of, pulls_of
 from assur.planner.claim.rows import rows_of
 from assur.planner.claim.solids import bodies_in, solids_of
 from assur.planner.geometry.shapes import Body
@@ -39,7 +39,6 @@ class SceneClaim:
     cell: CellClaim
     seats: Seats
     limits: JointLimits
-    targets: Targets
 
 
 def cell_of(scene: Scene) -> CellClaim:
@@ -54,7 +53,7 @@ def claim_of(scene: Scene, cell: CellClaim | None = None) -> SceneClaim:
     """The claim of a scene without a plan. `cell`: if it is made already. Raises `InputError` for what cannot be
     stated."""
     cell = cell or cell_of(scene)
-    return SceneClaim(scene, cell, seats_of(scene, cell.carriers), JointLimits(scene), Targets(scene))
+    return SceneClaim(scene, cell, seats_of(scene, cell.carriers), JointLimits(scene))
 
 
 def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = None) -> Claim:
@@ -63,14 +62,14 @@ def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = Non
     scene, cell, path = base.scene, base.cell, plan.trajectory
     if phases is None:
         phases = phases_in(scene, plan.legs, plan.arrivals)
-    end, stands = phases[-1].t1, max(phase.t1 for phase in phases if phase.robot)
+    end, robot_until = phases[-1].t1, max(phase.t1 for phase in phases if phase.robot)
     required = cell.tables["required"].copy()
     required[0, c.REQUIRED_UNTIL] = end
     story = phases_of(scene, cell.carriers, base.seats, phases)
     return Claim(
-        **{**cell.tables, **cell.frames.around(path, stands, end), **story, "required": required},
+        **{**cell.tables, **cell.frames.around(path, robot_until, end), **story, "required": required},
         limits=base.limits.over(path.start, phases),
-        points=c.table("points", [row for _, row in points_of(base.targets, plan)]),
+        points=c.table("points", [row for _, row in points_of(scene, plan)]),
         pulls=c.table("pulls", [row for _, row in pulls_of(scene, plan, phases)]),
         axes=c.table("axes", [row for _, row in axes_of(scene, plan)]),
         rows=rows_of(scene, cell.bodies, cell.carriers.body, path, plan.certificate, story),

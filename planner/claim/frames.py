@@ -9,9 +9,8 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
-from assur.planner.claim.chain import Arms
+from assur.planner.claim.chain import Arms, knots_of
 from assur.planner.claim.laws import endless, law_of
-from assur.planner.claim.motion import knots_of
 from assur.planner.frames.law import Frame, Law
 from assur.planner.model.link_frames import TrajectoryLaw
 from assur.planner.model.scene import Scene
@@ -36,12 +35,12 @@ class Frames:
     late: float
     """The greatest lateness of the robot's start, s."""
 
-    def around(self, path: Trajectory, stands: float, end: float) -> dict[str, FloatArray]:
-        """The same with the knots of all arms and with laws, for a robot that follows `path` and then stands until
-        `stands`, s, in a plan that ends at `end`, s. Raises `InputError` for what cannot be stated."""
+    def around(self, path: Trajectory, robot_until: float, end: float) -> dict[str, FloatArray]:
+        """The same with the knots of all arms and with laws, for a robot that follows `path` and then rests until
+        `robot_until`, s, in a plan that ends at `end`, s. Raises `InputError` for what cannot be stated."""
         begin = path.start - self.shifts[1] - BEYOND_S
         end = end + self.late - self.shifts[0] + BEYOND_S
-        arms, knots = self.tables["arms"].copy(), [knots_of(path, path.start, stands)]
+        arms, knots = self.tables["arms"].copy(), [knots_of(path, path.start, robot_until)]
         knots += [knots_of(other, begin, end) for _, other in self.others]
         counts = np.array([len(each) for each in knots], dtype=float)
         arms[:, c.ARM_KNOT], arms[:, c.ARM_KNOTS] = np.cumsum(counts) - counts, counts

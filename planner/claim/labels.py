@@ -38,7 +38,7 @@ def labels_of(base: SceneClaim, plan: Plan, phases: Sequence[Phase]) -> Labels:
         frames=tuple(scene.frames),
         bodies=tuple(base.cell.carriers.body),
         phases=tuple(str(phase.kind) for phase in phases),
-        points=tuple(name for name, _ in points_of(base.targets, plan)),
+        points=tuple(name for name, _ in points_of(scene, plan)),
         pulls=tuple(name for name, _ in pulls_of(scene, plan, phases)),
         axes=tuple(name for name, _ in axes_of(scene, plan)),
     )

@@ -22,17 +22,13 @@ class Carriers:
     """Numbers of a claim by the names of a scene, and what is uncertain of bodies before any was gripped.
 
     `body`, `frame`: the rows of bodies and frames; `flange`: the row of the link that carries tool and part; `off`
-    (2 B,): how far, m, each body may be off its seat in every horizontal direction, then up or down; `radius`: the
-    horizontal distance, m, of the points of a body around the robot from its own origin at most; `corrects`: whether
-    the controller corrects for belts.
+    (2 B,): how far, m, each body may be off its seat in every horizontal direction, then up or down.
     """
 
     body: dict[str, int]
     frame: dict[str, int]
     flange: int
     off: FloatArray
-    radius: dict[str, float]
-    corrects: bool
 
 
 def carriers_of(scene: Scene, names: Sequence[str]) -> Carriers:
@@ -48,8 +44,6 @@ def carriers_of(scene: Scene, names: Sequence[str]) -> Carriers:
         frame={name: k for k, name in enumerate(scene.frames)},
         flange=scene.robot.chain_rows[scene.robot.links.index("flange")],
         off=off,
-        radius={item.name: item.body.radius for item in scene.bodies},
-        corrects=scene.execution.belt_correction,
     )
 
 
@@ -105,7 +99,8 @@ def phases_of(scene: Scene, carriers: Carriers, seats: Seats, phases: Sequence[P
         held = None if attached.held is None else attached.held.part
         for name, within in phase.handled.within:
             k = number[name]
-            off[p, k], off[p, many + k] = within.position_m + within.yaw_rad * carriers.radius[name], within.vertical_m
+            off[p, k] = within.position_m + within.yaw_rad * scene.index[name].body.radius
+            off[p, many + k] = within.vertical_m
             if name != held:
                 put_down.append((p, k))
                 others = [number[x] for pair in phase.handled.supports if name in pair for x in pair if x != name]
@@ -130,7 +125,7 @@ def _shares(scene: Scene, carriers: Carriers, phases: Sequence[Phase]) -> FloatA
     """The share (phases, 2 F) that the tool has in the displacement of each frame along its line: at least, at most."""
     many = len(carriers.frame)
     found = np.zeros((len(phases), 2 * many))
-    for p, phase in enumerate(phases if carriers.corrects else ()):
+    for p, phase in enumerate(phases if scene.execution.belt_correction else ()):
         for name, (least, most) in tool_shares(scene, phase).items():
             k = carriers.frame[name]
             found[p, k], found[p, many + k] = least, most

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from assur.planner.model.attachments import Attachments, at_start
+from assur.planner.model.attachments import at_start
 from assur.planner.model.outcome import TRACKING, LegKind, Plan
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene, Step, Trace
@@ -25,29 +25,10 @@ FREE = -1.0
 """In place of an error: nothing is claimed of it."""
 
 
-class Targets:
-    """Control points of a scene as columns of a point: frame, link, pose of the tool on it, pose on the frame. Plans
-    share them, so each is made once for its step, turn of the tool and attachments."""
-
-    def __init__(self, scene: Scene) -> None:
-        tcp = scene.tool.tcp
-        self.scene, self.link, self.tool = scene, len(scene.robot.links) - 1, (tcp.x, tcp.y, tcp.z, tcp.yaw)
-        self._frames = {name: k for k, name in enumerate(scene.frames)}
-        self._made: dict[tuple[int, float, Attachments], tuple[float, ...]] = {}
-
-    def of(self, number: int, yaw_offset: float, attached: Attachments) -> tuple[float, ...]:
-        """Those of step `number`, which begins with `attached`, the tool being turned by `yaw_offset`, rad."""
-        key = number, yaw_offset, attached
-        if key not in self._made:
-            frame, flange = attached.flange(self.scene, self.scene.task[number], yaw_offset)
-            at = flange.then(self.scene.tool.tcp)
-            self._made[key] = (self._frames[frame], self.link, *self.tool, at.x, at.y, at.z, at.yaw)
-        return self._made[key]
-
-
-def points_of(targets: Targets, plan: Plan) -> Rows:
+def points_of(scene: Scene, plan: Plan) -> Rows:
     """Where the tool is at its control points, and on legs that track them."""
-    scene, found = targets.scene, Rows()
+    found, tcp, link = Rows(), scene.tool.tcp, len(scene.robot.links) - 1
+    frames, tool = list(scene.frames), (tcp.x, tcp.y, tcp.z, tcp.yaw)
     attached, arrivals = at_start(scene), {arrival.step: arrival for arrival in plan.arrivals}
     turns = "yaw" in scene.robot.coordinates
     met, turning, tracked = (MEET_RAD, MEET_RAD_S, TRACKED_RAD) if turns else (FREE, FREE, FREE)
@@ -55,7 +36,9 @@ def points_of(targets: Targets, plan: Plan) -> Rows:
         arrival = arrivals[number]
         if isinstance(step, Trace):
             continue  # it takes no part and puts none down
-        target = targets.of(number, arrival.yaw_offset, attached)
+        frame, flange = attached.flange(scene, step, arrival.yaw_offset)
+        at = flange.then(tcp)
+        target = (frames.index(frame), link, *tool, at.x, at.y, at.z, at.yaw)
         # with parabolic blends a via is missed
         for t in () if step.via and scene.options.blended else dict.fromkeys((arrival.time, arrival.until)):
             fast = t == arrival.time and (arrival.matched or _matches(step))

@@ -33,14 +33,14 @@ def rows_of(
 ) -> FloatArray:
     """All rows, sorted by their times. `bodies`, `number`: the claim's, and their rows by name; `tables`: the phases of
     the plan with their seats."""
-    found = certified(certificate, number)
+    found = certificate_rows(certificate, number)
     planes = found[:, c.ROW_BODY + 1] < 0.0
     if planes.any():
         found = np.concatenate((found[~planes], _pairs(_Places(scene, bodies, path, tables), tables, found, planes)))
     return found[np.lexsort((found[:, c.ROW_T1], found[:, c.ROW_T0]))]
 
 
-def certified(rows: Certificate, number: dict[str, int]) -> FloatArray:
+def certificate_rows(rows: Certificate, number: dict[str, int]) -> FloatArray:
     """The columns of a certificate, with the claim's numbers of bodies; where a row is against a plane its second body
     is -1."""
     found = np.zeros((len(rows), c.ROW))
@@ -57,7 +57,7 @@ def certified(rows: Certificate, number: dict[str, int]) -> FloatArray:
 
 
 def _pairs(places: _Places, tables: dict[str, FloatArray], rows: FloatArray, planes: BoolArray) -> FloatArray:
-    """For each body that planes keep apart from what stands still, a row for each pair in place of them: along the
+    """For each body that planes keep apart from what never moves, a row for each pair in place of them: along the
     normal of the plane that is farthest from the pair's second body."""
     phases, seated = tables["phases"], tables["seated"].astype(np.int64)
     of: IntArray = np.searchsorted(phases[:, c.PHASE_T0], rows[:, c.ROW_T0], side="right") - 1
@@ -66,18 +66,23 @@ def _pairs(places: _Places, tables: dict[str, FloatArray], rows: FloatArray, pla
     groups: dict[tuple[int, int], list[int]] = {}
     for row in np.flatnonzero(planes).tolist():
         groups.setdefault((int(of[row]), int(bodies[row, 0])), []).append(row)
-    normals, found = rows[:, c.ROW_NORMAL :], list[tuple[float, ...]]()
-    nearest = {seat: -places.reach(seat, phases[0, c.PHASE_T0], -normals) for seat in places.standing(seated)}
+    normals, blocks, standing = rows[:, c.ROW_NORMAL :], list[FloatArray](), places.standing(seated)
+    begin = float(phases[0, c.PHASE_T0])
+    nearest = np.array([-places.reach(seat, begin, -normals) for seat in standing]).reshape(len(standing), len(rows))
+    number, whole = {seat: k for k, seat in enumerate(standing)}, np.array([places.whole(k) for k in places.bodies])
     for (p, body), own in groups.items():
+        seats = seated[p].tolist()
+        others = [k for k, seat in enumerate(seats) if seat in number and (p, *sorted((body, k))) not in paired]
         t0, t1 = phases[p, : c.PHASE_NEAR].tolist()
-        instants = np.linspace(t0, t1, INSTANTS).tolist()
-        far = np.max([places.reach(seated[p, body], t, normals[own]) for t in instants], 0)
-        for other, seat in enumerate(seated[p].tolist()):
-            if seat in nearest and (p, *sorted((body, other))) not in paired:
-                best = normals[own[int(np.argmax(nearest[seat][own] - far))]]
-                pieces = places.whole(body), places.whole(other)
-                found.append((t0, t1, 0.0, 0.0, body, other, *pieces, *best.tolist()))
-    return c.table("rows", found)
+        far = np.max([places.reach(seats[body], t, normals[own]) for t in np.linspace(t0, t1, INSTANTS).tolist()], 0)
+        gaps = nearest[np.ix_([number[seats[k]] for k in others], own)] - far
+        block = np.zeros((len(others), c.ROW))
+        block[:, c.ROW_T0], block[:, c.ROW_T1] = t0, t1
+        block[:, c.ROW_BODY], block[:, c.ROW_BODY + 1] = body, others
+        block[:, c.ROW_PIECE], block[:, c.ROW_PIECE + 1] = whole[body], whole[others]
+        block[:, c.ROW_NORMAL :] = normals[own][gaps.argmax(1)]
+        blocks.append(block)
+    return np.concatenate(blocks)
 
 
 class _Places:
@@ -93,9 +98,10 @@ class _Places:
         frames = self.seats[:, c.SEAT_FRAME].astype(int).tolist()
         return [int(k) for k in np.unique(seated) if frames[k] >= 0 and isinstance(self.laws[frames[k]], Fixed)]
 
-    def whole(self, body: int) -> int:
+    @staticmethod
+    def whole(body: Body) -> int:
         """The number of a piece that is all of a body: its only one, or the box that holds them."""
-        return 0 if len(self.bodies[body].pieces) == 1 else WHOLE
+        return 0 if len(body.pieces) == 1 else WHOLE
 
     def reach(self, seat: int, t: float, n: FloatArray) -> FloatArray:
         """The largest n·x (N,) of a body in a seat at a time, for normals n (N, 3), m."""

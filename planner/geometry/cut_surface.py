@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -22,6 +23,10 @@ what the planner keeps of each gap."""
 MOST_AT_ONCE = 4_000_000
 """Distances of points from planes that are computed at a time: 32 MB."""
 Triangles = list[list[int]]
+Surface = tuple[FloatArray, IntArray]
+Cut = tuple[Surface, ...]
+_KEPT: WeakKeyDictionary[Piece, tuple[Surface, Cut]] = WeakKeyDictionary()
+"""Surfaces that are cut, by the first of the pieces that cover them: bodies of the same mesh share both."""
 
 
 class _Pieces:
@@ -102,7 +107,15 @@ class _Cutting:
         return [half for half in halves if len(half) > 2]
 
 
-def in_pieces(pieces: Sequence[Piece], surface: tuple[FloatArray, IntArray]) -> tuple[tuple[FloatArray, IntArray], ...]:
+def cut_of(pieces: Sequence[Piece], surface: Surface) -> Cut:
+    """As `in_pieces`, which is called once for each surface: a large mesh takes a second."""
+    found = _KEPT.get(pieces[0])
+    if found is None or found[0] is not surface or len(found[1]) != len(pieces):
+        found = _KEPT[pieces[0]] = surface, in_pieces(pieces, surface)
+    return found[1]
+
+
+def in_pieces(pieces: Sequence[Piece], surface: Surface) -> Cut:
     """For each piece: corners of triangles (V, 3), m, in the body's axes, and the triangles (T, 3) as numbers of three
     of them. All triangles together are the surface. A piece to which no triangle goes has its own vertices."""
     (vertices, faces), hulls = surface, _Pieces(pieces)

@@ -181,13 +181,13 @@ class Body:
 
         return spread(self)
 
-    @cached_property
+    @property
     def cut_surface(self) -> tuple[tuple[FloatArray, IntArray], ...]:
         """For each piece: corners (V, 3), m, and the triangles (T, 3) of them, into which the surface is cut so that
-        each is in one piece. Without a surface: nothing. Made once: a large mesh takes a second."""
-        from assur.planner.geometry.cut_surface import in_pieces
+        each is in one piece. Without a surface: nothing."""
+        from assur.planner.geometry.cut_surface import cut_of
 
-        return () if self.surface is None else in_pieces(self.pieces, self.surface)
+        return () if self.surface is None else cut_of(self.pieces, self.surface)
 
     @cached_property
     def radius(self) -> float:

@@ -9,9 +9,8 @@ from typing import Any
 
 from assur.planner.claim import columns as c
 from assur.planner.claim import document as written
-from assur.planner.claim.chain import Arms
+from assur.planner.claim.chain import Arms, knots_of
 from assur.planner.claim.laws import law_of
-from assur.planner.claim.motion import knots_of
 from assur.planner.claim.solids import solids_of
 from assur.planner.frames import Law
 from assur.planner.geometry.pieces import pieces

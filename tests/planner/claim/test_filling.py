@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 
 from assur.planner.claim import columns as c
-from assur.planner.claim.chain import Arms
+from assur.planner.claim.chain import Arms, knots_of
 from assur.planner.claim.columns import Claim
 from assur.planner.claim.filling import claim_of, with_plan
 from assur.planner.claim.laws import law_of
-from assur.planner.claim.motion import knots_of
 from assur.planner.claim.obligations import carriers_of, distances_of
 from assur.planner.errors import FaultError, InputError
 from assur.planner.frames import Conveyor, Keyframes, Pose
