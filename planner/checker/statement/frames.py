@@ -1,0 +1,156 @@
+"""Do the frames of a claim move as the laws of the request say, and is as much uncertain of them?
+
+A claim has the acceleration of a frame as polynomials on pieces of time (N6 of docs/bundle.md). Two polynomials of
+degree d are the same if they agree at d + 1 instants, so each piece is compared with the law's formula at so many.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import islice
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.statement import laws
+from assur.planner.checker.statement.differences import SAME, Difference, Interval, Topic, is_same
+from assur.planner.claim import columns as c
+from assur.planner.frames.law import Frame, Uncertainty
+
+EXACT = Uncertainty()
+"""Of a frame of which nothing is uncertain."""
+
+
+def frames_agree(frames: Mapping[str, Frame], claim: c.Claim) -> Iterator[Difference]:
+    """Differences of the frames, which are in the order of the request. Links of other arms: see `arms`."""
+    if len(claim.frames) != len(frames):
+        yield Difference(Topic.LAW, f"the claim has {len(claim.frames)} frames, not {len(frames)}")
+        return
+    for number, (frame, row) in enumerate(zip(frames.values(), claim.frames.tolist(), strict=True)):
+        yield from _uncertainty_agrees(number, frame, row, claim)
+        if laws.link_of(frame.law) is None:
+            yield from _motion_agrees(frame, row, claim)
+
+
+def _uncertainty_agrees(number: int, frame: Frame, row: list[float], claim: c.Claim) -> Iterator[Difference]:
+    """At least as much is uncertain of the frame: its time, its yaw, and displacements along some directions."""
+    required, name = frame.uncertainty, frame.name
+    least, most = required.shift_s
+    if not (row[c.FRAME_SHIFT] <= least and row[c.FRAME_SHIFT + 1] >= most):
+        yield Difference(Topic.UNCERTAINTY, f"the motion of {name} may be earlier or later than the claim states")
+    if not row[c.FRAME_YAW] >= required.yaw_rad:
+        yield Difference(Topic.UNCERTAINTY, f"{name} may be turned by more than the claim states")
+    if required == EXACT:
+        return
+    line, side = laws.line_of(frame.law), None
+    if line is not None and math.hypot(line[0], line[1]) > 0.0:
+        length = math.hypot(line[0], line[1])
+        side = (-line[1] / length, line[0] / length, 0.0)
+    stated = [each for each in claim.displaced.tolist() if each[c.DISPLACED_FRAME] == number]
+    for along, direction, amount, growth, shared in (
+        ("its line", line, required.position_m, required.speed_m_s, True),
+        ("the horizontal across it", side, required.lateral_m, 0.0, False),
+        ("the vertical", (0.0, 0.0, 1.0), required.vertical_m, 0.0, False),
+    ):
+        if amount == growth == 0.0:
+            continue
+        fits = [
+            each
+            for each in stated
+            if each[c.DISPLACED_AMOUNT] >= amount
+            and each[c.DISPLACED_GROWTH] >= growth
+            and (shared or each[c.DISPLACED_SHARED] == 0.0)
+            and _is_along(each, direction)
+        ]
+        if fits:
+            stated.remove(fits[0])  # two displacements along one direction add up: each has a row of its own
+        else:
+            yield Difference(Topic.UNCERTAINTY, f"{name} may be displaced by more along {along} than the claim states")
+
+
+def _is_along(row: list[float], direction: tuple[float, ...] | None) -> bool:
+    """Whether a displacement has this direction, either way round; None: any horizontal direction."""
+    if direction is None or row[c.DISPLACED_LEVEL] == 1.0:
+        return direction is None and row[c.DISPLACED_LEVEL] == 1.0
+    stated = row[c.DISPLACED_DIRECTION : c.DISPLACED_DIRECTION + 3]
+    return min(max(abs(x - s * y) for x, y in zip(stated, direction, strict=True)) for s in (1.0, -1.0)) <= SAME
+
+
+def _motion_agrees(frame: Frame, row: list[float], claim: c.Claim) -> Iterator[Difference]:
+    """The frame is on no arm, and its polynomials and sines are those of its law."""
+    name, law = frame.name, frame.law
+    if row[c.FRAME_ARM] != -1.0 or row[c.FRAME_LINK] != -1.0:
+        yield Difference(Topic.LAW, f"{name} is a link of an arm in the claim, and not in the request")
+        return
+    first, count = int(row[c.FRAME_PIECE]), int(row[c.FRAME_PIECES])
+    sines = claim.waves[int(row[c.FRAME_WAVE]) :][: int(row[c.FRAME_WAVES])].tolist()
+    pieces = claim.laws[first : first + count]
+    begin, end = (float(pieces[0, c.LAW_BEGIN]), float(pieces[-1, c.LAW_END])) if count else (-math.inf, math.inf)
+    earliest, latest = laws.known(law)
+    if not (earliest <= begin and end <= latest):
+        what = f"the motion of {name} is known from {earliest:g} s to {latest:g} s only, and the claim states more"
+        yield Difference(Topic.LAW, what)
+        return
+    formula = laws.formula_of(law, begin, end) if count else laws.formula_of(law, 0.0, 0.0)
+    if not _are_same_sines(sines, formula.sines):
+        yield Difference(Topic.LAW, f"the sines of {name} are others")
+    if not count:
+        if formula.degree > 0 or not is_same(np.array(row[c.FRAME_POSE : c.FRAME_RATE]), formula.place(np.zeros(1))[0]):
+            yield Difference(Topic.LAW, f"{name} is at another pose, or moves")
+        return
+    when, most = _farthest_off(np.array(row), pieces, formula)
+    if not most <= SAME:
+        what = f"{name} is up to {most:.2g} m or rad from where its law has it"
+        yield Difference(Topic.LAW, what, when)
+
+
+def _are_same_sines(stated: list[list[float]], required: Sequence[laws.Sine]) -> bool:
+    """Whether sines have the same numbers, in any order."""
+    pairs = zip(sorted(stated), sorted(required), strict=False)
+    same = (math.isclose(x, y, rel_tol=1e-12) for one, other in pairs for x, y in zip(one, other, strict=True))
+    return len(stated) == len(required) and all(same)
+
+
+def _farthest_off(frame: FloatArray, pieces: FloatArray, formula: laws.Formula) -> tuple[Interval, float]:
+    """Where the motion of a frame differs most from the formula: a piece, and by how much, m or rad."""
+    starts, ends, place, rate, powers = _integrated(frame, pieces)
+    if not (starts[1:] == ends[:-1]).all():
+        return (float(starts[0]), float(ends[-1])), math.inf
+    degree = max(formula.degree, powers.shape[2] + 1)
+    # if the law has many more pieces than the claim, the claim is wrong, and the others need not be computed
+    most = 2 * len(pieces) + 8
+    inside = list(islice((t for t in formula.ends if starts[0] < t < ends[-1]), most))
+    if len(inside) == most:
+        return (float(starts[0]), float(ends[-1])), math.inf
+    cuts = np.array(sorted({*starts.tolist(), float(ends[-1]), *inside}))
+    nodes = 0.5 - 0.5 * np.cos(math.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
+    times = (cuts[:-1, None] + np.diff(cuts)[:, None] * nodes).ravel()
+    i = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
+    since = (times - starts[i])[:, None]
+    stated = place[i] + since * rate[i]
+    for k in range(powers.shape[2]):
+        stated += powers[i, :, k] * since ** (k + 2) / ((k + 1) * (k + 2))
+    off = np.abs(stated - formula.place(times)).max(axis=1).reshape(len(cuts) - 1, -1).max(axis=1)
+    worst = int(np.argmax(np.where(np.isnan(off), math.inf, off)))
+    return (float(cuts[worst]), float(cuts[worst + 1])), float(off[worst])
+
+
+def _integrated(
+    frame: FloatArray, pieces: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """When each of K pieces begins and ends, place and rate (K, 4) when it begins, and powers (K, 4, P) of its
+    acceleration: accelerations are integrated twice from pose and rate when the first piece begins (N6)."""
+    starts, ends = pieces[:, c.LAW_BEGIN], pieces[:, c.LAW_END]
+    powers = pieces[:, c.LAW_POWER :].reshape(len(pieces), 4, c.MOST_POWERS)
+    used = np.flatnonzero(powers.any(axis=(0, 1)))
+    powers = powers[:, :, : used[-1] + 1 if len(used) else 0]
+    h = (ends - starts)[:, None]
+    faster, farther = np.zeros((2, len(pieces), 4))
+    for k in range(powers.shape[2]):
+        faster += powers[:, :, k] * h ** (k + 1) / (k + 1)
+        farther += powers[:, :, k] * h ** (k + 2) / ((k + 1) * (k + 2))
+    rate = frame[c.FRAME_RATE : c.FRAME_PIECE] + np.cumsum(faster, axis=0) - faster
+    moved = h * rate + farther
+    place = frame[c.FRAME_POSE : c.FRAME_RATE] + np.cumsum(moved, axis=0) - moved
+    return starts, ends, place, rate, powers

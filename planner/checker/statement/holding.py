@@ -1,0 +1,257 @@
+"""Who holds what, where each part is, what may touch, and what is uncertain of parts: derived from the task alone.
+
+A pick attaches its part to the flange at the end of its FOLLOW leg, and a place puts it down then. So where a part is
+follows from the last step that handled it; no state is carried from step to step. Poses are (x, y, z, yaw).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.statement import arms, laws
+from assur.planner.checker.statement.differences import SAME, Four
+from assur.planner.checker.statement.poses import inverse, numbers, then
+from assur.planner.errors import FaultError
+from assur.planner.frames.law import EXACT, PoseUncertainty, Uncertainty
+from assur.planner.geometry.shapes import Body, Hull
+from assur.planner.model.outcome import TRACKING, LegKind, Plan
+from assur.planner.model.scene import Pick, Place, Scene
+
+CONTACT_M = 1e-4
+"""How deep bodies that may touch may overlap, m, besides what the step allows; and how far apart in height what a part
+rests on may be from its bottom."""
+Where = tuple[str | None, Four]
+"""The frame to which a body is fixed (None: the flange), and its pose there."""
+
+
+class Handling:
+    """What the steps of a task do with parts, in a plan. `steps` are numbers of steps in the task; steps whose part
+    has changed hands before some time are the `handed` ones, in their order."""
+
+    def __init__(self, scene: Scene, plan: Plan) -> None:
+        self.scene, self.plan = scene, plan
+        self.arrivals = {arrival.step: arrival for arrival in plan.arrivals}
+        self.tcp = numbers(scene.tool.tcp)
+        self._places: dict[tuple[str, float], Four] = {}
+        self._radius: dict[str, float] = {}
+        self._supports: dict[int, set[str]] = {}
+
+    @cached_property
+    def parts(self) -> list[str]:
+        """The parts that the gripper holds at some time."""
+        holding = self.scene.start.holding
+        names = [] if holding is None else [holding.part]
+        return list(dict.fromkeys([*names, *(step.part for step in self.scene.task if step.part is not None)]))
+
+    @cached_property
+    def is_exact(self) -> bool:
+        """Whether nothing is uncertain: frames, bodies, grips, joints and the start."""
+        scene, holding = self.scene, self.scene.start.holding
+        poses = [body.uncertainty for body in scene.bodies] + ([] if holding is None else [holding.within])
+        poses += [step.held_within or EXACT for step in scene.task if isinstance(step, Pick)]
+        frames = [frame.uncertainty for frame in scene.frames.values()]
+        known = all(within == EXACT for within in poses) and all(each == Uncertainty() for each in frames)
+        return known and not any((*scene.execution.lag, scene.execution.start_tolerance_s))
+
+    @cached_property
+    def tracks(self) -> list[bool]:
+        """Whether each leg of the plan tracks a control point."""
+        return [leg.kind in TRACKING for leg in self.plan.legs]
+
+    def handed_before_leg(self, leg: int) -> list[int]:
+        """The steps whose part has changed hands before a leg of the plan: at the end of their FOLLOW."""
+        behind = (each.step for each in self.plan.legs[:leg] if each.kind is LegKind.FOLLOW)
+        return [step for step in behind if self.scene.task[step].part is not None]
+
+    def handed_before_step(self, number: int) -> list[int]:
+        """The steps before a step whose part has changed hands: all that have a part."""
+        return [k for k, step in enumerate(self.scene.task[:number]) if step.part is not None]
+
+    def held(self, handed: Sequence[int]) -> str | None:
+        """The part in the gripper after some steps."""
+        if not handed:
+            holding = self.scene.start.holding
+            return None if holding is None else holding.part
+        last = self.scene.task[handed[-1]]
+        return last.part if isinstance(last, Pick) else None
+
+    def place(self, name: str, handed: Sequence[int]) -> Where:
+        """Where a body of the surroundings is after some steps."""
+        for number in reversed(handed):
+            step = self.scene.task[number]
+            if step.part == name and isinstance(step, Pick):
+                return None, then(self.tcp, inverse(self.grasp(number)))
+            if step.part == name and isinstance(step, Place):
+                return step.to.frame, numbers(step.to.pose)
+        holding = self.scene.start.holding
+        if holding is not None and holding.part == name:
+            return None, then(self.tcp, inverse(numbers(holding.grasp)))
+        return self.scene.index[name].frame, numbers(self.scene.index[name].pose)
+
+    def grasp(self, number: int) -> Four:
+        """The tool point in the part's frame at a pick, turned about the part's axis as the arrival states."""
+        step = self.scene.task[number]
+        if not isinstance(step, Pick):
+            raise FaultError(f"{step.name} is no pick")
+        return then((0.0, 0.0, 0.0, self.arrivals[number].yaw_offset), numbers(step.grasp))
+
+    def point(self, number: int) -> tuple[str, Four]:
+        """Frame and pose of the part that a step takes, or of its target."""
+        step = self.scene.task[number]
+        if not isinstance(step, Pick):
+            return step.target.frame, numbers(step.target.pose)
+        frame, pose = self.place(step.part, self.handed_before_step(number))
+        if frame is None:
+            raise FaultError(f"{step.name} takes a part that the gripper holds")
+        return frame, pose
+
+    def tool_point(self, number: int) -> tuple[str, Four]:
+        """Frame and pose that the tool point has when a step meets its control point."""
+        step, (frame, at) = self.scene.task[number], self.point(number)
+        if isinstance(step, Pick):
+            return frame, then(at, self.grasp(number))
+        if isinstance(step, Place):
+            _, in_flange = self.place(step.part, self.handed_before_step(number))
+            return frame, then(at, then(inverse(in_flange), self.tcp))
+        return frame, (at[0], at[1], at[2], at[3] + self.arrivals[number].yaw_offset)
+
+    def supports(self, number: int) -> set[str]:
+        """What the part of a pick or a place rests on: the bodies that are named, or those whose top is where the
+        part's bottom is, and which are so near that circles about both overlap."""
+        if number not in self._supports:
+            self._supports[number] = self._find_supports(number)
+        return self._supports[number]
+
+    def _find_supports(self, number: int) -> set[str]:
+        step = self.scene.task[number]
+        if not isinstance(step, Pick | Place):
+            return set()
+        if step.contact_with is not None:
+            return set(step.contact_with)
+        time, handed = self.arrivals[number].until, self.handed_before_step(number)
+        there = self._in_world(self.point(number), time)
+        bottom = there[2] - _reach(self.scene.index[step.part].body, -1.0)
+        found = set()
+        for body in self.scene.bodies:
+            if body.name == step.part:
+                continue
+            here = self._in_world(self.place(body.name, handed), time)
+            near = math.dist(here[:2], there[:2]) <= self.radius(body.name) + self.radius(step.part) + SAME
+            if near and abs(here[2] + _reach(body.body, 1.0) - bottom) <= CONTACT_M + SAME:
+                found.add(body.name)
+        return found
+
+    def _in_world(self, where: Where, time: float) -> Four:
+        """The pose in the world of what is fixed to a frame."""
+        frame, pose = where
+        if frame is None:
+            raise FaultError("a part that the gripper holds is in no frame")
+        if (frame, time) not in self._places:
+            law = self.scene.frames[frame].law
+            link = laws.link_of(law)
+            self._places[frame, time] = laws.place_at(law, time) if link is None else arms.place_at(*link, time)
+        return then(self._places[frame, time], pose)
+
+    def kept_supports(self, part: str, handed: Sequence[int]) -> set[str]:
+        """What a part that was put down may touch: what it was put on, but for parts that were taken since."""
+        last = [k for k in handed if self.scene.task[k].part == part][-1]
+        return self.supports(last) - {self.scene.task[k].part or "" for k in handed if k > last}
+
+    def touching(self, leg: int) -> set[frozenset[str]]:
+        """The pairs that may touch in a leg that tracks the point of a pick or place. While the part is held, it may
+        touch what it rests on; before it is taken, and after it was put down, the bodies of the tool."""
+        each = self.plan.legs[leg]
+        part = self.scene.task[each.step].part
+        if each.kind not in TRACKING or part is None:
+            return set()
+        if self.held(self.handed_before_leg(leg)) == part:
+            others = self.supports(each.step)
+        else:
+            others = {body.name for body in self.scene.tool.bodies}
+        return {frozenset((other, part)) for other in others}
+
+    def uncertainty(self, name: str, handed: Sequence[int]) -> PoseUncertainty | None:
+        """How uncertain the pose of a body of the surroundings is after some steps; None: not at all.
+
+        Of a part that a step has handled it is the error of the arrival, or what the step states of the grip.
+        """
+        for number in reversed(handed):
+            step, error = self.scene.task[number], self.arrivals[number].error
+            if step.part == name:
+                stated = step.held_within if isinstance(step, Pick) else None
+                return stated if stated is not None or error is None else error.within
+        holding = self.scene.start.holding
+        if holding is not None and holding.part == name:
+            return holding.within
+        return self.scene.index[name].uncertainty
+
+    def displaced(self, name: str, handed: Sequence[int]) -> tuple[float, float]:
+        """How far a point of a body of the surroundings may be off horizontally, and up or down, m."""
+        within = self.uncertainty(name, handed)
+        if within is None:
+            return 0.0, 0.0
+        turned = within.yaw_rad * self.radius(name) if within.yaw_rad else 0.0
+        return within.position_m + turned, within.vertical_m
+
+    def shares(self, leg: int) -> dict[str, tuple[float, float]]:
+        """By frame, the least and the greatest share that the tool has in the frame's error along its line in a leg (or
+        behind the last one); frames of which it has none are left out.
+
+        With belt correction it has all of it in legs that track a frame which an encoder counts, and any share on the
+        way from and to such legs.
+        """
+        if not self.scene.execution.belt_correction:
+            return {}
+        tracked = leg < len(self.tracks) and self.tracks[leg]
+        behind = [k for k in range(leg) if self.tracks[k]][-1:]
+        ahead = [k for k in range(leg, len(self.tracks)) if self.tracks[k]][:1]
+        found = {}
+        for k in [leg] if tracked else behind + ahead:
+            frame, _ = self.point(self.plan.legs[k].step)
+            law = self.scene.frames[frame].law
+            if laws.line_of(law) is not None:
+                found[frame] = (1.0 if tracked and laws.encoder_counts(law) else 0.0, 1.0)
+        return found
+
+    def radius(self, name: str) -> float:
+        """Horizontal distance of the points of a body of the surroundings from its origin at most, m."""
+        if name not in self._radius:
+            self._radius[name] = _radius(self.scene.index[name].body)
+        return self._radius[name]
+
+
+def _reach(body: Body, up: float) -> float:
+    """How far a body reaches upwards (1) or downwards (-1) from its origin, m (S1)."""
+    most = -math.inf
+    for piece in body.pieces:
+        local, shape = up * piece.rotation[2], piece.shape
+        if isinstance(shape, Hull):
+            far = float((shape.vertices @ local).max())
+        else:
+            flat = math.hypot(local[0], local[1])
+            far = float(np.abs(local) @ np.array(shape.half)) + shape.disc * flat + shape.ball
+        most = max(most, up * float(piece.position[2]) + far)
+    return most
+
+
+def _radius(body: Body) -> float:
+    """Horizontal distance of a body's points from its own origin at most, m."""
+    most = 0.0
+    for piece in body.pieces:
+        shape, more = piece.shape, 0.0
+        if isinstance(shape, Hull):
+            corners: FloatArray = shape.vertices
+        else:
+            corners, more = CUBE * np.array(shape.half), shape.disc + shape.ball
+        points = corners @ piece.rotation.T + piece.position
+        most = max(most, float(np.hypot(points[:, 0], points[:, 1]).max()) + more)
+    return most
+
+
+CUBE = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+"""The corners of a box whose half lengths are 1."""

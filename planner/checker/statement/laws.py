@@ -1,0 +1,209 @@
+"""The motions of frames by their textbook formulas, (F1) to (F9) of docs/kinematics.md.
+
+This module alone knows the kinds of laws and their numbers. A law is a polynomial of time on each of some pieces of
+time, plus sines. So a `Formula` says the degree, the times at which pieces end, the place, and the numbers of the
+sines. Places are (x, y, z, yaw) in the world, m and rad; times are s.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.statement.differences import Four, Interval
+from assur.planner.checker.statement.poses import numbers
+from assur.planner.errors import FaultError
+from assur.planner.robots.robot import Robot
+from assur.planner.trajectory import Trajectory
+
+Place = Callable[[FloatArray], FloatArray]
+"""Times (m,) to places (m, 4)."""
+Sine = tuple[int, float, float, float]
+"""Coordinate (0 to 3), amplitude, rate in rad/s and phase in rad of amplitude * sin(rate * t + phase)."""
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A law over an interval: polynomials of this degree at most, which end at some times, and sines in addition. The
+    times are those of many periods if the interval is long: they are computed one by one, and can be read once."""
+
+    degree: int
+    ends: Iterable[float]
+    place: Place
+    sines: Sequence[Sine] = ()
+
+
+def kind_of(law: object) -> str:
+    """The kind of a law: fixed, linear, conveyor, turntable, indexer, swing, oscillation, keyframes, trajectorylaw."""
+    return type(law).__name__.lower()
+
+
+def link_of(law: Any) -> tuple[Robot, Trajectory, int] | None:
+    """The arm, its motion and the number of its link (in the arm's own order) that the frame is; None: it is none."""
+    return (law.robot, law.trajectory, law.link) if kind_of(law) == "trajectorylaw" else None
+
+
+def formula_of(law: Any, begin: float, end: float) -> Formula:
+    """The law over [begin, end]. Raises `FaultError` for a kind that this module does not know."""
+    kind = kind_of(law)
+    if kind == "keyframes":
+        return _keyframes(law, begin, end)
+    pose = np.array(numbers(law.pose))
+    ahead = np.array([math.cos(pose[3]), math.sin(pose[3]), 0.0, 0.0])
+    turn, climb = np.array([0.0, 0.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0, 0.0])
+    if kind in ("fixed", "swing", "oscillation"):
+        return Formula(0, (), lambda t: np.tile(pose, (len(t), 1)), _sines(law))
+    if kind == "linear":
+        velocity = np.array([*law.velocity, 0.0])
+        return Formula(1, (), lambda t: pose + np.outer(t - law.at_time, velocity))
+    if kind == "conveyor":
+        ends, travel = _travel(law.speed, law.changes, law.at_time)
+        return Formula(3, ends, lambda t: pose + np.outer(travel(t), ahead))
+    if kind == "turntable":
+        ends, angle = _travel(law.rate, law.changes, law.at_time)
+        rise = law.rise * climb
+        return Formula(3, ends, lambda t: pose + np.outer(angle(t), turn) + np.outer(t - law.at_time, rise))
+    if kind == "indexer":
+        return _indexer(law, pose, turn if law.kind == "turn" else ahead, begin, end)
+    raise FaultError(f"no formula for the motion {kind}")
+
+
+def place_at(law: Any, time: float) -> Four:
+    """Where a frame that is no link of an arm is at a time."""
+    formula = formula_of(law, time, time)
+    place = formula.place(np.array([time]))[0].tolist()
+    for coordinate, amplitude, rate, phase in formula.sines:
+        place[coordinate] += amplitude * math.sin(rate * time + phase)
+    return (place[0], place[1], place[2], place[3])
+
+
+def known(law: Any) -> Interval:
+    """The first and the last time at which a law is known."""
+    first, last = law.valid
+    if kind_of(law) == "keyframes" and law.ends != "periodic":
+        return max(first, float(law.times[0])), min(last, float(law.times[-1]))
+    return first, last
+
+
+def line_of(law: Any) -> tuple[float, ...] | None:
+    """The direction (unit vector) in which a frame travels; None: it travels along no line. A conveyor that stands has
+    one, too: its errors are along it."""
+    if kind_of(law) == "conveyor":
+        return (math.cos(law.pose.yaw), math.sin(law.pose.yaw), 0.0)
+    if kind_of(law) == "linear" and any(law.velocity):
+        length = math.hypot(*law.velocity)
+        return tuple(float(rate) / length for rate in law.velocity)
+    return None
+
+
+def measured_along(law: Any) -> tuple[tuple[float, ...], Four] | None:
+    """The direction along which windows in metres are measured, and the pose from which; None: there is none."""
+    if kind_of(law) not in ("conveyor", "linear"):
+        return None
+    return line_of(law) or (1.0, 0.0, 0.0), numbers(law.pose)
+
+
+def encoder_counts(law: Any) -> bool:
+    """Whether an encoder counts the travel of the frame: not of a conveyor that always stands."""
+    return kind_of(law) != "conveyor" or any((law.speed, *(change.speed for change in law.changes)))
+
+
+def _sines(law: Any) -> list[Sine]:
+    """The sines of a swing (F4) and of an oscillation (F8)."""
+    if kind_of(law) == "swing":
+        return [(3, law.amplitude, math.tau / law.period, law.phase)]
+    if kind_of(law) == "oscillation":
+        length = math.hypot(*law.direction)
+        parts = [(k, law.amplitude * u / length) for k, u in enumerate(law.direction) if u != 0.0]
+        return [(k, amplitude, math.tau / law.period, law.phase) for k, amplitude in parts]
+    return []
+
+
+def _travel(speed: float, changes: Iterable[Any], zero: float) -> tuple[list[float], Place]:
+    """The times at which the acceleration of something jumps that has a speed and changes it by S-curves (F7), and how
+    far it has come since the time `zero`."""
+    rows: list[tuple[float, float, float, float, float]] = []  # begin, way, speed, acceleration, jerk
+    way = now = 0.0
+    for change in changes:
+        if change.speed == speed:
+            continue
+        way, now = way + speed * (change.time - now) if rows else 0.0, change.time
+        rows = rows or [(now, 0.0, speed, 0.0, 0.0)]
+        more, sign = abs(change.speed - speed), math.copysign(1.0, change.speed - speed)
+        if change.jerk == math.inf:
+            rise, top, jerk = 0.0, change.acceleration, 0.0
+        else:
+            rise = min(change.acceleration / change.jerk, math.sqrt(more / change.jerk))
+            top, jerk = change.jerk * rise, change.jerk
+        level = max(0.0, more / top - rise) if top > 0.0 else 0.0
+        for lasts, a, j in ((rise, 0.0, sign * jerk), (level, sign * top, 0.0), (rise, sign * top, -sign * jerk)):
+            rows.append((now, way, speed, a, j))
+            way += lasts * (speed + lasts * (a / 2.0 + lasts * j / 6.0))
+            speed, now = speed + lasts * (a + lasts * j / 2.0), now + lasts
+        speed = change.speed
+        rows.append((now, way, speed, 0.0, 0.0))
+    table = np.array(rows or [(0.0, 0.0, speed, 0.0, 0.0)])
+
+    def distance(t: FloatArray) -> FloatArray:
+        # before the first change the speed is that of the first row, which has no acceleration
+        i = np.maximum(np.searchsorted(table[:, 0], t, side="right") - 1, 0)
+        begin, s, v, a, j = table[i].T
+        since = t - begin
+        return np.asarray(s + since * (v + since * (a / 2.0 + since * j / 6.0)))
+
+    start = float(distance(np.array([zero]))[0])
+    return [row[0] for row in rows], lambda t: distance(t) - start
+
+
+def _indexer(law: Any, pose: FloatArray, along: FloatArray, begin: float, end: float) -> Formula:
+    """Steps by the polynomial without velocity, acceleration and jerk at both ends (F3), and dwells between them."""
+    period = law.move_s + law.dwell_s
+    numbers_of_steps = range(math.floor((begin - law.start) / period), math.ceil((end - law.start) / period) + 1)
+    ends = (law.start + k * period + more for k in numbers_of_steps for more in (0.0, law.move_s))
+
+    def place(t: FloatArray) -> FloatArray:
+        whole = np.floor((t - law.start) / period)
+        u = np.minimum((t - law.start - whole * period) / law.move_s, 1.0)
+        step = u**4 * (35.0 + u * (-84.0 + u * (70.0 - 20.0 * u)))
+        return np.asarray(pose + np.outer(law.step * (whole + step), along))
+
+    return Formula(7, ends, place)
+
+
+def _keyframes(law: Any, begin: float, end: float) -> Formula:
+    """The cubic spline through poses (F5, F9), by its moments: the second derivatives at the poses."""
+    times, values = np.array(law.times, dtype=float), np.array([numbers(pose) for pose in law.poses])
+    h, n, repeats = np.diff(times), len(times), law.ends == "periodic"
+    slopes = np.diff(values, axis=0) / h[:, None]
+    a, b = np.zeros((n, n)), np.zeros((n, 4))
+    for i in range(1, n - 1):
+        a[i, i - 1 : i + 2] = h[i - 1], 2.0 * (h[i - 1] + h[i]), h[i]
+        b[i] = 6.0 * (slopes[i] - slopes[i - 1])
+    if law.ends == "natural":
+        a[0, 0] = a[-1, -1] = 1.0
+    elif law.ends == "clamped":
+        a[0, :2], b[0] = (2.0 * h[0], h[0]), 6.0 * slopes[0]
+        a[-1, -2:], b[-1] = (h[-1], 2.0 * h[-1]), -6.0 * slopes[-1]
+    else:  # the last moment is the first one, and the rates at both ends are the same
+        a[0, 0], a[0, -1] = 1.0, -1.0
+        a[-1, :2] += 2.0 * h[0], h[0]
+        a[-1, -2:] += h[-1], 2.0 * h[-1]
+        b[-1] = 6.0 * (slopes[0] - slopes[-1])
+    moments, period = np.linalg.solve(a, b), float(times[-1] - times[0])
+    whole = range(math.floor((begin - times[0]) / period), math.ceil((end - times[0]) / period) + 1)
+
+    def place(t: FloatArray) -> FloatArray:
+        turns = np.floor((t - times[0]) / period) if repeats else np.zeros(len(t))
+        local = t - turns * period
+        i = np.clip(np.searchsorted(times, local, side="right") - 1, 0, n - 2)
+        one, two, span = (times[i + 1] - local)[:, None], (local - times[i])[:, None], h[i][:, None]
+        low, high = values[i] / span - moments[i] * span / 6.0, values[i + 1] / span - moments[i + 1] * span / 6.0
+        cubic = (moments[i] * one**3 + moments[i + 1] * two**3) / (6.0 * span)
+        return np.asarray(cubic + low * one + high * two + np.outer(turns, values[-1] - values[0]))
+
+    return Formula(3, (float(t + k * period) for k in (whole if repeats else range(1)) for t in times), place)

@@ -1,0 +1,117 @@
+"""Does the claim keep the limits of the request: of the joints, with loads, of accelerated parts, and of yaws?"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.statement.arms import flange_row
+from assur.planner.checker.statement.differences import Difference, Interval, Topic
+from assur.planner.checker.statement.holding import Handling
+from assur.planner.checker.statement.phases import Stage
+from assur.planner.checker.statement.points import is_axis_stated
+from assur.planner.checker.statement.poses import is_same_pose
+from assur.planner.claim import columns as c
+
+SHARES = np.array([1e-9, 1e-9, 1e-9, 1e-6])
+"""By which a position (of half its range), a velocity, an acceleration and a jerk may exceed its limit."""
+CARRY_SHARE = 1e-6
+"""By which the acceleration of a part may exceed its limit."""
+ROUNDING = 1e-12
+"""Of a limit: a share of it that was computed in another order of operations."""
+
+
+def limits_agree(handling: Handling, stages: list[Stage], claim: c.Claim) -> Iterator[Difference]:
+    """The limits of the joints over all of the motion, and those that a load leaves while it is carried."""
+    scene, load = handling.scene, handling.scene.load_limits
+    whole = (stages[0].when[0], stages[-1].when[1])
+    if not _is_limited(handling, claim, 1.0, whole):
+        yield Difference(Topic.LIMIT, "the limits of the joints are not kept", whole)
+    rows = [mass for mass, _ in load.shares[-1:]] + ([] if load.max_kg is None else [load.max_kg])
+    most = min(rows) if rows else load.rated_kg if load.rated_kg is not None else math.inf
+    for stage in stages:
+        if not stage.robot:
+            continue
+        part = 0.0 if stage.held is None else handling.scene.index[stage.held].mass_kg or 0.0
+        mass, carried = (scene.tool.mass_kg or 0.0) + part, stage.held or "the tool"
+        if not mass <= most * (1.0 + ROUNDING):
+            yield Difference(Topic.LOAD, f"{mass:g} kg are too heavy", stage.when)
+        share = 1.0  # of accelerations and jerks (G2)
+        if load.shares:
+            masses, shares = zip(*load.shares, strict=True)
+            share = float(np.interp(mass, masses, shares))
+        elif load.rated_kg is not None and mass > load.rated_kg:
+            share = load.rated_kg / mass
+        if share != 1.0 and not _is_limited(handling, claim, share, stage.when):
+            yield Difference(Topic.LIMIT, f"the limits with {carried} are not kept", stage.when)
+
+
+def _is_limited(handling: Handling, claim: c.Claim, share: float, when: Interval) -> bool:
+    """Whether a row of the claim has limits that are no wider, for as long, with this share of the accelerations and
+    jerks. Without a limit of the jerk only where the request asks for parabolic blends."""
+    own, n, blended = handling.scene.robot.limits, len(handling.scene.robot.joints), handling.scene.options.blended
+    required = np.array([-own.lower, own.upper, own.velocity, share * own.acceleration, share * own.jerk])
+    for row in claim.limits:
+        if row[c.LIMIT_T0] <= when[0] and when[1] <= row[c.LIMIT_T1]:
+            stated: FloatArray = row[c.LIMIT_LOWER :].reshape(5, c.MOST_JOINTS)[:, :n] * SIGNS
+            kept = stated <= required + ROUNDING * np.abs(required)
+            jerk = row[c.LIMIT_JERKS] == 1.0
+            counts = slice(None) if jerk else slice(4)
+            if (jerk or blended) and kept[counts].all() and (row[c.LIMIT_SHARE : c.LIMIT_LOWER] <= SHARES).all():
+                return True
+    return False
+
+
+SIGNS = np.array([[-1.0], [1.0], [1.0], [1.0], [1.0]])
+"""Limits times these are no greater where they are narrower: of lower limits the opposite is compared."""
+
+
+def pulls_agree(handling: Handling, stages: list[Stage], claim: c.Claim) -> Iterator[Difference]:
+    """How hard the tool point accelerates while a part is held."""
+    most, end = handling.scene.carry_acceleration, float(handling.plan.trajectory.time[-1])
+    if most is None:
+        return
+    for stage in stages:
+        first, last = stage.when
+        if stage.held is None or not first < end:
+            continue
+        covered = any(
+            row[c.PULL_T0] <= first
+            and row[c.PULL_T1] >= min(last, end)
+            and row[c.PULL_MOST] <= most
+            and row[c.PULL_SHARE] <= CARRY_SHARE
+            and row[c.PULL_LINK] == flange_row(handling.scene.robot)
+            and is_same_pose([*row[c.PULL_TOOL : c.PULL_MOST], 0.0], [*handling.tcp[:3], 0.0])
+            for row in claim.pulls.tolist()
+        )
+        if not covered:
+            yield Difference(Topic.PULL, f"{stage.held} may be accelerated too hard", stage.when)
+
+
+def yaws_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
+    """The yaw of the tool point is outside of each forbidden range, widened by what lag turns the tool."""
+    path, lag = handling.plan.trajectory, handling.scene.execution.lag
+    late = lag[0] + lag[1] + lag[3] if len(lag) > 3 else 0.0
+    when, tool = (float(path.time[0]), float(path.time[-1])), handling.tcp[3]
+    for each in handling.scene.forbidden_yaw:
+        width = (each.last - each.first) % math.tau
+        middle, half = each.first + width / 2.0, min(width / 2.0 + late, math.pi)
+        axis, direction = (math.cos(tool), math.sin(tool), 0.0), (math.cos(middle), math.sin(middle), 0.0)
+        if not is_axis_stated(handling.scene, claim, axis, direction, (-math.inf, math.cos(half)), when):
+            yield Difference(Topic.YAW, f"the yaw of the tool may be from {each.first:g} to {each.last:g} rad", when)
+
+
+def laws_last(handling: Handling, stages: list[Stage], claim: c.Claim) -> Iterator[Difference]:
+    """The motion of each frame is stated for all of the time in which it may count, lateness and shifts included."""
+    late = handling.scene.execution.start_tolerance_s
+    for frame, row in zip(handling.scene.frames.values(), claim.frames.tolist(), strict=True):
+        count = int(row[c.FRAME_PIECES])
+        if count:
+            least, most = frame.uncertainty.shift_s
+            when = (stages[0].when[0] - most, stages[-1].when[1] + late - least)
+            pieces = claim.laws[int(row[c.FRAME_PIECE]) :][:count]
+            if not (pieces[0, c.LAW_BEGIN] <= when[0] and when[1] <= pieces[-1, c.LAW_END]):
+                yield Difference(Topic.LAW, f"the motion of {frame.name} is not stated for all of the time", when)

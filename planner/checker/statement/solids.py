@@ -1,0 +1,163 @@
+"""Do the solids of a claim hold those of the request? Bodies of robot, tool and surroundings, in this order.
+
+A piece of the claim is centre + sum of s_i edge_i + disc + ball, or the hull of its vertices; one of the request has a
+position, axes, half lengths, a disc across its third axis and a ball, or vertices. So they are compared by their
+numbers, in the body's axes, m. A larger disc or ball states more.
+
+A body whose pieces cover the surface of a mesh has the triangles of the surface as well. The claim's triangles are
+those of the mesh, or parts of them. If (1) each is in one of the mesh's and turned the same way round, (2) their areas
+add up to the mesh's and (3) the surface is closed, which the claim checker shows, they cover each triangle of the mesh
+exactly once: inside of it no edge may be free, so the number of parts over a point is the same everywhere, and by the
+areas it is one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.checker.statement.differences import SAME, Difference, Topic, is_same
+from assur.planner.claim import columns as c
+from assur.planner.geometry.shapes import Body, Hull, Piece
+from assur.planner.model.scene import Scene
+
+
+def bodies_of(scene: Scene) -> list[Body]:
+    """All bodies, in the order of a claim."""
+    return [
+        *(item.body for item in scene.robot.bodies),
+        *scene.tool.bodies,
+        *(item.body for item in scene.bodies),
+    ]
+
+
+def solids_agree(scene: Scene, claim: c.Claim) -> Iterator[Difference]:
+    """Differences of the bodies."""
+    bodies = bodies_of(scene)
+    if len(claim.bodies) != len(bodies):
+        yield Difference(Topic.SOLID, f"the claim has {len(claim.bodies)} bodies, not {len(bodies)}")
+        return
+    rows, pieces, known = list[int](), list[tuple[Body, Piece]](), dict[tuple[bytes, bytes], int]()
+    for body, (first, count, triangle, triangles) in zip(bodies, claim.bodies.astype(int).tolist(), strict=True):
+        if body.surface is not None:
+            vertices, faces = body.surface
+            own = claim.triangles[triangle : triangle + triangles]
+            yield from _surface_agrees(body.name, vertices[faces], claim, range(first, first + count), own, known)
+        elif count != len(body.pieces) or triangles:
+            yield Difference(Topic.SOLID, f"{body.name} has {len(body.pieces)} pieces, which fill it")
+        else:
+            rows += range(first, first + count)
+            pieces += [(body, piece) for piece in body.pieces]
+    if rows:
+        stated = claim.pieces[rows]
+        differs = ~_agree(stated, [piece for _, piece in pieces])
+        for k, (_, piece) in enumerate(pieces):
+            if isinstance(piece.shape, Hull):
+                differs[k] = not _holds(claim, stated[k], piece.shape.vertices @ piece.rotation.T + piece.position)
+        for k in np.flatnonzero(differs).tolist():
+            yield Difference(Topic.SOLID, f"a piece of {pieces[k][0].name} is not that of the request")
+
+
+def _agree(stated: FloatArray, pieces: Sequence[Piece]) -> BoolArray:
+    """Whether pieces with edges, discs and balls are those of the request; the answer for hulls means nothing."""
+    count = len(pieces)
+    half, more = np.zeros((count, 3)), np.zeros((count, 2))
+    for k, piece in enumerate(pieces):
+        if not isinstance(piece.shape, Hull):
+            half[k], more[k] = piece.shape.half, (piece.shape.disc, piece.shape.ball)
+    axes = np.array([piece.rotation for piece in pieces]).transpose(0, 2, 1)  # (S, axis, 3)
+    centre = np.array([piece.position for piece in pieces])
+    edges = axes * half[:, :, None]
+    # edges of no length are left out, so the others move up
+    edges = np.take_along_axis(edges, np.argsort(half == 0.0, axis=1, kind="stable")[:, :, None], axis=1)
+    given = np.arange(3) < stated[:, c.PIECE_EDGES, None]
+    own = stated[:, c.PIECE_EDGE : c.PIECE_EDGE + 9].reshape(count, 3, 3) * given[:, :, None]
+    apart = np.minimum(np.abs(own - edges).max(2), np.abs(own + edges).max(2))
+    apart = np.where(edges.any(2), apart, 0.0).max(1)
+    across = np.abs(stated[:, c.PIECE_AXIS : c.PIECE_AXIS + 3] - axes[:, 2]).max(1)
+    return np.asarray(
+        (stated[:, c.PIECE_VERTICES] == 0.0)
+        & (np.abs(stated[:, : c.PIECE_AXIS] - centre).max(1) <= SAME)
+        & (apart <= SAME)
+        & ((more[:, 0] == 0.0) | (across <= SAME))
+        & (stated[:, c.PIECE_DISC] >= more[:, 0] - SAME)
+        & (stated[:, c.PIECE_BALL] >= more[:, 1] - SAME)
+    )
+
+
+def _holds(claim: c.Claim, piece: FloatArray, points: FloatArray) -> bool:
+    """Whether points (m, 3) are among the vertices of a piece of the claim."""
+    vertices = claim.vertices[int(piece[c.PIECE_VERTEX]) :][: int(piece[c.PIECE_VERTICES])]
+    if vertices.shape == points.shape and is_same(vertices, points):
+        return True
+    return len(vertices) > 0 and all(np.abs(vertices - point).max(axis=1).min() <= SAME for point in points)
+
+
+def _surface_agrees(
+    name: str,
+    mesh: FloatArray,
+    claim: c.Claim,
+    pieces: range,
+    triangles: FloatArray,
+    known: dict[tuple[bytes, bytes], int],
+) -> Iterator[Difference]:
+    """The triangles of a body of the claim are those (m, 3, 3) of the mesh, and each is in one of the body's pieces.
+    `known`: how many are not, of meshes that were compared already."""
+    piece, corners = triangles[:, c.TRIANGLE_PIECE].astype(int), triangles[:, : c.TRIANGLE_PIECE].astype(int)
+    if not ((piece >= pieces.start) & (piece < pieces.stop)).all():
+        yield Difference(Topic.SOLID, f"a triangle of {name} is in a piece of another body")
+        return
+    first, count = claim.pieces[piece][:, [c.PIECE_VERTEX, c.PIECE_VERTICES]].T
+    if not ((corners >= first[:, None]) & (corners < (first + count)[:, None])).all():
+        yield Difference(Topic.SOLID, f"a triangle of {name} is not in its piece")
+    stated = claim.vertices[corners]
+    key = mesh.tobytes(), stated.tobytes()
+    if key not in known:
+        known[key] = _uncovered(mesh, stated)
+    if known[key]:
+        yield Difference(Topic.SOLID, f"{known[key]} triangles of {name} are not those of the mesh")
+
+
+def _uncovered(mesh: FloatArray, stated: FloatArray) -> int:
+    """How many triangles of a mesh (m, 3, 3) are not covered once by those stated (n, 3, 3), and how many of these are
+    not in one triangle of the mesh. Equal triangles are taken away first; the others were cut."""
+    left = dict[bytes, list[int]]()
+    for k, key in enumerate(_keys(mesh)):
+        left.setdefault(key, []).append(k)
+    parts = [k for k, key in enumerate(_keys(stated)) if not (left.get(key) and left[key].pop() >= 0)]
+    faces = [k for numbers in left.values() for k in numbers]
+    if not faces or not parts:
+        return len(faces) + len(parts)
+    whole, rest = mesh[faces], stated[parts]
+    (normal, area), (part_normal, part_area) = _normals(whole), _normals(rest)
+    thin = part_area <= SAME * math.sqrt(area.max())  # too thin to have a direction
+    covered, homes = np.zeros(len(whole)), np.zeros(len(rest), dtype=int)
+    for face, (corners, n) in enumerate(zip(whole, normal, strict=True)):
+        # in the plane of the triangle, and to the left of its three edges
+        off = np.abs((rest - corners[0]) @ n).max(1)
+        for a, b in ((0, 1), (1, 2), (2, 0)):
+            side = np.cross(n, corners[b] - corners[a])
+            off = np.maximum(off, -((rest - corners[a]) @ side).min(1) / max(np.linalg.norm(side), 1e-300))
+        inside = (off <= SAME) & (thin | (part_normal @ n > 0.0))
+        homes += inside
+        covered[face] = part_area[inside & ~thin].sum()
+    around = np.linalg.norm(whole - np.roll(whole, 1, axis=1), axis=2).sum(1)
+    missing = ~(np.abs(covered - area) <= 2.0 * SAME * around)
+    return int(missing.sum() + np.where(thin, homes == 0, homes != 1).sum())
+
+
+def _keys(triangles: FloatArray) -> list[bytes]:
+    """A text for each triangle, the same for equal ones, whichever corner is the first."""
+    order = np.lexsort(triangles.transpose(2, 0, 1)[::-1], axis=-1) if len(triangles) else np.zeros((0, 3), dtype=int)
+    turn: IntArray = (order[:, :1] + np.arange(3)) % 3
+    return [row.tobytes() for row in np.take_along_axis(triangles + 0.0, turn[:, :, None], axis=1)]
+
+
+def _normals(triangles: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Unit normals (m, 3), anticlockwise seen from outside, and areas (m,) of triangles."""
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    length = np.linalg.norm(normal, axis=1)
+    return normal / np.maximum(length, 1e-300)[:, None], length / 2.0

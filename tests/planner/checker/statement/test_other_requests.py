@@ -1,0 +1,127 @@
+"""A claim of one request is refused for another one, with a digest that was made to fit."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from assur.planner.checker.statement import Topic
+from assur.planner.model.outcome import LegKind, Plan
+from assur.scenes.requests import cell_of
+from tests.planner.checker.statement.cases import Case, Document, case_of, differences, sealed, step
+
+DEMO, FLOW = "demo, more uncertain", "dense-flow, more uncertain"
+Edit = Callable[[Document], object]
+T = Topic
+
+
+def other(name: str, change: Edit) -> Case:
+    """The plan and the claim of a case, with another request."""
+    case = case_of(name)
+    request = copy.deepcopy(case.request)
+    change(request)
+    scene = cell_of(request).scene
+    assert scene.digest != case.scene.digest
+    return Case(request, scene, sealed(scene, case.plan), case.claim)
+
+
+def heavier(request: Document) -> None:
+    """A part that leaves a smaller share of the accelerations."""
+    next(body for body in request["bodies"] if "mass_kg" in body).update(mass_kg=5.0)
+
+
+POST = {"name": "post", "shape": {"sphere": {"radius_mm": 10}}, "pose": {"at_mm": [0, -900, 0]}}
+REFUSED: tuple[tuple[str, str, Topic, Edit], ...] = (
+    ("a window along the belt", DEMO, T.WINDOW, lambda r: step(r, 0).update(window_mm=[-300, -290])),
+    ("a window in time", DEMO, T.WINDOW, lambda r: step(r, 1).update(window_s=[0.0, 0.1])),
+    ("a longer dwell", DEMO, T.ARRIVAL, lambda r: step(r, 0).update(dwell_ms=90)),
+    ("another grasp", DEMO, T.SEAT, lambda r: step(r, 0).update(grasp_mm=[0, 0, 11])),
+    ("another place", DEMO, T.SEAT, lambda r: step(r, 1)["to"].update(at_mm=[150.1, 0, 10])),
+    ("another yaw", DEMO, T.POINT, lambda r: step(r, 1)["to"].update(yaw_deg=1)),
+    ("no approach", DEMO, T.LEGS, lambda r: step(r, 1).update(approach={"mm": 0})),
+    ("a lower approach", DEMO, T.POINT, lambda r: step(r, 0).update(approach={"mm": 29})),
+    ("a smaller contact tolerance", DEMO, T.CONTACT, lambda r: step(r, 0).update(contact_tolerance_mm=0.5)),
+    ("a step more", DEMO, T.ARRIVAL, lambda r: r["task"].append({"move": {"to": {"at_mm": [350, 0, 121]}}})),
+    ("a step less", DEMO, T.ARRIVAL, lambda r: r["task"].pop()),
+    ("another start", DEMO, T.START, lambda r: r["start"]["joints"].update(j1_deg=17.3)),
+    ("an earlier end", DEMO, T.END, lambda r: r["options"].update(latest_end_s=0.5)),
+    ("a longer standstill", DEMO, T.PHASE, lambda r: r["options"].update(stay_safe_s=0.4)),
+    ("lower accelerations", DEMO, T.LIMIT, lambda r: r["robot"]["limits"].update(acceleration=0.59)),
+    ("a longer tool", DEMO, T.SEAT, lambda r: r["robot"]["tool"].update(tcp_mm=[0, 0, -101])),
+    ("a body more", DEMO, T.SOLID, lambda r: r["bodies"].append(POST)),
+    ("a body 0.1 mm aside", DEMO, T.SEAT, lambda r: r["bodies"][0]["pose"].update(at_mm=[0.1, 350, 25])),
+    ("a larger distance", DEMO, T.DISTANCE, lambda r: r["options"]["clearance_mm"].update(near=1.6)),
+    ("a heavier part", "heavy-casting", T.LIMIT, heavier),
+    ("a later start", DEMO, T.UNCERTAINTY, lambda r: r["execution"].update(start_tolerance_ms=3)),
+    ("a faster belt", DEMO, T.LAW, lambda r: r["frames"]["belt"]["conveyor"].update(speed_mm_s=250.1)),
+    ("no belt correction", FLOW, T.UNCERTAINTY, lambda r: r["execution"].update(belt_correction=False)),
+    ("a smaller tolerance", FLOW, T.ARRIVAL, lambda r: step(r, 0).update(tolerance_mm=0.01)),
+    ("another support", DEMO, T.CONTACT, lambda r: step(r, 1).update(contact_with=["belt-bed"])),
+)
+
+
+@pytest.mark.parametrize(("name", "topic", "change"), [each[1:] for each in REFUSED], ids=[each[0] for each in REFUSED])
+def test_a_claim_of_another_request_is_refused(name: str, topic: Topic, change: Edit) -> None:
+    assert topic in {each.topic for each in differences(other(name, change))}
+
+
+def with_leg(plan: Plan, which: int, **changes: Any) -> Plan:
+    """A plan with another leg."""
+    legs = list(plan.legs)
+    legs[which] = replace(legs[which], **changes)
+    return replace(plan, legs=tuple(legs))
+
+
+def with_arrival(plan: Plan, which: int, **changes: Any) -> Plan:
+    """A plan with another arrival."""
+    arrivals = list(plan.arrivals)
+    arrivals[which] = replace(arrivals[which], **changes)
+    return replace(plan, arrivals=tuple(arrivals))
+
+
+PLANS: tuple[tuple[str, Topic, Callable[[Plan], Plan]], ...] = (
+    ("a leg of no step", T.LEGS, lambda p: with_leg(p, -1, step=99)),
+    ("a leg of another step", T.LEGS, lambda p: with_leg(p, 0, step=1)),
+    ("a leg of another kind", T.LEGS, lambda p: with_leg(p, 0, kind=LegKind.FOLLOW)),
+    ("a leg that begins later", T.LEGS, lambda p: with_leg(p, 1, t0=p.legs[1].t0 + 1e-3)),
+    ("a leg less", T.LEGS, lambda p: replace(p, legs=p.legs[:-1])),
+    ("no legs", T.LEGS, lambda p: replace(p, legs=())),
+    ("an arrival less", T.ARRIVAL, lambda p: replace(p, arrivals=p.arrivals[:-1])),
+    ("an arrival twice", T.ARRIVAL, lambda p: replace(p, arrivals=(p.arrivals[0], *p.arrivals))),
+    ("an arrival at another time", T.ARRIVAL, lambda p: with_arrival(p, 0, time=p.arrivals[0].time + 1e-3)),
+    ("an arrival that is turned", T.ARRIVAL, lambda p: with_arrival(p, 0, yaw_offset=1.0)),
+    # what is uncertain of a part in the gripper follows from it
+    ("an arrival without an error", T.ARRIVAL, lambda p: with_arrival(p, 0, error=None)),
+)
+
+
+@pytest.mark.parametrize(("topic", "change"), [each[1:] for each in PLANS], ids=[each[0] for each in PLANS])
+def test_a_plan_that_does_not_do_the_task_is_refused(topic: Topic, change: Callable[[Plan], Plan]) -> None:
+    case = case_of(FLOW)
+    assert topic in {each.topic for each in differences(case, plan=sealed(case.scene, change(case.plan)))}
+
+
+def test_the_digests_of_request_and_plan_are_compared() -> None:
+    case = case_of(DEMO)
+    wrong = replace(case.plan, certificate=replace(case.plan.certificate, digest=64 * "0"))
+    assert {each.topic for each in differences(case, plan=wrong)} == {Topic.DIGEST}
+    scene = replace(case.scene, digest="sha256:" + 64 * "0")
+    assert {each.topic for each in differences(replace(case, scene=scene))} == {Topic.DIGEST}
+
+
+NOT_STATED: tuple[tuple[str, Edit], ...] = (
+    ("a higher approach", lambda r: step(r, 0).update(approach={"mm": 35})),
+    ("a larger margin to singular positions", lambda r: r["options"].update(singularity_margin=0.6)),
+    ("the other working mode", lambda r: r["options"].update(elbow="left")),
+    ("a straight way", lambda r: step(r, 2).update(leg="cartesian")),
+)
+"""Other requests that are accepted, because no claim can state yet what they ask. Each is to be refused then."""
+
+
+@pytest.mark.parametrize("change", [each[1] for each in NOT_STATED], ids=[each[0] for each in NOT_STATED])
+def test_what_no_claim_can_state_yet_is_not_compared(change: Edit) -> None:
+    assert differences(other(DEMO, change)) == []
