@@ -38,7 +38,7 @@ def refuse_unblendable(task: tuple[Step, ...], frames: Mapping[str, Frame], *, m
         if step.arch is not None:
             raise InputError(f"{field}.arch", step.arch.top_m, f"no arch {BLENDED}")
         frame = frames[step.target.frame]
-        if step.match == "velocity" and not frame.law.stands:
+        if step.match == "velocity" and not frame.law.is_fixed:
             raise InputError(f"{field}.match", step.match, f"position {BLENDED}, for {frame.name} moves")
         if step.via and i == len(task) - 1:
             raise InputError(f"{field}.via", True, f"false {BLENDED}: the motion ends at rest in the last pose")

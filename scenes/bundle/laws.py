@@ -22,7 +22,7 @@ def law_of(law: Law, begin: float, until: float) -> Document:
     count = int(law.row[c.COUNT])
     pieces, waves = law.side[:count], law.side[count:, : len(SINE)].tolist()
     sines = [dict(zip(SINE, (int(k), *numbers), strict=True)) for k, *numbers in waves]
-    if law.valid == (-math.inf, math.inf) and (law.stands or sines):
+    if law.valid == (-math.inf, math.inf) and (law.is_fixed or sines):
         pose = pieces[0, c.POSE : c.RATE].tolist()
         return {"pose": pose, "rate": [0.0] * 4, "edges": [], "acceleration": [], "waves": sines}
     begin, until = max(begin, law.valid[0]), min(until, law.valid[1])

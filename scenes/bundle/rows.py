@@ -30,7 +30,7 @@ class _Places:
     def __init__(self, scene: Scene, plan: Plan, seats: list[Document]) -> None:
         self.robot, self.path, self.seats, self.bodies = scene.robot, plan.trajectory, seats, bodies_in(scene)
         self.laws = [frame.law for frame in scene.frames.values()]
-        self.stands = [law.stands for law in self.laws]
+        self.stands = [law.is_fixed for law in self.laws]
         self.known: dict[tuple[int, float, tuple[float, ...]], float] = {}
         self.arms: dict[float, tuple[FloatArray, FloatArray]] = {}
 

@@ -40,7 +40,7 @@ def view_of(cell: Cell, given: object) -> document.ViewDocument:
     refusal, census = answer.get("refusal") or {}, answer.get("census", {})
     also = [each["time_s"] for each in _nearest_said(answer)]
     if motion is None:
-        moves = any(not frame.law.stands for frame in scene.frames.values())
+        moves = any(not frame.law.is_fixed for frame in scene.frames.values())
         lasts, met = STANDS_S if moves else STILL_S, _met(scene, refusal)
         q, attached = (scene.start.q, None) if met is None else met
         end = scene.start.time + lasts
