@@ -90,7 +90,7 @@ def _events(
     window = step.window.time
     opens = max(scene.start.time, scene.frames[frame].law.valid[0], -math.inf if window is None else window[0])
     kind = PASSES if step.via else STOPS if step.match == "position" else ALONG
-    if kind == STOPS and not isinstance(step, Move) and not scene.frames[frame].law.stands:
+    if kind == STOPS and not isinstance(step, Move) and not scene.frames[frame].law.is_fixed:
         kind = PASSES  # above the point the tool goes along with it, and stands at the point: nothing holds at both
     lasts = step.dwell_s
     if isinstance(step, Trace):

@@ -19,7 +19,7 @@ NO_PIECES = c.table("laws", [])
 
 def endless(law: Law) -> bool:
     """Whether a law is stated for all times, without pieces."""
-    return law.valid == ALWAYS and (law.stands or law.row[own.WAVES] > 0.0)
+    return law.valid == ALWAYS and (law.is_fixed or law.row[own.WAVES] > 0.0)
 
 
 def law_of(law: Law, begin: float, until: float) -> tuple[list[float], FloatArray, Waves]:

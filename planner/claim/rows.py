@@ -95,7 +95,7 @@ class _Places:
     def standing(self, seated: IntArray) -> list[int]:
         """The seats that are used and stand still."""
         frames = self.seats[:, c.SEAT_FRAME].astype(int).tolist()
-        return [int(k) for k in np.unique(seated) if frames[k] >= 0 and self.laws[frames[k]].stands]
+        return [int(k) for k in np.unique(seated) if frames[k] >= 0 and self.laws[frames[k]].is_fixed]
 
     @staticmethod
     def whole(body: Body) -> int:

@@ -261,7 +261,7 @@ def _start_enclosed(scene: Scene, prover: Prover) -> Refusal | None:
 def _no_path(scene: Scene) -> Refusal | None:
     """Whether the first step goes along a path that cannot be, from where the tool stands at the start."""
     move, start = scene.task[0], scene.start
-    if not isinstance(move, Move) or not move.path or not scene.frames[move.target.frame].law.stands:
+    if not isinstance(move, Move) or not move.path or not scene.frames[move.target.frame].law.is_fixed:
         return None
     made = path_from(move, 0, tool_in(scene, move.target.frame, start.q, start.time))
     return made if isinstance(made, Refusal) else None

@@ -67,10 +67,10 @@ def _air_below(scene: Scene, at: AtStart, step: Place, attached: Attachments) ->
     on something, or it is not known what is there when it is.
 
     Not looked at: places that name what the part rests on, or on frames that move, or beside bodies that move."""
-    if step.contact_with is not None or not scene.frames[step.target.frame].law.stands:
+    if step.contact_with is not None or not scene.frames[step.target.frame].law.is_fixed:
         return None
     others = [body.name for body in scene.bodies if body.name != step.part]
-    if not all(scene.frames[attached.pose_of(scene, name)[0]].law.stands for name in others):
+    if not all(scene.frames[attached.pose_of(scene, name)[0]].law.is_fixed for name in others):
         return None
     here, there = at.pose(step.part), at.pose(step.part, (step.target.frame, step.target.pose))
     if here is None or there is None:
@@ -103,7 +103,7 @@ def _overlaps(scene: Scene, at: AtStart) -> list[InputWarning]:
     if not parts:
         return []
     numbers = at.prover.arrangement(AT_START).number
-    standing = [body for body in scene.bodies if scene.frames[body.frame].law.stands]
+    standing = [body for body in scene.bodies if scene.frames[body.frame].law.is_fixed]
     standing = [body for body in standing if body.name in numbers and (held is None or held.part != body.name)]
     order = {body.name: i for i, body in enumerate(standing)}
     pairs = set[tuple[int, int]]()

@@ -74,10 +74,10 @@ def in_the_way(scene: Scene, prover: Prover, point: ControlPoint, spot: Spot, mo
     t, attached, q = scene.start.time, spot.attached, posture(scene, point, spot, mode)
     if q is None:
         return None
-    fixed = scene.frames[point.frame].law.stands
+    fixed = scene.frames[point.frame].law.is_fixed
     frames = {body.name: attached.pose_of(scene, body.name)[0] for body in scene.bodies}
     among = frozenset(
-        name for name, frame in frames.items() if frame == point.frame or (fixed and scene.frames[frame].law.stands)
+        name for name, frame in frames.items() if frame == point.frame or (fixed and scene.frames[frame].law.is_fixed)
     )
     tracked = None if spot.kind is LegKind.MOVE else point.frame
     phase = Phase(t, t, spot.kind, point.step, attached, tracked=tracked)

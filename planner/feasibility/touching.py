@@ -42,7 +42,7 @@ def always(scene: Scene, step: Step, attached: Attachments) -> bool:
 
 
 def _stand(scene: Scene, *frames: str) -> bool:
-    return all(scene.frames[name].law.stands for name in frames)
+    return all(scene.frames[name].law.is_fixed for name in frames)
 
 
 def _amount(refusal: Refusal) -> float:

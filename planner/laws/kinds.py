@@ -37,7 +37,7 @@ YAW = (0.0, 0.0, 0.0, 1.0)
 
 
 def fixed(pose: Pose, valid: Valid = ALWAYS) -> Law:
-    """A frame that stands at `pose`."""
+    """A frame that is always at `pose`."""
     of = Numbers(**checked("fixed", pose=pose))
     made = tables([_still(of.pose)], turns=False)
     return Law("fixed", of, interval(valid, "fixed.valid"), *made)
@@ -113,7 +113,7 @@ def indexer(
     start: float = 0.0,
     valid: Valid = ALWAYS,
 ) -> Law:
-    """A frame that moves by `step` in `move_s`, stands for `dwell_s`, and so on; at `start` a move begins from `pose`.
+    """A frame that moves by `step` in `move_s`, rests for `dwell_s`, and so on; at `start` a move begins from `pose`.
 
     It goes on for ever, before `start` too. Kind `turn`: in place about its origin, `step` in rad; `travel`: along
     its local x, `step` in m. The law of a move, u from 0 to 1 over `move_s`, is the polynomial of least degree that

@@ -1,7 +1,7 @@
 """A frame of the cell and its law: polynomial pieces of time, sines and a period, made of the numbers of the request.
 
-`assur.planner.kernels.law_columns` names the columns of the tables. The kind of a law is a word for those that read
-the request; whoever computes reads the tables.
+`assur.planner.kernels.law_columns` names the columns of the tables. The kind of a law is a word for modules that read
+requests; every computation reads the tables.
 """
 
 from __future__ import annotations
@@ -84,16 +84,16 @@ class Law:
         object.__setattr__(self, "row", row)
 
     @property
-    def stands(self) -> bool:
-        """Whether the frame is a fixed one."""
+    def is_fixed(self) -> bool:
+        """Whether the frame never moves."""
         return self.kind == "fixed"
 
     @property
     def line(self) -> FloatArray | None:
         """The unit vector (3,) along which the frame travels for ever, in the world; None: it has no such line. A belt
-        has one although it stands."""
-        stands = self.kind == "linear" and self.fastest[0] == 0.0
-        return None if self.way is None or stands else self.row[c.LINE : c.LINE + 3].copy()
+        at rest has one."""
+        rests = self.kind == "linear" and self.fastest[0] == 0.0
+        return None if self.way is None or rests else self.row[c.LINE : c.LINE + 3].copy()
 
     @property
     def yaw(self) -> float | None:
@@ -167,4 +167,4 @@ class Frame:
 
 def all_stand(frames: Iterable[Frame]) -> bool:
     """Whether none of the frames moves."""
-    return all(frame.law.stands for frame in frames)
+    return all(frame.law.is_fixed for frame in frames)

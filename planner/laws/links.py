@@ -15,7 +15,7 @@ from assur.planner.trajectory import Trajectory
 
 @dataclass(frozen=True, eq=False)
 class ArmLink:
-    """Link number `link` of `robot`, which follows `trajectory` and stands still before and after it (equation F6)."""
+    """Link number `link` of `robot`, which follows `trajectory` and is at rest before and after it (equation F6)."""
 
     robot: Robot
     trajectory: Trajectory
@@ -28,8 +28,8 @@ class ArmLink:
         q, qd, qdd, qddd = (path.evaluate(held, derivative) for derivative in range(4))
         # At rest the first three are zero by themselves; the jerk is not, it jumps.
         moving = (path.start <= t) & (t < path.end)
-        found = self.robot.link_motion(self.link, q, qd, qdd, np.where(moving[..., None], qddd, 0.0))
+        moved = self.robot.link_motion(self.link, q, qd, qdd, np.where(moving[..., None], qddd, 0.0))
         if known.all():
-            return found
-        parts = [getattr(found, name) for name in Motion.__slots__]
+            return moved
+        parts = [getattr(moved, name) for name in Motion.__slots__]
         return Motion(*(np.where(known if x.ndim == t.ndim else known[..., None], x, math.nan) for x in parts))

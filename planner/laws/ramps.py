@@ -67,7 +67,7 @@ def ramped(speed: float, changes: Sequence[Change], at_time: float, field: str) 
     Raises `InputError` naming the change that begins before the one before it has ended, or that takes no time.
     """
     free = -math.inf
-    found: list[tuple[float, float, float, float]] = []
+    changing: list[tuple[float, float, float, float]] = []
     first = speed
     for i, change in enumerate(changes):
         if not change.time >= free:
@@ -79,14 +79,14 @@ def ramped(speed: float, changes: Sequence[Change], at_time: float, field: str) 
             raise InputError(f"{field}.changes[{i}].acceleration", change.acceleration, "one that takes 10 µs at least")
         time = change.time
         for duration, acceleration, jerk in phases:
-            found.append((time, speed, acceleration, jerk))
+            changing.append((time, speed, acceleration, jerk))
             speed += acceleration * duration + jerk * duration**2 / 2
             time += duration
         if phases:
-            found.append((time, change.speed, 0.0, 0.0))
+            changing.append((time, change.speed, 0.0, 0.0))
         speed, free = change.speed, time
-    ways, gone = [(found[0][0] if found else at_time, 0.0, first, 0.0, 0.0)], 0.0
-    for time, speed, acceleration, jerk in found:
+    ways, gone = [(changing[0][0] if changing else at_time, 0.0, first, 0.0, 0.0)], 0.0
+    for time, speed, acceleration, jerk in changing:
         begin, _, *rates = ways[-1]
         gone += _gone(time - begin, *rates)
         ways.append((time, gone, speed, acceleration, jerk))

@@ -43,8 +43,8 @@ def tables(
 ) -> tuple[FloatArray, FloatArray]:
     """Row and side table of a law of these pieces, the last of them until `end`, s.
 
-    `turns`: whether the yaw may change. `corners`: of a first piece whose accelerations are no linear functions.
-    `waves`: coordinate, amplitude, rate and phase of each sine. `line` (3,): the only line along which it travels.
+    `turns`: whether the yaw may change. `corners`: of pieces whose accelerations have more than two powers. `waves`:
+    coordinate, amplitude, rate and phase of each sine. `line` (3,): the only line along which the frame travels.
     """
     # plain Python: most laws have one piece
     row, side, most, yaw = [0.0] * c.LAW_COLUMNS, list[list[float]](), 0, pieces[0][1][3]
@@ -55,8 +55,8 @@ def tables(
     if repeat is not None:
         row[c.START : c.WHOLE + 1] = repeat.start, repeat.period, *repeat.step, repeat.whole
     for (begin, pose, rates, powers), until in zip(pieces, ends, strict=True):
-        turning = [-way[0] / way[1] for way in powers if len(way) == 2 and way[1] != 0.0]
-        turning += () if side else corners
+        curved = any(len(way) > 2 for way in powers)
+        turning = corners if curved else [-way[0] / way[1] for way in powers if len(way) == 2 and way[1] != 0.0]
         side.append([begin, until, *pose, *rates, *turning, *[math.inf] * (c.CORNERS - len(turning))])
         for way in powers or ((),) * 4:
             side[-1] += [*way, *[0.0] * (c.MOST_POWERS - len(way))]

@@ -58,15 +58,15 @@ def interval(valid: tuple[float, float], field: str) -> tuple[float, float]:
 
 def checked(kind: str, **given: Any) -> dict[str, Any]:
     """The numbers of a law of this kind, by name. Raises `InputError` naming the one that is not allowed."""
-    found = dict[str, Any]()
+    known = dict[str, Any]()
     for name, value in given.items():
         field = f"{kind}.{name}"
         if name == "pose":
-            found[name] = placed(value, field)
+            known[name] = placed(value, field)
         elif name in ("velocity", "direction"):
             if len(value) != 3:
                 raise InputError(field, value, "three numbers")
-            found[name] = tuple(number(part, f"{field}[{i}]") for i, part in enumerate(value))
+            known[name] = tuple(number(part, f"{field}[{i}]") for i, part in enumerate(value))
         else:
-            found[name] = number(value, field, *RANGES.get(name, ()))
-    return found
+            known[name] = number(value, field, *RANGES.get(name, ()))
+    return known

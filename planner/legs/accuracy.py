@@ -127,7 +127,7 @@ def _add_late(scene: Scene, name: str, local: Pose, until: float, terms: _Terms)
     """How far the point goes on while the robot is late, or the frame's whole motion is shifted in time."""
     frame = scene.frames[name]
     early, late = -frame.uncertainty.shift_s[1], scene.execution.start_tolerance_s - frame.uncertainty.shift_s[0]
-    if frame.law.stands or not late > early:
+    if frame.law.is_fixed or not late > early:
         return
     times = np.unique(np.append(np.linspace(early, late, LATE_STEPS + 1), 0.0))
     way = frame.law.motion(until + times).at(local)

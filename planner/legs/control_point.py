@@ -92,7 +92,7 @@ class ControlPoint:
     @property
     def still(self) -> bool:
         """Whether the control point never moves."""
-        return self.scene.frames[self.frame].law.stands
+        return self.scene.frames[self.frame].law.is_fixed
 
     def flange(self, t: FloatArray, above: float = 0.0) -> Motion:
         """Motion of the flange (world) that tracks the point, `above` metres over it, at times t (...)."""

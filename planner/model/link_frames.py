@@ -18,7 +18,7 @@ from assur.planner.trajectory.spline import spline_table
 
 
 def link_law(robot: Robot, trajectory: Trajectory, link: int, valid: tuple[float, float] = ALWAYS) -> Law:
-    """The frame of link number `link` of `robot`, which follows `trajectory` and stands still before and after it.
+    """The frame of link number `link` of `robot`, which follows `trajectory` and is at rest before and after it.
 
     At the first knot the motion counts, at the last one the standing (equation F6).
 

@@ -103,7 +103,7 @@ def check_timing(options: Options, task: tuple[Step, ...], frames: Mapping[str, 
         if step.arch is not None:
             raise InputError(f"{field}.arch", step.arch.top_m, f"no arch {blended}")
         frame = frames[step.target.frame]
-        if step.match == "velocity" and not frame.law.stands:
+        if step.match == "velocity" and not frame.law.is_fixed:
             raise InputError(f"{field}.match", step.match, f"position {blended}, for {frame.name} moves")
         if step.via and i == len(task) - 1:
             raise InputError(f"{field}.via", True, f"false {blended}: the motion ends at rest in the last pose")

@@ -183,7 +183,7 @@ class Scene:
         lasts = sum(step.dwell_s for step in self.task) + self.options.stay_safe_s
         for frame, pose, each in seats:
             law = self.frames[frame].law
-            reach = math.hypot(pose.x, pose.y, pose.z) + (0.0 if law.stands else each.body.radius)
+            reach = math.hypot(pose.x, pose.y, pose.z) + (0.0 if law.is_fixed else each.body.radius)
             check_rounding(f"frames.{frame}", law, reach, self.start.time, lasts)
 
     @cached_property
@@ -295,7 +295,7 @@ class Scene:
         if target is not None:
             self._check_tilt(field, target)
         straight = step.leg == "cartesian" and step.match == "position"
-        if straight and target is not None and not self.frames[target.frame].law.stands:
+        if straight and target is not None and not self.frames[target.frame].law.is_fixed:
             allowed = "velocity: a straight leg meets a moving frame with its velocity"
             raise InputError(f"{field}.match", "position", allowed)
         if isinstance(step, Pick | Place):
@@ -304,7 +304,7 @@ class Scene:
             for name in step.contact_with or ():
                 if name not in self.index:
                     raise InputError(f"{field}.contact_with", name, f"one of {sorted(self.index)}")
-            if step.match == "position" and not self.frames[self._frame_of(step)].law.stands:
+            if step.match == "position" and not self.frames[self._frame_of(step)].law.is_fixed:
                 allowed = "velocity: a part is picked from, and placed on, a moving frame with its velocity"
                 raise InputError(f"{field}.match", step.match, allowed)
             if isinstance(step, Pick) and math.isfinite(step.grip_within_m) and not self.tool.bodies:

@@ -160,7 +160,7 @@ NOWHERE = (np.nan, np.nan, np.nan, np.nan)
 
 def _place(law: Law) -> tuple[float, float, float, float]:
     """Where a frame stands that stands still and is known for ever."""
-    return _numbers(law.numbers.pose) if law.stands and law.valid == (-np.inf, np.inf) else NOWHERE
+    return _numbers(law.numbers.pose) if law.is_fixed and law.valid == (-np.inf, np.inf) else NOWHERE
 
 
 def _numbers(pose: Pose) -> tuple[float, float, float, float]:

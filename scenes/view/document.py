@@ -115,7 +115,7 @@ def _motion_in(answer: dict[str, Any]) -> dict[str, Any] | None:
 
 def _at_rest(scene: Scene, refusal: dict[str, Any]) -> tuple[Trajectory, tuple[Phase, ...]]:
     """The arm at rest, for a refusal without a motion: at the start, or where the bodies overlap that it names."""
-    moves = any(not frame.law.stands for frame in scene.frames.values())
+    moves = any(not frame.law.is_fixed for frame in scene.frames.values())
     start, end = scene.start.time, scene.start.time + (MOVING_S if moves else STILL_S)
     overlap = _overlap(scene, refusal)
     q, of_plan = scene.start.q, tuple[Phase, ...]()

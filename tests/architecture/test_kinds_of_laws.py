@@ -1,4 +1,4 @@
-"""A kind of law is named where requests are read and where laws are made; whoever computes reads the tables."""
+"""A kind of law is named where requests are read and where laws are made; every computation reads the tables."""
 
 from __future__ import annotations
 
@@ -40,4 +40,4 @@ def test_kinds_of_laws_are_named_in_five_folders() -> None:
 def test_a_module_that_names_a_kind_is_noticed() -> None:
     for text in ('law.kind == "conveyor"', "swing(pose, 1.0, 2.0)", "laws.Turntable", "def indexer(): ..."):
         assert names_a_kind(ast.parse(text))
-    assert not names_a_kind(ast.parse("law.stands or law.way is None"))
+    assert not names_a_kind(ast.parse("law.is_fixed or law.way is None"))

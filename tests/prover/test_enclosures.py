@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -71,12 +72,13 @@ def test_links_are_where_the_planner_has_them(name: str) -> None:
                         assert all(holds(carrier.columns[j][i][0], x) for x in turn[:, number, i, j])
 
 
-@given(cases(), st.floats(0, 1), st.floats(0, 1))
+@given(cases(), st.floats(0, 1), st.floats(0, 1), st.booleans())
 @settings(max_examples=150, deadline=None)
-def test_frames_are_where_their_laws_have_them(case: Case, one: float, other: float) -> None:
+def test_frames_are_where_their_laws_have_them(case: Case, one: float, other: float, ends: bool) -> None:
     low, high = case.window
     begin, until = (low + 0.01, high - 0.01) if math.isfinite(case.law.valid[0]) else (low, high)
-    frame = law_document(case.law, begin, until)
+    known = replace(case.law, valid=(max(-99.0, case.law.valid[0]), high)) if ends else case.law
+    frame = law_document(known, begin, until)
     t0, t1 = sorted(begin + share * (until - begin) for share in (one, other))
     t = np.linspace(t0, t1, 30)
     motion = case.law.motion(t)

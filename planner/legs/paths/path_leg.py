@@ -146,7 +146,7 @@ def _way(
         return unmoved(Stage.STRAIGHT, point.step, Obstacle.OTHER_MODE)
     if tracked is None and not state.resting:
         return unmoved(Stage.STRAIGHT, point.step, Obstacle.STRAIGHT_FROM_MOTION)
-    still = scene.frames[point.frame].law.stands
+    still = scene.frames[point.frame].law.is_fixed
     if not (still if tracked is None else tracked.frame == point.frame):
         return unmoved(Stage.STRAIGHT, point.step, Obstacle.OTHER_FRAME)
     begin = tool_in(scene, point.frame, state.q, state.time)

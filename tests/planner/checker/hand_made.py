@@ -340,7 +340,7 @@ class PlainProver:
 
     def _put_down(self, phase: Phase, a: Side, b: Side) -> bool:
         """Whether one was put down and the other passes by."""
-        still = [self.scene.frames[side.frame].law.stands for side in (a, b) if not side.mine]
+        still = [self.scene.frames[side.frame].law.is_fixed for side in (a, b) if not side.mine]
         handled = any(phase.handled.of(side.name) is not None for side in (a, b))
         resting = tuple(sorted((a.name, b.name))) in phase.handled.supports
         return not (a.mine or b.mine or all(still) or a.frame == b.frame or resting) and handled
@@ -349,7 +349,7 @@ class PlainProver:
         """How late the start may be, s, where that parts two sides: one is the robot's, and the other moves."""
         if a.mine == b.mine:
             return 0.0
-        moves = not self.scene.frames[(b if a.mine else a).frame].law.stands
+        moves = not self.scene.frames[(b if a.mine else a).frame].law.is_fixed
         return self.scene.execution.start_tolerance_s if moves else 0.0
 
     def _pair(self, phase: Phase, a: Side, k: int, b: Side, m: int, t0: float, t1: float) -> None:
