@@ -81,20 +81,15 @@ def planned(request: Document) -> Case | None:
 
 
 @cache
-def case_or_none(name: str) -> Case | None:
-    """The case of a shipped scenario or of a variant; None: it has no plan."""
+def case_of(name: str) -> Case:
+    """The case of a shipped scenario or of a variant, which has a plan."""
     base, change = VARIANTS.get(name, (name, lambda _: None))
     request = assur.load(base)
     options = request.setdefault("options", {})
     options.pop("budget_ms", None)
     options |= {"max_candidates": CANDIDATES, "budget_s": 60.0, "stop": "first"}
     change(request)
-    return planned(request)
-
-
-def case_of(name: str) -> Case:
-    """The case of a shipped scenario or of a variant that has a plan."""
-    found = case_or_none(name)
+    found = planned(request)
     assert found is not None, name
     return found
 

@@ -9,18 +9,32 @@ import pytest
 from assur.planner.errors import InputError
 from assur.scenes.scenarios import shipped_scenarios
 from benchmarks.soak.random_cells import KINDS, random_cell
-from tests.planner.checker.statement.cases import VARIANTS, case_of, case_or_none, differences, planned
+from tests.planner.checker.statement.cases import VARIANTS, case_of, differences, planned
 from tests.prover.test_meshes import CASES as MESHES
 
-PLANNED = 30
-"""Shipped scenarios that have a plan."""
+NOT_PLANNED = frozenset(
+    (
+        "bead-beyond-reach",
+        "behind-the-base-keep",
+        "behind-the-base-straight",
+        "carton-high-rim",
+        "dense-flow-uncertain",
+        "dense-flow-uncorrected",
+        "fast-belt-long-follow",
+        "five-bar-type-2",
+        "heavy-casting-refused",
+        "inside-a-mesh",
+        "long-bar",
+        "shut-gate",
+        "two-robots-parked",
+    )
+)
+"""Shipped scenarios that are refused."""
 
 
-def test_the_claims_of_all_shipped_scenarios_are_accepted() -> None:
-    cases = {name: case_or_none(name) for name in shipped_scenarios()}
-    made = {name: case for name, case in cases.items() if case is not None}
-    assert len(made) == PLANNED
-    assert {name: differences(case) for name, case in made.items()} == {name: [] for name in made}
+@pytest.mark.parametrize("name", sorted(set(shipped_scenarios()) - NOT_PLANNED))
+def test_the_claim_of_a_shipped_scenario_is_accepted(name: str) -> None:
+    assert differences(case_of(name)) == []
 
 
 @pytest.mark.parametrize("name", VARIANTS)
@@ -63,4 +77,4 @@ def test_the_claims_of_random_cells_are_accepted() -> None:
 
 @pytest.mark.slow
 def test_the_claims_of_many_random_cells_are_accepted() -> None:
-    assert len(accepted(150, 8)) == len(KINDS)
+    assert len(accepted(90, 8)) == len(KINDS)

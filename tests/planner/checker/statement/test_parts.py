@@ -66,6 +66,26 @@ def test_the_formula_of_a_law_is_its_motion(law: Law) -> None:
         assert np.abs(np.array(laws.place_at(law, time)) - places[np.searchsorted(times, time)]).max() < 1e-12
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_the_formula_of_a_random_law_is_its_motion(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    begin, changes = 0.0, list[Change]()
+    for speed, a, j in rng.uniform((-0.5, 0.5, 1.0), (0.5, 5.0, 90.0), (4, 3)).tolist():
+        changes.append(Change(begin, speed, a, j if rng.random() < 0.7 else math.inf))
+        begin += 1.0 / a + 2.0 * math.sqrt(1.0 / j) + a / j + rng.random()
+    times = np.cumsum(rng.uniform(0.05, 0.7, 6))
+    poses = [Pose(*each) for each in rng.uniform(-1.0, 1.0, (5, 4)).tolist()]
+    closed = (*poses, Pose(poses[0].x, poses[0].y, poses[0].z, poses[0].yaw + math.tau * int(rng.integers(-1, 2))))
+    random: list[Law] = [Conveyor(AT, 0.2, tuple(changes), at_time=float(rng.uniform(-2.0, 5.0)))]
+    random += [Keyframes(times, closed, ends) for ends in ("natural", "clamped", "periodic")]
+    for law in random:
+        first, last = max(laws.known(law)[0], -3.0), min(laws.known(law)[1], 9.0)
+        at = np.linspace(first, last, 101)
+        motion = law.motion(at)
+        off = laws.formula_of(law, first, last).place(at) - np.column_stack([motion.p, motion.yaw])
+        assert np.abs(off).max() < 1e-11
+
+
 @pytest.mark.parametrize("law", LAWS, ids=[f"{type(law).__name__} {k}" for k, law in enumerate(LAWS)])
 def test_a_formula_names_its_degree_and_where_its_pieces_end(law: Law) -> None:
     """A polynomial of its degree through some instants of a piece is the formula at others."""
