@@ -39,7 +39,7 @@ def points_of(scene: Scene, plan: Plan) -> Rows:
         frame, flange = attached.flange(scene, step, arrival.yaw_offset)
         at = flange.then(tcp)
         target = (frames.index(frame), link, *tool, at.x, at.y, at.z, at.yaw)
-        # with parabolic blends a via is missed
+        # a via that may be missed has an error of its own
         for t in () if step.via and scene.options.vias_missed else dict.fromkeys((arrival.time, arrival.until)):
             fast = t == arrival.time and (arrival.matched or _matches(step))
             rates = (MEET_M_S, turning) if fast else (FREE, FREE)

@@ -13,7 +13,7 @@ claim states what is asked. The form of the claim must be right: the claim check
 
 What no claim can state yet is not compared: where the tool is on a path, a trace or a straight way, heights of arches,
 how high an approach reaches at least, yaws that are kept, rest at a control point, working modes and the margin to
-singular positions, inertia, by how much blends miss their points, and whether a pitch or roll is beyond a right angle
+singular positions, inertia, by how much vias are missed, and whether a pitch or roll is beyond a right angle
 (a claim states sines). The errors of arrivals, from which the uncertainty of a part in the gripper follows, are taken
 from the plan.
 """

@@ -16,7 +16,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.differences import SAME, Difference, Interval, Topic, is_same
 from assur.planner.claim import columns as c
-from assur.planner.frames.law import Frame, Uncertainty
+from assur.planner.laws.law import Frame, Uncertainty
 
 EXACT = Uncertainty()
 """Of a frame of which nothing is uncertain."""

@@ -17,8 +17,8 @@ from assur.planner.checker.statement import arms, laws
 from assur.planner.checker.statement.differences import SAME, Four
 from assur.planner.checker.statement.poses import inverse, numbers, then
 from assur.planner.errors import FaultError
-from assur.planner.frames.law import EXACT, PoseUncertainty, Uncertainty
 from assur.planner.geometry.shapes import Body, Hull
+from assur.planner.laws.law import EXACT, PoseUncertainty, Uncertainty
 from assur.planner.model.outcome import TRACKING, LegKind, Plan
 from assur.planner.model.scene import Pick, Place, Scene
 

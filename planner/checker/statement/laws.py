@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -18,6 +17,8 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement.differences import Four, Interval
 from assur.planner.checker.statement.poses import numbers
 from assur.planner.errors import FaultError
+from assur.planner.laws.law import Law, Numbers
+from assur.planner.laws.ramps import Change
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 
@@ -38,42 +39,37 @@ class Formula:
     sines: Sequence[Sine] = ()
 
 
-def kind_of(law: object) -> str:
-    """The kind of a law: fixed, linear, conveyor, turntable, indexer, swing, oscillation, keyframes, trajectorylaw."""
-    return type(law).__name__.lower()
-
-
-def link_of(law: Any) -> tuple[Robot, Trajectory, int] | None:
+def link_of(law: Law) -> tuple[Robot, Trajectory, int] | None:
     """The arm, its motion and the number of its link (in the arm's own order) that the frame is; None: it is none."""
-    return (law.robot, law.trajectory, law.link) if kind_of(law) == "trajectorylaw" else None
+    return None if law.link is None else (law.link.robot, law.link.trajectory, law.link.link)
 
 
-def formula_of(law: Any, begin: float, end: float) -> Formula:
+def formula_of(law: Law, begin: float, end: float) -> Formula:
     """The law over [begin, end]. Raises `FaultError` for a kind that this module does not know."""
-    kind = kind_of(law)
+    kind, of = law.kind, law.numbers
     if kind == "keyframes":
-        return _keyframes(law, begin, end)
-    pose = np.array(numbers(law.pose))
+        return _keyframes(of, begin, end)
+    pose = np.array(numbers(of.pose))
     ahead = np.array([math.cos(pose[3]), math.sin(pose[3]), 0.0, 0.0])
     turn, climb = np.array([0.0, 0.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0, 0.0])
     if kind in ("fixed", "swing", "oscillation"):
         return Formula(0, (), lambda t: np.tile(pose, (len(t), 1)), _sines(law))
     if kind == "linear":
-        velocity = np.array([*law.velocity, 0.0])
-        return Formula(1, (), lambda t: pose + np.outer(t - law.at_time, velocity))
+        velocity = np.array([*of.velocity, 0.0])
+        return Formula(1, (), lambda t: pose + np.outer(t - of.at_time, velocity))
     if kind == "conveyor":
-        ends, travel = _travel(law.speed, law.changes, law.at_time)
+        ends, travel = _travel(of.speed, of.changes, of.at_time)
         return Formula(3, ends, lambda t: pose + np.outer(travel(t), ahead))
     if kind == "turntable":
-        ends, angle = _travel(law.rate, law.changes, law.at_time)
-        rise = law.rise * climb
-        return Formula(3, ends, lambda t: pose + np.outer(angle(t), turn) + np.outer(t - law.at_time, rise))
+        ends, angle = _travel(of.rate, of.changes, of.at_time)
+        rise = of.rise * climb
+        return Formula(3, ends, lambda t: pose + np.outer(angle(t), turn) + np.outer(t - of.at_time, rise))
     if kind == "indexer":
-        return _indexer(law, pose, turn if law.kind == "turn" else ahead, begin, end)
+        return _indexer(of, pose, turn if of.turns else ahead, begin, end)
     raise FaultError(f"no formula for the motion {kind}")
 
 
-def place_at(law: Any, time: float) -> Four:
+def place_at(law: Law, time: float) -> Four:
     """Where a frame that is no link of an arm is at a time."""
     formula = formula_of(law, time, time)
     place = formula.place(np.array([time]))[0].tolist()
@@ -82,49 +78,49 @@ def place_at(law: Any, time: float) -> Four:
     return (place[0], place[1], place[2], place[3])
 
 
-def known(law: Any) -> Interval:
+def known(law: Law) -> Interval:
     """The first and the last time at which a law is known."""
     first, last = law.valid
-    if kind_of(law) == "keyframes" and law.ends != "periodic":
-        return max(first, float(law.times[0])), min(last, float(law.times[-1]))
+    if law.kind == "keyframes" and law.numbers.ends != "periodic":
+        return max(first, float(law.numbers.times[0])), min(last, float(law.numbers.times[-1]))
     return first, last
 
 
-def line_of(law: Any) -> tuple[float, ...] | None:
+def line_of(law: Law) -> tuple[float, ...] | None:
     """The direction (unit vector) in which a frame travels; None: it travels along no line. A conveyor that stands has
     one, too: its errors are along it."""
-    if kind_of(law) == "conveyor":
-        return (math.cos(law.pose.yaw), math.sin(law.pose.yaw), 0.0)
-    if kind_of(law) == "linear" and any(law.velocity):
-        length = math.hypot(*law.velocity)
-        return tuple(float(rate) / length for rate in law.velocity)
+    if law.kind == "conveyor":
+        return (math.cos(law.numbers.pose.yaw), math.sin(law.numbers.pose.yaw), 0.0)
+    if law.kind == "linear" and any(law.numbers.velocity):
+        length = math.hypot(*law.numbers.velocity)
+        return tuple(float(rate) / length for rate in law.numbers.velocity)
     return None
 
 
-def measured_along(law: Any) -> tuple[tuple[float, ...], Four] | None:
+def measured_along(law: Law) -> tuple[tuple[float, ...], Four] | None:
     """The direction along which windows in metres are measured, and the pose from which; None: there is none."""
-    if kind_of(law) not in ("conveyor", "linear"):
+    if law.kind not in ("conveyor", "linear"):
         return None
-    return line_of(law) or (1.0, 0.0, 0.0), numbers(law.pose)
+    return line_of(law) or (1.0, 0.0, 0.0), numbers(law.numbers.pose)
 
 
-def encoder_counts(law: Any) -> bool:
+def encoder_counts(law: Law) -> bool:
     """Whether an encoder counts the travel of the frame: not of a conveyor that always stands."""
-    return kind_of(law) != "conveyor" or any((law.speed, *(change.speed for change in law.changes)))
+    return law.kind != "conveyor" or any((law.numbers.speed, *(change.speed for change in law.numbers.changes)))
 
 
-def _sines(law: Any) -> list[Sine]:
+def _sines(law: Law) -> list[Sine]:
     """The sines of a swing (F4) and of an oscillation (F8)."""
-    if kind_of(law) == "swing":
-        return [(3, law.amplitude, math.tau / law.period, law.phase)]
-    if kind_of(law) == "oscillation":
-        length = math.hypot(*law.direction)
-        parts = [(k, law.amplitude * u / length) for k, u in enumerate(law.direction) if u != 0.0]
-        return [(k, amplitude, math.tau / law.period, law.phase) for k, amplitude in parts]
+    if law.kind == "swing":
+        return [(3, law.numbers.amplitude, math.tau / law.numbers.period, law.numbers.phase)]
+    if law.kind == "oscillation":
+        length = math.hypot(*law.numbers.direction)
+        parts = [(k, law.numbers.amplitude * u / length) for k, u in enumerate(law.numbers.direction) if u != 0.0]
+        return [(k, amplitude, math.tau / law.numbers.period, law.numbers.phase) for k, amplitude in parts]
     return []
 
 
-def _travel(speed: float, changes: Iterable[Any], zero: float) -> tuple[list[float], Place]:
+def _travel(speed: float, changes: Iterable[Change], zero: float) -> tuple[list[float], Place]:
     """The times at which the acceleration of something jumps that has a speed and changes it by S-curves (F7), and how
     far it has come since the time `zero`."""
     rows: list[tuple[float, float, float, float, float]] = []  # begin, way, speed, acceleration, jerk
@@ -160,33 +156,33 @@ def _travel(speed: float, changes: Iterable[Any], zero: float) -> tuple[list[flo
     return [row[0] for row in rows], lambda t: distance(t) - start
 
 
-def _indexer(law: Any, pose: FloatArray, along: FloatArray, begin: float, end: float) -> Formula:
+def _indexer(of: Numbers, pose: FloatArray, along: FloatArray, begin: float, end: float) -> Formula:
     """Steps by the polynomial without velocity, acceleration and jerk at both ends (F3), and dwells between them."""
-    period = law.move_s + law.dwell_s
-    numbers_of_steps = range(math.floor((begin - law.start) / period), math.ceil((end - law.start) / period) + 1)
-    ends = (law.start + k * period + more for k in numbers_of_steps for more in (0.0, law.move_s))
+    period = of.move_s + of.dwell_s
+    numbers_of_steps = range(math.floor((begin - of.start) / period), math.ceil((end - of.start) / period) + 1)
+    ends = (of.start + k * period + more for k in numbers_of_steps for more in (0.0, of.move_s))
 
     def place(t: FloatArray) -> FloatArray:
-        whole = np.floor((t - law.start) / period)
-        u = np.minimum((t - law.start - whole * period) / law.move_s, 1.0)
+        whole = np.floor((t - of.start) / period)
+        u = np.minimum((t - of.start - whole * period) / of.move_s, 1.0)
         step = u**4 * (35.0 + u * (-84.0 + u * (70.0 - 20.0 * u)))
-        return np.asarray(pose + np.outer(law.step * (whole + step), along))
+        return np.asarray(pose + np.outer(of.step * (whole + step), along))
 
     return Formula(7, ends, place)
 
 
-def _keyframes(law: Any, begin: float, end: float) -> Formula:
+def _keyframes(of: Numbers, begin: float, end: float) -> Formula:
     """The cubic spline through poses (F5, F9), by its moments: the second derivatives at the poses."""
-    times, values = np.array(law.times, dtype=float), np.array([numbers(pose) for pose in law.poses])
-    h, n, repeats = np.diff(times), len(times), law.ends == "periodic"
+    times, values = np.array(of.times, dtype=float), np.array([numbers(pose) for pose in of.poses])
+    h, n, repeats = np.diff(times), len(times), of.ends == "periodic"
     slopes = np.diff(values, axis=0) / h[:, None]
     a, b = np.zeros((n, n)), np.zeros((n, 4))
     for i in range(1, n - 1):
         a[i, i - 1 : i + 2] = h[i - 1], 2.0 * (h[i - 1] + h[i]), h[i]
         b[i] = 6.0 * (slopes[i] - slopes[i - 1])
-    if law.ends == "natural":
+    if of.ends == "natural":
         a[0, 0] = a[-1, -1] = 1.0
-    elif law.ends == "clamped":
+    elif of.ends == "clamped":
         a[0, :2], b[0] = (2.0 * h[0], h[0]), 6.0 * slopes[0]
         a[-1, -2:], b[-1] = (h[-1], 2.0 * h[-1]), -6.0 * slopes[-1]
     else:  # the last moment is the first one, and the rates at both ends are the same

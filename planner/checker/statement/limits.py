@@ -51,8 +51,9 @@ def limits_agree(handling: Handling, stages: list[Stage], claim: c.Claim) -> Ite
 
 def _is_limited(handling: Handling, claim: c.Claim, share: float, when: Interval) -> bool:
     """Whether a row of the claim has limits that are no wider, for as long, with this share of the accelerations and
-    jerks. Without a limit of the jerk only where the request asks for parabolic blends."""
-    own, n, blended = handling.scene.robot.limits, len(handling.scene.robot.joints), handling.scene.options.blended
+    jerks. Without a limit of the jerk only where the timing that is requested has none."""
+    scene, n = handling.scene, len(handling.scene.robot.joints)
+    own, unlimited = scene.robot.limits, not scene.options.jerk_limited
     required = np.array([-own.lower, own.upper, own.velocity, share * own.acceleration, share * own.jerk])
     for row in claim.limits:
         if row[c.LIMIT_T0] <= when[0] and when[1] <= row[c.LIMIT_T1]:
@@ -60,7 +61,7 @@ def _is_limited(handling: Handling, claim: c.Claim, share: float, when: Interval
             kept = stated <= required + ROUNDING * np.abs(required)
             jerk = row[c.LIMIT_JERKS] == 1.0
             counts = slice(None) if jerk else slice(4)
-            if (jerk or blended) and kept[counts].all() and (row[c.LIMIT_SHARE : c.LIMIT_LOWER] <= SHARES).all():
+            if (jerk or unlimited) and kept[counts].all() and (row[c.LIMIT_SHARE : c.LIMIT_LOWER] <= SHARES).all():
                 return True
     return False
 

@@ -49,8 +49,8 @@ def points_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
     """Differences of the points."""
     scene, stated = handling.scene, claim.points.tolist()
     for number, step in enumerate(scene.task):
-        # the claim states nothing of the tool on a path, and at points that are blended past
-        if isinstance(step, Trace) or (scene.options.blended and step.via):
+        # the claim states nothing of the tool on a path, and at vias that may be missed
+        if isinstance(step, Trace) or (scene.options.vias_missed and step.via):
             continue
         for point in _points_of(handling, number):
             if not any(_is_point(row, point, handling.tcp, flange_row(scene.robot)) for row in stated):
@@ -125,7 +125,7 @@ def tilts_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
     if "pitch" not in handling.scene.robot.coordinates:
         return
     for number, step in enumerate(handling.scene.task):
-        if isinstance(step, Trace) or (handling.scene.options.blended and step.via):
+        if isinstance(step, Trace) or (handling.scene.options.vias_missed and step.via):
             continue
         arrival = handling.arrivals[number]
         pitch, roll = arrival.pitch or 0.0, arrival.roll or 0.0

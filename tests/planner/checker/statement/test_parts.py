@@ -14,18 +14,18 @@ import pytest
 from assur.planner import kernel_cache
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import arms, laws, solids
-from assur.planner.frames import (
+from assur.planner.laws import (
     Change,
-    Conveyor,
-    Fixed,
-    Indexer,
-    Keyframes,
     Law,
-    Linear,
-    Oscillation,
     Pose,
-    Swing,
-    Turntable,
+    conveyor,
+    fixed,
+    indexer,
+    keyframes,
+    linear,
+    oscillation,
+    swing,
+    turntable,
 )
 from tests.architecture.source_tree import ROOT, Source, imports
 from tests.scenes.robots_of_every_family import ROBOTS, built
@@ -35,23 +35,23 @@ CHANGES = (Change(0.5, 0.1, 2.0, 30.0), Change(1.2, 0.4, 0.5, math.inf), Change(
 POSES = (Pose(0.0, 0.1, 0.2, 0.0), Pose(0.3, 0.0, 0.1, 1.0), Pose(0.2, -0.1, 0.0, -0.5), Pose(0.0, 0.1, 0.2, math.tau))
 TIMES = (-1.0, 0.3, 1.1, 2.0)
 LAWS: tuple[Law, ...] = (
-    Fixed(AT),
-    Linear(AT, (0.1, -0.2, 0.05), 0.4),
-    Conveyor(AT, 0.25, at_time=0.3),
-    Conveyor(AT, 0.25, CHANGES, at_time=0.7),
-    Conveyor(AT, 0.25, tuple(Change(0.1 * k, 0.25, 1.0, 1.0) for k in range(20))),
-    Turntable(AT, 0.5, 0.02, CHANGES, at_time=-0.2),
-    Indexer(AT, 0.4, 0.3, 0.2, "turn", 0.1),
-    Indexer(AT, 0.4, 0.3, 0.0, "travel", 0.1),
-    Keyframes(TIMES, POSES, "natural"),
-    Keyframes(TIMES, POSES, "clamped"),
-    Keyframes(TIMES, POSES, "periodic"),
-    Swing(AT, 0.3, 1.5, 0.2),
-    Oscillation(AT, (0.0, 3.0, 4.0), 0.1, 1.5, 0.2),
+    fixed(AT),
+    linear(AT, (0.1, -0.2, 0.05), 0.4),
+    conveyor(AT, 0.25, at_time=0.3),
+    conveyor(AT, 0.25, CHANGES, at_time=0.7),
+    conveyor(AT, 0.25, tuple(Change(0.1 * k, 0.25, 1.0, 1.0) for k in range(20))),
+    turntable(AT, 0.5, 0.02, CHANGES, at_time=-0.2),
+    indexer(AT, 0.4, 0.3, 0.2, "turn", 0.1),
+    indexer(AT, 0.4, 0.3, 0.0, "travel", 0.1),
+    keyframes(TIMES, POSES, "natural"),
+    keyframes(TIMES, POSES, "clamped"),
+    keyframes(TIMES, POSES, "periodic"),
+    swing(AT, 0.3, 1.5, 0.2),
+    oscillation(AT, (0.0, 3.0, 4.0), 0.1, 1.5, 0.2),
 )
 
 
-@pytest.mark.parametrize("law", LAWS, ids=[f"{type(law).__name__} {k}" for k, law in enumerate(LAWS)])
+@pytest.mark.parametrize("law", LAWS, ids=[f"{law.kind} {k}" for k, law in enumerate(LAWS)])
 def test_the_formula_of_a_law_is_its_motion(law: Law) -> None:
     first, last = max(laws.known(law)[0], -4.0), min(laws.known(law)[1], 6.0)
     times = np.linspace(first, last, 301)
@@ -76,8 +76,8 @@ def test_the_formula_of_a_random_law_is_its_motion(seed: int) -> None:
     times = np.cumsum(rng.uniform(0.05, 0.7, 6))
     poses = [Pose(*each) for each in rng.uniform(-1.0, 1.0, (5, 4)).tolist()]
     closed = (*poses, Pose(poses[0].x, poses[0].y, poses[0].z, poses[0].yaw + math.tau * int(rng.integers(-1, 2))))
-    random: list[Law] = [Conveyor(AT, 0.2, tuple(changes), at_time=float(rng.uniform(-2.0, 5.0)))]
-    random += [Keyframes(times, closed, ends) for ends in ("natural", "clamped", "periodic")]
+    random: list[Law] = [conveyor(AT, 0.2, tuple(changes), at_time=float(rng.uniform(-2.0, 5.0)))]
+    random += [keyframes(times, closed, ends) for ends in ("natural", "clamped", "periodic")]
     for law in random:
         first, last = max(laws.known(law)[0], -3.0), min(laws.known(law)[1], 9.0)
         at = np.linspace(first, last, 101)
@@ -86,7 +86,7 @@ def test_the_formula_of_a_random_law_is_its_motion(seed: int) -> None:
         assert np.abs(off).max() < 1e-11
 
 
-@pytest.mark.parametrize("law", LAWS, ids=[f"{type(law).__name__} {k}" for k, law in enumerate(LAWS)])
+@pytest.mark.parametrize("law", LAWS, ids=[f"{law.kind} {k}" for k, law in enumerate(LAWS)])
 def test_a_formula_names_its_degree_and_where_its_pieces_end(law: Law) -> None:
     """A polynomial of its degree through some instants of a piece is the formula at others."""
     first, last = max(laws.known(law)[0], -2.0), min(laws.known(law)[1], 4.0)

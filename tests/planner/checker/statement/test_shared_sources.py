@@ -14,12 +14,12 @@ from unittest.mock import patch
 
 import numpy as np
 import pytest
+import scipy.interpolate
 
 from assur.planner.claim import filling, obligations
-from assur.planner.claim import laws as written_laws
-from assur.planner.frames import keyframes, ramps
-from assur.planner.frames.law import EXACT
 from assur.planner.geometry import shapes
+from assur.planner.laws import kinds, ramps
+from assur.planner.laws.law import EXACT
 from assur.planner.model import attachments, phases
 from assur.planner.model import scene as scenes
 from assur.scenes.requests import cell_of
@@ -29,6 +29,7 @@ DEMO, FLOW, LAWS = "demo, more uncertain", "dense-flow, more uncertain", "demo, 
 STACKED = "demo, supports not named"
 
 contacts_of, after, ramp = phases.contacts_of, attachments.Attachments.after, ramps.Change.phases
+spline = scipy.interpolate.CubicSpline
 changed, phases_of = phases.Handled.changed, phases.phases
 
 
@@ -64,6 +65,11 @@ def slow(self: Any, before: float) -> Any:
     return [(t * (1.0 + (j != 0.0)), a, j) for t, a, j in ramp(self, before)]
 
 
+def other_ends(knots: Any, values: Any, bc_type: str) -> Any:
+    """Splines with the conditions of another kind at their ends."""
+    return spline(knots, values, bc_type={"natural": "clamped", "clamped": "natural"}.get(bc_type, bc_type))
+
+
 SHARED = (
     Fault("grip and rest in all tracked legs", DEMO, phases, "contacts_of", too_many),
     Fault("a part rests on what is 60 mm below", STACKED, phases, "CONTACT_M", 0.06),
@@ -91,13 +97,13 @@ SHARED = (
     Fault("loads lower no limit", "heavy-casting", scenes.Scene, "limits_with", lambda self, _: self.robot.limits),
     Fault("bodies reach less far from their axis", FLOW, shapes.Body, "radius", 0.01),
     Fault("ramps last longer", "demo, belt that slows down", ramps.Change, "phases", slow),
-    Fault("poses end with another condition", LAWS, keyframes, "CONDITIONS", {"natural": 1, "clamped": 2}),
+    Fault("poses end with another condition", LAWS, scipy.interpolate, "CubicSpline", other_ends),
     Fault("straight parts are twice as long", DEMO, scenes, "STRAIGHT", 20.0),
 )
 WRITTEN = (
     Fault("contacts are twice as deep", DEMO, obligations, "contact_gap", lambda _: -2e-3),
     Fault("parts change hands a leg too late", DEMO, filling, "phases_in", late),
-    Fault("a step is another polynomial", LAWS, written_laws, "MOVE", np.array([420.0, -1680.0, 2100.0, -839.9])),
+    Fault("a step is another polynomial", LAWS, kinds, "MOVE", (420.0, -1680.0, 2100.0, -839.9)),
 )
 """Faults of the writer of claims alone."""
 LEAVE = 10
