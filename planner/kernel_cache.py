@@ -13,6 +13,8 @@ from pathlib import Path
 
 ROOMS = ("kernels", "checker")
 """Rooms of the planner whose modules, and those of rooms within them, may hold kernels."""
+COLUMNS = "claim/columns.py"
+"""The columns of a claim. Kernels hold these numbers as they are when they are compiled."""
 VARIABLE = "NUMBA_CACHE_DIR"
 """Environment variable that says below which folder compiled kernels are kept; the compiler's own."""
 WHOLE = "all-kernels-compiled"
@@ -24,7 +26,8 @@ def digest() -> str:
     """A number, in hexadecimal, of the sources of all kernels."""
     here = Path(__file__).parent
     found = hashlib.sha256()
-    for path in [here / "compiled.py", *sorted(path for room in ROOMS for path in (here / room).rglob("*.py"))]:
+    paths = sorted(path for room in ROOMS for path in (here / room).rglob("*.py"))
+    for path in [here / "compiled.py", here / COLUMNS, *paths]:
         content = path.read_bytes()
         found.update(f"{path.parent.name}/{path.name} {len(content)}\n".encode() + content)
     return found.hexdigest()[:16]
