@@ -53,7 +53,7 @@ def judged(found: Agreement, kind: str, seed: int, out: Path | None = None) -> N
     `ELBOW`, and for an answer that no bundle can state."""
     from assur.planner.errors import InputError
     from assur.prover.prove import prove
-    from assur.scenes.bundle.doors import bundle_document
+    from assur.scenes.bundle import bundle_document
     from assur.scenes.requests import check_document, plan_document
 
     request = random_cell(kind, seed)

@@ -15,7 +15,7 @@ from assur.api.cli.inputs import target
 from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for
 from assur.api.documents import to_json
 from assur.planner.errors import InputError
-from assur.scenes.bundle.doors import bundle_cell
+from assur.scenes.bundle import bundle_cell
 from assur.scenes.faults import DocumentError
 from assur.scenes.files import empty
 from assur.scenes.text.json_faults import not_json, not_utf8

@@ -56,7 +56,7 @@ def bundle(request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> d
 
     Raises `InputError` for what is no plan with a certificate in full, and for what a bundle cannot state.
     """
-    from assur.scenes.bundle.doors import bundle_document
+    from assur.scenes.bundle import bundle_document
 
     return bundle_document(plain_request(request), plain_answer(answer))
 

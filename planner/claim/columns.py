@@ -8,6 +8,7 @@ the clock of a robot that starts on time. docs/bundle.md defines the terms; a pr
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -309,6 +310,6 @@ WIDTHS = {
 """Number of columns of each table whose width does not depend on the claim."""
 
 
-def table(name: str, rows: list[tuple[float, ...]]) -> FloatArray:
+def table(name: str, rows: Sequence[Sequence[float]]) -> FloatArray:
     """Rows as the table of this name, (rows, WIDTHS[name])."""
     return np.array(rows, dtype=float).reshape(-1, WIDTHS[name])

@@ -181,6 +181,14 @@ class Body:
 
         return spread(self)
 
+    @property
+    def cut_surface(self) -> tuple[tuple[FloatArray, IntArray], ...]:
+        """For each piece: corners (V, 3), m, and the triangles (T, 3) of them, into which the surface is cut so that
+        each is in one piece. Without a surface: nothing."""
+        from assur.planner.geometry.cut_surface import kept
+
+        return () if self.surface is None else kept(self.pieces, self.surface)
+
     @cached_property
     def radius(self) -> float:
         """Horizontal distance, m, of its points from its own origin at most."""

@@ -14,9 +14,10 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.frames.motion import Motion
+from assur.planner.robots.chain import Chain, Link
 from assur.planner.robots.planar import ring_margin
 from assur.planner.robots.riders import check_lengths
-from assur.planner.robots.tilting import TiltingArm
+from assur.planner.robots.tilting import LINK2, LINK3, TiltingArm
 
 MODES = ("up", "down", "back-up", "back-down")
 """Elbow above or below the line from shoulder to flange; `back`: the base is turned away, the arm reaches over it."""
@@ -50,6 +51,11 @@ class ElbowArm(TiltingArm):
     @property
     def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
         return "elbow", (self.l1, self.l2), {"height": self.height, "longest": self.longest}
+
+    @property
+    def chain(self) -> Chain:
+        forearm = Link("link3", LINK2, (self.l1, 0.0, 0.0), (0,), (1, 2))
+        return Chain((*self._shoulder, forearm, Link("flange", LINK3, (self.l2, 0.0, 0.0), (0,), (1, 2))))
 
     def reach_margin(self, flange: Motion, mode: int) -> FloatArray:
         return ring_margin(np.hypot(*self.in_plane(flange, mode)), self.l1, self.l2)

@@ -16,6 +16,7 @@ from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.robots.chain import Chain, Link
 from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.planar import ring_margin
 from assur.planner.robots.tilting import LINK2, LINK3
@@ -57,6 +58,14 @@ class FiveAxisArm(ElbowArm):
     @property
     def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
         return "five-axis", (self.l1, self.l2, self.l3), {"height": self.height, "longest": self.longest}
+
+    @property
+    def chain(self) -> Chain:
+        forearm = Link("link3", LINK2, (self.l1, 0.0, 0.0), (0,), (1, 2))
+        hand = Link("link4", LINK3, (self.l2, 0.0, 0.0), (0,), (1, 2, 3))
+        return Chain(
+            (*self._shoulder, forearm, hand, Link("flange", LINK4, (self.l3, 0.0, 0.0), (0,), (1, 2, 3), (4,)))
+        )
 
     @property
     def rate_matrix(self) -> FloatArray:

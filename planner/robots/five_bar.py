@@ -25,6 +25,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion, Pose
+from assur.planner.robots.chain import UP, Chain, Link, Loop
 from assur.planner.robots.facts import Joint, Limits, RobotBody
 from assur.planner.robots.planar import ring_margin
 from assur.planner.robots.riders import check_lengths, check_riders, joints_of
@@ -105,6 +106,22 @@ class FiveBar(Robot):
         lengths = (self.proximal[0], self.distal[0], self.proximal[1], self.distal[1])
         numbers = {"height": self.separation, "sigma": self.sigma, "parallel_least": self.parallel_least}
         return "five-bar", lengths, numbers
+
+    @property
+    def chain(self) -> Chain:
+        """Both cranks come before the couplers, which depend on them."""
+        half, lift = self.separation / 2.0, (2, UP) if self.axes > 2 else None
+        end, wrist = (self.distal[0], 0.0, 0.0), (3,) if self.axes > 3 else ()
+        links = (
+            Link("base", -1, (self.base.x, self.base.y, self.base.z)),
+            Link("proximal-left", 0, (0.0, half, 0.0), (0,)),
+            Link("proximal-right", 0, (0.0, -half, 0.0), (1,)),
+            Link("distal-left", 1, (self.proximal[0], 0.0, 0.0), coupler=0),
+            Link("distal-right", 2, (self.proximal[1], 0.0, 0.0), coupler=1),
+            Link("quill", 3, end, slide=lift, fixed=True),
+            Link("flange", 3, end, wrist, slide=lift, coupler=0),
+        )
+        return Chain(links, Loop((1, 2), self.proximal, self.distal, float(self.sigma), self.parallel_least))
 
     def reach_margin(self, flange: Motion, mode: int) -> FloatArray:  # noqa: ARG002 - all modes reach as far
         """As `Robot.reach_margin`, the lesser one of both sides: a point outside both may be a little further off."""

@@ -14,6 +14,7 @@ from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.robots.chain import Chain
 from assur.planner.robots.facts import Inverse, Joint, Limits, RobotBody
 
 
@@ -51,6 +52,11 @@ class Robot(ABC):
     def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
         """The family's name in `assur.planner.robots.kinematics`, lengths of links, m, what else its kernels read."""
 
+    @property
+    @abstractmethod
+    def chain(self) -> Chain:
+        """The same links as a tree, in the order of a claim."""
+
     @abstractmethod
     def reach_margin(self, flange: Motion, mode: int) -> FloatArray:
         """Metres (...) between poses of the flange (world) and the edge of what the links reach in working mode number
@@ -65,6 +71,14 @@ class Robot(ABC):
         from assur.planner.robots.kinematics import row_of
 
         return row_of(self)
+
+    @cached_property
+    def chain_rows(self) -> tuple[int, ...]:
+        """The number in `chain` of each link frame (L,). Raises `FaultError` if the chain has other links."""
+        names = [link.name for link in self.chain.links]
+        if sorted(names) != sorted(self.links):
+            raise FaultError(f"the links of {self.name}: {names}")
+        return tuple(names.index(name) for name in self.links)
 
     @property
     def turns_load(self) -> bool:

@@ -18,6 +18,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion, Pose
+from assur.planner.robots.chain import UP, Chain, Link
 from assur.planner.robots.facts import Joint, Limits, RobotBody
 from assur.planner.robots.planar import ring_margin
 from assur.planner.robots.riders import check_lengths, check_riders, joints_of
@@ -76,6 +77,20 @@ class Scara(Robot):
     @property
     def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
         return "scara", (self.l1, self.l2), {"rises": float(self.arms_rise), "longest": self.l1 + self.l2}
+
+    @property
+    def chain(self) -> Chain:
+        rise, lift = ((2, UP), None) if self.arms_rise else (None, (2, UP))
+        end = (self.l2, 0.0, 0.0)
+        return Chain(
+            (
+                Link("base", -1, (self.base.x, self.base.y, self.base.z)),
+                Link("link1", BASE, turns=(0,), slide=rise),
+                Link("link2", LINK1, (self.l1, 0.0, 0.0), (0, 1)),
+                Link("quill", LINK2, end, slide=lift, fixed=True),
+                Link("flange", LINK2, end, (0, 1, 3)[: self.axes - 1], slide=lift),
+            )
+        )
 
     def reach_margin(self, flange: Motion, mode: int) -> FloatArray:  # noqa: ARG002 - both modes reach as far
         away = flange.p - self.base.position

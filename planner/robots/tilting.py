@@ -17,6 +17,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion, Pose
+from assur.planner.robots.chain import Link
 from assur.planner.robots.facts import Joint, Limits, RobotBody
 from assur.planner.robots.riders import check_riders, joints_of
 from assur.planner.robots.robot import Robot
@@ -61,6 +62,15 @@ class TiltingArm(Robot):
     @abstractmethod
     def rate_matrix(self) -> FloatArray:
         """(m, n): the rates that bound point speeds."""
+
+    @property
+    def _shoulder(self) -> tuple[Link, ...]:
+        """The links that these arms share: base, the one that turns, and the first that tilts."""
+        return (
+            Link("base", -1, (self.base.x, self.base.y, self.base.z)),
+            Link("link1", BASE, (0.0, 0.0, self.height), (0,)),
+            Link("link2", LINK1, turns=(0,), tilts=(1,)),
+        )
 
     def in_plane(self, flange: Motion, mode: int) -> tuple[FloatArray, FloatArray]:
         """Radius ρ and height h (...) of the flange in the vertical plane of the arm, from the shoulder, K23; in a mode

@@ -45,6 +45,15 @@ def direction(frame: Frame) -> FloatArray | None:
     return None
 
 
+def tool_shares(scene: Scene, phase: Phase) -> dict[str, tuple[float, float]]:
+    """The frames in whose error along their line the tool has a share, with the least and the greatest share."""
+    if phase.tracked is None:
+        return dict.fromkeys(phase.corrected, (0.0, 1.0))
+    if scene.corrects(phase.tracked):
+        return {phase.tracked: (1.0 if scene.corrects_all(phase.tracked) else 0.0, 1.0)}
+    return {}
+
+
 @dataclass(frozen=True, slots=True)
 class Seat:
     """Where a body sits, as far as its errors depend on it: its frame's name, how far its points are from the frame's
@@ -63,12 +72,7 @@ class Displacements:
         self.scene, self.phase = scene, phase
         self._rows: list[FloatArray] = []
         self._numbers: dict[bytes, int] = {}
-        self.tool: dict[str, tuple[float, float]] = {}
-        """Of which frames' errors the tool has a share, and between which."""
-        if phase.tracked is None:
-            self.tool = dict.fromkeys(phase.corrected, (0.0, 1.0))
-        elif scene.corrects(phase.tracked):
-            self.tool[phase.tracked] = (1.0 if scene.corrects_all(phase.tracked) else 0.0, 1.0)
+        self.tool = tool_shares(scene, phase)
         exact = all(within == EXACT for _, within in phase.handled.within)
         self.known = exact and not any(map(self._unsure, scene.frames.values()))
         """Whether there is nothing that is not known, so that no pair has a set."""

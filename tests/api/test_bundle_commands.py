@@ -122,7 +122,7 @@ def test_a_motion_that_goes_on_where_it_is_needed_at_rest_has_no_bundle() -> Non
     from dataclasses import replace
 
     from assur.planner.errors import InputError
-    from assur.scenes.bundle.writing import bundle_of
+    from assur.scenes.bundle import bundle_of
     from tests.prover.bundles import planned
 
     scene, plan = planned(NAME)

@@ -7,10 +7,20 @@ import json
 from functools import cache
 from typing import Any
 
+from assur.planner.claim import columns as c
+from assur.planner.claim import document as written
+from assur.planner.claim.chain import Arms, knots_of
+from assur.planner.claim.laws import law_of
+from assur.planner.claim.solids import solids_of
+from assur.planner.frames import Law
+from assur.planner.geometry.pieces import pieces
+from assur.planner.geometry.shapes import Body
 from assur.planner.model.outcome import Plan
 from assur.planner.model.scene import Scene
+from assur.planner.robots.robot import Robot
+from assur.planner.trajectory import Trajectory
 from assur.prover.prove import prove
-from assur.scenes.bundle.writing import bundle_of
+from assur.scenes.bundle import bundle_of
 from assur.scenes.requests import cell_of, read_plan
 from assur.scenes.scenarios import shipped
 from tests.scenes.cells.second_kinematics import answer
@@ -34,6 +44,30 @@ def _bundle(name: str) -> Document:
 def bundle(name: str) -> Document:
     """The bundle of a scenario's plan, to be changed at will."""
     return copy.deepcopy(_bundle(name))
+
+
+def arm_document(robot: Robot, path: Trajectory, begin: float, until: float) -> Document:
+    """An arm that follows a trajectory, and stands before and after it, in a bundle."""
+    arms, knots = Arms(), knots_of(path, begin, until)
+    arms.add(robot)
+    rows = {name: table.tolist() for name, table in arms.tables().items()}
+    rows["arms"][0][c.ARM_KNOTS] = len(knots)
+    rows["knots"] = knots.tolist()
+    return written.arm_document(rows, rows["arms"][0], robot.name, [link.name for link in robot.chain.links])
+
+
+def law_document(law: Law, begin: float, until: float) -> Document:
+    """A frame that moves by a law, in a bundle."""
+    at, pieces, waves = law_of(law, begin, until)
+    frame = [-1.0, -1.0, *at, 0.0, len(pieces), 0.0, len(waves), 0.0, 0.0, 0.0]
+    rows = {"frames": [frame], "laws": pieces.tolist(), "waves": list(map(list, waves)), "displaced": []}
+    return written.frame_document(rows, 0, "frame")
+
+
+def body_document(body: Body) -> Document:
+    """A body in a bundle."""
+    rows = {name: table.tolist() for name, table in solids_of([body], pieces([body])).items()}
+    return written.body_document(rows, rows["bodies"][0], body.name)
 
 
 def shown(document: Document) -> tuple[bool, Any]:

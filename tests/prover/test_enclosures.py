@@ -16,11 +16,9 @@ from assur.planner.geometry.shapes import support as exact
 from assur.planner.trajectory import Trajectory
 from assur.prover import prove as prover
 from assur.prover.prove import Carrier, Curve, Solid, chain, law, spline, upright
-from assur.scenes.bundle.arms import arm_of, link_number
-from assur.scenes.bundle.laws import law_of
-from assur.scenes.bundle.solids import body_of
 from tests.planner.frames.laws import Case, cases
 from tests.planner.robots.families import NAMES, random_motion, robot_named
+from tests.prover.bundles import arm_document, body_document, law_document
 
 NEAR = 1e-9
 """How far sampled values may be outside of what holds them: the rounding of those who sample."""
@@ -54,7 +52,7 @@ def test_links_are_where_the_planner_has_them(name: str) -> None:
     robot, rng = robot_named(name), np.random.default_rng(3)
     for k in range(4):
         motion = path(random_motion(robot, 5, 20)[0][k], rng)
-        arm = arm_of(robot, motion, 0.0, 0.12)
+        arm = arm_document(robot, motion, 0.0, 0.12)
         curve = spline(arm)
         for t0, t1 in ((0.0, 0.12), (0.03, 0.031), (0.05, 0.05), (0.04, 0.07)):
             try:
@@ -65,7 +63,7 @@ def test_links_are_where_the_planner_has_them(name: str) -> None:
             t = np.linspace(t0, t1, 20)
             place, turn = robot.placements(motion.evaluate(t))
             for number in range(len(robot.links)):
-                carrier = links[link_number(robot, number)]
+                carrier = links[robot.chain_rows[number]]
                 assert carrier.upright == (number not in robot.tilting)
                 for i in range(3):
                     assert all(holds(carrier.place[i][0], x) for x in place[:, number, i])
@@ -78,7 +76,7 @@ def test_links_are_where_the_planner_has_them(name: str) -> None:
 def test_frames_are_where_their_laws_have_them(case: Case, one: float, other: float) -> None:
     low, high = case.window
     begin, until = (low + 0.01, high - 0.01) if math.isfinite(case.law.valid[0]) else (low, high)
-    frame = law_of(case.law, begin, until)
+    frame = law_document(case.law, begin, until)
     t0, t1 = sorted(begin + share * (until - begin) for share in (one, other))
     t = np.linspace(t0, t1, 30)
     motion = case.law.motion(t)
@@ -118,7 +116,7 @@ def test_supports_are_those_of_the_planner(shape: object) -> None:
     rng = np.random.default_rng(2)
     for axis in "xyz":
         piece = Piece(shape, rng.normal(size=3), AXES[axis])  # type: ignore[arg-type]
-        (made,) = body_of(Body("body", (piece,)))["pieces"]
+        (made,) = body_document(Body("body", (piece,)))["pieces"]
         solid = Solid(made, [0.0, 0.0, 0.0, 0.0])
         unit = [[arb(float(i == k)) for i in range(3)] for k in range(3)]
         for n in rng.normal(size=(10, 3)):

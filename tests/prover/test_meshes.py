@@ -12,14 +12,13 @@ import pytest
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.refusals.solids import depth
+from assur.planner.geometry.cut_surface import IN_M
 from assur.planner.geometry.shapes import Body, Piece
 from assur.prover import prove as prover
-from assur.scenes.bundle.doors import bundle_document
-from assur.scenes.bundle.solids import body_of
-from assur.scenes.bundle.surfaces import IN_M
+from assur.scenes.bundle import bundle_document
 from assur.scenes.meshes.cover import cover
 from assur.scenes.requests import check_document, plan_document
-from tests.prover.bundles import Document, shown
+from tests.prover.bundles import Document, body_document, shown
 from tests.prover.closed_surfaces import block, inwards, moved, open_below, three_walls, together
 from tests.scenes.meshes.solids import SOLIDS, binary_stl, surface
 
@@ -179,7 +178,7 @@ def test_a_surface_that_is_cut_is_closed_and_the_same(name: str, noise_mm: float
     pieces = tuple(Piece(piece.shape, at + turn @ piece.position, turn @ piece.rotation) for piece in covered.pieces)
     moved_to = given.vertices @ turn.T + at
     moved_to.flags.writeable = False
-    document = body_of(Body(name, pieces, (moved_to, given.faces)))
+    document = body_document(Body(name, pieces, (moved_to, given.faces)))
     for piece, own in zip(document["pieces"], pieces, strict=True):
         assert min(depth(own, np.array(vertex)) for vertex in piece["vertices"]) >= -2 * IN_M
     found = prover.surface(document)  # which refuses it if it is open

@@ -31,7 +31,7 @@ def test_checkers_that_differ_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     kind = next(iter(KINDS))
     monkeypatch.setattr("assur.prover.prove.prove", lambda _: (False, ["a row of one and another"]))
     monkeypatch.setattr("assur.scenes.requests.check_document", lambda *_: {"ok": True, "findings": []})
-    monkeypatch.setattr("assur.scenes.bundle.doors.bundle_document", lambda *_: {})
+    monkeypatch.setattr("assur.scenes.bundle.bundle_document", lambda *_: {})
     monkeypatch.setattr("assur.scenes.requests.plan_document", lambda _: {"status": "planned", "census": NO_LINES})
     found = Agreement()
     judged(found, kind, 5)

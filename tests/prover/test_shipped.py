@@ -9,17 +9,22 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
 import assur
+from assur.planner.claim.document import document_of
+from assur.planner.claim.filling import claim_of, with_plan
+from assur.planner.claim.reading import read
+from assur.planner.claim.solids import bodies_in
 from assur.planner.model.digest import digest
 from assur.planner.model.phases import phases
 from assur.prover import prove as prover
-from assur.scenes.bundle.solids import bodies_in
 from assur.scenes.requests import check_document
 from assur.scenes.scenarios import shipped, shipped_scenarios
 from tests.architecture.source_tree import ROOT, imports
+from tests.planner.claim.bounds import outside
 from tests.prover.bundles import bundle, planned, shown
 from tests.scenes.cells.second_kinematics import answer
 
@@ -56,6 +61,19 @@ def test_both_checkers_agree_on_every_plan_that_a_shipped_scenario_has(name: str
     meshes = [body for body in bodies_in(scene) if body.surface is not None]
     assert told["bodies from meshes, with what they enclose"] == len(meshes)
     assert told["rows that show it"] > 0 < told["pairs of bodies that keep their distance, counted in each phase"]
+
+
+@pytest.mark.parametrize("name", shipped_scenarios())
+def test_a_bundle_is_the_claim_of_its_plan_and_is_read_as_it_was_written(name: str) -> None:
+    if answer(name)["status"] != "planned":
+        return
+    scene, plan = planned(name)
+    claim, document = with_plan(claim_of(scene), plan), json.loads(json.dumps(bundle(name), allow_nan=False))
+    assert outside(claim) == []
+    found, labels = read(document)
+    assert document_of(found, labels) == document
+    for field, one, other in zip(claim._fields, claim, found, strict=True):
+        assert np.array_equal(one, other), field
 
 
 def test_a_bundle_has_the_form_that_its_schema_says_by_another_validator() -> None:

@@ -1,4 +1,4 @@
-"""What the command line and Python call: a planned answer in, its proof bundle out."""
+"""The proof bundle of a planned answer: its claim as a document, which a second checker reads (docs/bundle.md)."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from assur.scenes.requests import cell_of, read_plan
 from assur.scenes.scenarios import with_files
 
 if TYPE_CHECKING:
+    from assur.planner.model.outcome import Plan
+    from assur.planner.model.scene import Scene
     from assur.scenes.reading.cell import Cell
 
 
@@ -25,10 +27,19 @@ def bundle_document(request: object, plan: object, *, folder: Path | None = None
 
 def bundle_cell(cell: Cell, plan: object) -> dict[str, Any]:
     """The same for a cell that has been read."""
-    from assur.scenes.bundle.writing import bundle_of
-
     made, untrue, _ = read_plan(cell, plan)
     if untrue:
         told = "; ".join(finding.what for finding in untrue)
         raise InputError("plan", "this answer", f"one that is right: {told}")
     return bundle_of(cell.scene, made)
+
+
+def bundle_of(scene: Scene, plan: Plan) -> dict[str, Any]:
+    """The bundle of a plan for a scene. Raises `InputError` for what a bundle cannot state."""
+    from assur.planner.claim.document import document_of
+    from assur.planner.claim.filling import claim_of, with_plan
+    from assur.planner.claim.labels import labels_of
+    from assur.planner.model.phases import phases
+
+    base, of_plan = claim_of(scene), phases(scene, plan.legs, plan.arrivals)
+    return document_of(with_plan(base, plan, of_plan), labels_of(base, plan, of_plan))

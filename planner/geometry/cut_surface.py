@@ -2,13 +2,14 @@
 
 A polygon that is in no piece is cut by a plane of the piece that its middle is in. Where an edge is cut, the polygon on
 its other side gets the same point, so the surface stays closed. Which piece a polygon goes to is chosen with rounding:
-the piece in the bundle is the hull of the corners of its triangles, so it holds them exactly.
+a claim has as piece the hull of the corners of its triangles, which holds them exactly.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -22,6 +23,10 @@ what the planner keeps of each gap."""
 MOST_AT_ONCE = 4_000_000
 """Distances of points from planes that are computed at a time: 32 MB."""
 Triangles = list[list[int]]
+Surface = tuple[FloatArray, IntArray]
+Cut = tuple[Surface, ...]
+_KEPT: WeakKeyDictionary[Piece, tuple[Surface, Cut]] = WeakKeyDictionary()
+"""Surfaces that are cut, by the first of the pieces that cover them: bodies of the same mesh share both."""
 
 
 class _Pieces:
@@ -102,11 +107,17 @@ class _Cutting:
         return [half for half in halves if len(half) > 2]
 
 
-def in_pieces(
-    pieces: Sequence[Piece], surface: tuple[FloatArray, IntArray]
-) -> list[tuple[list[list[float]], Triangles]]:
-    """For each piece: corners of triangles, m, in the body's axes, and the triangles as numbers of three of them. All
-    triangles together are the surface. A piece to which no triangle goes has its own vertices."""
+def kept(pieces: Sequence[Piece], surface: Surface) -> Cut:
+    """As `in_pieces`, which is called once for each surface: a large mesh takes a second."""
+    found = _KEPT.get(pieces[0])
+    if found is None or found[0] is not surface or len(found[1]) != len(pieces):
+        found = _KEPT[pieces[0]] = surface, in_pieces(pieces, surface)
+    return found[1]
+
+
+def in_pieces(pieces: Sequence[Piece], surface: Surface) -> Cut:
+    """For each piece: corners of triangles (V, 3), m, in the body's axes, and the triangles (T, 3) as numbers of three
+    of them. All triangles together are the surface. A piece to which no triangle goes has its own vertices."""
     (vertices, faces), hulls = surface, _Pieces(pieces)
     step = max(1, MOST_AT_ONCE // len(hulls.offset))
     blocks = [hulls.out(vertices[k : k + step]) <= IN_M for k in range(0, len(vertices), step)]
@@ -120,11 +131,12 @@ def in_pieces(
     for polygon, piece in parts:
         first, *others = cutting.whole(polygon)
         found[piece] += [[first, a, b] for a, b in pairwise(others)]
-    return [_numbered(cutting.points, own, hulls.vertices[k]) for k, own in enumerate(found)]
+    return tuple(_numbered(cutting.points, own, hulls.vertices[k]) for k, own in enumerate(found))
 
 
-def _numbered(points: list[FloatArray], triangles: Triangles, hull: FloatArray) -> tuple[list[list[float]], Triangles]:
+def _numbered(points: list[FloatArray], triangles: Triangles, hull: FloatArray) -> tuple[FloatArray, IntArray]:
     """The corners of triangles, and the triangles by numbers of these; the vertices of the hull if there are none."""
     numbers = {k: n for n, k in enumerate(dict.fromkeys(k for triangle in triangles for k in triangle))}
-    corners = [points[k].tolist() for k in numbers] or hull.tolist()
-    return corners, [[numbers[k] for k in triangle] for triangle in triangles]
+    corners = np.array([points[k] for k in numbers]) if numbers else hull
+    chosen = np.array([[numbers[k] for k in triangle] for triangle in triangles], dtype=np.int64).reshape(-1, 3)
+    return corners, chosen

@@ -1,4 +1,4 @@
-"""What a bundle cannot state yet."""
+"""What a claim cannot state yet."""
 
 from __future__ import annotations
 
@@ -6,5 +6,5 @@ from assur.planner.errors import InputError
 
 
 def unstated(what: str) -> InputError:
-    """The refusal of an answer with something that no bundle can state."""
+    """The refusal of a plan with something that no claim can state."""
     return InputError("plan", what, "an answer without it: a proof bundle cannot state it yet")

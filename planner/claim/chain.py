@@ -1,0 +1,83 @@
+"""Arms as rows: their links, the distinct angles of these, their loops, and their motion as knots."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.claim import columns as c
+from assur.planner.claim.unstated import unstated
+from assur.planner.robots.robot import Robot
+from assur.planner.trajectory import Trajectory
+
+NO_SLIDE = (-1.0, 0.0, 0.0, 0.0)
+
+
+class Arms:
+    """The arms of a cell, the robot first."""
+
+    def __init__(self) -> None:
+        self._arms: list[tuple[float, ...]] = []
+        self._links: list[tuple[float, ...]] = []
+        self._angles: list[tuple[float, ...]] = []
+        self._loops: list[tuple[float, ...]] = []
+
+    def add(self, robot: Robot) -> int:
+        """Adds the chain of an arm; the row of its base in `links`. Raises `InputError` for too many joints."""
+        first, start, n = len(self._links), len(self._angles), len(robot.joints)
+        if n > c.MOST_JOINTS:
+            raise unstated(f"an arm with {n} joints")
+        chain, known = robot.chain, dict[tuple[float, ...], int]()
+
+        def angle(constant: float, joints: tuple[int, ...]) -> int:
+            key = (constant, *(float(joint in joints) for joint in range(c.MOST_JOINTS)))
+            return known.setdefault(key, start + len(known))
+
+        for link in chain.links:
+            parent = first + link.parent if link.parent >= 0 else -1
+            yaw = angle(0.0 if link.fixed or link.coupler >= 0 else robot.base.yaw, link.turns)
+            tilts = (-1, -1) if link.tilts is None else (angle(0.0, link.tilts), angle(0.0, link.rolls))
+            slide = NO_SLIDE if link.slide is None else (link.slide[0], *link.slide[1])
+            self._links.append((parent, *link.offset, *slide, yaw, *tilts, link.coupler))
+        loop = -1
+        if chain.loop is not None:
+            loop, cranks = len(self._loops), [first + crank for crank in chain.loop.cranks]
+            between = known_between(known, [int(self._links[crank][c.LINK_YAW]) for crank in cranks], start)
+            _, lengths, couplers, side, least = chain.loop
+            self._loops.append((*cranks, *lengths, *couplers, side, least, between))
+        self._arms.append((first, len(chain.links), n, 0, 0, start, len(known), loop))
+        self._angles += known
+        return first
+
+    def tables(self) -> dict[str, FloatArray]:
+        """Arms (without their knots), links, angles and loops."""
+        rows = {"arms": self._arms, "links": self._links, "angles": self._angles, "loops": self._loops}
+        return {name: c.table(name, each) for name, each in rows.items()}
+
+
+def known_between(known: dict[tuple[float, ...], int], yaws: list[int], start: int) -> int:
+    """The row of the angle between two cranks whose yaws are these rows, added to the angles `known` of an arm, which
+    begin at row `start`."""
+    angles = list(known)
+    one, other = (angles[yaw - start] for yaw in yaws)
+    return known.setdefault(tuple(b - a for a, b in zip(one, other, strict=True)), start + len(known))
+
+
+def knots_of(path: Trajectory, begin: float, until: float) -> FloatArray:
+    """Knots (K, c.KNOT) of an arm that follows a trajectory and stands before and after it, from `begin` to `until`, s.
+
+    Raises `InputError` for a trajectory that does not rest at an end beyond which it is required.
+    """
+    before, after, count, n = int(begin < path.time[0]), int(until > path.time[-1]), len(path.time), path.n
+    found = np.zeros((count + before + after, c.KNOT))
+    own = found[before : before + count]
+    own[:, c.KNOT_TIME] = path.time
+    for first, states in ((c.KNOT_Q, path.q), (c.KNOT_QD, path.qd), (c.KNOT_QDD, path.qdd)):
+        own[:, first : first + n] = states
+    for needed, end, t in ((before, 0, begin), (after, -1, until)):
+        if needed:
+            if path.qd[end].any() or path.qdd[end].any():
+                when = "begins, and is needed before" if end == 0 else "ends, and is needed after"
+                raise unstated(f"a motion that is not at rest when it {when}")
+            found[end, c.KNOT_TIME], found[end, c.KNOT_Q : c.KNOT_Q + n] = t, path.q[end]
+    return found

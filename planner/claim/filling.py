@@ -1,0 +1,77 @@
+"""The tables of a claim: those of a scene, which are made once, and those of each plan for it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from assur.planner.arrays import FloatArray
+from assur.planner.claim import columns as c
+from assur.planner.claim.columns import Claim
+from assur.planner.claim.frames import Frames, frames_of
+from assur.planner.claim.limits import JointLimits
+from assur.planner.claim.obligations import Carriers, Seats, carriers_of, distances_of, phases_of, seats_of
+from assur.planner.claim.points import Targets, axes_of, points_of, pulls_of
+from assur.planner.claim.rows import rows_of
+from assur.planner.claim.solids import bodies_in, solids_of
+from assur.planner.geometry.shapes import Body
+from assur.planner.model.outcome import Plan
+from assur.planner.model.phases import Phase
+from assur.planner.model.phases import phases as phases_in
+from assur.planner.model.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class CellClaim:
+    """What follows from robot, tool, frames, bodies and what is required of them, whatever the task is."""
+
+    bodies: tuple[Body, ...]
+    carriers: Carriers
+    frames: Frames
+    tables: dict[str, FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class SceneClaim:
+    """What follows from a scene, whatever the plan is. Its tables are shared by the claims of all plans."""
+
+    scene: Scene
+    cell: CellClaim
+    seats: Seats
+    limits: JointLimits
+    targets: Targets
+
+
+def cell_of(scene: Scene) -> CellClaim:
+    """The part of a scene's claim that depends on its cell alone. Raises `InputError` for what cannot be stated."""
+    bodies = bodies_in(scene)
+    carriers = carriers_of(scene, [body.name for body in bodies])
+    tables = {**solids_of(bodies, scene.pieces), **distances_of(scene, carriers)}
+    return CellClaim(bodies, carriers, frames_of(scene), tables)
+
+
+def claim_of(scene: Scene, cell: CellClaim | None = None) -> SceneClaim:
+    """The claim of a scene without a plan. `cell`: if it is made already. Raises `InputError` for what cannot be
+    stated."""
+    cell = cell or cell_of(scene)
+    return SceneClaim(scene, cell, seats_of(scene, cell.carriers), JointLimits(scene), Targets(scene))
+
+
+def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = None) -> Claim:
+    """The claim of a plan. `phases`: those of the plan, if they are made already. Raises `InputError` for what cannot
+    be stated."""
+    scene, cell, path = base.scene, base.cell, plan.trajectory
+    if phases is None:
+        phases = phases_in(scene, plan.legs, plan.arrivals)
+    end, stands = phases[-1].t1, max(phase.t1 for phase in phases if phase.robot)
+    required = cell.tables["required"].copy()
+    required[0, c.REQUIRED_UNTIL] = end
+    story = phases_of(scene, cell.carriers, base.seats, phases)
+    return Claim(
+        **{**cell.tables, **cell.frames.around(path, stands, end), **story, "required": required},
+        limits=base.limits.over(path.start, phases),
+        points=c.table("points", [row for _, row in points_of(base.targets, plan)]),
+        pulls=c.table("pulls", [row for _, row in pulls_of(scene, plan, phases)]),
+        axes=c.table("axes", [row for _, row in axes_of(scene, plan)]),
+        rows=rows_of(scene, cell.bodies, cell.carriers.body, path, plan.certificate, story),
+    )

@@ -1,0 +1,48 @@
+"""What the rows of a claim are called for people, and of which request and plan it is. Nothing is proved of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from assur.planner.claim.filling import SceneClaim
+from assur.planner.claim.points import axes_of, points_of, pulls_of
+from assur.planner.model.outcome import Plan
+from assur.planner.model.phases import Phase
+from assur.planner.robots.robot import Robot
+
+
+class Labels(NamedTuple):
+    """Digests, and a name for each row of the tables that these fields are called after: `arms` with those of their
+    links."""
+
+    request_digest: str
+    plan_digest: str
+    arms: tuple[tuple[str, tuple[str, ...]], ...]
+    frames: tuple[str, ...]
+    bodies: tuple[str, ...]
+    phases: tuple[str, ...]
+    points: tuple[str, ...]
+    pulls: tuple[str, ...]
+    axes: tuple[str, ...]
+
+
+def labels_of(base: SceneClaim, plan: Plan, phases: Sequence[Phase]) -> Labels:
+    """The labels of the claim that `with_plan` makes of the same."""
+    scene = base.scene
+    robots = scene.robot, *(robot for robot, _ in base.cell.frames.others)
+    return Labels(
+        request_digest=scene.digest,
+        plan_digest=plan.certificate.digest,
+        arms=tuple(map(_arm, robots)),
+        frames=tuple(scene.frames),
+        bodies=tuple(base.cell.carriers.body),
+        phases=tuple(str(phase.kind) for phase in phases),
+        points=tuple(name for name, _ in points_of(base.targets, plan)),
+        pulls=tuple(name for name, _ in pulls_of(scene, plan, phases)),
+        axes=tuple(name for name, _ in axes_of(scene, plan)),
+    )
+
+
+def _arm(robot: Robot) -> tuple[str, tuple[str, ...]]:
+    return robot.name, tuple(link.name for link in robot.chain.links)

@@ -1,0 +1,170 @@
+"""What must keep apart, and how far: attachments and contacts in each phase, and what the whole plan requires."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.claim import columns as c
+from assur.planner.frames.law import EXACT
+from assur.planner.model.attachments import Attachments, at_start
+from assur.planner.model.clearance import contact_gap
+from assur.planner.model.phases import Phase
+from assur.planner.model.scene import Scene
+from assur.planner.tables.uncertainty import tool_shares
+
+
+@dataclass(frozen=True, eq=False)
+class Carriers:
+    """Numbers of a claim by the names of a scene, and what is uncertain of bodies before any was gripped.
+
+    `body`, `frame`: the rows of bodies and frames; `flange`: the row of the link that carries tool and part; `off`
+    (2 B,): how far, m, each body may be off its seat in every horizontal direction, then up or down; `radius`: the
+    horizontal distance, m, of the points of a body around the robot from its own origin at most; `corrects`: whether
+    the controller corrects for belts.
+    """
+
+    body: dict[str, int]
+    frame: dict[str, int]
+    flange: int
+    off: FloatArray
+    radius: dict[str, float]
+    corrects: bool
+
+
+def carriers_of(scene: Scene, names: Sequence[str]) -> Carriers:
+    """Those of a cell with bodies of these names, in the order of a claim."""
+    number, many = {name: k for k, name in enumerate(names)}, len(names)
+    off = np.zeros(2 * many)
+    for item in scene.bodies:
+        if item.uncertainty != EXACT:
+            k, within = number[item.name], item.uncertainty
+            off[k], off[many + k] = within.position_m + within.yaw_rad * item.body.radius, within.vertical_m
+    return Carriers(
+        body=number,
+        frame={name: k for k, name in enumerate(scene.frames)},
+        flange=scene.robot.chain_rows[scene.robot.links.index("flange")],
+        off=off,
+        radius={item.name: item.body.radius for item in scene.bodies},
+        corrects=scene.execution.belt_correction,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Seats:
+    """The seats of all bodies at the start (B, c.SEAT), and the rows of the bodies that a plan may move, by name."""
+
+    rows: FloatArray
+    moved: tuple[tuple[str, int], ...]
+
+
+def seats_of(scene: Scene, carriers: Carriers) -> Seats:
+    """Where each body is when the plan begins."""
+    robot, attached = scene.robot, at_start(scene)
+    links = [robot.chain_rows[item.link] for item in robot.bodies] + [carriers.flange] * len(scene.tool.bodies)
+    rows: list[tuple[float, ...]] = [(k, link, -1, 0.0, 0.0, 0.0, 0.0) for k, link in enumerate(links)]
+    rows += [(carriers.body[item.name], *_place(scene, carriers, attached, item.name)) for item in scene.bodies]
+    parts = {step.part for step in scene.task if step.part is not None}
+    if attached.held is not None:
+        parts.add(attached.held.part)
+    moved = sorted((carriers.body[part], part) for part in parts)
+    return Seats(c.table("seats", rows), tuple((part, k) for k, part in moved))
+
+
+def _place(scene: Scene, carriers: Carriers, attached: Attachments, name: str) -> tuple[float, ...]:
+    """Link, frame and pose of a body around the robot, or in its gripper."""
+    if attached.held is not None and attached.held.part == name:
+        link, frame, pose = carriers.flange, -1, attached.held.in_flange
+    else:
+        on, pose = attached.pose_of(scene, name)
+        link, frame = -1, carriers.frame[on]
+    return link, frame, pose.x, pose.y, pose.z, pose.yaw
+
+
+def phases_of(scene: Scene, carriers: Carriers, seats: Seats, phases: Sequence[Phase]) -> dict[str, FloatArray]:
+    """Phases, seats, what is uncertain of bodies and frames, contacts that are allowed, and parts that were put
+    down."""
+    many, number = len(carriers.body), carriers.body
+    seated, off = np.empty((len(phases), many)), np.empty((len(phases), 2 * many))
+    seated[:], off[:] = np.arange(many), carriers.off
+    contacts, put_down, supports = list[tuple[float, ...]](), list[tuple[float, ...]](), list[FloatArray]()
+    rows = {tuple(seats.rows[k].tolist()): k for _, k in seats.moved}
+    begin, attached = len(seats.rows) - len(rows), at_start(scene)
+    now = [k for _, k in seats.moved]
+    for p, phase in enumerate(phases):
+        if phase.attached is not attached:
+            attached, now = phase.attached, []
+            for name, k in seats.moved:
+                key = (float(k), *_place(scene, carriers, attached, name))
+                now.append(rows.setdefault(key, begin + len(rows)))
+        for (_, k), row in zip(seats.moved, now, strict=True):
+            seated[p, k] = row
+        held = None if attached.held is None else attached.held.part
+        for name, within in phase.handled.within:
+            k = number[name]
+            off[p, k], off[p, many + k] = within.position_m + within.yaw_rad * carriers.radius[name], within.vertical_m
+            if name != held:
+                put_down.append((p, k))
+                others = [number[x] for pair in phase.handled.supports if name in pair for x in pair if x != name]
+                supports.append(_chosen(others, many))
+        for one, other in sorted(phase.contacts):
+            if one in number and other in number:
+                contacts.append((p, *sorted((number[one], number[other])), -contact_gap(phase)))
+    added = list(rows)[len(seats.moved) :]
+    return {
+        "phases": np.array([(phase.t0, phase.t1, phase.near, phase.robot) for phase in phases], dtype=float),
+        "seats": np.concatenate((seats.rows, added)) if added else seats.rows,
+        "seated": seated,
+        "off": off,
+        "shares": _shares(scene, carriers, phases),
+        "contacts": c.table("contacts", contacts),
+        "put_down": c.table("put_down", put_down),
+        "supports": np.array(supports).reshape(-1, many),
+    }
+
+
+def _shares(scene: Scene, carriers: Carriers, phases: Sequence[Phase]) -> FloatArray:
+    """The share (phases, 2 F) that the tool has in the displacement of each frame along its line: at least, at most."""
+    many = len(carriers.frame)
+    found = np.zeros((len(phases), 2 * many))
+    for p, phase in enumerate(phases if carriers.corrects else ()):
+        for name, (least, most) in tool_shares(scene, phase).items():
+            k = carriers.frame[name]
+            found[p, k], found[p, many + k] = least, most
+    return found
+
+
+def _chosen(numbers: Sequence[int], count: int) -> FloatArray:
+    """1 for each of `count` things that is chosen."""
+    row = np.zeros(count)
+    row[list(numbers)] = 1.0
+    return row
+
+
+def distances_of(scene: Scene, carriers: Carriers) -> dict[str, FloatArray]:
+    """Pairs of links that must keep apart, required distances of some pairs, and what is required of the whole plan
+    but for its end."""
+    robot, required, lag = scene.robot, scene.options.clearance, scene.execution.lag
+    pairs = np.zeros((len(robot.links), len(robot.links)))
+    for pair in robot.self_pairs:
+        i, k = (robot.chain_rows[robot.links.index(name)] for name in pair)
+        pairs[i, k] = pairs[k, i] = 1.0
+    names, rules = list(carriers.body), list[FloatArray]()
+    for rule in required.exceptions:
+        # a side without names is every body
+        sides = [[float(not side or name in side) for name in names] for side in (rule.first, rule.second)]
+        if all(map(any, sides)):
+            rules.append(np.array([rule.travel_m, rule.near_m, *sides[0], *sides[1]]))
+    row = np.zeros((1, c.REQUIRED))
+    row[0, : c.REQUIRED_UNTIL] = required.travel_m, required.near_m
+    row[0, c.REQUIRED_LATE], row[0, c.REQUIRED_SINCE] = scene.execution.start_tolerance_s, scene.start.time
+    row[0, c.REQUIRED_TOOL] = robot.chain_rows[robot.links.index("quill" if "quill" in robot.links else "flange")]
+    row[0, c.REQUIRED_LAG : c.REQUIRED_LAG + len(lag)] = lag
+    return {
+        "rules": np.array(rules).reshape(-1, c.RULE_SIDE + 2 * len(names)),
+        "self_pairs": pairs,
+        "required": row,
+    }

@@ -1,0 +1,183 @@
+"""The tables of a claim are those of a scene and a plan; what cannot be stated is refused."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from assur.planner.claim import columns as c
+from assur.planner.claim.chain import Arms, knots_of
+from assur.planner.claim.columns import Claim
+from assur.planner.claim.filling import claim_of, with_plan
+from assur.planner.claim.laws import law_of
+from assur.planner.claim.obligations import carriers_of, distances_of
+from assur.planner.errors import FaultError, InputError
+from assur.planner.frames import Conveyor, Keyframes, Pose
+from assur.planner.frames.motion import Motion
+from assur.planner.frames.profile import Profile
+from assur.planner.model.phases import phases
+from assur.planner.model.scene import ClearanceException
+from assur.planner.robots.chain import Chain
+from assur.planner.robots.scara import Scara
+from assur.planner.trajectory import Trajectory
+from tests.planner.claim.bounds import outside
+from tests.planner.robots.families import NAMES, robot_named
+from tests.prover.bundles import planned
+
+NAME = "standard-cycle"
+
+
+def claim() -> Claim:
+    scene, plan = planned(NAME)
+    return with_plan(claim_of(scene), plan)
+
+
+def test_plans_share_the_tables_of_their_scene_and_none_is_written_to() -> None:
+    scene, plan = planned(NAME)
+    base = claim_of(scene)
+    before = {name: table.copy() for name, table in {**base.cell.tables, **base.cell.frames.tables}.items()}
+    first, second = with_plan(base, plan), with_plan(base, plan, phases(scene, plan.legs, plan.arrivals))
+    for name, one, other in zip(Claim._fields, first, second, strict=True):
+        assert np.array_equal(one, other), name
+        assert one.dtype == np.float64, name
+        assert one.flags.c_contiguous, name
+    assert first.links is second.links
+    assert first.pieces is second.pieces
+    for name, table in {**base.cell.tables, **base.cell.frames.tables}.items():
+        assert np.array_equal(table, before[name]), name
+    # a second scene with the same cell needs the cell's tables only once
+    assert claim_of(replace(scene, start=replace(scene.start, time=0.5)), base.cell).cell is base.cell
+
+
+def test_every_column_has_bounds_that_refuse_what_it_may_not_hold() -> None:
+    right = claim()
+    assert outside(right) == []
+    for name, first, _, low, high in c.BOUNDS:
+        if not len(getattr(right, name)):
+            continue
+        for wrong in (math.nan, 2.0 * min(low, 0.0) - 1.0, *((0.5,) if isinstance(high, str) else ())):
+            table = getattr(right, name).copy()
+            table[0, first] = wrong
+            assert f"{name}, from column {first} on" in outside(right._replace(**{name: table}))
+
+
+def test_the_widths_of_all_tables_are_those_of_their_columns() -> None:
+    made = claim()
+    assert {name: getattr(made, name).shape[1] for name in c.WIDTHS} == c.WIDTHS
+    many, count = len(made.bodies), len(made.phases)
+    assert (made.seated.shape, made.off.shape) == ((count, many), (count, 2 * many))
+    assert made.shares.shape == (count, 2 * len(made.frames))
+    assert made.rules.shape[1] == c.RULE_SIDE + 2 * many
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_chain_has_the_links_of_its_arm_each_behind_its_parent(name: str) -> None:
+    robot = robot_named(name)
+    assert sorted(robot.chain_rows) == list(range(len(robot.links)))
+    for number, link in enumerate(robot.chain.links):
+        assert -1 <= link.parent < number + (number == 0)
+        assert link.coupler < 0 or max(robot.chain.loop.cranks) < number  # type: ignore[union-attr]
+        assert (link.tilts is not None) == (robot.links.index(link.name) in robot.tilting)
+
+
+def test_a_chain_with_another_link_is_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    shared = robot_named(NAMES[0])
+    assert isinstance(shared, Scara)
+    robot = replace(shared)
+    other = Chain((*robot.chain.links[:-1], robot.chain.links[-1]._replace(name="hand")))
+    monkeypatch.setattr(Scara, "chain", property(lambda _: other))
+    with pytest.raises(FaultError, match="hand"):
+        _ = robot.chain_rows
+
+
+def test_an_arm_has_no_more_joints_than_the_tables_have_columns_for() -> None:
+    arm: Any = SimpleNamespace(joints=range(c.MOST_JOINTS + 1))
+    with pytest.raises(InputError, match="an arm with 9 joints"):
+        Arms().add(arm)
+
+
+def test_an_arm_stands_before_and_after_its_trajectory() -> None:
+    q = np.array([[0.1, 0.2], [0.3, 0.4]])
+    path = Trajectory(np.array([1.0, 2.0]), q, np.zeros((2, 2)), np.zeros((2, 2)))
+    assert knots_of(path, 1.0, 2.0)[:, c.KNOT_TIME].tolist() == [1.0, 2.0]
+    knots = knots_of(path, 0.5, 2.5)
+    assert knots[:, c.KNOT_TIME].tolist() == [0.5, 1.0, 2.0, 2.5]
+    assert knots[:, c.KNOT_Q : c.KNOT_Q + 2].tolist() == [*q[[0, 0]].tolist(), *q[[1, 1]].tolist()]
+    assert not knots[:, c.KNOT_Q + 2 : c.KNOT_QD].any()
+    assert not knots[:, c.KNOT_QD :].any()
+
+
+@pytest.mark.parametrize(("end", "message"), [(0, "begins, and is needed before"), (-1, "ends, and is needed after")])
+@pytest.mark.parametrize("rate", ["qd", "qdd"])
+def test_a_motion_that_is_needed_beyond_its_end_rests_there(end: int, message: str, rate: str) -> None:
+    rates = {"qd": np.zeros((2, 2)), "qdd": np.zeros((2, 2))}
+    rates[rate][end, 1] = 1e-12
+    path = Trajectory(np.array([1.0, 2.0]), np.zeros((2, 2)), rates["qd"], rates["qdd"])
+    assert len(knots_of(path, 1.0, 2.0)) == 2
+    with pytest.raises(InputError, match=message):
+        knots_of(path, 0.5, 2.5)
+
+
+class Strange:
+    """A law of a kind that no claim knows."""
+
+    valid = (-math.inf, math.inf)
+
+    def motion(self, t: Any) -> Motion:
+        raise AssertionError(t)
+
+
+def accelerating() -> Conveyor:
+    """A belt whose drive never stops to accelerate."""
+    law = Conveyor(Pose(), 0.1)
+    drive = Profile(0.0, np.array([3.0]), np.array([[0.0, 0.1, 0.5, 0.0], [0.0, 0.1, 0.0, 0.0]]))
+    object.__setattr__(law, "drive", drive)
+    return law
+
+
+POSES = (Pose(), Pose(0.1), Pose(0.2))
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        (Strange(), "the motion Strange of a frame"),
+        (accelerating(), "a drive that accelerates for ever"),
+        (Conveyor(Pose(), 0.1, valid=(-5.0, 0.5)), "a frame whose motion is not known during the plan"),
+        (Keyframes((0.0, 1.0, 3.0), POSES, valid=(1.5, 9.0)), "a frame whose motion begins within the plan"),
+    ],
+)
+def test_a_law_that_cannot_be_stated_is_refused(law: Any, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        law_of(law, 1.0, 2.0)
+
+
+def test_a_law_is_stated_as_far_as_it_is_known_and_from_the_piece_that_begins_before() -> None:
+    at, pieces, waves = law_of(Keyframes((0.0, 1.0, 3.0), POSES), 1.5, 9.0)
+    assert pieces[:, [c.LAW_BEGIN, c.LAW_END]].tolist() == [[1.0, 3.0]]
+    assert at[0] == pytest.approx(0.1)
+    assert waves == []
+
+
+def test_a_rule_about_bodies_that_the_cell_has_not_is_a_rule_about_none() -> None:
+    scene, _ = planned(NAME)
+    names = [body.name for body in claim_of(scene).cell.bodies]
+    for first, second, count in (
+        (frozenset(), frozenset({names[1]}), 1),
+        (frozenset({names[0]}), frozenset({"nobody"}), 0),
+    ):
+        rule = ClearanceException(first, second, 0.01, 0.02)
+        options = replace(scene.options, clearance=replace(scene.options.clearance, exceptions=(rule,)))
+        changed = replace(scene, options=options)
+        rules = distances_of(changed, carriers_of(changed, names))["rules"]
+        assert len(rules) == count
+        if count:
+            sides = rules[0, c.RULE_SIDE :].reshape(2, -1)
+            assert rules[0, : c.RULE_SIDE].tolist() == [0.01, 0.02]
+            assert sides[0].all()
+            assert np.flatnonzero(sides[1]).tolist() == [1]
