@@ -46,7 +46,7 @@ def open_body(k: Claim) -> int:
 @kernel(f8(tb.CLAIM, tb.GEOMETRY, i8, f8, f8, f8, F2))
 def times_round(k: Claim, g: tb.Geometry, seat: int, x: float, y: float, z: float, far: FloatArray) -> float:
     """How often at most the surface of a seated body goes round the point (x, y, z) in the axes of its carrier, as a
-    number without sign, with its rounding (R5). Infinite: the point is too near to the surface. `far`: room for the
+    number without sign, with its rounding (R6). Infinite: the point is too near to the surface. `far`: room for the
     vertices of the body, seen from the point, and their distances."""
     body, start = k.bodies[int(k.seats[seat, c.SEAT_BODY])], int(g.first[seat, 1])
     begin = int(k.pieces[int(body[c.BODY_PIECE]), c.PIECE_VERTEX])

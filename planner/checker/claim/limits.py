@@ -63,7 +63,7 @@ def joint_keeps_limits(
     state: FloatArray,
 ) -> bool:
     """Whether a joint keeps its limits between two knots. Coefficients of rates are those of the knots; what their sums
-    may round by is taken off what is allowed (R4)."""
+    may round by is taken off what is allowed (R5)."""
     h = other[0] - one[0]
     x, v, a = one[c.KNOT_Q + j], one[c.KNOT_QD + j], one[c.KNOT_QDD + j]
     y, w, b = other[c.KNOT_Q + j], other[c.KNOT_QD + j], other[c.KNOT_QDD + j]

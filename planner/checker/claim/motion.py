@@ -1,7 +1,7 @@
 """The motions of a claim as polynomials, bounds of their rounding, and the joints over an interval of time.
 
 A *carrier* is a link or a frame: what bodies sit on. Joints are quintics between knots (N5). Frames have accelerations
-that are integrated twice (N6). Numbers like (N5) label equations in docs/bundle.md; (R1) to (R4) are labels of
+that are integrated twice (N6). Numbers like (N5) label equations in docs/bundle.md; (R1) to (R6) are labels of
 docs/claim-check.md.
 """
 

@@ -61,7 +61,7 @@ def add_pair(k: Claim, proof: tb.Proof, p: int, a: int, b: int, near: int, early
         varies = varies or k.displaced[i, c.DISPLACED_GROWTH] > 0.0 or k.displaced[i, c.DISPLACED_SHARED] > 0.0
     pair = proof.pairs[count]
     pair[tb.PAIR_PHASE], pair[tb.PAIR_A], pair[tb.PAIR_B], pair[tb.PAIR_DISTANCE] = p, a, b, least
-    pair[tb.PAIR_EARLY], pair[tb.PAIR_LATE], pair[tb.PAIR_VARIES] = early, late, float(varies)
+    pair[tb.PAIR_EARLY], pair[tb.PAIR_LATE], pair[tb.PAIR_VARIES] = early, late, 1.0 if varies else 0.0
     if proof.numbers[a] >= 0:
         proof.table[p, proof.numbers[a], b] = count
     if proof.numbers[b] >= 0:

@@ -245,8 +245,8 @@ def check_claim(claim: Claim) -> ClaimVerdict:
     except (ZeroDivisionError, OverflowError, ValueError, IndexError) as error:
         return _refused(ClaimCode.FAULT, type(error).__name__)
     findings = tuple(_finding(claim, row, pairs) for row in rows)
-    counts = (int(state[number]) for number in (tb.ROWS, tb.PAIRS, tb.HALVINGS, tb.DEPTH))
-    return ClaimVerdict(not findings, findings, *counts, int(MOST_WORK - state[tb.WORK]))
+    needed, many, halvings, deepest = [int(state[number]) for number in (tb.ROWS, tb.PAIRS, tb.HALVINGS, tb.DEPTH)]
+    return ClaimVerdict(not findings, findings, needed, many, halvings, deepest, int(MOST_WORK - state[tb.WORK]))
 
 
 def _refused(code: ClaimCode, what: str) -> ClaimVerdict:

@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 from assur.planner.checker.claim.verdict import ClaimCode
+from assur.planner.claim import reading
+from assur.planner.claim.columns import Claim
 
 Document = dict[str, Any]
 Change = Callable[[Document], object]
@@ -28,6 +30,11 @@ PULL, DIRECTION, ROW, COVER, SURFACE = (
     ClaimCode.COVER,
     ClaimCode.SURFACE,
 )
+
+
+def read(document: Document) -> Claim:
+    """The tables of a bundle. Raises `InputError`."""
+    return reading.read(document)[0]
 
 
 class Forgery(NamedTuple):

@@ -8,14 +8,15 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.chain import slot_of
-from assur.planner.checker.claim.jets import inverse, polynomial, root, times, turned
+from assur.planner.checker.claim.jets import Jet, between, inverse, polynomial, root, times, turned
 from assur.planner.checker.claim.motion import make_curves, make_laws, over
 from assur.planner.checker.claim.verdict import prepare
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
-from tests.planner.checker.claim.reading import read
+from tests.planner.checker.claim.forgeries import read
 from tests.prover.bundles import bundle
 
 SCENARIOS = ("demo", "five-bar", "rv-m1", "loader", "shutter", "two-robots", "parabolic-blend", "polar-arm")
@@ -56,7 +57,7 @@ def test_jets_of_carriers_hold_samples(name: str) -> None:
     assert tested > 1000
 
 
-def exact(knots: np.ndarray, j: int, t: float) -> tuple[Fraction, Fraction, Fraction]:
+def exact(knots: FloatArray, j: int, t: float) -> tuple[Fraction, Fraction, Fraction]:
     """Value, rate and second derivative of a joint between two knots, without rounding."""
     (t0, *one), (t1, *other) = [[Fraction(float(x)) for x in row] for row in knots]
     n = c.MOST_JOINTS
@@ -91,26 +92,25 @@ def test_joints_round_by_no_more_than_is_stated(name: str) -> None:
     assert (worst > 0.0).all()
 
 
+def jet_of(powers: FloatArray, a: float, b: float) -> Jet:
+    """The jet of a polynomial over [a, b]."""
+    low0, high0, low1, high1, low2, high2 = polynomial(powers, 0, 5, a, b, np.zeros(8))
+    value, rate, second = between(low0, high0), between(low1, high1), between(low2, high2)
+    return value[0], value[1], rate[0], rate[1], second[0], second[1]
+
+
+def functions(x: Jet, y: Jet) -> tuple[Jet, ...]:
+    """All functions of jets: of x > 0 and y."""
+    return times(x, y), *turned(y), inverse(x), root(x)
+
+
 def test_jets_of_functions_hold_samples() -> None:
     rng = np.random.default_rng(5)
     for _ in range(60):
-        powers, powers_too = rng.normal(size=(2, 6))
-        powers[0], h = 3.0 + abs(powers[1:]).sum(), rng.uniform(0.01, 0.9)
-        work = np.zeros(8)
-
-        def jet(row: np.ndarray, a: float, b: float, work: np.ndarray = work) -> tuple[float, ...]:
-            x = polynomial(row, 0, 5, a, b, work)
-            return tuple(y for k in (0, 2, 4) for y in (0.5 * (x[k] + x[k + 1]), 0.5 * (x[k + 1] - x[k])))
-
-        for of in (
-            lambda x, y: times(x, y),
-            lambda x, y: turned(y)[0],
-            lambda x, y: turned(y)[1],
-            lambda x, y: inverse(x),
-            lambda x, y: root(x),
-        ):
-            wide = of(jet(powers, 0.0, h), jet(powers_too, 0.0, h))
-            for t in np.linspace(0.0, h, 7).tolist():
-                at = of(jet(powers, t, t), jet(powers_too, t, t))
-                for order in range(3):
-                    assert abs(at[2 * order] - wide[2 * order]) <= wide[2 * order + 1] * (1.0 + 1e-9) + 1e-12
+        one, other = rng.normal(size=(2, 6))
+        one[0], h = 3.0 + abs(one[1:]).sum(), rng.uniform(0.01, 0.9)
+        wide = functions(jet_of(one, 0.0, h), jet_of(other, 0.0, h))
+        for t in np.linspace(0.0, h, 7).tolist():
+            for at, bounds in zip(functions(jet_of(one, t, t), jet_of(other, t, t)), wide, strict=True):
+                for k in (0, 2, 4):
+                    assert abs(at[k] - bounds[k]) <= bounds[k + 1] * (1.0 + 1e-9) + 1e-12

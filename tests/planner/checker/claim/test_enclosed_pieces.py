@@ -13,10 +13,10 @@ import pytest
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim.enclosure import open_body
 from assur.planner.checker.claim.verdict import ClaimCode, ClaimVerdict, check_claim
-from tests.planner.checker.claim.reading import Document, read
+from tests.planner.checker.claim.forgeries import Document, read
 from tests.prover.bundles import shown
 from tests.prover.closed_surfaces import block, inwards, moved, three_walls, together
-from tests.prover.test_guards import row
+from tests.prover.test_guards import row, sliding
 from tests.prover.test_within import around, mesh, rows_of
 
 FENCE = three_walls(0.6, 0.02, -0.2, 0.3)
@@ -51,7 +51,7 @@ def on_the_arm(triangles: FloatArray) -> Document:
         each["pieces"].reverse()
         each["normal"] = [-x for x in each["normal"]]
     for seat in document["seats"]:
-        seat["pose"] = [0.1, 0.2, 0.3, 0.4]
+        seat["pose"] = [0.1, 0.2, 0.3, 0.0]
     return document
 
 
@@ -129,8 +129,8 @@ def test_a_surface_that_is_not_closed_is_refused(what: str, triangles: FloatArra
 
 
 def test_the_open_one_of_several_bodies_is_named() -> None:
-    document = around(CRATE)
-    document["bodies"] += [mesh("second", FENCE), mesh("third", CRATE)]
+    walls = [mesh(name, surface) for name, surface in (("one", CRATE), ("two", FENCE), ("three", CRATE))]
+    document = sliding(*walls, rows=[])
     assert open_body(read(document)) == -1
     for number in (3, 2):
         document["bodies"][number]["pieces"][0]["triangles"] = []
