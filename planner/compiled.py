@@ -27,6 +27,8 @@ from assur.planner.kernel_cache import WHOLE, digest, folder
 F = TypeVar("F", bound=Callable[..., object])
 
 _numba: Any = partial(numba.njit, cache=True, nogil=True, error_model="python", boundscheck=True)
+types: Any = numba.types
+"""The types of signatures that hold named tuples; all others are written as text."""
 KERNELS: dict[str, Any] = {}
 """Every kernel that was defined in this process, by module and name."""
 _FIRST_USES: dict[str, _FirstUse] = {}
@@ -65,7 +67,7 @@ class _FirstUse:
     """Loads the compiled code of a kernel, or compiles it, when it is first called or when a kernel that calls it is
     compiled. numba calls the two methods of a dispatcher that has no compiled code yet; they are replaced here."""
 
-    def __init__(self, made: Any, name: str, signature: str) -> None:
+    def __init__(self, made: Any, name: str, signature: Any) -> None:
         self._made, self._name, self._signature = made, name, signature
         self._template = made.get_call_template
         made._compile_for_args, made.get_call_template = self.entry_point, self.template
@@ -100,9 +102,9 @@ class _FirstUse:
         return self._template(args, kws)
 
 
-def kernel(signature: str, *, allocates: bool = False) -> Callable[[F], F]:
-    """Compiles a function for one signature, such as ``"float64(float64[:, ::1], int64)"``, or loads what was compiled,
-    when it is first called.
+def kernel(signature: Any, *, allocates: bool = False) -> Callable[[F], F]:
+    """Compiles a function for one signature, such as ``"float64(float64[:, ::1], int64)"`` or the same made of `types`,
+    or loads what was compiled, when it is first called.
 
     `allocates`: whether it makes arrays of its own. One that does not is compiled without numba's memory management,
     which otherwise counts the users of every table at every call: 5 to 6 times the time of a short kernel. One that

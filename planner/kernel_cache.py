@@ -15,6 +15,8 @@ ROOMS = ("kernels", "checker", "bound")
 """Rooms of the planner whose modules, and those of rooms within them, may hold kernels."""
 PLAIN = ("checker/statement",)
 """Rooms within these that hold none: an import rule keeps the compiler out of them."""
+COLUMNS = "claim/columns.py"
+"""The columns of a claim. Kernels hold these numbers as they are when they are compiled."""
 VARIABLE = "NUMBA_CACHE_DIR"
 """Environment variable that says below which folder compiled kernels are kept; the compiler's own."""
 WHOLE = "all-kernels-compiled"
@@ -28,7 +30,7 @@ def digest() -> str:
     found = hashlib.sha256()
     sources = (path for room in ROOMS for path in (here / room).rglob("*.py"))
     kept = (path for path in sources if path.parent.relative_to(here).as_posix() not in PLAIN)
-    for path in [here / "compiled.py", *sorted(kept)]:
+    for path in [here / "compiled.py", here / COLUMNS, *sorted(kept)]:
         content = path.read_bytes()
         found.update(f"{path.parent.name}/{path.name} {len(content)}\n".encode() + content)
     return found.hexdigest()[:16]

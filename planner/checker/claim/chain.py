@@ -1,0 +1,230 @@
+"""Where carriers are: jets of the links of an arm, of a frame, and of both as they are kept.
+
+A carrier has 12 jets: the three coordinates of its place, then the three columns of its rotation. The angles of a link
+are sums of joints in the world, so no rotation is multiplied by another. Nothing here depends on the kind of arm.
+"""
+
+from __future__ import annotations
+
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.claim import tables as tb
+from assur.planner.checker.claim.jets import (
+    Jet,
+    between,
+    constant,
+    inverse,
+    jet,
+    minus,
+    plus,
+    put,
+    root,
+    scaled,
+    times,
+    turned,
+)
+from assur.planner.checker.claim.motion import joints_over, over, piece_at
+from assur.planner.checker.claim.tables import F3, JET, f8, i8
+from assur.planner.claim import columns as c
+from assur.planner.claim.columns import Claim
+from assur.planner.compiled import kernel, types
+
+
+@kernel(JET(F3, i8, i8, f8, f8, f8))
+def point(jets: FloatArray, on: int, axis: int, x: float, y: float, z: float) -> Jet:
+    """A coordinate in the world of a point (x, y, z) of a carrier."""
+    total = jet(jets, on, axis)
+    if x != 0.0:
+        total = plus(total, scaled(x, jet(jets, on, 3 + axis)))
+    if y != 0.0:
+        total = plus(total, scaled(y, jet(jets, on, 6 + axis)))
+    if z != 0.0:
+        total = plus(total, scaled(z, jet(jets, on, 9 + axis)))
+    return total
+
+
+@kernel(types.void(tb.CLAIM, tb.GEOMETRY, i8, tb.SCRATCH))
+def turn(k: Claim, g: tb.Geometry, arm: int, s: tb.Scratch) -> None:
+    """Cosine and sine of all angles of an arm that have joints."""
+    first, n = int(k.arms[arm, c.ARM_ANGLE]), int(k.arms[arm, c.ARM_JOINTS])
+    for i in range(first, first + int(k.arms[arm, c.ARM_ANGLES])):
+        if g.fixed_angles[i, 0] > 0.0:
+            continue
+        total = constant(k.angles[i, c.ANGLE_CONSTANT])
+        for j in range(n):
+            share = k.angles[i, c.ANGLE_SHARE + j]
+            if share != 0.0:
+                q = s.joints[j]
+                total = plus(total, scaled(share, (q[0], q[1], q[2], q[3], q[4], q[5])))
+        cosine, sine = turned(total)
+        put(s.turns, i, 0, cosine)
+        put(s.turns, i, 1, sine)
+
+
+@kernel(types.boolean(tb.CLAIM, i8, F3, tb.SCRATCH))
+def close_loop(k: Claim, loop: int, jets: FloatArray, s: tb.Scratch) -> bool:
+    """Cosine and sine of the yaws of both couplers of a loop (N7), in `s.four`. False: it may come apart.
+
+    With d from the first crank's origin to the second one's, l and r their lengths, u and v their directions,
+    the vector between their ends has |s|² = |d|² + l² + r² + 2 d·(r v - l u) - 2 l r cos(angle between both). If the
+    origins of the cranks do not move, each joint then occurs as seldom as possible; a sum of squares is wider."""
+    own = k.loops[loop]
+    one, other, third = int(own[c.LOOP_CRANK]), int(own[c.LOOP_CRANK + 1]), int(own[c.LOOP_BETWEEN])
+    left, right = own[c.LOOP_LENGTH], own[c.LOOP_LENGTH + 1]
+    a, b = own[c.LOOP_COUPLER], own[c.LOOP_COUPLER + 1]
+    dx, dy = minus(jet(jets, other, 0), jet(jets, one, 0)), minus(jet(jets, other, 1), jet(jets, one, 1))
+    vx = minus(scaled(right, jet(jets, other, 3)), scaled(left, jet(jets, one, 3)))
+    vy = minus(scaled(right, jet(jets, other, 4)), scaled(left, jet(jets, one, 4)))
+    size = plus(plus(times(dx, dx), times(dy, dy)), scaled(2.0, plus(times(dx, vx), times(dy, vy))))
+    size = plus(size, constant(left * left + right * right))
+    size = plus(size, scaled(-2.0 * left * right, jet(s.turns, third, 0)))
+    fold = scaled(0.5 / (a * b), plus(size, constant(-a * a - b * b)))
+    margin = plus(constant(1.0), scaled(-1.0, times(fold, fold)))
+    if not (margin[0] - margin[1] >= own[c.LOOP_LEAST] ** 2 + tb.SLACK and size[0] - size[1] > tb.SLACK):
+        return False
+    ratio, sx, sy = inverse(size), plus(dx, vx), plus(dy, vy)
+    along = plus(constant(0.5), scaled(0.5 * (a * a - b * b), ratio))
+    across = scaled(own[c.LOOP_SIDE] * a * b, times(root(margin), ratio))
+    ex, ey = minus(times(along, sx), times(across, sy)), plus(times(along, sy), times(across, sx))
+    put(s.four, 0, 0, scaled(1.0 / a, ex))
+    put(s.four, 0, 1, scaled(1.0 / a, ey))
+    put(s.four, 1, 0, scaled(1.0 / b, minus(ex, sx)))
+    put(s.four, 1, 1, scaled(1.0 / b, minus(ey, sy)))
+    return True
+
+
+@kernel(types.void(F3, i8, JET, JET))
+def upright(jets: FloatArray, on: int, cosine: Jet, sine: Jet) -> None:
+    """The rotation of a carrier that turns about the vertical only. What is constant of it was written before."""
+    put(jets, on, 3, cosine)
+    put(jets, on, 4, sine)
+    put(jets, on, 6, scaled(-1.0, sine))
+    put(jets, on, 7, cosine)
+
+
+@kernel(types.void(F3, i8, JET, JET, JET, JET, JET, JET, types.boolean))
+def tilted(jets: FloatArray, on: int, cosine: Jet, sine: Jet, cp: Jet, sp: Jet, cr: Jet, sr: Jet, level: bool) -> None:
+    """The rotation Rz(yaw) Ry(-pitch) Rx(roll), from cosines and sines. `level`: the roll is always 0."""
+    ux, uy = scaled(-1.0, times(sp, cosine)), scaled(-1.0, times(sp, sine))
+    put(jets, on, 3, times(cp, cosine))
+    put(jets, on, 4, times(cp, sine))
+    put(jets, on, 5, sp)
+    if level:
+        put(jets, on, 6, scaled(-1.0, sine))
+        put(jets, on, 7, cosine)
+        put(jets, on, 8, constant(0.0))
+        put(jets, on, 9, ux)
+        put(jets, on, 10, uy)
+        put(jets, on, 11, cp)
+        return
+    put(jets, on, 6, minus(times(sr, ux), times(cr, sine)))
+    put(jets, on, 7, plus(times(sr, uy), times(cr, cosine)))
+    put(jets, on, 8, times(sr, cp))
+    put(jets, on, 9, plus(times(cr, ux), times(sr, sine)))
+    put(jets, on, 10, minus(times(cr, uy), times(sr, cosine)))
+    put(jets, on, 11, times(cr, cp))
+
+
+@kernel(types.boolean(tb.GEOMETRY, i8, tb.SCRATCH))
+def is_zero(g: tb.Geometry, angle: int, s: tb.Scratch) -> bool:
+    """Whether an angle is constant and 0."""
+    return bool(g.fixed_angles[angle, 0] > 0.0 and s.turns[angle, 1, 0] == 0.0 and s.turns[angle, 0, 0] == 1.0)
+
+
+@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, i8, F3, tb.SCRATCH))
+def chain(k: Claim, g: tb.Geometry, arm: int, jets: FloatArray, s: tb.Scratch) -> bool:
+    """Jets of all links of an arm, from those of its joints in `s.joints`. False: its loop may come apart."""
+    turn(k, g, arm, s)
+    first, closed = int(k.arms[arm, c.ARM_LINK]), False
+    for i in range(first, first + int(k.arms[arm, c.ARM_LINKS])):
+        link = k.links[i]
+        parent, slide, yaw = int(link[c.LINK_PARENT]), int(link[c.LINK_SLIDE]), int(link[c.LINK_YAW])
+        x, y, z = link[c.LINK_OFFSET], link[c.LINK_OFFSET + 1], link[c.LINK_OFFSET + 2]
+        for axis in range(3):
+            own = constant(link[c.LINK_OFFSET + axis]) if parent < 0 else point(jets, parent, axis, x, y, z)
+            put(jets, i, axis, own)
+        for column in range(3 if slide >= 0 else 0):
+            share, q = link[c.LINK_AXIS + column], s.joints[slide]
+            if share == 0.0:
+                continue
+            out = scaled(share, (q[0], q[1], q[2], q[3], q[4], q[5]))
+            # the vertical of an upright parent is that of the world
+            plain = parent < 0 or (column == 2 and g.carriers[parent, tb.CARRIER_UPRIGHT] > 0.0)
+            for axis in range(3):
+                if not plain:
+                    along = jet(jets, parent, 3 + 3 * column + axis)
+                    put(jets, i, axis, plus(jet(jets, i, axis), times(out, along)))
+                elif axis == column:
+                    put(jets, i, axis, plus(jet(jets, i, axis), out))
+        cosine, sine = jet(s.turns, yaw, 0), jet(s.turns, yaw, 1)
+        if link[c.LINK_COUPLER] >= 0.0:
+            if not closed and not close_loop(k, int(k.arms[arm, c.ARM_LOOP]), jets, s):
+                return False
+            closed = True
+            u, v = jet(s.four, int(link[c.LINK_COUPLER]), 0), jet(s.four, int(link[c.LINK_COUPLER]), 1)
+            if is_zero(g, yaw, s):
+                cosine, sine = u, v
+            else:
+                cosine, sine = minus(times(cosine, u), times(sine, v)), plus(times(sine, u), times(cosine, v))
+        if g.carriers[i, tb.CARRIER_UPRIGHT] > 0.0:
+            upright(jets, i, cosine, sine)
+            continue
+        p, r = int(link[c.LINK_PITCH]), int(link[c.LINK_ROLL])
+        pitch, roll = (jet(s.turns, p, 0), jet(s.turns, p, 1)), (jet(s.turns, r, 0), jet(s.turns, r, 1))
+        tilted(jets, i, cosine, sine, pitch[0], pitch[1], roll[0], roll[1], is_zero(g, r, s))
+    return True
+
+
+@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, i8, i8, f8, f8, F3, tb.SCRATCH))
+def frame_over(
+    k: Claim, g: tb.Geometry, f: int, on: int, t0: float, t1: float, jets: FloatArray, s: tb.Scratch
+) -> bool:
+    """Jets of a frame with a law over [t0, t1] (N6), with its sines. False: its motion is not given there."""
+    frame, own = k.frames[f], s.four
+    first, many = int(frame[c.FRAME_PIECE]), int(frame[c.FRAME_PIECES])
+    for axis in range(4):
+        put(own, axis // 2, axis % 2, constant(frame[c.FRAME_POSE + axis]))
+    if many > 0:
+        last = first + many - 1
+        if not (g.laws[first, 0] <= t0 <= t1 <= g.laws[last, 1]):
+            return False
+        i = piece_at(g.laws, first, last, t0)
+        for axis in range(4):
+            put(own, axis // 2, axis % 2, over(g.laws, i, tb.CURVE_POWER + tb.LAW_POWERS * axis, t0, t1, s.work))
+    for i in range(int(frame[c.FRAME_WAVE]), int(frame[c.FRAME_WAVE] + frame[c.FRAME_WAVES])):
+        wave, u = k.waves[i], between(t0, t1)
+        rate, axis = wave[c.WAVE_RATE], int(wave[c.WAVE_COORDINATE])
+        angle = (rate * u[0] + wave[c.WAVE_PHASE], abs(rate) * u[1], rate, 0.0, 0.0, 0.0)
+        added = scaled(wave[c.WAVE_AMPLITUDE], turned(angle)[1])
+        put(own, axis // 2, axis % 2, plus(jet(own, axis // 2, axis % 2), added))
+    for axis in range(3):
+        put(jets, on, axis, jet(own, axis // 2, axis % 2))
+    cosine, sine = turned(jet(own, 1, 1))
+    upright(jets, on, cosine, sine)
+    return True
+
+
+@kernel(i8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, i8, f8, f8))
+def slot_of(k: Claim, g: tb.Geometry, s: tb.Scratch, on: int, t0: float, t1: float) -> int:
+    """The slot of `s.jets` that has a carrier over [t0, t1], computed now or before. Less than 0: it is not known, and
+    the value is -1 - NOT_GIVEN or -1 - TOO_WIDE. All links of an arm are computed together."""
+    arm = int(g.carriers[on, tb.CARRIER_ARM])
+    key, lasts = on if arm < 0 else int(k.arms[arm, c.ARM_LINK]), t1 > t0
+    begin, many = (tb.INSTANTS, tb.INTERVALS) if lasts else (0, tb.INSTANTS)
+    if g.carriers[on, tb.CARRIER_FIXED] > 0.0:
+        if s.known[0, on, 2] == 0.0:
+            frame_over(k, g, int(g.carriers[on, tb.CARRIER_FRAME]), on, t0, t0, s.jets[0], s)
+            s.known[0, on, 2] = tb.KNOWN
+        return 0
+    for slot in range(begin, begin + many):
+        if s.known[slot, key, 0] == t0 and s.known[slot, key, 1] == t1:
+            return slot if s.known[slot, key, 2] == tb.KNOWN else int(-1 - s.known[slot, key, 2])
+    slot = begin + int(s.next_slot[key, int(lasts)])
+    s.next_slot[key, int(lasts)] = (s.next_slot[key, int(lasts)] + 1.0) % many
+    state = tb.NOT_GIVEN
+    if arm < 0:
+        if frame_over(k, g, int(g.carriers[on, tb.CARRIER_FRAME]), on, t0, t1, s.jets[slot], s):
+            state = tb.KNOWN
+    elif joints_over(g, arm, int(k.arms[arm, c.ARM_JOINTS]), t0, t1, s):
+        state = tb.KNOWN if chain(k, g, arm, s.jets[slot], s) else tb.TOO_WIDE
+    s.known[slot, key, 0], s.known[slot, key, 1], s.known[slot, key, 2] = t0, t1, state
+    return slot if state == tb.KNOWN else -1 - state

@@ -1,0 +1,269 @@
+"""The check of a claim from its form to its verdict: everything that it says is shown, or it is refused."""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.checker.claim import tables as tb
+from assur.planner.checker.claim.enclosure import first_within, open_body
+from assur.planner.checker.claim.form import FITS, MISFITS, bound_name, bounds, misfit, wrong_table
+from assur.planner.checker.claim.jets import constant, put
+from assur.planner.checker.claim.limits import KEPT, NO_LIMITS, first_joint_beyond
+from assur.planner.checker.claim.motion import make_curves, make_laws
+from assur.planner.checker.claim.obligations import make_pairs, number_bodies
+from assur.planner.checker.claim.points import AXES, POINTS, PULLS, tool_claim_holds
+from assur.planner.checker.claim.rows import first_uncovered, first_wrong_row, resolve
+from assur.planner.checker.claim.solids import place_solids
+from assur.planner.checker.claim.tables import F1, F2, I1, f8, i8
+from assur.planner.claim import columns as c
+from assur.planner.claim.columns import Claim
+from assur.planner.compiled import kernel, types
+
+MOST_WORK = 4_000_000
+"""Work after which a claim is refused, some seconds: rows on parts of intervals, parts of limits and points, possible
+pairs of bodies, tens of pieces of motions, and tens of triangles about a point."""
+MOST_FINDINGS = 8
+"""Findings after which a check ends."""
+
+
+class ClaimCode(StrEnum):
+    """What is not shown."""
+
+    FORM = "FORM"
+    """Tables, columns or indices are not those of a claim."""
+    SURFACE = "SURFACE"
+    """The surface of a body is not closed."""
+    KNOTS = "KNOTS"
+    """Times of knots go back, or positions or velocities jump."""
+    PHASES = "PHASES"
+    """Phases have gaps or end too early, or the robot need not keep clear while it moves."""
+    LIMIT = "LIMIT"
+    """A joint does not keep a limit, or no limits are for all of the motion."""
+    POINT = "POINT"
+    """The tool is not at its point, or does not move with it."""
+    PULL = "PULL"
+    """The tool accelerates harder than is claimed."""
+    DIRECTION = "DIRECTION"
+    """An axis of the tool is not within its directions."""
+    ROW = "ROW"
+    """A row does not hold."""
+    COVER = "COVER"
+    """No row for a part of a phase."""
+    WITHIN = "WITHIN"
+    """Nothing shows that one body is not within the other."""
+    WORK = "WORK"
+    """More work than MOST_WORK."""
+    FAULT = "FAULT"
+    """Numbers that overflow, or that are divided by 0."""
+
+
+KNOTS, PHASES, LIMIT, ROW, COVER, WITHIN, MUCH = range(AXES + 1, AXES + 8)
+_CODES = (
+    ClaimCode.POINT,
+    ClaimCode.PULL,
+    ClaimCode.DIRECTION,
+    ClaimCode.KNOTS,
+    ClaimCode.PHASES,
+    ClaimCode.LIMIT,
+    ClaimCode.ROW,
+    ClaimCode.COVER,
+    ClaimCode.WITHIN,
+    ClaimCode.WORK,
+)
+FINDING_CODE, FINDING_WHAT, FINDING_WHEN, FINDING = range(4)
+"""Columns of a finding as kernels have it: one of the numbers above, the row or the joint that it is about, a time."""
+
+
+class ClaimFinding(NamedTuple):
+    """One thing that is not shown: `what` in words, and from which time on, s (NaN: no time)."""
+
+    code: ClaimCode
+    what: str
+    when: float
+
+
+class ClaimVerdict(NamedTuple):
+    """Whether all of a claim is shown, and what is not. Counts: rows that were needed, pairs of bodies in all phases,
+    halvings of rows, the deepest of them, and work as in MOST_WORK."""
+
+    accepted: bool
+    findings: tuple[ClaimFinding, ...]
+    rows: int = 0
+    pairs: int = 0
+    halvings: int = 0
+    deepest: int = 0
+    work: int = 0
+
+
+@kernel(types.Tuple((tb.GEOMETRY, tb.SCRATCH))(tb.CLAIM), allocates=True)
+def prepare(k: Claim) -> tuple[tb.Geometry, tb.Scratch]:
+    """Room for the geometry and the jets of a claim that fits together; carriers and constant angles are written."""
+    links, frames, solids, vertices, lags = len(k.links), len(k.frames), 0, 0, 0
+    for s in range(len(k.seats)):
+        body = k.bodies[int(k.seats[s, c.SEAT_BODY])]
+        solids += int(body[c.BODY_PIECES]) + 1
+        for i in range(int(body[c.BODY_PIECE]), int(body[c.BODY_PIECE] + body[c.BODY_PIECES])):
+            vertices += int(k.pieces[i, c.PIECE_VERTICES])
+    geometry = tb.Geometry(
+        np.zeros((len(k.knots), tb.CURVE)),
+        np.zeros((len(k.arms), 2)),
+        np.zeros((len(k.laws), tb.LAW_CURVE)),
+        np.zeros((len(k.angles), 1)),
+        np.zeros((links + frames, tb.CARRIER)),
+        np.zeros((frames, 1)),
+        np.zeros((links + frames, tb.ROUNDS)),
+        np.zeros((solids, tb.SOLID)),
+        np.zeros((vertices, 3)),
+        np.zeros((len(k.seats), 2)),
+    )
+    for j in range(c.MOST_JOINTS):
+        lags = c.MOST_JOINTS if k.required[0, c.REQUIRED_LAG + j] > 0.0 else lags
+    scratch = tb.Scratch(
+        np.zeros((tb.INSTANTS + tb.INTERVALS + lags, links + frames, 12, 6)),
+        np.full((tb.INSTANTS + tb.INTERVALS + max(lags, 1), links + frames, 3), np.nan),
+        np.zeros((len(k.angles), 2, 6)),
+        np.zeros((2, 2, 6)),
+        np.zeros((c.MOST_JOINTS, 6)),
+        np.zeros(tb.LAW_POWERS + 2),
+        np.zeros((links + frames, 2)),
+    )
+    scratch.known[0, :, 2] = 0.0
+    scratch.jets[:, :, 11, 0] = 1.0
+    for i in range(len(k.angles)):
+        moves = False
+        for j in range(c.MOST_JOINTS):
+            moves = moves or k.angles[i, c.ANGLE_SHARE + j] != 0.0
+        geometry.fixed_angles[i, 0] = 0.0 if moves else 1.0
+        put(scratch.turns, i, 0, constant(math.cos(k.angles[i, c.ANGLE_CONSTANT])))
+        put(scratch.turns, i, 1, constant(math.sin(k.angles[i, c.ANGLE_CONSTANT])))
+    for a in range(len(k.arms)):
+        for i in range(int(k.arms[a, c.ARM_LINK]), int(k.arms[a, c.ARM_LINK] + k.arms[a, c.ARM_LINKS])):
+            own = geometry.carriers[i]
+            own[tb.CARRIER_ARM], own[tb.CARRIER_FRAME] = a, -1.0
+            own[tb.CARRIER_UPRIGHT] = 1.0 if k.links[i, c.LINK_PITCH] < 0.0 else 0.0
+    for f in range(frames):
+        frame, own = k.frames[f], geometry.carriers[links + f]
+        alone = frame[c.FRAME_ARM] < 0.0
+        geometry.on[f, 0] = links + f if alone else frame[c.FRAME_LINK]
+        own[tb.CARRIER_ARM], own[tb.CARRIER_FRAME], own[tb.CARRIER_UPRIGHT] = -1.0, f, 1.0
+        own[tb.CARRIER_FIXED] = 1.0 if alone and frame[c.FRAME_PIECES] + frame[c.FRAME_WAVES] == 0.0 else 0.0
+    return geometry, scratch
+
+
+@kernel(types.boolean(tb.CLAIM))
+def phases_fit(k: Claim) -> bool:
+    """Whether phases follow each other from the first knot to the end that is required, and the robot must keep clear
+    in all of them until its last knot."""
+    phases, last = len(k.phases), k.knots[int(k.arms[0, c.ARM_KNOTS]) - 1, c.KNOT_TIME]
+    fit = k.phases[0, c.PHASE_T0] == k.knots[0, c.KNOT_TIME]
+    fit = fit and k.phases[phases - 1, c.PHASE_T1] >= k.required[0, c.REQUIRED_UNTIL]
+    fit = fit and k.required[0, c.REQUIRED_UNTIL] >= last and k.phases[phases - 1, c.PHASE_T1] >= last
+    for p in range(phases):
+        fit = fit and (p == 0 or k.phases[p, c.PHASE_T0] == k.phases[p - 1, c.PHASE_T1])
+        fit = fit and (k.phases[p, c.PHASE_ROBOT] > 0.0 or k.phases[p, c.PHASE_T0] >= last)
+    return bool(fit)
+
+
+@kernel(i8(F2, i8, i8, f8, f8))
+def add_finding(findings: FloatArray, many: int, code: int, what: float, when: float) -> int:
+    """Writes a finding to row `many`, and returns the number of findings."""
+    own = findings[many]
+    own[FINDING_CODE], own[FINDING_WHAT], own[FINDING_WHEN] = code, what, when
+    return many + 1
+
+
+@kernel(types.Tuple((F2, F2, F1))(tb.CLAIM, I1), allocates=True)
+def check_tables(k: Claim, order: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """What is not shown of a claim that fits together (.., FINDING), the pairs that must keep apart (.., PAIR), and the
+    numbers of the check (STATE,). `order`: of its rows, by begin and end."""
+    findings, state, many = np.zeros((MOST_FINDINGS + 2, FINDING)), np.zeros(tb.STATE), 0
+    state[tb.WORK] = MOST_WORK
+    g, s = prepare(k)
+    make_laws(k, g)
+    moves = make_curves(k, g, s.work)
+    if not (moves and phases_fit(k)):
+        many = add_finding(findings, 0, PHASES if moves else KNOTS, 0.0, k.phases[0, c.PHASE_T0])
+        return findings[:many], np.empty((0, tb.PAIR)), state
+    place_solids(k, g)
+    stack = np.zeros((2 * tb.DEEPEST + 8, tb.POWERS + 1))
+    joint = first_joint_beyond(k, stack, state)
+    if joint != KEPT:
+        many = add_finding(findings, many, LIMIT, joint, stack[len(stack) - 1, tb.POWERS])
+    for kind, table in ((POINTS, k.points), (PULLS, k.pulls), (AXES, k.axes)):
+        for i in range(len(table)):
+            if many < MOST_FINDINGS and not tool_claim_holds(k, g, s, kind, table[i], stack, state):
+                many = add_finding(findings, many, kind, i, table[i, 0])
+    bodies, phases, numbers = len(k.bodies), len(k.phases), np.full(len(k.bodies), -1)
+    robots = number_bodies(k, numbers)
+    size = phases * robots * bodies
+    state[tb.WORK] -= float(size) * (1.0 + len(k.rules))
+    if not state[tb.WORK] > 3.0 * size:
+        many = add_finding(findings, many, MUCH, 0.0, k.phases[0, c.PHASE_T0])
+        return findings[:many], np.empty((0, tb.PAIR)), state
+    rows_of, pairs = np.full((phases, robots, bodies), -1), np.empty((size, tb.PAIR))
+    proof = tb.Proof(numbers, rows_of, pairs, np.empty((len(k.rows), tb.OBJECT)), order, state)
+    make_pairs(k, g, proof)
+    resolve(k, g, proof)
+    wrong = first_wrong_row(k, g, s, proof)
+    if wrong >= 0:
+        many = add_finding(findings, many, ROW, wrong, k.rows[wrong, c.ROW_T0])
+    for code in (COVER, WITHIN):
+        pair = -1
+        # a row that fails leaves its pair without cover: that is reported once
+        while many < MOST_FINDINGS and state[tb.WORK] > 0.0 and not (code == COVER and wrong >= 0):
+            pair = first_uncovered(k, proof, pair) if code == COVER else first_within(k, g, s, proof, pair)
+            if pair < 0:
+                break
+            many = add_finding(findings, many, code, pair, k.phases[int(pairs[pair, tb.PAIR_PHASE]), c.PHASE_T0])
+    if not state[tb.WORK] > 0.0:
+        many = add_finding(findings, many, MUCH, 0.0, k.phases[0, c.PHASE_T0])
+    return findings[:many], pairs[: int(state[tb.PAIRS])], state
+
+
+BOUNDS = bounds()
+
+
+def check_claim(claim: Claim) -> ClaimVerdict:
+    """Whether everything that a claim says is shown. Tables that are none of a claim are refused, not raised."""
+    name = wrong_table(claim)
+    if name:
+        return _refused(ClaimCode.FORM, f"{name}: not the table of a claim")
+    row = misfit(claim, BOUNDS)
+    if row != FITS:
+        return _refused(ClaimCode.FORM, MISFITS.get(row) or bound_name(row))
+    body = open_body(claim)
+    if body >= 0:
+        return _refused(ClaimCode.SURFACE, f"body {body}")
+    order = np.lexsort((claim.rows[:, c.ROW_T1], claim.rows[:, c.ROW_T0]))
+    try:
+        rows, pairs, state = check_tables(claim, order)
+    except (ZeroDivisionError, OverflowError, ValueError, IndexError) as error:
+        return _refused(ClaimCode.FAULT, type(error).__name__)
+    findings = tuple(_finding(claim, row, pairs) for row in rows)
+    needed, many, halvings, deepest = [int(state[number]) for number in (tb.ROWS, tb.PAIRS, tb.HALVINGS, tb.DEPTH)]
+    return ClaimVerdict(not findings, findings, needed, many, halvings, deepest, int(MOST_WORK - state[tb.WORK]))
+
+
+def _refused(code: ClaimCode, what: str) -> ClaimVerdict:
+    return ClaimVerdict(False, (ClaimFinding(code, what, math.nan),))
+
+
+def _finding(claim: Claim, row: FloatArray, pairs: FloatArray) -> ClaimFinding:
+    """A finding of `check_tables` in words."""
+    code, number, what = int(row[FINDING_CODE]), int(row[FINDING_WHAT]), ""
+    if code == LIMIT:
+        what = "no limits are for all of the motion" if number == NO_LIMITS else f"joint {number}"
+    elif code == ROW:
+        a, b = claim.rows[number, c.ROW_BODY : c.ROW_PIECE]
+        what = f"row {number}, bodies {a:.0f} and {b:.0f}"
+    elif code in (COVER, WITHIN):
+        a, b, phase = pairs[number, [tb.PAIR_A, tb.PAIR_B, tb.PAIR_PHASE]]
+        what = f"bodies {a:.0f} and {b:.0f} in phase {phase:.0f}"
+    elif code <= AXES:
+        what = f"number {number}"
+    return ClaimFinding(_CODES[code], what, float(row[FINDING_WHEN]))

@@ -1,0 +1,421 @@
+"""Forged claims: each says something false, or has lost a part of its proof.
+
+A forgery changes the bundle of a shipped scenario. A path names what is changed: keys and numbers of items, `*` for all
+items, `lasting` for the first row that takes time, `middle` for the item in the middle, or the name of an item.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+from assur.planner.checker.claim.verdict import ClaimCode
+from assur.planner.claim import reading
+from assur.planner.claim.columns import Claim
+
+Document = dict[str, Any]
+Change = Callable[[Document], object]
+FORM, KNOTS, PHASES, LIMIT, POINT = (
+    ClaimCode.FORM,
+    ClaimCode.KNOTS,
+    ClaimCode.PHASES,
+    ClaimCode.LIMIT,
+    ClaimCode.POINT,
+)
+PULL, DIRECTION, ROW, COVER, SURFACE = (
+    ClaimCode.PULL,
+    ClaimCode.DIRECTION,
+    ClaimCode.ROW,
+    ClaimCode.COVER,
+    ClaimCode.SURFACE,
+)
+
+
+def read(document: Document) -> Claim:
+    """The tables of a bundle. Raises `InputError`."""
+    return reading.read(document)[0]
+
+
+class Forgery(NamedTuple):
+    """What is forged, in which scenario's claim, how, and the code of the first finding (None: reading refuses it)."""
+
+    what: str
+    scenario: str
+    change: Change
+    code: ClaimCode | None
+
+
+def places(items: Any, path: list[str]) -> Iterator[tuple[Any, Any]]:
+    """Each container and key that a path names."""
+    key, *rest = path
+    keys: list[Any] = [key]
+    if isinstance(items, list):
+        if key == "*":
+            keys = list(range(len(items)))
+        elif key == "lasting":
+            keys = [next(i for i, row in enumerate(items) if row["t1"] > row["t0"])]
+        elif key == "middle":
+            keys = [len(items) // 2]
+        elif key.lstrip("-").isdigit():
+            keys = [int(key)]
+        else:
+            keys = [next(i for i, item in enumerate(items) if item["name"] == key)]
+    elif key == "*":
+        keys = list(items)
+    for each in keys:
+        if not rest:
+            yield items, each
+        elif items[each] is not None:
+            yield from places(items[each], rest)
+
+
+def put(path: str, value: Any) -> Change:
+    """Puts a value, or what a function makes of the old value, where a path says."""
+
+    def change(document: Document) -> None:
+        for items, key in list(places(document, path.split("."))):
+            items[key] = value(items[key]) if callable(value) else value
+
+    return change
+
+
+def plus(by: float) -> Callable[[float], float]:
+    return lambda x: x + by
+
+
+def times(by: float) -> Callable[[Any], Any]:
+    return lambda x: [by * each for each in x] if isinstance(x, list) else by * x
+
+
+def both(*changes: Change) -> Change:
+    """Several changes."""
+
+    def change(document: Document) -> None:
+        for each in changes:
+            each(document)
+
+    return change
+
+
+def body(document: Document, name: str) -> int:
+    return [each["name"] for each in document["bodies"]].index(name)
+
+
+def lasting(document: Document) -> list[Document]:
+    """Rows that take time."""
+    return [row for row in document["rows"] if row["t1"] > row["t0"]]
+
+
+def law_of(document: Document) -> Document:
+    """The first frame with a law."""
+    return next(frame for frame in document["frames"] if frame["edges"])
+
+
+def moved(name: str, axis: int, by: float) -> Change:
+    """A body has other places on what it sits on."""
+
+    def change(document: Document) -> None:
+        for seat in document["seats"]:
+            if seat["body"] == body(document, name):
+                seat["pose"][axis] += by
+
+    return change
+
+
+def without_pair(document: Document) -> None:
+    """No row of the first pair of the second phase that has one."""
+    begin, end = document["phases"][1]["t0"], document["phases"][1]["t1"]
+    first = next(row for row in lasting(document) if begin <= row["t0"] and row["t1"] <= end)
+    document["rows"] = [
+        row for row in document["rows"] if not (row["bodies"] == first["bodies"] and begin <= row["t0"] < end)
+    ]
+
+
+def without_put_down(document: Document) -> None:
+    """No row of two bodies that are both on frames."""
+    phases, seats = document["phases"], document["seats"]
+    on_frames = [{seats[k]["body"] for k in phase["seats"] if seats[k]["frame"] >= 0} for phase in phases]
+
+    def is_of_frames(row: Document) -> bool:
+        return set(row["bodies"]) <= on_frames[max(k for k, phase in enumerate(phases) if phase["t0"] <= row["t0"])]
+
+    document["rows"] = [row for row in document["rows"] if not is_of_frames(row)]
+
+
+def swapped(document: Document) -> None:
+    """The bodies of all rows change places."""
+    for row in document["rows"]:
+        row.update(bodies=row["bodies"][::-1], pieces=row["pieces"][::-1])
+
+
+def of_first_piece(document: Document) -> None:
+    """Rows of the first body with several pieces are all of its first piece."""
+    many = next(k for k, each in enumerate(document["bodies"]) if len(each["pieces"]) > 1)
+    for row in document["rows"]:
+        row["pieces"] = [0 if b == many else p for b, p in zip(row["bodies"], row["pieces"], strict=True)]
+
+
+def with_vertex(document: Document) -> None:
+    """Hulls have one more corner."""
+    for each in document["bodies"]:
+        for piece in each["pieces"]:
+            if piece["vertices"]:
+                piece["vertices"].append([0.0, 0.0, 1.0])
+
+
+def first_triangle(change: Callable[[Document], object]) -> Change:
+    """Changes the first piece that has triangles."""
+
+    def of(document: Document) -> None:
+        change(next(piece for each in document["bodies"] for piece in each["pieces"] if piece["triangles"]))
+
+    return of
+
+
+def swings(document: Document) -> None:
+    """Frames without a law swing."""
+    for frame in document["frames"]:
+        if not frame["edges"]:
+            frame["waves"] = [{"coordinate": 3, "amplitude": 0.8, "rate": 3.0, "phase": 0.0}]
+
+
+def where(key: str, path: str, value: Any) -> Change:
+    """Puts a value into those points or frames in which a list is not empty."""
+    table, rest = path.split(".", 1)
+
+    def change(document: Document) -> None:
+        for each in document[table]:
+            if each[key]:
+                put(rest, value)(each)
+
+    return change
+
+
+def reversed_range(path: str, low: str, high: str) -> Change:
+    """The second number of a range becomes less than the first."""
+
+    def change(document: Document) -> None:
+        for items, key in places(document, path.split(".")):
+            items[key][high] = math.nextafter(items[key][low], -math.inf)
+
+    return change
+
+
+def exception(document: Document) -> None:
+    """A distance of its own for the part."""
+    rule = {"first": [], "second": [body(document, "part")], "travel": 0.3, "near": 0.3}
+    document["required"]["exceptions"].append(rule)
+
+
+ROWS = [
+    Forgery("a pair has no row", "demo", without_pair, COVER),
+    Forgery(
+        "a row ends an ulp too early", "demo", put("rows.lasting.t1", lambda t: math.nextafter(t, -math.inf)), COVER
+    ),
+    Forgery(
+        "a row begins an ulp too late", "demo", put("rows.lasting.t0", lambda t: math.nextafter(t, math.inf)), COVER
+    ),
+    Forgery("a normal points the other way", "demo", put("rows.lasting.normal", times(-1.0)), ROW),
+    Forgery("a normal is zero", "demo", put("rows.lasting.normal", [0.0, 0.0, 0.0]), COVER),
+    Forgery("a normal is turned", "demo", put("rows.lasting.normal", lambda n: n[1:] + n[:1]), ROW),
+    Forgery("a row is of another body", "demo", lambda d: put("rows.lasting.bodies.0", body(d, "shaft"))(d), COVER),
+    Forgery("a row is of one body twice", "demo", put("rows.lasting.bodies", lambda b: [b[1], b[1]]), COVER),
+    Forgery("bodies of all rows change places", "demo", swapped, ROW),
+    Forgery("no rows", "demo", put("rows", []), COVER),
+    Forgery("rows of one piece for a body of two", "demo", of_first_piece, COVER),
+    Forgery(
+        "rows are of too few time differences",
+        "beside-a-neighbour",
+        put("rows.*", lambda r: {**r, "s1": max(r["s0"], r["s1"] - 1e-9)}),
+        COVER,
+    ),
+    Forgery(
+        "rows are of later time differences",
+        "beside-a-neighbour",
+        put("rows.*", lambda r: {**r, "s0": min(r["s0"] + 1e-9, r["s1"])}),
+        COVER,
+    ),
+]
+REQUIRED = [
+    Forgery("greater distance in travel", "demo", put("required.travel", 0.2), ROW),
+    Forgery("greater distance near points", "demo", put("required.near", 0.05), ROW),
+    Forgery("a pair has a distance of its own", "demo", exception, ROW),
+    Forgery("it lasts longer", "demo", put("required.until", plus(1.0)), PHASES),
+    Forgery("it ends before the motion", "demo", lambda d: put("required.until", d["phases"][0]["t1"])(d), PHASES),
+    Forgery("joints lag", "demo", put("required.lag", [0.05] * 4), ROW),
+    Forgery("joints of an arm that tilts lag", "rv-m1", put("required.lag", [0.05] * 5), ROW),
+    Forgery("joints of a five-bar lag", "five-bar", put("required.lag", [0.03] * 4), ROW),
+    Forgery("the robot starts late", "demo", put("required.late", 0.5), COVER),
+    Forgery("it starts later than was shown", "beside-a-neighbour", put("required.late", plus(1e-6)), COVER),
+    Forgery(
+        "another pair of links must keep apart", "demo", lambda d: d["required"]["self_pairs"].append([0, 1]), COVER
+    ),
+    Forgery(
+        "displacements grow from an earlier time",
+        "dense-flow",
+        both(put("required.since", -100.0), put("frames.*.unknown.*.growth", 0.01)),
+        ROW,
+    ),
+]
+PHASES_AND_BODIES = [
+    Forgery("a phase is missing", "demo", lambda d: d["phases"].pop(2), PHASES),
+    Forgery("phases end too early", "demo", lambda d: d["phases"].pop(), PHASES),
+    Forgery("a phase begins late", "demo", put("phases.1.t0", plus(1e-9)), PHASES),
+    Forgery("the robot need not keep clear while it moves", "demo", put("phases.*.robot", False), PHASES),
+    Forgery("nor in the last phase of its motion", "demo", put("phases.-2.robot", False), PHASES),
+    Forgery("travel distance counts all the time", "demo", put("phases.*.near", False), ROW),
+    Forgery("no contacts are allowed", "demo", put("phases.*.contacts", []), ROW),
+    Forgery(
+        "contacts are deeper than is allowed",
+        "demo",
+        both(put("phases.*.contacts.*.depth", 0.0), moved("part", 2, -1e-5)),
+        ROW,
+    ),
+    Forgery("a part is in no gripper", "demo", lambda d: put("phases.*.seats", d["phases"][0]["seats"])(d), ROW),
+    Forgery("a part that was put down has no rows", "belt-to-belt", without_put_down, COVER),
+    Forgery("bodies may be off their places", "demo", put("phases.*.unknown.*", [0.1, 0.1]), ROW),
+    Forgery("the part is higher", "demo", moved("part", 2, 2e-2), ROW),
+    Forgery("a bar is thicker", "demo", put("bodies.bar.pieces.*.ball", plus(0.3)), ROW),
+    Forgery("a body of the robot is thicker", "demo", put("bodies.link-2.pieces.*.ball", plus(0.3)), ROW),
+    Forgery("a cylinder is thicker", "demo", put("bodies.shaft.pieces.*.disc", plus(0.3)), ROW),
+    Forgery("a box is longer", "demo", put("bodies.link-2.pieces.0.edges", lambda e: [*e, [0.0, 0.0, 0.3]]), ROW),
+    Forgery("a hull has another corner", "demo", with_vertex, ROW),
+    Forgery("hulls of a mesh have another corner", "tray", with_vertex, ROW),
+    Forgery("a triangle is missing", "tray", first_triangle(lambda piece: piece["triangles"].pop()), SURFACE),
+    Forgery("a triangle is turned", "tray", first_triangle(lambda piece: piece["triangles"][0].reverse()), SURFACE),
+    Forgery("a triangle has a corner of no piece", "tray", first_triangle(put("triangles.0.0", 10**6)), None),
+]
+MOTION = [
+    Forgery("a position is another", "demo", put("arms.0.q.middle.1", plus(1e-3)), LIMIT),
+    Forgery("a velocity is another", "demo", put("arms.0.qd.middle.0", plus(1e-2)), LIMIT),
+    Forgery("an acceleration is another", "demo", put("arms.0.qdd.middle.0", plus(1e4)), LIMIT),
+    Forgery("a lift is another", "demo", put("arms.0.q.middle.2", plus(1e-4)), LIMIT),
+    Forgery("a velocity beyond its limit", "demo", put("arms.0.qd.middle.0", plus(50.0)), LIMIT),
+    Forgery("times of knots go back", "demo", lambda d: put("arms.0.time.3", d["arms"][0]["time"][5])(d), KNOTS),
+    Forgery("a jump of the position", "parabolic-blend", put("arms.0.q.2.0", plus(1e-9)), KNOTS),
+    Forgery("links are longer", "demo", put("arms.0.links.2.offset.0", 0.4), POINT),
+    Forgery("a link turns with another joint", "demo", put("arms.0.links.2.yaw.joints.1", 0.0), POINT),
+    Forgery("a link has another parent", "demo", put("arms.0.links.3.parent", 1), ROW),
+    Forgery("the lift goes down", "demo", put("arms.0.links.*.slide.axis", [0.0, 0.0, -1.0]), POINT),
+    Forgery("a link tilts the other way", "rv-m1", put("arms.0.links.*.pitch.joints.1", -1.0), POINT),
+    Forgery("a hand rolls the other way", "rv-m1", put("arms.0.links.-1.roll.joints.4", -1.0), DIRECTION),
+    Forgery("a loop has a greater margin", "five-bar", put("arms.0.loop.0.least", 0.99), POINT),
+    Forgery("a loop meets on the other side", "five-bar", put("arms.0.loop.0.side", times(-1.0)), POINT),
+    Forgery("a coupler is longer", "five-bar", put("arms.0.loop.0.couplers.0", plus(0.02)), POINT),
+    Forgery("cranks change places", "five-bar", put("arms.0.loop.0.cranks", lambda k: k[::-1]), POINT),
+    Forgery("a belt runs faster", "demo", lambda d: put("rate.0", plus(1e-3))(law_of(d)), POINT),
+    Forgery("a belt speeds up", "demo", lambda d: put("acceleration.0.0", [0.05])(law_of(d)), POINT),
+    Forgery("a belt is known for half a second", "demo", lambda d: put("edges.-1", 0.5)(law_of(d)), POINT),
+    Forgery("a dial is elsewhere", "demo", put("frames.2.pose.0", plus(0.01)), POINT),
+    Forgery("frames swing", "demo", swings, POINT),
+    Forgery("a door is in another phase", "shutter", put("frames.*.waves.*.phase", plus(0.5)), ROW),
+    Forgery(
+        "another robot moves otherwise",
+        "two-robots",
+        put("arms.1.time", lambda t: [t[0], *(x + 0.2 for x in t[1:])]),
+        ROW,
+    ),
+    Forgery("another robot has longer links", "two-robots", put("arms.1.links.2.offset.0", 1.0), ROW),
+]
+UNCERTAINTY = [
+    Forgery(
+        "errors of frames are larger",
+        "demo",
+        put("frames.*.unknown.*", lambda u: {**u, "amount": 0.5, "direction": [0.0, 0.0, 1.0]}),
+        ROW,
+    ),
+    Forgery(
+        "errors of frames have any direction",
+        "dense-flow",
+        put("frames.*.unknown.*", lambda u: {**u, "amount": 0.5, "direction": []}),
+        ROW,
+    ),
+    Forgery("frames may be turned", "demo", put("frames.*.yaw", 0.5), ROW),
+    Forgery("a frame may be late", "demo", put("frames.*.shift", [0.0, 0.1]), COVER),
+    Forgery("a frame may be early", "demo", put("frames.*.shift", [-0.1, 0.0]), COVER),
+    Forgery("nothing is corrected", "dense-flow", put("phases.*.shares.*", [0.0, 0.0]), ROW),
+    Forgery(
+        "a correction is larger",
+        "dense-flow",
+        put("frames.*.unknown.*", lambda u: {**u, "amount": 0.2} if u["shared"] else u),
+        ROW,
+    ),
+]
+LIMITS_AND_TOOL = [
+    Forgery("a smaller limit of velocity", "demo", put("limits.*.velocity", times(0.5)), LIMIT),
+    Forgery("smaller by a millionth", "parabolic-blend", put("limits.*.velocity", times(1.0 - 1e-6)), LIMIT),
+    Forgery("a smaller limit of acceleration", "demo", put("limits.*.acceleration", times(0.9)), LIMIT),
+    Forgery("a smaller limit of jerk", "demo", put("limits.*.jerk", times(0.5)), LIMIT),
+    Forgery("a smaller range", "demo", put("limits.*.upper", times(0.5)), LIMIT),
+    Forgery(
+        "an empty range",
+        "demo",
+        put("limits.*", lambda each: {**each, "lower": each["upper"], "upper": each["lower"]}),
+        LIMIT,
+    ),
+    Forgery("limits count for a part of the motion", "demo", put("limits.0.t1", times(0.5)), LIMIT),
+    Forgery("no limits", "demo", put("limits", []), LIMIT),
+    Forgery("a load leaves less", "heavy-casting", put("limits.-1.acceleration", times(0.5)), LIMIT),
+    Forgery("the tool is elsewhere", "demo", put("points.*.tool.2", plus(1e-4)), POINT),
+    Forgery("the tool is turned", "demo", put("points.*.tool.3", plus(1e-3)), POINT),
+    Forgery("a point is elsewhere", "demo", put("points.0.target.0", plus(1e-5)), POINT),
+    Forgery("a point is turned", "demo", put("points.0.target.3", plus(1e-5)), POINT),
+    Forgery("a point is met later", "demo", both(put("points.0.t0", plus(0.1)), put("points.0.t1", plus(0.1))), POINT),
+    Forgery("a point is on another frame", "demo", put("points.0.frame", lambda f: (f + 1) % 3), POINT),
+    Forgery("a point is of another link", "demo", put("points.0.link", 1), POINT),
+    Forgery("nothing may be off", "demo", put("points.*.position", 0.0), POINT),
+    Forgery("no yaw may be off", "demo", put("points.*.yaw", [0.0]), POINT),
+    Forgery("heights have less room", "demo", where("height", "points.height.0", times(0.5)), POINT),
+    Forgery("heights have another middle", "demo", where("height", "points.middle", plus(1e-3)), POINT),
+    Forgery("no relative velocity may be left", "demo", where("rates", "points.rates", [0.0, 0.0]), POINT),
+    Forgery("a part may be pulled less", "belt-to-belt", put("pulls.0.most", times(0.2)), PULL),
+    Forgery("a greater range of yaw is forbidden", "hose-on-gripper", put("axes.0.high", plus(-0.6)), DIRECTION),
+    Forgery(
+        "another pitch at an arrival",
+        "rv-m1",
+        put("axes.0", lambda axis: {**axis, "low": axis["low"] - 4e-3, "high": axis["low"]}),
+        DIRECTION,
+    ),
+]
+EMPTY_RANGES = [
+    Forgery("a phase ends before it begins", "demo", reversed_range("phases.1", "t0", "t1"), FORM),
+    Forgery("limits end before they begin", "demo", reversed_range("limits.0", "t0", "t1"), FORM),
+    Forgery("a point ends before it begins", "demo", reversed_range("points.0", "t0", "t1"), FORM),
+    Forgery("a pull ends before it begins", "belt-to-belt", reversed_range("pulls.0", "t0", "t1"), FORM),
+    Forgery("a direction ends before it begins", "rv-m1", reversed_range("axes.0", "t0", "t1"), FORM),
+    Forgery("no direction is allowed", "rv-m1", reversed_range("axes.0", "low", "high"), FORM),
+    Forgery("a row ends before it begins", "demo", reversed_range("rows.0", "t0", "t1"), FORM),
+    Forgery("a row is of no time difference", "beside-a-neighbour", reversed_range("rows.0", "s0", "s1"), FORM),
+    Forgery("a frame has no shift", "demo", put("frames.1.shift", [0.1, 0.0]), FORM),
+    Forgery("a share is none", "dense-flow", put("phases.1.shares.0", [0.5, 0.4]), FORM),
+]
+DOCUMENTS = [
+    Forgery("a row names a body that does not exist", "demo", put("rows.lasting.bodies", [99, 0]), FORM),
+    Forgery("a row names a piece that does not exist", "demo", put("rows.lasting.pieces", [5, 0]), FORM),
+    Forgery("a row names a body before the first", "demo", put("rows.lasting.bodies", [-1, 0]), FORM),
+    Forgery("a seat is on no carrier", "demo", both(put("seats.0.link", -1), put("seats.0.frame", -1)), FORM),
+    Forgery("a seat is on a link that does not exist", "demo", put("seats.0.link", 77), FORM),
+    Forgery("a phase has a seat of another body", "demo", put("phases.0.seats", lambda s: s[::-1]), FORM),
+    Forgery("a number is none", "demo", put("rows.lasting.t1", math.nan), None),
+    Forgery("a number is infinite", "demo", put("required.travel", -math.inf), None),
+    Forgery("a distance is negative", "demo", put("required.travel", -1.0), FORM),
+    Forgery("a depth is negative", "demo", put("phases.*.contacts.*.depth", -0.1), FORM),
+    Forgery("a parent comes later", "demo", put("arms.0.links.1.parent", 3), FORM),
+    Forgery("a key is missing", "demo", lambda d: d["required"].pop("late"), None),
+    Forgery("a key is too many", "demo", put("rows.0.note", "it holds"), None),
+    Forgery(
+        "pieces of a law have no length", "loader", lambda d: put("edges.1", law_of(d)["edges"][3])(law_of(d)), FORM
+    ),
+    Forgery("a time beyond what rounding is bounded for", "demo", put("arms.0.time.-1", 1e7), FORM),
+]
+FORGERIES = [
+    *ROWS,
+    *REQUIRED,
+    *PHASES_AND_BODIES,
+    *MOTION,
+    *UNCERTAINTY,
+    *LIMITS_AND_TOOL,
+    *EMPTY_RANGES,
+    *DOCUMENTS,
+]

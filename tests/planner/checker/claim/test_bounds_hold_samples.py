@@ -1,0 +1,116 @@
+"""Jets over random intervals hold what carriers do at instants within, and rounding is within its bound."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.claim import tables as tb
+from assur.planner.checker.claim.chain import slot_of
+from assur.planner.checker.claim.jets import Jet, between, inverse, polynomial, root, times, turned
+from assur.planner.checker.claim.motion import make_curves, make_laws, over
+from assur.planner.checker.claim.verdict import prepare
+from assur.planner.claim import columns as c
+from assur.planner.claim.columns import Claim
+from tests.planner.checker.claim.forgeries import read
+from tests.prover.bundles import bundle
+
+SCENARIOS = ("demo", "five-bar", "rv-m1", "loader", "shutter", "two-robots", "parabolic-blend", "polar-arm")
+INTERVALS, SAMPLES = 12, 9
+
+
+def prepared(name: str) -> tuple[Claim, tb.Geometry, tb.Scratch]:
+    """The claim of a scenario, with its motions."""
+    claim = read(json.loads(json.dumps(bundle(name))))
+    geometry, scratch = prepare(claim)
+    make_laws(claim, geometry)
+    assert make_curves(claim, geometry, scratch.work)
+    return claim, geometry, scratch
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_jets_of_carriers_hold_samples(name: str) -> None:
+    claim, geometry, scratch = prepared(name)
+    rng, tested = np.random.default_rng(1), 0
+    begin, end = claim.knots[0, 0], claim.knots[int(claim.arms[0, c.ARM_KNOTS]) - 1, 0]
+    for _ in range(INTERVALS):
+        h = (end - begin) * 10.0 ** rng.uniform(-4, -0.7)
+        t0 = rng.uniform(begin, end - h)
+        for on in range(len(geometry.carriers)):
+            slot = slot_of(claim, geometry, scratch, on, t0, t0 + h)
+            if slot < 0:
+                continue
+            jets = scratch.jets[slot, on].copy()
+            for t in np.linspace(t0, t0 + h, SAMPLES).tolist():
+                at = slot_of(claim, geometry, scratch, on, t, t)
+                assert at >= 0
+                values = scratch.jets[at, on, :, ::2]
+                for order in range(3):
+                    off = np.abs(values[:, order] - jets[:, 2 * order])
+                    rounds = geometry.rounds[on, 2 * order : 2 * order + 2].sum()
+                    assert (off <= jets[:, 2 * order + 1] + 4.0 * rounds + 1e-14).all(), (on, order)
+                    tested += 12
+    assert tested > 1000
+
+
+def exact(knots: FloatArray, j: int, t: float) -> tuple[Fraction, Fraction, Fraction]:
+    """Value, rate and second derivative of a joint between two knots, without rounding."""
+    (t0, *one), (t1, *other) = [[Fraction(float(x)) for x in row] for row in knots]
+    n = c.MOST_JOINTS
+    x, v, p = one[j], one[j + n], one[j + 2 * n]
+    y, w, q = other[j], other[j + n], other[j + 2 * n]
+    h, d, s = t1 - t0, y - x, Fraction(t) - t0
+    a3 = (20 * d - (8 * w + 12 * v) * h - (3 * p - q) * h**2) / (2 * h**3)
+    a4 = (-30 * d + (14 * w + 16 * v) * h + (3 * p - 2 * q) * h**2) / (2 * h**4)
+    a5 = (12 * d - 6 * (v + w) * h + (q - p) * h**2) / (2 * h**5)
+    value = x + v * s + p / 2 * s**2 + a3 * s**3 + a4 * s**4 + a5 * s**5
+    rate = v + p * s + 3 * a3 * s**2 + 4 * a4 * s**3 + 5 * a5 * s**4
+    return value, rate, p + 6 * a3 * s + 12 * a4 * s**2 + 20 * a5 * s**3
+
+
+@pytest.mark.parametrize("name", ["demo", "two-robots-neighbour", "parabolic-blend"])
+def test_joints_round_by_no_more_than_is_stated(name: str) -> None:
+    """The bounds of the links hold the rounding of each joint: links turn by at least as much as their joints do."""
+    claim, geometry, scratch = prepared(name)
+    rng, curve, worst = np.random.default_rng(4), 0, np.zeros(3)
+    for i in range(int(claim.arms[0, c.ARM_KNOTS]) - 1):
+        t0, t1 = claim.knots[i : i + 2, 0].tolist()
+        if t0 == t1:
+            continue
+        for j in range(int(claim.arms[0, c.ARM_JOINTS])):
+            t = rng.uniform(t0, t1)
+            made = over(geometry.curves, curve, tb.CURVE_POWER + tb.POWERS * j, t, t, scratch.work)
+            right = exact(claim.knots[i : i + 2], j, t)
+            off = [abs(float(Fraction(made[2 * order]) - right[order])) for order in range(3)]
+            worst = np.maximum(worst, off)
+        curve += 1
+    assert (worst <= geometry.rounds[0, tb.ROUND_TURN :: 2]).all()
+    assert (worst > 0.0).all()
+
+
+def jet_of(powers: FloatArray, a: float, b: float) -> Jet:
+    """The jet of a polynomial over [a, b]."""
+    low0, high0, low1, high1, low2, high2 = polynomial(powers, 0, 5, a, b, np.zeros(8))
+    value, rate, second = between(low0, high0), between(low1, high1), between(low2, high2)
+    return value[0], value[1], rate[0], rate[1], second[0], second[1]
+
+
+def functions(x: Jet, y: Jet) -> tuple[Jet, ...]:
+    """All functions of jets: of x > 0 and y."""
+    return times(x, y), *turned(y), inverse(x), root(x)
+
+
+def test_jets_of_functions_hold_samples() -> None:
+    rng = np.random.default_rng(5)
+    for _ in range(60):
+        one, other = rng.normal(size=(2, 6))
+        one[0], h = 3.0 + abs(one[1:]).sum(), rng.uniform(0.01, 0.9)
+        wide = functions(jet_of(one, 0.0, h), jet_of(other, 0.0, h))
+        for t in np.linspace(0.0, h, 7).tolist():
+            for at, bounds in zip(functions(jet_of(one, t, t), jet_of(other, t, t)), wide, strict=True):
+                for k in (0, 2, 4):
+                    assert abs(at[k] - bounds[k]) <= bounds[k + 1] * (1.0 + 1e-9) + 1e-12
