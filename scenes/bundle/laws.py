@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.kernels import law_columns as c
+from assur.planner.kernels.columns import laws as c
 from assur.planner.laws import Law
 from assur.scenes.bundle.unstated import unstated
 
