@@ -10,7 +10,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.claim import columns as c
 from assur.planner.claim.unstated import unstated
-from assur.planner.kernels import law_columns as own
+from assur.planner.kernels.columns import laws as own
 from assur.planner.laws import ALWAYS, Law
 
 Waves = list[tuple[float, ...]]

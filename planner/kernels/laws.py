@@ -1,4 +1,4 @@
-"""Where the frames of a cell are, and bounds of their motion, from the tables of their laws (`law_columns`).
+"""Where the frames of a cell are, and bounds of their motion, from the tables of their laws (`columns.laws`).
 
 No kind of law is named here. A frame that is a link of another robot has its trajectory in the side table as one run of
 numbers (`trajectory_of`). Equations F0, F6 and F9 of docs/kinematics.md.
@@ -14,7 +14,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
-from assur.planner.kernels import law_columns as c
+from assur.planner.kernels.columns import laws as c
 from assur.planner.kernels.dyads import fill, fill_rows
 from assur.planner.kernels.links import (
     ACCELERATION,
@@ -84,6 +84,18 @@ def _coordinate(pieces: FloatArray, i: int, k: int, powers: int, u: float) -> tu
         a = a * u + power
     rate = pieces[i, c.RATE + k]
     return pieces[i, c.POSE + k] + u * (rate + u * x), rate + u * v, a, j
+
+
+@kernel("UniTuple(float64, 2)(float64[:, ::1], int64, int64, int64, float64)")
+def _rates(pieces: FloatArray, i: int, k: int, powers: int, u: float) -> tuple[float, float]:
+    """Velocity and acceleration of coordinate k of piece i, u after the piece began."""
+    at = c.POWER + k * c.MOST_POWERS
+    v = a = 0.0
+    for n in range(powers - 1, -1, -1):
+        power = pieces[i, at + n]
+        v = v * u + power / (n + 1.0)
+        a = a * u + power
+    return pieces[i, c.RATE + k] + u * v, a
 
 
 @kernel("Tuple((int64, float64, float64))(float64[::1], float64[:, ::1], float64)")
@@ -161,7 +173,7 @@ def _ranges(law: FloatArray, pieces: FloatArray, k: int, t0: float, t1: float) -
             for corner in range(-2, c.CORNERS if powers > 0 else -1):
                 u = u0 if corner == -2 else u1 if corner == -1 else pieces[i, c.CORNER + corner]
                 if u0 <= u <= u1:
-                    _, v, a, _ = _coordinate(pieces, i, k, powers, u)
+                    v, a = _rates(pieces, i, k, powers, u)
                     low, high, low_d, high_d = min(low, v), max(high, v), min(low_d, a), max(high_d, a)
             i += 1
     first = int(law[c.WAVE])
@@ -295,9 +307,11 @@ def bound_frame(law: FloatArray, pieces: FloatArray, t0: float, t1: float, bound
         row[V_ANY], row[ACCELERATION + V_ANY] = LENGTH_ROUNDING * speed, LENGTH_ROUNDING * acceleration
     else:
         for i in range(3):
-            low, high, low_d, high_d = _ranges(law, pieces, i, t0, t1)
-            row[V + i], row[V_BOX + i] = (low + high) / 2.0, (high - low) / 2.0
-            row[ACCELERATION + V + i], row[ACCELERATION + V_BOX + i] = (low_d + high_d) / 2.0, (high_d - low_d) / 2.0
+            if law[c.MOVES + i] > 0.0:
+                low, high, low_d, high_d = _ranges(law, pieces, i, t0, t1)
+                row[V + i], row[V_BOX + i] = (low + high) / 2.0, (high - low) / 2.0
+                row[ACCELERATION + V + i] = (low_d + high_d) / 2.0
+                row[ACCELERATION + V_BOX + i] = (high_d - low_d) / 2.0
         row[V_ANY], row[ACCELERATION + V_ANY] = law[c.SLACK], law[c.SLACK + 1]
     if law[c.TURNS] > 0.0:
         low, high, low_d, high_d = _ranges(law, pieces, 3, t0, t1)

@@ -1,6 +1,6 @@
 """A frame of the cell and its law: polynomial pieces of time, sines and a period, made of the numbers of the request.
 
-`assur.planner.kernels.law_columns` names the columns of the tables. The kind of a law is a word for modules that read
+`assur.planner.kernels.columns.laws` names the columns of the tables. The kind of a law is a word for modules that read
 requests; every computation reads the tables.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.frames.motion import Motion, Pose
-from assur.planner.kernels import law_columns as c
+from assur.planner.kernels.columns import laws as c
 from assur.planner.laws.links import ArmLink
 from assur.planner.laws.ramps import Change
 from assur.planner.laws.validity import FURTHEST_S

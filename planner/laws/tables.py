@@ -1,4 +1,4 @@
-"""Writing the tables of a law (`assur.planner.kernels.law_columns`), and joining those of several."""
+"""Writing the tables of a law (`assur.planner.kernels.columns.laws`), and joining those of several."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.kernels import law_columns as c
+from assur.planner.kernels.columns import laws as c
 from assur.planner.laws.law import Law
 
 ROUNDING = 1e-14
@@ -50,7 +50,7 @@ def tables(
     row, side, most, yaw = [0.0] * c.LAW_COLUMNS, list[list[float]](), 0, pieces[0][1][3]
     ends = [*(begin for begin, *_ in pieces[1:]), end if repeat is None else repeat.period]
     row[c.COUNT] = row[c.WAVE] = len(pieces)
-    row[c.WAVES], row[c.TURNS], row[c.COS], row[c.SIN] = len(waves), turns, math.cos(yaw), math.sin(yaw)
+    row[c.WAVES], row[c.COS], row[c.SIN] = len(waves), math.cos(yaw), math.sin(yaw)
     row[c.LINE : c.LINE + 3], row[c.AXIS] = line, max(range(3), key=lambda k: abs(line[k]))
     if repeat is not None:
         row[c.START : c.WHOLE + 1] = repeat.start, repeat.period, *repeat.step, repeat.whole
@@ -65,7 +65,10 @@ def tables(
         for n in range(2):
             row[c.SLACK + n] = max(row[c.SLACK + n], ROUNDING * sum(size[n] for size in sizes[:3]))
             row[c.SLACK + 2 + n] = max(row[c.SLACK + 2 + n], ROUNDING * sizes[3][n])
-    row[c.POWERS] = most
+    for k in range(3):
+        moving = any(rates[k] != 0.0 or (powers and any(powers[k])) for _, _, rates, powers in pieces)
+        row[c.MOVES + k] = moving or any(wave[0] == k for wave in waves)
+    row[c.TURNS], row[c.POWERS] = turns, most
     side += [[*wave, *[0.0] * (c.PIECE_COLUMNS - len(wave))] for wave in waves]
     return np.array(row), np.array(side)
 

@@ -15,7 +15,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker import jets
 from assur.planner.checker.laws import tables
 from assur.planner.checker.motion import Tables, all_jets, carry
-from assur.planner.kernels.law_columns import PERIOD
+from assur.planner.kernels.columns.laws import PERIOD
 from assur.planner.laws import (
     Change,
     Law,

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.kernels import law_columns
 from assur.planner.kernels.carriers import carrier_bounds, point_bound
+from assur.planner.kernels.columns import laws as law_columns
 from assur.planner.kernels.laws import bound_frame, place_frame
 from assur.planner.kernels.links import BOUND_COLUMNS
 from assur.planner.kernels.spline import spline_motion, spline_state, sweep_bounds

@@ -21,22 +21,24 @@ POWERS = 5
 """The greatest number of powers in any piece."""
 WAVE, WAVES = 6, 7
 """First row and number of sines."""
-TURNS, COS, SIN = 8, 9, 10
-"""Whether the yaw changes; if not, its cosine and sine."""
-START, PERIOD = 11, 12
+MOVES, TURNS = 8, 11
+"""Whether x, y, z and yaw may change (4; the last one is `TURNS`)."""
+COS, SIN = 12, 13
+"""Cosine and sine of a yaw that does not change."""
+START, PERIOD = 14, 15
 """When a period begins, and how long it is; 0: the law does not repeat. Pieces of one that does count from there."""
-STEP = 13
+STEP = 16
 """By how much x, y, z and yaw have gone on after a period (4)."""
-WHOLE = 17
+WHOLE = 20
 """Whether the yaw goes on by whole turns, which place nothing."""
-LINE, AXIS = 18, 21
+LINE, AXIS = 21, 24
 """Unit vector of the only line along which the frame travels (3; zeros: it has none), and its greatest coordinate."""
-SLACK = 22
+SLACK = 25
 """What is added to bounds, for rounding: of speed, acceleration, yaw rate and yaw acceleration (4)."""
-LINK, RATES = 26, 27
+LINK, RATES = 29, 30
 """Number of the link, and number of rows of its robot's rate matrix. `BEGIN` and `COUNT` are then the first row of its
 run of numbers (`laws.trajectory_of`), and its number of pieces."""
-LAW_COLUMNS = 28
+LAW_COLUMNS = 31
 
 PIECE_BEGIN, PIECE_END = 0, 1
 """The time of a piece."""

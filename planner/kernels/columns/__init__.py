@@ -1,0 +1,1 @@
+"""Names of the columns of tables. Importing them loads no compiler."""
