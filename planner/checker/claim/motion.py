@@ -74,17 +74,67 @@ def quintic(one: FloatArray, other: FloatArray, j: int, row: FloatArray, at: int
     return e0, e1, e2, value, rate, second
 
 
-@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, F1))
-def make_curves(k: Claim, g: tb.Geometry, farthest: FloatArray) -> bool:
+@kernel(types.UniTuple(f8, 5)(tb.CLAIM, i8, i8, F2))
+def angle_errors(k: Claim, i: int, n: int, joints: FloatArray) -> Errors:
+    """The rounding and the rates of an angle, from those of its joints."""
+    e0, e1, e2, rate, second = tb.ULP * (4.0 + abs(k.angles[i, c.ANGLE_CONSTANT])), 0.0, 0.0, 0.0, 0.0
+    for j in range(n):
+        share, own = abs(k.angles[i, c.ANGLE_SHARE + j]), joints[j]
+        e0, e1, e2 = e0 + share * own[0], e1 + share * own[1], e2 + share * own[2]
+        rate, second = rate + share * own[3], second + share * own[4]
+    return e0, e1, e2, rate, second
+
+
+@kernel(types.UniTuple(f8, 5)(types.UniTuple(f8, 5), types.UniTuple(f8, 5)))
+def largest(a: Errors, b: Errors) -> Errors:
+    """The larger of both, number by number."""
+    return max(a[0], b[0]), max(a[1], b[1]), max(a[2], b[2]), max(a[3], b[3]), max(a[4], b[4])
+
+
+@kernel(types.void(tb.CLAIM, tb.GEOMETRY, i8, F2))
+def round_links(k: Claim, g: tb.Geometry, a: int, joints: FloatArray) -> None:
+    """Bounds of the rounding of all links of an arm. `joints`: e0, e1, e2, rate, second derivative, value of each."""
+    arm, size, turns, errors = k.arms[a], 0.0, 1.0, (0.0, 0.0, 0.0, 0.0, 0.0)
+    n, loop = int(arm[c.ARM_JOINTS]), int(arm[c.ARM_LOOP])
+    links = range(int(arm[c.ARM_LINK]), int(arm[c.ARM_LINK] + arm[c.ARM_LINKS]))
+    for i in range(int(arm[c.ARM_ANGLE]), int(arm[c.ARM_ANGLE] + arm[c.ARM_ANGLES])):
+        errors = largest(errors, angle_errors(k, i, n, joints))
+    for i in links:
+        link = k.links[i]
+        size += abs(link[c.LINK_OFFSET]) + abs(link[c.LINK_OFFSET + 1]) + abs(link[c.LINK_OFFSET + 2])
+        turns = 3.0 if link[c.LINK_PITCH] >= 0.0 else turns
+        if link[c.LINK_SLIDE] >= 0.0:
+            own = joints[int(link[c.LINK_SLIDE])]
+            along = abs(link[c.LINK_AXIS]) + abs(link[c.LINK_AXIS + 1]) + abs(link[c.LINK_AXIS + 2])
+            # what turns may slide at the same time: both rates are in the second derivative
+            size += along * (3.0 + own[5])
+            errors = largest(errors, (own[0], own[1], own[2], own[3], own[4]))
+    e0, e1, e2, rate, second = errors
+    e0, e1, e2, rate, second = turns * e0, turns * e1, turns * e2, turns * rate, turns * second
+    if loop >= 0:
+        one, other = k.links[int(k.loops[loop, c.LOOP_CRANK])], k.links[int(k.loops[loop, c.LOOP_CRANK + 1])]
+        apart = 0.0
+        for m in range(c.LINK_OFFSET, c.LINK_OFFSET + 3):
+            apart += abs(one[m]) + abs(other[m])
+        if one[c.LINK_PARENT] != other[c.LINK_PARENT] or max(one[c.LINK_SLIDE], other[c.LINK_SLIDE]) >= 0.0:
+            apart = size
+        cranks = angle_errors(k, int(one[c.LINK_YAW]), n, joints), angle_errors(k, int(other[c.LINK_YAW]), n, joints)
+        added = through_loop(k, loop, apart, largest(cranks[0], cranks[1]))
+        e0, e1, e2 = e0 + added[0], e1 + added[1], e2 + added[2]
+        rate, second = rate + added[3], second + added[4]
+    for i in links:
+        add_rounding(g.rounds[i], 1.0 + size, (e0, e1, e2), rate, second)
+
+
+@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, F2))
+def make_curves(k: Claim, g: tb.Geometry, joints: FloatArray) -> bool:
     """The quintics of all arms, and what their links round by. False: times of knots go back, or two knots share a time
-    and differ in position or velocity (only an acceleration may jump). `farthest`: room for a number of each joint."""
+    and differ in position or velocity (only an acceleration may jump). `joints`: room for six numbers of each joint."""
     at = 0
     for a in range(len(k.arms)):
-        arm = k.arms[a]
-        first, n, loop, begin = int(arm[c.ARM_KNOT]), int(arm[c.ARM_JOINTS]), int(arm[c.ARM_LOOP]), at
-        e0, e1, e2, rate, second = 0.0, 0.0, 0.0, 0.0, 0.0
-        farthest[:n] = 0.0
-        for i in range(first, first + int(arm[c.ARM_KNOTS]) - 1):
+        first, n, begin = int(k.arms[a, c.ARM_KNOT]), int(k.arms[a, c.ARM_JOINTS]), at
+        joints[:, :] = 0.0
+        for i in range(first, first + int(k.arms[a, c.ARM_KNOTS]) - 1):
             one, other = k.knots[i], k.knots[i + 1]
             if other[0] == one[0]:
                 for j in range(n):
@@ -96,33 +146,14 @@ def make_curves(k: Claim, g: tb.Geometry, farthest: FloatArray) -> bool:
             curve, at = g.curves[at], at + 1
             curve[0], curve[1], curve[tb.CURVE_DEGREE] = one[0], other[0], tb.POWERS - 1
             for j in range(n):
-                own = quintic(one, other, j, curve, tb.CURVE_POWER + tb.POWERS * j)
-                e0, e1, e2 = max(e0, own[0]), max(e1, own[1]), max(e2, own[2])
-                farthest[j], rate, second = max(farthest[j], own[3]), max(rate, own[4]), max(second, own[5])
+                own = joints[j]
+                e0, e1, e2, value, rate, second = quintic(one, other, j, curve, tb.CURVE_POWER + tb.POWERS * j)
+                own[0], own[1], own[2] = max(own[0], e0), max(own[1], e1), max(own[2], e2)
+                own[3], own[4], own[5] = max(own[3], rate), max(own[4], second), max(own[5], value)
         g.spans[a, 0], g.spans[a, 1] = begin, at - begin
         if at == begin:
             return False
-        size, apart, share, turns = 0.0, 0.0, 1.0, 1.0
-        links = range(int(arm[c.ARM_LINK]), int(arm[c.ARM_LINK] + arm[c.ARM_LINKS]))
-        for i in links:
-            link = k.links[i]
-            size += abs(link[c.LINK_OFFSET]) + abs(link[c.LINK_OFFSET + 1]) + abs(link[c.LINK_OFFSET + 2])
-            turns = 3.0 if link[c.LINK_PITCH] >= 0.0 else turns
-            size += 3.0 * (1.0 + farthest[int(link[c.LINK_SLIDE])]) if link[c.LINK_SLIDE] >= 0.0 else 0.0
-            if loop >= 0 and i <= max(k.loops[loop, c.LOOP_CRANK], k.loops[loop, c.LOOP_CRANK + 1]):
-                apart = size
-        for i in range(int(arm[c.ARM_ANGLE]), int(arm[c.ARM_ANGLE] + arm[c.ARM_ANGLES])):
-            total = 0.0
-            for j in range(n):
-                total += abs(k.angles[i, c.ANGLE_SHARE + j])
-            share, e0 = max(share, total), max(e0, tb.ULP * abs(k.angles[i, c.ANGLE_CONSTANT]))
-        share *= turns  # a tilted link turns by three angles
-        errors = share * (e0 + 4.0 * tb.ULP), share * e1, share * e2, share * rate, share * second
-        if loop >= 0:
-            errors = through_loop(k, loop, apart, errors)
-        e0, e1, e2, rate, second = errors
-        for i in links:
-            add_rounding(g.rounds[i], 1.0 + size, (e0, e1, e2), rate, second)
+        round_links(k, g, a, joints)
     return True
 
 

@@ -185,7 +185,7 @@ def check_tables(k: Claim, order: IntArray) -> tuple[FloatArray, FloatArray, Flo
     state[tb.WORK] = MOST_WORK
     g, s = prepare(k)
     make_laws(k, g)
-    moves = make_curves(k, g, s.work)
+    moves = make_curves(k, g, s.joints)
     if not (moves and phases_fit(k)):
         many = add_finding(findings, 0, PHASES if moves else KNOTS, 0.0, k.phases[0, c.PHASE_T0])
         return findings[:many], np.empty((0, tb.PAIR)), state

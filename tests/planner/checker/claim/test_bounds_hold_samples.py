@@ -28,7 +28,7 @@ def prepared(name: str) -> tuple[Claim, tb.Geometry, tb.Scratch]:
     claim = read(json.loads(json.dumps(bundle(name))))
     geometry, scratch = prepare(claim)
     make_laws(claim, geometry)
-    assert make_curves(claim, geometry, scratch.work)
+    assert make_curves(claim, geometry, scratch.joints)
     return claim, geometry, scratch
 
 
