@@ -20,8 +20,8 @@ from tests.planner.checker.claim.forgeries import read
 from tests.prover.bundles import bundle
 from tests.scenes.cells.second_kinematics import answer
 
-SMALL = ("standard-cycle", "five-bar", "rv-m1", "tray", "dense-flow", "beside-a-neighbour")
-"""With all kinds of chains, a surface, corrections, and a start that may be late."""
+SMALL = ("standard-cycle", "five-bar", "rv-m1", "tray")
+"""With all kinds of chains, and a surface."""
 SEED, QUICK, WIDE = 31, 16, 600
 
 
