@@ -29,56 +29,48 @@ LONGEST = 16
 STEPS = frozenset({"Move", "Follow", "Trace", "Pick", "Place"})
 
 LAWS = """
-planner/checker/bound: duration events rates
-planner/checker/claims: options windows
+planner/bound: duration rates
 planner/checker: doubts laws meeting
-planner/checker/paths: straight_way
-planner/checker/refusals: meetings openings points start ways windows
-planner/feasibility: necessary odd_places reach spots touching
-planner/frames: __init__ belt_window conveyor fixed heading indexer keyframes oscillation rounding swing turntable
-planner/kernels: laws
-planner/legs: accuracy control_point missed
-planner/legs/paths: path_leg
-planner/model: blendable execution scene
-planner/relaxation: changes trying
-planner/tables: bodies laws uncertainty
-scenes/bundle: laws phases rows
-scenes/reading: claims frames neighbours task
+planner/checker/refusals: openings points windows
+planner/checker/statement: laws
+planner/laws: __init__ kinds law
+scenes/reading: frames
 scenes/schema: frames
-scenes/view: document
 """
 FAMILIES = """
+api/cli: import_report
+planner/bound: duration guided places
 planner/checker: along laws motion uncertainty
-planner/checker/bound: duration guided places
 planner/checker/claims: error_terms postures
 planner/checker/refusals: hindrances points postures start
+planner/checker/statement: arms
 planner/feasibility: reach
 planner/kernels: inverse links motion uncertainty
 planner/legs: accuracy forbidden_yaw
 planner/model: execution forbidden_yaw
 planner/robots: elbow_arm five_axis_arm five_bar kinematics polar_arm scara
-scenes/bundle: arms
+scenes: robot_facts
 scenes/exports: recipe
 scenes/reading: arms loads start
-scenes: robot_facts
 scenes/schema: robots
 scenes/urdf: arm_text bodies carriers families importing recognising
-api/cli: import_report
 """
 DISTANCES = """
-planner/checker/refusals: meetings
 planner/checker: rows
+planner/checker/refusals: meetings
+planner/checker/statement: points
+planner/claim: obligations
 planner/collision: at_rest screening
-planner/model: clearance scene
+planner/model: clearance options scene
 planner/relaxation: smaller_clearances
 planner/report: straight_parts
 planner/search: beam
 planner/tables: pairs
-planner/tracks: distances
-scenes/bundle: phases
+scenes/view: distances
 """
-MOST_CHECKS, MOST_FILES = 152, 55
-"""Calls of `isinstance` on a step, and files that have one."""
+MOST_CHECKS, MOST_FILES = 163, 55
+"""Calls of `isinstance` on a step, and files that have one. The statement checker has 17 calls of them, until the older
+checker goes."""
 
 
 @cache
