@@ -17,6 +17,9 @@ import numpy as np
 import pytest
 
 from assur.planner import compiled
+from assur.planner.checker.claim.verdict import check_claim
+from assur.planner.claim.reading import read
+from assur.scenes.bundle import bundle_document
 from assur.scenes.kernels import load
 from assur.scenes.requests import check_document, plan_document, shipped
 from benchmarks.problem_set import read_problem_set
@@ -51,9 +54,10 @@ class Recorder:
 
 
 def _alike(arguments: tuple[Any, ...]) -> bool:
-    """Whether two arguments share memory: copies would not."""
+    """Whether an argument shares memory with another one, or with a table in another one: copies would not."""
     arrays = [argument for argument in arguments if isinstance(argument, np.ndarray)]
-    return any(np.shares_memory(a, b) for i, a in enumerate(arrays) for b in arrays[i + 1 :])
+    tables = [table for argument in arguments if isinstance(argument, tuple) for table in argument]
+    return any(np.shares_memory(a, b) for i, a in enumerate(arrays) for b in (*arrays[i + 1 :], *tables))
 
 
 @contextmanager
@@ -111,6 +115,8 @@ def test_every_kernel_is_the_same_as_plain_python_on_what_requests_give_it() -> 
             answer = plan_document(document)
             if answer["status"] == "planned":
                 assert check_document(document, answer)["ok"], name
+                claim, _ = read(bundle_document(document, answer))
+                assert check_claim(claim).accepted, name
             # the body of a kernel, run as plain Python, calls others through their recorders: these are kept in turn
             for _ in range(6):
                 for kernel, recorder in recorders.items():
