@@ -33,7 +33,7 @@ UNBOUNDED_JERK_S = 1e-9
 INTERVALS, ROUNDS, FINEST_S = 8, 24, 1e-7
 """Into so many intervals the time in question is cut, at most so often, until one is as short as this, s."""
 FIRST_S = 0.3
-"""How much time is looked at first, s; twice as much where all of it is excluded."""
+"""The time that is searched first, s; twice as much where all of it is excluded."""
 WAITS_S = (0.8, 0.4, 0.2, 0.1, 0.05)
 """How long an arm may be guided along before it leaves a point that moves, s: the first of them for which its rates are
 bounded; the next point is not said to be met later than that."""
@@ -264,7 +264,7 @@ class _Way:
         out = np.zeros(len(edges) - 1, dtype=bool)
         if window.time is not None:
             out |= edges[:-1] > window.time[1] + WINDOW_S
-        if window.along is not None and law.kind in ("conveyor", "linear"):
+        if window.along is not None and law.way is not None:
             gone = travelled(law, event.point, edges)
             off = rates(law, 0.0, edges[:-1], edges[1:])[:, :6:3].sum(axis=1) * np.diff(edges)
             out |= (gone[1:] + off < window.along[0] - WINDOW_M) | (gone[1:] - off > window.along[1] + WINDOW_M)

@@ -29,7 +29,7 @@ LONGEST = 16
 STEPS = frozenset({"Move", "Follow", "Trace", "Pick", "Place"})
 
 LAWS = """
-planner/bound: duration rates
+planner/bound: rates
 planner/checker: doubts laws meeting
 planner/checker/refusals: openings points windows
 planner/checker/statement: laws
