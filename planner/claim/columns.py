@@ -62,7 +62,9 @@ FRAME_PIECE, FRAME_PIECES = 10, 11  # first row in `laws`, and how many
 FRAME_WAVE, FRAME_WAVES = 12, 13  # first row in `waves`, and how many
 FRAME_SHIFT = 14  # (2) by how much its motion may be late, at least and at most
 FRAME_YAW = 16  # by how much it may be turned about its origin
-FRAME = 17
+FRAME_PERIOD = 17  # 0: none; else its pieces last one period, and at t + period the frame is (18: 4) further on
+FRAME_STEP = 18
+FRAME = 22
 
 # A piece of a law: its time, and the acceleration of x, y, z and yaw as powers of the time since its begin.
 LAW_BEGIN, LAW_END, LAW_POWER = 0, 1, 2
@@ -124,7 +126,10 @@ REQUIRED_LATE = 3  # greatest lateness of the robot's start
 REQUIRED_SINCE = 4  # the time from which displacements of frames grow
 REQUIRED_TOOL = 5  # first link that has a share in displacements
 REQUIRED_LAG = 6  # how far each joint may be off its value
-REQUIRED = 6 + MOST_JOINTS
+REQUIRED_NEAREST = 6 + MOST_JOINTS  # a second distance, which pairs with a body of the robot keep if nothing is
+# uncertain, contacts left out; and one for pairs with a part that was put down (-1: none; LIMITLESS: no such pair)
+REQUIRED_PLACED = REQUIRED_NEAREST + 1
+REQUIRED = REQUIRED_PLACED + 1
 
 # Limits of the joints for a time.
 LIMIT_T0, LIMIT_T1, LIMIT_JERKS = 0, 1, 2  # its time, and whether the jerk has a limit
@@ -142,13 +147,43 @@ POINT_POSITION, POINT_YAW = 14, 15  # greatest errors; yaw -1: nothing is claime
 POINT_RATE = 16  # (2) greatest errors of the velocity and of the yaw's rate; -1: nothing is claimed
 POINT = 18
 
-# How hard a point of a link accelerates at most.
-PULL_T0, PULL_T1, PULL_LINK, PULL_TOOL, PULL_MOST, PULL_SHARE = 0, 1, 2, 3, 6, 7
-PULL = 8
+# How fast a point of a link moves in a frame (order 1), or how hard it accelerates in the world (order 2, frame -1): the
+# length of that vector is from LEAST to MOST.
+RATE_T0, RATE_T1, RATE_LINK, RATE_POINT, RATE_FRAME, RATE_ORDER, RATE_LEAST, RATE_MOST = 0, 1, 2, 3, 6, 7, 8, 9
+RATE = 10
 
-# Bounds of the scalar product of an axis of a link and a direction of the world.
-AXIS_T0, AXIS_T1, AXIS_LINK, AXIS_ON, AXIS_DIRECTION, AXIS_LOW, AXIS_HIGH = 0, 1, 2, 3, 6, 9, 10
-AXIS = 11
+# Bounds of a scalar product. Its first vector is an axis of a link, or, if PLACE is 1, the way from the origin of OTHER
+# to a point of that link. Its second vector is a direction of OTHER: another link of arm 0, or the world (-1).
+AXIS_T0, AXIS_T1, AXIS_LINK, AXIS_PLACE, AXIS_ON = 0, 1, 2, 3, 4
+AXIS_OTHER, AXIS_DIRECTION, AXIS_LOW, AXIS_HIGH = 7, 8, 11, 12
+AXIS = 13
+
+# Bounds of a sum of shares of the joints of arm 0 (order 0), or of its derivative of that order (1, 2, 3).
+SUM_T0, SUM_T1, SUM_ORDER, SUM_SHARE = 0, 1, 2, 3
+SUM_LOW, SUM_HIGH = SUM_SHARE + MOST_JOINTS, SUM_SHARE + MOST_JOINTS + 1
+SUM = SUM_HIGH + 1
+
+# A guide: the tool is within MOST of A + s (B - A), where A and B are points of two frames, and s goes evenly from one
+# share to the other over the interval.
+GUIDE_T0, GUIDE_T1, GUIDE_LINK, GUIDE_TOOL = 0, 1, 2, 3
+GUIDE_FRAME, GUIDE_FROM, GUIDE_TO = 6, 8, 11  # both frames; (3) A in the first; (3) B in the second
+GUIDE_SHARE, GUIDE_MOST = 14, 16  # (2) s at both ends; m
+GUIDE = 17
+
+# Two bodies are no farther apart than MOST at an instant, if nothing is uncertain. Up to four directions (from the
+# first to the second), each with the weight of the points of both pieces that are farthest along it: the sums of these
+# points with these weights are so near. Weights are not negative; their sum is 1.
+DISTANCE_TIME, DISTANCE_PHASE, DISTANCE_BODY, DISTANCE_PIECE, DISTANCE_MOST = 0, 1, 2, 4, 6
+DISTANCE_WEIGHT, DISTANCE_DIRECTION = 7, 11
+DISTANCE = 23
+
+# How far the tool may be from its point at an instant, whatever the claim leaves uncertain.
+ERROR_TIME, ERROR_PHASE, ERROR_FRAME, ERROR_LINK = range(4)
+ERROR_TOOL, ERROR_TARGET = 4, 8  # (4) poses on the link and on the frame
+ERROR_OFF = 12  # by how much the point may be off its place in every horizontal direction, up or down, and turned
+ERROR_ARM = 15  # how far a yaw moves what counts, m for each rad
+ERROR_FAR, ERROR_FLAT, ERROR_UP, ERROR_YAW = 16, 17, 18, 19  # greatest distance; horizontally; up or down; yaw
+ERROR = 20
 
 # A row of the proof: where to look for it. Nothing in a row has to be believed.
 ROW_T0, ROW_T1, ROW_S0, ROW_S1 = range(4)  # its time, and how far the second body is ahead of the clock
@@ -185,9 +220,14 @@ class Claim(NamedTuple):
     required: FloatArray
     limits: FloatArray
     points: FloatArray
-    pulls: FloatArray
+    rates: FloatArray
     axes: FloatArray
+    sums: FloatArray
+    guides: FloatArray
+    distances: FloatArray
+    errors: FloatArray
     rows: FloatArray
+    gap_rows: FloatArray  # with the columns of `rows`: where to look for the second distance
 
 
 FARTHEST_M, LATEST_S = 100.0, 1e5
@@ -214,6 +254,8 @@ BOUNDS: tuple[tuple[str, int, int, float, float | str], ...] = (
     ("frames", FRAME_POSE, 8, -FASTEST, FASTEST),
     ("frames", FRAME_SHIFT, 2, -LATEST_S, LATEST_S),
     ("frames", FRAME_YAW, 1, 0.0, GREATEST),
+    ("frames", FRAME_PERIOD, 1, 0.0, LATEST_S),
+    ("frames", FRAME_STEP, 4, -FASTEST, FASTEST),
     ("laws", LAW_BEGIN, 2, -LATEST_S, LATEST_S),
     ("laws", LAW_POWER, 4 * MOST_POWERS, -LIMITLESS, LIMITLESS),
     ("waves", WAVE_COORDINATE, 1, 0, "coordinates"),
@@ -254,6 +296,7 @@ BOUNDS: tuple[tuple[str, int, int, float, float | str], ...] = (
     ("required", REQUIRED_SINCE, 1, -LATEST_S, LATEST_S),
     ("required", REQUIRED_TOOL, 1, 0, "own links"),
     ("required", REQUIRED_LAG, MOST_JOINTS, 0.0, 1e3),
+    ("required", REQUIRED_NEAREST, 2, -1.0, LIMITLESS),
     ("limits", LIMIT_T0, 2, -GREATEST, GREATEST),
     ("limits", LIMIT_JERKS, 1, 0, "flag"),
     ("limits", LIMIT_SHARE, 4, 0.0, 1.0),
@@ -266,22 +309,61 @@ BOUNDS: tuple[tuple[str, int, int, float, float | str], ...] = (
     ("points", POINT_HEIGHT, 1, -1.0, GREATEST),
     ("points", POINT_POSITION, 1, 0.0, GREATEST),
     ("points", POINT_YAW, 3, -1.0, GREATEST),
-    ("pulls", PULL_T0, 2, -LATEST_S, LATEST_S),
-    ("pulls", PULL_LINK, 1, 0, "own links"),
-    ("pulls", PULL_TOOL, 3, -FARTHEST_M, FARTHEST_M),
-    ("pulls", PULL_MOST, 2, 0.0, GREATEST),
+    ("rates", RATE_T0, 2, -LATEST_S, LATEST_S),
+    ("rates", RATE_LINK, 1, 0, "own links"),
+    ("rates", RATE_POINT, 3, -FARTHEST_M, FARTHEST_M),
+    ("rates", RATE_FRAME, 1, -1, "frames"),
+    ("rates", RATE_ORDER, 1, 1, "orders"),
+    ("rates", RATE_LEAST, 2, 0.0, GREATEST),
     ("axes", AXIS_T0, 2, -LATEST_S, LATEST_S),
     ("axes", AXIS_LINK, 1, 0, "own links"),
-    ("axes", AXIS_ON, 6, -1.5, 1.5),
+    ("axes", AXIS_PLACE, 1, 0, "flag"),
+    ("axes", AXIS_ON, 3, -FARTHEST_M, FARTHEST_M),
+    ("axes", AXIS_OTHER, 1, -1, "own links"),
+    ("axes", AXIS_DIRECTION, 3, -1.5, 1.5),
     ("axes", AXIS_LOW, 2, -GREATEST, GREATEST),
+    ("sums", SUM_T0, 2, -LATEST_S, LATEST_S),
+    ("sums", SUM_ORDER, 1, 0, "derivatives"),
+    ("sums", SUM_SHARE, MOST_JOINTS, -1e3, 1e3),
+    ("sums", SUM_LOW, 2, -GREATEST, GREATEST),
+    ("guides", GUIDE_T0, 2, -LATEST_S, LATEST_S),
+    ("guides", GUIDE_LINK, 1, 0, "own links"),
+    ("guides", GUIDE_TOOL, 3, -FARTHEST_M, FARTHEST_M),
+    ("guides", GUIDE_FRAME, 2, 0, "frames"),
+    ("guides", GUIDE_FROM, 6, -FARTHEST_M, FARTHEST_M),
+    ("guides", GUIDE_SHARE, 2, 0.0, 1.0),
+    ("guides", GUIDE_MOST, 1, 0.0, GREATEST),
+    ("distances", DISTANCE_TIME, 1, -LATEST_S, LATEST_S),
+    ("distances", DISTANCE_PHASE, 1, 0, "phases"),
+    ("distances", DISTANCE_BODY, 2, 0, "bodies"),
+    ("distances", DISTANCE_PIECE, 2, 0, "pieces"),
+    ("distances", DISTANCE_MOST, 1, 0.0, GREATEST),
+    ("distances", DISTANCE_WEIGHT, 4, 0.0, 1.5),
+    ("distances", DISTANCE_DIRECTION, 12, -GREATEST, GREATEST),
+    ("errors", ERROR_TIME, 1, -LATEST_S, LATEST_S),
+    ("errors", ERROR_PHASE, 1, 0, "phases"),
+    ("errors", ERROR_FRAME, 1, 0, "frames"),
+    ("errors", ERROR_LINK, 1, 0, "own links"),
+    ("errors", ERROR_TOOL, 8, -FARTHEST_M, FARTHEST_M),
+    ("errors", ERROR_OFF, 8, 0.0, GREATEST),
     ("rows", ROW_T0, 4, -LATEST_S, LATEST_S),
     ("rows", ROW_BODY, 2, 0, "bodies"),
     ("rows", ROW_NORMAL, 3, -GREATEST, GREATEST),
+    ("gap_rows", ROW_T0, 4, -LATEST_S, LATEST_S),
+    ("gap_rows", ROW_BODY, 2, 0, "bodies"),
+    ("gap_rows", ROW_NORMAL, 3, -GREATEST, GREATEST),
 )
 """What columns may hold: table, first column, how many (-1: all that follow), least and greatest number. A name in
 place of the greatest: these are indices of that table's rows, or one of `RANGES`."""
-RANGES = {"flag": 2.0, "joints": MOST_JOINTS + 1.0, "edges": MOST_EDGES + 1.0, "coordinates": 4.0}
-"""How many whole numbers, from 0 on, columns of these kinds may hold."""
+RANGES = {
+    "flag": 2.0,
+    "joints": MOST_JOINTS + 1.0,
+    "edges": MOST_EDGES + 1.0,
+    "coordinates": 4.0,
+    "orders": 3.0,
+    "derivatives": 4.0,
+}
+"""Columns of these kinds hold whole numbers below this."""
 WIDTHS = {
     "arms": ARM,
     "knots": KNOT,
@@ -303,9 +385,14 @@ WIDTHS = {
     "required": REQUIRED,
     "limits": LIMIT,
     "points": POINT,
-    "pulls": PULL,
+    "rates": RATE,
     "axes": AXIS,
+    "sums": SUM,
+    "guides": GUIDE,
+    "distances": DISTANCE,
+    "errors": ERROR,
     "rows": ROW,
+    "gap_rows": ROW,
 }
 """Number of columns of each table whose width does not depend on the claim."""
 

@@ -13,7 +13,7 @@ from assur.planner.claim.columns import Claim
 from assur.planner.claim.fields import Document, object_of
 from assur.planner.claim.labels import Labels
 
-FORM = "assur-bundle/2"
+FORM = "assur-bundle/3"
 Rows = list[list[float]]
 
 

@@ -11,7 +11,7 @@ from assur.planner.claim.columns import Claim
 from assur.planner.claim.frames import Frames, frames_of
 from assur.planner.claim.limits import JointLimits
 from assur.planner.claim.obligations import Carriers, Seats, carriers_of, distances_of, phases_of, seats_of
-from assur.planner.claim.points import axes_of, points_of, pulls_of
+from assur.planner.claim.points import axes_of, points_of, rates_of
 from assur.planner.claim.rows import rows_of
 from assur.planner.claim.solids import bodies_in, solids_of
 from assur.planner.geometry.shapes import Body
@@ -70,7 +70,12 @@ def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = Non
         **{**cell.tables, **cell.frames.around(path, robot_until, end), **story, "required": required},
         limits=base.limits.over(path.start, phases),
         points=c.table("points", [row for _, row in points_of(scene, plan)]),
-        pulls=c.table("pulls", [row for _, row in pulls_of(scene, plan, phases)]),
+        rates=c.table("rates", [row for _, row in rates_of(scene, plan, phases)]),
         axes=c.table("axes", [row for _, row in axes_of(scene, plan)]),
+        sums=c.table("sums", []),
+        guides=c.table("guides", []),
+        distances=c.table("distances", []),
+        errors=c.table("errors", []),
         rows=rows_of(scene, cell.bodies, cell.carriers.body, path, plan.certificate, story),
+        gap_rows=c.table("gap_rows", []),
     )

@@ -24,6 +24,8 @@ FRAME = (
     Field("rate", c.FRAME_RATE, count=4),
     Field("shift", c.FRAME_SHIFT, count=2),
     Field("yaw", c.FRAME_YAW),
+    Field("period", c.FRAME_PERIOD),
+    Field("step", c.FRAME_STEP, count=4),
 )
 WAVE = (
     Field("coordinate", c.WAVE_COORDINATE, "whole"),
@@ -65,6 +67,8 @@ REQUIRED = (
     Field("since", c.REQUIRED_SINCE),
     Field("tool_from", c.REQUIRED_TOOL, "whole"),
     Field("lag", c.REQUIRED_LAG, count=JOINTS),
+    Field("nearest", c.REQUIRED_NEAREST),
+    Field("placed", c.REQUIRED_PLACED),
 )
 LIMIT = (
     Field("t0", c.LIMIT_T0),
@@ -89,22 +93,68 @@ POINT = (
     Field("yaw", c.POINT_YAW, count=1, open=True),
     Field("rates", c.POINT_RATE, count=2, open=True),
 )
-PULL = (
-    Field("t0", c.PULL_T0),
-    Field("t1", c.PULL_T1),
-    Field("link", c.PULL_LINK, "whole"),
-    Field("tool", c.PULL_TOOL, count=3, unread=1),  # how the tool is turned does not matter
-    Field("most", c.PULL_MOST),
-    Field("share", c.PULL_SHARE),
+RATE = (
+    Field("t0", c.RATE_T0),
+    Field("t1", c.RATE_T1),
+    Field("link", c.RATE_LINK, "whole"),
+    Field("point", c.RATE_POINT, count=3),
+    Field("frame", c.RATE_FRAME, "whole"),
+    Field("order", c.RATE_ORDER, "whole"),
+    Field("least", c.RATE_LEAST),
+    Field("most", c.RATE_MOST),
 )
 AXIS = (
     Field("t0", c.AXIS_T0),
     Field("t1", c.AXIS_T1),
     Field("link", c.AXIS_LINK, "whole"),
+    Field("place", c.AXIS_PLACE, "flag"),
     Field("axis", c.AXIS_ON, count=3),
+    Field("other", c.AXIS_OTHER, "whole"),
     Field("direction", c.AXIS_DIRECTION, count=3),
     Field("low", c.AXIS_LOW),
     Field("high", c.AXIS_HIGH),
+)
+SUM = (
+    Field("t0", c.SUM_T0),
+    Field("t1", c.SUM_T1),
+    Field("order", c.SUM_ORDER, "whole"),
+    Field("joints", c.SUM_SHARE, count=JOINTS),
+    Field("low", c.SUM_LOW),
+    Field("high", c.SUM_HIGH),
+)
+GUIDE = (
+    Field("t0", c.GUIDE_T0),
+    Field("t1", c.GUIDE_T1),
+    Field("link", c.GUIDE_LINK, "whole"),
+    Field("tool", c.GUIDE_TOOL, count=3),
+    Field("frames", c.GUIDE_FRAME, "whole", 2),
+    Field("from", c.GUIDE_FROM, count=3),
+    Field("to", c.GUIDE_TO, count=3),
+    Field("shares", c.GUIDE_SHARE, count=2),
+    Field("most", c.GUIDE_MOST),
+)
+DISTANCE = (
+    Field("time", c.DISTANCE_TIME),
+    Field("phase", c.DISTANCE_PHASE, "whole"),
+    Field("bodies", c.DISTANCE_BODY, "whole", 2),
+    Field("pieces", c.DISTANCE_PIECE, "whole", 2),
+    Field("most", c.DISTANCE_MOST),
+    Field("weights", c.DISTANCE_WEIGHT, count=4),
+    Field("directions", c.DISTANCE_DIRECTION, count=12),
+)
+ERROR = (
+    Field("time", c.ERROR_TIME),
+    Field("phase", c.ERROR_PHASE, "whole"),
+    Field("frame", c.ERROR_FRAME, "whole"),
+    Field("link", c.ERROR_LINK, "whole"),
+    Field("tool", c.ERROR_TOOL, count=4),
+    Field("target", c.ERROR_TARGET, count=4),
+    Field("off", c.ERROR_OFF, count=3),
+    Field("arm", c.ERROR_ARM),
+    Field("distance", c.ERROR_FAR),
+    Field("horizontal", c.ERROR_FLAT),
+    Field("vertical", c.ERROR_UP),
+    Field("yaw", c.ERROR_YAW),
 )
 ROW = (
     Field("t0", c.ROW_T0),
@@ -116,7 +166,19 @@ ROW = (
     Field("normal", c.ROW_NORMAL, count=3),
 )
 
-SECTIONS = {"seats": SEAT, "limits": LIMIT, "points": POINT, "pulls": PULL, "axes": AXIS, "rows": ROW}
+SECTIONS = {
+    "seats": SEAT,
+    "limits": LIMIT,
+    "points": POINT,
+    "rates": RATE,
+    "axes": AXIS,
+    "sums": SUM,
+    "guides": GUIDE,
+    "distances": DISTANCE,
+    "errors": ERROR,
+    "rows": ROW,
+    "gap_rows": ROW,
+}
 """The parts of a bundle that are a table, object by row."""
-NAMED = ("points", "pulls", "axes")
+NAMED = ("points", "rates", "axes")
 """Those whose objects have a name."""

@@ -16,6 +16,7 @@ from assur.planner.model.scene import Scene
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 
+NO_PERIOD = (0.0, 0.0, 0.0, 0.0, 0.0)
 BEYOND_S = 1e-3
 """Motions around the robot are stated for so long before and after they count, s: sums of times are rounded."""
 
@@ -74,7 +75,7 @@ def frames_of(scene: Scene) -> Frames:
             placed, _, own = law_of(law, -math.inf, math.inf)
         else:
             laws.append((row, law))
-        rows.append([*on, *placed, 0, 0, len(waves), len(own), *known.shift_s, known.yaw_rad])
+        rows.append([*on, *placed, 0, 0, len(waves), len(own), *known.shift_s, known.yaw_rad, *NO_PERIOD])
         waves += own
     shifts = [frame.uncertainty.shift_s for frame in scene.frames.values()]
     displaced = [each for row, frame in enumerate(scene.frames.values()) for each in _displaced(row, frame)]

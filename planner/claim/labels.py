@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from assur.planner.claim.filling import SceneClaim
-from assur.planner.claim.points import axes_of, points_of, pulls_of
+from assur.planner.claim.points import axes_of, points_of, rates_of
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import Phase
 from assur.planner.robots.robot import Robot
@@ -23,7 +23,7 @@ class Labels(NamedTuple):
     bodies: tuple[str, ...]
     phases: tuple[str, ...]
     points: tuple[str, ...]
-    pulls: tuple[str, ...]
+    rates: tuple[str, ...]
     axes: tuple[str, ...]
 
 
@@ -39,7 +39,7 @@ def labels_of(base: SceneClaim, plan: Plan, phases: Sequence[Phase]) -> Labels:
         bodies=tuple(base.cell.carriers.body),
         phases=tuple(str(phase.kind) for phase in phases),
         points=tuple(name for name, _ in points_of(scene, plan)),
-        pulls=tuple(name for name, _ in pulls_of(scene, plan, phases)),
+        rates=tuple(name for name, _ in rates_of(scene, plan, phases)),
         axes=tuple(name for name, _ in axes_of(scene, plan)),
     )
 

@@ -158,6 +158,7 @@ def distances_of(scene: Scene, carriers: Carriers) -> dict[str, FloatArray]:
     row[0, c.REQUIRED_LATE], row[0, c.REQUIRED_SINCE] = scene.execution.start_tolerance_s, scene.start.time
     row[0, c.REQUIRED_TOOL] = robot.chain_rows[robot.links.index("quill" if "quill" in robot.links else "flange")]
     row[0, c.REQUIRED_LAG : c.REQUIRED_LAG + len(lag)] = lag
+    row[0, c.REQUIRED_NEAREST :] = -1.0
     return {
         "rules": np.array(rules).reshape(-1, c.RULE_SIDE + 2 * len(names)),
         "self_pairs": pairs,

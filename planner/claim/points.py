@@ -60,13 +60,14 @@ def _matches(step: Step) -> bool:
     return step.match == "velocity" and not step.via
 
 
-def pulls_of(scene: Scene, plan: Plan, phases: Sequence[Phase]) -> Rows:
+def rates_of(scene: Scene, plan: Plan, phases: Sequence[Phase]) -> Rows:
     """When a part is held, how hard the tool point accelerates at most."""
     limit, end, tcp, link = scene.carry_acceleration, plan.trajectory.end, scene.tool.tcp, len(scene.robot.links) - 1
     if limit is None:
         return []
+    most = limit * (1.0 + CARRY_SHARE)
     return [
-        (str(each.kind), (each.t0, min(each.t1, end), link, tcp.x, tcp.y, tcp.z, limit, CARRY_SHARE))
+        (str(each.kind), (each.t0, min(each.t1, end), link, tcp.x, tcp.y, tcp.z, -1, 2, 0.0, most))
         for each in phases
         if each.attached.held is not None and each.t0 < end
     ]
@@ -80,7 +81,7 @@ def axes_of(scene: Scene, plan: Plan) -> Rows:
         axis = (math.cos(scene.tool.tcp.yaw), math.sin(scene.tool.tcp.yaw), 0.0)
         away = (math.cos(each.middle), math.sin(each.middle), 0.0)
         high = math.cos(min(each.width / 2.0 + late, math.pi))
-        found.append(("forbidden yaw", (path.start, path.end, link, *axis, *away, -2.0, high)))
+        found.append(("forbidden yaw", (path.start, path.end, link, 0, *axis, -1, *away, -2.0, high)))
     for arrival in plan.arrivals:
         if arrival.pitch is None or arrival.roll is None or arrival.missed_by is not None:
             continue
@@ -90,6 +91,6 @@ def axes_of(scene: Scene, plan: Plan) -> Rows:
                 ((1.0, 0.0, 0.0), math.sin(arrival.pitch)),
                 ((0.0, 1.0, 0.0), math.sin(arrival.roll) * math.cos(arrival.pitch)),
             ):
-                row = (arrival.time, t1, link, *axis, *UP, value - off, value + off)
+                row = (arrival.time, t1, link, 0, *axis, -1, *UP, value - off, value + off)
                 found.append((arrival.control_point, row))
     return found

@@ -18,8 +18,8 @@ from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.compiled import kernel, types
 
-POINTS, PULLS, AXES = range(3)
-"""Tables of claims about the tool: `points`, `pulls`, `axes`."""
+POINTS, RATES, AXES = range(3)
+"""Tables of claims about the tool: `points`, `rates`, `axes`."""
 
 
 @kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, f8, f8, i8, F1))
@@ -86,19 +86,19 @@ def at_point(
 
 
 @kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, f8, f8, F1))
-def pull_within(
+def rate_within(
     k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, t0: float, t1: float, result: FloatArray
 ) -> bool:
     """Whether a point of a link accelerates no harder than is claimed over [t0, t1]."""
-    on, tool = int(own[c.PULL_LINK]), own[c.PULL_TOOL :]
+    on, tool = int(own[c.RATE_LINK]), own[c.RATE_POINT :]
     slot = slot_of(k, g, s, on, t0, t1)
     if slot < 0:
         return False
     for axis in range(3):
         u = point(s.jets[slot], on, axis, tool[0], tool[1], tool[2])
         result[axis] = abs(u[4]) + u[5]
-    off = tb.SLACK + rounding(g, on, 2, 1.0 + length(own, c.PULL_TOOL, c.PULL_TOOL + 3))
-    return bool(length(result, 0, 3) * (1.0 + 64.0 * tb.ULP) + off <= own[c.PULL_MOST] * (1.0 + own[c.PULL_SHARE]))
+    off = tb.SLACK + rounding(g, on, 2, 1.0 + length(own, c.RATE_POINT, c.RATE_POINT + 3))
+    return bool(length(result, 0, 3) * (1.0 + 64.0 * tb.ULP) + off <= own[c.RATE_MOST])
 
 
 @kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, f8, f8))
@@ -127,7 +127,7 @@ def axis_within(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, t0: fl
 def tool_claim_holds(
     k: Claim, g: tb.Geometry, s: tb.Scratch, kind: int, own: FloatArray, stack: FloatArray, state: FloatArray
 ) -> bool:
-    """Whether a claim about the tool (POINTS, PULLS or AXES) is shown for its time, or for all parts of it; of a
+    """Whether a claim about the tool (POINTS, RATES or AXES) is shown for its time, or for all parts of it; of a
     point, its rates as that time begins. `stack`:
     room for intervals, the last row for numbers."""
     result, top = stack[len(stack) - 1], 1
@@ -146,8 +146,8 @@ def tool_claim_holds(
         state[tb.WORK] -= 1.0
         if kind == POINTS:
             shown = at_point(k, g, s, own, t0, t1, result)
-        elif kind == PULLS:
-            shown = pull_within(k, g, s, own, t0, t1, result)
+        elif kind == RATES:
+            shown = rate_within(k, g, s, own, t0, t1, result)
         else:
             shown = axis_within(k, g, s, own, t0, t1)
         if shown:

@@ -16,7 +16,7 @@ from assur.planner.checker.claim.jets import constant, put
 from assur.planner.checker.claim.limits import KEPT, NO_LIMITS, first_joint_beyond
 from assur.planner.checker.claim.motion import make_curves, make_laws
 from assur.planner.checker.claim.obligations import make_pairs, number_bodies
-from assur.planner.checker.claim.points import AXES, POINTS, PULLS, tool_claim_holds
+from assur.planner.checker.claim.points import AXES, POINTS, RATES, tool_claim_holds
 from assur.planner.checker.claim.rows import first_uncovered, first_wrong_row, resolve
 from assur.planner.checker.claim.solids import place_solids
 from assur.planner.checker.claim.tables import F1, F2, I1, f8, i8
@@ -46,8 +46,8 @@ class ClaimCode(StrEnum):
     """A joint does not keep a limit, or no limits are for all of the motion."""
     POINT = "POINT"
     """The tool is not at its point, or does not move with it."""
-    PULL = "PULL"
-    """The tool accelerates harder than is claimed."""
+    RATE = "RATE"
+    """A point of the tool is faster or slower, or accelerates harder, than is claimed."""
     DIRECTION = "DIRECTION"
     """An axis of the tool is not within its directions."""
     ROW = "ROW"
@@ -65,7 +65,7 @@ class ClaimCode(StrEnum):
 KNOTS, PHASES, LIMIT, ROW, COVER, WITHIN, MUCH = range(AXES + 1, AXES + 8)
 _CODES = (
     ClaimCode.POINT,
-    ClaimCode.PULL,
+    ClaimCode.RATE,
     ClaimCode.DIRECTION,
     ClaimCode.KNOTS,
     ClaimCode.PHASES,
@@ -194,7 +194,7 @@ def check_tables(k: Claim, order: IntArray) -> tuple[FloatArray, FloatArray, Flo
     joint = first_joint_beyond(k, stack, state)
     if joint != KEPT:
         many = add_finding(findings, many, LIMIT, joint, stack[len(stack) - 1, tb.POWERS])
-    for kind, table in ((POINTS, k.points), (PULLS, k.pulls), (AXES, k.axes)):
+    for kind, table in ((POINTS, k.points), (RATES, k.rates), (AXES, k.axes)):
         for i in range(len(table)):
             if many < MOST_FINDINGS and not tool_claim_holds(k, g, s, kind, table[i], stack, state):
                 many = add_finding(findings, many, kind, i, table[i, 0])
@@ -239,6 +239,8 @@ def check_claim(claim: Claim) -> ClaimVerdict:
     body = open_body(claim)
     if body >= 0:
         return _refused(ClaimCode.SURFACE, f"body {body}")
+    if _unshown(claim):
+        return _refused(ClaimCode.FORM, "rows of a kind that is not shown yet")
     order = np.lexsort((claim.rows[:, c.ROW_T1], claim.rows[:, c.ROW_T0]))
     try:
         rows, pairs, state = check_tables(claim, order)
@@ -247,6 +249,19 @@ def check_claim(claim: Claim) -> ClaimVerdict:
     findings = tuple(_finding(claim, row, pairs) for row in rows)
     needed, many, halvings, deepest = [int(state[number]) for number in (tb.ROWS, tb.PAIRS, tb.HALVINGS, tb.DEPTH)]
     return ClaimVerdict(not findings, findings, needed, many, halvings, deepest, int(MOST_WORK - state[tb.WORK]))
+
+
+def _unshown(claim: Claim) -> bool:
+    """Whether a claim has rows of kinds that no kernel shows yet."""
+    tables = (claim.sums, claim.guides, claim.distances, claim.errors, claim.gap_rows)
+    rates, axes = claim.rates, claim.axes
+    return (
+        any(map(len, tables))
+        or bool((claim.required[:, c.REQUIRED_NEAREST :] >= 0.0).any() or (claim.frames[:, c.FRAME_PERIOD] > 0.0).any())
+        or bool((rates[:, c.RATE_ORDER] != 2.0).any() or (rates[:, c.RATE_LEAST] > 0.0).any())
+        or bool((rates[:, c.RATE_FRAME] >= 0.0).any() or (axes[:, c.AXIS_PLACE] > 0.0).any())
+        or bool((axes[:, c.AXIS_OTHER] >= 0.0).any())
+    )
 
 
 def _refused(code: ClaimCode, what: str) -> ClaimVerdict:

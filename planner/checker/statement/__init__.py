@@ -25,7 +25,7 @@ from assur.planner.checker.statement.differences import Difference, Topic
 from assur.planner.checker.statement.distances import distances_agree, execution_agrees
 from assur.planner.checker.statement.frames import frames_agree
 from assur.planner.checker.statement.holding import Handling
-from assur.planner.checker.statement.limits import laws_last, limits_agree, pulls_agree, yaws_agree
+from assur.planner.checker.statement.limits import laws_last, limits_agree, rates_agree, yaws_agree
 from assur.planner.checker.statement.order import order_agrees
 from assur.planner.checker.statement.phases import phases_agree, stages_of
 from assur.planner.checker.statement.points import points_agree, tilts_agree
@@ -68,6 +68,6 @@ def state_plan(scene: Scene, plan: Plan, claim: Claim) -> list[Difference]:
     found += limits_agree(handling, stages, claim)
     found += points_agree(handling, claim)
     found += tilts_agree(handling, claim)
-    found += pulls_agree(handling, stages, claim)
+    found += rates_agree(handling, stages, claim)
     found += yaws_agree(handling, claim)
     return found

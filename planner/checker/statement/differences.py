@@ -56,7 +56,7 @@ class Topic(StrEnum):
     """Directions of the tool."""
     YAW = "YAW"
     """Yaws of the tool that are forbidden."""
-    PULL = "PULL"
+    RATE = "RATE"
     """How hard a part is accelerated."""
 
 

@@ -70,7 +70,7 @@ SIGNS = np.array([[-1.0], [1.0], [1.0], [1.0], [1.0]])
 """Limits times these are no greater where they are narrower: of lower limits the opposite is compared."""
 
 
-def pulls_agree(handling: Handling, stages: list[Stage], claim: c.Claim) -> Iterator[Difference]:
+def rates_agree(handling: Handling, stages: list[Stage], claim: c.Claim) -> Iterator[Difference]:
     """How hard the tool point accelerates while a part is held."""
     most, end = handling.scene.carry_acceleration, float(handling.plan.trajectory.time[-1])
     if most is None:
@@ -80,16 +80,17 @@ def pulls_agree(handling: Handling, stages: list[Stage], claim: c.Claim) -> Iter
         if stage.held is None or not first < end:
             continue
         covered = any(
-            row[c.PULL_T0] <= first
-            and row[c.PULL_T1] >= min(last, end)
-            and row[c.PULL_MOST] <= most
-            and row[c.PULL_SHARE] <= CARRY_SHARE
-            and row[c.PULL_LINK] == flange_row(handling.scene.robot)
-            and is_same_pose([*row[c.PULL_TOOL : c.PULL_MOST], 0.0], [*handling.tcp[:3], 0.0])
-            for row in claim.pulls.tolist()
+            row[c.RATE_T0] <= first
+            and row[c.RATE_T1] >= min(last, end)
+            and row[c.RATE_MOST] <= most * (1.0 + CARRY_SHARE)
+            and row[c.RATE_FRAME] == -1.0
+            and row[c.RATE_ORDER] == 2.0
+            and row[c.RATE_LINK] == flange_row(handling.scene.robot)
+            and is_same_pose([*row[c.RATE_POINT : c.RATE_FRAME], 0.0], [*handling.tcp[:3], 0.0])
+            for row in claim.rates.tolist()
         )
         if not covered:
-            yield Difference(Topic.PULL, f"{stage.held} may be accelerated too hard", stage.when)
+            yield Difference(Topic.RATE, f"{stage.held} may be accelerated too hard", stage.when)
 
 
 def yaws_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:

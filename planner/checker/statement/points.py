@@ -149,9 +149,9 @@ def is_axis_stated(
     when: Interval,
 ) -> bool:
     """Whether the claim states that an axis of the flange times a direction of the world is within these bounds."""
-    required = [*axis, *direction]
+    required = [0.0, *axis, -1.0, *direction]
     for row in claim.axes.tolist():
-        same = all(abs(x - y) <= SAME for x, y in zip(row[c.AXIS_ON : c.AXIS_LOW], required, strict=True))
+        same = all(abs(x - y) <= SAME for x, y in zip(row[c.AXIS_PLACE : c.AXIS_LOW], required, strict=True))
         within = row[c.AXIS_LOW] >= bounds[0] - SAME and row[c.AXIS_HIGH] <= bounds[1] + SAME
         long = row[c.AXIS_T0] <= when[0] and when[1] <= row[c.AXIS_T1]
         if same and within and long and row[c.AXIS_LINK] == flange_row(scene.robot):

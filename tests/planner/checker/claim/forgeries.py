@@ -23,8 +23,8 @@ FORM, KNOTS, PHASES, LIMIT, POINT = (
     ClaimCode.LIMIT,
     ClaimCode.POINT,
 )
-PULL, DIRECTION, ROW, COVER, SURFACE = (
-    ClaimCode.PULL,
+RATE, DIRECTION, ROW, COVER, SURFACE = (
+    ClaimCode.RATE,
     ClaimCode.DIRECTION,
     ClaimCode.ROW,
     ClaimCode.COVER,
@@ -369,7 +369,7 @@ LIMITS_AND_TOOL = [
     Forgery("heights have less room", "demo", where("height", "points.height.0", times(0.5)), POINT),
     Forgery("heights have another middle", "demo", where("height", "points.middle", plus(1e-3)), POINT),
     Forgery("no relative velocity may be left", "demo", where("rates", "points.rates", [0.0, 0.0]), POINT),
-    Forgery("a part may be pulled less", "belt-to-belt", put("pulls.0.most", times(0.2)), PULL),
+    Forgery("a part may be pulled less", "belt-to-belt", put("pulls.0.most", times(0.2)), RATE),
     Forgery("a greater range of yaw is forbidden", "hose-on-gripper", put("axes.0.high", plus(-0.6)), DIRECTION),
     Forgery(
         "another pitch at an arrival",
