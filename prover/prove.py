@@ -657,14 +657,11 @@ def read(data: bytes) -> Document:
     for where, low, high in ranges(document):
         if low > high:  # nothing is in this range, so that nothing would be claimed
             raise ValueError(f"{where}: {high:.9g} is less than {low:.9g}, with which its range begins")
-    kinds = ("sums", "guides", "distances", "errors", "gap_rows")
+    kinds, required = ("sums", "guides", "distances", "errors", "gap_rows"), document["required"]
     plain = all(x["order"] == 2 and x["least"] == 0 and x["frame"] < 0 for x in document["rates"])
     plain = plain and not any(x["place"] or x["other"] >= 0 for x in document["axes"])
-    plain = (
-        plain
-        and not any(x["period"] for x in document["frames"])
-        and max(document["required"]["nearest"], document["required"]["placed"]) < 0
-    )
+    plain = plain and not any(x["period"] for x in document["frames"])
+    plain = plain and max(required["nearest"], required["placed"]) < 0
     if not plain or any(document[key] for key in kinds):
         raise ValueError("rows of a kind that is not shown yet")
     return dict(document)

@@ -147,8 +147,8 @@ POINT_POSITION, POINT_YAW = 14, 15  # greatest errors; yaw -1: nothing is claime
 POINT_RATE = 16  # (2) greatest errors of the velocity and of the yaw's rate; -1: nothing is claimed
 POINT = 18
 
-# How fast a point of a link moves in a frame (order 1), or how hard it accelerates in the world (order 2, frame -1): the
-# length of that vector is from LEAST to MOST.
+# The velocity of a point of a link in a frame (order 1), or its acceleration in the world (order 2, frame -1): how long
+# that vector is, from LEAST to MOST.
 RATE_T0, RATE_T1, RATE_LINK, RATE_POINT, RATE_FRAME, RATE_ORDER, RATE_LEAST, RATE_MOST = 0, 1, 2, 3, 6, 7, 8, 9
 RATE = 10
 

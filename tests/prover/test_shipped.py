@@ -49,7 +49,7 @@ def test_both_checkers_agree_on_every_plan_that_a_shipped_scenario_has(name: str
     assert told["parts that it put down keep clear until, s"] == of_plan[-1].t1
     assert told["times and intervals at which the tool is where it must be"] == len(document["points"])
     assert told["times and intervals at which an axis of the tool has its direction"] == len(document["axes"])
-    assert told["intervals in which the tool accelerates no harder than its part allows"] == len(document["pulls"])
+    assert told["intervals in which the tool accelerates no harder than its part allows"] == len(document["rates"])
     distances = scene.options.clearance
     least = [distances.travel_m, distances.near_m]
     assert told["distances in travel and near a control point, m"] == least

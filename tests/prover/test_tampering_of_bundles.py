@@ -157,10 +157,10 @@ def test_as_it_was_written_it_is_shown() -> None:
 
 def test_a_held_part_accelerates_no_harder_than_is_said() -> None:
     document = bundle("belt-to-belt")
-    document["pulls"][0]["most"] *= 0.2
+    document["rates"][0]["most"] *= 0.2
     told = shown(bundle("belt-to-belt"))[1]
-    assert told["intervals in which the tool accelerates no harder than its part allows"] == len(document["pulls"])
-    assert told["hardest that a part allows, m/s²"] == bundle("belt-to-belt")["pulls"][0]["most"]
+    assert told["intervals in which the tool accelerates no harder than its part allows"] == len(document["rates"])
+    assert told["hardest that a part allows, m/s²"] == bundle("belt-to-belt")["rates"][0]["most"]
     right, lines = shown(document)
     assert (right, lines[-1]) == (False, "claims that are not shown: 1")
 

@@ -369,7 +369,7 @@ LIMITS_AND_TOOL = [
     Forgery("heights have less room", "demo", where("height", "points.height.0", times(0.5)), POINT),
     Forgery("heights have another middle", "demo", where("height", "points.middle", plus(1e-3)), POINT),
     Forgery("no relative velocity may be left", "demo", where("rates", "points.rates", [0.0, 0.0]), POINT),
-    Forgery("a part may be pulled less", "belt-to-belt", put("pulls.0.most", times(0.2)), RATE),
+    Forgery("a part may be pulled less", "belt-to-belt", put("rates.0.most", times(0.2)), RATE),
     Forgery("a greater range of yaw is forbidden", "hose-on-gripper", put("axes.0.high", plus(-0.6)), DIRECTION),
     Forgery(
         "another pitch at an arrival",
@@ -382,7 +382,7 @@ EMPTY_RANGES = [
     Forgery("a phase ends before it begins", "demo", reversed_range("phases.1", "t0", "t1"), FORM),
     Forgery("limits end before they begin", "demo", reversed_range("limits.0", "t0", "t1"), FORM),
     Forgery("a point ends before it begins", "demo", reversed_range("points.0", "t0", "t1"), FORM),
-    Forgery("a pull ends before it begins", "belt-to-belt", reversed_range("pulls.0", "t0", "t1"), FORM),
+    Forgery("a rate ends before it begins", "belt-to-belt", reversed_range("rates.0", "t0", "t1"), FORM),
     Forgery("a direction ends before it begins", "rv-m1", reversed_range("axes.0", "t0", "t1"), FORM),
     Forgery("no direction is allowed", "rv-m1", reversed_range("axes.0", "low", "high"), FORM),
     Forgery("a row ends before it begins", "demo", reversed_range("rows.0", "t0", "t1"), FORM),

@@ -386,7 +386,7 @@ FAULTS: tuple[Fault, ...] = (
         T.LINK,
         lambda k: put(k, "angles", angle_of(k, 5, c.LINK_ROLL), c.ANGLE_SHARE + 4, -1.0),
     ),
-    # limits, points, pulls, axes
+    # limits, points, rates, axes
     Fault("a higher velocity", DEMO, T.LIMIT, lambda k: put(k, "limits", 0, c.LIMIT_VELOCITY, times(1.001))),
     Fault("a higher jerk", DEMO, T.LIMIT, lambda k: put(k, "limits", 0, c.LIMIT_JERK + 3, times(1.001))),
     Fault("no limit of the jerk", DEMO, T.LIMIT, lambda k: put(k, "limits", 0, c.LIMIT_JERKS, 0.0)),
@@ -408,8 +408,8 @@ FAULTS: tuple[Fault, ...] = (
         "a depart 1 mm higher", DEMO, T.POINT, lambda k: put(k, "points", high_points(k), c.POINT_HEIGHT, plus(1e-3))
     ),
     Fault("tracking 1 ms shorter", DEMO, T.POINT, lambda k: put(k, "points", tracked_points(k), 1, plus(-1e-3))),
-    Fault("a part pulled harder", "belt-to-belt", T.PULL, lambda k: put(k, "pulls", 1, c.PULL_MOST, times(1.01))),
-    Fault("a pull less", "belt-to-belt", T.PULL, lambda k: drop(k, "pulls", -1)),
+    Fault("a part pulled harder", "belt-to-belt", T.RATE, lambda k: put(k, "rates", 1, c.RATE_MOST, times(1.01))),
+    Fault("a pull less", "belt-to-belt", T.RATE, lambda k: drop(k, "rates", -1)),
     Fault("no forbidden yaw", "hose-on-gripper", T.YAW, lambda k: drop(k, "axes", -1)),
     Fault("a narrower forbidden yaw", "hose-on-gripper", T.YAW, lambda k: put(k, "axes", 0, c.AXIS_HIGH, plus(1e-4))),
     Fault("a pitch farther off", "rv-m1", T.AXIS, lambda k: put(k, "axes", slice(None), c.AXIS_HIGH, plus(1e-5))),
