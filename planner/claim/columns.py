@@ -185,7 +185,8 @@ ERROR_ARM = 15  # how far a yaw moves what counts, m for each rad
 ERROR_FAR, ERROR_FLAT, ERROR_UP, ERROR_YAW = 16, 17, 18, 19  # greatest distance; horizontally; up or down; yaw
 ERROR = 20
 
-# A row of the proof: where to look for it. Nothing in a row has to be believed.
+# A row of the proof: where to look for it. Nothing in a row has to be believed. If its second body and piece are -1, the
+# first body is behind a plane with this normal, and all that never moves is in front of it.
 ROW_T0, ROW_T1, ROW_S0, ROW_S1 = range(4)  # its time, and how far the second body is ahead of the clock
 ROW_BODY, ROW_PIECE, ROW_NORMAL = 4, 6, 8  # both bodies; a piece of each (-1: the box that holds all); (3) the normal
 ROW = 11
@@ -347,7 +348,8 @@ BOUNDS: tuple[tuple[str, int, int, float, float | str], ...] = (
     ("errors", ERROR_TOOL, 8, -FARTHEST_M, FARTHEST_M),
     ("errors", ERROR_OFF, 8, 0.0, GREATEST),
     ("rows", ROW_T0, 4, -LATEST_S, LATEST_S),
-    ("rows", ROW_BODY, 2, 0, "bodies"),
+    ("rows", ROW_BODY, 1, 0, "bodies"),
+    ("rows", ROW_BODY + 1, 1, -1, "bodies"),
     ("rows", ROW_NORMAL, 3, -GREATEST, GREATEST),
     ("gap_rows", ROW_T0, 4, -LATEST_S, LATEST_S),
     ("gap_rows", ROW_BODY, 2, 0, "bodies"),

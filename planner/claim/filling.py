@@ -67,7 +67,7 @@ def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = Non
     required[0, c.REQUIRED_UNTIL] = end
     story = phases_of(scene, cell.carriers, base.seats, phases)
     return Claim(
-        **{**cell.tables, **cell.frames.around(path, robot_until, end), **story, "required": required},
+        **{**cell.tables, **cell.frames.around(path, robot_until), **story, "required": required},
         limits=base.limits.over(path.start, phases),
         points=c.table("points", [row for _, row in points_of(scene, plan)]),
         rates=c.table("rates", [row for _, row in rates_of(scene, plan, phases)]),
@@ -76,6 +76,6 @@ def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = Non
         guides=c.table("guides", []),
         distances=c.table("distances", []),
         errors=c.table("errors", []),
-        rows=rows_of(scene, cell.bodies, cell.carriers.body, path, plan.certificate, story),
+        rows=rows_of(plan.certificate, cell.carriers.body),
         gap_rows=c.table("gap_rows", []),
     )
