@@ -36,6 +36,5 @@ def with_answer(base: SceneClaim, claim: Claim, plan: Plan, phases: Sequence[Pha
     tables["required"][0, c.REQUIRED_NEAREST :] = least
     shown = proofs_of(base.prover, plan, phases, least)
     if shown is not None:
-        seats = {name: getattr(claim, name) for name in ("phases", "seats", "seated")}
-        tables["gap_rows"] = rows_of(scene, base.cell.bodies, number, plan.trajectory, shown, seats)
+        tables["gap_rows"] = rows_of(shown, number)
     return claim._replace(**tables)

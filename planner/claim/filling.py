@@ -78,7 +78,7 @@ def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = Non
     distances = required_of(base.prover, cell.carriers.body, plan, phases) if is_limited(scene) else []
     story = phases_of(scene, cell.carriers, base.seats, phases)
     return Claim(
-        **{**cell.tables, **cell.frames.around(path, robot_until, end), **story, "required": required},
+        **{**cell.tables, **cell.frames.around(path, robot_until), **story, "required": required},
         limits=base.limits.over(path.start, phases),
         points=c.table("points", [row for _, row in points_of(scene, plan)]),
         rates=c.table("rates", [row for _, row in rates_of(scene, plan, phases)]),
@@ -87,6 +87,6 @@ def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = Non
         guides=c.table("guides", []),
         distances=c.table("distances", distances),
         errors=c.table("errors", []),
-        rows=rows_of(scene, cell.bodies, cell.carriers.body, path, plan.certificate, story),
+        rows=rows_of(plan.certificate, cell.carriers.body),
         gap_rows=c.table("gap_rows", []),
     )

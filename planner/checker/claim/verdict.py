@@ -257,6 +257,7 @@ def _unshown(claim: Claim) -> bool:
     rates, axes = claim.rates, claim.axes
     return (
         any(map(len, tables))
+        or bool((claim.rows[:, c.ROW_BODY + 1] < 0.0).any())
         or bool((claim.required[:, c.REQUIRED_NEAREST :] >= 0.0).any() or (claim.frames[:, c.FRAME_PERIOD] > 0.0).any())
         or bool((rates[:, c.RATE_ORDER] != 2.0).any() or (rates[:, c.RATE_LEAST] > 0.0).any())
         or bool((rates[:, c.RATE_FRAME] >= 0.0).any() or (axes[:, c.AXIS_PLACE] > 0.0).any())

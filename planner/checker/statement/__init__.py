@@ -19,12 +19,12 @@ uncertainty of a part in the gripper follows, are taken from the plan.
 
 from __future__ import annotations
 
-from assur.planner.checker.statement.arms import links_agree, motions_agree
+from assur.planner.checker.statement.arms import links_agree, motion_agrees
 from assur.planner.checker.statement.differences import Difference, Topic
 from assur.planner.checker.statement.distances import distances_agree, execution_agrees
-from assur.planner.checker.statement.frames import frames_agree
+from assur.planner.checker.statement.frames import frames_agree, laws_known
 from assur.planner.checker.statement.holding import Handling
-from assur.planner.checker.statement.limits import laws_last, limits_agree, rates_agree, yaws_agree
+from assur.planner.checker.statement.limits import limits_agree, rates_agree, yaws_agree
 from assur.planner.checker.statement.loads import loads_agree, loads_of
 from assur.planner.checker.statement.nearness import Nearness
 from assur.planner.checker.statement.order import order_agrees
@@ -65,10 +65,10 @@ def state_plan(scene: Scene, plan: Plan, claim: Claim) -> list[Difference]:
     if found:  # who holds what follows from the legs
         return found
     stages = stages_of(handling)
-    found += motions_agree(scene, plan, claim)
+    found += motion_agrees(scene, plan, claim)
     found += execution_agrees(scene, claim, stages[-1].when[1])
     found += phases_agree(handling, stages, claim)
-    found += laws_last(handling, stages, claim)
+    found += laws_known(scene, claim)
     found += limits_agree(handling, stages, claim)
     found += points_agree(handling, claim)
     found += tilts_agree(handling, claim)

@@ -55,7 +55,8 @@ def flange_row(robot: Robot) -> int:
 
 
 def links_agree(scene: Scene, claim: c.Claim) -> Iterator[Difference]:
-    """Differences of the links of all arms, and of the frames that are links of other arms than the robot."""
+    """Differences of the links of all arms, of the frames that are links of other arms than the robot, and of the
+    motions of these arms."""
     arms: dict[int, tuple[Robot, Trajectory]] = {}
     for name, (robot, path, link), row in _links_of_others(scene, claim):
         arm = int(row[c.FRAME_ARM])
@@ -72,6 +73,8 @@ def links_agree(scene: Scene, claim: c.Claim) -> Iterator[Difference]:
         return
     for arm, robot in [(0, scene.robot), *((arm, robot) for arm, (robot, _) in arms.items())]:
         yield from _arm_agrees(robot, arm, claim)
+    for arm, (robot, path) in arms.items():
+        yield from _knots_agree(robot, path, claim, arm)
 
 
 def _links_of_others(scene: Scene, claim: c.Claim) -> Iterator[tuple[str, tuple[Robot, Trajectory, int], list[float]]]:
@@ -261,12 +264,9 @@ def hand_shares(robot: Robot) -> FloatArray:
     return np.asarray((angles[1:] - angles[0]).T)
 
 
-def motions_agree(scene: Scene, plan: Plan, claim: c.Claim) -> Iterator[Difference]:
-    """Differences of the motions of arms: the robot has the knots of the plan, each other arm those of the request."""
+def motion_agrees(scene: Scene, plan: Plan, claim: c.Claim) -> Iterator[Difference]:
+    """Differences of the motion of the robot, which has the knots of the plan."""
     yield from _knots_agree(scene.robot, plan.trajectory, claim, 0)
-    others = {int(row[c.FRAME_ARM]): link for _, link, row in _links_of_others(scene, claim)}
-    for arm, (robot, path, _) in others.items():
-        yield from _knots_agree(robot, path, claim, arm)
 
 
 def _knots_agree(robot: Robot, path: Trajectory, claim: c.Claim, arm: int) -> Iterator[Difference]:

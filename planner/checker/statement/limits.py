@@ -99,16 +99,3 @@ def yaws_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
         axis, direction = (math.cos(tool), math.sin(tool), 0.0), (math.cos(middle), math.sin(middle), 0.0)
         if not is_axis_stated(handling.scene, claim, axis, direction, (-math.inf, math.cos(half)), when):
             yield Difference(Topic.YAW, f"the yaw of the tool may be from {each.first:g} to {each.last:g} rad", when)
-
-
-def laws_last(handling: Handling, stages: list[Stage], claim: c.Claim) -> Iterator[Difference]:
-    """The motion of each frame is stated for all of the time in which it may count, lateness and shifts included."""
-    late = handling.scene.execution.start_tolerance_s
-    for frame, row in zip(handling.scene.frames.values(), claim.frames.tolist(), strict=True):
-        count = int(row[c.FRAME_PIECES])
-        if count:
-            least, most = frame.uncertainty.shift_s
-            when = (stages[0].when[0] - most, stages[-1].when[1] + late - least)
-            pieces = claim.laws[int(row[c.FRAME_PIECE]) :][:count]
-            if not (pieces[0, c.LAW_BEGIN] <= when[0] and when[1] <= pieces[-1, c.LAW_END]):
-                yield Difference(Topic.LAW, f"the motion of {frame.name} is not stated for all of the time", when)
