@@ -8,14 +8,13 @@ with their formulas, links with the forward kinematics of textbooks, and solids 
 
 It computes no distance, and imports nothing from which the planner or the writer of the claim get the same facts
 (an import rule holds that). A claim may state more than the request asks: a larger distance, a smaller contact, a
-narrower limit. It may not state less. Both entry points return differences as plain sentences; there is none if the
+narrower limit. It may not state less. All entry points return differences as plain sentences; there is none if the
 claim states what is asked. The form of the claim must be right: the claim checker has to see to that first.
 
 What no claim can state yet is not compared: where the tool is on a path, a trace or a straight way, heights of arches,
-how high an approach reaches at least, yaws that are kept, rest at a control point, working modes and the margin to
-singular positions, inertia, by how much vias are missed, and whether a pitch or roll is beyond a right angle
-(a claim states sines). The errors of arrivals, from which the uncertainty of a part in the gripper follows, are taken
-from the plan.
+how high an approach reaches at least, yaws that are kept, rest at a control point, by how much vias are missed, and
+whether a pitch or roll is beyond a right angle (a claim states sines). The errors of arrivals, from which the
+uncertainty of a part in the gripper follows, are taken from the plan.
 """
 
 from __future__ import annotations
@@ -26,16 +25,21 @@ from assur.planner.checker.statement.distances import distances_agree, execution
 from assur.planner.checker.statement.frames import frames_agree, laws_known
 from assur.planner.checker.statement.holding import Handling
 from assur.planner.checker.statement.limits import limits_agree, rates_agree, yaws_agree
+from assur.planner.checker.statement.loads import loads_agree, loads_of
+from assur.planner.checker.statement.nearness import Nearness
 from assur.planner.checker.statement.order import order_agrees
+from assur.planner.checker.statement.peaks import peaks_agree, tool_agrees
 from assur.planner.checker.statement.phases import phases_agree, stages_of
 from assur.planner.checker.statement.points import points_agree, tilts_agree
+from assur.planner.checker.statement.postures import margins_agree, modes_agree, postures_agree
 from assur.planner.checker.statement.solids import solids_agree
 from assur.planner.claim.columns import Claim
+from assur.planner.model.claims import Claims
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Plan
 from assur.planner.model.scene import Scene
 
-__all__ = ["Difference", "Topic", "state_cell", "state_plan"]
+__all__ = ["Difference", "Topic", "state_answer", "state_cell", "state_plan"]
 
 
 def state_cell(scene: Scene, claim: Claim) -> list[Difference]:
@@ -70,4 +74,20 @@ def state_plan(scene: Scene, plan: Plan, claim: Claim) -> list[Difference]:
     found += tilts_agree(handling, claim)
     found += rates_agree(handling, stages, claim)
     found += yaws_agree(handling, claim)
+    found += modes_agree(handling, claim)
+    found += margins_agree(handling, claim)
+    found += Nearness(handling, stages, claim).touching_agrees()
+    return found
+
+
+def state_answer(scene: Scene, plan: Plan, claims: Claims, claim: Claim) -> list[Difference]:
+    """Differences of what an answer states beside its plan, for a claim whose cell and plan have none."""
+    handling = Handling(scene, plan)
+    stages = stages_of(handling)
+    loads, nearness = loads_of(handling, stages), Nearness(handling, stages, claim)
+    found = [*loads_agree(loads, claims.carried), *peaks_agree(handling, loads, claims.peaks, claim)]
+    found += tool_agrees(handling, stages, claims, claim)
+    found += postures_agree(handling, claims, claim)
+    found += nearness.stated_agrees(claims)
+    found += nearness.contacts_agree(claims.contacts)
     return found

@@ -20,7 +20,6 @@ from assur.planner.errors import FaultError, InputError
 from assur.planner.laws import Change, Pose, conveyor, indexer, keyframes
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import ClearanceException
-from assur.planner.robots.chain import Chain
 from assur.planner.robots.scara import Scara
 from assur.planner.trajectory import Trajectory
 from tests.planner.claim.bounds import outside
@@ -87,7 +86,7 @@ def test_a_chain_with_another_link_is_a_fault(monkeypatch: pytest.MonkeyPatch) -
     shared = robot_named(NAMES[0])
     assert isinstance(shared, Scara)
     robot = replace(shared)
-    other = Chain((*robot.chain.links[:-1], robot.chain.links[-1]._replace(name="hand")))
+    other = robot.chain._replace(links=(*robot.chain.links[:-1], robot.chain.links[-1]._replace(name="hand")))
     monkeypatch.setattr(Scara, "chain", property(lambda _: other))
     with pytest.raises(FaultError, match="hand"):
         _ = robot.chain_rows
