@@ -14,11 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.checker.claim.verdict import ClaimFinding, check_claim
-from assur.planner.checker.statement import Difference, state_answer, state_cell, state_legs, state_plan
+from assur.planner.checker.statement import Difference, state_answer, state_cell, state_legs, state_motion, state_plan
 from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.claim.answer import with_answer
 from assur.planner.claim.columns import Claim
-from assur.planner.claim.filling import SceneClaim, claim_of, with_plan
+from assur.planner.claim.filling import SceneClaim, claim_of, with_motion, with_plan
+from assur.planner.claim.frames import early_of
 from assur.planner.claim.labels import labels_of
 from assur.planner.errors import InputError
 from assur.planner.geometry.containment import nothing
@@ -38,11 +39,8 @@ class KeptCell:
 
     def fits(self, scene: Scene) -> bool:
         """Whether the cell of a scene is this one: made of the same objects, and claimed from as early on."""
-        own = self.base.scene
-        return (
-            all(one is other for one, other in zip(_facts(own), _facts(scene), strict=True))
-            and scene.start.time >= own.start.time
-        )
+        same = zip(_facts(self.base.scene), _facts(scene), strict=True)
+        return all(one is other for one, other in same) and early_of(scene) >= self.base.cell.frames.early
 
 
 def _facts(scene: Scene) -> tuple[object, ...]:
@@ -80,26 +78,54 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     if different:  # who holds what follows from the legs: with others than the task's, nothing more can be shown
         return Verdict.of(_found(different))
     between()
+    of_plan = phases(scene, plan.legs, plan.arrivals)
+
+    def fill(base: SceneClaim) -> Claim:
+        claim = with_plan(base, plan, of_plan)
+        return claim if claims is NOTHING else with_answer(base, claim, plan, of_plan, claims)
+
+    def compare(claim: Claim) -> list[Difference]:
+        different = state_plan(scene, plan, claim)
+        return different if different or claims is NOTHING else state_answer(scene, plan, claims, claim)
+
+    return _judged(scene, plan, of_plan, fill, compare, between)
+
+
+def check_motion(scene: Scene, plan: Plan, of_motion: tuple[Phase, ...]) -> Verdict:
+    """Whether a motion that has no task keeps limits and keeps everything apart. `plan` has one leg, in travel, and no
+    arrivals; `of_motion`: its phases."""
+    return _judged(
+        scene,
+        plan,
+        of_motion,
+        lambda base: with_motion(base, plan, of_motion),
+        lambda claim: state_motion(scene, plan, claim),
+        nothing,
+    )
+
+
+def _judged(
+    scene: Scene,
+    plan: Plan,
+    of_plan: tuple[Phase, ...],
+    fill: Callable[[SceneClaim], Claim],
+    compare: Callable[[Claim], list[Difference]],
+    between: Callable[[], None],
+) -> Verdict:
+    """The verdict on a claim that `fill` makes, which is compared with the request by `state_cell` and `compare`."""
     try:
         kept = kept_cell(scene)
-        of_plan = phases(scene, plan.legs, plan.arrivals)
-        claim = with_plan(kept.base, plan, of_plan)
-        if claims is not NOTHING:
-            claim = with_answer(kept.base, claim, plan, of_plan, claims)
+        claim = fill(kept.base)
     except InputError as error:
         return Verdict.of([Finding(Code.FORM, str(error))])
     between()
     findings = _unshown(kept.base, plan, of_plan, claim)
     if any(finding.code == Code.FORM for finding in findings):
-        return Verdict.of(findings)  # the statement checker reads the tables of a claim that has its form
+        return Verdict.of(findings)  # the statement checker reads only tables that are those of a claim
     between()
     different = [] if kept.is_stated else state_cell(scene, claim)
     kept.is_stated = not different
-    if not different:
-        different = state_plan(scene, plan, claim)
-    if not different and claims is not NOTHING:
-        different = state_answer(scene, plan, claims, claim)
-    return Verdict.of(findings + _found(different))
+    return Verdict.of(findings + _found(different or compare(claim)))
 
 
 def _unshown(base: SceneClaim, plan: Plan, of_plan: tuple[Phase, ...], claim: Claim) -> list[Finding]:
@@ -112,6 +138,26 @@ def _unshown(base: SceneClaim, plan: Plan, of_plan: tuple[Phase, ...], claim: Cl
     return [_named(each, labels) for each in verdict.findings]
 
 
+WORDS = {
+    "SURFACE": "the surface is not closed",
+    "KNOTS": "times of knots go back, or the motion jumps",
+    "PHASES": "phases have gaps, end too early, or the robot need not keep clear while it moves",
+    "LIMIT": "a limit is not kept",
+    "POINT": "the tool is not at its point, or does not move with it",
+    "RATE": "the tool is faster or slower, or accelerates harder, than is claimed",
+    "DIRECTION": "an axis, or the way to a point, is not within its directions",
+    "GUIDE": "the tool leaves its way",
+    "CORRECTION": "a joint or the arm leaves its range while a correction shifts the tool",
+    "JOINTS": "a sum of joints, or a derivative of it, is not within its bounds",
+    "DISTANCE": "two bodies may be farther apart than is claimed",
+    "ERROR": "the tool may be farther from its point than is claimed",
+    "NEAREST": "the smallest clearance is not shown",
+    "ROW": "a row does not hold",
+    "COVER": "no rows for all of the time",
+    "WITHIN": "nothing shows that one is not within the other",
+    "WORK": "more work than is allowed",
+}
+"""What the claim checker does not show, by its code."""
 NUMBERS = re.compile(r"(joint|body|phase|number|bodies) (-?\d+)(?: and (-?\d+))?")
 """How the claim checker names rows of a claim."""
 NAMED = {
@@ -124,7 +170,7 @@ NAMED = {
     "DIRECTION": "axes",
 }
 """By a word before a number, or a code: the names that are numbered."""
-PLANE = "what stands"
+PLANE = "what never moves"
 """In place of a second body: the row is about a plane."""
 
 
@@ -137,8 +183,9 @@ def _named(finding: ClaimFinding, labels: Mapping[str, Sequence[str]]) -> Findin
         known = [PLANE if k == "-1" else names[int(k)] if int(k) < len(names) else k for k in numbers if k is not None]
         return f"{'' if word in ('number', 'body', 'bodies') else word + ' '}{' and '.join(known)}"
 
+    about, words = NUMBERS.sub(named, finding.what), WORDS.get(finding.code, "")
     where = "" if math.isnan(finding.when) else _at(finding.when)
-    return Finding(_code(finding.code), NUMBERS.sub(named, finding.what), where=where)
+    return Finding(_code(finding.code), ": ".join(filter(None, (about, words))), where=where)
 
 
 def _found(differences: Iterable[Difference]) -> list[Finding]:
@@ -203,4 +250,8 @@ def _strange(scene: Scene, plan: Plan) -> list[Finding]:
     unknown = [name for name in names if name not in bodies]
     if unknown:
         findings.append(Finding(Code.ROW, f"the certificate names a body that there is not: {unknown[0]!r:.60}"))
+    found, many = plan.certificate, len(names)
+    known = (found.first >= 0) & (found.first < many) & (found.second >= -1) & (found.second < many)
+    for row in np.flatnonzero(~known)[:1].tolist():
+        findings.append(Finding(Code.ROW, f"row {row} of the certificate is about a body that it does not name"))
     return findings

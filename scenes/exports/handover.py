@@ -105,8 +105,8 @@ def _running(document: object) -> tuple[Cell, Plan]:
 
 def _proved_before(cell: Cell, ran: Plan, nanos: int) -> tuple[FloatArray, ...]:
     """The knots of the running plan before the switch: of a motion with a knot there, which is proved."""
-    from assur.planner.resampling.certifying import Refuted, recertified
-    from assur.planner.resampling.grid import on_nanoseconds
+    from assur.scenes.resampling.certifying import Refuted, recertified
+    from assur.scenes.resampling.grid import on_nanoseconds
 
     motion = on_nanoseconds(ran.trajectory, nanos)
     proved = recertified(cell.scene, ran, motion)
