@@ -196,8 +196,7 @@ ERROR_ARM = 15  # how far a yaw moves what counts, m for each rad
 ERROR_FAR, ERROR_FLAT, ERROR_UP, ERROR_YAW = 16, 17, 18, 19  # greatest distance; horizontally; up or down; yaw
 ERROR = 20
 
-# A row of the proof: where to look for it. Nothing in a row has to be believed. If its second body and piece are -1, the
-# first body is behind a plane with this normal, and all that never moves is in front of it.
+# A row of the proof: where to look for it. Nothing in a row has to be believed.
 ROW_T0, ROW_T1, ROW_S0, ROW_S1 = range(4)  # its time, and how far the second body is ahead of the clock
 ROW_BODY, ROW_PIECE, ROW_NORMAL = 4, 6, 8  # both bodies; a piece of each (-1: the box that holds all); (3) the normal
 # A row of one body: the second body and its piece are -1, its s0 and s1 are 0. Over its interval the first body is

@@ -69,24 +69,31 @@ def claim_of(scene: Scene, cell: CellClaim | None = None) -> SceneClaim:
 def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = None) -> Claim:
     """The claim of a plan. `phases`: those of the plan, if they are made already. Raises `InputError` for what cannot
     be stated."""
-    scene, cell, path = base.scene, base.cell, plan.trajectory
+    scene, number = base.scene, base.cell.carriers.body
     if phases is None:
         phases = phases_in(scene, plan.legs, plan.arrivals)
+    distances = required_of(base.prover, number, plan, phases) if is_limited(scene) else []
+    return with_motion(base, plan, phases)._replace(
+        points=c.table("points", [row for _, row in points_of(scene, plan)]),
+        axes=c.table("axes", [row for _, row in axes_of(scene, plan) + base.postures.of_plan(plan)]),
+        distances=c.table("distances", distances),
+    )
+
+
+def with_motion(base: SceneClaim, plan: Plan, phases: Sequence[Phase]) -> Claim:
+    """The claim of what a plan promises whatever its task is: limits, and that all keeps apart in its phases. Raises
+    `InputError` for what cannot be stated."""
+    scene, cell, path = base.scene, base.cell, plan.trajectory
     end, robot_until = phases[-1].t1, max(phase.t1 for phase in phases if phase.robot)
     required = cell.tables["required"].copy()
-    required[0, c.REQUIRED_UNTIL] = end
-    distances = required_of(base.prover, cell.carriers.body, plan, phases) if is_limited(scene) else []
+    required[0, c.REQUIRED_UNTIL], required[0, c.REQUIRED_SINCE] = end, scene.start.time
     story = phases_of(scene, cell.carriers, base.seats, phases)
+    own = ("points", "sums", "guides", "distances", "errors", "gap_rows")
     return Claim(
         **{**cell.tables, **cell.frames.around(path, robot_until), **story, "required": required},
+        **{name: c.table(name, []) for name in own},
         limits=base.limits.over(path.start, phases),
-        points=c.table("points", [row for _, row in points_of(scene, plan)]),
         rates=c.table("rates", [row for _, row in rates_of(scene, plan, phases)]),
-        axes=c.table("axes", [row for _, row in axes_of(scene, plan) + base.postures.of_plan(plan)]),
-        sums=c.table("sums", []),
-        guides=c.table("guides", []),
-        distances=c.table("distances", distances),
-        errors=c.table("errors", []),
+        axes=c.table("axes", [row for _, row in axes_of(scene, plan)]),
         rows=rows_of(plan.certificate, cell.carriers.body),
-        gap_rows=c.table("gap_rows", []),
     )

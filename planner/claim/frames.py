@@ -27,6 +27,8 @@ class Frames:
 
     tables: dict[str, FloatArray]
     others: tuple[tuple[Robot, Trajectory], ...]
+    early: float
+    """From when on all motions are stated that have no begin, s."""
 
     def around(self, path: Trajectory, robot_until: float) -> dict[str, FloatArray]:
         """The same with the knots of a robot that follows `path` and then rests until `robot_until`, s. Raises
@@ -38,12 +40,18 @@ class Frames:
         return {**self.tables, "arms": arms, "knots": np.concatenate((knots, others)) if len(others) else knots}
 
 
+def early_of(scene: Scene) -> float:
+    """The time, s, from which on a plan for a scene may need the motions of frames: whole seconds, so that many scenes
+    share it."""
+    latest = max((frame.uncertainty.shift_s[1] for frame in scene.frames.values()), default=0.0)
+    return math.floor(scene.start.time - latest - BEYOND_S)
+
+
 def frames_of(scene: Scene) -> Frames:
     """The frames of a cell. Raises `InputError` for an arm or a law that cannot be stated."""
     arms, rows, waves, laws = Arms(), list[list[float]](), list[tuple[float, ...]](), [c.table("laws", [])]
     followed, first, pieces = list[tuple[Robot, Trajectory]](), list[int](), 0
-    latest = max((frame.uncertainty.shift_s[1] for frame in scene.frames.values()), default=0.0)
-    early = math.floor(scene.start.time - latest - BEYOND_S)
+    early = early_of(scene)
     arms.add(scene.robot)
     for frame in scene.frames.values():
         link, known, on = frame.law.link, frame.uncertainty, (-1, -1)
@@ -74,7 +82,7 @@ def frames_of(scene: Scene) -> Frames:
         "displaced": c.table("displaced", displaced),
         "knots": np.concatenate((c.table("knots", []), *knots)),
     }
-    return Frames(tables, tuple(followed))
+    return Frames(tables, tuple(followed), early)
 
 
 def _displaced(row: int, frame: Frame) -> list[tuple[float, ...]]:

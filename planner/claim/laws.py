@@ -31,8 +31,10 @@ class StatedLaw(NamedTuple):
 
 
 def law_of(law: Law, early: float) -> StatedLaw:
-    """A law for all times that a claim may have, as far as it has an end. A first piece of constant speed begins at
-    `early`, s, when the law is stated, or when the second one begins, whichever is first.
+    """A law from `early`, s, on at the latest, until the last time that a claim may have.
+
+    A first piece of constant speed begins at `early`, when the law is stated, or when the second one begins, whichever
+    is first. What repeats begins where its law does, or the whole periods before that are needed.
 
     Raises `InputError` for a law that begins too early or too late for any claim.
     """
@@ -45,8 +47,7 @@ def law_of(law: Law, early: float) -> StatedLaw:
     repeated = NO_PERIOD
     if period > 0.0:
         step, start = law.row[own.STEP : own.STEP + 4], float(law.row[own.START])
-        # a period that begins beyond all times of claims is stated whole periods later or earlier
-        whole = 0.0 if abs(start) + period <= c.LATEST_S else -math.trunc(start / period)
+        whole = -math.ceil(max(start - early, 0.0) / period) + math.ceil(max(-c.LATEST_S - start, 0.0) / period)
         starts, pose = starts + (start + whole * period), pose + whole * step
         ends = np.append(starts[1:], starts[0] + period)
         repeated = (period, *step.tolist())

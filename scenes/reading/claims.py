@@ -12,8 +12,8 @@ from typing import Any, NotRequired, TypeVar, get_args, get_origin
 
 from typing_extensions import get_type_hints
 
-from assur.planner.checker.targets import asks_velocity, targets
 from assur.planner.checker.verdict import Code, Finding
+from assur.planner.model.attachments import at_start
 from assur.planner.model.claims import Claims
 from assur.planner.model.load import Carried
 from assur.planner.model.outcome import Arrival, Contact, JointPeak, Nearest, Plan, ToolPeaks
@@ -142,18 +142,20 @@ def untrue_repeats(plan: object, scene: Scene) -> tuple[Finding, ...]:
 def untrue_arrivals(arrivals: Sequence[Arrival], scene: Scene) -> tuple[Finding, ...]:
     """What arrivals repeat of the task and is not so there: whether a velocity is to be matched, and which points are
     on a conveyor, as how far they have come along it is then said."""
-    asked = targets(scene, ())
-    found = list[Finding]()
+    found, frames, attached = list[Finding](), list[str](), at_start(scene)
+    for step in scene.task:
+        frames.append(attached.frame(scene, step))
+        attached = attached.after(scene, step)
     for i, arrival in enumerate(arrivals):
-        if not 0 <= arrival.step < len(asked):
+        if not 0 <= arrival.step < len(frames):
             continue  # of another task, which the checker finds
-        target = asked[arrival.step]
-        name, matches = target.step.name, asks_velocity(target.step)
+        step = scene.task[arrival.step]
+        matches = step.match == "velocity" and not step.via
         if arrival.matched is not matches:
-            what = f"the velocity of {name} is {'' if matches else 'not '}to be matched, and it is said otherwise"
+            what = f"the velocity of {step.name} is {'' if matches else 'not '}to be matched, and it is said otherwise"
             found.append(Finding(Code.CLAIM, what, where=f"arrivals[{i}].matched"))
-        if arrival.along_m is None and scene.frames[target.frame].law.way is not None:
-            what = f"{name} is on a conveyor, and it is not said how far along"
+        if arrival.along_m is None and scene.frames[frames[arrival.step]].law.way is not None:
+            what = f"{step.name} is on a conveyor, and it is not said how far along"
             found.append(Finding(Code.CLAIM, what, where=f"arrivals[{i}].along_m"))
     return tuple(found)
 

@@ -29,7 +29,7 @@ from assur.planner.checker.statement.loads import loads_agree, loads_of
 from assur.planner.checker.statement.nearness import Nearness
 from assur.planner.checker.statement.order import order_agrees
 from assur.planner.checker.statement.peaks import peaks_agree, tool_agrees
-from assur.planner.checker.statement.phases import phases_agree, stages_of
+from assur.planner.checker.statement.phases import Stage, phases_agree, stages_of
 from assur.planner.checker.statement.points import points_agree, tilts_agree
 from assur.planner.checker.statement.postures import margins_agree, modes_agree, postures_agree
 from assur.planner.checker.statement.solids import solids_agree
@@ -39,7 +39,7 @@ from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Plan
 from assur.planner.model.scene import Scene
 
-__all__ = ["Difference", "Topic", "state_answer", "state_cell", "state_plan"]
+__all__ = ["Difference", "Topic", "state_answer", "state_cell", "state_legs", "state_motion", "state_plan"]
 
 
 def state_cell(scene: Scene, claim: Claim) -> list[Difference]:
@@ -55,28 +55,44 @@ def state_cell(scene: Scene, claim: Claim) -> list[Difference]:
     return found
 
 
-def state_plan(scene: Scene, plan: Plan, claim: Claim) -> list[Difference]:
-    """Differences of what depends on the task and the plan, for a claim whose cell has no difference."""
+def state_legs(scene: Scene, plan: Plan) -> list[Difference]:
+    """Differences of the digest, and of legs and arrivals, which need no claim."""
     found = []
     if plan.certificate.digest != digest(scene.digest, plan.trajectory, plan.legs, plan.arrivals, plan.certificate):
         found.append(Difference(Topic.DIGEST, "request, plan and certificate do not belong together"))
+    return found + list(order_agrees(Handling(scene, plan)))
+
+
+def state_plan(scene: Scene, plan: Plan, claim: Claim) -> list[Difference]:
+    """Differences of what depends on the task and the plan, for a claim whose cell has no difference and a plan whose
+    legs have none."""
     handling = Handling(scene, plan)
-    found += order_agrees(handling)
-    if found:  # who holds what follows from the legs
-        return found
     stages = stages_of(handling)
-    found += motion_agrees(scene, plan, claim)
+    found = _motion(handling, stages, claim)
+    found += points_agree(handling, claim)
+    found += tilts_agree(handling, claim)
+    found += modes_agree(handling, claim)
+    found += margins_agree(handling, claim)
+    found += Nearness(handling, stages, claim).touching_agrees()
+    return found
+
+
+def state_motion(scene: Scene, plan: Plan, claim: Claim) -> list[Difference]:
+    """Differences of a motion that has no task: `plan` has one leg, in travel, and no arrivals."""
+    handling = Handling(scene, plan)
+    return _motion(handling, stages_of(handling), claim)
+
+
+def _motion(handling: Handling, stages: list[Stage], claim: Claim) -> list[Difference]:
+    """Differences of the motion, of what has to keep apart in which phase, and of limits."""
+    scene = handling.scene
+    found = list(motion_agrees(scene, handling.plan, claim))
     found += execution_agrees(scene, claim, stages[-1].when[1])
     found += phases_agree(handling, stages, claim)
     found += laws_known(scene, claim)
     found += limits_agree(handling, stages, claim)
-    found += points_agree(handling, claim)
-    found += tilts_agree(handling, claim)
     found += rates_agree(handling, stages, claim)
     found += yaws_agree(handling, claim)
-    found += modes_agree(handling, claim)
-    found += margins_agree(handling, claim)
-    found += Nearness(handling, stages, claim).touching_agrees()
     return found
 
 
