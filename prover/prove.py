@@ -4,7 +4,7 @@ It reads one document. bundle.schema.json defines its form and its terms. Every 
 is. A ball of Arb (`flint.arb`) holds every value that its centre and radius allow. A comparison is true only if it is
 true for all these values. So no rounding is lost, and there is no tolerance here: the bundle says what may be off and
 by how much, as a part of the claim. What is not shown is refused, and so is what takes too much work. The labels (N1)
-to (N11) are those of the equations in docs/bundle.md.
+to (N12) are those of the equations in docs/bundle.md.
 
 Motion. Over an interval every quantity f is a series of balls. They hold all values of f, of its rate and of the next
 two derivatives (N1). A carrier (a link or a frame) has the series of its place p and of the columns of its rotation R.
@@ -27,7 +27,7 @@ from __future__ import annotations
 
 import json
 import math
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
@@ -65,6 +65,11 @@ def length(vector: Iterable[Any]) -> arb:
     return sum((x * x for x in vector), arb(0)).upper().sqrt().upper()
 
 
+def shortest(vector: Iterable[Any]) -> arb:
+    """A lower bound of the length of a vector of balls."""
+    return sum((x * x for x in map(arb.abs_lower, vector)), arb(0)).lower().sqrt().lower()
+
+
 def largest(balls: Iterable[arb]) -> arb:
     """An upper bound of all values in some balls."""
     return reduce(arb.max, (ball.upper() for ball in balls), arb("-inf"))
@@ -81,7 +86,8 @@ class Curve:
         self.edges, self.pieces, self.touched = edges, pieces, 0
 
     def over(self, low: arb, high: arb) -> Vector:
-        """Series of all coordinates over [low, high] (N1), from all pieces that the interval reaches."""
+        """Series of all coordinates over [low, high] (N1), from all pieces that the interval reaches. An instant is in
+        the piece that begins there, and in the last one."""
         if not (low >= self.edges[0] and high <= self.edges[-1]):
             raise ArithmeticError("a motion is not given")
         found: list[Vector] = []
@@ -89,7 +95,7 @@ class Curve:
             begin, end = arb(self.edges[k]), arb(self.edges[k + 1])
             if begin > high or (begin >= high and found):
                 break
-            if end < low or (end <= low and low < high):
+            if end < low or (end <= low and (low < high or k + 1 < len(self.pieces))):
                 continue
             self.touched += 1
             a, b, here = low.max(begin) - begin, high.min(end) - begin, []
@@ -150,6 +156,10 @@ class Carrier:
         """The series of a point, from its coordinates in the carrier, which may change."""
         rows = zip(self.place, *self.columns, strict=True)
         return [p + x * local[0] + y * local[1] + z * local[2] for p, x, y, z in rows]
+
+    def direction(self, local: Vector) -> Vector:
+        """The series of a vector, from its coordinates in the carrier."""
+        return [x * local[0] + y * local[1] + z * local[2] for x, y, z in zip(*self.columns, strict=True)]
 
     @cached_property
     def orders(self) -> list[tuple[Vector, list[Vector]]]:
@@ -583,35 +593,79 @@ class World:
             if t1 > span["t0"] and t0 < span["t1"] and not self.everywhere(partial(test, span), t0, t1):
                 self.failures.append(f"a joint does not keep its limits from {t0:.9g} s to {t1:.9g} s")
 
-    def pointed(self) -> None:
-        """Shows where the tool is, how fast, in which direction, and how hard it accelerates with a part (N9)."""
+    def stated(self) -> None:
+        """Shows all rows about the tool and the joints."""
+        tests = {"points": self.near, "rates": self.fast, "axes": self.aimed, "sums": self.summed}
+        for key, test in tests.items():
+            for k, row in enumerate(self.bundle[key]):
+                if not self.everywhere(partial(test, row), row["t0"], row["t1"]):
+                    told = f"{key}, {row.get('name', k)}, from {row['t0']:.9g} s to {row['t1']:.9g} s"
+                    self.failures.append(told)
 
-        def near(point: Document, t0: float, t1: float, *_: float) -> int:
-            limits, bend = [*point["height"], point["position"], *point["yaw"]], (arb(t1) - t0) ** 2 / 8
-            bends = [length(s[2] * 2 for s in vector) * bend for vector in self.relative(point, t0, t1)]
-            for t in (t0, t1):
-                vectors = self.relative(point, t, t)
-                if not all(length(s[0] for s in v) + x <= y for v, x, y in zip(vectors, bends, limits, strict=True)):
-                    return IN_TIME
-            rates = self.relative({**point, "height": []}, t0, t0) if point["rates"] else []
-            fast = [length(s[1] for s in v) <= most for v, most in zip(rates, point["rates"], strict=True)]
-            return SHOWN if all(fast) else WRONG
+    def short(self, vectors: Callable[[float, float], list[Vector]], limits: Vector, t0: float, t1: float) -> int:
+        """Whether vectors are no longer than their limits from t0 to t1 (N9)."""
+        most = (arb(t1) - t0) ** 2 / 8
+        bends = [length(s[2] * 2 for s in vector) * most for vector in vectors(t0, t1)]
+        for t in (t0, t1):
+            here = zip(vectors(t, t), bends, limits, strict=True)
+            if not all(length(s[0] for s in vector) + bend <= limit for vector, bend, limit in here):
+                return IN_TIME
+        return SHOWN
 
-        def gentle(rate: Document, t0: float, t1: float, *_: float) -> int:
-            tool = self.carrier(rate["link"], -1, t0, t1).point(rate["point"])
-            return SHOWN if length(s[2] * 2 for s in tool) <= rate["most"] else IN_TIME
+    def near(self, point: Document, t0: float, t1: float, *_: float) -> int:
+        """Whether the tool is at its point; and how fast it leaves it as that time begins."""
+        limits = [*point["height"], point["position"], *point["yaw"]]
+        found = self.short(partial(self.relative, point), limits, t0, t1)
+        rates = self.relative({**point, "height": []}, t0, t0) if point["rates"] and found == SHOWN else []
+        fast = [length(s[1] for s in v) <= most for v, most in zip(rates, point["rates"], strict=bool(rates))]
+        return found if all(fast) else WRONG
 
-        def aimed(axis: Document, t0: float, t1: float, *_: float) -> int:
-            way = [[constant(x) for x in axis[key]] for key in ("axis", "direction")]
-            turns = [self.carrier(axis["link"], -1, *span).columns for span in ((t0, t1), (t0, t0), (t1, t1))]
-            over, *ends = (dot(way[0], [dot(column, way[1]) for column in columns]) for columns in turns)
-            bend = abs(over[2] * 2) * (arb(t1) - t0) ** 2 / 8
-            return SHOWN if all(axis["low"] <= s[0] - bend and s[0] + bend <= axis["high"] for s in ends) else IN_TIME
+    def fast(self, rate: Document, t0: float, t1: float, *_: float) -> int:
+        """Whether the velocity of a point in a frame, or its acceleration in the world, is as long as is claimed: for
+        all values of a time at once, or by the rate of its square (N12)."""
+        order, edges, middle = rate["order"], self.splines[0].edges, (t0 + t1) / 2
+        least, most = arb(rate["least"]), arb(rate["most"])
+        if order > 1 and rate["frame"] >= 0:
+            raise ValueError("an acceleration is claimed in the world only")
 
-        for test, key in ((near, "points"), (gentle, "rates"), (aimed, "axes")):
-            for claim in self.bundle[key]:
-                if not self.everywhere(partial(test, claim), claim["t0"], claim["t1"]):
-                    self.failures.append(f"the tool, {claim['name']}, from {claim['t0']:.9g} s to {claim['t1']:.9g} s")
+        def moving(a: float, b: float) -> tuple[Vector, Vector]:
+            way = self.carrier(rate["link"], -1, a, b).point(rate["point"])
+            if rate["frame"] >= 0:
+                there = self.carrier(-1, rate["frame"], a, b)
+                away = [x - y for x, y in zip(way, there.place, strict=True)]
+                way = [dot(column, away) for column in there.columns]
+            return [s[order] * order for s in way], [s[order + 1] * math.factorial(order + 1) for s in way]
+
+        over, change = moving(t0, t1)
+        if shortest(over) >= least and length(over) <= most:
+            return SHOWN
+        if order > 1 and bisect_right(edges, t0) != bisect_left(edges, t1):
+            return IN_TIME  # the acceleration may jump
+        here = moving(middle, middle)[0]
+        off = 2 * abs(dot(over, change)) * (arb(t1) - middle).max(middle - arb(t0))
+        return SHOWN if dot(here, here) - off >= least * least and dot(here, here) + off <= most * most else IN_TIME
+
+    def aimed(self, axis: Document, t0: float, t1: float, *_: float) -> int:
+        """Whether a scalar product of an axis, or of the way to a point, and a direction is in its range."""
+        middle, half = (arb(axis["high"]) + axis["low"]) / 2, (arb(axis["high"]) - axis["low"]) / 2
+
+        def off(a: float, b: float) -> list[Vector]:
+            on, direction = self.carrier(axis["link"], -1, a, b), [constant(x) for x in axis["direction"]]
+            way = on.point(axis["axis"]) if axis["place"] else on.direction(axis["axis"])
+            if axis["other"] >= 0:
+                base = self.carrier(axis["other"], -1, a, b)
+                direction = base.direction(axis["direction"])
+                way = [x - y for x, y in zip(way, base.place, strict=True)] if axis["place"] else way
+            return [[dot(way, direction) - middle]]
+
+        return self.short(off, [half], t0, t1)
+
+    def summed(self, row: Document, t0: float, t1: float, *_: float) -> int:
+        """Whether a sum of shares of the joints, or a derivative of it, is in its range."""
+        joints, order = self.splines[0].over(arb(t0), arb(t1)), row["order"]
+        total = sum((q[order] * share for q, share in zip(joints, row["joints"], strict=True)), arb(0))
+        total *= math.factorial(order)
+        return SHOWN if total >= row["low"] and total <= row["high"] else IN_TIME
 
     def relative(self, point: Document, t0: float, t1: float) -> list[Vector]:
         """The tool point as its control point sees it, as vectors. If a range of heights is allowed: how far it is from
@@ -657,10 +711,9 @@ def read(data: bytes) -> Document:
     for where, low, high in ranges(document):
         if low > high:  # nothing is in this range, so that nothing would be claimed
             raise ValueError(f"{where}: {high:.9g} is less than {low:.9g}, with which its range begins")
-    kinds, required = ("sums", "guides", "distances", "errors", "gap_rows"), document["required"]
-    plain = all(x["order"] == 2 and x["least"] == 0 and x["frame"] < 0 for x in document["rates"])
-    plain = plain and not any(x["place"] or x["other"] >= 0 for x in document["axes"])
-    plain = plain and not any(x["period"] for x in document["frames"])
+    kinds, required = ("guides", "distances", "errors", "gap_rows"), document["required"]
+    plain = not any(x["period"] for x in document["frames"])
+    plain = plain and not any(x["bodies"][1] < 0 for x in document["rows"])
     plain = plain and max(required["nearest"], required["placed"]) < 0
     if not plain or any(document[key] for key in kinds):
         raise ValueError("rows of a kind that is not shown yet")
@@ -669,8 +722,8 @@ def read(data: bytes) -> Document:
 
 def ranges(bundle: Document) -> Iterator[tuple[str, float, float]]:
     """The ranges of a bundle: for each the place of its second number, and both numbers."""
-    parts, ends = ("phases", "limits", "points", "rates", "axes", "rows"), (("t0", "t1"), ("s0", "s1"), ("low", "high"))
-    for part, (low, high) in product(parts, ends):
+    parts = ("phases", "limits", "points", "rates", "axes", "sums", "guides", "rows", "gap_rows")
+    for part, (low, high) in product(parts, (("t0", "t1"), ("s0", "s1"), ("low", "high"), ("least", "most"))):
         yield from ((f"{part}.{k}.{high}", x[low], x[high]) for k, x in enumerate(bundle[part]) if low in x)
     yield from ((f"frames.{k}.shift.1", *frame["shift"]) for k, frame in enumerate(bundle["frames"]))
     shares = ((k, f, share) for k, phase in enumerate(bundle["phases"]) for f, share in enumerate(phase["shares"]))
@@ -688,6 +741,12 @@ def claimed(world: World, alone: float, rows: int, pairs: int) -> Document:
         whole = [span[key] for span in limits if span["t0"] <= own[0] and own[-1] <= span["t1"] and span[key]]
         return [max(x) if key == "lower" else min(x) for x in zip(*whole, strict=True)] or "not limited"
 
+    def counted(what: str, most: str, values: list[float]) -> Document:
+        return {f"times and intervals {what}": len(values), most: max([0, *values])}
+
+    speeds, pulls = ([each["most"] for each in bundle["rates"] if each["order"] == order] for order in (1, 2))
+    turned, reached = ([x["high"] - x["low"] for x in bundle["axes"] if x["place"] is place] for place in (False, True))
+    sums = [each["high"] - each["low"] for each in bundle["sums"]]
     return {
         **{key: bundle[key] for key in ("plan_digest", "request_digest")},
         "the robot keeps clear from and until, s": [own[0], alone],
@@ -713,9 +772,11 @@ def claimed(world: World, alone: float, rows: int, pairs: int) -> Document:
         **{f"limits of each joint, {key}": kept(key) for key in ("lower", "upper", "velocity", "acceleration", "jerk")},
         "times and intervals at which the tool is where it must be": len(bundle["points"]),
         "farthest that it may be off, m": max([0, *(each["position"] for each in bundle["points"])]),
-        "times and intervals at which an axis of the tool has its direction": len(bundle["axes"]),
-        "intervals in which the tool accelerates no harder than its part allows": len(bundle["rates"]),
-        "hardest that a part allows, m/s²": max([0, *(each["most"] for each in bundle["rates"])]),
+        **counted("at which the velocity of a point is bounded", "greatest velocity, m/s", speeds),
+        **counted("at which the acceleration of a point is bounded", "greatest acceleration, m/s²", pulls),
+        **counted("at which an axis has a direction", "widest range of a direction", turned),
+        **counted("at which a point has a place along a direction", "widest range of such a place, m", reached),
+        **counted("at which a sum of joints or a derivative of it is bounded", "widest range of a sum", sums),
     }
 
 
@@ -736,7 +797,7 @@ def prove(data: bytes) -> tuple[bool, Any]:
         if not alone >= edges[-1]:
             failures.append(f"the robot keeps clear until {alone:.9g} s, and moves until {edges[-1]:.9g} s")
         world.limited()
-        world.pointed()
+        world.stated()
         counts = world.apart()
         lines = [*failures[:MOST_TOLD], f"claims that are not shown: {len(failures)}"]
         return not failures, lines if failures else claimed(world, alone, *counts)
