@@ -29,7 +29,7 @@ from tests.prover.bundles import bundle, planned, shown
 from tests.scenes.cells.second_kinematics import answer
 
 PROVER = ROOT / "prover" / "prove.py"
-MOST_LINES = 800
+MOST_LINES = 860
 """Of code: a sceptic reads it in an evening."""
 
 
@@ -139,7 +139,7 @@ def labels_without_their_code(page: str) -> list[str]:
 def test_every_equation_is_explained_and_computed_where_the_page_says() -> None:
     page = (ROOT / "docs" / "bundle.md").read_text(encoding="utf-8")
     text = PROVER.read_text(encoding="utf-8")
-    labels = set(re.findall(r"\bN\d+\b", text)) | {f"N{k}" for k in range(1, 13)}
+    labels = set(re.findall(r"\bN\d+\b", text)) | {f"N{k}" for k in range(1, 16)}
     assert labels == set(re.findall(r"\bN\d+\b", page))
     assert labels_without_their_code(page) == []
     assert labels_without_their_code(page.replace("| `swung` |", "| `spline` |")) == ["N10"]

@@ -161,3 +161,86 @@ def test_directions_and_places_are_counted_apart() -> None:
     assert told["times and intervals at which an axis has a direction"] == 1
     assert told["times and intervals at which a point has a place along a direction"] == 1
     assert [told["widest range of a direction"], told["widest range of such a place, m"]] == [10.0, 12.0]
+
+
+def guide(**changes: object) -> Document:
+    where = {"link": 1, "tool": [0.0, 0.1, 0.0], "frames": [0, 1], "from": [0.0, 0.1, 0.0], "to": [0.0, 0.1, 0.0]}
+    return {**WHOLE, **where, "shares": [0.0, 0.0], "most": LITTLE, **changes}
+
+
+def test_a_tool_is_at_its_guide() -> None:
+    document = slide()
+    assert holds(document, "guides", guide(most=0.625 + LITTLE))
+    assert not holds(document, "guides", guide(most=0.625 - LITTLE))
+    # with 1 m/s it goes straight from 0 to 1 m, as the guide does from a point that stands to one of the belt
+    document["arms"][0].update(q=[[0.0], [1.0]], qd=[[1.0], [1.0]])
+    document["frames"][1]["rate"] = [0.0] * 4
+    document["rows"] = [{**row(0, 1), "normal": [0.0, 1.0, 0.0]}]
+    document["seats"][1]["pose"] = [0.0, 9.0, 0.0, 0.0]
+    straight = {"shares": [0.0, 1.0], "to": [1.0, 0.1, 0.0]}
+    assert holds(document, "guides", guide(**straight))
+    assert not holds(document, "guides", guide(**{**straight, "shares": [0.0, 1.0 - 1e-6]}))
+    assert not holds(document, "guides", guide(**{**straight, "shares": [1e-6, 1.0]}))
+    assert not holds(document, "guides", guide(**straight, tool=[0.0, 0.1, 1e-6]))
+    # B moves away: at t the guide is t (2 + t) farther along y
+    document["frames"][1]["rate"] = [0.0, 1.0, 0.0, 0.0]
+    document["frames"][1]["pose"] = [0.0, 1.0, 0.0, 0.0]
+    assert holds(document, "guides", guide(**straight, most=3.0 + LITTLE))
+    assert not holds(document, "guides", guide(**straight, most=3.0 - LITTLE))
+
+
+def test_a_guide_at_an_instant_has_one_share() -> None:
+    document, instant = slide(), {"t0": 0.0, "t1": 0.0}
+    assert holds(document, "guides", guide(**instant))
+    with pytest.raises(ValueError, match="one share"):
+        shown({**document, "guides": [guide(**instant, shares=[0.0, 1.0])]})
+    document["guides"] = [guide(most=3.0), guide(**instant)]
+    told = shown(document)[1]
+    assert told["times and intervals at which a point is at its guide"] == 2
+    assert told["farthest from a guide, m"] == 3.0
+
+
+def apart(*weighted: tuple[float, list[float]], most: float, **changes: object) -> Document:
+    filled = [*weighted, *[(0.0, [0.0] * 3)] * (4 - len(weighted))]
+    where = {"time": 0.5, "phase": 0, "bodies": [0, 1], "pieces": [0, 0], "most": most}
+    return {**where, "weights": [w for w, _ in filled], "directions": [x for _, d in filled for x in d], **changes}
+
+
+PIECES: dict[str, tuple[Document, list[tuple[float, list[float]]], float]] = {
+    "a ball": (ball(0.9), [(1.0, [5.0, 0.0, 0.0])], 0.9 - 0.1),
+    "a disc across its axis": ({**ball(0.9, 0.0), "disc": 0.1}, [(1.0, [1.0, 0.0, 1e-12])], 0.9 - 0.1),
+    "a disc along its axis": ({**ball(0.9, 0.0), "disc": 0.1, "axis": [1.0, 0.0, 0.0]}, [(1.0, [2.0, 0.0, 0.0])], 0.9),
+    "edges": (
+        {**ball(0.9, 0.0), "edges": [[0.1, 0.0, 0.0], [0.0, 3.0, 0.0], [0.0, 0.0, -0.1]]},
+        [(1.0, [1.0, 0.0, 0.0])], 0.8,
+    ),
+    "two vertices, halfway": (
+        {**ball(0.9, 0.0), "vertices": [[0.8, 1.0, 0.0], [0.8, -1.0, 0.0]]},
+        [(0.5, [1.0, 0.5, 0.0]), (0.5, [1.0, -0.5, 0.0])], 0.8,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", PIECES)
+def test_two_bodies_are_as_near_as_is_said(what: str) -> None:
+    piece, weighted, far = PIECES[what]
+    document = sliding(body("wall", piece), rows=[row(0, 1)], speed=0.2)
+    # the ball has come out to 0.0625 m; the weighted points of "vertices" are off its own middle by half of the ball
+    gap = far - 0.0625 - 0.1 * sum(w * d[0] / math.hypot(*d) for w, d in weighted)
+    assert holds(document, "distances", apart(*weighted, most=gap + LITTLE))
+    assert not holds(document, "distances", apart(*weighted, most=gap - LITTLE))
+    assert holds(document, "distances", apart(*weighted, most=gap + 0.0625 + LITTLE, time=0.0))
+    assert not holds(document, "distances", apart(*weighted, most=gap + LITTLE, time=0.0))
+
+
+def test_weights_of_a_distance_have_the_sum_one_and_its_time_is_in_its_phase() -> None:
+    document, ahead = sliding(body("wall", ball(0.9)), rows=[row(0, 1)]), [1.0, 0.0, 0.0]
+    assert holds(document, "distances", apart((0.5, ahead), (0.5 + 1e-10, ahead), most=0.7 + LITTLE))
+    assert not holds(document, "distances", apart((0.5, ahead), (0.4, ahead), most=9.0))
+    assert not holds(document, "distances", apart(most=9.0))
+    assert not holds(document, "distances", apart((1.0, [0.0] * 3), most=9.0))
+    assert not holds(document, "distances", apart((1.0, ahead), most=9.0, time=1.0 + 1e-9))
+    with pytest.raises(ValueError, match="phase 1 does not exist"):
+        shown({**document, "distances": [apart((1.0, ahead), most=9.0, phase=1)]})
+    document["distances"] = [apart((1.0, ahead), most=3.0)]
+    assert shown(document)[1]["farthest of these, m"] == 3.0
