@@ -59,7 +59,7 @@ def arm_document(robot: Robot, path: Trajectory, begin: float, until: float) -> 
 def law_document(law: Law, begin: float, until: float) -> Document:
     """A frame that moves by a law, in a bundle."""
     at, pieces, waves = law_of(law, begin, until)
-    frame = [-1.0, -1.0, *at, 0.0, len(pieces), 0.0, len(waves), 0.0, 0.0, 0.0]
+    frame = [-1.0, -1.0, *at, 0.0, len(pieces), 0.0, len(waves), *[0.0] * (c.FRAME - c.FRAME_SHIFT)]
     rows = {"frames": [frame], "laws": pieces.tolist(), "waves": list(map(list, waves)), "displaced": []}
     return written.frame_document(rows, 0, "frame")
 
