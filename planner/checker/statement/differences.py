@@ -58,6 +58,14 @@ class Topic(StrEnum):
     """Yaws of the tool that are forbidden."""
     RATE = "RATE"
     """How hard a part is accelerated."""
+    MODE = "MODE"
+    """The working mode of the arm."""
+    MARGIN = "MARGIN"
+    """How near the arm comes to singular positions."""
+    NEARNESS = "NEARNESS"
+    """How near bodies come, and parts are to tool and support."""
+    PEAK = "PEAK"
+    """Peaks of the joints and of the tool."""
 
 
 @dataclass(frozen=True, slots=True)

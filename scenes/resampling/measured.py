@@ -7,8 +7,8 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
-from assur.planner.resampling.keeping import positions
 from assur.planner.trajectory import Trajectory
+from assur.scenes.resampling.keeping import positions
 
 
 def deviation(one: Trajectory, other: Trajectory) -> FloatArray:

@@ -12,8 +12,8 @@ from assur.planner.errors import InputError
 from assur.planner.model.outcome import TRACKING, Arrival, Course, Leg, LegKind, Plan, Route
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import Scene
-from assur.planner.resampling.keeping import WIDE, Asked, kept
 from assur.planner.trajectory import Trajectory
+from assur.scenes.resampling.keeping import WIDE, Asked, kept
 
 NANO = 1e-9
 SHORTEST_TICK_S, LONGEST_TICK_S = 1e-4, 0.1

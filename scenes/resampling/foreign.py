@@ -1,8 +1,8 @@
 """A motion that was made elsewhere: whether it keeps the limits, and keeps everything apart, as one motion in travel.
 
 It has no legs, so nothing is gripped or let go on its way: what is held at the start stays held, nothing may touch, and
-the clearances are those of travel. Limits, separation and what is enclosed are judged by the checker's own means, on
-rows that the prover finds; the planner only looks for what is violated first, and for where the motion comes nearest.
+the clearances are those of travel. It is a claim like that of a plan, with one phase and without points, and both
+checkers judge it; the planner only looks for what is violated first, and for where the motion comes nearest.
 """
 
 from __future__ import annotations
@@ -11,28 +11,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from assur.planner.checked import check_motion
 from assur.planner.checker import check
-from assur.planner.checker.enclosure import enclosed
-from assur.planner.checker.limits import limits, loads
-from assur.planner.checker.rows import Apart
-from assur.planner.checker.solids import CARRIER, Solids, solids
-from assur.planner.checker.tracking import assembled, pulled, turned_into
 from assur.planner.checker.verdict import Code, Finding
-from assur.planner.checker.world import REST, World
 from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved, written
 from assur.planner.kernels.limits import NONE, first_beyond
 from assur.planner.kernels.proof import ROW_COLUMNS
-from assur.planner.laws import ALWAYS
 from assur.planner.model.attachments import at_start
 from assur.planner.model.outcome import Arrival, Leg, LegKind, Nearest, Plan
 from assur.planner.model.phases import Phase, handled_at_start, phases, stay_phases
 from assur.planner.model.scene import Scene
-from assur.planner.resampling.certifying import kept_legs, unproved
 from assur.planner.robots.facts import Limits
 from assur.planner.trajectory import Trajectory, accepted_bands
+from assur.scenes.resampling.certifying import kept_legs, unproved
 
+REST = 1e-9
+"""A joint slower than this is at rest, rad/s or m/s (and rad/s², m/s²): in an hour it goes 4 µm."""
 NARROW_S = 1e-3
 """s. How near to the first violation its time is told: nothing before that time less this is violated."""
 SETTLING_S = 1e-3
@@ -117,39 +113,27 @@ def judged(scene: Scene, trajectory: Trajectory, plan: Plan | None = None) -> Ju
         proofs.append(rows)
     none = Rows(prover.of(of_motion[0]), np.zeros((0, ROW_COLUMNS)))
     made = Plan(trajectory, legs, arrivals, written(scene, trajectory, legs, arrivals, proofs or [none]))
-    first = [beyond(scene, of_motion, trajectory)]
+    over = beyond(scene, of_motion, trajectory)
+    first = [] if over is None else [over]
+    findings = [
+        Finding(Code.LIMIT, each.what, float(each.amount or 0.0), each.unit, f"{each.time:.6g} s") for each in first
+    ]
     if resisted is not None:
         earliest = _earliest(prover, *resisted, trajectory)
-        findings = limits(World(scene, made))
         findings.append(unproved(earliest, "travel" if plan is None else resisted[0].kind))
         amount = None if earliest.gap > earliest.required else earliest.required - earliest.gap
         first.append(First(findings[-1].what, earliest.time, amount, "m", earliest.bodies))
-    elif plan is None:
-        findings = _in_travel(scene, made, of_motion)
     else:
-        findings = list(check(scene, made).findings)
+        verdict = check_motion(scene, made, of_motion) if plan is None else check(scene, made)
+        findings += [each for each in verdict.findings if not (first and each.code == Code.LIMIT)]
     if plan is None:
         findings += _still_moving(scene, trajectory)
-    found = [each for each in first if each is not None]
     clearance = nearest(prover, trajectory, of_motion, of="arm")
-    return Judged(tuple(findings), min(found, key=_when, default=None), clearance)
+    return Judged(tuple(findings), min(first, key=_when, default=None), clearance)
 
 
 def _when(first: First) -> float:
     return first.time
-
-
-def _in_travel(scene: Scene, made: Plan, of_motion: tuple[Phase, ...]) -> list[Finding]:
-    """What the checker finds of a motion without legs: all that it looks at but for what a task asks."""
-    world = World(scene, made)
-    findings, broken = limits(world), assembled(world)
-    if broken:
-        return findings + broken
-    table = solids(scene, of_motion)
-    findings += loads(world, of_motion, None) + pulled(world, of_motion) + turned_into(world)
-    findings += _unknown(scene, table, of_motion)
-    apart = Apart.of(scene, of_motion, table, world.tables)
-    return findings + apart.found(made.certificate)[0] + enclosed(world, apart)
 
 
 def _still_moving(scene: Scene, trajectory: Trajectory) -> list[Finding]:
@@ -208,21 +192,3 @@ def _beyond(scene: Scene, own: Limits, trajectory: Trajectory, low: int, high: i
     if kind and getattr(own, RATES[kind])[joint] != getattr(scene.robot.limits, RATES[kind])[joint]:
         what += " with the load that is carried"
     return First(what, float(trajectory.time[low]), over, unit, joint=joint)
-
-
-def _unknown(scene: Scene, table: Solids, phases: tuple[Phase, ...]) -> list[Finding]:
-    """A finding for each frame that bears a body and whose motion is not known for as long as the motion lasts."""
-    late, carriers, findings = scene.execution.start_tolerance_s, table.seats[table.seat, CARRIER], []
-    for k, (name, frame) in enumerate(scene.frames.items(), start=table.links):
-        first, last = frame.law.valid
-        if (first, last) == ALWAYS:
-            continue
-        missing = [
-            max(first - phase.t0, phase.t1 + late - last)
-            for i, phase in enumerate(phases)
-            if (carriers[i] == k).any() and not (first <= phase.t0 and phase.t1 + late <= last)
-        ]
-        if missing:
-            what = f"the motion of {name} is not known long enough"
-            findings.append(Finding(Code.LAW_ENDS, what, max(missing), "s", name))
-    return findings

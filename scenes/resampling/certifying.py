@@ -11,8 +11,8 @@ from assur.planner.collision.rows import Rows, Unproved, written
 from assur.planner.model.outcome import Arrival, Leg, Plan
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import Scene
-from assur.planner.resampling.grid import arrivals_on, legs_on
 from assur.planner.trajectory import Trajectory
+from assur.scenes.resampling.grid import arrivals_on, legs_on
 
 
 @dataclass(frozen=True)

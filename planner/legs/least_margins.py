@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -13,9 +14,16 @@ from assur.planner.trajectory import Trajectory
 
 AROUND, ROUNDS = 32, 4
 """Parts of the surroundings of an instant that is near, and how often they are parted: 1 ms to less than 1 ns."""
+FINE_S = 0.001
+"""Apart as a rule, s, are the instants at which all of a motion is evaluated."""
+MOST_FINE = 100_000
+"""So many of these times at most: where the arm moves for longer they are further apart. Where it rests there are none
+beyond so many."""
+Least = tuple[float, float]
+"""A least margin, and when, s."""
 
 
-def least_margins(robot: Robot, trajectory: Trajectory, t: FloatArray) -> tuple[float, float | None]:
+def least_margins(robot: Robot, trajectory: Trajectory, t: FloatArray) -> tuple[Least, Least | None]:
     """Least singularity margin of a motion, and, of an arm with a loop, least parallel margin (None: it has none), from
     times t (T,) on, which are 1 ms apart as a rule: where the margin is smooth, or falls and rises again at one rate as
     it does where an arm passes through a singular position, it is then known to 1e-4. NaN where one is none."""
@@ -23,10 +31,26 @@ def least_margins(robot: Robot, trajectory: Trajectory, t: FloatArray) -> tuple[
     return _least(robot.margin, trajectory, t), parallel
 
 
-def _least(margin: Callable[[FloatArray], FloatArray], trajectory: Trajectory, t: FloatArray) -> float:
+def instants(trajectory: Trajectory) -> tuple[FloatArray, FloatArray]:
+    """Times (T,), and for how long each counts (T,), s: `FINE_S` at most, in a motion that is not long."""
+    count = math.ceil(trajectory.duration / FINE_S) + 1
+    if count <= MOST_FINE:
+        t = np.linspace(trajectory.start, trajectory.end, max(2, count))
+        return t, np.full(len(t), t[1] - t[0])
+    rates = np.asarray(np.concatenate([trajectory.qd, trajectory.qdd], axis=1).any(axis=1))
+    spans = np.stack([trajectory.time[:-1], trajectory.time[1:]], 1)[rates[:-1] | rates[1:]]
+    lengths = spans[:, 1] - spans[:, 0]
+    apart = max(FINE_S, float(lengths.sum()) / MOST_FINE)
+    counts = np.ceil(lengths / apart).astype(np.int64)
+    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    even = within * np.repeat(lengths / counts, counts) + np.repeat(spans[:, 0], counts)
+    return np.append(even, trajectory.time[-1]), np.append(np.repeat(lengths / counts, counts), 0.0)
+
+
+def _least(margin: Callable[[FloatArray], FloatArray], trajectory: Trajectory, t: FloatArray) -> Least:
     found = margin(trajectory.evaluate(t))
     if not np.isfinite(found).all():
-        return float("nan")
+        return float("nan"), float(t[int(np.argmin(np.isfinite(found)))])
     return min(_around(margin, trajectory, t, k) for k in _lows(found))
 
 
@@ -40,9 +64,9 @@ def _lows(found: FloatArray) -> list[int]:
     return [int(k) for k in np.flatnonzero(falls & (found - change <= found.min()))]
 
 
-def _around(margin: Callable[[FloatArray], FloatArray], trajectory: Trajectory, t: FloatArray, k: int) -> float:
+def _around(margin: Callable[[FloatArray], FloatArray], trajectory: Trajectory, t: FloatArray, k: int) -> Least:
     for _ in range(ROUNDS):
         t = np.linspace(t[max(k - 1, 0)], t[min(k + 1, len(t) - 1)], AROUND + 1)
         found = margin(trajectory.evaluate(t))
         k = int(np.argmin(found))  # of what is no number, the first
-    return float(found[k])
+    return float(found[k]), float(t[k])
