@@ -11,24 +11,27 @@ It computes no distance, and imports nothing from which the planner or the write
 narrower limit. It may not state less. Both entry points return differences as plain sentences; there is none if the
 claim states what is asked. The form of the claim must be right: the claim checker has to see to that first.
 
-What no claim can state yet is not compared: where the tool is on a path, a trace or a straight way, heights of arches,
-how high an approach reaches at least, yaws that are kept, rest at a control point, working modes and the margin to
-singular positions, inertia, by how much vias are missed, and whether a pitch or roll is beyond a right angle
-(a claim states sines). The errors of arrivals, from which the uncertainty of a part in the gripper follows, are taken
-from the plan.
+What no claim can state yet is not compared: working modes and the margin to singular positions, inertia, peaks and
+smallest distances that an answer states.
 """
 
 from __future__ import annotations
 
+from assur.planner.checker.statement.arches import arches_agree
 from assur.planner.checker.statement.arms import links_agree, motions_agree
+from assur.planner.checker.statement.arrivals import arrivals_agree
 from assur.planner.checker.statement.differences import Difference, Topic
 from assur.planner.checker.statement.distances import distances_agree, execution_agrees
+from assur.planner.checker.statement.errors import errors_agree
 from assur.planner.checker.statement.frames import frames_agree
+from assur.planner.checker.statement.guides import guides_agree
 from assur.planner.checker.statement.holding import Handling
+from assur.planner.checker.statement.joints import hands_agree, joints_agree
 from assur.planner.checker.statement.limits import laws_last, limits_agree, rates_agree, yaws_agree
 from assur.planner.checker.statement.order import order_agrees
+from assur.planner.checker.statement.passed import parabolas_agree
 from assur.planner.checker.statement.phases import phases_agree, stages_of
-from assur.planner.checker.statement.points import points_agree, tilts_agree
+from assur.planner.checker.statement.points import points_agree
 from assur.planner.checker.statement.solids import solids_agree
 from assur.planner.claim.columns import Claim
 from assur.planner.model.digest import digest
@@ -67,7 +70,13 @@ def state_plan(scene: Scene, plan: Plan, claim: Claim) -> list[Difference]:
     found += laws_last(handling, stages, claim)
     found += limits_agree(handling, stages, claim)
     found += points_agree(handling, claim)
-    found += tilts_agree(handling, claim)
+    found += arrivals_agree(handling, claim)
+    found += hands_agree(handling, claim)
+    found += joints_agree(handling, claim)
+    found += arches_agree(handling, claim)
+    found += guides_agree(handling, claim)
+    found += parabolas_agree(handling)
+    found += errors_agree(handling, claim)
     found += rates_agree(handling, stages, claim)
     found += yaws_agree(handling, claim)
     return found

@@ -227,18 +227,38 @@ def textbook(robot: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     return table[:, :, :3], table[:, :, 3:]
 
 
+def states_at(path: Trajectory, time: float) -> FloatArray:
+    """Position, velocity and acceleration (3, n) of the joints at a time: by the quintic that has those of both knots
+    (N5). A joint rests before the first knot and behind the last one."""
+    within = min(max(time, float(path.time[0])), float(path.time[-1]))
+    i = min(int(np.searchsorted(path.time, within, side="right")), len(path.time) - 1) - 1
+    while not path.time[i + 1] > path.time[i]:
+        i -= 1  # the acceleration jumps at the last knot
+    h, since = float(path.time[i + 1] - path.time[i]), within - float(path.time[i])
+
+    def powers(t: float) -> FloatArray:
+        return np.array([[math.perm(k, d) * t ** (k - d) if k >= d else 0.0 for k in range(6)] for d in range(3)])
+
+    knots = np.array([rates[k] for k in (i, i + 1) for rates in (path.q, path.qd, path.qdd)])
+    return np.asarray(powers(since) @ np.linalg.solve(np.concatenate([powers(0.0), powers(h)]), knots))
+
+
 def place_at(robot: Robot, path: Trajectory, link: int, time: float) -> Four:
     """Where link number `link` (in the robot's own order), which stays upright, is at a time."""
-    time = min(max(time, float(path.time[0])), float(path.time[-1]))
-    i = min(int(np.searchsorted(path.time, time, side="right")), len(path.time) - 1) - 1
-    h, since = float(path.time[i + 1] - path.time[i]), time - float(path.time[i])
-    # the quintic that has the position, velocity and acceleration of both knots (N5)
-    powers = [[math.perm(k, d) * t ** (k - d) if k >= d else 0.0 for k in range(6)] for t in (0.0, h) for d in range(3)]
-    knots = [rates[k] for k in (i, i + 1) for rates in (path.q, path.qd, path.qdd)]
-    q = since ** np.arange(6.0)[None, :] @ np.linalg.solve(np.array(powers), np.array(knots))
-    places, angles = textbook(robot, q)
-    x, y, z = (float(value) for value in places[link_row(robot, link), 0])
-    return (x, y, z, float(angles[link_row(robot, link), 0, 0]))
+    return link_at(robot, states_at(path, time)[0], link_row(robot, link))
+
+
+def link_at(robot: Robot, q: FloatArray, row: int) -> Four:
+    """Place and yaw of a link, by its number in a claim, with joints at q (n,); of one that tilts the heading."""
+    places, angles = textbook(robot, q[None, :])
+    x, y, z = (float(value) for value in places[row, 0])
+    return (x, y, z, float(angles[row, 0, 0]))
+
+
+def hand_shares(robot: Robot) -> FloatArray:
+    """The shares (2, n) of the joints in pitch and roll of the flange, which are sums of joint values (H2)."""
+    angles = textbook(robot, np.vstack([np.zeros(len(robot.joints)), np.eye(len(robot.joints))]))[1][-1, :, 1:]
+    return np.asarray((angles[1:] - angles[0]).T)
 
 
 def motions_agree(scene: Scene, plan: Plan, claim: c.Claim) -> Iterator[Difference]:

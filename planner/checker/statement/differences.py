@@ -57,7 +57,16 @@ class Topic(StrEnum):
     YAW = "YAW"
     """Yaws of the tool that are forbidden."""
     RATE = "RATE"
-    """How hard a part is accelerated."""
+    """How hard a part is accelerated, and how fast the tool is on a trace."""
+    GUIDE = "GUIDE"
+    """Where the tool is along a straight leg, along a path, and on a trace."""
+    SUM = "SUM"
+    """Joints that rest or go on; pitch and roll."""
+    ARCH = "ARCH"
+    ERROR = "ERROR"
+    """How far the tool may be from its point, whatever is uncertain."""
+    PARABOLA = "PARABOLA"
+    """Parabolas, and vias that are missed."""
 
 
 @dataclass(frozen=True, slots=True)
