@@ -14,7 +14,7 @@ from assur.planner.claim import columns as c
 from assur.planner.claim.lifts import NEAR, Row, arches_of
 from assur.planner.claim.points import MEET_RAD, MEET_RAD_S, TRACKED_RAD
 from assur.planner.model.outcome import TRACKING, Arrival, Leg, LegKind, Plan
-from assur.planner.model.scene import Move, Scene, Step
+from assur.planner.model.scene import Scene, Step
 from assur.planner.robots.robot import Robot
 
 STRAIGHT_RAD = 1e-4
@@ -89,7 +89,7 @@ def _along(plan: Plan, step: Step, legs: list[Leg], arrival: Arrival, hand: Floa
     """Along a straight leg or a path pitch and roll go from those at its begin to those at its end: a row across that
     way and one along it."""
     own = [leg for leg in legs if leg.t1 <= arrival.time]
-    if not (isinstance(step, Move) and step.leg == "cartesian" and own):
+    if not (step.leg == "cartesian" and own):
         return []
     t0, t1 = own[0].t0, own[-1].t1
     begin, end = (hand[:, : plan.trajectory.n] @ plan.trajectory.evaluate(t) for t in (t0, t1))

@@ -6,6 +6,7 @@ Rows are sums that have one joint: the lift. Its rate is no less than stated on 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import groupby
 
 import numpy as np
 
@@ -16,11 +17,13 @@ from assur.planner.trajectory import Trajectory
 
 Row = tuple[float, ...]
 INSTANTS, ROUNDS = 16, 5
-"""Parts of a piece at whose ends the lift is evaluated; and rounds, each between the neighbours of the highest."""
+"""Parts of an interval at whose ends the lift is evaluated; and rounds, each between the neighbours of the highest."""
+SAMPLES = 128
+"""Parts of a piece of the motion at whose ends the rate of the lift is evaluated."""
 NEAR = 1e-8
 """A joint is stated to be so near its value, rad or m: ten times what the claim checker keeps for rounding."""
 BACK_M = 2e-5
-"""A way that goes back by no more in total is stated in one row, m; else each piece has its own."""
+"""A way that goes back by no more in total is stated in one row, m; else the pieces that go back have their own."""
 
 
 def arch_top(scene: Scene, plan: Plan, number: int) -> float:
@@ -64,13 +67,23 @@ def _top(path: Trajectory, lift: int, t0: float, t1: float) -> float:
 
 
 def _rates(path: Trajectory, lift: int, sign: float, t0: float, t1: float) -> list[tuple[float, float, float]]:
-    """Intervals that cover [t0, t1], and the least rate of the lift, times `sign`, in each."""
+    """Intervals that cover [t0, t1], and the least rate of the lift, times `sign`, in each: one for all pieces, or
+    pieces that go back apart from those that do not."""
     edges = np.unique(np.concatenate([[t0], path.time[(path.time > t0) & (path.time < t1)], [t1]]))
-    t = edges[:-1, None] + np.diff(edges)[:, None] * np.linspace(0.0, 1.0, INSTANTS + 1)
+    t = edges[:-1, None] + np.diff(edges)[:, None] * np.linspace(0.0, 1.0, SAMPLES + 1)
     t[:, -1] = edges[1:]
     rate, jerk = (sign * path.evaluate(t.ravel(), order)[:, lift].reshape(t.shape) for order in (1, 3))
-    # between two instants a rate leaves its chord by no more than its second derivative lets it
-    least = rate.min(1) - 0.25 * np.abs(jerk).max(1) * (np.diff(edges) / INSTANTS) ** 2 - NEAR
-    if not float(-least.min()) * (t1 - t0) > BACK_M:
+    # between two samples a rate leaves its chord by no more than its second derivative lets it
+    least = rate.min(1) - 0.13 * np.abs(jerk).max(1) * (np.diff(edges) / SAMPLES) ** 2 - NEAR
+    if float(-least.min()) * (t1 - t0) <= BACK_M:
         return [(t0, t1, float(least.min()))]
-    return list(zip(edges[:-1].tolist(), edges[1:].tolist(), least.tolist(), strict=True))
+    found = []
+    for _, group in groupby(zip(edges.tolist(), edges[1:].tolist(), least.tolist(), strict=False), key=_goes_back):
+        own = list(group)
+        found.append((own[0][0], own[-1][1], min(each[2] for each in own)))
+    return found
+
+
+def _goes_back(piece: tuple[float, float, float]) -> bool:
+    """Whether the least rate of a piece is negative."""
+    return piece[2] < -2.0 * NEAR

@@ -16,7 +16,6 @@ from assur.planner.checker.statement.differences import MEET, SAME, TRACKED_RAD,
 from assur.planner.checker.statement.holding import Handling
 from assur.planner.claim import columns as c
 from assur.planner.model.outcome import TRACKING, LegKind
-from assur.planner.model.scene import Move
 
 STANDS = 2e-8
 """A joint that stays within this stands, rad or m: the claim checker keeps a tenth of it for rounding."""
@@ -95,7 +94,7 @@ def hands_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
             yield Difference(Topic.ARRIVAL, f"{step.name} is met with another pitch or roll", when)
         if arrival.missed_by is None and not _is_directed(handling, number, (arrival.pitch, arrival.roll), claim):
             yield Difference(Topic.SUM, f"the tool is not stated to have the pitch and roll of {step.name}", when)
-        if isinstance(step, Move) and step.leg == "cartesian" and not _goes_straight(handling, number, claim):
+        if step.leg == "cartesian" and not _goes_straight(handling, number, claim):
             what = f"pitch and roll are not stated to go straight on the way to {step.name}"
             yield Difference(Topic.SUM, what, when)
 
