@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from assur.planner.claim.points import MEET_M
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import EXACT
 from assur.planner.model.arrival_error import ArrivalError
@@ -17,7 +18,8 @@ from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Pick, Place, Scene, Trace
 
 ROUNDED = 1e-8
-"""Added to each number of an answer, m or rad: ten times what the claim checker keeps for rounding."""
+"""Added to each number of an answer, m or rad: ten times what the claim checker keeps for rounding. The tool meets its
+point within `MEET_M`, which is added to lengths."""
 Row = tuple[float, ...]
 
 
@@ -51,5 +53,6 @@ def _row(scene: Scene, arrival: Arrival, error: ArrivalError, phases: Sequence[P
         *(arrival.until, number, list(scene.frames).index(frame), len(scene.robot.links) - 1),
         *(tool.x, tool.y, tool.z, tool.yaw, point.x, point.y, point.z, point.yaw),
         *(off.position_m, off.vertical_m, off.yaw_rad, arm),
-        *(each + ROUNDED for each in (error.position_m, within.position_m, within.vertical_m, within.yaw_rad)),
+        *(each + MEET_M + ROUNDED for each in (error.position_m, within.position_m, within.vertical_m)),
+        within.yaw_rad + ROUNDED,
     )

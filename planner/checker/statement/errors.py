@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator
 
 from assur.planner.checker.statement.arms import flange_row
-from assur.planner.checker.statement.differences import SAME, Difference, Four, Topic
+from assur.planner.checker.statement.differences import MEET, SAME, Difference, Four, Topic
 from assur.planner.checker.statement.holding import Handling
 from assur.planner.checker.statement.poses import inverse, is_same_pose, then
 from assur.planner.claim import columns as c
@@ -21,7 +21,8 @@ from assur.planner.model.outcome import LegKind
 from assur.planner.model.scene import Pick, Trace
 
 ROUNDED = 2e-8
-"""By which a row may be larger than the number of the answer, m or rad: what the claim checker keeps for rounding."""
+"""By which a row may be larger than the number of the answer, m or rad: what the claim checker keeps for rounding. A
+length may be larger by `MEET`, too: so far the tool may be off its point if nothing is uncertain."""
 
 
 def errors_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
@@ -52,7 +53,7 @@ def _is_error(handling: Handling, number: int, error: ArrivalError, row: list[fl
     if isinstance(step, Pick):
         arm = math.hypot(step.grasp.x, step.grasp.y)
     off, within = (known.position_m, known.vertical_m, known.yaw_rad, arm), error.within
-    most = (error.position_m, within.position_m, within.vertical_m, within.yaw_rad)
+    most = *(MEET + each for each in (error.position_m, within.position_m, within.vertical_m)), within.yaw_rad
     return (
         row[c.ERROR_TIME] == arrival.until
         and row[c.ERROR_PHASE] in done

@@ -91,7 +91,7 @@ REFUSED: tuple[tuple[str, str, Topic, Edit], ...] = (
     ("an arch", DEMO, T.LEGS, lambda r: step(r, 2).update(arch={"top_mm": 150})),
     ("another path", "circular-legs", T.GUIDE, other_path),
     ("a faster trace", TRACE, T.ARRIVAL, lambda r: step(r, 0).update(speed_mm_s=153)),
-    ("another trace", TRACE, T.ARRIVAL, lambda r: step(r, 0)["path"][3]["spline"]["through_mm"][1].__setitem__(1, 18.1)),
+    ("another trace", TRACE, T.ARRIVAL, lambda r: step(r, 0)["path"][1]["arc"]["via_mm"].__setitem__(0, 50.02)),
     ("a longer lead-in", TRACE, T.LEGS, lambda r: step(r, 0).update(lead_in_mm=9)),
     ("a rest at the point", DEMO, T.SUM, lambda r: step(r, 2).update(match="position")),
     ("a yaw that is kept", "round-the-base", T.AXIS, kept_yaw),
