@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from assur.planner.checker.refusals.places import Spot, spots
 from assur.planner.collision.at_rest import Within, closest, enclosed
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.overshoot import overshoots
 from assur.planner.feasibility.reach import beyond_every_pitch, out_of_range, whatever_the_yaw
-from assur.planner.feasibility.spots import Spot, in_the_way, spots
+from assur.planner.feasibility.spots import in_the_way
 from assur.planner.feasibility.witnesses import shown
 from assur.planner.kernels.solids import REACH
 from assur.planner.legs.arched import too_high
@@ -276,7 +277,7 @@ def _point(
     t = scene.start.time
     if not point.still and not _known(scene, point.frame, t):
         return None
-    around = spots(scene, point, attached)
+    around = spots(scene, point.step, attached, attached.after(scene, point.facts, point.yaw_offset))
     found = list[tuple[Refusal, Attachments]]()
     for mode in range(len(scene.robot.modes)):
         hit = next((hit for spot in around if (hit := _in_the_way(scene, prover, point, spot, mode))), None)

@@ -84,6 +84,22 @@ def posture(robot: Robot, mode: str, goal: Goal) -> Posture:
     raise FaultError(f"the checker does not know the kinematics of {robot.name}")
 
 
+def reaches_by_joint(robot: Robot) -> bool:
+    """Whether an arm is out of reach exactly where a joint is beyond its range: the ram of a polar arm."""
+    return isinstance(robot, PolarArm)
+
+
+def beyond_every_pitch(robot: Robot, x: float, y: float, z: float) -> float | None:
+    """By how much, m, a hand reaches a point of the world at no pitch (less than 0: at some); None: the arm has no
+    pitch. Its wrist is l3 from the point, so the point is from |d - l3| to d + l3 away from the shoulder, d being a
+    distance that the two links reach."""
+    if not isinstance(robot, FiveAxisArm):
+        return None
+    away = math.dist((x, y, z), (robot.base.x, robot.base.y, robot.base.z + robot.height))
+    least, most = abs(robot.l1 - robot.l2), robot.l1 + robot.l2
+    return max(abs(away - robot.l3) - most, least - away - robot.l3)
+
+
 def _angle(value: float) -> Span:
     return Span(value, value)
 

@@ -44,7 +44,7 @@ def deepest(body: Body, point: FloatArray) -> float:
     return max(depth(piece, point) for piece in body.pieces)
 
 
-def within(surface: tuple[FloatArray, IntArray], point: FloatArray, by: float) -> bool:
+def is_within(surface: tuple[FloatArray, IntArray], point: FloatArray, by: float) -> bool:
     """Whether a point is inside a closed surface, and no triangle of it is nearer than `by`, m: the solid angles at
     which all triangles are seen sum up to 4π."""
     vertices, faces = surface

@@ -10,13 +10,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from assur.planner.checker.paths.curves import curves_of
 from assur.planner.checker.refusals.postures import Goal
 from assur.planner.checker.refusals.spans import ANY, around
+from assur.planner.checker.refusals.standing import still
 from assur.planner.frames.motion import Pose
 from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.scene import Pick, Place, Scene, Step, Trace
+
+TURN_RAD = 1e-9
+"""Turns of a part that differ by no more are one, rad."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,8 +59,7 @@ class Way:
 
     def still(self, scene: Scene) -> Pose | None:
         """The pose of the frame, where it never moves."""
-        law = scene.frames[self.frame].law
-        return law.numbers.pose if law.kind == "fixed" else None
+        return still(scene, self.frame)
 
 
 def ways(scene: Scene, number: int) -> tuple[Way, ...]:
@@ -94,6 +96,11 @@ def ways(scene: Scene, number: int) -> tuple[Way, ...]:
     return tuple(found)
 
 
+def is_turn(one: float | None, other: float | None) -> bool:
+    """Whether two turns of a part are the same; any turn is the same as any."""
+    return one is other if one is None or other is None else abs(one - other) <= TURN_RAD
+
+
 def _only(turn: float | None) -> tuple[float | None, ...]:
     return (turn,)
 
@@ -113,7 +120,6 @@ def _tilt(step: Step) -> tuple[float, float]:
 
 
 def _lead_in(step: Trace, point: Pose) -> Pose:
-    """Where the lead-in of a trace begins: as far before the path as is asked, along its tangent there."""
-    _, tangent, _ = curves_of(step.path)[0].state(0.0)
-    x, y, z = (step.lead_in_m * np.asarray(tangent)).tolist()
-    return replace(point, x=point.x - x, y=point.y - y, z=point.z - z)
+    """Where the lead-in of a trace begins: as far before the path as is required, along its tangent there."""
+    x, y, z = step.path.curve.at(np.array([-step.lead_in_m]))[0][0].tolist()
+    return replace(point, x=x, y=y, z=z)

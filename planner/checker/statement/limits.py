@@ -11,6 +11,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement.arms import flange_row
 from assur.planner.checker.statement.differences import Difference, Interval, Topic
 from assur.planner.checker.statement.holding import Handling
+from assur.planner.checker.statement.loads import share_of
 from assur.planner.checker.statement.phases import Stage
 from assur.planner.checker.statement.points import is_axis_stated
 from assur.planner.checker.statement.poses import is_same_pose
@@ -39,12 +40,7 @@ def limits_agree(handling: Handling, stages: list[Stage], claim: c.Claim) -> Ite
         mass, carried = (scene.tool.mass_kg or 0.0) + part, stage.held or "the tool"
         if not mass <= most * (1.0 + ROUNDING):
             yield Difference(Topic.LOAD, f"{mass:g} kg are too heavy", stage.when)
-        share = 1.0  # of accelerations and jerks (G2)
-        if load.shares:
-            masses, shares = zip(*load.shares, strict=True)
-            share = float(np.interp(mass, masses, shares))
-        elif load.rated_kg is not None and mass > load.rated_kg:
-            share = load.rated_kg / mass
+        share = share_of(scene, mass)
         if share != 1.0 and not _is_limited(handling, claim, share, stage.when):
             yield Difference(Topic.LIMIT, f"the limits with {carried} are not kept", stage.when)
 

@@ -1,6 +1,9 @@
-"""A point of each of two convex solids, by which anyone can see how near they are."""
+"""A point of each of two convex solids, by which it is plain how near they are."""
 
 from __future__ import annotations
+
+import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -21,6 +24,37 @@ def points_between(first: Piece, second: Piece) -> tuple[FloatArray, FloatArray]
         return x, y
     middle = _deeper(first, second, (x + y) / 2.0)
     return middle, middle
+
+
+def distance(ones: Sequence[Piece], others: Sequence[Piece]) -> tuple[float, float]:
+    """A lower and an upper value, m, of the distance of two bodies, from their pieces in one frame; 0 where they
+    meet."""
+    low, high = math.inf, math.inf
+    balls = [[(*_ball(piece), piece) for piece in pieces] for pieces in (ones, others)]
+    apart = ((float(np.linalg.norm(p - q)) - r - s, a, b) for p, r, a in balls[0] for q, s, b in balls[1])
+    for least, one, other in sorted(apart, key=_first):
+        if least >= high:
+            break
+        x, y = _nearest(one, other)
+        way, far = y - x, float(np.linalg.norm(y - x))
+        high = min(high, far)
+        # all of one is behind a plane across the way, and all of the other before another one
+        between = float(way @ (_farthest(other, -way) - _farthest(one, way))) / far if far > NEAR_M else 0.0
+        low = min(low, max(between, 0.0))
+    return min(low, high), high
+
+
+def _first(each: tuple[float, Piece, Piece]) -> float:
+    return each[0]
+
+
+def _ball(piece: Piece) -> tuple[FloatArray, float]:
+    """Centre (3,) and radius, m, of a ball that holds a piece."""
+    points, shape = corners(piece.shape), piece.shape
+    middle = (points.min(0) + points.max(0)) / 2.0
+    more = 0.0 if isinstance(shape, Hull) else shape.disc + shape.ball
+    radius = float(np.linalg.norm(points - middle, axis=1).max()) + more
+    return np.asarray(piece.position + piece.rotation @ middle), radius
 
 
 def _farthest(piece: Piece, n: FloatArray) -> FloatArray:
