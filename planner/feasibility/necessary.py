@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from assur.planner.checker.refusals.overshoot import overshoots
 from assur.planner.checker.refusals.places import Spot, spots
 from assur.planner.collision.at_rest import Within, closest, enclosed
 from assur.planner.collision.proof import Prover
-from assur.planner.feasibility.overshoot import overshoots
 from assur.planner.feasibility.reach import beyond_every_pitch, out_of_range, whatever_the_yaw
 from assur.planner.feasibility.spots import in_the_way
 from assur.planner.feasibility.witnesses import shown
@@ -63,7 +63,7 @@ def start_impossible(scene: Scene, prover: Prover) -> Refusal | None:
     return (
         overloaded(scene)
         or _start_beyond_limits(scene)
-        or _start_overshoots(scene, prover)
+        or next(overshoots(scene), None)
         or _laws_over(scene)
         or _start_enclosed(scene, prover)
         or _no_path(scene)
@@ -205,11 +205,6 @@ def _start_beyond_limits(scene: Scene) -> Refusal | None:
     if not robot.assembled(at, at).all():
         return lost_at(robot, Stage.START, 0, np.array([start.time]), robot.parallel_margin(at))
     return None
-
-
-def _start_overshoots(scene: Scene, prover: Prover) -> Refusal | None:
-    """The first joint that exceeds a limit after the start however hard it brakes, if the checker is shown it."""
-    return next((refusal for refusal in overshoots(scene) if shown(scene, prover, refusal)), None)
 
 
 def _laws_over(scene: Scene) -> Refusal | None:

@@ -34,11 +34,10 @@ from assur.planner.model.refusal import (
     Reason,
     Refusal,
     Singular,
-    Spot,
     Stage,
     Unit,
 )
-from assur.planner.model.scene import Scene, Trace
+from assur.planner.model.scene import Scene
 
 STATED = 5e-6
 """Amounts that are stated may be off by this, m, rad or 1: the square root of what a posture that is nearly stretched
@@ -124,7 +123,7 @@ def _at_height(scene: Scene, way: Way, mode: str, above: float) -> Iterator[Obst
         heights_m=(goal.z.middle, robot.base.z),
         from_axis_m=math.hypot(goal.x.middle - robot.base.x, goal.y.middle - robot.base.y),
         pitch_rad=way.tilt[0] if math.isfinite(way.tilt[0]) else None,
-        **on_path(scene, way),
+        **way.on_path,
     )
     if wide.level.low > 0.0 or wide.level.high < 0.0:
         off = abs(exact.level.middle)
@@ -143,7 +142,7 @@ def _at_height(scene: Scene, way: Way, mode: str, above: float) -> Iterator[Obst
             by = beyond(Span(middle, middle), low, high, turns=turns)
             facts = [
                 BeyondRange(mode=mode, above_m=above, value=scene.counted(k, value), limit=scene.counted(k, limit),
-                            **on_path(scene, way))
+                            **way.on_path)
                 for value, limit in ((low - by, low), (high + by, high))
             ]  # fmt: skip
             yield of(Reason.JOINT_LIMIT, by, "rad" if turns else "m", [(by, each) for each in facts], joint.name)
@@ -165,12 +164,3 @@ def _at_height(scene: Scene, way: Way, mode: str, above: float) -> Iterator[Obst
         yield of(Reason.FORBIDDEN_YAW, max(depth for depth, _ in inside), "rad", inside)
     elif around is not None:
         yield of(Reason.FORBIDDEN_YAW, around[0], "rad", around[1])
-
-
-def on_path(scene: Scene, way: Way) -> Spot:
-    """Where on its path a point is: a trace is met where its lead-in begins."""
-    step = scene.task[way.number]
-    if not isinstance(step, Trace):
-        return {}
-    here = way.point.x, way.point.y, way.point.z
-    return {"path_m": -step.lead_in_m, "path_part": "lead-in", "path_at_m": here}

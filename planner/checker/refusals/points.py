@@ -12,7 +12,7 @@ from numpy.polynomial import chebyshev
 
 from assur.planner.checker.refusals.obstructions import STATED
 from assur.planner.checker.refusals.postures import Goal, beyond_every_pitch, posture
-from assur.planner.checker.refusals.spans import ANY, Span, around, plus, scaled, sine
+from assur.planner.checker.refusals.spans import ANY, Span, around, sine
 from assur.planner.checker.refusals.standing import allowed_modes, flange_at, still
 from assur.planner.checker.refusals.stated import NotShownError, Shown, same
 from assur.planner.checker.refusals.turning import forbidden
@@ -149,11 +149,10 @@ def _is_far(scene: Scene, way: Way, mode: str, when: tuple[float, float], short:
 def _swept(scene: Scene, way: Way, when: tuple[float, float]) -> Goal:
     """Where the flange is over an interval, by bounds of the frame's motion."""
     x, y, z, yaw = _frame_over(scene.frames[way.frame].law, when)
-    cosine, sine_ = sine(plus(yaw, Span(math.pi / 2, math.pi / 2))), sine(yaw)
+    c, s = sine(yaw + math.pi / 2), sine(yaw)
     local, spread = way.flange if way.turn is not None else way.point, around(0.0, way.spread)
-    east = plus(x, scaled(local.x, cosine), scaled(-local.y, sine_), spread)
-    north = plus(y, scaled(local.x, sine_), scaled(local.y, cosine), spread)
-    return Goal(east, north, plus(z, Span(way.flange.z, way.flange.z)), ANY, ANY, ANY)
+    east, north = x + c * local.x - s * local.y + spread, y + s * local.x + c * local.y + spread
+    return Goal(east, north, z + way.flange.z, ANY, ANY, ANY)
 
 
 def _frame_over(law: Law, when: tuple[float, float]) -> list[Span]:
@@ -169,6 +168,5 @@ def _frame_over(law: Law, when: tuple[float, float]) -> list[Span]:
             own = around(float(series[0]), float(np.abs(series[1:]).sum()))
             found[k] = Span(min(found[k].low, own.low), max(found[k].high, own.high))
     for k, amplitude, rate, phase in formula.sines:
-        angle = plus(scaled(rate, Span(*when)), Span(phase, phase))
-        found[k] = plus(found[k], scaled(amplitude, sine(angle)))
+        found[k] = found[k] + sine(Span(*when) * rate + phase) * amplitude
     return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from assur.planner.checker.refusals.spans import Span, beyond, minus, plus
+from assur.planner.checker.refusals.spans import Span, beyond
 from assur.planner.checker.refusals.standing import yaw_at
 from assur.planner.model.forbidden_yaw import slack_of
 from assur.planner.model.proofs.witness import PROVED_RAD
@@ -71,7 +71,7 @@ def _beyond_room(scene: Scene, room: Span, yaw: float, joints: tuple[Span, ...])
             continue
         for one in first:
             for other in second:
-                last = minus(total, plus(one, other, Span(own, own)))
+                last = total - (one + other + own)
                 if not beyond(last, lower[3], upper[3], turns=False) > PROVED_RAD:
                     return False
     return True

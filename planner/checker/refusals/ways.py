@@ -16,6 +16,7 @@ from assur.planner.checker.refusals.standing import still
 from assur.planner.frames.motion import Pose
 from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.phases import yaw_offsets
+from assur.planner.model.refusal import Spot
 from assur.planner.model.scene import Pick, Place, Scene, Step, Trace
 
 TURN_RAD = 1e-9
@@ -41,6 +42,19 @@ class Way:
     before: Attachments
     after: Attachments
     tilt: tuple[float, float] = (math.nan, math.nan)
+    lead_in_m: float | None = None
+    """How far before its path a trace is met, m; None: it is no trace."""
+
+    @property
+    def on_path(self) -> Spot:
+        """Where on its path the point is."""
+        if self.lead_in_m is None:
+            return {}
+        return {
+            "path_m": -self.lead_in_m,
+            "path_part": "lead-in",
+            "path_at_m": (self.point.x, self.point.y, self.point.z),
+        }
 
     def goal(self, scene: Scene, at: Pose, above: float, by_m: float, by_rad: float) -> Goal:
         """Where the flange is in the world while the frame is at `at`, so far above the point, m, each known up to
@@ -79,20 +93,19 @@ def ways(scene: Scene, number: int) -> tuple[Way, ...]:
         axis = Pose()
     axis = axis.then(scene.tool.tcp.inverse())
     free = not isinstance(step, Pick | Place) and yaw_offsets(scene, step) is None
-    found = []
+    found, lead_in = [], step.lead_in_m if isinstance(step, Trace) else None
     for turn in turns:
         before = state if picked is None else state.after(scene, picked, turn or 0.0)
         frame, point = before.point(scene, step)
         if isinstance(step, Trace):
-            point = _lead_in(step, point)
-        turned = turn if isinstance(step, Pick | Place) else 0.0
-        flange = point.then(Pose(yaw=turned or 0.0)).then(axis)
-        after = before.after(scene, step, turn or 0.0) if isinstance(step, Pick | Place) else before
+            x, y, z = step.path.curve.at(np.array([-step.lead_in_m]))[0][0].tolist()
+            point = replace(point, x=x, y=y, z=z)
+        hands = isinstance(step, Pick | Place)
+        flange = point.then(Pose(yaw=turn or 0.0 if hands else 0.0)).then(axis)
+        after = before.after(scene, step, turn or 0.0) if hands else before
         any_turn = free or turn is None
-        spread = math.hypot(axis.x, axis.y) if any_turn else 0.0
-        found.append(
-            Way(number, None if any_turn else turn, frame, point, flange, spread, before, after, _tilt(step))
-        )  # fmt: skip
+        spread, own = math.hypot(axis.x, axis.y) if any_turn else 0.0, None if any_turn else turn
+        found.append(Way(number, own, frame, point, flange, spread, before, after, _tilt(step), lead_in))
     return tuple(found)
 
 
@@ -117,9 +130,3 @@ def _tilt(step: Step) -> tuple[float, float]:
         return math.nan, math.nan
     pitch, roll = target.pitch, target.roll
     return math.nan if pitch is None else pitch, math.nan if roll is None else roll
-
-
-def _lead_in(step: Trace, point: Pose) -> Pose:
-    """Where the lead-in of a trace begins: as far before the path as is required, along its tangent there."""
-    x, y, z = step.path.curve.at(np.array([-step.lead_in_m]))[0][0].tolist()
-    return replace(point, x=x, y=y, z=z)
