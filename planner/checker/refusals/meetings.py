@@ -27,6 +27,7 @@ from assur.planner.checker.refusals.stated import NotShownError, Shown
 from assur.planner.checker.refusals.ways import Way, is_turn, ways
 from assur.planner.checker.statement.arms import link_names
 from assur.planner.checker.statement.differences import TRACKED_RAD
+from assur.planner.checker.statement.solids import bodies_of
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Hull, Piece
 from assur.planner.model.attachments import Attachments, at_start
@@ -34,13 +35,14 @@ from assur.planner.model.clearance import rule_of
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase, pair
 from assur.planner.model.proofs.witness import PROVED_M, PROVED_RAD, PROVED_TRACKED_M, Meeting, Met
-from assur.planner.model.refusal import Bodies, Enclosed, Quantity, Reason, Refusal, Separation, Stage
+from assur.planner.model.refusal import Bodies, Enclosed, Facts, Quantity, Reason, Refusal, Separation, Stage
 from assur.planner.model.scene import Scene
 
 OUTSIDE_M = 1e-9
 """By this much, m, a point may be outside of the body that it is said to be of: rounding of poses."""
 REACHED_M = 1e-6
 """The flange of a posture is at its goal up to this, m: rounding, also where the arm is stretched."""
+NOWHERE = np.full(3, np.nan)
 UPRIGHT = 1e-12
 """An axis whose horizontal part is not above this is vertical, and a place not farther from an axis, m, is on it."""
 
@@ -82,7 +84,7 @@ def met(scene: Scene, refusal: Refusal, witness: Met) -> Iterator[Shown]:
 
 def _at_the_start(scene: Scene, refusal: Refusal, meeting: Meeting) -> Refusal:
     t, attached = scene.start.time, at_start(scene)
-    first, second = _stand(scene, scene.start.q, attached, meeting.bodies)
+    first, second = _solids(scene, scene.start.q, attached, meeting.bodies)
     links = pair(first.link or "", second.link or "")
     apart = (first.link is None) != (second.link is None) or links in {pair(*each) for each in scene.robot.self_pairs}
     if not apart or first.link == second.link:
@@ -96,7 +98,7 @@ def _at_a_point(scene: Scene, refusal: Refusal, way: Way, mode: str, meeting: Me
     t, robot, step = scene.start.time, scene.robot, scene.task[way.number]
     if scene.options.vias_missed and step.via:
         raise NotShownError("the via is missed")
-    if "pitch" in robot.coordinates and not all(math.isfinite(angle) for angle in way.tilt):
+    if "pitch" in robot.coordinates and None in way.tilt:
         raise NotShownError("pitch or roll are free")
     around_point = spots(scene, way.number, way.before, way.after)
     spot = next((each for each in around_point if each.place == meeting.place), None)
@@ -116,7 +118,7 @@ def _at_a_point(scene: Scene, refusal: Refusal, way: Way, mode: str, meeting: Me
         raise NotShownError("the arm does not reach the point, so nothing of it can collide there")
     if not math.dist(links_at(scene, q)[link_names(robot).index("flange")].place, wanted) <= REACHED_M:
         raise NotShownError("the flange is not shown to be at the point")
-    first, second = _stand(scene, q, spot.attached, meeting.bodies)
+    first, second = _solids(scene, q, spot.attached, meeting.bodies)
     _check_constant(scene, way, first, second, spot.attached)
     turned = 0.0
     if way.turn is not None:
@@ -156,35 +158,32 @@ def _is_round(piece: Piece) -> bool:
     return upright and math.hypot(float(at[0]), float(at[1])) <= UPRIGHT
 
 
-def _stand(scene: Scene, q: FloatArray, attached: Attachments, names: tuple[str, str]) -> tuple[Solid, Solid]:
-    """Two bodies where they are at the start, with the arm at joint values q (n,)."""
-    first, second = (_solid(scene, q, attached, name) for name in names)
-    return first, second
+def _solids(scene: Scene, q: FloatArray, attached: Attachments, names: tuple[str, str]) -> tuple[Solid, Solid]:
+    """Two bodies where they are at the start, with the arm at joint values q (n,). Raises `NotShownError` for a body
+    that there is not, or whose place is not known."""
+    robot, held, links = scene.robot, attached.held, links_at(scene, q)
+    seats = {item.body.name: (robot.links[item.link], Pose()) for item in robot.bodies}
+    seats |= {body.name: ("flange", Pose()) for body in scene.tool.bodies}
+    seats |= {} if held is None else {held.part: ("flange", held.in_flange)}
+    bodies = {body.name: body for body in bodies_of(scene)}
 
-
-def _solid(scene: Scene, q: FloatArray, attached: Attachments, name: str) -> Solid:
-    robot, held = scene.robot, attached.held
-    own = [(item.body, robot.links[item.link]) for item in robot.bodies if item.body.name == name]
-    own += [(body, "flange") for body in scene.tool.bodies if body.name == name]
-    if not own and name not in scene.index:
-        raise NotShownError(f"there is no body {name}")
-    body, link = own[0] if own else (scene.index[name].body, None)
-    local = Pose()
-    if link is None and held is not None and held.part == name:
-        link, local = "flange", held.in_flange
-    if link is not None:
-        carrier = links_at(scene, q)[link_names(robot).index(link)]
-        place, turn = carrier.place, carrier.rotation
-    else:
-        frame, local = attached.pose_of(scene, name)
-        at = frame_at(scene, frame, scene.start.time)
-        if at is None:
+    def solid(name: str) -> Solid:
+        link, local = seats.get(name, (None, Pose()))
+        if link is not None:
+            carrier = links[link_names(robot).index(link)]
+            place, turn = carrier.place, carrier.rotation
+        else:
+            frame, local = attached.pose_of(scene, name)
+            at = frame_at(scene, frame, scene.start.time)
+            place, turn = (NOWHERE, np.eye(3)) if at is None else (at.position, about_vertical(at.yaw))
+        found = Solid(bodies[name], place + turn @ local.position, turn @ about_vertical(local.yaw), link)
+        if not (np.isfinite(found.at).all() and np.isfinite(found.turn).all()):
             raise NotShownError(f"it is not known where {name} is")
-        place, turn = at.position, about_vertical(at.yaw)
-    position = place + turn @ local.position
-    if not (np.isfinite(position).all() and np.isfinite(turn).all()):
-        raise NotShownError(f"it is not known where {name} is")
-    return Solid(body, position, turn @ about_vertical(local.yaw), link)
+        return found
+
+    if not set(names) <= set(bodies):
+        raise NotShownError(f"there is no body {' or '.join(names)}")
+    return solid(names[0]), solid(names[1])
 
 
 def about_vertical(yaw: float) -> FloatArray:
@@ -196,48 +195,43 @@ def _refusal(
     scene: Scene, given: Refusal, spot: Spot, first: Solid, second: Solid, meeting: Meeting, turned: float
 ) -> Refusal:
     """The refusal by a pair at a spot, if both points of a meeting show that its bodies are nearer than required by
-    more than a plan may be off its place, `turned`, m, of it by its yaw. The gap of bodies that overlap, and the length
-    with which a straight part would do, are those of the given refusal: the points do not show them."""
-    near = PROVED_TRACKED_M if spot.above > 0.0 else PROVED_M
+    more than a plan may be off its place, `turned`, m, of it by its yaw."""
+    near = turned + (PROVED_TRACKED_M if spot.above > 0.0 else PROVED_M)
     x, y = (np.array(point) for point in meeting.points_m)
-    own = deepest(first.body, first.local(x))
-    if not own >= -OUTSIDE_M:
-        raise NotShownError(f"the point is not inside {first.body.name}")
-    true = Refusal(
-        stage=given.stage,
-        reason=Reason.CONTROL_POINT_IN_COLLISION,
-        step=given.step,
-        subject=Bodies(meeting.bodies),
-        facts=Enclosed(),
-    )
+    depths = [deepest(first.body, first.local(x)), deepest(second.body, second.local(y))]
+    reason, subject = Reason.CONTROL_POINT_IN_COLLISION, Bodies(meeting.bodies)
+    true = Refusal(stage=given.stage, reason=reason, step=given.step, subject=subject, facts=Enclosed())
+    if not min(depths[:1] if meeting.inside else depths) >= -OUTSIDE_M:
+        raise NotShownError(f"a point is not inside {first.body.name}, or the other one not inside {second.body.name}")
     if meeting.inside:
         surface = second.body.surface
-        if surface is None or not (x == y).all() or not is_within(surface, second.local(y), near + turned):
+        if surface is None or not (x == y).all() or not is_within(surface, second.local(y), near):
             raise NotShownError(f"the point is not inside the surface of {second.body.name}")
         return true
     phase = Phase(scene.start.time, scene.start.time, spot.kind, given.step, spot.attached)
     rule, required = rule_of(scene, phase, first.body.name, second.body.name)
-    other = deepest(second.body, second.local(y))
-    if not other >= -OUTSIDE_M:
-        raise NotShownError(f"the point is not inside {second.body.name}")
-    distance = float(np.linalg.norm(x - y)) - own - other
-    if not distance <= required - near - turned - 2.0 * OUTSIDE_M:
+    distance = float(np.linalg.norm(x - y)) - sum(depths)
+    if not distance <= required - near - 2.0 * OUTSIDE_M:
         raise NotShownError(f"{first.body.name} and {second.body.name} are not shown to be nearer than they may be")
-    gap, touching, least = distance, distance < 0.0, None
-    if isinstance(given.facts, Separation):
-        said = given.facts.gap_m
-        if said is not None and said <= distance + STATED and (said <= STATED or distance <= said + 10.0 * STATED):
-            gap = said
-        touching = given.facts.touching if abs(distance) <= STATED else touching
-        least = given.facts.least_m if spot.end is not None else None
     facts = Separation(
-        touching=touching,
-        gap_m=gap,
+        touching=distance < 0.0,
+        gap_m=distance,
         required_m=required,
         rule=rule,
         clearance_m=required,
         end=spot.end,
         straight_m=None if spot.end is None else spot.above,
-        least_m=least,
     )
-    return replace(true, amount=Quantity.of(required - gap, "m"), facts=facts)
+    facts = _as_given(facts, distance, given.facts)
+    return replace(true, amount=Quantity.of(required - (facts.gap_m or 0.0), "m"), facts=facts)
+
+
+def _as_given(true: Separation, distance: float, given: Facts) -> Separation:
+    """The same with what the points do not show, as it is given: the gap of bodies that overlap, whether those touch
+    that are as far apart as rounding is large, and the length with which a straight part would do."""
+    if not isinstance(given, Separation) or given.gap_m is None:
+        return true
+    gap, touching = given.gap_m, given.touching if abs(distance) <= STATED else true.touching
+    may_be = gap <= distance + STATED and (gap <= STATED or distance <= gap + 10.0 * STATED)
+    least = given.least_m if true.end is not None else None
+    return replace(true, gap_m=gap if may_be else distance, touching=touching, least_m=least)

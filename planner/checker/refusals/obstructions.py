@@ -17,6 +17,7 @@ from assur.planner.checker.refusals.standing import allowed_modes
 from assur.planner.checker.refusals.stated import NotShownError, Shown, same
 from assur.planner.checker.refusals.turning import forbidden, unreachable
 from assur.planner.checker.refusals.ways import Way, is_turn, ways
+from assur.planner.model.joint_range import beyond as beyond_range
 from assur.planner.model.proofs.witness import (
     PROVED_M,
     PROVED_RAD,
@@ -26,7 +27,6 @@ from assur.planner.model.proofs.witness import (
     Hindrance,
 )
 from assur.planner.model.refusal import (
-    BeyondRange,
     Facts,
     JointName,
     OutOfReach,
@@ -122,7 +122,7 @@ def _at_height(scene: Scene, way: Way, mode: str, above: float) -> Iterator[Obst
         mode=mode,
         heights_m=(goal.z.middle, robot.base.z),
         from_axis_m=math.hypot(goal.x.middle - robot.base.x, goal.y.middle - robot.base.y),
-        pitch_rad=way.tilt[0] if math.isfinite(way.tilt[0]) else None,
+        pitch_rad=way.tilt[0],
         **way.on_path,
     )
     if wide.level.low > 0.0 or wide.level.high < 0.0:
@@ -140,12 +140,11 @@ def _at_height(scene: Scene, way: Way, mode: str, above: float) -> Iterator[Obst
         if beyond(wide.joints[k], low, high, turns=turns) > least:
             middle = exact.joints[k].middle
             by = beyond(Span(middle, middle), low, high, turns=turns)
-            facts = [
-                BeyondRange(mode=mode, above_m=above, value=scene.counted(k, value), limit=scene.counted(k, limit),
-                            **way.on_path)
-                for value, limit in ((low - by, low), (high + by, high))
-            ]  # fmt: skip
-            yield of(Reason.JOINT_LIMIT, by, "rad" if turns else "m", [(by, each) for each in facts], joint.name)
+            stated = [
+                (by, replace(beyond_range(scene, k, value), mode=mode, above_m=above, **way.on_path))
+                for value in (low - by, high + by)
+            ]
+            yield of(Reason.JOINT_LIMIT, by, "rad" if turns else "m", stated, joint.name)
     # the margin that is required where the tool tracks the point, and that to a type 2 singularity everywhere
     margin = scene.options.singularity_margin if step.tracks else 0.0
     for reason, need, one, other in (

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -21,12 +22,10 @@ from assur.planner.checker.statement import laws
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import Law
+from assur.planner.model.joint_range import beyond
 from assur.planner.model.proofs.witness import PROVED_M, PROVED_RAD, Orbit
 from assur.planner.model.refusal import (
-    BeyondRange,
-    Facts,
     JointName,
-    MotionLimit,
     Obstacle,
     OutOfReach,
     Quantity,
@@ -34,15 +33,13 @@ from assur.planner.model.refusal import (
     Refusal,
     Stage,
     of_joint,
+    out_of_reach,
+    unmoved,
 )
 from assur.planner.model.scene import Move, Scene
 
 PARTS, DEEPEST = 64, 12
 """Into so many parts a period is cut, and each is halved so often at most."""
-
-
-def _at_the_point(given: Refusal, reason: Reason, amount: Quantity | None, facts: Facts) -> Refusal:
-    return Refusal(stage=Stage.CONTROL_POINT, reason=reason, step=given.step, amount=amount, facts=facts)
 
 
 def every_pitch(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
@@ -54,7 +51,8 @@ def every_pitch(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
     point = at.then(found[0].flange)
     short = beyond_every_pitch(scene.robot, point.x, point.y, point.z)
     if short is not None and short > PROVED_M:
-        yield Shown(_at_the_point(refusal, Reason.OUT_OF_REACH, Quantity(short, "m"), OutOfReach(every_pitch=True)))
+        facts = OutOfReach(every_pitch=True)
+        yield Shown(out_of_reach(Stage.CONTROL_POINT, refusal.step, short_m=short, facts=facts))
 
 
 def arch(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
@@ -64,18 +62,12 @@ def arch(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
         return
     top, high = of.top_m - scene.tool.tcp.z - robot.base.z, float(robot.limits.upper[robot.lift])
     if top - high > PROVED_M:
-        value, limit = (scene.counted(robot.lift, each) for each in (top, high))
-        joint = robot.joints[robot.lift]
+        joint, facts = robot.joints[robot.lift], replace(beyond(scene, robot.lift, top), arch_top_m=of.top_m)
+        about = JointName(joint.name)
         yield Shown(
-            Refusal(
-                stage=Stage.INVERSE,
-                reason=Reason.JOINT_LIMIT,
-                step=refusal.step,
-                subject=JointName(joint.name),
-                amount=of_joint(joint.kind, top - high),
-                facts=BeyondRange(value=value, limit=limit, arch_top_m=of.top_m),
-            )
-        )
+            Refusal(stage=Stage.INVERSE, reason=Reason.JOINT_LIMIT, step=refusal.step, subject=about,
+                    amount=of_joint(joint.kind, top - high), facts=facts)
+        )  # fmt: skip
 
 
 def no_path(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
@@ -91,8 +83,7 @@ def no_path(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
     at = frame.inverse().then(tool).position
     near = np.array([np.zeros(3), *(PROVED_M * np.eye(3)), *(-PROVED_M * np.eye(3))])
     if not any(_begins(move, (x, y, z)) for x, y, z in (at + near).tolist()):
-        facts = MotionLimit(obstacle=Obstacle.NO_PATH)
-        yield Shown(Refusal(stage=Stage.STRAIGHT, reason=Reason.MOTION_LIMIT, step=0, facts=facts))
+        yield Shown(unmoved(Stage.STRAIGHT, 0, Obstacle.NO_PATH))
 
 
 def _begins(move: Move, point: tuple[float, float, float]) -> bool:
@@ -116,7 +107,9 @@ def yaws_forbidden(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
         yaw = laws.place_at(law, scene.start.time)[3] + way.flange.yaw + scene.tool.tcp.yaw
         inside.append(list(forbidden(scene, yaw)))
     for depth, facts in (each for found in inside for each in found if all(inside)):
-        yield Shown(_at_the_point(refusal, Reason.FORBIDDEN_YAW, Quantity(depth, "rad"), facts), PROVED_RAD)
+        true = Refusal(stage=Stage.CONTROL_POINT, reason=Reason.FORBIDDEN_YAW, step=refusal.step,
+                       amount=Quantity(depth, "rad"), facts=facts)  # fmt: skip
+        yield Shown(true, PROVED_RAD)
 
 
 def orbit(scene: Scene, refusal: Refusal, witness: Orbit) -> Iterator[Shown]:
@@ -134,7 +127,7 @@ def orbit(scene: Scene, refusal: Refusal, witness: Orbit) -> Iterator[Shown]:
         for mode in allowed_modes(scene):
             if not all(_is_far(scene, way, mode, (a, b), short, 0) for a, b in pairwise(edges)):
                 raise NotShownError("the point is not shown to stay so far out of reach")
-    yield Shown(_at_the_point(refusal, Reason.OUT_OF_REACH, Quantity(short, "m"), OutOfReach()))
+    yield Shown(out_of_reach(Stage.CONTROL_POINT, number, short_m=short))
 
 
 def _is_far(scene: Scene, way: Way, mode: str, when: tuple[float, float], short: float, depth: int) -> bool:

@@ -14,16 +14,14 @@ from assur.planner.checker.statement.arms import link_names
 from assur.planner.checker.statement.loads import integrals, part_inertia, share_of, tool_inertia
 from assur.planner.checker.statement.poses import inverse, numbers, then
 from assur.planner.model.attachments import at_start
+from assur.planner.model.joint_range import beyond
 from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.proofs.witness import PROVED_RAD, PROVED_S, PROVED_SHARE
 from assur.planner.model.refusal import (
     RATES,
-    BeyondRange,
     Bodies,
     Facts,
-    FrameName,
     JointName,
-    LawEnds,
     MotionLimit,
     Obstacle,
     Overload,
@@ -35,6 +33,7 @@ from assur.planner.model.refusal import (
     Subject,
     Unit,
     finite,
+    law_ends,
     of_joint,
 )
 from assur.planner.model.scene import Pick, Scene
@@ -58,9 +57,9 @@ def beyond_range(scene: Scene, _: Refusal) -> Iterator[Shown]:
     """Joints that are beyond their range."""
     for k, joint in enumerate(scene.robot.joints):
         low, high, q = (float(each[k]) for each in (scene.robot.limits.lower, scene.robot.limits.upper, scene.start.q))
-        over, end = max(low - q, q - high), low if low - q > q - high else high
+        over = max(low - q, q - high)
         if over > PROVED_SHARE * (high - low):
-            facts = BeyondRange(value=scene.counted(k, q), limit=scene.counted(k, end))
+            facts = beyond(scene, k, q)
             amount, subject = of_joint(joint.kind, over), JointName(joint.name)
             yield Shown(_here(scene, Reason.JOINT_LIMIT, amount, facts, subject))
 
@@ -98,18 +97,7 @@ def law_over(scene: Scene, _: Refusal) -> Iterator[Shown]:
     for name in sorted({body.frame for body in scene.bodies}):
         low, high = laws.known(scene.frames[name].law)
         if max(low - t, t - high) > PROVED_S:
-            facts, amount = LawEnds(known_s=(finite(low), finite(high)), needed_s=t), max(low - t, t - high)
-            yield Shown(
-                Refusal(
-                    stage=Stage.START,
-                    reason=Reason.LAW_ENDS,
-                    step=0,
-                    subject=FrameName(name),
-                    interval=(low, high),
-                    amount=Quantity(amount, "s"),
-                    facts=facts,
-                )
-            )
+            yield Shown(law_ends(Stage.START, 0, name, (low, high), t, interval=(low, high)))
 
 
 def turned_into_range(scene: Scene, _: Refusal) -> Iterator[Shown]:

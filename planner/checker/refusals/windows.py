@@ -23,7 +23,7 @@ from assur.planner.checker.statement.poses import numbers, then
 from assur.planner.laws import Law
 from assur.planner.model.attachments import at_start
 from assur.planner.model.proofs.witness import PROVED_M, PROVED_S, Openings
-from assur.planner.model.refusal import FrameName, LawEnds, Quantity, Reason, Refusal, Stage, finite
+from assur.planner.model.refusal import LawEnds, Quantity, Refusal, Stage, law_ends, window_missed
 from assur.planner.model.scene import Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
 
@@ -154,23 +154,18 @@ def missed(scene: Scene, refusal: Refusal, witness: Openings) -> Iterator[Shown]
     if isinstance(refusal.facts, LawEnds):
         yield Shown(_by_law(scene, number, of), STATED)
         return
-    for miss, amount in _misses(of):
-        if amount > 0.0:
-            unit = Quantity(amount, "m" if miss is Miss.NEVER_INSIDE else "s")
-            yield Shown(_refusal(number, Reason.WINDOW_MISSED, unit, WindowMissed(miss=miss)), STATED)
+    misses: list[tuple[WindowMissed, float, Times | None]] = [
+        (WindowMissed(miss=miss), amount, None) for miss, amount in _misses(of)
+    ]
     longest = max((b - a for a, b in spans), default=-math.inf)
-    for a, b in spans:
-        if same(b - a, longest, STATED) and of.needed > longest:
-            facts = WindowMissed(miss=Miss.TOO_SHORT, open_s=longest, needed_s=of.needed,
-                                 belt_m=_gone(of, b, b + of.needed - longest))  # fmt: skip
-            short = Quantity(of.needed - longest, "s")
-            yield Shown(_refusal(number, Reason.WINDOW_MISSED, short, facts, (a, b)), STATED)
-
-
-def _refusal(
-    number: int, reason: Reason, amount: Quantity, facts: WindowMissed | LawEnds, interval: Times | None = None
-) -> Refusal:
-    return Refusal(stage=Stage.WINDOW, reason=reason, step=number, interval=interval, amount=amount, facts=facts)
+    for a, b in (each for each in spans if same(each[1] - each[0], longest, STATED)):
+        gone = _gone(of, b, b + of.needed - longest)
+        short = WindowMissed(miss=Miss.TOO_SHORT, open_s=longest, needed_s=of.needed, belt_m=gone)
+        misses.append((short, of.needed - longest, (a, b)))
+    for facts, by, interval in misses:
+        if by > 0.0:
+            amount = Quantity(by, "m" if facts.miss is Miss.NEVER_INSIDE else "s")
+            yield Shown(window_missed(Stage.WINDOW, number, facts, amount=amount, interval=interval), STATED)
 
 
 def _are_alike(spans: list[Times], stated: list[Times]) -> bool:
@@ -184,23 +179,14 @@ def _are_alike(spans: list[Times], stated: list[Times]) -> bool:
 
 def _by_law(scene: Scene, number: int, of: Tracking) -> Refusal:
     """Because the law of its frame ends: the point could be met if the motion went on."""
-    low, high = of.known
     needed = of.start
-    if not high < of.start:
+    if not of.known[1] < of.start:
         going_on = tracking(scene, number, lawless=True).open_spans()
         long_enough = [a for a, b in going_on if b - a >= of.needed - PROVED_S]
         if not long_enough:
             raise NotShownError("if the motion were known for longer, the point could not be met either")
         needed = min(long_enough) + of.needed
-    facts = LawEnds(known_s=(finite(low), finite(high)), needed_s=needed, tracked_s=of.needed)
-    return Refusal(
-        stage=Stage.WINDOW,
-        reason=Reason.LAW_ENDS,
-        step=number,
-        subject=FrameName(of.frame),
-        amount=Quantity(max(low - needed, needed - high), "s"),
-        facts=facts,
-    )
+    return law_ends(Stage.WINDOW, number, of.frame, of.known, needed, tracked=of.needed)
 
 
 def _misses(of: Tracking) -> Iterator[tuple[Miss, float]]:
