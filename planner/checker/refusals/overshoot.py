@@ -18,13 +18,10 @@ from assur.planner.model.proofs.witness import PROVED_SHARE
 from assur.planner.model.refusal import JointName, Overshoot, Reason, Refusal, Stage, of_joint
 from assur.planner.model.scene import Place, Scene
 
-STATED = 1e-6
-"""By which share numbers that are stated may be off: an instant at which a velocity is 0 is a root."""
-
 
 def overshoot(scene: Scene, _: Refusal) -> Iterator[Shown]:
     """What `overshoots` finds, for a check."""
-    return (Shown(each, STATED) for each in overshoots(scene))
+    return (Shown(each) for each in overshoots(scene))
 
 
 def overshoots(scene: Scene) -> Iterator[Refusal]:

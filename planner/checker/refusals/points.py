@@ -141,14 +141,14 @@ def _is_far(scene: Scene, way: Way, mode: str, when: tuple[float, float], short:
 
 def _swept(scene: Scene, way: Way, when: tuple[float, float]) -> Goal:
     """Where the flange is over an interval, by bounds of the frame's motion."""
-    x, y, z, yaw = _frame_over(scene.frames[way.frame].law, when)
+    x, y, z, yaw = frame_over(scene.frames[way.frame].law, when)
     c, s = sine(yaw + math.pi / 2), sine(yaw)
     local, spread = way.flange if way.turn is not None else way.point, around(0.0, way.spread)
     east, north = x + c * local.x - s * local.y + spread, y + s * local.x + c * local.y + spread
     return Goal(east, north, z + way.flange.z, ANY, ANY, ANY)
 
 
-def _frame_over(law: Law, when: tuple[float, float]) -> list[Span]:
+def frame_over(law: Law, when: tuple[float, float]) -> list[Span]:
     """Between which values x, y, z and yaw of a frame are over an interval. Each piece of its law is a polynomial: its
     coefficients of Chebyshev say how far it is from its middle at most."""
     formula = laws.formula_of(law, *when)

@@ -31,7 +31,7 @@ def same(one: float | None, other: float | None, by: float = SAME) -> bool:
     """Whether two numbers are the same up to rounding; none is the same as none."""
     if one is None or other is None:
         return one is other
-    return one == other or abs(one - other) <= by * max(1.0, abs(other))
+    return one == other or (math.isfinite(other) and abs(one - other) <= by * max(1.0, abs(other)))
 
 
 def states(given: Refusal, shown: Shown) -> bool:

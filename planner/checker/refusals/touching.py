@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Literal
 
 from assur.planner.checker.refusals.meetings import about_vertical
 from assur.planner.checker.refusals.nearest import distance
@@ -38,15 +39,16 @@ def never_touching(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
             if not low > allowed + PROVED_M:
                 return
             found[other.name] = min(found.get(other.name, math.inf), high)
-    least = min(found.values(), default=math.inf)
+    least, given = min(found.values(), default=math.inf), refusal.facts
+    if isinstance(given, NotTouching) and abs(given.distance_m - least) <= WITHIN_M:
+        least = given.distance_m
+    of: Literal["grip", "support"] = "grip" if isinstance(step, Pick) else "support"
+    facts = NotTouching(of=of, distance_m=least, allowed_m=allowed)
     for name in (name for name, high in found.items() if high <= least + WITHIN_M):
         for bodies in ((name, step.part), (step.part, name)):
-            facts = NotTouching(
-                of="grip" if isinstance(step, Pick) else "support", distance_m=least, allowed_m=allowed
-            )  # fmt: skip
             true = Refusal(stage=Stage.CONTROL_POINT, reason=Reason.TOLERANCE, step=refusal.step,
                            subject=Bodies(bodies), amount=Quantity(least - allowed, "m"), facts=facts)  # fmt: skip
-            yield Shown(true, WITHIN_M)
+            yield Shown(true)
 
 
 def _others(scene: Scene, step: Pick | Place, way: Way) -> list[tuple[Body, Pose]]:
