@@ -201,7 +201,7 @@ def _refusal(
     depths = [deepest(first.body, first.local(x)), deepest(second.body, second.local(y))]
     reason, subject = Reason.CONTROL_POINT_IN_COLLISION, Bodies(meeting.bodies)
     true = Refusal(stage=given.stage, reason=reason, step=given.step, subject=subject, facts=Enclosed())
-    if not min(depths[:1] if meeting.inside else depths) >= -OUTSIDE_M:
+    if not all(each >= -OUTSIDE_M for each in (depths[:1] if meeting.inside else depths)):
         raise NotShownError(f"a point is not inside {first.body.name}, or the other one not inside {second.body.name}")
     if meeting.inside:
         surface = second.body.surface
