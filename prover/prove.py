@@ -110,7 +110,7 @@ class Curve:
         return [arb_series(each, TERMS) for each in found]
 
     def once(self, low: arb, high: arb) -> list[Vector]:
-        """Their powers over [low, high], from all pieces that the interval reaches. An instant is in the piece that begins
+        """Their powers over [low, high], from all pieces that it reaches. An instant is in the piece that begins
         there, and in the last one."""
         if not (low >= self.edges[0] and high <= self.edges[-1]):
             raise ArithmeticError("a motion is not given")

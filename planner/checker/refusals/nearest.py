@@ -1,11 +1,15 @@
-"""A point of each of two convex solids, by which anyone can see how near they are."""
+"""A point of each of two convex solids, by which it is plain how near they are."""
 
 from __future__ import annotations
+
+import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.geometry.shapes import Hull, Piece, Primitive, corners
+from assur.planner.checker.refusals.solids import depth, farthest
+from assur.planner.geometry.shapes import Hull, Piece, corners
 
 ROUNDS, STEPS = 64, 200
 """How often the nearest points are improved, and how often a common point is moved to where it is deeper."""
@@ -23,30 +27,47 @@ def points_between(first: Piece, second: Piece) -> tuple[FloatArray, FloatArray]
     return middle, middle
 
 
-def _farthest(piece: Piece, n: FloatArray) -> FloatArray:
-    """The point of a piece that is farthest along n."""
-    local, shape = piece.rotation.T @ n, piece.shape
-    points = corners(shape)
-    found = points[int(np.argmax(points @ local))].copy()
-    if isinstance(shape, Primitive):
-        flat, size = float(np.hypot(local[0], local[1])), float(np.linalg.norm(local))
-        if shape.disc > 0.0 and flat > 0.0:
-            found[:2] += shape.disc * local[:2] / flat
-        if shape.ball > 0.0 and size > 0.0:
-            found += shape.ball * local / size
-    return np.asarray(piece.position + piece.rotation @ found)
+def distance(ones: Sequence[Piece], others: Sequence[Piece]) -> tuple[float, float]:
+    """A lower and an upper value, m, of the distance of two bodies, from their pieces in one frame; 0 where they
+    meet."""
+    low, high = math.inf, math.inf
+    balls = [[(*_ball(piece), piece) for piece in pieces] for pieces in (ones, others)]
+    apart = ((float(np.linalg.norm(p - q)) - r - s, a, b) for p, r, a in balls[0] for q, s, b in balls[1])
+    for least, one, other in sorted(apart, key=_first):
+        if least >= high:
+            break
+        x, y = _nearest(one, other)
+        way, far = y - x, float(np.linalg.norm(y - x))
+        high = min(high, far)
+        # all of one is behind a plane across the way, and all of the other before another one
+        between = float(way @ (farthest(other, -way) - farthest(one, way))) / far if far > NEAR_M else 0.0
+        low = min(low, max(between, 0.0))
+    return min(low, high), high
+
+
+def _first(each: tuple[float, Piece, Piece]) -> float:
+    return each[0]
+
+
+def _ball(piece: Piece) -> tuple[FloatArray, float]:
+    """Centre (3,) and radius, m, of a ball that holds a piece."""
+    points, shape = corners(piece.shape), piece.shape
+    middle = (points.min(0) + points.max(0)) / 2.0
+    more = 0.0 if isinstance(shape, Hull) else shape.disc + shape.ball
+    radius = float(np.linalg.norm(points - middle, axis=1).max()) + more
+    return np.asarray(piece.position + piece.rotation @ middle), radius
 
 
 def _nearest(first: Piece, second: Piece) -> tuple[FloatArray, FloatArray]:
     """The nearest points of two pieces, by Wolfe's way to the point of least norm of their difference."""
-    xs, ys = [_farthest(first, np.array([1.0, 0.0, 0.0]))], [_farthest(second, np.array([-1.0, 0.0, 0.0]))]
+    xs, ys = [farthest(first, np.array([1.0, 0.0, 0.0]))], [farthest(second, np.array([-1.0, 0.0, 0.0]))]
     weights = np.ones(1)
     for _ in range(ROUNDS):
         way = weights @ (np.array(ys) - np.array(xs))
         size = float(np.linalg.norm(way))
         if size <= NEAR_M:
             break
-        x, y = _farthest(first, way), _farthest(second, -way)
+        x, y = farthest(first, way), farthest(second, -way)
         if way @ (y - x) >= size * size - 1e-14 - 1e-12 * size * size:
             break
         xs, ys = [*xs, x], [*ys, y]
@@ -88,7 +109,7 @@ def _deeper(first: Piece, second: Piece, point: FloatArray) -> FloatArray:
         found = 0.0
         away = np.zeros(3)
         for piece in (first, second):
-            deep, inward = _depth(piece, point)
+            deep, inward = depth(piece, point)
             found += min(deep, 0.0) * 10.0 + max(deep, 0.0)
             away += inward * (10.0 if deep < 0.0 else 1.0)
         if found > most:
@@ -108,34 +129,3 @@ def _extent(piece: Piece) -> float:
     shape = piece.shape
     more = 0.0 if isinstance(shape, Hull) else 2.0 * (shape.disc + shape.ball)
     return float(spread.max()) + more
-
-
-def _depth(piece: Piece, point: FloatArray) -> tuple[float, FloatArray]:
-    """How deep a point is in a piece, and in which direction it gets deeper."""
-    local, shape = piece.rotation.T @ (point - piece.position), piece.shape
-    inward = np.zeros(3)
-    if isinstance(shape, Hull):
-        a, b, c = (shape.vertices[shape.faces[:, k]] for k in range(3))
-        normal = np.cross(b - a, c - a)
-        area = np.linalg.norm(normal, axis=1)
-        normal = normal[area > 0.0] / area[area > 0.0, None]
-        slack = (shape.vertices @ normal.T).max(0) - normal @ local
-        k = int(np.argmin(slack))
-        deep, inward = float(slack[k]), -normal[k]
-    elif shape.ball > 0.0:
-        off = local - np.clip(local, -np.array(shape.half), np.array(shape.half))
-        size = float(np.linalg.norm(off))
-        deep, inward = shape.ball - size, -off / size if size > 0.0 else inward
-    else:
-        half = np.array(shape.half)
-        flat = float(np.hypot(local[0], local[1]))
-        slack = half - np.abs(local)
-        if shape.disc > 0.0:
-            slack[0] = slack[1] = shape.disc - flat
-        k = int(np.argmin(slack))
-        deep = float(slack[k])
-        if shape.disc > 0.0 and k < 2:
-            inward[:2] = -local[:2] / flat if flat > 0.0 else 0.0
-        else:
-            inward[k] = -np.sign(local[k])
-    return deep, piece.rotation @ inward
