@@ -50,12 +50,11 @@ Row = tuple[float, ...]
 def guides_of(scene: Scene, plan: Plan) -> list[Row]:
     """The rows of guides of a plan."""
     found, attached, before = list[Row](), at_start(scene), WORLD
-    for number, step in enumerate(scene.task):
-        arrival = plan.arrivals[number]
+    for step, arrival in zip(scene.task, plan.arrivals, strict=False):
         if isinstance(step, Trace):
             found += _traced(scene, plan, step, arrival)
         elif isinstance(step, Move) and step.leg == "cartesian":
-            legs = [leg for leg in plan.legs if leg.step == number and leg.kind is not LegKind.WAIT]
+            legs = [leg for leg in plan.legs if leg.step == arrival.step and leg.kind is not LegKind.WAIT]
             legs = [leg for leg in legs if leg.t1 <= arrival.time]
             t = _samples(plan.trajectory, legs[0].t0, legs[-1].t1)
             if step.path:

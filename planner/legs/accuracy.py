@@ -22,7 +22,8 @@ from assur.planner.kernels.links import ACCELERATION, BOUND_COLUMNS, V_REACH, bo
 from assur.planner.laws.law import EXACT, PoseUncertainty
 from assur.planner.model.arrival_error import ArrivalError, Cause, Share
 from assur.planner.model.attachments import Attachments
-from assur.planner.model.phases import Handled, on_way
+from assur.planner.model.outcome import Plan
+from assur.planner.model.phases import Handled, Phase, on_way, phases
 from assur.planner.model.refusal import Inaccurate, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Trace
 from assur.planner.robots.scara import Scara
@@ -34,6 +35,8 @@ LEAST = 1e-12
 LATE_STEPS = 16
 """Parts of the time by which a start may be late, at whose ends a frame's way is looked at."""
 UP = np.array([0.0, 0.0, 1.0])
+AGAIN = 1e-9
+"""m, rad, s or 1. Numbers that are computed again differ by no more: an answer is written with all digits."""
 
 
 @dataclass(eq=False)
@@ -233,6 +236,35 @@ def _shares(terms: _Terms) -> tuple[Share, ...]:
         if position > LEAST or yaw > LEAST:
             found.append(Share(cause, position, yaw))
     return tuple(sorted(found, key=lambda share: (-share.position_m, -share.yaw_rad)))
+
+
+def other_causes(scene: Scene, plan: Plan) -> tuple[int, ...]:
+    """The numbers of the arrivals whose error has other causes, or another worst realisation, than the error that is
+    computed again. Legs and arrivals must be those of the task."""
+    found, first = list[int](), dict[int, Phase]()
+    for phase in phases(scene, plan.legs, plan.arrivals):
+        first.setdefault(phase.step, phase)
+    for number, arrival in enumerate(plan.arrivals):
+        before, q = first[arrival.step], plan.trajectory.evaluate(arrival.until)
+        own = arrival_error(scene, arrival.step, before.attached, before.handled, q, arrival.until)
+        if not _is_same_story(arrival.error, own):
+            found.append(number)
+    return tuple(found)
+
+
+def _is_same_story(stated: ArrivalError | None, own: ArrivalError | None) -> bool:
+    """Whether two errors have the same causes and worst realisations, up to `AGAIN`."""
+    if stated is None or own is None:
+        return stated is own
+    (names, numbers), (own_names, own_numbers) = _story(stated), _story(own)
+    return names == own_names and all(abs(x - y) <= AGAIN for x, y in zip(numbers, own_numbers, strict=True))
+
+
+def _story(error: ArrivalError) -> tuple[list[str], list[float]]:
+    """What an error names, in order, and the numbers that belong to it."""
+    names = [str(share.cause) for share in error.shares] + [name for name, _ in error.worst]
+    numbers = [size for share in error.shares for size in (share.position_m, share.yaw_rad)]
+    return names, numbers + [value for _, value in error.worst]
 
 
 def too_far(scene: Scene, number: int, error: ArrivalError | None) -> Refusal | None:

@@ -16,7 +16,7 @@ from assur.planner.checker.targets import asks_velocity, targets
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.model.claims import Claims
 from assur.planner.model.load import Carried
-from assur.planner.model.outcome import Arrival, Contact, JointPeak, Nearest, ToolPeaks
+from assur.planner.model.outcome import Arrival, Contact, JointPeak, Nearest, Plan, ToolPeaks
 from assur.planner.model.scene import Scene
 from assur.planner.report.straight_parts import assumed
 from assur.scenes.faults import fault
@@ -169,6 +169,15 @@ def untrue_bound(stated: float | None, scene: Scene, lasts: float) -> tuple[Find
         what = f"{where} is {stated:.6f}, but of this request it is {least:.6f}"
         return (Finding(Code.CLAIM, what, stated - least, "s", where),)
     return ()
+
+
+def untrue_causes(scene: Scene, plan: Plan) -> tuple[Finding, ...]:
+    """A finding for each arrival whose error has other causes, or another worst realisation, than what is computed
+    again; for a plan whose legs and arrivals are those of the task."""
+    from assur.planner.legs.accuracy import other_causes
+
+    what = "the causes or the worst realisation of an error are others than those that are computed again"
+    return tuple(Finding(Code.ERROR, what, where=f"arrivals[{i}].error") for i in other_causes(scene, plan))
 
 
 def _short(value: object) -> str:
