@@ -41,7 +41,7 @@ class _Limits(NamedTuple):
 
 
 LINE = _Limits(TRACKED_M, 0.9 * TRACKED_M)
-PATH = _Limits(0.65 * TRACKED_M, 0.58 * TRACKED_M, 0.33 * TRACKED_M)
+PATH = _Limits(0.65 * TRACKED_M, 0.58 * TRACKED_M, 0.3 * TRACKED_M)
 STEPS = 4
 """Steps to the nearest place on a path."""
 Row = tuple[float, ...]
@@ -115,7 +115,7 @@ def _traced(scene: Scene, plan: Plan, step: Trace, arrival: Arrival) -> list[Row
     if arrival.trace is None:
         return found
     curve, most = step.path.curve, arrival.trace.error_m
-    on_path = _Limits(most - 0.45 * RESERVE_M, most - 0.6 * RESERVE_M, 0.4 * RESERVE_M)
+    on_path = _Limits(most - 0.45 * RESERVE_M, most - 0.6 * RESERVE_M, 0.38 * RESERVE_M)
     for leg in plan.legs:
         if leg.step != arrival.step or leg.kind not in (LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART):
             continue
