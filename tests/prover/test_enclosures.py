@@ -78,7 +78,7 @@ def test_frames_are_where_their_laws_have_them(case: Case, one: float, other: fl
     low, high = case.window
     begin, until = (low + 0.01, high - 0.01) if math.isfinite(case.law.valid[0]) else (low, high)
     known = replace(case.law, valid=(max(-99.0, case.law.valid[0]), high)) if ends else case.law
-    frame = law_document(known, begin, until)
+    frame = law_document(known, begin)
     t0, t1 = sorted(begin + share * (until - begin) for share in (one, other))
     t = np.linspace(t0, t1, 30)
     motion = case.law.motion(t)

@@ -55,7 +55,8 @@ def flange_row(robot: Robot) -> int:
 
 
 def links_agree(scene: Scene, claim: c.Claim) -> Iterator[Difference]:
-    """Differences of the links of all arms, and of the frames that are links of other arms than the robot."""
+    """Differences of the links of all arms, of the frames that are links of other arms than the robot, and of the
+    motions of these arms."""
     arms: dict[int, tuple[Robot, Trajectory]] = {}
     for name, (robot, path, link), row in _links_of_others(scene, claim):
         arm = int(row[c.FRAME_ARM])
@@ -72,6 +73,8 @@ def links_agree(scene: Scene, claim: c.Claim) -> Iterator[Difference]:
         return
     for arm, robot in [(0, scene.robot), *((arm, robot) for arm, (robot, _) in arms.items())]:
         yield from _arm_agrees(robot, arm, claim)
+    for arm, (robot, path) in arms.items():
+        yield from _knots_agree(robot, path, claim, arm)
 
 
 def _links_of_others(scene: Scene, claim: c.Claim) -> Iterator[tuple[str, tuple[Robot, Trajectory, int], list[float]]]:
@@ -127,7 +130,7 @@ def _chain(claim: c.Claim, arm: int, q: FloatArray) -> tuple[FloatArray, FloatAr
         cranks = numbers[c.LOOP_CRANK : c.LOOP_CRANK + 2].astype(int) - first
         lengths = numbers[c.LOOP_LENGTH : c.LOOP_LENGTH + 2]
         ahead = np.array([1.0, 0.0, 0.0])
-        ends = [places[k] + _turned(angles[k], n * ahead) for k, n in zip(cranks, lengths, strict=True)]
+        ends = [places[k] + rotated(angles[k], n * ahead) for k, n in zip(cranks, lengths, strict=True)]
         one, two = (end[:, 0] + 1j * end[:, 1] for end in ends)
         directions = _couplers(one, two, *numbers[c.LOOP_COUPLER : c.LOOP_SIDE + 1].tolist())
         couplers = links[:, c.LINK_COUPLER].astype(int)
@@ -138,14 +141,14 @@ def _chain(claim: c.Claim, arm: int, q: FloatArray) -> tuple[FloatArray, FloatAr
 
 def _stacked(parents: FloatArray, local: FloatArray, angles: FloatArray) -> FloatArray:
     """Places (L, m, 3) of links whose origins are at `local` in the axes of their parents."""
-    steps = _turned(angles[parents], local)
+    steps = rotated(angles[parents], local)
     places = np.zeros_like(local)
     for k, parent in enumerate(parents.tolist()):
         places[k] = local[k] if parent < 0 else places[parent] + steps[k]
     return places
 
 
-def _turned(angles: FloatArray, vectors: FloatArray) -> FloatArray:
+def rotated(angles: FloatArray, vectors: FloatArray) -> FloatArray:
     """Rz(yaw) Ry(-pitch) Rx(roll) times vectors (..., 3), for angles (..., 3)."""
     (cy, cp, cr), (sy, sp, sr) = np.moveaxis(np.cos(angles), -1, 0), np.moveaxis(np.sin(angles), -1, 0)
     x, y, z = np.moveaxis(vectors, -1, 0)
@@ -227,26 +230,43 @@ def textbook(robot: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     return table[:, :, :3], table[:, :, 3:]
 
 
+def states_at(path: Trajectory, time: float) -> FloatArray:
+    """Position, velocity and acceleration (3, n) of the joints at a time: by the quintic that has those of both knots
+    (N5). A joint rests before the first knot and behind the last one."""
+    within = min(max(time, float(path.time[0])), float(path.time[-1]))
+    i = min(int(np.searchsorted(path.time, within, side="right")), len(path.time) - 1) - 1
+    while not path.time[i + 1] > path.time[i]:
+        i -= 1  # the acceleration jumps at the last knot
+    h, since = float(path.time[i + 1] - path.time[i]), within - float(path.time[i])
+
+    def powers(t: float) -> FloatArray:
+        return np.array([[math.perm(k, d) * t ** (k - d) if k >= d else 0.0 for k in range(6)] for d in range(3)])
+
+    knots = np.array([rates[k] for k in (i, i + 1) for rates in (path.q, path.qd, path.qdd)])
+    return np.asarray(powers(since) @ np.linalg.solve(np.concatenate([powers(0.0), powers(h)]), knots))
+
+
 def place_at(robot: Robot, path: Trajectory, link: int, time: float) -> Four:
     """Where link number `link` (in the robot's own order), which stays upright, is at a time."""
-    time = min(max(time, float(path.time[0])), float(path.time[-1]))
-    i = min(int(np.searchsorted(path.time, time, side="right")), len(path.time) - 1) - 1
-    h, since = float(path.time[i + 1] - path.time[i]), time - float(path.time[i])
-    # the quintic that has the position, velocity and acceleration of both knots (N5)
-    powers = [[math.perm(k, d) * t ** (k - d) if k >= d else 0.0 for k in range(6)] for t in (0.0, h) for d in range(3)]
-    knots = [rates[k] for k in (i, i + 1) for rates in (path.q, path.qd, path.qdd)]
-    q = since ** np.arange(6.0)[None, :] @ np.linalg.solve(np.array(powers), np.array(knots))
-    places, angles = textbook(robot, q)
-    x, y, z = (float(value) for value in places[link_row(robot, link), 0])
-    return (x, y, z, float(angles[link_row(robot, link), 0, 0]))
+    return link_at(robot, states_at(path, time)[0], link_row(robot, link))
 
 
-def motions_agree(scene: Scene, plan: Plan, claim: c.Claim) -> Iterator[Difference]:
-    """Differences of the motions of arms: the robot has the knots of the plan, each other arm those of the request."""
+def link_at(robot: Robot, q: FloatArray, row: int) -> Four:
+    """Place and yaw of a link, by its number in a claim, with joints at q (n,); of one that tilts the heading."""
+    places, angles = textbook(robot, q[None, :])
+    x, y, z = (float(value) for value in places[row, 0])
+    return (x, y, z, float(angles[row, 0, 0]))
+
+
+def hand_shares(robot: Robot) -> FloatArray:
+    """The shares (2, n) of the joints in pitch and roll of the flange, which are sums of joint values (H2)."""
+    angles = textbook(robot, np.vstack([np.zeros(len(robot.joints)), np.eye(len(robot.joints))]))[1][-1, :, 1:]
+    return np.asarray((angles[1:] - angles[0]).T)
+
+
+def motion_agrees(scene: Scene, plan: Plan, claim: c.Claim) -> Iterator[Difference]:
+    """Differences of the motion of the robot, which has the knots of the plan."""
     yield from _knots_agree(scene.robot, plan.trajectory, claim, 0)
-    others = {int(row[c.FRAME_ARM]): link for _, link, row in _links_of_others(scene, claim)}
-    for arm, (robot, path, _) in others.items():
-        yield from _knots_agree(robot, path, claim, arm)
 
 
 def _knots_agree(robot: Robot, path: Trajectory, claim: c.Claim, arm: int) -> Iterator[Difference]:
