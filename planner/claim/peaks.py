@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import groupby
+from itertools import groupby, pairwise
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from assur.planner.trajectory import Trajectory
 WITHIN = (1e-6, 1e-6, 1e-3)
 """By how much a peak of velocity, acceleration and jerk may be off, as a share of the joint's limit: rounding. Jerk is
 a third difference of the knots' numbers, which over pieces of 10 µs rounds to 1e-4 of a usual limit."""
-BETWEEN, REACHED, ROUNDING, LEAST = 0.01, 1e-3, 1e-6, 1e-6
+BETWEEN, REACHED, ROUNDING, LEAST = 0.01, 1e-3, 1e-4, 1e-6
 """Shares by which a peak of the tool, found at instants, may be exceeded between them; by which the largest
 acceleration with a part may be missed, whose instant is not stated; and by which a peak may be off at its instant. And
 m/s or m/s²: what is no faster stands."""
@@ -47,10 +47,10 @@ def joint_peaks_of(scene: Scene, plan: Plan, phases: Sequence[Phase], said: Sequ
         if None in sizes or None in ratios:
             continue
         slack = WITHIN[order - 1] * np.array(getattr(own, kind))
-        found += _reached(path, order, np.array(sizes), slack, [(path.start, path.end, np.array(sizes))])
+        found += _reached(path, order, slack, [(path.start, path.end, np.array(sizes))])
         if len(spans) > 1 or spans[0][2] is not own:
             most = [(t0, t1, np.array(ratios) * getattr(limits, kind)) for t0, t1, limits in spans]
-            found += _reached(path, order, np.array(ratios), slack, most)
+            found += _reached(path, order, slack, most)
     return found
 
 
@@ -67,7 +67,6 @@ def loaded(scene: Scene, phases: Sequence[Phase]) -> list[tuple[float, float, Li
 def _reached(
     path: Trajectory,
     order: int,
-    claimed: FloatArray,
     slack: FloatArray,
     spans: Sequence[tuple[float, float, FloatArray]],
 ) -> list[Row]:
@@ -81,9 +80,10 @@ def _reached(
         shares = [peak[joint, 1] / sizes[joint] if sizes[joint] > 0.0 else 0.0
                   for peak, (_, _, sizes) in zip(peaks, spans, strict=True)]  # fmt: skip
         k = int(np.argmax(np.abs(shares)))
-        t, least = float(peaks[k][joint, 0]), float(spans[k][2][joint] - slack[joint])
-        if claimed[joint] > 0.0 and least > 0.0:
-            low, high = (least, c.GREATEST) if shares[k] > 0.0 else (-c.GREATEST, -least)
+        t, size = float(peaks[k][joint, 0]), float(spans[k][2][joint])
+        least, most = size - float(slack[joint]), size + float(slack[joint])
+        if least > 0.0:
+            low, high = (least, most) if shares[k] > 0.0 else (-most, -least)
             found.append(_sum(joint, order, t, t, low, high))
     return found
 
@@ -127,19 +127,27 @@ def tool_peaks_of(scene: Scene, plan: Plan, phases: Sequence[Phase], claims: Cla
     if claims.tool is not None:
         said = claims.tool
         found.append(_rate(scene, path.start, path.end, 1, 0.0, said.speed * (1.0 + BETWEEN) + LEAST))
-        found.append(_rate(scene, path.start, path.end, 2, 0.0, said.acceleration * (1.0 + BETWEEN) + LEAST))
+        most = said.acceleration * (1.0 + BETWEEN) + LEAST
+        found += [_rate(scene, t0, t1, 2, 0.0, most) for t0, t1 in _between_jumps(path, *whole[0])]
         for order, size, t in ((1, said.speed, said.speed_time), (2, said.acceleration, said.acceleration_time)):
             at = _beside(scene, path, t) if order == 2 else min(max(t, path.start), path.end)
             found.append(_rate(scene, at, at, order, *around(size)))
     if claims.tool_acceleration is not None:
         size = claims.tool_acceleration
         spans = [(p.t0, p.t1) for p in phases if p.attached.held is not None and p.t1 > p.t0 and p.step >= 0] or whole
-        found += [_rate(scene, t0, t1, 2, 0.0, size * (1.0 + BETWEEN) + LEAST) for t0, t1 in spans]
+        most = size * (1.0 + BETWEEN) + LEAST
+        found += [_rate(scene, *part, 2, 0.0, most) for span in spans for part in _between_jumps(path, *span)]
         if size > LEAST:
             peak = carrying_peak(scene, path, tuple(phases)) or tool_peak(scene, path, path.start, path.end)
             at = _beside(scene, path, peak[1])
             found.append(_rate(scene, at, at, 2, size * (1.0 - REACHED), c.GREATEST))
     return found
+
+
+def _between_jumps(path: Trajectory, t0: float, t1: float) -> list[tuple[float, float]]:
+    """[t0, t1] in parts within which no acceleration jumps: bounds over both sides of a jump are bounds of neither."""
+    inside = path.edges[(path.edges > t0) & (path.edges < t1)].tolist() if path.jumps else []
+    return list(pairwise([t0, *inside, t1]))
 
 
 def around(size: float) -> tuple[float, float]:

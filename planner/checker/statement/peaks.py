@@ -20,8 +20,9 @@ WITHIN = (1e-6, 1e-6, 1e-3)
 BETWEEN, REACHED = 0.01, 1e-3
 """Shares by which a peak of the tool, which is evaluated at instants, may be exceeded between them; and by which the
 largest acceleration with a part may be missed, whose instant is not stated."""
-AT_ITS_TIME, STANDS = 1e-6, 1e-6
-"""A share by which a peak may be off at its instant; and m/s or m/s²: what is no faster stands."""
+AT_ITS_TIME, STANDS = 1e-4, 1e-6
+"""A share by which a peak may be off at its instant (bounds of a closed chain round by 0.5 mm/s²); m/s or m/s²: what
+is no faster stands."""
 BESIDE_S = 2e-9
 """A jump of the acceleration is evaluated so far beside it at most, s."""
 ROUNDING = 1e-12
@@ -116,17 +117,21 @@ def tool_agrees(handling: Handling, stages: list[Stage], claims: Claims, claim: 
 def _is_rate(
     handling: Handling, claim: c.Claim, order: int, bounds: Interval, when: Interval, *, inside: bool = False
 ) -> bool:
-    """Whether a row states that the tool point's speed or acceleration in the world is within bounds over an interval,
-    or once within it (`inside`)."""
+    """Whether rows state that the tool point's speed or acceleration in the world is within bounds over an interval, or
+    a row that it is once within it (`inside`)."""
     frames, flange = list(handling.scene.frames), flange_row(handling.scene.robot)
     worlds: Iterable[float] = (-1.0, float(frames.index(WORLD))) if WORLD in frames else (-1.0,)
+    low, high = bounds[0] - ROUNDING * abs(bounds[0]), bounds[1] + ROUNDING * abs(bounds[1])
+    own = list[Interval]()
     for row in claim.rates.tolist():
         about = row[c.RATE_ORDER] == order and row[c.RATE_LINK] == flange and row[c.RATE_FRAME] in worlds
         point = zip(row[c.RATE_POINT : c.RATE_FRAME], handling.tcp[:3], strict=True)
-        first, last = row[c.RATE_T0], row[c.RATE_T1]
-        long = when[0] - SAME <= first <= last <= when[1] + SAME if inside else first <= when[0] and when[1] <= last
-        low, high = bounds[0] - ROUNDING * abs(bounds[0]), bounds[1] + ROUNDING * abs(bounds[1])
         within = low <= row[c.RATE_LEAST] and row[c.RATE_MOST] <= high
-        if about and long and within and all(abs(x - y) <= SAME for x, y in point):
-            return True
-    return False
+        if about and within and all(abs(x - y) <= SAME for x, y in point):
+            own.append((row[c.RATE_T0], row[c.RATE_T1]))
+    if inside:
+        return any(when[0] - SAME <= first <= last <= when[1] + SAME for first, last in own)
+    reached = when[0]
+    for first, last in sorted(own):
+        reached = max(reached, last) if first <= reached else reached
+    return bool(own) and min(own)[0] <= when[0] and reached >= when[1]

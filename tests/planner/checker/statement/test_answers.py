@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+from assur.planner.checker.claim.verdict import check_claim
 from assur.planner.checker.statement import Difference, Topic, state_answer
 from assur.planner.claim import columns as c
 from assur.planner.claim import filling
@@ -49,6 +50,7 @@ def test_the_claim_of_the_answer_of_a_shipped_scenario_is_accepted(name: str) ->
     assert all((case.claims.peaks, case.claims.tool, case.claims.singularity, case.claims.carried))
     assert reported(name) == []
     assert differences(case, claim) == []
+    assert check_claim(claim).findings == ()
 
 
 def test_an_answer_that_states_nothing_needs_no_rows() -> None:
