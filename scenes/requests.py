@@ -356,16 +356,15 @@ def read_plan(cell: Cell, plan: object, *, proved_anew: bool = False) -> tuple[P
 
 def check_plan(cell: Cell, made: Plan, told: tuple[Finding, ...] = (), claims: Claims | None = None) -> dict[str, Any]:
     """The checker's verdict on a plan that has been read, and on what is claimed of it (None: nothing is), with the
-    lower bound and the causes of errors computed again. `told`: findings before the checker's, who knows no
-    documents."""
-    from assur.planner.checker import check
+    lower bound computed again. `told`: findings before the checker's, who knows no documents."""
+    from assur.planner.checked import check
     from assur.planner.model.claims import NOTHING
-    from assur.scenes.reading.claims import untrue_bound, untrue_causes
+    from assur.scenes.reading.claims import untrue_bound, untrue_errors
 
     claims = claims or NOTHING
     verdict = check(cell.scene, made, claims)
-    told += untrue_causes(cell.scene, made) if verdict.ok else ()
     told += verdict.findings + untrue_bound(claims.lower_bound, cell.scene, made.trajectory.duration)
+    told += untrue_errors(made, cell.scene)
     return _verdict(cell, told, claims.not_checked)
 
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.bound.guided import RATES
-from assur.planner.checker.laws import ramped, spline_of
+from assur.planner.kernels.columns import laws as c
 from assur.planner.laws import Law
-from assur.planner.laws.ramps import Change
+from assur.planner.laws.ramps import Change, ramped
 
 STEP = 2.1876, 7.5133, 52.51
 """The greatest |x'|, |x''|, |x'''| of the step of an indexer (F3), in steps and moves: 35/16 of them at its middle,
@@ -85,14 +85,15 @@ def _ramps(speed: float, changes: tuple[Change, ...], at_time: float, begin: Flo
     if not changes:
         found[0] = abs(speed)
         return found
-    for since, until, powers in ramped(speed, changes, at_time, float(begin.min()), float(end.max())):
-        low, high = np.maximum(begin, since - EDGE_S), np.minimum(end, until + EDGE_S)
+    ways = ramped(speed, changes, at_time, "law")
+    ends = [*(since for since, *_ in ways[1:]), math.inf]
+    for number, ((since, _, v, a, j), until) in enumerate(zip(ways, ends, strict=True)):
+        low, high = np.maximum(begin, since - EDGE_S) if number else begin, np.minimum(end, until + EDGE_S)
         among = low <= high
-        _, v, a, j = (*powers, 0.0, 0.0)[:4]
         for t in (low - since, high - since):
-            found[0] = np.where(among, np.maximum(found[0], np.abs(v + t * (2.0 * a + 3.0 * t * j))), found[0])
-            found[1] = np.where(among, np.maximum(found[1], np.abs(2.0 * a + 6.0 * t * j)), found[1])
-        found[2] = np.where(among, np.maximum(found[2], abs(6.0 * j)), found[2])
+            found[0] = np.where(among, np.maximum(found[0], np.abs(v + t * (a + t * (j / 2.0)))), found[0])
+            found[1] = np.where(among, np.maximum(found[1], np.abs(a + t * j)), found[1])
+        found[2] = np.where(among, np.maximum(found[2], abs(j)), found[2])
     for change in changes:
         if change.jerk == math.inf:
             # its acceleration jumps: at its begin, and at its end, which comes within this time
@@ -107,10 +108,9 @@ def _fastest(speed: float, changes: tuple[Change, ...]) -> float:
 
 def _splines(law: Law) -> FloatArray:
     """Bounds (3, 4) of the rates of x, y, z, yaw over all of a spline (F5): the velocity of a piece is a parabola."""
-    pieces = spline_of(law)
-    h = np.array([end - begin for begin, end, _ in pieces])[:, None]
-    _, c1, c2, c3 = np.moveaxis(np.array([coordinates for _, _, coordinates in pieces]), -1, 0)
-    most_a = np.maximum(np.abs(2.0 * c2), np.abs(2.0 * c2 + 6.0 * c3 * h))
-    ends = np.maximum(np.abs(c1), np.abs(c1 + h * (2.0 * c2 + 3.0 * c3 * h)))
-    most_v = ends + 0.75 * np.abs(c3) * h * h
-    return np.array([most_v.max(axis=0), most_a.max(axis=0), np.abs(6.0 * c3).max(axis=0)])
+    pieces = law.side[: int(law.row[c.COUNT])]
+    h, v = (pieces[:, c.PIECE_END] - pieces[:, c.PIECE_BEGIN])[:, None], pieces[:, c.RATE : c.CORNER]
+    a, j = (pieces[:, c.POWER + k :: c.MOST_POWERS] for k in (0, 1))
+    most_a = np.maximum(np.abs(a), np.abs(a + j * h))
+    most_v = np.maximum(np.abs(v), np.abs(v + h * (a + j * h / 2.0))) + 0.125 * np.abs(j) * h * h
+    return np.array([most_v.max(axis=0), most_a.max(axis=0), np.abs(j).max(axis=0)])

@@ -63,6 +63,14 @@ def known_between(known: dict[tuple[float, ...], int], yaws: list[int], start: i
     return known.setdefault(tuple(b - a for a, b in zip(one, other, strict=True)), start + len(known))
 
 
+def knots_at_rest(path: Trajectory) -> FloatArray:
+    """Knots (K, c.KNOT) of an arm that follows a trajectory, and of its rest before and after it for all times that a
+    claim may have. Where it does not begin or end at rest its motion is stated no farther."""
+    begins, ends = (not (path.qd[k].any() or path.qdd[k].any()) for k in (0, -1))
+    begin = -c.LATEST_S if begins else float(path.time[0])
+    return knots_of(path, min(begin, float(path.time[0])), c.LATEST_S if ends else float(path.time[-1]))
+
+
 def knots_of(path: Trajectory, begin: float, until: float) -> FloatArray:
     """Knots (K, c.KNOT) of an arm that follows a trajectory and rests before and after it, from `begin` to `until`, s.
 

@@ -62,7 +62,9 @@ FRAME_PIECE, FRAME_PIECES = 10, 11  # first row in `laws`, and how many
 FRAME_WAVE, FRAME_WAVES = 12, 13  # first row in `waves`, and how many
 FRAME_SHIFT = 14  # (2) by how much its motion may be late, at least and at most
 FRAME_YAW = 16  # by how much it may be turned about its origin
-FRAME_PERIOD = 17  # 0: none; else its pieces last one period, and at t + period the frame is (18: 4) further on
+FRAME_PERIOD = 17  # 0: none; else its pieces last one period, and at t + period the frame is (18: 4) further on. Its
+# last piece may end later than one period after its first begins, but counts until then. Where two periods meet, pose
+# and rate differ by 1e-9 at most. Before the first piece begins there is no motion, as without a period
 FRAME_STEP = 18
 FRAME = 22
 
@@ -126,8 +128,9 @@ REQUIRED_LATE = 3  # greatest lateness of the robot's start
 REQUIRED_SINCE = 4  # the time from which displacements of frames grow
 REQUIRED_TOOL = 5  # first link that has a share in displacements
 REQUIRED_LAG = 6  # how far each joint may be off its value
-REQUIRED_NEAREST = 6 + MOST_JOINTS  # a second distance, which pairs with a body of the robot keep if nothing is
-# uncertain, contacts left out; and one for pairs with a part that was put down (-1: none; LIMITLESS: no such pair)
+REQUIRED_NEAREST = 6 + MOST_JOINTS  # a second distance, which pairs with a body on a link keep if nothing is uncertain,
+# contacts left out; and one for pairs of two bodies on frames, a part that was put down being one (negative: nothing is
+# claimed; LIMITLESS: there is no such pair)
 REQUIRED_PLACED = REQUIRED_NEAREST + 1
 REQUIRED = REQUIRED_PLACED + 1
 
@@ -147,8 +150,9 @@ POINT_POSITION, POINT_YAW = 14, 15  # greatest errors; yaw -1: nothing is claime
 POINT_RATE = 16  # (2) greatest errors of the velocity and of the yaw's rate; -1: nothing is claimed
 POINT = 18
 
-# The velocity of a point of a link in a frame (order 1), or its acceleration in the world (order 2, frame -1): how long
-# that vector is, from LEAST to MOST.
+# The velocity of a point of a link as a frame has it (order 1; frame -1: the world), or its acceleration in the world
+# (order 2, frame -1): how long that vector is, from LEAST to MOST. Here, in axes and in sums: where a motion jumps, an
+# instant is in the piece that begins there, and an interval has both of its ends in its own pieces.
 RATE_T0, RATE_T1, RATE_LINK, RATE_POINT, RATE_FRAME, RATE_ORDER, RATE_LEAST, RATE_MOST = 0, 1, 2, 3, 6, 7, 8, 9
 RATE = 10
 
@@ -158,26 +162,33 @@ AXIS_T0, AXIS_T1, AXIS_LINK, AXIS_PLACE, AXIS_ON = 0, 1, 2, 3, 4
 AXIS_OTHER, AXIS_DIRECTION, AXIS_LOW, AXIS_HIGH = 7, 8, 11, 12
 AXIS = 13
 
-# Bounds of a sum of shares of the joints of arm 0 (order 0), or of its derivative of that order (1, 2, 3).
+# Bounds of a sum of shares of the joints of arm 0 (order 0), or of its derivative of that order (1, 2, 3), at a time of
+# its motion.
 SUM_T0, SUM_T1, SUM_ORDER, SUM_SHARE = 0, 1, 2, 3
 SUM_LOW, SUM_HIGH = SUM_SHARE + MOST_JOINTS, SUM_SHARE + MOST_JOINTS + 1
 SUM = SUM_HIGH + 1
 
 # A guide: the tool is within MOST of A + s (B - A), where A and B are points of two frames, and s goes evenly from one
-# share to the other over the interval.
+# share to the other over the interval. At an instant both shares are the same.
 GUIDE_T0, GUIDE_T1, GUIDE_LINK, GUIDE_TOOL = 0, 1, 2, 3
 GUIDE_FRAME, GUIDE_FROM, GUIDE_TO = 6, 8, 11  # both frames; (3) A in the first; (3) B in the second
 GUIDE_SHARE, GUIDE_MOST = 14, 16  # (2) s at both ends; m
 GUIDE = 17
 
 # Two bodies are no farther apart than MOST at an instant, if nothing is uncertain. Up to four directions (from the
-# first to the second), each with the weight of the points of both pieces that are farthest along it: the sums of these
-# points with these weights are so near. Weights are not negative; their sum is 1.
+# first to the second), each with the weight of the points of both pieces that are farthest along it (of the second:
+# farthest the other way): the sums of these points with these weights are so near. Weights are not negative; their sum
+# is 1 (within 1e-9, and they are divided by it). PIECE counts from the first piece of its body, as in rows. Directions
+# have any length, and choose points, no more: every point of a piece would do. With a unit direction, where an edge is
+# perpendicular to it within 1e-9 m, or the disc within a sine of 1e-9, their middle counts; of vertices the first one
+# that no other exceeds by 1e-9 m. The time is in the phase, ends included.
 DISTANCE_TIME, DISTANCE_PHASE, DISTANCE_BODY, DISTANCE_PIECE, DISTANCE_MOST = 0, 1, 2, 4, 6
 DISTANCE_WEIGHT, DISTANCE_DIRECTION = 7, 11
 DISTANCE = 23
 
-# How far the tool may be from its point at an instant, whatever the claim leaves uncertain.
+# How far the tool may be from its point at an instant, whatever the claim leaves uncertain. How far it is if nothing is
+# uncertain counts, too, but not how it is turned then: YAW is what uncertain things turn, and on a link that tilts, lag
+# turns nothing. The time is in the phase, ends included.
 ERROR_TIME, ERROR_PHASE, ERROR_FRAME, ERROR_LINK = range(4)
 ERROR_TOOL, ERROR_TARGET = 4, 8  # (4) poses on the link and on the frame
 ERROR_OFF = 12  # by how much the point may be off its place in every horizontal direction, up or down, and turned
@@ -188,6 +199,10 @@ ERROR = 20
 # A row of the proof: where to look for it. Nothing in a row has to be believed.
 ROW_T0, ROW_T1, ROW_S0, ROW_S1 = range(4)  # its time, and how far the second body is ahead of the clock
 ROW_BODY, ROW_PIECE, ROW_NORMAL = 4, 6, 8  # both bodies; a piece of each (-1: the box that holds all); (3) the normal
+# A row of one body: the second body and its piece are -1, its s0 and s1 are 0. Over its interval the first body is
+# behind a plane with this normal. For each pair of its phase that needs no time differences, and whose other body B is
+# on a frame that never moves, it counts as a row for all pieces of B if the plane that touches the box of B, less what
+# is required (N8), is beyond the first body. Such a row is never wrong; it may show no pair. None is in `gap_rows`.
 ROW = 11
 
 
@@ -347,7 +362,8 @@ BOUNDS: tuple[tuple[str, int, int, float, float | str], ...] = (
     ("errors", ERROR_TOOL, 8, -FARTHEST_M, FARTHEST_M),
     ("errors", ERROR_OFF, 8, 0.0, GREATEST),
     ("rows", ROW_T0, 4, -LATEST_S, LATEST_S),
-    ("rows", ROW_BODY, 2, 0, "bodies"),
+    ("rows", ROW_BODY, 1, 0, "bodies"),
+    ("rows", ROW_BODY + 1, 1, -1, "bodies"),
     ("rows", ROW_NORMAL, 3, -GREATEST, GREATEST),
     ("gap_rows", ROW_T0, 4, -LATEST_S, LATEST_S),
     ("gap_rows", ROW_BODY, 2, 0, "bodies"),

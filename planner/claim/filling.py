@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
 from assur.planner.claim.arrival_errors import errors_of
 from assur.planner.claim.columns import Claim
+from assur.planner.claim.distances import is_limited, required_of
 from assur.planner.claim.frames import Frames, frames_of
 from assur.planner.claim.guides import guides_of
 from assur.planner.claim.joint_sums import sums_of
 from assur.planner.claim.limits import JointLimits
 from assur.planner.claim.obligations import Carriers, Seats, carriers_of, distances_of, phases_of, seats_of
 from assur.planner.claim.points import axes_of, points_of, rates_of
+from assur.planner.claim.postures import Postures
 from assur.planner.claim.rows import rows_of
 from assur.planner.claim.solids import bodies_in, solids_of
+from assur.planner.collision.proof import Prover
 from assur.planner.geometry.shapes import Body
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import Phase
@@ -42,6 +46,12 @@ class SceneClaim:
     cell: CellClaim
     seats: Seats
     limits: JointLimits
+    postures: Postures
+
+    @cached_property
+    def prover(self) -> Prover:
+        """What finds distances of bodies, made where the first one is needed."""
+        return Prover(self.scene)
 
 
 def cell_of(scene: Scene) -> CellClaim:
@@ -56,29 +66,40 @@ def claim_of(scene: Scene, cell: CellClaim | None = None) -> SceneClaim:
     """The claim of a scene without a plan. `cell`: if it is made already. Raises `InputError` for what cannot be
     stated."""
     cell = cell or cell_of(scene)
-    return SceneClaim(scene, cell, seats_of(scene, cell.carriers), JointLimits(scene))
+    return SceneClaim(scene, cell, seats_of(scene, cell.carriers), JointLimits(scene), Postures(scene))
 
 
 def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = None) -> Claim:
     """The claim of a plan. `phases`: those of the plan, if they are made already. Raises `InputError` for what cannot
     be stated."""
-    scene, cell, path = base.scene, base.cell, plan.trajectory
+    scene, number = base.scene, base.cell.carriers.body
     if phases is None:
         phases = phases_in(scene, plan.legs, plan.arrivals)
-    end, robot_until = phases[-1].t1, max(phase.t1 for phase in phases if phase.robot)
-    required = cell.tables["required"].copy()
-    required[0, c.REQUIRED_UNTIL] = end
-    story = phases_of(scene, cell.carriers, base.seats, phases)
-    return Claim(
-        **{**cell.tables, **cell.frames.around(path, robot_until, end), **story, "required": required},
-        limits=base.limits.over(path.start, phases),
+    distances = required_of(base.prover, number, plan, phases) if is_limited(scene) else []
+    return with_motion(base, plan, phases)._replace(
         points=c.table("points", [row for _, row in points_of(scene, plan)]),
-        rates=c.table("rates", [row for _, row in rates_of(scene, plan, phases)]),
-        axes=c.table("axes", [row for _, row in axes_of(scene, plan)]),
+        axes=c.table("axes", [row for _, row in axes_of(scene, plan) + base.postures.of_plan(plan)]),
         sums=c.table("sums", sums_of(scene, plan)),
         guides=c.table("guides", guides_of(scene, plan)),
-        distances=c.table("distances", []),
+        distances=c.table("distances", distances),
         errors=c.table("errors", errors_of(scene, plan, phases)),
-        rows=rows_of(scene, cell.bodies, cell.carriers.body, path, plan.certificate, story),
-        gap_rows=c.table("gap_rows", []),
+    )
+
+
+def with_motion(base: SceneClaim, plan: Plan, phases: Sequence[Phase]) -> Claim:
+    """The claim of what a plan promises whatever its task is: limits, and that all keeps apart in its phases. Raises
+    `InputError` for what cannot be stated."""
+    scene, cell, path = base.scene, base.cell, plan.trajectory
+    end, robot_until = phases[-1].t1, max(phase.t1 for phase in phases if phase.robot)
+    required = cell.tables["required"].copy()
+    required[0, c.REQUIRED_UNTIL], required[0, c.REQUIRED_SINCE] = end, scene.start.time
+    story = phases_of(scene, cell.carriers, base.seats, phases)
+    own = ("points", "sums", "guides", "distances", "errors", "gap_rows")
+    return Claim(
+        **{**cell.tables, **cell.frames.around(path, robot_until), **story, "required": required},
+        **{name: c.table(name, []) for name in own},
+        limits=base.limits.over(path.start, phases),
+        rates=c.table("rates", [row for _, row in rates_of(scene, plan, phases)]),
+        axes=c.table("axes", [row for _, row in axes_of(scene, plan)]),
+        rows=rows_of(plan.certificate, cell.carriers.body),
     )

@@ -9,86 +9,80 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
-from assur.planner.claim.chain import Arms, knots_of
-from assur.planner.claim.laws import endless, law_of
-from assur.planner.laws import Frame, Law
+from assur.planner.claim.chain import Arms, knots_at_rest, knots_of
+from assur.planner.claim.laws import StatedLaw, law_of
+from assur.planner.laws import Frame
 from assur.planner.model.scene import Scene
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 
-NO_PERIOD = (0.0, 0.0, 0.0, 0.0, 0.0)
 BEYOND_S = 1e-3
-"""Motions around the robot are stated for so long before and after they count, s: sums of times are rounded."""
+"""Motions are stated for so long before the first time at which they count, s: sums of times are rounded."""
 
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """The frames of a cell. `laws`: those that are stated piece by piece, for a time, by row; `others`: the other arms
-    and what they follow, in their order from arm 1 on; `tables`: of this kind, as far as they depend on no time."""
+    """The frames of a cell. `others`: the other arms and what they follow, in their order from arm 1 on; `tables`: of
+    this kind, but for the knots of the robot."""
 
     tables: dict[str, FloatArray]
-    laws: tuple[tuple[int, Law], ...]
     others: tuple[tuple[Robot, Trajectory], ...]
-    shifts: tuple[float, float]
-    """The least lateness of a frame and the greatest, s."""
-    late: float
-    """The greatest lateness of the robot's start, s."""
+    early: float
+    """From when on all motions are stated that have no begin, s."""
 
-    def around(self, path: Trajectory, robot_until: float, end: float) -> dict[str, FloatArray]:
-        """The same with the knots of all arms and with laws, for a robot that follows `path` and then rests until
-        `robot_until`, s, in a plan that ends at `end`, s. Raises `InputError` for what cannot be stated."""
-        begin = path.start - self.shifts[1] - BEYOND_S
-        end = end + self.late - self.shifts[0] + BEYOND_S
-        arms, knots = self.tables["arms"].copy(), [knots_of(path, path.start, robot_until)]
-        knots += [knots_of(other, begin, end) for _, other in self.others]
-        counts = np.array([len(each) for each in knots], dtype=float)
-        arms[:, c.ARM_KNOT], arms[:, c.ARM_KNOTS] = np.cumsum(counts) - counts, counts
-        found = {**self.tables, "arms": arms, "knots": knots[0] if len(knots) == 1 else np.concatenate(knots)}
-        if self.laws:
-            frames, blocks = self.tables["frames"].copy(), []
-            for row, law in self.laws:
-                placed, pieces, _ = law_of(law, begin, end)
-                frames[row, c.FRAME_POSE : c.FRAME_PIECE], frames[row, c.FRAME_PIECES] = placed, len(pieces)
-                blocks.append(pieces)
-            frames[:, c.FRAME_PIECE] = np.cumsum(frames[:, c.FRAME_PIECES]) - frames[:, c.FRAME_PIECES]
-            found |= {"frames": frames, "laws": np.concatenate(blocks)}
-        return found
+    def around(self, path: Trajectory, robot_until: float) -> dict[str, FloatArray]:
+        """The same with the knots of a robot that follows `path` and then rests until `robot_until`, s. Raises
+        `InputError` for a path that does not end at rest, and is needed longer."""
+        arms, knots = self.tables["arms"].copy(), knots_of(path, path.start, robot_until)
+        arms[0, c.ARM_KNOTS] = len(knots)
+        arms[1:, c.ARM_KNOT] += len(knots)
+        others = self.tables["knots"]
+        return {**self.tables, "arms": arms, "knots": np.concatenate((knots, others)) if len(others) else knots}
+
+
+def early_of(scene: Scene) -> float:
+    """The time, s, from which on a plan for a scene may need the motions of frames: whole seconds, so that many scenes
+    share it."""
+    latest = max((frame.uncertainty.shift_s[1] for frame in scene.frames.values()), default=0.0)
+    return math.floor(scene.start.time - latest - BEYOND_S)
 
 
 def frames_of(scene: Scene) -> Frames:
-    """The frames of a cell. Raises `InputError` for an arm that cannot be stated."""
-    arms, rows, waves, laws = Arms(), list[list[float]](), list[tuple[float, ...]](), list[tuple[int, Law]]()
-    followed, first = list[tuple[Robot, Trajectory]](), list[int]()
+    """The frames of a cell. Raises `InputError` for an arm or a law that cannot be stated."""
+    arms, rows, waves, laws = Arms(), list[list[float]](), list[tuple[float, ...]](), [c.table("laws", [])]
+    followed, first, pieces = list[tuple[Robot, Trajectory]](), list[int](), 0
+    early = early_of(scene)
     arms.add(scene.robot)
-    for row, frame in enumerate(scene.frames.values()):
-        law, known, on, placed = frame.law, frame.uncertainty, (-1, -1), [0.0] * 8
-        own: list[tuple[float, ...]] = []
-        link = law.link
-        if link is not None:
+    for frame in scene.frames.values():
+        link, known, on = frame.law.link, frame.uncertainty, (-1, -1)
+        if link is None:
+            law = law_of(frame.law, early)
+        else:
+            law = StatedLaw([0.0] * 8, laws[0], [])
             same = [k for k, (robot, path) in enumerate(followed) if robot is link.robot and path is link.trajectory]
             if not same:
                 same = [len(followed)]
                 followed.append((link.robot, link.trajectory))
                 first.append(arms.add(link.robot))
             on = same[0] + 1, first[same[0]] + link.robot.chain_rows[link.link]
-        elif endless(law):
-            placed, _, own = law_of(law, -math.inf, math.inf)
-        else:
-            laws.append((row, law))
-        rows.append([*on, *placed, 0, 0, len(waves), len(own), *known.shift_s, known.yaw_rad, *NO_PERIOD])
-        waves += own
-    shifts = [frame.uncertainty.shift_s for frame in scene.frames.values()]
+        own = pieces, len(law.pieces), len(waves), len(law.waves)
+        rows.append([*on, *law.at, *own, *known.shift_s, known.yaw_rad, *law.period])
+        laws.append(law.pieces)
+        pieces += len(law.pieces)
+        waves += law.waves
     displaced = [each for row, frame in enumerate(scene.frames.values()) for each in _displaced(row, frame)]
-    tables = {
-        **arms.tables(),
+    tables = arms.tables()
+    knots = [knots_at_rest(path) for _, path in followed]
+    counts = np.array([0, *map(len, knots)], dtype=float)
+    tables["arms"][:, c.ARM_KNOT], tables["arms"][:, c.ARM_KNOTS] = np.cumsum(counts) - counts, counts
+    tables |= {
         "frames": c.table("frames", rows),
-        "laws": c.table("laws", []),
+        "laws": np.concatenate(laws),
         "waves": c.table("waves", waves),
         "displaced": c.table("displaced", displaced),
+        "knots": np.concatenate((c.table("knots", []), *knots)),
     }
-    least, most = min((low for low, _ in shifts), default=0.0), max((high for _, high in shifts), default=0.0)
-    late = scene.execution.start_tolerance_s
-    return Frames(tables, tuple(laws), tuple(followed), (least, most), late)
+    return Frames(tables, tuple(followed), early)
 
 
 def _displaced(row: int, frame: Frame) -> list[tuple[float, ...]]:

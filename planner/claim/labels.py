@@ -40,7 +40,7 @@ def labels_of(base: SceneClaim, plan: Plan, phases: Sequence[Phase]) -> Labels:
         phases=tuple(str(phase.kind) for phase in phases),
         points=tuple(name for name, _ in points_of(scene, plan)),
         rates=tuple(name for name, _ in rates_of(scene, plan, phases)),
-        axes=tuple(name for name, _ in axes_of(scene, plan)),
+        axes=tuple(name for name, _ in axes_of(scene, plan) + base.postures.of_plan(plan)),
     )
 
 

@@ -1,58 +1,63 @@
-"""Laws of motion in a claim: pieces and sines of the planner's table of a law, cut to the time of a plan."""
+"""Laws of motion in a claim: pieces, sines and period of the planner's table of a law.
+
+They belong to the cell: no law is cut to the time of a plan, and none to the time for which it is known, which the
+statement checker compares with each plan.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
 from assur.planner.claim.unstated import unstated
 from assur.planner.kernels.columns import laws as own
-from assur.planner.laws import ALWAYS, Law
+from assur.planner.laws import Law
 
-Waves = list[tuple[float, ...]]
-NO_PIECES = c.table("laws", [])
-
-
-def endless(law: Law) -> bool:
-    """Whether a law is stated for all times, without pieces."""
-    return law.valid == ALWAYS and (law.is_fixed or law.row[own.WAVES] > 0.0)
+NO_PERIOD = (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def law_of(law: Law, begin: float, until: float) -> tuple[list[float], FloatArray, Waves]:
-    """Pose and rate at the first time (8), pieces (K, c.LAW) and sines of a law over [begin, until], s, as far as it is
-    known. Raises `InputError` for a law that cannot be stated."""
-    count = int(law.row[own.COUNT])
+class StatedLaw(NamedTuple):
+    """A law in a claim: `at` (8), its pose and rate when its first piece begins; `pieces` (K, c.LAW); its sines; its
+    period, s, and by how much it has gone on after that (4)."""
+
+    at: list[float]
+    pieces: FloatArray
+    waves: list[tuple[float, ...]]
+    period: tuple[float, ...] = NO_PERIOD
+
+
+def law_of(law: Law, early: float) -> StatedLaw:
+    """A law from `early`, s, on at the latest, until the last time that a claim may have.
+
+    A first piece of constant speed begins at `early`, when the law is stated, or when the second one begins, whichever
+    is first. What repeats begins where its law does, or the whole periods before that are needed.
+
+    Raises `InputError` for a law that begins too early or too late for any claim.
+    """
+    count, period = int(law.row[own.COUNT]), float(law.row[own.PERIOD])
     pieces, waves = law.side[:count], [tuple(each) for each in law.side[count:, : c.WAVE].tolist()]
-    if endless(law):
-        return [*pieces[0, own.POSE : own.RATE].tolist(), 0.0, 0.0, 0.0, 0.0], NO_PIECES, waves
-    begin, until = max(begin, law.valid[0]), min(until, law.valid[1])
-    if not begin < until:
-        raise unstated("a frame whose motion is not known during the plan")
-    starts, numbers = _starts(law, pieces, begin, until)
-    ends = np.minimum(np.append(starts[1:], until), until)
+    pose, rate, powers = pieces[0, own.POSE : own.RATE], pieces[0, own.RATE : own.CORNER], pieces[:, own.POWER :]
+    if law.is_fixed or waves:
+        return StatedLaw([*pose.tolist(), 0.0, 0.0, 0.0, 0.0], c.table("laws", []), waves)
+    starts, ends = pieces[:, own.PIECE_BEGIN].copy(), pieces[:, own.PIECE_END].copy()
+    repeated = NO_PERIOD
+    if period > 0.0:
+        step, start = law.row[own.STEP : own.STEP + 4], float(law.row[own.START])
+        whole = -math.ceil(max(start - early, 0.0) / period) + math.ceil(max(-c.LATEST_S - start, 0.0) / period)
+        starts, pose = starts + (start + whole * period), pose + whole * step
+        ends = np.append(starts[1:], starts[0] + period)
+        repeated = (period, *step.tolist())
+    elif not powers[0].any():
+        begin = max(min(early, law.stated_s, starts[0]), -c.LATEST_S)
+        pose, starts[0] = pose - (starts[0] - begin) * rate, begin
+    ends = np.minimum(ends, c.LATEST_S)
     kept = starts < ends  # some last no time
-    starts, ends, numbers = starts[kept], ends[kept], numbers[kept]
-    first = max(int(np.searchsorted(starts, begin, side="right")) - 1, 0)
-    found = np.zeros((len(starts) - first, c.LAW))
-    found[:, c.LAW_BEGIN], found[:, c.LAW_END] = starts[first:], ends[first:]
-    found[:, c.LAW_POWER :] = pieces[numbers[first:], own.POWER :]
-    at = replace(law, row=np.where(np.arange(len(law.row)) == own.WAVES, 0.0, law.row)).motion(starts[first])
-    if not np.isfinite(at.p).all():
-        raise unstated("a frame whose motion begins within the plan")
-    return [*at.p.tolist(), float(at.yaw), *at.v.tolist(), float(at.yaw_d)], found, waves
-
-
-def _starts(law: Law, pieces: FloatArray, begin: float, until: float) -> tuple[FloatArray, IntArray]:
-    """When each piece begins, and its number; those of the periods that reach into [begin, until], and of one before
-    and behind. A first piece of constant speed begins with the plan."""
-    starts, start, period = pieces[:, own.PIECE_BEGIN].copy(), law.row[own.START], law.row[own.PERIOD]
-    if not period > 0.0:
-        if not pieces[0, own.POWER :].any():
-            starts[0] = begin
-        return starts, np.arange(len(starts))
-    k = np.arange(math.floor((begin - start) / period) - 1, math.ceil((until - start) / period) + 2, dtype=np.float64)
-    return np.add.outer(start + k * period, starts).ravel(), np.tile(np.arange(len(starts)), len(k))
+    if not (kept.any() and starts[0] >= -c.LATEST_S):
+        raise unstated(f"a frame whose motion begins before {-c.LATEST_S:g} s or after {c.LATEST_S:g} s")
+    found = np.zeros((int(kept.sum()), c.LAW))
+    found[:, c.LAW_BEGIN], found[:, c.LAW_END], found[:, c.LAW_POWER :] = starts[kept], ends[kept], powers[kept]
+    return StatedLaw([*pose.tolist(), *rate.tolist()], found, waves, repeated)

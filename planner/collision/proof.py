@@ -190,9 +190,25 @@ class Prover:
             known, asked = self._planes(phase, spline, pairs)
         else:
             asked = pairs.every[pairs.every[:, REQUIRED] < 0.0]
+        return self._shown(phase, spline, known, asked, pairs.doubt)
+
+    def prove_gaps(self, phase: Phase, trajectory: Trajectory, arm: float, placed: float) -> Rows | Unproved:
+        """The same for other distances, m, where all is where it is planned: `arm` for pairs with a body of the robot,
+        `placed` for those of parts that were put down; less than 0: none is required. Pairs in contact do not count."""
+        arrangement = self.of(phase)
+        if not phase.t1 > phase.t0:
+            return Rows(arrangement, np.zeros((0, ROW_COLUMNS)))
+        pairs = self.pairs(arrangement, phase).exactly(arm, placed)
+        return self._shown(phase, self.spline(trajectory), np.zeros((0, ROW_COLUMNS)), pairs, self.exact)
+
+    def _shown(
+        self, phase: Phase, spline: Spline, known: FloatArray, asked: FloatArray, doubt: Doubt
+    ) -> Rows | Unproved:
+        """The rows that are `known`, and those that show all pairs that are left, or the first pair that resists."""
+        arrangement = self.of(phase)
         if not len(asked):
             return Rows(arrangement, known)
-        search = Search(self, phase, spline, asked, pairs.doubt)
+        search = Search(self, phase, spline, asked, doubt)
         while True:
             status = search.go_on(PROVE)
             if status == DONE:

@@ -127,28 +127,32 @@ def _nearest(prover: Prover, attached: Attachments, t: float, pairs: list[tuple[
     arrangement = prover.arrangement(attached)
     carriers, found = prover.carriers(prover.scene.start.q, t), None
     for names in pairs:
-        distance = _distance(arrangement, carriers, *(arrangement.number[name] for name in names))
+        distance, _ = nearest_pieces(arrangement, carriers, *(arrangement.number[name] for name in names))
         if not math.isnan(distance) and (found is None or distance < found.distance_m):
             found = Nearest(distance, names)
     return found
 
 
-def _distance(arrangement: Arrangement, carriers: FloatArray, one: int, other: int) -> float:
-    """How far two bodies are apart at most, m; NaN: where they are is not known."""
+def nearest_pieces(
+    arrangement: Arrangement, carriers: FloatArray, one: int, other: int
+) -> tuple[float, tuple[int, int]]:
+    """How far two bodies are apart at most, m (NaN: where they are is not known), and the units of theirs that are."""
     rows, vertices = arrangement.rows, arrangement.bodies.vertices
     units = [*arrangement.pieces(one), *arrangement.pieces(other)]
     placed, count = np.empty((1, len(rows), POSE_COLUMNS)), len(arrangement.pieces(one))
     for unit in units:
         place(rows, unit, carriers, placed, 0)
     if not np.isfinite(placed[0, units]).all():
-        return math.nan
+        return math.nan, (units[0], units[count])
     pairs = np.array(list(product(units[:count], units[count:])))
     centres, radii = placed[0, :, :3], rows[:, RADIUS]
     least = np.linalg.norm(centres[pairs[:, 0]] - centres[pairs[:, 1]], axis=1) - radii[pairs].sum(axis=1)
-    points, work, found = np.empty((4, 3)), np.empty((3, 4)), math.inf
+    points, work, found, both = np.empty((4, 3)), np.empty((3, 4)), math.inf, (units[0], units[count])
     for k in np.argsort(least, kind="stable").tolist():
         if not least[k] < found:
             break
         a, b = pairs[k].tolist()
-        found = min(found, separate(rows, vertices, placed, 0, a, b, math.inf, points, -1, 0.0, points, work)[4])
-    return found
+        above = separate(rows, vertices, placed, 0, a, b, math.inf, points, -1, 0.0, points, work)[4]
+        if above < found:
+            found, both = above, (a, b)
+    return found, both

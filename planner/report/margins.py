@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
 from assur.planner.collision.nearest import nearest, nearest_pairs
 from assur.planner.collision.proof import Prover
+from assur.planner.legs.least_margins import instants, least_margins
 from assur.planner.legs.limits import parts
 from assur.planner.legs.tool_motion import carrying_peak, tool_peaks
 from assur.planner.model.load import Carried, held_inertia
@@ -17,15 +16,8 @@ from assur.planner.model.outcome import Contact, JointPeak, Margins
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import RATES
 from assur.planner.model.scene import Scene
-from assur.planner.report.least_margins import least_margins
 from assur.planner.report.notes import MostUsed, busiest
 from assur.planner.trajectory import Trajectory
-
-FINE_S = 0.001
-"""Sampling of what is used of the limit that binds, s."""
-MOST_FINE = 100_000
-"""So many of these times at most: where the arm moves for longer they are further apart. Where it rests there are none
-beyond so many: nothing is used of a limit there."""
 
 
 def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...], pairs: int = 0) -> Margins:
@@ -38,7 +30,7 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
     held = None if carrying is None else carrying[0]
     if held is not None and limit is not None and held / limit > binding.share:
         binding = MostUsed(held / limit, "", "acceleration")
-    t, lasts = _even(trajectory)
+    t, lasts = instants(trajectory)
     serial, parallel = least_margins(scene.robot, trajectory, t)
     return Margins(
         peaks=peaks,
@@ -47,8 +39,8 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
         placed=nearest(prover, trajectory, phases, of="placed"),
         tool_acceleration=tool.acceleration if held is None else held,
         tool_acceleration_limit=limit,
-        singularity=serial,
-        parallel=parallel,
+        singularity=serial[0],
+        parallel=None if parallel is None else parallel[0],
         jerk="limited" if scene.options.jerk_limited else "unbounded",
         busiest=busiest(scene, trajectory, phases, binding, t, lasts),
         helps=binding.helps,
@@ -56,22 +48,6 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
         travel_pairs=nearest_pairs(prover, trajectory, tuple(p for p in phases if not p.near), pairs),
         near_pairs=nearest_pairs(prover, trajectory, tuple(p for p in phases if p.near), pairs),
     )
-
-
-def _even(trajectory: Trajectory) -> tuple[FloatArray, FloatArray]:
-    """Times (T,), and for how long each stands (T,), s: `FINE_S` at most, in a motion that is not long."""
-    count = math.ceil(trajectory.duration / FINE_S) + 1
-    if count <= MOST_FINE:
-        t = np.linspace(trajectory.start, trajectory.end, max(2, count))
-        return t, np.full(len(t), t[1] - t[0])
-    rates = np.asarray(np.concatenate([trajectory.qd, trajectory.qdd], axis=1).any(axis=1))
-    spans = np.stack([trajectory.time[:-1], trajectory.time[1:]], 1)[rates[:-1] | rates[1:]]
-    lengths = spans[:, 1] - spans[:, 0]
-    apart = max(FINE_S, float(lengths.sum()) / MOST_FINE)
-    counts = np.ceil(lengths / apart).astype(np.int64)
-    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    even = within * np.repeat(lengths / counts, counts) + np.repeat(spans[:, 0], counts)
-    return np.append(even, trajectory.time[-1]), np.append(np.repeat(lengths / counts, counts), 0.0)
 
 
 def _peaks(scene: Scene, trajectory: Trajectory, phases: tuple[Phase, ...]) -> tuple[tuple[JointPeak, ...], MostUsed]:

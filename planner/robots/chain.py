@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-UP, AHEAD = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
-"""Axes along which a joint slides a link."""
+AHEAD, LEFT, UP = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+"""Axes of a link."""
 Vector = tuple[float, float, float]
 
 
@@ -39,8 +39,24 @@ class Loop(NamedTuple):
     least: float
 
 
+class Bend(NamedTuple):
+    """A number that is 0 in a singular position and whose sign tells working modes apart: the x axis of link number
+    `link` (or, for a `length` that is not 0, m, the way to its origin from that of link `other`, divided by the length)
+    times the axis `along` of link `other`."""
+
+    link: int
+    other: int
+    along: Vector
+    length: float = 0.0
+
+
 class Chain(NamedTuple):
-    """All links of an arm, each behind its parent and behind the cranks of its coupler; and its loop, if it has one."""
+    """All links of an arm, each behind its parent and behind the cranks of its coupler; and its loop, if it has one.
+
+    The singularity margin is the least size of the `bends`; `signs` are theirs in each working mode, in their order.
+    """
 
     links: tuple[Link, ...]
+    bends: tuple[Bend, ...]
+    signs: tuple[tuple[int, ...], ...]
     loop: Loop | None = None

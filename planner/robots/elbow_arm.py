@@ -14,13 +14,15 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.frames.motion import Motion
-from assur.planner.robots.chain import Chain, Link
+from assur.planner.robots.chain import AHEAD, UP, Bend, Chain, Link
 from assur.planner.robots.planar import ring_margin
 from assur.planner.robots.riders import check_lengths
-from assur.planner.robots.tilting import LINK2, LINK3, TiltingArm
+from assur.planner.robots.tilting import LINK1, LINK2, LINK3, TiltingArm
 
 MODES = ("up", "down", "back-up", "back-down")
 """Elbow above or below the line from shoulder to flange; `back`: the base is turned away, the arm reaches over it."""
+SIGNS = ((-1, 1), (1, 1), (1, -1), (-1, -1))
+"""Of the sine of the elbow and of the radius of the flange, mode by mode."""
 _RATES = frozen([[1, 0, 0], [0, 1, 0], [0, 1, 1]], (3, 3), "rate_matrix")
 
 
@@ -55,7 +57,13 @@ class ElbowArm(TiltingArm):
     @property
     def chain(self) -> Chain:
         forearm = Link("link3", LINK2, (self.l1, 0.0, 0.0), (0,), (1, 2))
-        return Chain((*self._shoulder, forearm, Link("flange", LINK3, (self.l2, 0.0, 0.0), (0,), (1, 2))))
+        links = (*self._shoulder, forearm, Link("flange", LINK3, (self.l2, 0.0, 0.0), (0,), (1, 2)))
+        return Chain(links, self._bends, SIGNS)
+
+    @property
+    def _bends(self) -> tuple[Bend, ...]:
+        """Of the elbow, and how far the flange is off the base axis."""
+        return Bend(LINK3, LINK2, UP), Bend(len(self.links) - 1, LINK1, AHEAD, self.longest)
 
     def reach_margin(self, flange: Motion, mode: int) -> FloatArray:
         return ring_margin(np.hypot(*self.in_plane(flange, mode)), self.l1, self.l2)

@@ -17,7 +17,7 @@ from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.robots.chain import Chain, Link
-from assur.planner.robots.elbow_arm import ElbowArm
+from assur.planner.robots.elbow_arm import SIGNS, ElbowArm
 from assur.planner.robots.planar import ring_margin
 from assur.planner.robots.tilting import LINK2, LINK3
 
@@ -63,9 +63,8 @@ class FiveAxisArm(ElbowArm):
     def chain(self) -> Chain:
         forearm = Link("link3", LINK2, (self.l1, 0.0, 0.0), (0,), (1, 2))
         hand = Link("link4", LINK3, (self.l2, 0.0, 0.0), (0,), (1, 2, 3))
-        return Chain(
-            (*self._shoulder, forearm, hand, Link("flange", LINK4, (self.l3, 0.0, 0.0), (0,), (1, 2, 3), (4,)))
-        )
+        flange = Link("flange", LINK4, (self.l3, 0.0, 0.0), (0,), (1, 2, 3), (4,))
+        return Chain((*self._shoulder, forearm, hand, flange), self._bends, SIGNS)
 
     @property
     def rate_matrix(self) -> FloatArray:

@@ -25,7 +25,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion, Pose
-from assur.planner.robots.chain import UP, Chain, Link, Loop
+from assur.planner.robots.chain import LEFT, UP, Bend, Chain, Link, Loop
 from assur.planner.robots.facts import Joint, Limits, RobotBody
 from assur.planner.robots.planar import ring_margin
 from assur.planner.robots.riders import check_lengths, check_riders, joints_of
@@ -121,7 +121,8 @@ class FiveBar(Robot):
             Link("quill", 3, end, slide=lift, fixed=True),
             Link("flange", 3, end, wrist, slide=lift, coupler=0),
         )
-        return Chain(links, Loop((1, 2), self.proximal, self.distal, float(self.sigma), self.parallel_least))
+        loop = Loop((1, 2), self.proximal, self.distal, float(self.sigma), self.parallel_least)
+        return Chain(links, (Bend(3, 1, LEFT), Bend(4, 2, LEFT)), ((-1, -1), (-1, 1), (1, -1), (1, 1)), loop)
 
     def reach_margin(self, flange: Motion, mode: int) -> FloatArray:  # noqa: ARG002 - all modes reach as far
         """As `Robot.reach_margin`, the lesser one of both sides: a point outside both may be a little further off."""

@@ -16,8 +16,8 @@ from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion
 from assur.planner.geometry.shapes import SMALLEST_M
-from assur.planner.robots.chain import AHEAD, Chain, Link
-from assur.planner.robots.tilting import LINK2, TiltingArm
+from assur.planner.robots.chain import AHEAD, Bend, Chain, Link
+from assur.planner.robots.tilting import LINK1, LINK2, LINK3, TiltingArm
 
 MODES = ("front", "back")
 """`back`: the base is turned away and the arm reaches over the vertical."""
@@ -55,7 +55,8 @@ class PolarArm(TiltingArm):
     @property
     def chain(self) -> Chain:
         ram, flange = (Link(name, LINK2, turns=(0,), tilts=(1,), slide=(2, AHEAD)) for name in ("link3", "flange"))
-        return Chain((*self._shoulder, ram, flange))
+        bends = (Bend(LINK3, LINK2, AHEAD, self.longest), Bend(LINK3, LINK1, AHEAD, self.longest))
+        return Chain((*self._shoulder, ram, flange), bends, ((1, 1), (1, -1)))
 
     def reach_margin(self, flange: Motion, mode: int) -> FloatArray:
         distance = np.hypot(*self.in_plane(flange, mode))

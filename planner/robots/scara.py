@@ -18,7 +18,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion, Pose
-from assur.planner.robots.chain import UP, Chain, Link
+from assur.planner.robots.chain import LEFT, UP, Bend, Chain, Link
 from assur.planner.robots.facts import Joint, Limits, RobotBody
 from assur.planner.robots.planar import ring_margin
 from assur.planner.robots.riders import check_lengths, check_riders, joints_of
@@ -89,7 +89,9 @@ class Scara(Robot):
                 Link("link2", LINK1, (self.l1, 0.0, 0.0), (0, 1)),
                 Link("quill", LINK2, end, slide=lift, fixed=True),
                 Link("flange", LINK2, end, (0, 1, 3)[: self.axes - 1], slide=lift),
-            )
+            ),
+            (Bend(LINK2, LINK1, LEFT),),
+            ((-1,), (1,)),
         )
 
     def reach_margin(self, flange: Motion, mode: int) -> FloatArray:  # noqa: ARG002 - both modes reach as far

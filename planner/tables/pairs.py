@@ -58,6 +58,14 @@ class Pairs:
         found[len(across) :] = self.own
         return found
 
+    def exactly(self, arm: float, placed: float) -> FloatArray:
+        """Pairs (P, PAIR_COLUMNS) that may not touch, with other distances, m, where nothing is uncertain: `arm` with a
+        unit of the robot, `placed` without one. Those of which less than 0 is required are left out."""
+        found = self.every[self.every[:, REQUIRED] >= 0.0]
+        found[:, REQUIRED] = np.where(np.isin(found[:, FIRST], self.mine), arm, placed)
+        found[:, SET], found[:, EARLY:] = -1.0, 0.0
+        return found[found[:, REQUIRED] >= 0.0]
+
     def __len__(self) -> int:
         return len(self.mine) * len(self.others) + len(self.own)
 

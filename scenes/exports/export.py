@@ -61,7 +61,7 @@ def motion_for(
     `jerk`: whether it must keep the robot's limit, or may be proved against a higher one, which is stated.
     Raises `InputError` for a motion that cannot be proved, or that the format cannot hold.
     """
-    from assur.planner.resampling.grid import on_nanoseconds
+    from assur.scenes.resampling.grid import on_nanoseconds
 
     trajectory = made.trajectory
     if tick_s is not None and form in RECIPES:
@@ -87,8 +87,8 @@ def _on_ticks(
 ) -> Motion:
     """The motion on ticks, proved: within the limits of jerk of the request, where such a motion can be proved; else
     within the robot's own, or with the rule `report` within what it needs."""
-    from assur.planner.resampling.certifying import Refuted, kept_legs, recertified
-    from assur.planner.resampling.grid import on_ticks
+    from assur.scenes.resampling.certifying import Refuted, kept_legs, recertified
+    from assur.scenes.resampling.grid import on_ticks
 
     legs, arrivals = kept_legs(made, trajectory)
     base = replace(made, trajectory=trajectory, legs=legs, arrivals=arrivals)
@@ -116,8 +116,8 @@ def _on_ticks(
 def _share_of_jerk(cell: Cell, made: Plan, trajectory: Trajectory) -> FloatArray:
     """The greatest share of its limit of jerk that each joint uses, (n,), with the load that is carried then."""
     from assur.planner.model.phases import phases
-    from assur.planner.resampling.certifying import kept_legs
-    from assur.planner.resampling.measured import ratios
+    from assur.scenes.resampling.certifying import kept_legs
+    from assur.scenes.resampling.measured import ratios
 
     of_plan = phases(cell.scene, *kept_legs(made, trajectory))
     return np.asarray(ratios(cell.scene, of_plan, trajectory)[2])
@@ -130,7 +130,7 @@ def _proved(
 
     Raises `InputError` for one that cannot be proved.
     """
-    from assur.planner.resampling.certifying import Refuted, recertified
+    from assur.scenes.resampling.certifying import Refuted, recertified
 
     given = cell
     if factor > 1.0:
@@ -155,7 +155,7 @@ def _motion(
 ) -> Motion:
     """A proved motion, and what it came to. `given`: the cell of the request that was given, if its limits of jerk
     were raised by `factor`."""
-    from assur.planner.resampling.measured import deviation
+    from assur.scenes.resampling.measured import deviation
 
     trajectory, own = proved.trajectory, (given or cell).scene.robot.limits.jerk
     limits = cell.scene.robot.limits.jerk

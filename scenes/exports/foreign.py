@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from assur.planner.arrays import FloatArray
     from assur.planner.model.outcome import Plan
     from assur.planner.model.scene import Scene
-    from assur.planner.resampling.foreign import First
     from assur.planner.trajectory import Trajectory
     from assur.scenes.conventions import Conventions
     from assur.scenes.reading.cell import Cell
+    from assur.scenes.resampling.foreign import First
     from assur.scenes.schema import answer as written
     from assur.scenes.schema.export import FirstViolation, ForeignTrajectoryDocument
 
@@ -37,10 +37,10 @@ def verdict(
     """Whether the trajectory in a file keeps the limits and keeps everything apart. `request`: that of the cell, with
     what files hold in it; `plan`: whose legs it has, and whose promises it must keep. Raises `InputError`."""
     from assur.planner.model.phases import phases
-    from assur.planner.resampling.certifying import kept_legs
-    from assur.planner.resampling.foreign import ends_at_rest, judged, travel
-    from assur.planner.resampling.measured import ratios
     from assur.scenes.answer import NOTICE, nearest_document
+    from assur.scenes.resampling.certifying import kept_legs
+    from assur.scenes.resampling.foreign import ends_at_rest, judged, travel
+    from assur.scenes.resampling.measured import ratios
 
     scene = cell.scene
     trajectory, notes = trajectory_from(

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 AFTER = "after"
 NANO = 1e-9
+SAME = 1e-9
+"""By how much a joint, its velocity or its acceleration may differ at the switch, SI, as at the start of a plan."""
 WHOLE_NANOS = 1e-3
 """By how much of a nanosecond a time may be off a whole one: what sums of times round, besides their own resolution."""
 
@@ -103,8 +105,8 @@ def _running(document: object) -> tuple[Cell, Plan]:
 
 def _proved_before(cell: Cell, ran: Plan, nanos: int) -> tuple[FloatArray, ...]:
     """The knots of the running plan before the switch: of a motion with a knot there, which is proved."""
-    from assur.planner.resampling.certifying import Refuted, recertified
-    from assur.planner.resampling.grid import on_nanoseconds
+    from assur.scenes.resampling.certifying import Refuted, recertified
+    from assur.scenes.resampling.grid import on_nanoseconds
 
     motion = on_nanoseconds(ran.trajectory, nanos)
     proved = recertified(cell.scene, ran, motion)
@@ -161,14 +163,12 @@ def _same_load(ran_cell: Cell, ran: Plan, cell: Cell, at: float) -> None:
 
 def _same_state(ran: Trajectory, made: Trajectory, at: float, cell: Cell) -> tuple[FloatArray, ...]:
     """The state of the running plan at the switch, (n,) each, which is that of the plan when it begins."""
-    from assur.planner.checker.legs import START
-
     state, begins = ran.state(at), (made.q[0], made.qd[0], made.qdd[0])
     for order, (key, rate) in enumerate((("joints", ""), ("velocity", "_s"), ("acceleration", "_s2"))):
         counted = as_maker if order == 0 else rates_as_maker
         here, there = (counted(each[order], cell.conventions).tolist() for each in (state, begins))
         for joint, value, other in zip(cell.conventions, here, there, strict=True):
-            if not abs(value - other) <= START:
+            if not abs(value - other) <= SAME:
                 unit = f"{joint.unit}{rate.replace('_', '/')}"
                 allowed = f"{value!r}, the running plan's at {at!r} s: they differ by {abs(value - other):.6g} {unit}"
                 raise InputError(f"start.{key}.{joint.name}_{joint.unit}{rate}", other, allowed)

@@ -18,7 +18,7 @@ from assur.scenes.exports.raised import scale_of
 
 if TYPE_CHECKING:
     from assur.planner.arrays import FloatArray
-    from assur.planner.checker.world import World
+    from assur.planner.frames.motion import Pose
     from assur.planner.model.outcome import Leg
     from assur.scenes.exports.export import Motion
 
@@ -103,13 +103,10 @@ def melfa(motion: Motion) -> str:
 
 
 def _recipe(motion: Motion, dialect: Dialect, form: str) -> str:
-    from assur.planner.checker.world import World
-
     scene = motion.cell.scene
     if scene.robot.facts[0] != "scara" or "yaw" not in scene.robot.coordinates:
         raise InputError("format", form, f"csv, ros2 or ros2-json: {scene.robot.name} is no SCARA with a wrist")
-    world, legs = World(scene, motion.plan), motion.plan.legs
-    facts = motion.facts
+    legs, facts = motion.plan.legs, motion.facts
     notes = [*NOTES, f"{scene.robot.name}; request {facts['request_digest']}"]
     notes.append(
         f"the plan starts at {facts['start_s']:.3f} s of the cell's clock and lasts {facts['duration_s']:.3f} s"
@@ -119,21 +116,21 @@ def _recipe(motion: Motion, dialect: Dialect, form: str) -> str:
         f"tool point from the flange: {1e3 * tcp.x:.3f}, {1e3 * tcp.y:.3f}, {1e3 * tcp.z:.3f} mm, "
         f"{math.degrees(tcp.yaw):.3f} deg"
     )
-    points = _point(motion, world, dialect, 0, motion.plan.trajectory.start)
+    points = _point(motion, dialect, 0, motion.plan.trajectory.start)
     steps: list[str] = []
     for number, leg in enumerate(legs, start=1):
-        points += _point(motion, world, dialect, number, leg.t1)
-        steps += _leg(motion, world, dialect, number, leg)
+        points += _point(motion, dialect, number, leg.t1)
+        steps += _leg(motion, dialect, number, leg)
     notes = [f"{dialect.comment}{note}" for note in notes]
     if form == "melfa":
         return "\n".join([*notes, *points, *dialect.first, *steps, *dialect.last]) + "\n"
     return "\n".join([*notes, *dialect.first, *points, *steps, *dialect.last]) + "\n"
 
 
-def _point(motion: Motion, world: World, dialect: Dialect, number: int, t: float) -> list[str]:
+def _point(motion: Motion, dialect: Dialect, number: int, t: float) -> list[str]:
     """A point, and before it its time, hand and joints: lines of MELFA-BASIC have 127 characters at most."""
     scene = motion.cell.scene
-    tool, base = world.tool(t), scene.robot.base
+    tool, base = _tool(motion, t), scene.robot.base
     dx, dy, c, s = tool.x - base.x, tool.y - base.y, math.cos(base.yaw), math.sin(base.yaw)
     x, y = c * dx + s * dy, c * dy - s * dx
     yaw = math.degrees(math.remainder(tool.yaw - base.yaw, math.tau))
@@ -173,7 +170,7 @@ def _turns(motion: Motion, own: FloatArray) -> int:
     return flag
 
 
-def _leg(motion: Motion, world: World, dialect: Dialect, number: int, leg: Leg) -> list[str]:
+def _leg(motion: Motion, dialect: Dialect, number: int, leg: Leg) -> list[str]:
     from assur.planner.legs.tool_motion import tool_peaks
     from assur.planner.model.outcome import TRACKING, LegKind
     from assur.planner.model.scene import Move, Pick, Place, Trace
@@ -182,7 +179,7 @@ def _leg(motion: Motion, world: World, dialect: Dialect, number: int, leg: Leg) 
     told = [f"{dialect.comment}{leg.kind} for {step.name}, {leg.t0:.4f} to {leg.t1:.4f} s"]
     if leg.kind is LegKind.FOLLOW and isinstance(step, Pick | Place):
         told.append(f"{dialect.comment}  {'close' if isinstance(step, Pick) else 'open'} the gripper here")
-    if leg.kind is LegKind.WAIT or (leg.kind is LegKind.FOLLOW and not _moves(world, leg)):
+    if leg.kind is LegKind.WAIT or (leg.kind is LegKind.FOLLOW and not _moves(motion, leg)):
         return [*told, dialect.wait.format(s=leg.t1 - leg.t0)]
     if leg.kind in TRACKING and _frame_moves(motion, leg):
         told.append(f"{dialect.comment}  the point moves: the controller must track its frame here; P{number} is where")
@@ -218,7 +215,7 @@ def _leg(motion: Motion, world: World, dialect: Dialect, number: int, leg: Leg) 
         told.append(on)
         on = ""
     if leg.kind is LegKind.ARCH:
-        up, down, top = _arch(world, leg)
+        up, down, top = _arch(motion, leg)
         told.append(dialect.arch.format(up=up, down=down))
         jumped = dialect.jump.format(n=number, before=number - 1, top=top - 1e3 * scene.robot.base.z)
         return told + jumped.split("\n")
@@ -235,9 +232,19 @@ def _whole(si: float) -> int:
     return max(1, int(1e3 * si))
 
 
-def _moves(world: World, leg: Leg) -> bool:
-    one, other = world.tool(leg.t0), world.tool(leg.t1)
-    return math.dist(one.p, other.p) > UPRIGHT_M or math.hypot(*one.v) > MOVING
+def _tool(motion: Motion, t: float) -> Pose:
+    """The pose of the tool point in the world at a time."""
+    from assur.planner.frames.motion import Pose
+
+    place, yaw = motion.cell.scene.robot.forward(motion.plan.trajectory.evaluate(t))
+    x, y, z = place.tolist()
+    return Pose(x, y, z, float(yaw)).then(motion.cell.scene.tool.tcp)
+
+
+def _moves(motion: Motion, leg: Leg) -> bool:
+    one, other = _tool(motion, leg.t0), _tool(motion, leg.t1)
+    away = math.dist((one.x, one.y, one.z), (other.x, other.y, other.z))
+    return away > UPRIGHT_M or bool((np.abs(motion.plan.trajectory.evaluate(leg.t0, 1)) > MOVING).any())
 
 
 def _frame_moves(motion: Motion, leg: Leg) -> bool:
@@ -254,9 +261,10 @@ def _frame_moves(motion: Motion, leg: Leg) -> bool:
     return False
 
 
-def _arch(world: World, leg: Leg) -> tuple[float, float, float]:
+def _arch(motion: Motion, leg: Leg) -> tuple[float, float, float]:
     """How far up the tool goes straight, how far down, and the height of the top in the world, mm."""
-    path = np.array([world.tool(t).p for t in np.linspace(leg.t0, leg.t1, INSTANTS).tolist()])
+    tools = [_tool(motion, t) for t in np.linspace(leg.t0, leg.t1, INSTANTS).tolist()]
+    path = np.array([(tool.x, tool.y, tool.z) for tool in tools])
     from_begin = np.hypot(*(path[:, :2] - path[0, :2]).T) <= UPRIGHT_M
     from_end = np.hypot(*(path[:, :2] - path[-1, :2]).T) <= UPRIGHT_M
     leaves = int(np.argmin(from_begin)) if not from_begin.all() else len(path) - 1

@@ -56,10 +56,10 @@ def arm_document(robot: Robot, path: Trajectory, begin: float, until: float) -> 
     return written.arm_document(rows, rows["arms"][0], robot.name, [link.name for link in robot.chain.links])
 
 
-def law_document(law: Law, begin: float, until: float) -> Document:
-    """A frame that moves by a law, in a bundle."""
-    at, pieces, waves = law_of(law, begin, until)
-    frame = [-1.0, -1.0, *at, 0.0, len(pieces), 0.0, len(waves), 0.0, 0.0, 0.0]
+def law_document(law: Law, begin: float) -> Document:
+    """A frame that moves by a law, from `begin` on at least, in a bundle."""
+    at, pieces, waves, period = law_of(law, begin)
+    frame = [-1.0, -1.0, *at, 0.0, len(pieces), 0.0, len(waves), 0.0, 0.0, 0.0, *period]
     rows = {"frames": [frame], "laws": pieces.tolist(), "waves": list(map(list, waves)), "displaced": []}
     return written.frame_document(rows, 0, "frame")
 

@@ -78,7 +78,7 @@ def test_frames_are_where_their_laws_have_them(case: Case, one: float, other: fl
     low, high = case.window
     begin, until = (low + 0.01, high - 0.01) if math.isfinite(case.law.valid[0]) else (low, high)
     known = replace(case.law, valid=(max(-99.0, case.law.valid[0]), high)) if ends else case.law
-    frame = law_document(known, begin, until)
+    frame = law_document(known, begin)
     t0, t1 = sorted(begin + share * (until - begin) for share in (one, other))
     t = np.linspace(t0, t1, 30)
     motion = case.law.motion(t)
@@ -146,7 +146,7 @@ def test_no_number_shows_nothing() -> None:
     with pytest.raises(ArithmeticError):
         Curve([0.0, 1.0], [[]]).over(arb("nan"), arb(0.5))
     world = prover.World.__new__(prover.World)
-    world.work, world.curves = 10_000, []
+    world.work, world.splines, world.laws = 10_000, [], []
     assert not world.everywhere(lambda *_: prover.IN_TIME, 0.0, 1.0)
     assert world.everywhere(lambda t0, t1, *_: prover.SHOWN if t1 - t0 < 0.01 else prover.IN_TIME, 0.0, 1.0)
     assert not world.everywhere(lambda t0, *_: prover.WRONG if t0 > 0.9 else prover.IN_TIME, 0.0, 1.0)

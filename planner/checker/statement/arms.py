@@ -55,7 +55,8 @@ def flange_row(robot: Robot) -> int:
 
 
 def links_agree(scene: Scene, claim: c.Claim) -> Iterator[Difference]:
-    """Differences of the links of all arms, and of the frames that are links of other arms than the robot."""
+    """Differences of the links of all arms, of the frames that are links of other arms than the robot, and of the
+    motions of these arms."""
     arms: dict[int, tuple[Robot, Trajectory]] = {}
     for name, (robot, path, link), row in _links_of_others(scene, claim):
         arm = int(row[c.FRAME_ARM])
@@ -72,6 +73,8 @@ def links_agree(scene: Scene, claim: c.Claim) -> Iterator[Difference]:
         return
     for arm, robot in [(0, scene.robot), *((arm, robot) for arm, (robot, _) in arms.items())]:
         yield from _arm_agrees(robot, arm, claim)
+    for arm, (robot, path) in arms.items():
+        yield from _knots_agree(robot, path, claim, arm)
 
 
 def _links_of_others(scene: Scene, claim: c.Claim) -> Iterator[tuple[str, tuple[Robot, Trajectory, int], list[float]]]:
@@ -127,7 +130,7 @@ def _chain(claim: c.Claim, arm: int, q: FloatArray) -> tuple[FloatArray, FloatAr
         cranks = numbers[c.LOOP_CRANK : c.LOOP_CRANK + 2].astype(int) - first
         lengths = numbers[c.LOOP_LENGTH : c.LOOP_LENGTH + 2]
         ahead = np.array([1.0, 0.0, 0.0])
-        ends = [places[k] + _turned(angles[k], n * ahead) for k, n in zip(cranks, lengths, strict=True)]
+        ends = [places[k] + rotated(angles[k], n * ahead) for k, n in zip(cranks, lengths, strict=True)]
         one, two = (end[:, 0] + 1j * end[:, 1] for end in ends)
         directions = _couplers(one, two, *numbers[c.LOOP_COUPLER : c.LOOP_SIDE + 1].tolist())
         couplers = links[:, c.LINK_COUPLER].astype(int)
@@ -138,14 +141,14 @@ def _chain(claim: c.Claim, arm: int, q: FloatArray) -> tuple[FloatArray, FloatAr
 
 def _stacked(parents: FloatArray, local: FloatArray, angles: FloatArray) -> FloatArray:
     """Places (L, m, 3) of links whose origins are at `local` in the axes of their parents."""
-    steps = _turned(angles[parents], local)
+    steps = rotated(angles[parents], local)
     places = np.zeros_like(local)
     for k, parent in enumerate(parents.tolist()):
         places[k] = local[k] if parent < 0 else places[parent] + steps[k]
     return places
 
 
-def _turned(angles: FloatArray, vectors: FloatArray) -> FloatArray:
+def rotated(angles: FloatArray, vectors: FloatArray) -> FloatArray:
     """Rz(yaw) Ry(-pitch) Rx(roll) times vectors (..., 3), for angles (..., 3)."""
     (cy, cp, cr), (sy, sp, sr) = np.moveaxis(np.cos(angles), -1, 0), np.moveaxis(np.sin(angles), -1, 0)
     x, y, z = np.moveaxis(vectors, -1, 0)
@@ -261,12 +264,9 @@ def hand_shares(robot: Robot) -> FloatArray:
     return np.asarray((angles[1:] - angles[0]).T)
 
 
-def motions_agree(scene: Scene, plan: Plan, claim: c.Claim) -> Iterator[Difference]:
-    """Differences of the motions of arms: the robot has the knots of the plan, each other arm those of the request."""
+def motion_agrees(scene: Scene, plan: Plan, claim: c.Claim) -> Iterator[Difference]:
+    """Differences of the motion of the robot, which has the knots of the plan."""
     yield from _knots_agree(scene.robot, plan.trajectory, claim, 0)
-    others = {int(row[c.FRAME_ARM]): link for _, link, row in _links_of_others(scene, claim)}
-    for arm, (robot, path, _) in others.items():
-        yield from _knots_agree(robot, path, claim, arm)
 
 
 def _knots_agree(robot: Robot, path: Trajectory, claim: c.Claim, arm: int) -> Iterator[Difference]:

@@ -67,6 +67,14 @@ class Topic(StrEnum):
     """How far the tool may be from its point, whatever is uncertain."""
     PARABOLA = "PARABOLA"
     """Parabolas, and vias that are missed."""
+    MODE = "MODE"
+    """The working mode of the arm."""
+    MARGIN = "MARGIN"
+    """How near the arm comes to singular positions."""
+    NEARNESS = "NEARNESS"
+    """How near bodies come, and parts are to tool and support."""
+    PEAK = "PEAK"
+    """Peaks of the joints and of the tool."""
 
 
 @dataclass(frozen=True, slots=True)

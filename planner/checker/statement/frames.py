@@ -17,9 +17,12 @@ from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.differences import SAME, Difference, Interval, Topic, is_same
 from assur.planner.claim import columns as c
 from assur.planner.laws.law import Frame, Uncertainty
+from assur.planner.model.scene import Scene
 
 EXACT = Uncertainty()
 """Of a frame of which nothing is uncertain."""
+PERIODS = (0, 1, 2, -1)
+"""Periods over which a motion that repeats is compared with its formula."""
 
 
 def frames_agree(frames: Mapping[str, Frame], claim: c.Claim) -> Iterator[Difference]:
@@ -31,6 +34,29 @@ def frames_agree(frames: Mapping[str, Frame], claim: c.Claim) -> Iterator[Differ
         yield from _uncertainty_agrees(number, frame, row, claim)
         if laws.link_of(frame.law) is None:
             yield from _motion_agrees(frame, row, claim)
+
+
+def laws_known(scene: Scene, claim: c.Claim) -> Iterator[Difference]:
+    """The motion of each frame is known while a body is on it, and where the tool has to be at a point of it; lateness
+    and shifts included."""
+    late, seated = scene.execution.start_tolerance_s, claim.seats[claim.seated.astype(int), c.SEAT_FRAME]
+    for number, frame in enumerate(scene.frames.values()):
+        earliest, latest = laws.known(frame.law)
+        if (earliest, latest) == (-math.inf, math.inf) or laws.link_of(frame.law) is not None:
+            continue
+        spans = [claim.phases[(seated == number).any(axis=1), c.PHASE_T0 : c.PHASE_T1 + 1]]
+        for table, columns in (
+            (claim.points, (c.POINT_FRAME,)),
+            (claim.rates, (c.RATE_FRAME,)),
+            (claim.guides, (c.GUIDE_FRAME, c.GUIDE_FRAME + 1)),
+        ):
+            spans += [table[table[:, column] == number, :2] for column in columns]
+        times, (least, most) = np.concatenate(spans), frame.uncertainty.shift_s
+        known = (earliest <= times[:, 0] - most) & (times[:, 1] + late - least <= latest)
+        for t0, t1 in times[~known].tolist():
+            what = f"the motion of {frame.name} is known from {earliest:g} s to {latest:g} s only"
+            yield Difference(Topic.LAW, what, (t0, t1))
+            break
 
 
 def _uncertainty_agrees(number: int, frame: Frame, row: list[float], claim: c.Claim) -> Iterator[Difference]:
@@ -87,11 +113,6 @@ def _motion_agrees(frame: Frame, row: list[float], claim: c.Claim) -> Iterator[D
     sines = claim.waves[int(row[c.FRAME_WAVE]) :][: int(row[c.FRAME_WAVES])].tolist()
     pieces = claim.laws[first : first + count]
     begin, end = (float(pieces[0, c.LAW_BEGIN]), float(pieces[-1, c.LAW_END])) if count else (-math.inf, math.inf)
-    earliest, latest = laws.known(law)
-    if not (earliest <= begin and end <= latest):
-        what = f"the motion of {name} is known from {earliest:g} s to {latest:g} s only, and the claim states more"
-        yield Difference(Topic.LAW, what)
-        return
     formula = laws.formula_of(law, begin, end) if count else laws.formula_of(law, 0.0, 0.0)
     if not _are_same_sines(sines, formula.sines):
         yield Difference(Topic.LAW, f"the sines of {name} are others")
@@ -99,6 +120,13 @@ def _motion_agrees(frame: Frame, row: list[float], claim: c.Claim) -> Iterator[D
         if formula.degree > 0 or not is_same(np.array(row[c.FRAME_POSE : c.FRAME_RATE]), formula.place(np.zeros(1))[0]):
             yield Difference(Topic.LAW, f"{name} is at another pose, or moves")
         return
+    period, step = row[c.FRAME_PERIOD], np.array(row[c.FRAME_STEP : c.FRAME])
+    if period != 0.0:
+        # so often at most: what the step is off adds up
+        off = np.abs(step - formula.step).max() * c.LATEST_S / period
+        if not (period == formula.period and abs(end - begin - period) <= SAME and off <= SAME):
+            yield Difference(Topic.LAW, f"{name} has another period, or goes on by another step")
+            return
     when, most = _farthest_off(np.array(row), pieces, formula)
     if not most <= SAME:
         what = f"{name} is up to {most:.2g} m or rad from where its law has it"
@@ -113,7 +141,8 @@ def _are_same_sines(stated: list[list[float]], required: Sequence[laws.Sine]) ->
 
 
 def _farthest_off(frame: FloatArray, pieces: FloatArray, formula: laws.Formula) -> tuple[Interval, float]:
-    """Where the motion of a frame differs most from the formula: a piece, and by how much, m or rad."""
+    """Where the motion of a frame differs most from the formula: a piece, and by how much, m or rad. What repeats is
+    compared over several periods."""
     starts, ends, place, rate, powers = _integrated(frame, pieces)
     if not (starts[1:] == ends[:-1]).all():
         return (float(starts[0]), float(ends[-1])), math.inf
@@ -131,7 +160,10 @@ def _farthest_off(frame: FloatArray, pieces: FloatArray, formula: laws.Formula) 
     stated = place[i] + since * rate[i]
     for k in range(powers.shape[2]):
         stated += powers[i, :, k] * since ** (k + 2) / ((k + 1) * (k + 2))
-    off = np.abs(stated - formula.place(times)).max(axis=1).reshape(len(cuts) - 1, -1).max(axis=1)
+    period, step, off = frame[c.FRAME_PERIOD], frame[c.FRAME_STEP :], np.zeros(len(cuts) - 1)
+    for whole in PERIODS if period != 0.0 else (0,):
+        apart = np.abs(stated + whole * step - formula.place(times + whole * period)).max(axis=1)
+        off = np.maximum(off, apart.reshape(len(off), -1).max(axis=1))
     worst = int(np.argmax(np.where(np.isnan(off), math.inf, off)))
     return (float(cuts[worst]), float(cuts[worst + 1])), float(off[worst])
 

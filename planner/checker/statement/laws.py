@@ -31,12 +31,15 @@ Sine = tuple[int, float, float, float]
 @dataclass(frozen=True)
 class Formula:
     """A law over an interval: polynomials of this degree at most, which end at some times, and sines in addition. The
-    times are those of many periods if the interval is long: they are computed one by one, and can be read once."""
+    times are those of many periods if the interval is long: they are computed one by one, and can be read once. After a
+    `period`, s (0: none), the place is `step` (4,) further on."""
 
     degree: int
     ends: Iterable[float]
     place: Place
     sines: Sequence[Sine] = ()
+    period: float = 0.0
+    step: Sequence[float] = (0.0, 0.0, 0.0, 0.0)
 
 
 def link_of(law: Law) -> tuple[Robot, Trajectory, int] | None:
@@ -84,6 +87,28 @@ def known(law: Law) -> Interval:
     if law.kind == "keyframes" and law.numbers.ends != "periodic":
         return max(first, float(law.numbers.times[0])), min(last, float(law.numbers.times[-1]))
     return first, last
+
+
+def stands(law: Law) -> bool:
+    """Whether a frame never moves."""
+    return law.kind == "fixed"
+
+
+def keeps_yaw(law: Law) -> bool:
+    """Whether a frame never turns."""
+    return law.kind in ("fixed", "conveyor", "linear", "oscillation")
+
+
+def period_of(law: Law) -> float | None:
+    """After how many seconds a frame that moves is where it was, again and again; None: never, or it is not known."""
+    of = law.numbers
+    if law.kind in ("swing", "oscillation"):
+        return float(of.period)
+    if law.kind == "keyframes" and of.ends == "periodic":
+        return float(of.times[-1] - of.times[0])
+    if law.kind == "turntable" and of.rate != 0.0 and of.rise == 0.0 and not of.changes:
+        return math.tau / abs(of.rate)
+    return None
 
 
 def line_of(law: Law) -> tuple[float, ...] | None:
@@ -168,7 +193,7 @@ def _indexer(of: Numbers, pose: FloatArray, along: FloatArray, begin: float, end
         step = u**4 * (35.0 + u * (-84.0 + u * (70.0 - 20.0 * u)))
         return np.asarray(pose + np.outer(of.step * (whole + step), along))
 
-    return Formula(7, ends, place)
+    return Formula(7, ends, place, period=period, step=(of.step * along).tolist())
 
 
 def _keyframes(of: Numbers, begin: float, end: float) -> Formula:
@@ -191,6 +216,8 @@ def _keyframes(of: Numbers, begin: float, end: float) -> Formula:
         a[-1, -2:] += h[-1], 2.0 * h[-1]
         b[-1] = 6.0 * (slopes[0] - slopes[-1])
     moments, period = np.linalg.solve(a, b), float(times[-1] - times[0])
+    turn = math.tau * round((of.poses[-1].yaw - of.poses[0].yaw) / math.tau)
+    step = (0.0, 0.0, 0.0, turn)  # what repeats is where it was, but for whole turns
     whole = range(math.floor((begin - times[0]) / period), math.ceil((end - times[0]) / period) + 1)
 
     def place(t: FloatArray) -> FloatArray:
@@ -200,6 +227,7 @@ def _keyframes(of: Numbers, begin: float, end: float) -> Formula:
         one, two, span = (times[i + 1] - local)[:, None], (local - times[i])[:, None], h[i][:, None]
         low, high = values[i] / span - moments[i] * span / 6.0, values[i + 1] / span - moments[i + 1] * span / 6.0
         cubic = (moments[i] * one**3 + moments[i + 1] * two**3) / (6.0 * span)
-        return np.asarray(cubic + low * one + high * two + np.outer(turns, values[-1] - values[0]))
+        return np.asarray(cubic + low * one + high * two + np.outer(turns, step))
 
-    return Formula(3, (float(t + k * period) for k in (whole if repeats else range(1)) for t in times), place)
+    ends = (float(t + k * period) for k in (whole if repeats else range(1)) for t in times)
+    return Formula(3, ends, place, period=period if repeats else 0.0, step=step)

@@ -11,6 +11,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement.arms import flange_row
 from assur.planner.checker.statement.differences import Difference, Interval, Topic
 from assur.planner.checker.statement.holding import Handling
+from assur.planner.checker.statement.loads import loads_of
 from assur.planner.checker.statement.phases import Stage
 from assur.planner.checker.statement.points import is_axis_stated
 from assur.planner.checker.statement.poses import is_same_pose
@@ -26,27 +27,21 @@ ROUNDING = 1e-12
 
 def limits_agree(handling: Handling, stages: list[Stage], claim: c.Claim) -> Iterator[Difference]:
     """The limits of the joints over all of the motion, and those that a load leaves while it is carried."""
-    scene, load = handling.scene, handling.scene.load_limits
-    whole = (stages[0].when[0], stages[-1].when[1])
+    known, whole = handling.scene.load_limits, (stages[0].when[0], stages[-1].when[1])
     if not _is_limited(handling, claim, 1.0, whole):
         yield Difference(Topic.LIMIT, "the limits of the joints are not kept", whole)
-    rows = [mass for mass, _ in load.shares[-1:]] + ([] if load.max_kg is None else [load.max_kg])
-    most = min(rows) if rows else load.rated_kg if load.rated_kg is not None else math.inf
-    for stage in stages:
-        if not stage.robot:
-            continue
-        part = 0.0 if stage.held is None else handling.scene.index[stage.held].mass_kg or 0.0
-        mass, carried = (scene.tool.mass_kg or 0.0) + part, stage.held or "the tool"
-        if not mass <= most * (1.0 + ROUNDING):
-            yield Difference(Topic.LOAD, f"{mass:g} kg are too heavy", stage.when)
-        share = 1.0  # of accelerations and jerks (G2)
-        if load.shares:
-            masses, shares = zip(*load.shares, strict=True)
-            share = float(np.interp(mass, masses, shares))
-        elif load.rated_kg is not None and mass > load.rated_kg:
-            share = load.rated_kg / mass
-        if share != 1.0 and not _is_limited(handling, claim, share, stage.when):
-            yield Difference(Topic.LIMIT, f"the limits with {carried} are not kept", stage.when)
+    rows = [mass for mass, _ in known.shares[-1:]] + ([] if known.max_kg is None else [known.max_kg])
+    heaviest = min(rows) if rows else known.rated_kg
+    for load in loads_of(handling, stages):
+        carried, when = load.part or "the tool", (load.t0, load.t1)
+        for what, amount, most in (
+            ("kg", load.mass_kg, heaviest),
+            ("kg·m²", load.inertia_kgm2, known.max_inertia_kgm2),
+        ):
+            if most is not None and amount is not None and not amount <= most * (1.0 + ROUNDING):
+                yield Difference(Topic.LOAD, f"{amount:g} {what} with {carried} are too much", when)
+        if load.share != 1.0 and not _is_limited(handling, claim, load.share, when):
+            yield Difference(Topic.LIMIT, f"the limits with {carried} are not kept", when)
 
 
 def _is_limited(handling: Handling, claim: c.Claim, share: float, when: Interval) -> bool:
@@ -104,16 +99,3 @@ def yaws_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
         axis, direction = (math.cos(tool), math.sin(tool), 0.0), (math.cos(middle), math.sin(middle), 0.0)
         if not is_axis_stated(handling.scene, claim, axis, direction, (-math.inf, math.cos(half)), when):
             yield Difference(Topic.YAW, f"the yaw of the tool may be from {each.first:g} to {each.last:g} rad", when)
-
-
-def laws_last(handling: Handling, stages: list[Stage], claim: c.Claim) -> Iterator[Difference]:
-    """The motion of each frame is stated for all of the time in which it may count, lateness and shifts included."""
-    late = handling.scene.execution.start_tolerance_s
-    for frame, row in zip(handling.scene.frames.values(), claim.frames.tolist(), strict=True):
-        count = int(row[c.FRAME_PIECES])
-        if count:
-            least, most = frame.uncertainty.shift_s
-            when = (stages[0].when[0] - most, stages[-1].when[1] + late - least)
-            pieces = claim.laws[int(row[c.FRAME_PIECE]) :][:count]
-            if not (pieces[0, c.LAW_BEGIN] <= when[0] and when[1] <= pieces[-1, c.LAW_END]):
-                yield Difference(Topic.LAW, f"the motion of {frame.name} is not stated for all of the time", when)

@@ -11,16 +11,15 @@ import numpy as np
 import pytest
 
 from assur.planner.claim import columns as c
-from assur.planner.claim.chain import Arms, knots_of
+from assur.planner.claim.chain import Arms, knots_at_rest, knots_of
 from assur.planner.claim.columns import Claim
 from assur.planner.claim.filling import claim_of, with_plan
 from assur.planner.claim.laws import law_of
 from assur.planner.claim.obligations import carriers_of, distances_of
 from assur.planner.errors import FaultError, InputError
-from assur.planner.laws import Pose, conveyor, keyframes
+from assur.planner.laws import Change, Pose, conveyor, indexer, keyframes
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import ClearanceException
-from assur.planner.robots.chain import Chain
 from assur.planner.robots.scara import Scara
 from assur.planner.trajectory import Trajectory
 from tests.planner.claim.bounds import outside
@@ -87,7 +86,7 @@ def test_a_chain_with_another_link_is_a_fault(monkeypatch: pytest.MonkeyPatch) -
     shared = robot_named(NAMES[0])
     assert isinstance(shared, Scara)
     robot = replace(shared)
-    other = Chain((*robot.chain.links[:-1], robot.chain.links[-1]._replace(name="hand")))
+    other = robot.chain._replace(links=(*robot.chain.links[:-1], robot.chain.links[-1]._replace(name="hand")))
     monkeypatch.setattr(Scara, "chain", property(lambda _: other))
     with pytest.raises(FaultError, match="hand"):
         _ = robot.chain_rows
@@ -121,26 +120,48 @@ def test_a_motion_that_is_needed_beyond_its_end_rests_there(end: int, message: s
         knots_of(path, 0.5, 2.5)
 
 
+@pytest.mark.parametrize("rate", ["qd", "qdd"])
+def test_another_arm_is_stated_for_all_times_at_whose_end_it_rests(rate: str) -> None:
+    rates = {"qd": np.zeros((2, 2)), "qdd": np.zeros((2, 2))}
+    path = Trajectory(np.array([1.0, 2.0]), np.zeros((2, 2)), rates["qd"], rates["qdd"])
+    assert knots_at_rest(path)[:, c.KNOT_TIME].tolist() == [-c.LATEST_S, 1.0, 2.0, c.LATEST_S]
+    rates[rate][0, 1] = 1e-12
+    path = Trajectory(np.array([1.0, 2.0]), np.zeros((2, 2)), rates["qd"], rates["qdd"])
+    assert knots_at_rest(path)[:, c.KNOT_TIME].tolist() == [1.0, 2.0, c.LATEST_S]
+
+
 POSES = (Pose(), Pose(0.1), Pose(0.2))
 
 
-@pytest.mark.parametrize(
-    ("law", "message"),
-    [
-        (conveyor(Pose(), 0.1, valid=(-5.0, 0.5)), "a frame whose motion is not known during the plan"),
-        (keyframes((0.0, 1.0, 3.0), POSES, valid=(1.5, 9.0)), "a frame whose motion begins within the plan"),
-    ],
-)
-def test_a_law_that_cannot_be_stated_is_refused(law: Any, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        law_of(law, 1.0, 2.0)
+def test_a_law_that_begins_beyond_all_times_of_claims_is_refused() -> None:
+    stop = Change(3e5, 0.0, 1.0, 1.0)
+    assert len(law_of(conveyor(Pose(), 0.1, (stop,)), 0.0).pieces) == 1
+    for times in ((-2e5, 0.0, 3.0), (2e5, 2e5 + 1.0, 3e5)):
+        with pytest.raises(InputError, match="whose motion begins before -100000 s or after 100000 s"):
+            law_of(keyframes(times, POSES), 0.0)
 
 
-def test_a_law_is_stated_as_far_as_it_is_known_and_from_the_piece_that_begins_before() -> None:
-    at, pieces, waves = law_of(keyframes((0.0, 1.0, 3.0), POSES), 1.5, 9.0)
-    assert pieces[:, [c.LAW_BEGIN, c.LAW_END]].tolist() == [[1.0, 3.0]]
-    assert at[0] == pytest.approx(0.1)
-    assert waves == []
+def test_a_law_is_stated_from_its_own_begin_to_its_end_whatever_the_time_of_a_plan_is() -> None:
+    law = law_of(keyframes((0.0, 1.0, 3.0), POSES, valid=(1.5, 9.0)), 7.0)
+    assert law.pieces[:, [c.LAW_BEGIN, c.LAW_END]].tolist() == [[0.0, 1.0], [1.0, 3.0]]
+    assert law.waves == []
+    for early, stated, begin in ((-3.0, 5.0, -3.0), (0.0, -2.0, -2.0), (9.0, 9.0, 4.0), (-1e9, 0.0, -c.LATEST_S)):
+        at, pieces, _, period = law_of(conveyor(Pose(1.0), 0.5, (Change(4.0, 0.0, 1.0, 1.0),), stated), early)
+        assert pieces[0, c.LAW_BEGIN] == begin
+        assert pieces[-1, c.LAW_END] == c.LATEST_S
+        assert at[0] == pytest.approx(1.0 + 0.5 * (begin - min(stated, 4.0)) - 0.25 * (stated > 4.0), abs=0.26)
+        assert not any(period)
+
+
+@pytest.mark.parametrize("start", [0.25, 2e5, -3e5])
+def test_a_law_with_a_period_is_stated_for_one_period_wherever_it_begins(start: float) -> None:
+    law = indexer(Pose(yaw=0.5), 0.3, 0.6, 0.4, start=start)
+    at, pieces, _, (period, *step) = law_of(law, 0.0)
+    begin = float(pieces[0, c.LAW_BEGIN])
+    assert (-c.LATEST_S if start < -c.LATEST_S else -0.75) <= begin <= 0.0
+    assert (period, step) == (1.0, [0.0, 0.0, 0.0, 0.3])
+    assert pieces[:, c.LAW_END].tolist() == [begin + 0.6, begin + 1.0]
+    assert at[3] == pytest.approx(float(law.motion(np.array(begin)).yaw), abs=1e-6)
 
 
 def test_a_rule_about_bodies_that_the_cell_has_not_is_a_rule_about_none() -> None:

@@ -12,13 +12,13 @@ import yaml
 
 from assur.planner.checker.verdict import Code
 from assur.planner.errors import InputError
-from assur.planner.resampling.certifying import Refuted, recertified
 from assur.planner.trajectory import Trajectory
 from assur.scenes import check, plan
 from assur.scenes.conventions import as_maker
 from assur.scenes.exports import export as of_export
 from assur.scenes.exports.doors import export_document
 from assur.scenes.requests import cell_of, read_plan
+from assur.scenes.resampling.certifying import Refuted, recertified
 from tests.scenes.exports.controller import sampled, seconds
 from tests.scenes.exports.plans import planned, request_of
 

@@ -13,11 +13,11 @@ import pytest
 from assur.api.cli.trajectory_report import lines
 from assur.planner.collision.rows import Unproved
 from assur.planner.errors import InputError
-from assur.planner.resampling.certifying import unproved
-from assur.planner.resampling.grid import MOST_KNOTS
 from assur.scenes.bounds import MAX_KNOTS
 from assur.scenes.exports.doors import check_trajectory_document, export_document
 from assur.scenes.faults import DocumentError
+from assur.scenes.resampling.certifying import unproved
+from assur.scenes.resampling.grid import MOST_KNOTS
 from tests.scenes.exports.plans import planned, request_of
 
 MOVES = "shutter"

@@ -313,7 +313,7 @@ MOTION = [
     Forgery(
         "another robot moves otherwise",
         "two-robots",
-        put("arms.1.time", lambda t: [t[0], *(x + 0.2 for x in t[1:])]),
+        put("arms.1.time", lambda t: [t[0], *(x + 0.2 for x in t[1:-1]), t[-1]]),
         ROW,
     ),
     Forgery("another robot has longer links", "two-robots", put("arms.1.links.2.offset.0", 1.0), ROW),

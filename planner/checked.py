@@ -1,0 +1,260 @@
+"""The check of a plan: its claim is filled, and both checkers judge it.
+
+The claim checker shows that what the claim states is true, the statement checker that this is what request and answer
+require. Neither trusts the writer of the claim, who is no part of `checker`.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from assur.planner.checker.claim.verdict import ClaimFinding, check_claim
+from assur.planner.checker.statement import Difference, state_answer, state_cell, state_legs, state_motion, state_plan
+from assur.planner.checker.verdict import Code, Finding, Verdict
+from assur.planner.claim.answer import with_answer
+from assur.planner.claim.columns import Claim
+from assur.planner.claim.filling import SceneClaim, claim_of, with_motion, with_plan
+from assur.planner.claim.frames import early_of
+from assur.planner.claim.labels import labels_of
+from assur.planner.errors import InputError
+from assur.planner.geometry.containment import nothing
+from assur.planner.model.claims import NOTHING, Claims
+from assur.planner.model.outcome import Plan, covered
+from assur.planner.model.phases import Phase, phases
+from assur.planner.model.scene import Scene
+
+
+@dataclass(eq=False)
+class KeptCell:
+    """The claim of a scene whose cell is kept. `is_stated`: the statement checker has no difference in what depends on
+    the cell alone."""
+
+    base: SceneClaim
+    is_stated: bool = False
+
+    def fits(self, scene: Scene) -> bool:
+        """Whether the cell of a scene is this one: made of the same objects, and claimed from as early on."""
+        same = zip(_facts(self.base.scene), _facts(scene), strict=True)
+        return all(one is other for one, other in same) and early_of(scene) >= self.base.cell.frames.early
+
+
+def _facts(scene: Scene) -> tuple[object, ...]:
+    """Objects from which all follows that a claim states of a cell."""
+    return scene.robot, scene.tool, scene.frames, scene.bodies, scene.options.clearance, scene.execution
+
+
+_last: list[KeptCell] = []
+"""The cell of the scene that was checked last: a search has many plans for one scene checked."""
+
+
+def kept_cell(scene: Scene) -> KeptCell:
+    """The cell of a scene, kept from the check before if that was of the same cell. Raises `InputError` for what no
+    claim can state."""
+    last = next(iter(_last), None)  # once: another thread may keep another one meanwhile
+    if last is not None and last.base.scene is scene:
+        return last
+    known = last if last is not None and last.fits(scene) else None
+    base = claim_of(scene, None if known is None else known.base.cell)
+    kept = KeptCell(base, is_stated=known is not None and known.is_stated)
+    _last[:] = [kept]
+    return kept
+
+
+@np.errstate(all="ignore")
+def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[[], None] = nothing) -> Verdict:
+    """Whether `plan` does what `scene` asks and is proved to, from both alone (docs/guarantees.md), and whether what
+    else is stated of it is so (`claims`).
+
+    `between` is called between blocks of work, for a caller who has no time for all of it: what it raises is raised
+    here, and there is no verdict then. A plan of another task or robot gets findings, not exceptions. Not checked: that
+    the plan is good.
+    """
+    strange = _strange(scene, plan)
+    if strange:
+        return Verdict.of(strange)
+    different = state_legs(scene, plan)
+    if different:  # who holds what follows from the legs: with others than the task's, nothing more can be shown
+        return Verdict.of(_found(different))
+    between()
+    of_plan = phases(scene, plan.legs, plan.arrivals)
+
+    def fill(base: SceneClaim) -> Claim:
+        claim = with_plan(base, plan, of_plan)
+        return claim if claims is NOTHING else with_answer(base, claim, plan, of_plan, claims)
+
+    def compare(claim: Claim) -> list[Difference]:
+        different = state_plan(scene, plan, claim)
+        return different if different or claims is NOTHING else state_answer(scene, plan, claims, claim)
+
+    return _judged(scene, plan, of_plan, fill, compare, between)
+
+
+def check_motion(scene: Scene, plan: Plan, of_motion: tuple[Phase, ...]) -> Verdict:
+    """Whether a motion that has no task keeps limits and keeps everything apart. `plan` has one leg, in travel, and no
+    arrivals; `of_motion`: its phases."""
+    return _judged(
+        scene,
+        plan,
+        of_motion,
+        lambda base: with_motion(base, plan, of_motion),
+        lambda claim: state_motion(scene, plan, claim),
+        nothing,
+    )
+
+
+def _judged(
+    scene: Scene,
+    plan: Plan,
+    of_plan: tuple[Phase, ...],
+    fill: Callable[[SceneClaim], Claim],
+    compare: Callable[[Claim], list[Difference]],
+    between: Callable[[], None],
+) -> Verdict:
+    """The verdict on a claim that `fill` makes, which is compared with the request by `state_cell` and `compare`."""
+    try:
+        kept = kept_cell(scene)
+        claim = fill(kept.base)
+    except InputError as error:
+        return Verdict.of([Finding(Code.FORM, str(error))])
+    between()
+    findings = _unshown(kept.base, plan, of_plan, claim)
+    if any(finding.code == Code.FORM for finding in findings):
+        return Verdict.of(findings)  # the statement checker reads only tables that are those of a claim
+    between()
+    different = [] if kept.is_stated else state_cell(scene, claim)
+    kept.is_stated = not different
+    return Verdict.of(findings + _found(different or compare(claim)))
+
+
+def _unshown(base: SceneClaim, plan: Plan, of_plan: tuple[Phase, ...], claim: Claim) -> list[Finding]:
+    """What the claim checker does not show, with names in place of numbers."""
+    verdict = check_claim(claim)
+    if verdict.accepted:
+        return []
+    labels: dict[str, Sequence[str]] = labels_of(base, plan, of_plan)._asdict()
+    labels["joints"] = [joint.name for joint in base.scene.robot.joints]
+    return [_named(each, labels) for each in verdict.findings]
+
+
+WORDS = {
+    "SURFACE": "the surface is not closed",
+    "KNOTS": "times of knots go back, or the motion jumps",
+    "PHASES": "phases have gaps, end too early, or the robot need not keep clear while it moves",
+    "LIMIT": "a limit is not kept",
+    "POINT": "the tool is not at its point, or does not move with it",
+    "RATE": "the tool is faster or slower, or accelerates harder, than is claimed",
+    "DIRECTION": "an axis, or the way to a point, is not within its directions",
+    "GUIDE": "the tool leaves its way",
+    "CORRECTION": "a joint or the arm leaves its range while a correction shifts the tool",
+    "JOINTS": "a sum of joints, or a derivative of it, is not within its bounds",
+    "DISTANCE": "two bodies may be farther apart than is claimed",
+    "ERROR": "the tool may be farther from its point than is claimed",
+    "NEAREST": "the smallest clearance is not shown",
+    "ROW": "a row does not hold",
+    "COVER": "no rows for all of the time",
+    "WITHIN": "nothing shows that one is not within the other",
+    "WORK": "more work than is allowed",
+}
+"""What the claim checker does not show, by its code."""
+NUMBERS = re.compile(r"(joint|body|phase|number|bodies) (-?\d+)(?: and (-?\d+))?")
+"""How the claim checker names rows of a claim."""
+NAMED = {
+    "joint": "joints",
+    "body": "bodies",
+    "bodies": "bodies",
+    "phase": "phases",
+    "POINT": "points",
+    "RATE": "rates",
+    "DIRECTION": "axes",
+}
+"""By a word before a number, or a code: the names that are numbered."""
+PLANE = "what never moves"
+"""In place of a second body: the row is about a plane."""
+
+
+def _named(finding: ClaimFinding, labels: Mapping[str, Sequence[str]]) -> Finding:
+    """A finding of the claim checker, with names in place of numbers."""
+
+    def named(match: re.Match[str]) -> str:
+        word, *numbers = match.groups()
+        names = labels.get(NAMED.get(finding.code if word == "number" else word, ""), ())
+        known = [PLANE if k == "-1" else names[int(k)] if int(k) < len(names) else k for k in numbers if k is not None]
+        return f"{'' if word in ('number', 'body', 'bodies') else word + ' '}{' and '.join(known)}"
+
+    about, words = NUMBERS.sub(named, finding.what), WORDS.get(finding.code, "")
+    where = "" if math.isnan(finding.when) else _at(finding.when)
+    return Finding(_code(finding.code), ": ".join(filter(None, (about, words))), where=where)
+
+
+def _found(differences: Iterable[Difference]) -> list[Finding]:
+    """What a claim does not state, as findings."""
+    found = []
+    for each in differences:
+        where = ""
+        if each.when is not None:
+            t0, t1 = each.when
+            where = _at(t0) if t0 == t1 else f"{_at(t0)} to {_at(t1)}"
+        found.append(Finding(_code(each.topic), each.what, where=where))
+    return found
+
+
+def _at(time: float) -> str:
+    return f"{time:.6g} s"
+
+
+RENAMED = {
+    "AXIS": Code.DIRECTION,
+    "FAULT": Code.FORM,
+    "KNOTS": Code.MOTION,
+    "MARGIN": Code.SINGULARITY,
+    "MODE": Code.ELBOW,
+    "NEARNESS": Code.NEAREST,
+    "PARABOLA": Code.BLEND,
+    "PHASES": Code.PHASE,
+    "SUM": Code.JOINTS,
+    "WITHIN": Code.CONTAINMENT,
+}
+"""What both checkers call otherwise than a verdict does."""
+
+
+def _code(name: str) -> Code:
+    return RENAMED.get(name) or Code(name)
+
+
+def _strange(scene: Scene, plan: Plan) -> list[Finding]:
+    """Findings about a plan that is none for this robot and task, so that nothing after has to ask."""
+    findings = []
+    knots, n, names = plan.trajectory, len(scene.robot.joints), plan.certificate.names
+    if knots.n != n:
+        findings.append(Finding(Code.FORM, f"knots of {knots.n} joints, the robot has {n}"))
+    if knots.jumps is not (not scene.options.jerk_limited):
+        what = f"jumps in acceleration are said to be {knots.jumps}, the timing is {scene.options.timing}"
+        findings.append(Finding(Code.FORM, what))
+    if plan.certificate.covers != covered(knots):
+        what = f"the certificate must say that it covers {', '.join(covered(knots))}"
+        findings.append(Finding(Code.FORM, what))
+    for arrival in plan.arrivals:
+        if arrival.missed_by is not None and len(arrival.missed_by.joints) != n:
+            findings.append(Finding(Code.FORM, f"the miss of {arrival.control_point} must be of {n} joints"))
+    steps = [("leg", leg.step) for leg in plan.legs] + [("arrival", arrival.step) for arrival in plan.arrivals]
+    for what, step in steps:
+        if not step < len(scene.task):
+            findings.append(Finding(Code.FORM, f"a plan with {what}s of step {step}, which the task has not"))
+    bodies = {
+        *scene.index,
+        *(item.body.name for item in scene.robot.bodies),
+        *(body.name for body in scene.tool.bodies),
+    }
+    unknown = [name for name in names if name not in bodies]
+    if unknown:
+        findings.append(Finding(Code.ROW, f"the certificate names a body that there is not: {unknown[0]!r:.60}"))
+    found, many = plan.certificate, len(names)
+    known = (found.first >= 0) & (found.first < many) & (found.second >= -1) & (found.second < many)
+    for row in np.flatnonzero(~known)[:1].tolist():
+        findings.append(Finding(Code.ROW, f"row {row} of the certificate is about a body that it does not name"))
+    return findings
