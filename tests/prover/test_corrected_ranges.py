@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.prover.bundles import Document, bundle, planned, shown
+from tests.prover.bundles import Document, agreed, bundle, planned
 
 LINE = "a correction brings a joint beyond its range"
 
 
 def beyond(document: Document) -> bool:
     """Whether a correction is refused, and no limit of the planned motion is."""
-    right, told = shown(document)
+    right, told = agreed(document)
     assert right or not any("does not keep its limits" in line for line in told)
     return not right and any(line.startswith(LINE) for line in told)
 
@@ -38,7 +38,7 @@ def test_a_range_that_the_planned_motion_just_keeps_is_left_by_a_correction(join
 
 def test_a_correction_that_may_stretch_the_arm_is_refused() -> None:
     document = bundle("dense-flow")
-    assert shown(document)[0]
+    assert agreed(document)[0]
     for frame in document["frames"]:
         for each in frame["unknown"]:
             each["amount"] = 5.0 if each["shared"] else each["amount"]
