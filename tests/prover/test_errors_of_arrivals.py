@@ -97,7 +97,8 @@ def errors_shown(document: Document, row: Document) -> bool:
 
 
 def test_a_frame_that_may_be_turned_brings_its_point_elsewhere() -> None:
-    document, yaw, there = still(), 0.02, {"tool": [0.3, 0.4, 0.0, 0.0], "target": [0.3, 0.4, 0.0, 0.0]}
+    document, yaw = still(), 0.02
+    there: Any = {"tool": [0.3, 0.4, 0.0, 0.0], "target": [0.3, 0.4, 0.0, 0.0]}
     document["frames"][1]["yaw"] = yaw
     side = 0.5 * yaw + 0.5 * yaw**2 / 2.0
     bounds(document, side, side, 0.0, yaw, **there)
