@@ -359,11 +359,12 @@ def check_plan(cell: Cell, made: Plan, told: tuple[Finding, ...] = (), claims: C
     lower bound computed again. `told`: findings before the checker's, who knows no documents."""
     from assur.planner.checker import check
     from assur.planner.model.claims import NOTHING
-    from assur.scenes.reading.claims import untrue_bound
+    from assur.scenes.reading.claims import untrue_bound, untrue_errors
 
     claims = claims or NOTHING
     verdict = check(cell.scene, made, claims)
     told += verdict.findings + untrue_bound(claims.lower_bound, cell.scene, made.trajectory.duration)
+    told += untrue_errors(made, cell.scene)
     return _verdict(cell, told, claims.not_checked)
 
 

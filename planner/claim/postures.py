@@ -43,11 +43,7 @@ class Postures:
     def of_plan(self, plan: Plan) -> Rows:
         """What a request asks: the working mode of control points that are met, and the margin where the tool is guided
         or matches a velocity."""
-        found, least = Rows(), self._scene.options.singularity_margin - MARGIN
-        if self._mode is not None:
-            for arrival in plan.arrivals:
-                if arrival.missed_by is None:
-                    found += self._in_mode(arrival, self._mode)
+        found, least, kept = Rows(), self._scene.options.singularity_margin - MARGIN, set[int]()
         if least > 0.0:
             for arrival, t0, t1 in guided(self._scene, plan):
                 mode = self._mode
@@ -55,6 +51,12 @@ class Postures:
                     mode = int(self._scene.robot.mode_of(plan.trajectory.evaluate(arrival.time)))
                 for bend, sign in self._signed(mode):
                     found.append((arrival.control_point, _beyond(bend, t0, t1, sign, least)))
+                kept.add(arrival.step)
+        if self._mode is not None:
+            for arrival in plan.arrivals:
+                # rows of a margin have the signs of the mode, too
+                if arrival.missed_by is None and arrival.step not in kept:
+                    found += self._in_mode(arrival, self._mode)
         return found
 
     def of_answer(self, plan: Plan, claims: Claims) -> Rows:
@@ -62,10 +64,12 @@ class Postures:
         at which each is reached."""
         found, robot, path = Rows(), self._scene.robot, plan.trajectory
         for arrival, name in zip(plan.arrivals, claims.modes or (), strict=False):
-            if name in robot.modes:
-                found += self._in_mode(arrival, robot.modes.index(name))
-        mode = int(robot.mode_of(path.q[0]))
-        serial = [(bend, sign) for bend, sign in zip(self._bends, self._signs[mode], strict=True)] if mode >= 0 else []
+            mode = robot.modes.index(name) if name in robot.modes else None
+            # what a request asks has rows already
+            if mode is not None and (mode != self._mode or arrival.missed_by is not None):
+                found += self._in_mode(arrival, mode)
+        first = int(robot.mode_of(path.q[0]))
+        serial = [] if first < 0 else list(zip(self._bends, self._signs[first], strict=True))
         stated = (("singularity", claims.singularity, serial), ("parallel", claims.parallel, self._couplers))
         for (name, said, bends), when in zip(stated, self._when(plan, claims), strict=True):
             if said is None or said[0] is None:

@@ -19,7 +19,7 @@ from assur.planner.tables.bodies import Arrangement
 
 TURNED = 1e-5 * np.array([0.61, -0.37, 0.7])
 """Added to unit directions. So a checker chooses the same points for edges of 0.5 mm or more, whatever it rounds."""
-ENOUGH_M = 5e-6
+ENOUGH_M = 2e-6
 """The search ends when the distance is known to this, m."""
 MEET_M = 1e-9
 """Points this near have no direction, m."""

@@ -9,6 +9,7 @@ of its acceleration at most, which is added.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 
@@ -34,6 +35,9 @@ LEAST = 1e-12
 LATE_STEPS = 16
 """Parts of the time by which a start may be late, at whose ends a frame's way is looked at."""
 UP = np.array([0.0, 0.0, 1.0])
+LATE, DIRECTION = "late start s", "direction rad"
+"""Names in a realisation: by how much the robot is late, s; the direction of what is the same in all horizontal ones,
+rad in the world."""
 
 
 @dataclass(eq=False)
@@ -68,8 +72,35 @@ def arrival_error(
 ) -> ArrivalError | None:
     """How far the tool may be from the control point of step `number` at time `until`, s, with joints at q (n,); None
     where nothing is left open."""
-    if scene.exact:
+    return None if scene.exact else _worst(*_terms_of(scene, number, attached, handled, q, until))
+
+
+def realised(
+    scene: Scene, number: int, attached: Attachments, handled: Handled, q: FloatArray, until: float,
+    worst: Mapping[str, float],
+) -> float | None:  # fmt: skip
+    """How far the tool is from the control point of step `number`, m, in a realisation as `ArrivalError.worst` states
+    it; None: it is none of what is uncertain there. The rest: as `arrival_error`."""
+    terms, grasp = _terms_of(scene, number, attached, handled, q, until)
+    flat, upright = sum(terms.flat.values()), sum(terms.upright.values())
+    names = [name for _, name, _ in terms.signed]
+    names += [LATE] * (len(terms.late_s) > 1) + [DIRECTION] * (flat > LEAST)
+    if sorted(names) != sorted(worst) or any(abs(worst[name]) != 1.0 for _, name, _ in terms.signed):
         return None
+    late = worst.get(LATE, 0.0)
+    if not terms.late_s[0] - LEAST <= late <= terms.late_s[-1] + LEAST:
+        return None
+    off = sum((worst[name] * vector for _, name, vector in terms.signed), np.zeros(3))
+    off = off + np.array([np.interp(late, terms.late_s, terms.late[:, k]) for k in range(3)])
+    way = worst.get(DIRECTION, 0.0)
+    level = math.hypot(off[0] + flat * math.cos(way), off[1] + flat * math.sin(way))
+    return math.hypot(level, abs(float(off[2])) + upright) + sum(terms.yaw.values()) * grasp
+
+
+def _terms_of(
+    scene: Scene, number: int, attached: Attachments, handled: Handled, q: FloatArray, until: float
+) -> tuple[_Terms, float]:
+    """What adds to the error at a control point, and how far the tool point is from the part's axis, m."""
     step, terms = scene.task[number], _Terms()
     name, local = attached.point(scene, step)
     if isinstance(step, Trace):
@@ -88,7 +119,7 @@ def arrival_error(
         held = handled.of(step.part) or EXACT
         terms.add(Cause.GRIP, held.position_m, held.vertical_m, held.yaw_rad)
     grasp = step.grasp if isinstance(step, Pick) else Pose()
-    return _worst(terms, math.hypot(grasp.x, grasp.y))
+    return terms, math.hypot(grasp.x, grasp.y)
 
 
 def _add_frame(scene: Scene, name: str, here: Motion, until: float, corrected: bool, terms: _Terms) -> None:
@@ -196,9 +227,9 @@ def _worst(terms: _Terms, grasp: float) -> ArrivalError:
     row, k = np.unravel_index(int(size.argmax()), size.shape)
     worst = [(name, float(sign)) for (_, name, _), sign in zip(terms.signed, signs[row].tolist(), strict=True)]
     if len(terms.late_s) > 1:
-        worst.append(("late start s", float(terms.late_s[k])))
+        worst.append((LATE, float(terms.late_s[k])))
     if flat > LEAST:
-        worst.append(("direction rad", math.atan2(float(sums[row, k, 1]), float(sums[row, k, 0]))))
+        worst.append((DIRECTION, math.atan2(float(sums[row, k, 1]), float(sums[row, k, 0]))))
     position = float(size.max()) + yaw * grasp
     within = PoseUncertainty(
         float(level.max()) + RESERVE_M if level.max() > LEAST else 0.0,

@@ -16,7 +16,8 @@ from assur.planner.checker.verdict import Code, Finding
 from assur.planner.model.attachments import at_start
 from assur.planner.model.claims import Claims
 from assur.planner.model.load import Carried
-from assur.planner.model.outcome import Arrival, Contact, JointPeak, Nearest, ToolPeaks
+from assur.planner.model.outcome import Arrival, Contact, JointPeak, Nearest, Plan, ToolPeaks
+from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.planner.report.straight_parts import assumed
 from assur.scenes.faults import fault
@@ -28,6 +29,12 @@ from assur.scenes.schema.read import read_normal, read_written
 Stated = TypeVar("Stated")
 BOUND_S = 1e-9
 """A stated lower bound may exceed the computed one by this, s: rounding of what is written."""
+SAME_ERROR = 1e-7
+"""m or rad, and a share: by which an error that is stated may differ from the one that is computed again."""
+MORE_THAN_REALISED_M = 1e-5
+"""By which an error may exceed what its realisation comes to, m: a planner adds what counts for rounding."""
+WITHIN = ("position_m", "vertical_m", "yaw_rad")
+"""The parts of an error."""
 
 
 def check_beside(plan: object) -> None:
@@ -150,6 +157,46 @@ def untrue_arrivals(arrivals: Sequence[Arrival], scene: Scene) -> tuple[Finding,
         if arrival.along_m is None and scene.frames[frames[arrival.step]].law.way is not None:
             what = f"{step.name} is on a conveyor, and it is not said how far along"
             found.append(Finding(Code.CLAIM, what, where=f"arrivals[{i}].along_m"))
+    return tuple(found)
+
+
+def untrue_errors(plan: Plan, scene: Scene) -> tuple[Finding, ...]:
+    """Errors of arrivals, what their causes add, and realisations of them, that are not those which are computed again
+    from the request and the motion. That no error is larger than is stated is shown elsewhere."""
+    from assur.planner.legs.accuracy import arrival_error, realised
+    from assur.planner.model.phases import phases
+
+    found, first = list[Finding](), dict[int, Phase]()
+    for each in phases(scene, plan.legs, plan.arrivals):
+        first.setdefault(each.step, each)
+    for i, arrival in enumerate(plan.arrivals):
+        stated, phase, where = arrival.error, first.get(arrival.step), f"arrivals[{i}].error"
+        if stated is None or phase is None or not plan.trajectory.start <= arrival.until <= plan.trajectory.end:
+            continue  # the checker has found what is missing
+        given = (scene, arrival.step, phase.attached, phase.handled, plan.trajectory.evaluate(arrival.until))
+        own = arrival_error(*given, arrival.until)
+        if own is None:
+            what = f"all is known of {arrival.control_point}, and an error is stated"
+            found.append(Finding(Code.ERROR, what, where=where))
+            continue
+        true = {share.cause: share for share in own.shares}
+        told = {share.cause: share for share in stated.shares}
+        pairs = [("position_m", stated.position_m, own.position_m)]
+        pairs += [(name, getattr(stated.within, name), getattr(own.within, name)) for name in WITHIN]
+        if [share.cause for share in stated.shares] != list(true):
+            what = f"the causes of the error are {', '.join(true) or 'none'}, and others are stated"
+            found.append(Finding(Code.ERROR, what, where=f"{where}.causes"))
+        else:
+            pairs += [(f"causes, {cause}", told[cause].position_m, share.position_m) for cause, share in true.items()]
+            pairs += [(f"causes, {cause}", told[cause].yaw_rad, share.yaw_rad) for cause, share in true.items()]
+        for name, one, other in pairs:
+            if not abs(one - other) <= SAME_ERROR * (1.0 + abs(other)):
+                what = f"{where}.{name} is {one:.6g}, but of this plan it is {other:.6g}"
+                found.append(Finding(Code.ERROR, what, abs(one - other), where=where))
+        far = realised(*given, arrival.until, dict(stated.worst))
+        if far is None or not far >= stated.position_m - MORE_THAN_REALISED_M:
+            what = "the realisation that is stated is none, or does not come near the error that is stated"
+            found.append(Finding(Code.ERROR, what, where=f"{where}.worst"))
     return tuple(found)
 
 

@@ -17,6 +17,7 @@ from assur.planner.checker.statement.solids import bodies_of
 from assur.planner.claim import filling
 from assur.planner.claim.columns import Claim
 from assur.planner.claim.filling import with_plan
+from assur.planner.model.claims import NOTHING, Claims
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Plan
 from assur.planner.model.scene import Scene
@@ -29,12 +30,13 @@ CANDIDATES = 200
 
 @dataclass(frozen=True)
 class Case:
-    """A request, the scene that it means, a plan, and the claim of the plan."""
+    """A request, the scene that it means, a plan, the claim of the plan, and what else its answer states."""
 
     request: Document
     scene: Scene
     plan: Plan
     claim: Claim
+    claims: Claims = NOTHING
 
     def body(self, name: str) -> int:
         """The row of a body."""
@@ -76,8 +78,8 @@ def planned(request: Document) -> Case | None:
     if not answer.planned:
         return None
     cell = cell_of(request)
-    plan, _, _ = read_plan(cell, json.loads(json.dumps(dict(answer))))
-    return Case(request, cell.scene, plan, claim_of(cell.scene, plan))
+    plan, _, claims = read_plan(cell, json.loads(json.dumps(dict(answer))))
+    return Case(request, cell.scene, plan, claim_of(cell.scene, plan), claims)
 
 
 @cache
@@ -161,10 +163,17 @@ def _stacked(d: Document) -> None:
         step(d, number).pop("contact_with", None)
 
 
+def _near(d: Document) -> None:
+    """Grips and supports must be near."""
+    step(d, 0)["grip_within_mm"] = 0.1
+    step(d, 1)["support_within_mm"] = 0.1
+
+
 VARIANTS: dict[str, tuple[str, Callable[[Document], object]]] = {
     "demo, more uncertain": ("demo", _open_demo),
     "dense-flow, more uncertain": ("dense-flow", _open_flow),
     "demo, all laws": ("demo", _laws),
+    "demo, near parts": ("demo", _near),
     "demo, supports not named": ("demo", _stacked),
     "demo, belt that slows down": ("demo", _stopping),
     "two-robots, start uncertain": ("two-robots", _open_robots),
