@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from assur.planner.checker import check
+    from assur.planner.checked import check
     from assur.planner.model.scene import Scene
     from assur.planner.pipeline import plan
 
@@ -24,7 +24,7 @@ def __getattr__(name: str) -> Any:
 
         return Scene
     if name == "check":
-        from assur.planner.checker import check
+        from assur.planner.checked import check
 
         return check
     if name == "plan":

@@ -55,11 +55,14 @@ _last: list[KeptCell] = []
 def kept_cell(scene: Scene) -> KeptCell:
     """The cell of a scene, kept from the check before if that was of the same cell. Raises `InputError` for what no
     claim can state."""
-    kept = _last[0] if _last and _last[0].fits(scene) else None
-    if kept is None or kept.base.scene is not scene:
-        base = claim_of(scene, None if kept is None else kept.base.cell)
-        _last[:] = [KeptCell(base, is_stated=kept is not None and kept.is_stated)]
-    return _last[0]
+    last = next(iter(_last), None)  # once: another thread may keep another one meanwhile
+    if last is not None and last.base.scene is scene:
+        return last
+    known = last if last is not None and last.fits(scene) else None
+    base = claim_of(scene, None if known is None else known.base.cell)
+    kept = KeptCell(base, is_stated=known is not None and known.is_stated)
+    _last[:] = [kept]
+    return kept
 
 
 @np.errstate(all="ignore")

@@ -4,7 +4,7 @@ It reads one document. bundle.schema.json defines its form and its terms. Every 
 is. A ball of Arb (`flint.arb`) holds every value that its centre and radius allow. A comparison is true only if it is
 true for all these values. So no rounding is lost, and there is no tolerance here: the bundle says what may be off and
 by how much, as a part of the claim. What is not shown is refused, and so is what takes too much work. The labels (N1)
-to (N11) are those of the equations in docs/bundle.md.
+to (N15) are those of the equations in docs/bundle.md.
 
 Motion. Over an interval every quantity f is a series of balls. They hold all values of f, of its rate and of the next
 two derivatives (N1). A carrier (a link or a frame) has the series of its place p and of the columns of its rotation R.
@@ -27,12 +27,12 @@ from __future__ import annotations
 
 import json
 import math
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from functools import cached_property, partial, reduce
-from itertools import pairwise, permutations, product
+from itertools import combinations, pairwise, permutations, product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -41,8 +41,10 @@ from jsonschema_rs import validator_for
 
 SCHEMA, BITS, TERMS = Path(__file__).parent / "bundle.schema.json", 160, 4
 WORK, DEEPEST, MOST_BYTES, MOST_TOLD = 5_000_000, 40, 32_000_000, 20
+CLOSED, MOST_SIGNS = 1e-9, 10
 """At most: work (intervals, pairs, pieces of motions, and tens of triangles about a point), halvings of an interval,
-bytes of a file, failures listed."""
+bytes of a file, failures listed. CLOSED: what rounding may leave of a period, of weights, and where a point is chosen.
+MOST_SIGNS: vectors whose signs are combined; shorter ones count in every direction."""
 SHOWN, WRONG, IN_TIME, AHEAD = range(4)
 """What a test says of an interval: it is shown; it is wrong; halve it in time; halve what is ahead."""
 Document = dict[str, Any]
@@ -65,6 +67,11 @@ def length(vector: Iterable[Any]) -> arb:
     return sum((x * x for x in vector), arb(0)).upper().sqrt().upper()
 
 
+def shortest(vector: Iterable[Any]) -> arb:
+    """A lower bound of the length of a vector of balls."""
+    return sum((x * x for x in map(arb.abs_lower, vector)), arb(0)).lower().sqrt().lower()
+
+
 def largest(balls: Iterable[arb]) -> arb:
     """An upper bound of all values in some balls."""
     return reduce(arb.max, (ball.upper() for ball in balls), arb("-inf"))
@@ -74,14 +81,37 @@ def constant(x: Any) -> arb_series:
     return arb_series([arb(x)], TERMS)
 
 
-class Curve:
-    """Several coordinates: on each piece, between two `edges`, polynomials of the time since it began."""
+def united(found: list[Vector], here: list[Vector]) -> list[Vector]:
+    """The smallest balls that hold those of two lists; `found` may be empty."""
+    both = zip(found or here, here, strict=True)
+    return [[x.union(y) for x, y in zip(*each, strict=True)] for each in both]
 
-    def __init__(self, edges: list[float], pieces: list[Vector]) -> None:
-        self.edges, self.pieces, self.touched = edges, pieces, 0
+
+class Curve:
+    """Several coordinates: on each piece, between two `edges`, polynomials of the time since it began. With a `period`
+    the pieces last one, and after it each coordinate is further by its `step`."""
+
+    def __init__(self, edges: Vector, pieces: list[Vector], period: float = 0.0, step: Iterable[float] = ()) -> None:
+        self.edges, self.pieces, self.period, self.step, self.touched = edges, pieces, period, list(step), 0
 
     def over(self, low: arb, high: arb) -> Vector:
-        """Series of all coordinates over [low, high] (N1), from all pieces that the interval reaches."""
+        """Series of all coordinates over [low, high] (N1): of a motion that repeats, from all its periods (N13)."""
+        if not self.period:
+            return [arb_series(each, TERMS) for each in self.once(low, high)]
+        first, last = (int(((t - self.edges[0]) / self.period).floor().unique_fmpz()) for t in (low, high))
+        if first < 0 or last > first + 2:
+            raise ArithmeticError("a motion is not given, or repeats more than twice")
+        found: list[Vector] = []
+        for k in range(first, last + 1):
+            begin = arb(self.period) * k
+            here = self.once((low - begin).max(arb(self.edges[0])), (high - begin).min(arb(self.edges[-1])))
+            gone = ([x[0] + arb(step) * k, *x[1:]] for x, step in zip(here, self.step, strict=True))
+            found = united(found, list(gone))
+        return [arb_series(each, TERMS) for each in found]
+
+    def once(self, low: arb, high: arb) -> list[Vector]:
+        """Their powers over [low, high], from all pieces that it reaches. An instant is in the piece that begins
+        there, and in the last one."""
         if not (low >= self.edges[0] and high <= self.edges[-1]):
             raise ArithmeticError("a motion is not given")
         found: list[Vector] = []
@@ -89,7 +119,7 @@ class Curve:
             begin, end = arb(self.edges[k]), arb(self.edges[k + 1])
             if begin > high or (begin >= high and found):
                 break
-            if end < low or (end <= low and low < high):
+            if end < low or (end <= low and (low < high or k + 1 < len(self.pieces))):
                 continue
             self.touched += 1
             a, b, here = low.max(begin) - begin, high.min(end) - begin, []
@@ -100,9 +130,8 @@ class Curve:
                     powers.append(path(a.union(b) - middle) / math.factorial(m))
                     path = path.derivative()
                 here.append(powers)
-            both = zip(found or here, here, strict=True)
-            found = [[x.union(y) for x, y in zip(*each, strict=True)] for each in both]
-        return [arb_series(each, TERMS) for each in found]
+            found = united(found, here)
+        return found
 
 
 def spline(arm: Document) -> Curve:
@@ -127,9 +156,16 @@ def spline(arm: Document) -> Curve:
 
 
 def law(frame: Document) -> Curve:
-    """The motion of a frame: its acceleration is integrated twice, from pose and rate at the first edge (N6)."""
-    pieces, state = [], [(arb(x), arb(v)) for x, v in zip(frame["pose"], frame["rate"], strict=True)]
-    for (t0, t1), accelerations in zip(pairwise(frame["edges"]), frame["acceleration"], strict=True):
+    """The motion of a frame: its acceleration is integrated twice, from pose and rate at the first edge (N6). If it
+    repeats, what is missing as a period ends is added as a cubic polynomial, so that neither pose nor rate jumps (N13).
+    Raises `ValueError` if that is more than rounding."""
+    start = [(arb(x), arb(v)) for x, v in zip(frame["pose"], frame["rate"], strict=True)]
+    pieces, state, edges, period = [], start, list(frame["edges"]), arb(frame["period"])
+    if period > 0:
+        if not (edges and edges[-1] >= edges[0] + period):
+            raise ValueError("the pieces of a frame that repeats last one period")
+        edges[-1] = edges[0] + period
+    for (t0, t1), accelerations in zip(pairwise(edges), frame["acceleration"], strict=True):
         h, own = arb(t1) - t0, []
         if not h > 0:
             raise ValueError("edges of a frame's motion increase")
@@ -137,7 +173,16 @@ def law(frame: Document) -> Curve:
             own.append(arb_poly([x, v, *(arb(a) / ((m + 1) * (m + 2)) for m, a in enumerate(powers))]))
         state = [(path(h), path.derivative()(h)) for path in own]
         pieces.append(own)
-    return Curve(list(frame["edges"]), pieces)
+    if not period > 0:
+        return Curve(edges, pieces)
+    for k, ((x0, v0), (x, v), step) in enumerate(zip(start, state, frame["step"], strict=True)):
+        missing, rate = x0 + step - x, v0 - v
+        if not (abs(missing) <= CLOSED and abs(rate) <= CLOSED):
+            raise ValueError("a frame that repeats ends a period where the next one begins")
+        cubic = arb_poly([0, 0, (3 * missing / period - rate) / period, (rate - 2 * missing / period) / period**2])
+        for t0, own in zip(edges, pieces, strict=False):
+            own[k] = own[k] + cubic(arb_poly([arb(t0) - edges[0], 1]))
+    return Curve(edges, pieces, frame["period"], frame["step"])
 
 
 class Carrier:
@@ -150,6 +195,10 @@ class Carrier:
         """The series of a point, from its coordinates in the carrier, which may change."""
         rows = zip(self.place, *self.columns, strict=True)
         return [p + x * local[0] + y * local[1] + z * local[2] for p, x, y, z in rows]
+
+    def direction(self, local: Vector) -> Vector:
+        """The series of a vector, from its coordinates in the carrier."""
+        return [x * local[0] + y * local[1] + z * local[2] for x, y, z in zip(*self.columns, strict=True)]
 
     @cached_property
     def orders(self) -> list[tuple[Vector, list[Vector]]]:
@@ -233,6 +282,21 @@ class Solid:
             rims = [[x + sign * y for x, y in zip(rim, edge, strict=True)] for rim in rims for sign in (-1, 1)]
         return largest(length(rim[:2]) for rim in rims) + self.disc + self.ball
 
+    def farthest(self, g: Vector) -> Vector:
+        """A point that is farthest along a unit vector g of the carrier. Any point would do: what is across g within
+        CLOSED counts with its middle, and of vertices the first that no other exceeds by that."""
+        heights = [float(dot(point, g).mid()) for point in self.points]
+        found = next(x for x, height in zip(self.points, heights, strict=True) if height >= max(heights) - CLOSED)
+        for edge in self.edges:
+            along = float(dot(edge, g).mid())
+            sign = 0 if abs(along) <= CLOSED else 1 if along > 0 else -1
+            found = [x + sign * y for x, y in zip(found, edge, strict=True)]
+        back = dot(g, self.axis) / dot(self.axis, self.axis)
+        across = [x - back * y for x, y in zip(g, self.axis, strict=True)]
+        sine = dot(across, across).sqrt()
+        disc = self.disc / sine if float(sine.mid()) > CLOSED else arb(0)
+        return [x + disc * y + self.ball * z for x, y, z in zip(found, across, g, strict=True)]
+
     def support(self, place: Vector, columns: list[Vector], m: Vector, size: arb | None, upright: bool) -> arb:
         """The largest m·x (N2). `size` is |m|. None: `place` and `columns` are derivatives. What does not change then
         adds nothing: balls, and discs about the vertical on what turns about the vertical only."""
@@ -286,15 +350,38 @@ def rounds(points: list[Vector], triangles: list[list[int]], place: Vector) -> a
     return total / (2 * arb.pi())
 
 
+def heading(one: Carrier, other: Carrier) -> arb:
+    """An upper bound of the angle between the x axes of two carriers that turn about the vertical, rad."""
+    (a, b), (x, y) = ((axis[0] for axis in on.columns[0][:2]) for on in (one, other))
+    return abs(arb.atan2(a * y - b * x, a * x + b * y)).upper()
+
+
+def farthest(away: Vector, straight: list[Vector], flat: arb, upright: arb) -> tuple[arb, arb, arb]:
+    """Upper bounds of the length of a vector, of its horizontal part and of its height, if all vectors of `straight`
+    are added with one sign or the other, and then what may be in any direction (N15)."""
+    sums, found = [away], [arb(0)] * 3
+    for k, way in enumerate(sorted(straight, key=lambda way: -float(length(way)))):
+        if k >= MOST_SIGNS or (way[0] == 0 and way[1] == 0):
+            flat, upright = flat + length(way[:2]), upright + abs(way[2])
+        else:
+            sums = [[x + sign * y for x, y in zip(each, way, strict=True)] for each in sums for sign in (1, -1)]
+    for each in sums:
+        side, height = length(each[:2]) + flat, abs(each[2]) + upright
+        found = [largest(both) for both in zip(found, (length([side, height]), side, height), strict=True)]
+    return found[0], found[1], found[2]
+
+
 def swung(arm: Document, tool_from: int, elbow: arb, shift: arb) -> tuple[arb, arb, arb]:
     """Of the two links that carry the tool of a SCARA: the length of the first, and the greatest angles by which both
-    turn if the tool is shifted (N10). The angle of the elbow joint is a ball. Each angle is shift / (length sin elbow),
+    turn if the tool is shifted (N10). The value of the elbow joint is a ball. Each angle is shift / (length sin elbow),
     with the least sine at all radii to which the shift may lead. It is at the smallest or the largest of them."""
     first, second, tool = (nth(arm["links"], k, "link") for k in (1, 2, tool_from))
     parents = [link["parent"] for link in (first, second, tool)]
     yaws = [sum(abs(a - b) for a, b in zip(link["yaw"]["joints"], yaw, strict=False)) for link, yaw in (
         (first, (1, 0, 0, 0)), (second, (1, 1, 0, 0)))]  # fmt: skip
     plain = all(link["pitch"] is None and link["coupler"] < 0 for link in (first, second))
+    plain = plain and not any(link["slide"] and any(link["slide"]["axis"][:2]) for link in (second, tool))
+    elbow = elbow + (arb(second["yaw"]["constant"]) - first["yaw"]["constant"])
     a, b, aside = second["offset"][0], tool["offset"][0], any(link["offset"][1] for link in (second, tool))
     if parents != [0, 1, 2] or any(yaws) or not plain or aside or not (a > 0 and b > 0) or len(arm["q"][0]) != 4:
         raise ValueError("only the tool of a SCARA with four axes has a share in a displacement")
@@ -309,15 +396,26 @@ def swung(arm: Document, tool_from: int, elbow: arb, shift: arb) -> tuple[arb, a
     return arb(a), shift / (a * sine), shift / (b * sine)
 
 
+def in_range(span: Document, joints: Vector, more: Vector) -> bool:
+    """Whether the positions of all joints keep their limits, if each is `more` off."""
+    kept = []
+    for q, low, high, off in zip(joints, span["lower"], span["upper"], more, strict=True):
+        half = (arb(high) - low) / 2
+        kept.append(abs(q[0] - (arb(high) + low) / 2) + off <= half * (1 + arb(span["shares"][0])))
+    return all(kept)
+
+
 class Duty(NamedTuple):
     """Two bodies of a phase that must stay `least` apart, m; less than 0: they may touch so deep. What is not known of
-    them comes on top. The first follows the clock, the second is from `early` to `late` ahead of it, s."""
+    them comes on top, but not if `planned`. The first follows the clock, the second is from `early` to `late` ahead of
+    it, s."""
 
     bodies: tuple[int, int]
     least: float
     early: Fraction
     late: Fraction
     rows: list[Document]
+    planned: bool = False
 
 
 class World:
@@ -326,7 +424,7 @@ class World:
     def __init__(self, bundle: Document) -> None:
         self.bundle, self.work, self.kept, self.failures = bundle, WORK, dict[Any, Any](), list[str]()
         self.splines = [spline(arm) for arm in bundle["arms"]]
-        self.laws = [law(frame) if frame["edges"] else None for frame in bundle["frames"]]
+        self.laws = [law(frame) if frame["edges"] or frame["period"] else None for frame in bundle["frames"]]
         self.curves = [curve for curve in (*self.splines, *self.laws) if curve is not None]
         self.frames, self.bodies = bundle["frames"], bundle["bodies"]
         self.phases, self.must = bundle["phases"], bundle["required"]
@@ -340,7 +438,7 @@ class World:
         if self.work < sum(curve.touched for curve in self.curves):
             raise RuntimeError("more work than is allowed")
 
-    def everywhere(self, test: Callable[..., int], t0: float, t1: float, s0: float = 0.0, s1: float = 0.0) -> bool:
+    def everywhere(self, test: Callable[..., int], t0: float, t1: float, s0: Any = 0.0, s1: Any = 0.0) -> bool:
         """Whether a test is shown on an interval, or on all parts of it."""
         stack = [(t0, t1, s0, s1, 0)]
         while stack:
@@ -348,8 +446,8 @@ class World:
             self.spend(1)
             try:
                 said = test(t0, t1, s0, s1)
-            except ArithmeticError:  # a motion is not known there, or a loop may come apart
-                said = IN_TIME
+            except ArithmeticError:  # a motion is not known there or repeats too often, or a loop may come apart
+                said = AHEAD if arb(s1) - s0 > arb(t1) - t0 else IN_TIME
             if said == SHOWN:
                 continue
             if said == WRONG or depth >= DEEPEST or (t0 == t1 and s0 == s1):
@@ -432,31 +530,59 @@ class World:
                     add(a, b, "near", *(() if self.stands(there) else (low - last, high - first)))
         return found
 
-    def apart(self) -> tuple[int, int]:
-        """Shows all rows, and that they cover every pair in the whole of every phase; counts rows and pairs."""
+    def planned(self, p: int) -> dict[frozenset[int], Duty]:
+        """The pairs of bodies that must keep a second distance in phase p, if nothing is unknown: those that must stay
+        apart and may not touch."""
+        found, touching = (
+            dict[frozenset[int], Duty](),
+            {frozenset(each["bodies"]) for each in self.phases[p]["contacts"]},
+        )
+        for key, duty in self.duties(p).items():
+            least = self.must["nearest" if any(self.seats[p][k]["link"] >= 0 for k in key) else "placed"]
+            if key not in touching and least >= 0:
+                found[key] = Duty(duty.bodies, least, Fraction(0), Fraction(0), [], planned=True)
+        return found
+
+    def meant(self, p: int, row: Document, duties: dict[frozenset[int], Duty]) -> Iterator[tuple[Document, Duty]]:
+        """A row with the pair that it is of, if that pair needs it. A plane is a row for the box of each body that
+        stands, and needs no time differences."""
+        a, b = row["bodies"]
+        if b >= 0 and frozenset((a, b)) in duties:
+            duty = duties[frozenset((a, b))]
+            if duty.bodies[0] == a or duty.early == duty.late == 0:
+                yield row, duty
+        if b < 0 and (row["pieces"][1] >= 0 or row["s0"] != 0 or row["s1"] != 0):
+            raise ValueError("a plane has no second piece, and no time differences")
+        for key, duty in duties.items() if b < 0 else ():
+            (other,) = key - {a} if a in key and len(key) == 2 else (None,)
+            if other is not None and duty.early == duty.late == 0:
+                seat = self.seats[p][other]
+                if seat["link"] < 0 and self.stands(seat["frame"]):
+                    yield {**row, "bodies": [a, other]}, duty
+
+    def apart(self, key: str) -> tuple[int, int]:
+        """Shows all rows of a table, and that they cover each pair in all of each phase; counts rows and pairs."""
         begins, names = [phase["t0"] for phase in self.phases], [body["name"] for body in self.bodies]
-        duties = [self.duties(p) for p in range(len(begins))]
-        for row in self.bundle["rows"]:
-            bodies, p = row["bodies"], bisect_right(begins, row["t0"]) - 1
-            told = " and ".join(nth(names, body, "body") for body in bodies)
+        duties = [self.duties(p) if key == "rows" else self.planned(p) for p in range(len(begins))]
+        for row in self.bundle[key]:
+            told = " and ".join(nth(names, body, "body") for body in row["bodies"] if body >= 0)
+            p = bisect_right(begins, row["t0"]) - 1
             within = p >= 0 and row["t0"] <= row["t1"] <= self.phases[p]["t1"]
-            duty = duties[p].get(frozenset(bodies)) if within else None
-            if duty is None or ((duty.early != 0 or duty.late != 0) and duty.bodies[0] != bodies[0]):
-                continue  # nobody asks for it, or it is not within one phase
-            if self.holds(p, row, duty):
-                duty.rows.append(row)
-            else:
-                self.failures.append(f"a row of {told} from {row['t0']:.9g} s to {row['t1']:.9g} s")
+            for each, duty in self.meant(p, row, duties[p]) if within else ():
+                if self.holds(p, each, duty):
+                    duty.rows.append(each)
+                elif row["bodies"][1] >= 0:
+                    self.failures.append(f"a row of {told} from {row['t0']:.9g} s to {row['t1']:.9g} s")
         for p, phase in enumerate(self.phases):
-            for key, duty in duties[p].items():
+            for pair, duty in duties[p].items():
                 told = f"{' and '.join(names[k] for k in duty.bodies)} in {phase['kind']} from {phase['t0']:.9g} s"
                 if phase["t1"] > phase["t0"] and not self.covered(duty, phase["t0"], phase["t1"]):
-                    self.failures.append(f"{told}: no row for a part of it")
-                last, hollow = duties[p - 1].get(key) if p else None, any(self.surfaces[k]["triangles"] for k in key)
+                    self.failures.append(f"{told}: no row for a part of it{', in gap_rows' if duty.planned else ''}")
+                last, hollow = duties[p - 1].get(pair) if p else None, any(self.surfaces[k]["triangles"] for k in pair)
                 # as long as a pair stays apart on its seats, one is within a closed surface all the time, or never
                 stays = last is not None and last.bodies == duty.bodies and last.least >= 0
-                stays = stays and all(self.seats[p - 1][k] is self.seats[p][k] for k in key)
-                if hollow and duty.least >= 0 and not stays and not self.outside(p, duty):
+                stays = stays and all(self.seats[p - 1][k] is self.seats[p][k] for k in pair)
+                if hollow and duty.least >= 0 and not (stays or duty.planned) and not self.outside(p, duty):
                     self.failures.append(f"{told}: nothing shows that one is not within the other")
         return sum(len(duty.rows) for each in duties for duty in each.values()), sum(map(len, duties))
 
@@ -509,14 +635,15 @@ class World:
     def need(self, p: int, duty: Duty, n: Vector, size: arb, sides: Any, t0: float, t1: float) -> arb:
         """The gap that is required along a normal, and how much nearer what is not known may bring both bodies (N8)."""
         found, flat, phase, must = duty.least * size, length(n[:2]), self.phases[p], self.must
-        lasts = (arb(t1) + must["late"] - must["since"]).max(arb(0))
-        tools, shift = [seat["link"] >= must["tool_from"] for seat, _ in sides], arb(0)
+        if duty.planned:
+            return arb(found)
+        lasts = self.lasts(t1)
+        tools = [seat["link"] >= must["tool_from"] for seat, _ in sides]
         for f, frame in enumerate(self.frames):
             on = [seat["frame"] == f for seat, _ in sides]
             for each in frame["unknown"] if not all(tools) else ():
                 given = phase["shares"][f] if each["shared"] else (0.0, 0.0)
                 amount = each["amount"] + each["growth"] * lasts
-                shift += largest(map(abs, map(arb, given))) * amount
                 shares = [(1.0, 1.0) if x else given if tool else (0.0, 0.0) for x, tool in zip(on, tools, strict=True)]
                 share = largest(abs(arb(shares[i][1]) - shares[1 - i][0]) for i in (0, 1))
                 along = abs(dot(n, each["direction"])) if each["direction"] else flat
@@ -525,6 +652,7 @@ class World:
         for seat, solid in sides:
             across, upwards = phase["unknown"][seat["body"]]
             found += across * flat + upwards * abs(n[2])
+            shift = self.shifted(phase, t1)[0] if 0 < seat["link"] < must["tool_from"] else arb(0)
             if seat["link"] < 0 or not (any(must["lag"]) or shift > 0):
                 continue
             arm, now = self.bundle["arms"][0], self.splines[0].over(arb(t0), arb(t1))
@@ -534,11 +662,26 @@ class World:
                 moved = [arb_series([x, int(j == k)], TERMS) for j, x in enumerate(values)]
                 on = nth(chain(arm, moved), seat["link"], "link")
                 found += lag * largest(solid.support(*on.orders[1], m, None, on.upright) for m in (n, [-x for x in n]))
-            if shift > 0 and 0 < seat["link"] < must["tool_from"]:
+            if shift > 0:
                 inner, first, second = swung(arm, must["tool_from"], values[1], shift)
                 turns = [solid.reach * first, inner * first + solid.reach * second]
                 found += flat * nth(turns, seat["link"] - 1, "link of two that a correction turns, less one,")
         return found
+
+    def lasts(self, t: float) -> arb:
+        """How long displacements have grown at a time, if the robot is as late as it may be, s."""
+        return arb((arb(t) + self.must["late"] - self.must["since"]).max(arb(0)))
+
+    def shifted(self, phase: Document, t: float) -> tuple[arb, arb]:
+        """How far a correction may have shifted the tool until a time, horizontally, and up or down, m."""
+        flat, upright = arb(0), arb(0)
+        for frame, given in zip(self.frames, phase["shares"], strict=True):
+            for each in frame["unknown"]:
+                if each["shared"]:
+                    amount = largest(map(abs, map(arb, given))) * (each["amount"] + each["growth"] * self.lasts(t))
+                    flat += amount * (length(map(arb, each["direction"][:2])) if each["direction"] else 1)
+                    upright += amount * (abs(arb(each["direction"][2])) if each["direction"] else 0)
+        return flat, upright
 
     def covered(self, duty: Duty, t0: float, t1: float) -> bool:
         """Whether the rows of all pieces of a pair cover a whole phase, for all times by which one may be ahead."""
@@ -570,48 +713,230 @@ class World:
         def test(span: Document, t0: float, t1: float, *_: float) -> int:
             rates = [span[key] for key in ("velocity", "acceleration", "jerk") if span[key]]
             joints = own.over(arb(t0), arb(t1))
-            for q, low, high, *most in zip(joints, span["lower"], span["upper"], *rates, strict=True):
-                half = (arb(high) - low) / 2
-                kept = [abs(q[0] - (arb(high) + low) / 2) <= half * (1 + arb(span["shares"][0]))]
+            kept = [in_range(span, joints, [arb(0)] * len(joints))]
+            for q, *most in zip(joints, *rates, strict=True):
                 for k, (x, share) in enumerate(zip(most, span["shares"][1:], strict=False), start=1):
                     kept.append(abs(q[k]) * math.factorial(k) <= x * (1 + arb(share)))
-                if not all(kept):
-                    return IN_TIME
-            return SHOWN
+            return SHOWN if all(kept) else IN_TIME
 
         for span, (t0, t1) in product(spans, pairwise(own.edges)):
             if t1 > span["t0"] and t0 < span["t1"] and not self.everywhere(partial(test, span), t0, t1):
                 self.failures.append(f"a joint does not keep its limits from {t0:.9g} s to {t1:.9g} s")
 
-    def pointed(self) -> None:
-        """Shows where the tool is, how fast, in which direction, and how hard it accelerates with a part (N9)."""
+    def corrected(self) -> None:
+        """Shows that the arm keeps its ranges and its reach, with what a correction adds (N10)."""
+        edges, must = self.splines[0].edges, self.must
 
-        def near(point: Document, t0: float, t1: float, *_: float) -> int:
-            limits, bend = [*point["height"], point["position"], *point["yaw"]], (arb(t1) - t0) ** 2 / 8
-            bends = [length(s[2] * 2 for s in vector) * bend for vector in self.relative(point, t0, t1)]
-            for t in (t0, t1):
-                vectors = self.relative(point, t, t)
-                if not all(length(s[0] for s in v) + x <= y for v, x, y in zip(vectors, bends, limits, strict=True)):
-                    return IN_TIME
-            rates = self.relative({**point, "height": []}, t0, t0) if point["rates"] else []
-            fast = [length(s[1] for s in v) <= most for v, most in zip(rates, point["rates"], strict=True)]
-            return SHOWN if all(fast) else WRONG
+        def test(phase: Document, t0: float, t1: float, *_: float) -> int:
+            shift, rise = self.shifted(phase, t1)
+            if shift == 0 and rise == 0:
+                return SHOWN
+            joints = self.splines[0].over(arb(t0), arb(t1))
+            elbow = nth(joints, 1, "joint")[0] + arb(0, nth(must["lag"], 1, "lag"))
+            first, second = swung(self.bundle["arms"][0], must["tool_from"], elbow, shift)[1:]
+            spans = [span for span in self.bundle["limits"] if span["t1"] > t0 and span["t0"] < t1]
+            more = [first, first + second, rise, second]
+            return SHOWN if all(in_range(span, joints, more) for span in spans) else IN_TIME
 
-        def gentle(rate: Document, t0: float, t1: float, *_: float) -> int:
-            tool = self.carrier(rate["link"], -1, t0, t1).point(rate["point"])
-            return SHOWN if length(s[2] * 2 for s in tool) <= rate["most"] else IN_TIME
+        for phase in self.phases:
+            t0, t1 = max(phase["t0"], edges[0]), min(phase["t1"], edges[-1])
+            if phase["robot"] and t0 <= t1 and not self.everywhere(partial(test, phase), t0, t1):
+                self.failures.append(f"a correction brings a joint beyond its range from {t0:.9g} s to {t1:.9g} s")
 
-        def aimed(axis: Document, t0: float, t1: float, *_: float) -> int:
-            way = [[constant(x) for x in axis[key]] for key in ("axis", "direction")]
-            turns = [self.carrier(axis["link"], -1, *span).columns for span in ((t0, t1), (t0, t0), (t1, t1))]
-            over, *ends = (dot(way[0], [dot(column, way[1]) for column in columns]) for columns in turns)
-            bend = abs(over[2] * 2) * (arb(t1) - t0) ** 2 / 8
-            return SHOWN if all(axis["low"] <= s[0] - bend and s[0] + bend <= axis["high"] for s in ends) else IN_TIME
+    def stated(self) -> None:
+        """Shows all rows about the tool and the joints."""
+        tests: dict[str, Callable[..., int]] = {"points": self.near, "rates": self.fast, "axes": self.aimed}
+        tests |= {"sums": self.summed, "guides": self.led, "distances": self.close, "errors": self.missed}
+        for key, test in tests.items():
+            for k, row in enumerate(self.bundle[key]):
+                t0, t1 = (row.get(end, row.get("time")) for end in ("t0", "t1"))
+                ahead = self.ahead(row["frame"], self.must["late"]) if key == "errors" else (Fraction(0), Fraction(0))
+                if not self.everywhere(partial(test, row), t0, t1, *(fmpq(s.numerator, s.denominator) for s in ahead)):
+                    self.failures.append(f"{key}, {row.get('name', k)}, from {t0:.9g} s to {t1:.9g} s")
 
-        for test, key in ((near, "points"), (gentle, "rates"), (aimed, "axes")):
-            for claim in self.bundle[key]:
-                if not self.everywhere(partial(test, claim), claim["t0"], claim["t1"]):
-                    self.failures.append(f"the tool, {claim['name']}, from {claim['t0']:.9g} s to {claim['t1']:.9g} s")
+    def short(self, vectors: Callable[[float, float], list[Vector]], limits: Vector, t0: float, t1: float) -> int:
+        """Whether vectors are no longer than their limits from t0 to t1 (N9)."""
+        most = (arb(t1) - t0) ** 2 / 8
+        bends = [length(s[2] * 2 for s in vector) * most for vector in vectors(t0, t1)]
+        for t in (t0, t1):
+            here = zip(vectors(t, t), bends, limits, strict=True)
+            if not all(length(s[0] for s in vector) + bend <= limit for vector, bend, limit in here):
+                return IN_TIME
+        return SHOWN
+
+    def near(self, point: Document, t0: float, t1: float, *_: float) -> int:
+        """Whether the tool is at its point; and how fast it leaves it as that time begins."""
+        limits = [*point["height"], point["position"], *point["yaw"]]
+        found = self.short(partial(self.relative, point), limits, t0, t1)
+        rates = self.relative({**point, "height": []}, t0, t0) if point["rates"] and found == SHOWN else []
+        fast = [length(s[1] for s in v) <= most for v, most in zip(rates, point["rates"], strict=bool(rates))]
+        return found if all(fast) else WRONG
+
+    def fast(self, rate: Document, t0: float, t1: float, *_: float) -> int:
+        """Whether the velocity of a point in a frame, or its acceleration in the world, is as long as is claimed: for
+        all values of a time at once, or by the rate of its square (N12)."""
+        order, edges, middle = rate["order"], self.splines[0].edges, (t0 + t1) / 2
+        least, most = arb(rate["least"]), arb(rate["most"])
+        if order > 1 and rate["frame"] >= 0:
+            raise ValueError("an acceleration is claimed in the world only")
+
+        def moving(a: float, b: float) -> tuple[Vector, Vector]:
+            way = self.carrier(rate["link"], -1, a, b).point(rate["point"])
+            if rate["frame"] >= 0:
+                there = self.carrier(-1, rate["frame"], a, b)
+                away = [x - y for x, y in zip(way, there.place, strict=True)]
+                way = [dot(column, away) for column in there.columns]
+            return [s[order] * order for s in way], [s[order + 1] * math.factorial(order + 1) for s in way]
+
+        over, change = moving(t0, t1)
+        if shortest(over) >= least and length(over) <= most:
+            return SHOWN
+        if order > 1 and bisect_right(edges, t0) != bisect_left(edges, t1):
+            return IN_TIME  # the acceleration may jump
+        here = moving(middle, middle)[0]
+        off = 2 * abs(dot(over, change)) * (arb(t1) - middle).max(middle - arb(t0))
+        return SHOWN if dot(here, here) - off >= least * least and dot(here, here) + off <= most * most else IN_TIME
+
+    def aimed(self, axis: Document, t0: float, t1: float, *_: float) -> int:
+        """Whether a scalar product of an axis, or of the way to a point, and a direction is in its range."""
+        middle, half = (arb(axis["high"]) + axis["low"]) / 2, (arb(axis["high"]) - axis["low"]) / 2
+
+        def off(a: float, b: float) -> list[Vector]:
+            on, direction = self.carrier(axis["link"], -1, a, b), [constant(x) for x in axis["direction"]]
+            way = on.point(axis["axis"]) if axis["place"] else on.direction(axis["axis"])
+            if axis["other"] >= 0:
+                base = self.carrier(axis["other"], -1, a, b)
+                direction = base.direction(axis["direction"])
+                way = [x - y for x, y in zip(way, base.place, strict=True)] if axis["place"] else way
+            return [[dot(way, direction) - middle]]
+
+        return self.short(off, [half], t0, t1)
+
+    def summed(self, row: Document, t0: float, t1: float, *_: float) -> int:
+        """Whether a sum of shares of the joints, or a derivative of it, is in its range."""
+        joints, order = self.splines[0].over(arb(t0), arb(t1)), row["order"]
+        total = sum((q[order] * share for q, share in zip(joints, row["joints"], strict=True)), arb(0))
+        total *= math.factorial(order)
+        return SHOWN if total >= row["low"] and total <= row["high"] else IN_TIME
+
+    def led(self, guide: Document, t0: float, t1: float, *_: float) -> int:
+        """Whether the tool is at its guide, from a point of one frame to a point of another."""
+        (first, last), h = map(arb, guide["shares"]), arb(guide["t1"]) - guide["t0"]
+        if h == 0 and first != last:
+            raise ValueError("a guide has one share at an instant")
+        slope = (last - first) / h if h > 0 else arb(0)
+
+        def off(a: float, b: float) -> list[Vector]:
+            share = arb_series([first + slope * (arb(a).union(arb(b)) - guide["t0"]), slope], TERMS)
+            tool = self.carrier(guide["link"], -1, a, b).point(guide["tool"])
+            ends = zip(guide["frames"], (guide["from"], guide["to"]), strict=True)
+            one, other = (self.carrier(-1, f, a, b).point(end) for f, end in ends)
+            return [[w - x - share * (y - x) for w, x, y in zip(tool, one, other, strict=True)]]
+
+        return self.short(off, [guide["most"]], t0, t1)
+
+    def close(self, row: Document, t: float, *_: float) -> int:
+        """Whether two bodies are as near each other as is claimed: points of both are, which weights choose (N14)."""
+        p, weights, found = row["phase"], row["weights"], [arb(0)] * 3
+        phase, total = nth(self.phases, p, "phase"), sum(map(arb, weights), arb(0))
+        if not (phase["t0"] <= t <= phase["t1"] and abs(total - 1) <= CLOSED):
+            return WRONG
+        for body, piece, sign in zip(row["bodies"], row["pieces"], (-1, 1), strict=True):
+            seat = nth(self.seats[p], body, "body")
+            solid, (place, columns) = self.solid(seat, piece), self.carrier(seat["link"], seat["frame"], t, t).orders[0]
+            for k, weight in enumerate(weights):
+                if weight > 0:
+                    way = [arb(x) * -sign for x in row["directions"][3 * k : 3 * k + 3]]
+                    size = dot(way, way).sqrt()
+                    if not size > 0:
+                        return WRONG
+                    point = solid.farthest([dot(column, way) / size for column in columns])
+                    at = [x + dot(axes, point) for x, *axes in zip(place, *columns, strict=True)]
+                    found = [x + sign * weight * y / total for x, y in zip(found, at, strict=True)]
+        return SHOWN if length(found) <= row["most"] else WRONG
+
+    def missed(self, row: Document, t: float, _: float, s0: Any, s1: Any) -> int:
+        """Whether the tool is no farther from its point than is claimed, while the frame is from s0 to s1 ahead of the
+        clock (N15). Of its way the ends count and how far it bends between them; of its turn all of it."""
+        phase, f, yaw = nth(self.phases, row["phase"], "phase"), row["frame"], arb(self.frames[row["frame"]]["yaw"])
+        if not phase["t0"] <= t <= phase["t1"]:
+            return WRONG
+        key = ("missed", id(row))
+        if key not in self.kept:
+            self.kept[key] = self.unsure(row, phase, t)
+        straight, flat, upright, turn = self.kept[key]
+        now, on = self.carrier(-1, f, t, t), self.carrier(row["link"], -1, t, t)
+        tool, limits = on.point(row["tool"][:3]), [row[x] for x in ("distance", "horizontal", "vertical", "yaw")]
+        over = self.carrier(-1, f, t, t, s0, s1)
+        way, bend = over.point(row["target"][:3]), (arb(s1) - s0) ** 2 / 8
+        arm = [2 * (x[2] - y[2]) for x, y in zip(way[:2], over.place, strict=False)]
+        bow, rise = (length(2 * x[2] for x in way[:2]) + yaw * length(arm)) * bend, abs(2 * way[2][2]) * bend
+
+        def kept(bow: Any, rise: Any, turns: list[Carrier]) -> bool:
+            turned = turn + largest(heading(now, there) for there in turns)
+            for s in {s0, s1}:
+                there = self.carrier(-1, f, t, t, s, s)
+                point = [x[0] for x in there.point(row["target"][:3])]
+                x, y = (a - b[0] for a, b in zip(point[:2], there.place, strict=False))
+                away = [a[0] - b for a, b in zip(tool, point, strict=True)]
+                far, side, height = farthest(away, [*straight, [-yaw * y, yaw * x, arb(0)]], flat + bow, upright + rise)
+                found = (far + turned * row["arm"], side, height, turned)
+                if not all(x <= most for x, most in zip(found, limits, strict=True)):
+                    return False
+            return True
+
+        if kept(bow, rise, [over]):
+            return SHOWN
+        return AHEAD if s1 > s0 and kept(0, 0, [self.carrier(-1, f, t, t, s, s) for s in (s0, s1)]) else WRONG
+
+    def unsure(self, row: Document, phase: Document, t: float) -> tuple[list[Vector], arb, arb, arb]:
+        """What adds to an error at any lateness (N15): vectors that count with either sign, how far it may be
+        horizontally in each direction, how far up or down, m, and how far it may be turned, rad."""
+        flat, upright, turn = map(arb, row["off"])
+        straight, tools, f = list[Vector](), row["link"] >= self.must["tool_from"], row["frame"]
+        for k, (frame, given) in enumerate(zip(self.frames, phase["shares"], strict=True)):
+            for each in frame["unknown"]:
+                shares = given if each["shared"] and tools else (0, 0)
+                share = largest(abs(arb(int(k == f)) - x) for x in shares)
+                amount = share * (each["amount"] + each["growth"] * self.lasts(t))
+                if each["direction"]:
+                    straight.append([amount * x for x in each["direction"]])
+                else:
+                    flat += amount
+        yaw, lag, link = arb(self.frames[f]["yaw"]), self.must["lag"], row["link"]
+        flat, turn = flat + length(map(arb, row["target"][:2])) * yaw * yaw / 2, turn + yaw
+        moves, arm = [k for k, x in enumerate(lag) if x > 0], self.bundle["arms"][0]
+        coupled = nth(arm["links"], link, "link")["coupler"] >= 0
+        now = [x[0] for x in self.splines[0].over(arb(t), arb(t))]
+        near = [x + arb(0, most) for x, most in zip(now, lag, strict=True)]
+        first = chain(arm, [constant(x) for x in now])[link].columns[0]
+
+        def moved(values: Vector, *joints: int) -> Vector:
+            """The tool point, and the sine of its turn on a coupler, as series, while these joints move at the rates of
+            their lag."""
+            rates = [arb(most) if k in joints else arb(0) for k, most in enumerate(lag)]
+            on = chain(arm, [arb_series([x, rate], TERMS) for x, rate in zip(values, rates, strict=True)])[link]
+            (x, y), (u, v) = on.columns[0][:2], (a[0] for a in first[:2])
+            if coupled and not u * x[0] + v * y[0] > 0:
+                raise ArithmeticError("joints that lag turn the tool too far")
+            return [*on.point(row["tool"][:3]), y * u - x * v if coupled else constant(0)]
+
+        sine, twice = arb(0), {k: [x[2] * 2 for x in moved(near, k)] for k in moves}
+        for k in moves:
+            *way, turned = (x[1] for x in moved(now, k))
+            straight.append(way)
+            sine += abs(turned)
+        bows = [[x / 2 for x in bow] for bow in twice.values()]
+        for j, k in combinations(moves, 2):
+            both = zip(moved(near, j, k), twice[j], twice[k], strict=True)
+            bows.append([(x[2] * 2 - y - z) / 2 for x, y, z in both])
+        for x, y, z, turned in bows:
+            flat, upright, sine = flat + length([x, y]), upright + abs(z), sine + abs(turned)
+        if arm["links"][link]["pitch"] is None and moves:
+            shares = arm["links"][link]["yaw"]["joints"]
+            sums = sum((abs(arb(x)) * most for x, most in zip(shares, lag, strict=True)), arb(0))
+            turn += sine.upper().asin() if coupled else sums
+        return straight, flat, upright, turn
 
     def relative(self, point: Document, t0: float, t1: float) -> list[Vector]:
         """The tool point as its control point sees it, as vectors. If a range of heights is allowed: how far it is from
@@ -643,12 +968,44 @@ def finite(text: str) -> int:
     return int(text)
 
 
+FORMER, TABLES = "assur-bundle/2", ("sums", "guides", "distances", "errors", "gap_rows")
+"""The form before, and the tables that it does not have. It has `pulls` in place of `rates`."""
+ADDED: Document = {
+    "frames": {"period": 0.0, "step": [0.0] * 4},
+    "axes": {"place": False, "other": -1},
+    "required": {"nearest": -1.0, "placed": -1.0},
+}
+"""What other parts of the form before do not have, and what means the same."""
+
+
+def converted(document: Document) -> Document:
+    """A document of the form before in the present one: a pull is a rate of order 2, no greater than it allows. Raises
+    `ValueError` if parts are missing, or are not of that form."""
+    try:
+        parts: list[tuple[Document, Document]] = [(document, {key: [] for key in TABLES} | {"rates": []})]
+        for key, added in ADDED.items():
+            parts += [(each, added) for each in (document[key] if key != "required" else [document[key]])]
+        for each, added in parts:
+            if each.keys() & added.keys():
+                raise ValueError(f"{min(each.keys() & added.keys())} is no part of {FORMER}")
+            each.update(added)
+        for pull in document.pop("pulls"):
+            most = min(Fraction(pull.pop("most")) * (1 + Fraction(pull.pop("share"))), Fraction(1e300))
+            pull.update(point=pull.pop("tool")[:3], frame=-1, order=2, least=0.0, most=math.nextafter(float(most), 0.0))
+            document["rates"].append(pull)
+    except (KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f"no {FORMER}: {error}") from error
+    return {**document, "schema": "assur-bundle/3"}
+
+
 def read(data: bytes) -> Document:
-    """The bundle in a file. Raises `ValueError`."""
+    """The bundle in a file, in the present form. Raises `ValueError`."""
     if len(data) > MOST_BYTES:
         raise ValueError(f"{len(data)} bytes; up to {MOST_BYTES} are allowed")
     try:
         document = json.loads(data, object_pairs_hook=once, parse_constant=finite, parse_int=finite)
+        if isinstance(document, dict) and document.get("schema") == FORMER:
+            document = converted(document)
         wrong = next(validator_for(json.loads(SCHEMA.read_bytes())).iter_errors(document), None)
     except RecursionError as error:
         raise ValueError("lists within lists, too deep") from error
@@ -657,27 +1014,20 @@ def read(data: bytes) -> Document:
     for where, low, high in ranges(document):
         if low > high:  # nothing is in this range, so that nothing would be claimed
             raise ValueError(f"{where}: {high:.9g} is less than {low:.9g}, with which its range begins")
-    kinds, required = ("sums", "guides", "distances", "errors", "gap_rows"), document["required"]
-    plain = all(x["order"] == 2 and x["least"] == 0 and x["frame"] < 0 for x in document["rates"])
-    plain = plain and not any(x["place"] or x["other"] >= 0 for x in document["axes"])
-    plain = plain and not any(x["period"] for x in document["frames"])
-    plain = plain and max(required["nearest"], required["placed"]) < 0
-    if not plain or any(document[key] for key in kinds):
-        raise ValueError("rows of a kind that is not shown yet")
     return dict(document)
 
 
 def ranges(bundle: Document) -> Iterator[tuple[str, float, float]]:
     """The ranges of a bundle: for each the place of its second number, and both numbers."""
-    parts, ends = ("phases", "limits", "points", "rates", "axes", "rows"), (("t0", "t1"), ("s0", "s1"), ("low", "high"))
-    for part, (low, high) in product(parts, ends):
+    parts = ("phases", "limits", "points", "rates", "axes", "sums", "guides", "rows", "gap_rows")
+    for part, (low, high) in product(parts, (("t0", "t1"), ("s0", "s1"), ("low", "high"), ("least", "most"))):
         yield from ((f"{part}.{k}.{high}", x[low], x[high]) for k, x in enumerate(bundle[part]) if low in x)
     yield from ((f"frames.{k}.shift.1", *frame["shift"]) for k, frame in enumerate(bundle["frames"]))
     shares = ((k, f, share) for k, phase in enumerate(bundle["phases"]) for f, share in enumerate(phase["shares"]))
     yield from ((f"phases.{k}.shares.{f}.1", *share) for k, f, share in shares)
 
 
-def claimed(world: World, alone: float, rows: int, pairs: int) -> Document:
+def claimed(world: World, alone: float, rows: int, pairs: int, gap_rows: int, gap_pairs: int) -> Document:
     """What a bundle claims, in words and numbers: how much of each kind, and the most that it allows."""
     bundle, must, own, limits = world.bundle, world.must, world.splines[0].edges, world.bundle["limits"]
     contacts, put_down = ([each for phase in world.phases for each in phase[key]] for key in ("contacts", "put_down"))
@@ -688,14 +1038,28 @@ def claimed(world: World, alone: float, rows: int, pairs: int) -> Document:
         whole = [span[key] for span in limits if span["t0"] <= own[0] and own[-1] <= span["t1"] and span[key]]
         return [max(x) if key == "lower" else min(x) for x in zip(*whole, strict=True)] or "not limited"
 
+    def counted(what: str, most: str, values: list[float]) -> Document:
+        return {f"times and intervals {what}": len(values), most: max([0, *values])}
+
+    def most(table: str, key: str) -> list[float]:
+        return [each[key] for each in bundle[table]]
+
+    speeds, pulls = ([each["most"] for each in bundle["rates"] if each["order"] == order] for order in (1, 2))
+    turned, reached = ([x["high"] - x["low"] for x in bundle["axes"] if x["place"] is place] for place in (False, True))
+    sums = [each["high"] - each["low"] for each in bundle["sums"]]
     return {
         **{key: bundle[key] for key in ("plan_digest", "request_digest")},
         "the robot keeps clear from and until, s": [own[0], alone],
         "parts that it put down keep clear until, s": must["until"],
         "pairs of bodies that keep their distance, counted in each phase": pairs,
         "rows that show it": rows,
+        "planes among the rows": sum(row["bodies"][1] < 0 for row in bundle["rows"]),
         "distances in travel and near a control point, m": [must["travel"], must["near"]],
         "smallest distance of a pair, m": min(x for r in (must, *must["exceptions"]) for x in (r["travel"], r["near"])),
+        "second distance of the robot's bodies, m": must["nearest"] if must["nearest"] >= 0 else "not claimed",
+        "second distance of parts that were put down, m": must["placed"] if must["placed"] >= 0 else "not claimed",
+        "pairs of bodies that keep their second distance, counted in each phase": gap_pairs,
+        "rows that show the second distances": gap_rows,
         "bodies from meshes, with what they enclose": sum(bool(shell["triangles"]) for shell in world.surfaces),
         "pairs of the robot's links that keep apart": sum(len(pair) == 2 and pair <= links for pair in asked),
         "parts that were put down, counted in each phase": len(put_down),
@@ -703,6 +1067,7 @@ def claimed(world: World, alone: float, rows: int, pairs: int) -> Document:
         "deepest contact, m": max([0, *(each["depth"] for each in contacts)]),
         "greatest delay of the robot's start, s": must["late"],
         "greatest lag of a joint, rad or m": max(must["lag"]),
+        "frames that repeat their motion": sum(frame["period"] > 0 for frame in world.frames),
         "frames of which something is not known": len(unsure),
         "greatest displacement of a frame, m": max([0, *(x["amount"] for frame in unsure for x in frame["unknown"])]),
         "its greatest growth, m/s": max([0, *(x["growth"] for frame in unsure for x in frame["unknown"])]),
@@ -713,9 +1078,15 @@ def claimed(world: World, alone: float, rows: int, pairs: int) -> Document:
         **{f"limits of each joint, {key}": kept(key) for key in ("lower", "upper", "velocity", "acceleration", "jerk")},
         "times and intervals at which the tool is where it must be": len(bundle["points"]),
         "farthest that it may be off, m": max([0, *(each["position"] for each in bundle["points"])]),
-        "times and intervals at which an axis of the tool has its direction": len(bundle["axes"]),
-        "intervals in which the tool accelerates no harder than its part allows": len(bundle["rates"]),
-        "hardest that a part allows, m/s²": max([0, *(each["most"] for each in bundle["rates"])]),
+        **counted("at which the velocity of a point is bounded", "greatest velocity, m/s", speeds),
+        **counted("at which the acceleration of a point is bounded", "greatest acceleration, m/s²", pulls),
+        **counted("at which an axis has a direction", "widest range of a direction", turned),
+        **counted("at which a point has a place along a direction", "widest range of such a place, m", reached),
+        **counted("at which a sum of joints or a derivative of it is bounded", "widest range of a sum", sums),
+        **counted("at which a point is at its guide", "farthest from a guide, m", most("guides", "most")),
+        **counted("at which two bodies are near each other", "farthest of these, m", most("distances", "most")),
+        **counted("at which the error of the tool is bounded", "greatest error, m", most("errors", "distance")),
+        "greatest turn in an error, rad": max([0, *most("errors", "yaw")]),
     }
 
 
@@ -736,8 +1107,9 @@ def prove(data: bytes) -> tuple[bool, Any]:
         if not alone >= edges[-1]:
             failures.append(f"the robot keeps clear until {alone:.9g} s, and moves until {edges[-1]:.9g} s")
         world.limited()
-        world.pointed()
-        counts = world.apart()
+        world.corrected()
+        world.stated()
+        counts = (*world.apart("rows"), *world.apart("gap_rows"))
         lines = [*failures[:MOST_TOLD], f"claims that are not shown: {len(failures)}"]
         return not failures, lines if failures else claimed(world, alone, *counts)
     except (IndexError, TypeError) as error:

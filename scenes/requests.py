@@ -357,7 +357,7 @@ def read_plan(cell: Cell, plan: object, *, proved_anew: bool = False) -> tuple[P
 def check_plan(cell: Cell, made: Plan, told: tuple[Finding, ...] = (), claims: Claims | None = None) -> dict[str, Any]:
     """The checker's verdict on a plan that has been read, and on what is claimed of it (None: nothing is), with the
     lower bound computed again. `told`: findings before the checker's, who knows no documents."""
-    from assur.planner.checker import check
+    from assur.planner.checked import check
     from assur.planner.model.claims import NOTHING
     from assur.scenes.reading.claims import untrue_bound, untrue_errors
 

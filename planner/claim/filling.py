@@ -8,9 +8,12 @@ from functools import cached_property
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
+from assur.planner.claim.arrival_errors import errors_of
 from assur.planner.claim.columns import Claim
 from assur.planner.claim.distances import is_limited, required_of
 from assur.planner.claim.frames import Frames, frames_of
+from assur.planner.claim.guides import guides_of
+from assur.planner.claim.joint_sums import sums_of
 from assur.planner.claim.limits import JointLimits
 from assur.planner.claim.obligations import Carriers, Seats, carriers_of, distances_of, phases_of, seats_of
 from assur.planner.claim.points import axes_of, points_of, rates_of
@@ -76,7 +79,10 @@ def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = Non
     return with_motion(base, plan, phases)._replace(
         points=c.table("points", [row for _, row in points_of(scene, plan)]),
         axes=c.table("axes", [row for _, row in axes_of(scene, plan) + base.postures.of_plan(plan)]),
+        sums=c.table("sums", sums_of(scene, plan)),
+        guides=c.table("guides", guides_of(scene, plan)),
         distances=c.table("distances", distances),
+        errors=c.table("errors", errors_of(scene, plan, phases)),
     )
 
 

@@ -1,4 +1,4 @@
-"""What is claimed of the tool: where it is, how hard it accelerates with a part, and which way its axes point.
+"""What is claimed of the tool: where it is, how fast and how hard it accelerates, and which way its axes point.
 
 Each function gives rows with what they are called for people.
 """
@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from assur.planner.claim import columns as c
+from assur.planner.claim.lifts import arch_top
 from assur.planner.model.attachments import at_start
 from assur.planner.model.outcome import TRACKING, LegKind, Plan
 from assur.planner.model.phases import Phase
@@ -23,10 +25,13 @@ CARRY_SHARE = 1e-6
 UP = (0.0, 0.0, 1.0)
 FREE = -1.0
 """In place of an error: nothing is claimed of it."""
+ANYWHERE_M = 2.0 * c.FARTHEST_M
+"""How far the tool may be from a point of which only the yaw counts."""
 
 
 def points_of(scene: Scene, plan: Plan) -> Rows:
-    """Where the tool is at its control points, and on legs that track them."""
+    """Where the tool is at its control points, on legs that track them, and where the straight parts of these begin and
+    end."""
     found, tcp, link = Rows(), scene.tool.tcp, len(scene.robot.links) - 1
     frames, tool = list(scene.frames), (tcp.x, tcp.y, tcp.z, tcp.yaw)
     attached, arrivals = at_start(scene), {arrival.step: arrival for arrival in plan.arrivals}
@@ -34,23 +39,33 @@ def points_of(scene: Scene, plan: Plan) -> Rows:
     met, turning, tracked = (MEET_RAD, MEET_RAD_S, TRACKED_RAD) if turns else (FREE, FREE, FREE)
     for number, step in enumerate(scene.task):
         arrival = arrivals[number]
-        if isinstance(step, Trace):
-            continue  # it takes no part and puts none down
         frame, flange = attached.flange(scene, step, arrival.yaw_offset)
         at = flange.then(tcp)
         target = (frames.index(frame), link, *tool, at.x, at.y, at.z, at.yaw)
-        # a via that may be missed has an error of its own
-        for t in () if step.via and scene.options.vias_missed else dict.fromkeys((arrival.time, arrival.until)):
+        legs = [leg for leg in plan.legs if leg.step == number and leg.kind in TRACKING]
+        if isinstance(step, Trace):
+            # guides state where the tool is; it keeps its yaw in the frame
+            if turns:
+                yaw = (0.0, FREE, ANYWHERE_M, tracked, FREE, FREE)
+                found.append((step.name, (legs[0].t0, legs[-1].t1, *target, *yaw)))
+            continue
+        # a via that is missed is passed at a distance: the rest is of the pose that is missed
+        missed = arrival.missed_by
+        for t in dict.fromkeys((arrival.time, arrival.until)):
             fast = t == arrival.time and (arrival.matched or _matches(step))
             rates = (MEET_M_S, turning) if fast else (FREE, FREE)
-            found.append((step.name, (t, t, *target, 0.0, FREE, MEET_M, met, *rates)))
-        for leg in plan.legs:
-            if leg.step == number and leg.kind in TRACKING:
-                half, height = 0.0, FREE
-                if leg.kind is not LegKind.FOLLOW and step.part is not None:
-                    half = scene.straight(step)[leg.kind is LegKind.DEPART] / 2.0
-                    height = half + TRACKED_M
-                found.append((step.name, (leg.t0, leg.t1, *target, half, height, TRACKED_M, tracked, FREE, FREE)))
+            near = (MEET_M, met) if missed is None else (missed.distance_m + MEET_M, FREE)
+            found.append((step.name, (t, t, *target, 0.0, FREE, *near, *rates)))
+        for leg in legs:
+            half, height = 0.0, FREE
+            if leg.kind is not LegKind.FOLLOW and step.part is not None:
+                length = scene.straight(step)[leg.kind is LegKind.DEPART]
+                half, height = length / 2.0, length / 2.0 + TRACKED_M
+                first = leg.kind is LegKind.APPROACH
+                outer, stops = (leg.t0, step.approach_stop) if first else (leg.t1, step.depart_stop)
+                rates = (MEET_M_S, turning) if stops else (FREE, FREE)
+                found.append((step.name, (outer, outer, *target, length, TRACKED_M, TRACKED_M, tracked, *rates)))
+            found.append((step.name, (leg.t0, leg.t1, *target, half, height, TRACKED_M, tracked, FREE, FREE)))
         attached = attached.after(scene, step, arrival.yaw_offset)
     return found
 
@@ -61,36 +76,49 @@ def _matches(step: Step) -> bool:
 
 
 def rates_of(scene: Scene, plan: Plan, phases: Sequence[Phase]) -> Rows:
-    """When a part is held, how hard the tool point accelerates at most."""
+    """How hard the tool point accelerates at most when a part is held, and how fast it is on the path of a trace."""
     limit, end, tcp, link = scene.carry_acceleration, plan.trajectory.end, scene.tool.tcp, len(scene.robot.links) - 1
-    if limit is None:
-        return []
-    most = limit * (1.0 + CARRY_SHARE)
-    return [
-        (str(each.kind), (each.t0, min(each.t1, end), link, tcp.x, tcp.y, tcp.z, -1, 2, 0.0, most))
-        for each in phases
-        if each.attached.held is not None and each.t0 < end
-    ]
+    tool, found = (link, tcp.x, tcp.y, tcp.z), Rows()
+    if limit is not None:
+        most = limit * (1.0 + CARRY_SHARE)
+        found += [
+            (str(each.kind), (each.t0, min(each.t1, end), *tool, -1, 2, 0.0, most))
+            for each in phases
+            if each.attached.held is not None and each.t0 < end
+        ]
+    for arrival in plan.arrivals:
+        trace, step = arrival.trace, scene.task[arrival.step]
+        if trace is not None and step.target is not None:
+            frame = list(scene.frames).index(step.target.frame)
+            speeds = (trace.slowest_m_s, trace.fastest_m_s)
+            found.append((step.name, (arrival.time, arrival.until, *tool, frame, 1, *speeds)))
+    return found
 
 
 def axes_of(scene: Scene, plan: Plan) -> Rows:
-    """Directions of the tool: outside of forbidden ranges of yaw, and with the pitch and roll of arrivals."""
+    """Directions of the tool: outside of forbidden ranges of yaw, and yaws that are kept. How high an arch reaches."""
     found, path, link, lag = Rows(), plan.trajectory, len(scene.robot.links) - 1, scene.execution.lag
+    tcp = scene.tool.tcp
+    ahead, aside = (math.cos(tcp.yaw), math.sin(tcp.yaw), 0.0), (-math.sin(tcp.yaw), math.cos(tcp.yaw), 0.0)
     for each in scene.forbidden_yaw:
         late = lag[0] + lag[1] + lag[3] if lag else 0.0
-        axis = (math.cos(scene.tool.tcp.yaw), math.sin(scene.tool.tcp.yaw), 0.0)
         away = (math.cos(each.middle), math.sin(each.middle), 0.0)
         high = math.cos(min(each.width / 2.0 + late, math.pi))
-        found.append(("forbidden yaw", (path.start, path.end, link, 0, *axis, -1, *away, -2.0, high)))
-    for arrival in plan.arrivals:
-        if arrival.pitch is None or arrival.roll is None or arrival.missed_by is not None:
-            continue
-        spans = ((arrival.time, MEET_RAD), (arrival.until, TRACKED_RAD))
-        for t1, off in spans[: 1 + (arrival.until > arrival.time)]:
-            for axis, value in (
-                ((1.0, 0.0, 0.0), math.sin(arrival.pitch)),
-                ((0.0, 1.0, 0.0), math.sin(arrival.roll) * math.cos(arrival.pitch)),
-            ):
-                row = (arrival.time, t1, link, 0, *axis, -1, *UP, value - off, value + off)
-                found.append((arrival.control_point, row))
+        found.append(("forbidden yaw", (path.start, path.end, link, 0, *ahead, -1, *away, -2.0, high)))
+    for number, step in enumerate(scene.task):
+        if step.target is not None and step.target.yaw_keep:
+            # the yaw of the tool when the step begins; its point row states that it is met with this yaw
+            yaw = (
+                (scene.frames[step.target.frame].law.yaw or 0.0)
+                + step.target.pose.yaw
+                + plan.arrivals[number].yaw_offset
+            )
+            begin, same = (math.cos(yaw), math.sin(yaw), 0.0), (link, 0)
+            t = next(leg.t0 for leg in plan.legs if leg.step == number)
+            found.append((step.name, (t, t, *same, *aside, -1, *begin, -MEET_RAD, MEET_RAD)))
+            found.append((step.name, (t, t, *same, *ahead, -1, *begin, 0.5, 2.0)))
+        if step.arch is not None:
+            t = arch_top(scene, plan, number)
+            high = step.arch.top_m - MEET_M
+            found.append((step.name, (t, t, link, 1, tcp.x, tcp.y, tcp.z, -1, *UP, high, c.GREATEST)))
     return found

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.refusals.ways import ways
-from assur.planner.feasibility.spots import posture, spots
+from assur.planner.checker.refusals.places import spots
+from assur.planner.checker.refusals.ways import is_turn, ways
+from assur.planner.feasibility.spots import posture
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.tilt import tilts
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.scene import Scene
-
-TURN_RAD = 1e-9
-"""Turns of a part that differ by no more are one, rad."""
 
 
 def met_posture(
@@ -23,10 +21,10 @@ def met_posture(
         return None
     tilt = tilts(scene, scene.task[number], scene.start.q)[0]
     for way in ways(scene, number):
-        if way.turn is not turn and (way.turn is None or turn is None or abs(way.turn - turn) > TURN_RAD):
+        if not is_turn(way.turn, turn):
             continue
         point = control_point(scene, number, way.before, way.turn or 0.0, tilt)
-        for spot in spots(scene, point, way.before):
+        for spot in spots(scene, number, way.before, way.after):
             q = posture(scene, point, spot, scene.robot.modes.index(mode)) if spot.place == place else None
             if q is not None:
                 return q, spot.attached

@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from assur.planner.checker.refusals.overshoot import overshoots
+from assur.planner.checker.refusals.places import Spot, spots
 from assur.planner.collision.at_rest import Within, closest, enclosed
 from assur.planner.collision.proof import Prover
-from assur.planner.feasibility.overshoot import overshoots
 from assur.planner.feasibility.reach import beyond_every_pitch, out_of_range, whatever_the_yaw
-from assur.planner.feasibility.spots import Spot, in_the_way, spots
+from assur.planner.feasibility.spots import in_the_way
 from assur.planner.feasibility.witnesses import shown
 from assur.planner.kernels.solids import REACH
 from assur.planner.legs.arched import too_high
@@ -62,7 +63,7 @@ def start_impossible(scene: Scene, prover: Prover) -> Refusal | None:
     return (
         overloaded(scene)
         or _start_beyond_limits(scene)
-        or _start_overshoots(scene, prover)
+        or next(overshoots(scene), None)
         or _laws_over(scene)
         or _start_enclosed(scene, prover)
         or _no_path(scene)
@@ -206,11 +207,6 @@ def _start_beyond_limits(scene: Scene) -> Refusal | None:
     return None
 
 
-def _start_overshoots(scene: Scene, prover: Prover) -> Refusal | None:
-    """The first joint that exceeds a limit after the start however hard it brakes, if the checker is shown it."""
-    return next((refusal for refusal in overshoots(scene) if shown(scene, prover, refusal)), None)
-
-
 def _laws_over(scene: Scene) -> Refusal | None:
     """Whether the motion of a frame that bears a body is not known at the start."""
     start = scene.start.time
@@ -276,7 +272,7 @@ def _point(
     t = scene.start.time
     if not point.still and not _known(scene, point.frame, t):
         return None
-    around = spots(scene, point, attached)
+    around = spots(scene, point.step, attached, attached.after(scene, point.facts, point.yaw_offset))
     found = list[tuple[Refusal, Attachments]]()
     for mode in range(len(scene.robot.modes)):
         hit = next((hit for spot in around if (hit := _in_the_way(scene, prover, point, spot, mode))), None)

@@ -3,33 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.checker.refusals.places import Spot
 from assur.planner.collision.at_rest import TooNear, Within, closest, enclosed
 from assur.planner.collision.proof import Prover
 from assur.planner.legs.control_point import ControlPoint
-from assur.planner.model.attachments import Attachments
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import Contacts, Phase, contacts_of
-from assur.planner.model.proofs.witness import Place
+from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import Code
-
-
-@dataclass(frozen=True, slots=True)
-class Spot:
-    """The flange `above` a point, m, in a phase of this kind, with bodies as `attached` has them and pairs that may
-    touch; `end`: of which straight part it is the outer end. `place`: what a witness calls it."""
-
-    attached: Attachments
-    kind: LegKind
-    contacts: Contacts
-    place: Place
-    above: float = 0.0
-    end: Literal["approach", "depart"] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,25 +24,6 @@ class Hit:
     found: TooNear | Within
     phase: Phase
     q: FloatArray
-
-
-def spots(scene: Scene, point: ControlPoint, attached: Attachments) -> list[Spot]:
-    """Where the flange is on every way through a point, whatever comes before and after it: at the point, before and
-    after the part is taken or put down, and at the outer ends of the straight parts, where travel ends and begins."""
-    step = point.facts
-    if not point.tracks:
-        return [Spot(attached, LegKind.MOVE, frozenset(), "point")]
-    before, behind = contacts_of(scene, step, attached, None)
-    found = [Spot(attached, LegKind.FOLLOW, before, "point")]
-    after = attached.after(scene, step, point.yaw_offset)
-    if step.part is not None:
-        found += [
-            Spot(after, LegKind.DEPART, behind, "behind"),
-            Spot(attached, LegKind.MOVE, frozenset(), "approach", point.approach, "approach"),
-        ]
-        if point.step + 1 < len(scene.task):
-            found.append(Spot(after, LegKind.MOVE, frozenset(), "depart", point.depart, "depart"))
-    return found
 
 
 def posture(scene: Scene, point: ControlPoint, spot: Spot, mode: int) -> FloatArray | None:

@@ -7,15 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.refusals.judging import HINDRANCES, check_refusal
-from assur.planner.checker.refusals.points import hindered_of
+from assur.planner.checker.refusals.judging import OBSTRUCTED, check_refusal
+from assur.planner.checker.refusals.nearest import points_between
+from assur.planner.checker.refusals.obstructions import witness_of as obstructions_of
+from assur.planner.checker.refusals.places import spots
 from assur.planner.checker.refusals.standing import allowed_modes
 from assur.planner.checker.refusals.ways import Way, ways
 from assur.planner.checker.refusals.windows import witness_of as openings_of
 from assur.planner.collision.at_rest import TooNear, Within, closest, enclosed
 from assur.planner.collision.proof import Prover
-from assur.planner.feasibility.points_between import points_between
-from assur.planner.feasibility.spots import in_the_way, spots
+from assur.planner.feasibility.spots import in_the_way
 from assur.planner.geometry.shapes import Piece
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.tilt import tilts
@@ -49,7 +50,7 @@ def _witness(scene: Scene, prover: Prover, refusal: Refusal) -> Witness | None:
         return _at_point(scene, prover, refusal.step)
     if refusal.stage is Stage.WINDOW:
         return openings_of(scene, refusal.step)
-    if refusal.stage not in (Stage.CONTROL_POINT, Stage.INVERSE) or refusal.reason not in HINDRANCES:
+    if refusal.stage not in (Stage.CONTROL_POINT, Stage.INVERSE) or refusal.reason not in OBSTRUCTED:
         return None
     if isinstance(facts, OutOfReach) and facts.every_pitch:
         return None
@@ -58,7 +59,7 @@ def _witness(scene: Scene, prover: Prover, refusal: Refusal) -> Witness | None:
         return _orbit(scene, refusal, found[0]) if facts == OutOfReach() else None
     if isinstance(facts, ForbiddenYaw) and refusal.stage is Stage.CONTROL_POINT:
         return None
-    return hindered_of(scene, refusal.step)
+    return obstructions_of(scene, refusal.step)
 
 
 def _orbit(scene: Scene, refusal: Refusal, way: Way) -> Orbit | None:
@@ -85,7 +86,7 @@ def _at_point(scene: Scene, prover: Prover, number: int) -> Met | None:
         for mode in allowed_modes(scene):
             tried = (
                 (spot, in_the_way(scene, prover, point, spot, names.index(mode)))
-                for spot in spots(scene, point, way.before)
+                for spot in spots(scene, number, way.before, way.after)
             )
             spot, hit = next(((spot, hit) for spot, hit in tried if hit is not None), (None, None))
             if spot is None or hit is None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assur.planner.checker import check
+from assur.planner.checked import check
 from assur.planner.collision.rows import written
 from assur.planner.errors import FaultError
 from assur.planner.model.deadline import look

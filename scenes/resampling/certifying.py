@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from assur.planner.checker import check
+from assur.planner.checked import check
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved, written

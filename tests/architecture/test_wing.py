@@ -14,13 +14,18 @@ MOST_LINES = 700
 NAMED = {
     "planner/model/options.py": "the option of the request, and which tasks go with it",
     "planner/pipeline.py": "the story chooses the search",
-    "planner/checker/passed.py": "the statement checker: parabolas, and vias that are missed by what is stated",
+    "planner/checker/statement/passed.py": "parabolas, and vias that are missed by what is stated",
     "planner/model/outcome.py": "the course of a leg, which is a note",
 }
 """The modules of the planner that name the wing, at most four, and why."""
-UNTIL_LATER = {"planner/checker/verdict.py": "the finding code BLEND, which goes with the old checker"}
+UNTIL_LATER = {
+    "planner/checker/passed.py": "the same in the old checker, which goes",
+    "planner/checker/verdict.py": "the finding code BLEND, which goes with the old checker",
+}
 CORNERS = {
     "planner/checker/paths/curves.py",
+    "planner/checker/statement/curves.py",
+    "planner/checker/statement/guides.py",
     "planner/model/easier_path.py",
     "planner/model/path.py",
     "planner/model/task.py",

@@ -11,7 +11,7 @@ from assur import planner
 
 
 def test_the_three_names_are_those_of_their_modules() -> None:
-    from assur.planner.checker import check
+    from assur.planner.checked import check
     from assur.planner.model.scene import Scene
     from assur.planner.pipeline import plan
 

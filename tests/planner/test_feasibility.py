@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assur.planner.checker import check
+from assur.planner.checked import check
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.necessary import points_impossible, start_impossible
 from assur.planner.frames.motion import Pose

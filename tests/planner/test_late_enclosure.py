@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.checker import check
+from assur.planner.checked import check
 from assur.planner.collision import at_rest
 from assur.planner.collision.at_rest import enclosed
 from assur.planner.collision.proof import Prover

@@ -14,7 +14,7 @@ from hypothesis import assume, event, given, settings
 from hypothesis import strategies as st
 
 from assur.planner import pipeline
-from assur.planner.checker import check
+from assur.planner.checked import check
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder, sphere
 from assur.planner.laws import Change, Law, conveyor, fixed, keyframes, linear, swing, turntable

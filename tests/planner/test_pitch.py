@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assur.planner.checker import check
+from assur.planner.checked import check
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.frames.tilted import TiltedMotion

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assur.planner.checker import Code, check
+from assur.planner.checked import check
+from assur.planner.checker import Code
 from assur.planner.checker.nearest import WITHIN_M
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.touching import TOUCH_M, apart, grip, support

@@ -25,7 +25,8 @@ def link(name: str, parent: int, slide: Document | None) -> Document:
 
 def frame(name: str, **changes: object) -> Document:
     still = {"pose": [0.0] * 4, "rate": [0.0] * 4, "edges": [], "acceleration": [], "waves": []}
-    return {"name": name, "arm": -1, "link": -1, **still, "shift": [0.0, 0.0], "yaw": 0.0, "unknown": [], **changes}
+    known = {"shift": [0.0, 0.0], "yaw": 0.0, "unknown": [], "period": 0.0, "step": [0.0] * 4}
+    return {"name": name, "arm": -1, "link": -1, **still, **known, **changes}
 
 
 def body(name: str, *pieces: Document) -> Document:
@@ -59,14 +60,15 @@ def sliding(*around: Document, rows: list[Document], least: float = 0.0, speed: 
     }  # fmt: skip
     required = {
         "travel": least, "near": least, "self_pairs": [], "until": 1.0, "lag": [0.0], "late": 0.0, "since": 0.0,
-        "tool_from": 1, "exceptions": [],
+        "tool_from": 1, "exceptions": [], "nearest": -1.0, "placed": -1.0,
     }  # fmt: skip
     belt = frame("belt", edges=[-1.0, 2.0], acceleration=[[[], [], [], []]], rate=[0.0, 1.0, 0.0, 0.0])
     return {
-        "schema": "assur-bundle/2", "request_digest": "sha256:" + "0" * 64, "plan_digest": "0" * 64, "arms": [arm],
+        "schema": "assur-bundle/3", "request_digest": "sha256:" + "0" * 64, "plan_digest": "0" * 64, "arms": [arm],
         "frames": [frame("world"), belt],
         "bodies": bodies, "seats": seats, "phases": [phase], "required": required, "limits": [limit],
-        "points": [], "pulls": [], "axes": [], "rows": rows,
+        "points": [], "rates": [], "axes": [], "sums": [], "guides": [], "distances": [], "errors": [], "rows": rows,
+        "gap_rows": [],
     }  # fmt: skip
 
 

@@ -36,7 +36,7 @@ def test_what_is_too_long_is_not_read() -> None:
 
 
 CHANGES: dict[str, Callable[[Document], Any]] = {
-    "schema": lambda d: d.update(schema="assur-bundle/3"),
+    "schema": lambda d: d.update(schema="assur-bundle/4"),
     "plan_digest": lambda d: d.update(plan_digest="zz"),
     "request_digest": lambda d: d.update(request_digest=d["request_digest"][7:]),
     "phases.0.t0": lambda d: d["phases"][0].update(t0="0"),
@@ -75,7 +75,7 @@ def test_a_bundle_of_the_former_form_is_refused_by_the_name_of_its_form() -> Non
         each["hollow"] = False
         for piece in each["pieces"]:
             del piece["triangles"]
-    with pytest.raises(ValueError, match=r'^schema: "assur-bundle/2" was expected$'):
+    with pytest.raises(ValueError, match=r'^schema: "assur-bundle/3" was expected$'):
         shown(document)
 
 
@@ -103,7 +103,7 @@ EMPTY: dict[tuple[str | int, ...], str] = {
     ("phases", 1, "t1"): NAMES,
     ("limits", 0, "t1"): NAMES,
     ("points", 1, "t1"): NAMES,
-    ("pulls", 0, "t1"): "belt-to-belt",
+    ("rates", 0, "t1"): "belt-to-belt",
     ("axes", 0, "t1"): "hose-on-gripper",
     ("axes", 0, "high"): "hose-on-gripper",
     ("rows", 3, "t1"): NAMES,

@@ -15,8 +15,8 @@ import pytest
 import ruckig
 
 from assur.planner.checker.refusals.judging import check_refusal
+from assur.planner.checker.refusals.overshoot import farthest_position, highest_velocity, overshoots
 from assur.planner.errors import InputError
-from assur.planner.feasibility.overshoot import farthest_position, highest_velocity, overshoots
 from assur.planner.model.refusal import Overshoot, Quantity
 from assur.scenes.requests import cell_of, check_document, plan_document
 from tests.scenes.refused_cells import moving
@@ -56,14 +56,13 @@ def test_the_closed_forms_are_those_of_ruckig() -> None:
 
 
 def claims(request: Document) -> set[tuple[str | None, str | None]]:
-    """Joint and rate of all refusals of a start, each of which the checker must confirm, or say that too little is
-    missing to prove it."""
+    """Joint and rate of all refusals of a start, each of which the checker confirms."""
     scene = cell_of(request).scene
     found: set[tuple[str | None, str | None]] = set()
     for refusal in overshoots(scene):
         assert isinstance(refusal.facts, Overshoot)
-        if check_refusal(scene, refusal, None).ok:
-            found.add((refusal.joint, refusal.facts.rate))
+        assert check_refusal(scene, refusal, None).ok
+        found.add((refusal.joint, refusal.facts.rate))
     return found
 
 

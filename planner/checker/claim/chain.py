@@ -6,6 +6,8 @@ are sums of joints in the world, so no rotation is multiplied by another. Nothin
 
 from __future__ import annotations
 
+import math
+
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.jets import (
@@ -14,6 +16,7 @@ from assur.planner.checker.claim.jets import (
     constant,
     inverse,
     jet,
+    joined,
     minus,
     plus,
     put,
@@ -30,9 +33,9 @@ from assur.planner.compiled import kernel, types
 
 
 @kernel(JET(F3, i8, i8, f8, f8, f8))
-def point(jets: FloatArray, on: int, axis: int, x: float, y: float, z: float) -> Jet:
-    """A coordinate in the world of a point (x, y, z) of a carrier."""
-    total = jet(jets, on, axis)
+def vector(jets: FloatArray, on: int, axis: int, x: float, y: float, z: float) -> Jet:
+    """A coordinate in the world of a vector (x, y, z) of a carrier."""
+    total = constant(0.0)
     if x != 0.0:
         total = plus(total, scaled(x, jet(jets, on, 3 + axis)))
     if y != 0.0:
@@ -40,6 +43,12 @@ def point(jets: FloatArray, on: int, axis: int, x: float, y: float, z: float) ->
     if z != 0.0:
         total = plus(total, scaled(z, jet(jets, on, 9 + axis)))
     return total
+
+
+@kernel(JET(F3, i8, i8, f8, f8, f8))
+def point(jets: FloatArray, on: int, axis: int, x: float, y: float, z: float) -> Jet:
+    """A coordinate in the world of a point (x, y, z) of a carrier."""
+    return plus(jet(jets, on, axis), vector(jets, on, axis, x, y, z))
 
 
 @kernel(types.void(tb.CLAIM, tb.GEOMETRY, i8, tb.SCRATCH))
@@ -174,22 +183,31 @@ def chain(k: Claim, g: tb.Geometry, arm: int, jets: FloatArray, s: tb.Scratch) -
     return True
 
 
-@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, i8, i8, f8, f8, F3, tb.SCRATCH))
-def frame_over(
-    k: Claim, g: tb.Geometry, f: int, on: int, t0: float, t1: float, jets: FloatArray, s: tb.Scratch
-) -> bool:
-    """Jets of a frame with a law over [t0, t1] (N6), with its sines. False: its motion is not given there."""
-    frame, own = k.frames[f], s.four
+@kernel(i8(tb.CLAIM, tb.GEOMETRY, i8, i8, f8, f8, F3, tb.SCRATCH))
+def frame_over(k: Claim, g: tb.Geometry, f: int, on: int, t0: float, t1: float, jets: FloatArray, s: tb.Scratch) -> int:
+    """Jets of a frame with a law over [t0, t1] (N6), with its sines. Returns KNOWN; NOT_GIVEN; or TOO_WIDE, where
+    this is longer than a period."""
+    frame, own, period = k.frames[f], s.four, k.frames[f, c.FRAME_PERIOD]
     first, many = int(frame[c.FRAME_PIECE]), int(frame[c.FRAME_PIECES])
     for axis in range(4):
         put(own, axis // 2, axis % 2, constant(frame[c.FRAME_POSE + axis]))
     if many > 0:
-        last = first + many - 1
-        if not (g.laws[first, 0] <= t0 <= t1 <= g.laws[last, 1]):
-            return False
-        i = piece_at(g.laws, first, last, t0)
-        for axis in range(4):
-            put(own, axis // 2, axis % 2, over(g.laws, i, tb.CURVE_POWER + tb.LAW_POWERS * axis, t0, t1, s.work))
+        last, begin, end, gone, low, high = first + many - 1, g.laws[first, 0], g.laws[first + many - 1, 1], 0.0, t0, t1
+        if period > 0.0 and t0 >= begin:
+            if t1 - t0 > period:
+                return tb.TOO_WIDE
+            gone, end = float(math.floor((t0 - begin) / period)), begin + period
+            low = min(max(t0 - gone * period, begin), end)
+            high = max(low, t1 - gone * period)
+        if not (begin <= low <= high and (high <= end or period > 0.0)):
+            return tb.NOT_GIVEN
+        for part in range(2 if high > end else 1):
+            a, b = (low, min(high, end)) if part == 0 else (begin, min(high - period, end))
+            i = piece_at(g.laws, first, last, a)
+            for axis in range(4):
+                added = over(g.laws, i, tb.CURVE_POWER + tb.LAW_POWERS * axis, a, max(a, b), s.work)
+                added = plus(added, constant((gone + part) * frame[c.FRAME_STEP + axis]))
+                put(own, axis // 2, axis % 2, added if part == 0 else joined(jet(own, axis // 2, axis % 2), added))
     for i in range(int(frame[c.FRAME_WAVE]), int(frame[c.FRAME_WAVE] + frame[c.FRAME_WAVES])):
         wave, u = k.waves[i], between(t0, t1)
         rate, axis = wave[c.WAVE_RATE], int(wave[c.WAVE_COORDINATE])
@@ -200,7 +218,7 @@ def frame_over(
         put(jets, on, axis, jet(own, axis // 2, axis % 2))
     cosine, sine = turned(jet(own, 1, 1))
     upright(jets, on, cosine, sine)
-    return True
+    return tb.KNOWN
 
 
 @kernel(i8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, i8, f8, f8))
@@ -222,8 +240,7 @@ def slot_of(k: Claim, g: tb.Geometry, s: tb.Scratch, on: int, t0: float, t1: flo
     s.next_slot[key, int(lasts)] = (s.next_slot[key, int(lasts)] + 1.0) % many
     state = tb.NOT_GIVEN
     if arm < 0:
-        if frame_over(k, g, int(g.carriers[on, tb.CARRIER_FRAME]), on, t0, t1, s.jets[slot], s):
-            state = tb.KNOWN
+        state = frame_over(k, g, int(g.carriers[on, tb.CARRIER_FRAME]), on, t0, t1, s.jets[slot], s)
     elif joints_over(g, arm, int(k.arms[arm, c.ARM_JOINTS]), t0, t1, s):
         state = tb.KNOWN if chain(k, g, arm, s.jets[slot], s) else tb.TOO_WIDE
     s.known[slot, key, 0], s.known[slot, key, 1], s.known[slot, key, 2] = t0, t1, state

@@ -34,6 +34,7 @@ RANGES = (
     ("sums", c.SUM_LOW, c.SUM_HIGH),
     ("guides", c.GUIDE_T0, c.GUIDE_T1),
     ("gap_rows", c.ROW_T0, c.ROW_T1),
+    ("gap_rows", c.ROW_S0, c.ROW_S1),
     ("rows", c.ROW_T0, c.ROW_T1),
     ("rows", c.ROW_S0, c.ROW_S1),
     ("frames", c.FRAME_SHIFT, c.FRAME_SHIFT + 1),
@@ -224,7 +225,12 @@ def seats_fit(k: Claim) -> bool:
                 return False
             if k.links[on, c.LINK_PITCH] >= 0.0 or frame[c.FRAME_PIECES] + frame[c.FRAME_WAVES] > 0.0:
                 return False
-        for i in range(law, law + int(frame[c.FRAME_PIECES])):
+        final, period = law + int(frame[c.FRAME_PIECES]) - 1, frame[c.FRAME_PERIOD]
+        if period > 0.0 and (final < law or k.laws[final, c.LAW_BEGIN] >= k.laws[law, c.LAW_BEGIN] + period):
+            return False
+        if period > 0.0 and not k.laws[law, c.LAW_BEGIN] + period <= k.laws[final, c.LAW_END]:
+            return False
+        for i in range(law, final + 1):
             if not k.laws[i, c.LAW_BEGIN] < k.laws[i, c.LAW_END]:
                 return False
             if i > law and k.laws[i, c.LAW_BEGIN] != k.laws[i - 1, c.LAW_END]:
@@ -235,10 +241,19 @@ def seats_fit(k: Claim) -> bool:
 @kernel(types.boolean(tb.CLAIM))
 def pieces_fit(k: Claim) -> bool:
     """Whether rows name pieces of their bodies, and discs have an axis."""
-    for i in range(len(k.rows)):
-        for side in range(2):
-            body, piece = int(k.rows[i, c.ROW_BODY + side]), k.rows[i, c.ROW_PIECE + side]
-            if not is_index(piece, -1.0, k.bodies[body, c.BODY_PIECES]):
+    for side in range(2):
+        for row in k.rows:
+            body, piece = int(row[c.ROW_BODY + side]), row[c.ROW_PIECE + side]
+            if not is_index(piece, -1.0, k.bodies[body, c.BODY_PIECES] if body >= 0 else 0.0):
+                return False
+            if body < 0 and (row[c.ROW_S0] != 0.0 or row[c.ROW_S1] != 0.0):
+                return False
+        for row in k.gap_rows:
+            if not is_index(row[c.ROW_PIECE + side], -1.0, k.bodies[int(row[c.ROW_BODY + side]), c.BODY_PIECES]):
+                return False
+        for row in k.distances:
+            body = int(row[c.DISTANCE_BODY + side])
+            if not is_index(row[c.DISTANCE_PIECE + side], 0.0, k.bodies[body, c.BODY_PIECES]):
                 return False
     for i in range(len(k.pieces)):
         if k.pieces[i, c.PIECE_DISC] > 0.0 and not length(k.pieces[i], c.PIECE_AXIS, c.PIECE_DISC) > 1e-6:

@@ -72,6 +72,21 @@ def times(a: Jet, b: Jet) -> Jet:
     return v[0], v[1], r[0] + s[0], r[1] + s[1], x[0] + 2.0 * y[0] + z[0], x[1] + 2.0 * y[1] + z[1]
 
 
+@kernel(JET(JET, f8, f8, f8))
+def widened(a: Jet, value: float, rate: float, second: float) -> Jet:
+    """The same with larger radii."""
+    return a[0], a[1] + value, a[2], a[3] + rate, a[4], a[5] + second
+
+
+@kernel(JET(JET, JET))
+def joined(a: Jet, b: Jet) -> Jet:
+    """What holds both."""
+    x = between(min(a[0] - a[1], b[0] - b[1]), max(a[0] + a[1], b[0] + b[1]))
+    y = between(min(a[2] - a[3], b[2] - b[3]), max(a[2] + a[3], b[2] + b[3]))
+    z = between(min(a[4] - a[5], b[4] - b[5]), max(a[4] + a[5], b[4] + b[5]))
+    return x[0], x[1], y[0], y[1], z[0], z[1]
+
+
 @kernel(JET(JET, BALL, BALL, BALL))
 def composed(a: Jet, value: Ball, slope: Ball, curvature: Ball) -> Jet:
     """f(a), from balls of f, f' and f'' over the range of a."""

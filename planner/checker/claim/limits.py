@@ -1,4 +1,4 @@
-"""Whether the joints of the robot keep their limits between each two knots, by Bernstein coefficients.
+"""Whether the joints of the robot keep their limits, and sums of joints their bounds, by Bernstein coefficients.
 
 A polynomial on an interval is between the least and the greatest of its Bernstein coefficients, and the first and the
 last of them are its values at the ends. What they leave open is halved (de Casteljau).
@@ -52,44 +52,57 @@ def bounded(control: FloatArray, degree: int, middle: float, most: float, stack:
     return True
 
 
-@kernel(types.boolean(F1, F1, i8, F1, F1, F2, F1))
+@kernel(types.void(F1, F1, i8, f8, F1, F1))
+def add_joint(one: FloatArray, other: FloatArray, j: int, share: float, ends: FloatArray, sizes: FloatArray) -> None:
+    """Adds a share of a joint to the numbers at the ends of a piece, and to the sums of their sizes: position, velocity
+    and acceleration at the first knot, then at the second, then how far both positions are apart."""
+    for m in range(7):
+        at = c.KNOT_Q + j + c.MOST_JOINTS * (m % 3)
+        value = share * (one[at] if m < 3 else other[at] if m < 6 else other[at] - one[at])
+        ends[m], sizes[m] = ends[m] + value, sizes[m] + abs(value)
+
+
+@kernel(f8(f8, F1, F1, i8, F1))
+def write_control(h: float, ends: FloatArray, sizes: FloatArray, order: int, control: FloatArray) -> float:
+    """Writes the Bernstein coefficients of a quintic that lasts h, or of its derivative of that order, from its ends.
+    Returns what they may round by (R5). Coefficients of rates begin and end with those of the knots."""
+    x, v, a, y, w, b = ends[0], ends[1], ends[2], ends[3], ends[4], ends[5]
+    if order == 0:
+        control[0], control[1], control[2] = x, x + h * v / 5.0, x + 0.4 * h * v + h * h * a / 20.0
+        control[3], control[4], control[5] = y - 0.4 * h * w + h * h * b / 20.0, y - h * w / 5.0, y
+        off = sizes[0] + sizes[3] + h * (sizes[1] + sizes[4]) + h * h * (sizes[2] + sizes[5])
+        return float(4.0 * tb.ULP * off)
+    second, middle, fourth = v + 0.25 * h * a, 5.0 * ends[6] / h - 2.0 * (v + w) + 0.25 * h * (b - a), w - 0.25 * h * b
+    off = 5.0 * sizes[6] / h + 2.0 * (sizes[1] + sizes[4]) + 0.25 * h * (sizes[2] + sizes[5])
+    off *= 4.0 * tb.ULP * (1.0 if order == 1 else 8.0 / h if order == 2 else 64.0 / (h * h))
+    if order == 1:
+        control[0], control[1], control[2], control[3], control[4] = v, second, middle, fourth, w
+        return float(off)
+    left, right = 4.0 * (middle - second) / h, 4.0 * (fourth - middle) / h
+    if order == 2:
+        control[0], control[1], control[2], control[3] = a, left, right, b
+    else:
+        control[0], control[1], control[2] = 3.0 * (left - a) / h, 3.0 * (right - left) / h, 3.0 * (b - right) / h
+    return float(off)
+
+
+@kernel(types.boolean(F1, F1, i8, F1, F2, F1))
 def joint_keeps_limits(
-    one: FloatArray,
-    other: FloatArray,
-    j: int,
-    limit: FloatArray,
-    control: FloatArray,
-    stack: FloatArray,
-    state: FloatArray,
+    one: FloatArray, other: FloatArray, j: int, limit: FloatArray, stack: FloatArray, state: FloatArray
 ) -> bool:
-    """Whether a joint keeps its limits between two knots. Coefficients of rates are those of the knots; what their sums
-    may round by is taken off what is allowed (R5)."""
-    h = other[0] - one[0]
-    x, v, a = one[c.KNOT_Q + j], one[c.KNOT_QD + j], one[c.KNOT_QDD + j]
-    y, w, b = other[c.KNOT_Q + j], other[c.KNOT_QD + j], other[c.KNOT_QDD + j]
+    """Whether a joint keeps its limits between two knots. What its coefficients may round by is taken off them."""
+    control, ends, sizes = stack[len(stack) - 1], stack[len(stack) - 2], stack[len(stack) - 3]
+    ends[:], sizes[:] = 0.0, 0.0
+    add_joint(one, other, j, 1.0, ends, sizes)
     low, high = limit[c.LIMIT_LOWER + j], limit[c.LIMIT_UPPER + j]
-    control[0], control[1], control[2] = x, x + h * v / 5.0, x + 0.4 * h * v + h * h * a / 20.0
-    control[3], control[4], control[5] = y - 0.4 * h * w + h * h * b / 20.0, y - h * w / 5.0, y
-    off = abs(x) + abs(y) + h * (abs(v) + abs(w)) + h * h * (abs(a) + abs(b)) + abs(low) + abs(high)
-    most = 0.5 * (high - low) * (1.0 + limit[c.LIMIT_SHARE]) - 4.0 * tb.ULP * off
-    if not bounded(control, 5, 0.5 * (low + high), most, stack, state):
-        return False
-    middle = 5.0 * (y - x) / h - 2.0 * (v + w) + 0.25 * h * (b - a)
-    off = 4.0 * tb.ULP * (5.0 * abs(y - x) / h + 2.0 * (abs(v) + abs(w)) + 0.25 * h * (abs(a) + abs(b)))
-    control[0], control[1], control[2], control[3], control[4] = v, v + 0.25 * h * a, middle, w - 0.25 * h * b, w
-    most = limit[c.LIMIT_VELOCITY + j] * (1.0 + limit[c.LIMIT_SHARE + 1])
-    if not bounded(control, 4, 0.0, most - off, stack, state):
-        return False
-    third, fourth = 4.0 * (middle - control[1]) / h, 4.0 * (control[3] - middle) / h
-    off, most = 8.0 * off / h, limit[c.LIMIT_ACCELERATION + j] * (1.0 + limit[c.LIMIT_SHARE + 2])
-    control[0], control[1], control[2], control[3] = a, third, fourth, b
-    if not bounded(control, 3, 0.0, most - off, stack, state):
-        return False
-    if limit[c.LIMIT_JERKS] == 0.0:
-        return True
-    off, most = 8.0 * off / h, limit[c.LIMIT_JERK + j] * (1.0 + limit[c.LIMIT_SHARE + 3])
-    control[0], control[1], control[2] = 3.0 * (third - a) / h, 3.0 * (fourth - third) / h, 3.0 * (b - fourth) / h
-    return bounded(control, 2, 0.0, most - off, stack, state)
+    for order in range(4 if limit[c.LIMIT_JERKS] > 0.0 else 3):
+        off, middle = write_control(other[0] - one[0], ends, sizes, order, control), 0.0
+        most = limit[c.LIMIT_VELOCITY + c.MOST_JOINTS * (order - 1) + j]
+        if order == 0:
+            off, middle, most = off + 4.0 * tb.ULP * (abs(low) + abs(high)), 0.5 * (low + high), 0.5 * (high - low)
+        if not bounded(control, 5 - order, middle, most * (1.0 + limit[c.LIMIT_SHARE + order]) - off, stack, state):
+            return False
+    return True
 
 
 @kernel(i8(tb.CLAIM, F2, F1))
@@ -105,7 +118,49 @@ def first_joint_beyond(k: Claim, stack: FloatArray, state: FloatArray) -> int:
             if other[0] > one[0] and other[0] > limit[c.LIMIT_T0] and one[0] < limit[c.LIMIT_T1]:
                 state[tb.WORK] -= 1.0
                 for j in range(int(k.arms[0, c.ARM_JOINTS]) if state[tb.WORK] > 0.0 else 0):
-                    if not joint_keeps_limits(one, other, j, limit, control, stack, state):
+                    if not joint_keeps_limits(one, other, j, limit, stack, state):
                         control[tb.POWERS] = one[0]
                         return j
     return KEPT if whole else NO_LIMITS
+
+
+@kernel(types.void(F1, i8, f8, f8))
+def cut(control: FloatArray, degree: int, low: float, high: float) -> None:
+    """Makes Bernstein coefficients on [0, 1] those on [low, high] (de Casteljau)."""
+    for r in range(1, degree + 1):
+        for m in range(degree, r - 1, -1):
+            control[m] = (1.0 - high) * control[m - 1] + high * control[m]
+    share = low / high if high > 0.0 else 0.0
+    for r in range(1, degree + 1):
+        for m in range(degree + 1 - r):
+            control[m] = (1.0 - share) * control[m] + share * control[m + 1]
+
+
+@kernel(types.boolean(tb.CLAIM, F1, F2, F1))
+def sum_within(k: Claim, own: FloatArray, stack: FloatArray, state: FloatArray) -> bool:
+    """Whether a sum of joints of the robot, or a derivative of it, is within its bounds for its time. At an instant the
+    piece that begins there counts, at the end of the motion the last one."""
+    knots, order, t0, t1 = int(k.arms[0, c.ARM_KNOTS]), int(own[c.SUM_ORDER]), own[c.SUM_T0], own[c.SUM_T1]
+    control, ends, sizes = stack[len(stack) - 1], stack[len(stack) - 2], stack[len(stack) - 3]
+    low, high, last = own[c.SUM_LOW], own[c.SUM_HIGH], k.knots[knots - 1, 0]
+    if not (k.knots[0, 0] <= t0 and t1 <= last):
+        return False
+    for m in range(knots - 1):
+        one, other = k.knots[m], k.knots[m + 1]
+        h, begin, end = other[0] - one[0], one[0], other[0]
+        counts = (begin <= t0 and (t0 < end or end == last)) if t0 == t1 else (begin < t1 and t0 < end)
+        if not (h > 0.0 and counts):
+            continue
+        state[tb.WORK] -= 1.0
+        ends[:], sizes[:] = 0.0, 0.0
+        for j in range(int(k.arms[0, c.ARM_JOINTS])):
+            if own[c.SUM_SHARE + j] != 0.0:
+                add_joint(one, other, j, own[c.SUM_SHARE + j], ends, sizes)
+        off = write_control(h, ends, sizes, order, control)
+        if t0 > begin or t1 < end:
+            off *= 32.0
+            cut(control, 5 - order, (max(t0, begin) - begin) / h, 1.0 if t1 >= end else (t1 - begin) / h)
+        off += 4.0 * tb.ULP * (abs(low) + abs(high))
+        if not bounded(control, 5 - order, 0.5 * (low + high), 0.5 * (high - low) - off, stack, state):
+            return False
+    return True

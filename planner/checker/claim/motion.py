@@ -157,19 +157,22 @@ def make_curves(k: Claim, g: tb.Geometry, joints: FloatArray) -> bool:
     return True
 
 
-@kernel(types.void(tb.CLAIM, tb.GEOMETRY))
-def make_laws(k: Claim, g: tb.Geometry) -> None:
+@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY))
+def make_laws(k: Claim, g: tb.Geometry) -> bool:
     """Powers of each piece of a law (N6), and what frames round by: errors of value and rate are carried on from piece
-    to piece (R2)."""
+    to piece (R2). False: where a period ends and the next one begins, places or rates differ."""
     for f in range(len(k.frames)):
         frame, rounds = k.frames[f], g.rounds[len(k.links) + f]
         first, many, wave = int(frame[c.FRAME_PIECE]), int(frame[c.FRAME_PIECES]), int(frame[c.FRAME_WAVE])
         for axis in range(4):
             x, v, ex, ev = frame[c.FRAME_POSE + axis], frame[c.FRAME_RATE + axis], 0.0, 0.0
+            period, latest = frame[c.FRAME_PERIOD], c.LATEST_S if frame[c.FRAME_PERIOD] > 0.0 else 0.0
             e0, e1, e2, rate, second = 32.0 * tb.ULP * abs(x), 0.0, 0.0, 0.0, 0.0
             for i in range(first, first + many):
                 law, h = g.laws[i], k.laws[i, c.LAW_END] - k.laws[i, c.LAW_BEGIN]
                 law[0], law[1] = k.laws[i, c.LAW_BEGIN], k.laws[i, c.LAW_END]
+                if period > 0.0 and i == first + many - 1:
+                    h = k.laws[first, c.LAW_BEGIN] + period - law[0]
                 at = tb.CURVE_POWER + tb.LAW_POWERS * axis
                 law[at], law[at + 1], degree = x, v, 1
                 for m in range(c.MOST_POWERS):
@@ -187,11 +190,20 @@ def make_laws(k: Claim, g: tb.Geometry) -> None:
                         bend = bend * h + m * (m - 1.0) * abs(law[at + m])
                     if m > 2:
                         jerk = jerk * h + m * (m - 1.0) * (m - 2.0) * abs(law[at + m])
-                late = 4.0 * tb.ULP * max(abs(law[0]), abs(law[1]))
+                late = 4.0 * tb.ULP * max(abs(law[0]), abs(law[1]), latest)
                 e0 = max(e0, ex + ev * h + 32.0 * tb.ULP * size + late * speed)
                 e1 = max(e1, ev + 32.0 * tb.ULP * speed + late * bend)
                 e2, rate, second = max(e2, 32.0 * tb.ULP * bend + late * jerk), max(rate, speed), max(second, bend)
                 ex, ev = ex + ev * h + 32.0 * tb.ULP * size, ev + 32.0 * tb.ULP * speed
+            if period > 0.0:
+                jump, kink = (
+                    abs(x - frame[c.FRAME_POSE + axis] - frame[c.FRAME_STEP + axis]),
+                    abs(v - frame[c.FRAME_RATE + axis]),
+                )
+                if not (jump <= tb.SLACK and kink <= tb.SLACK):
+                    return False
+                e0 += jump + kink * period + 4.0 * tb.ULP * abs(frame[c.FRAME_STEP + axis]) * (1.0 + latest / period)
+                e1 += kink
             for i in range(wave, wave + int(frame[c.FRAME_WAVES])):
                 if int(k.waves[i, c.WAVE_COORDINATE]) == axis:
                     w, a = abs(k.waves[i, c.WAVE_RATE]), abs(k.waves[i, c.WAVE_AMPLITUDE])
@@ -203,6 +215,7 @@ def make_laws(k: Claim, g: tb.Geometry) -> None:
                 rounds[4 + tb.ROUND_PLACE] += e2
             else:
                 add_rounding(rounds, 0.0, (e0 + 4.0 * tb.ULP, e1, e2), rate, second)
+    return True
 
 
 @kernel(f8(tb.GEOMETRY, i8, i8, f8))

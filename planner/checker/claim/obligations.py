@@ -55,13 +55,14 @@ def add_pair(k: Claim, proof: tb.Proof, p: int, a: int, b: int, near: int, early
         if (rule[one + a] > 0.0 and rule[other + b] > 0.0) or (rule[one + b] > 0.0 and rule[other + a] > 0.0):
             least = rule[c.RULE_NEAR if near > 0 else c.RULE_TRAVEL]
     count, varies = int(proof.state[tb.PAIRS]), False
-    for j in range(c.REQUIRED_LAG, c.REQUIRED):
+    for j in range(c.REQUIRED_LAG, c.REQUIRED_LAG + c.MOST_JOINTS):
         varies = varies or k.required[0, j] > 0.0
     for i in range(len(k.displaced)):
         varies = varies or k.displaced[i, c.DISPLACED_GROWTH] > 0.0 or k.displaced[i, c.DISPLACED_SHARED] > 0.0
     pair = proof.pairs[count]
     pair[tb.PAIR_PHASE], pair[tb.PAIR_A], pair[tb.PAIR_B], pair[tb.PAIR_DISTANCE] = p, a, b, least
     pair[tb.PAIR_EARLY], pair[tb.PAIR_LATE], pair[tb.PAIR_VARIES] = early, late, 1.0 if varies else 0.0
+    pair[tb.PAIR_TOUCHES], pair[tb.PAIR_CERTAIN], pair[tb.PAIR_NEEDED] = 0.0, 0.0, 1.0
     if proof.numbers[a] >= 0:
         proof.table[p, proof.numbers[a], b] = count
     if proof.numbers[b] >= 0:
@@ -127,4 +128,21 @@ def make_pairs(k: Claim, g: tb.Geometry, proof: tb.Proof) -> None:
         a, b = int(contact[c.CONTACT_BODY]), int(contact[c.CONTACT_BODY + 1])
         pair = pair_of(proof, int(contact[c.CONTACT_PHASE]), a, b)
         if pair >= 0:
-            proof.pairs[pair, tb.PAIR_DISTANCE] = -contact[c.CONTACT_DEPTH]
+            proof.pairs[pair, tb.PAIR_DISTANCE], proof.pairs[pair, tb.PAIR_TOUCHES] = -contact[c.CONTACT_DEPTH], 1.0
+
+
+@kernel(i8(tb.CLAIM, tb.PROOF))
+def require_second(k: Claim, proof: tb.Proof) -> int:
+    """Makes the distance of each pair the second one, with nothing uncertain: of a pair with a body on a link, and of a
+    pair of two bodies on frames. Pairs that may touch, or of which nothing is claimed, are not needed. Returns the
+    first pair that must not exist; -1: none."""
+    for d in range(int(proof.state[tb.PAIRS])):
+        pair = proof.pairs[d]
+        p, a, b = int(pair[tb.PAIR_PHASE]), int(pair[tb.PAIR_A]), int(pair[tb.PAIR_B])
+        link = max(k.seats[int(k.seated[p, a]), c.SEAT_LINK], k.seats[int(k.seated[p, b]), c.SEAT_LINK])
+        least = k.required[0, c.REQUIRED_NEAREST if link >= 0.0 else c.REQUIRED_PLACED]
+        pair[tb.PAIR_DISTANCE], pair[tb.PAIR_EARLY], pair[tb.PAIR_LATE], pair[tb.PAIR_VARIES] = least, 0.0, 0.0, 0.0
+        pair[tb.PAIR_CERTAIN], pair[tb.PAIR_NEEDED] = 1.0, 0.0 if pair[tb.PAIR_TOUCHES] > 0.0 or least < 0.0 else 1.0
+        if pair[tb.PAIR_NEEDED] > 0.0 and least >= c.LIMITLESS:
+            return d
+    return -1

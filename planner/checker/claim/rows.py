@@ -14,13 +14,13 @@ import math
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.chain import slot_of
 from assur.planner.checker.claim.motion import rounding
 from assur.planner.checker.claim.obligations import pair_of
 from assur.planner.checker.claim.solids import derivative_bound, support
-from assur.planner.checker.claim.tables import F1, F2, I1, f8, i8
+from assur.planner.checker.claim.tables import F1, F2, f8, i8
 from assur.planner.checker.claim.uncertainty import required_gap
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
@@ -30,40 +30,50 @@ SHOWN, WRONG, HALVE_TIME, HALVE_AHEAD = range(4)
 """What (N4) says of a row on an interval: it holds; it is wrong; or which interval must be halved."""
 
 
+@kernel(types.void(tb.CLAIM, tb.GEOMETRY, F1, i8, i8, i8, f8))
+def place_side(k: Claim, g: tb.Geometry, about: FloatArray, at: int, p: int, body: int, piece: float) -> None:
+    """Writes one side of what a row is about: a body in a phase, and its piece (-1: the box that holds all)."""
+    s = int(k.seated[p, body])
+    link, f = int(k.seats[s, c.SEAT_LINK]), int(k.seats[s, c.SEAT_FRAME])
+    about[at + tb.SIDE_SOLID] = g.first[s, 0] + (piece if piece >= 0.0 else k.bodies[body, c.BODY_PIECES])
+    about[at + tb.SIDE_CARRIER] = link if link >= 0 else g.on[f, 0]
+    about[at + tb.SIDE_SEAT] = s
+
+
 @kernel(types.void(tb.CLAIM, tb.GEOMETRY, tb.PROOF))
 def resolve(k: Claim, g: tb.Geometry, proof: tb.Proof) -> None:
     """Writes what each row is about. A row that no pair needs, or that is not within one phase, gets no pair."""
-    for i in range(len(k.rows)):
-        row, about, p = k.rows[i], proof.objects[i], -1
-        about[tb.OBJECT_PAIR] = -1.0
+    for i in range(len(proof.rows)):
+        row, about, p, number = proof.rows[i], proof.objects[i], -1, -1
+        about[tb.OBJECT_PAIR] = about[tb.OBJECT_PLANE] = -1.0
         for q in range(len(k.phases)):
             if k.phases[q, c.PHASE_T0] <= row[c.ROW_T0]:
                 p = q
         if p < 0 or not row[c.ROW_T1] <= k.phases[p, c.PHASE_T1]:
             continue
         a, b = int(row[c.ROW_BODY]), int(row[c.ROW_BODY + 1])
-        number = pair_of(proof, p, a, b) if a != b else -1
-        if number < 0:
-            continue
-        own = proof.pairs[number]
-        # who is ahead of whom counts: such a row has its bodies in the order of the pair
-        if (own[tb.PAIR_EARLY] != 0.0 or own[tb.PAIR_LATE] != 0.0) and int(own[tb.PAIR_A]) != a:
-            continue
+        if b >= 0:
+            number = pair_of(proof, p, a, b) if a != b else -1
+            if number < 0 or not proof.pairs[number, tb.PAIR_NEEDED] > 0.0:
+                continue
+            own = proof.pairs[number]
+            # who is ahead of whom counts: such a row has its bodies in the order of the pair
+            if (own[tb.PAIR_EARLY] != 0.0 or own[tb.PAIR_LATE] != 0.0) and int(own[tb.PAIR_A]) != a:
+                continue
         x, y, z = row[c.ROW_NORMAL], row[c.ROW_NORMAL + 1], row[c.ROW_NORMAL + 2]
         largest = max(abs(x), abs(y), abs(z))
         if not largest > 0.0:
             continue
         x, y, z = x / largest, y / largest, z / largest
         size, n = math.sqrt(x * x + y * y + z * z), tb.OBJECT_NORMAL
-        about[n], about[n + 1], about[n + 2], about[tb.OBJECT_PAIR] = x / size, y / size, z / size, number
+        about[n], about[n + 1], about[n + 2] = x / size, y / size, z / size
+        place_side(k, g, about, 0, p, a, row[c.ROW_PIECE])
+        if b < 0:
+            about[tb.OBJECT_PLANE] = p
+            continue
+        place_side(k, g, about, tb.SIDES, p, b, row[c.ROW_PIECE + 1])
+        about[tb.OBJECT_PAIR] = number
         proof.state[tb.ROWS] += 1.0
-        for side in range(2):
-            body, piece, at = int(row[c.ROW_BODY + side]), int(row[c.ROW_PIECE + side]), side * tb.SIDES
-            s = int(k.seated[p, body])
-            link, f = int(k.seats[s, c.SEAT_LINK]), int(k.seats[s, c.SEAT_FRAME])
-            about[at + tb.SIDE_SOLID] = g.first[s, 0] + (piece if piece >= 0 else k.bodies[body, c.BODY_PIECES])
-            about[at + tb.SIDE_CARRIER] = link if link >= 0 else g.on[f, 0]
-            about[at + tb.SIDE_SEAT] = s
 
 
 @kernel(i8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, F1, f8, f8, f8, f8))
@@ -84,18 +94,18 @@ def row_on(
     other, other_on = int(about[tb.SIDES + tb.SIDE_SOLID]), int(about[tb.SIDES + tb.SIDE_CARRIER])
     if int(k.seats[int(about[tb.SIDES + tb.SIDE_SEAT]), c.SEAT_LINK]) >= 0:
         s0, s1 = 0.0, 0.0
-    gap = math.inf
+    gap, wide = math.inf, HALVE_AHEAD if s1 - s0 > t1 - t0 else HALVE_TIME
     for end in range(2 if t1 > t0 else 1):
         t = t0 if end == 0 else t1
         slot = slot_of(k, g, s, on, t, t)
         if slot < 0:
-            return WRONG if slot == -1 - tb.NOT_GIVEN else HALVE_TIME
+            return WRONG if slot == -1 - tb.NOT_GIVEN else wide
         reach = support(g, s.jets, slot, one, on, x, y, z)
         for edge in range(2 if s1 > s0 else 1):
             ahead = t + (s0 if edge == 0 else s1)
             slot = slot_of(k, g, s, other_on, ahead, ahead)
             if slot < 0:
-                return WRONG if slot == -1 - tb.NOT_GIVEN else HALVE_TIME
+                return WRONG if slot == -1 - tb.NOT_GIVEN else wide
             gap = min(gap, -reach - support(g, s.jets, slot, other, other_on, -x, -y, -z))
     gap -= required_gap(k, g, s, about, pair, t0, t1) + tb.SLACK
     if not gap >= 0.0:
@@ -109,12 +119,12 @@ def row_on(
     if t1 > t0:
         slot = slot_of(k, g, s, on, t0, t1)
         if slot < 0:
-            return WRONG if slot == -1 - tb.NOT_GIVEN else HALVE_TIME
+            return WRONG if slot == -1 - tb.NOT_GIVEN else wide
         bend = derivative_bound(g, s.jets, slot, 2, one, on, -x, -y, -z)
         bend += rounding(g, on, 2, g.solids[one, tb.SOLID_SIZE])
     slot = slot_of(k, g, s, other_on, low, high)
     if slot < 0:
-        return WRONG if slot == -1 - tb.NOT_GIVEN else HALVE_TIME
+        return WRONG if slot == -1 - tb.NOT_GIVEN else wide
     if not g.carriers[other_on, tb.CARRIER_FIXED] > 0.0:
         other_bend = derivative_bound(g, s.jets, slot, 2, other, other_on, x, y, z)
         other_bend += rounding(g, other_on, 2, g.solids[other, tb.SOLID_SIZE])
@@ -169,15 +179,15 @@ def rows_hold(k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof, items: F
 def first_wrong_row(k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof) -> int:
     """The first row that does not hold, in the order of begins and ends; -1: all hold. Rows of the same interval are
     evaluated together."""
-    rows, longest, many = len(k.rows), 1, 0
+    rows, longest, many = len(proof.rows), 1, 0
     for n in range(rows):
-        one, other = k.rows[proof.order[n]], k.rows[proof.order[max(n - 1, 0)]]
+        one, other = proof.rows[proof.order[n]], proof.rows[proof.order[max(n - 1, 0)]]
         many = many + 1 if one[c.ROW_T0] == other[c.ROW_T0] and one[c.ROW_T1] == other[c.ROW_T1] else 1
         longest = max(longest, many)
     items, stack, many = np.empty((8 * longest + 256, 3)), np.empty((2 * tb.DEEPEST + 8, 5)), 0
     for n in range(rows):
         i = proof.order[n]
-        row, beyond = k.rows[i], k.rows[proof.order[min(n + 1, rows - 1)]]
+        row, beyond = proof.rows[i], proof.rows[proof.order[min(n + 1, rows - 1)]]
         if proof.objects[i, tb.OBJECT_PAIR] >= 0.0:
             items[many, 0], items[many, 1], items[many, 2] = i, row[c.ROW_S0], row[c.ROW_S1]
             many += 1
@@ -190,22 +200,22 @@ def first_wrong_row(k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof) ->
     return -1
 
 
-@kernel(types.boolean(tb.CLAIM, i8, I1, F1, F2, F1))
-def covered(k: Claim, head: int, following: IntArray, pair: FloatArray, reached: FloatArray, state: FloatArray) -> bool:
-    """Whether the rows of a pair cover all of its phase, for all times by which one body may be ahead. Times are
-    compared as they are. `head`: its first row, in the order of begins (-1: none); `following`: the next one of each
-    row; `reached`: room for (pieces, pieces) of both bodies."""
+@kernel(types.boolean(tb.CLAIM, tb.PROOF, i8, F2))
+def covered(k: Claim, proof: tb.Proof, d: int, reached: FloatArray) -> bool:
+    """Whether the rows of pair d cover all of its phase, for all times by which one body may be ahead. Times are
+    compared as they are. `reached`: room for (pieces, pieces) of both bodies."""
+    pair, rows, links, state = proof.pairs[d], proof.rows, proof.links, proof.state
     p, a, low = int(pair[tb.PAIR_PHASE]), int(pair[tb.PAIR_A]), pair[tb.PAIR_EARLY]
     begin, end, one = k.phases[p, c.PHASE_T0], k.phases[p, c.PHASE_T1], int(k.bodies[a, c.BODY_PIECES])
     other = int(k.bodies[int(pair[tb.PAIR_B]), c.BODY_PIECES])
     while True:
-        high, i, whole = pair[tb.PAIR_LATE], head, begin
+        high, i, whole = pair[tb.PAIR_LATE], proof.heads[d], begin
         while i >= 0:
-            for edge in (k.rows[i, c.ROW_S0], k.rows[i, c.ROW_S1]):
+            for edge in (rows[links[i, 0], c.ROW_S0], rows[links[i, 0], c.ROW_S1]):
                 if low < edge < high:
                     high = edge
             state[tb.WORK] -= 0.1
-            i = following[i]
+            i = links[i, 1]
         # rows of all pieces first; those of single pieces only where these do not reach
         for single in range(2):
             if single == 1 and whole >= end:
@@ -214,9 +224,9 @@ def covered(k: Claim, head: int, following: IntArray, pair: FloatArray, reached:
             state[tb.WORK] -= 0.01 * one * other
             if not state[tb.WORK] > 0.0:
                 return False
-            i = head
+            i = proof.heads[d]
             while i >= 0:
-                row = k.rows[i]
+                row = rows[links[i, 0]]
                 side = 0 if int(row[c.ROW_BODY]) == a else 1
                 j, m = int(row[c.ROW_PIECE + side]), int(row[c.ROW_PIECE + 1 - side])
                 if row[c.ROW_S0] <= low and high <= row[c.ROW_S1]:
@@ -227,7 +237,7 @@ def covered(k: Claim, head: int, following: IntArray, pair: FloatArray, reached:
                         for v in range(0 if m < 0 else m, other if m < 0 else m + 1):
                             if row[c.ROW_T0] <= reached[u, v]:
                                 reached[u, v] = max(reached[u, v], row[c.ROW_T1])
-                i = following[i]
+                i = links[i, 1]
         for u in range(one if not whole >= end else 0):
             for v in range(other):
                 if not reached[u, v] >= end:
@@ -237,22 +247,22 @@ def covered(k: Claim, head: int, following: IntArray, pair: FloatArray, reached:
         low = high
 
 
+@kernel(types.void(tb.PROOF, i8, i8, i8))
+def add_link(proof: tb.Proof, at: int, row: int, pair: int) -> None:
+    """Puts a row before the other rows of a pair, in link `at`."""
+    proof.links[at, 0], proof.links[at, 1], proof.heads[pair] = row, proof.heads[pair], at
+
+
 @kernel(i8(tb.CLAIM, tb.PROOF, i8), allocates=True)
 def first_uncovered(k: Claim, proof: tb.Proof, after: int) -> int:
     """The first pair after row `after` of the pairs whose phase is not covered by its rows; -1: none."""
-    rows, count, most = len(k.rows), int(proof.state[tb.PAIRS]), 1
-    heads, following = np.full(count, -1), np.full(rows, -1)
-    for n in range(rows - 1, -1, -1):
-        i = proof.order[n]
-        pair = int(proof.objects[i, tb.OBJECT_PAIR])
-        if pair >= 0:
-            following[i], heads[pair] = heads[pair], i
+    most = 1
     for b in range(len(k.bodies)):
         most = max(most, int(k.bodies[b, c.BODY_PIECES]))
     reached = np.empty((most, most))
-    for d in range(after + 1, count):
+    for d in range(after + 1, int(proof.state[tb.PAIRS])):
         p = int(proof.pairs[d, tb.PAIR_PHASE])
-        lasts = k.phases[p, c.PHASE_T1] > k.phases[p, c.PHASE_T0]
-        if lasts and not covered(k, heads[d], following, proof.pairs[d], reached, proof.state):
+        counts = proof.pairs[d, tb.PAIR_NEEDED] > 0.0 and k.phases[p, c.PHASE_T1] > k.phases[p, c.PHASE_T0]
+        if counts and not covered(k, proof, d, reached):
             return d
     return -1

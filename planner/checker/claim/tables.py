@@ -38,14 +38,16 @@ SOLID_VERTEX, SOLID_VERTICES, SOLID_EDGES, SOLID_EDGE = 8, 9, 10, 11
 SOLID_REACH, SOLID_SIZE, SOLID = 29, 30, 31
 """A piece in the axes of its carrier, with the columns of `pieces`; its greatest distance (m) from the carrier's
 vertical axis, and from its origin."""
-PAIR_PHASE, PAIR_A, PAIR_B, PAIR_DISTANCE, PAIR_EARLY, PAIR_LATE, PAIR_VARIES, PAIR = range(8)
+PAIR_PHASE, PAIR_A, PAIR_B, PAIR_DISTANCE, PAIR_EARLY, PAIR_LATE = range(6)
+PAIR_VARIES, PAIR_TOUCHES, PAIR_CERTAIN, PAIR_NEEDED, PAIR = range(6, 11)
 """Two bodies that must keep apart in a phase, and how far, m (less than 0: how deep they may touch); from which time to
-which the second is ahead of the clock, s; and whether what is required depends on the interval (lag, corrections), so
-that an interval that is too long decides nothing."""
+which the second is ahead of the clock, s; whether what is required depends on the interval (lag, corrections), so that
+an interval that is too long decides nothing; whether they may touch; whether nothing is uncertain; whether rows must
+show the distance."""
 SIDE_SOLID, SIDE_CARRIER, SIDE_SEAT, SIDES = 0, 1, 2, 3
-OBJECT_NORMAL, OBJECT_PAIR, OBJECT = 2 * SIDES, 2 * SIDES + 3, 2 * SIDES + 4
+OBJECT_NORMAL, OBJECT_PAIR, OBJECT_PLANE, OBJECT = 2 * SIDES, 2 * SIDES + 3, 2 * SIDES + 4, 2 * SIDES + 5
 """What a row is about: solid, carrier and seat of both sides, one behind the other; a unit normal; the row in `pairs`
-(-1: no pair needs it)."""
+(-1: no pair needs it); the phase of a row of one body (-1: it has two, or is not within one phase)."""
 WORK, HALVINGS, DEPTH, FAILED, PAIRS, ROWS, STATE = range(7)
 """Numbers of a check: work that is left; halvings of rows, and the deepest; the row that failed; how many pairs must
 keep apart, and how many rows they need."""
@@ -74,6 +76,7 @@ class Scratch(NamedTuple):
     turns: FloatArray  # (angles, 2, 6): cosine and sine
     four: FloatArray  # (2, 2, 6): cosine and sine of both couplers; or x, y, z, yaw of a frame
     joints: FloatArray  # (joints, 6)
+    vectors: FloatArray  # (3, 3, 6): vectors of the tool and of frames
     work: FloatArray  # powers of one coordinate; the last number counts pieces of motions that were evaluated
     next_slot: FloatArray  # (carriers, 2): the slot that is replaced next, of instants and of intervals
 
@@ -81,19 +84,22 @@ class Scratch(NamedTuple):
 class Proof(NamedTuple):
     """What must keep apart, and the rows that show it."""
 
+    rows: FloatArray  # the table of rows
     numbers: IntArray  # (bodies,): a number for each body that is on a link or was put down; -1
     table: IntArray  # (phases, numbered bodies, bodies): the row in `pairs`; -1
     pairs: FloatArray  # PAIR_...
     objects: FloatArray  # (rows, OBJECT)
     order: IntArray  # (rows,): rows by begin and end
+    links: IntArray  # (.., 2): of the rows of a pair, in the order of begins: the row, and the next link; -1
+    heads: IntArray  # (pairs,): the first link of each pair; -1
     state: FloatArray  # (STATE,)
 
 
 f8, i8 = types.float64, types.int64
 F1, F2, F3, F4 = f8[::1], f8[:, ::1], f8[:, :, ::1], f8[:, :, :, ::1]
-I1, I3 = i8[::1], i8[:, :, ::1]
+I1, I2, I3 = i8[::1], i8[:, ::1], i8[:, :, ::1]
 JET, BALL = types.UniTuple(f8, 6), types.UniTuple(f8, 2)
 CLAIM = types.NamedUniTuple(F2, len(Claim._fields), Claim)
 GEOMETRY = types.NamedUniTuple(F2, len(Geometry._fields), Geometry)
-SCRATCH = types.NamedTuple((F4, F3, F3, F3, F2, F1, F2), Scratch)
-PROOF = types.NamedTuple((I1, I3, F2, F2, I1, F1), Proof)
+SCRATCH = types.NamedTuple((F4, F3, F3, F3, F2, F3, F1, F2), Scratch)
+PROOF = types.NamedTuple((F2, I1, I3, F2, F2, I1, I2, I1, F1), Proof)

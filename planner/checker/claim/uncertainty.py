@@ -10,7 +10,7 @@ from assur.planner.checker.claim.chain import chain
 from assur.planner.checker.claim.jets import turned
 from assur.planner.checker.claim.motion import joints_over, rounding
 from assur.planner.checker.claim.solids import derivative_bound
-from assur.planner.checker.claim.tables import F1, f8, i8
+from assur.planner.checker.claim.tables import BALL, F1, f8, i8
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.compiled import kernel, types
@@ -87,57 +87,115 @@ def lag_displacement(
     return float(total) if known[2] == tb.KNOWN else math.inf
 
 
+@kernel(f8(tb.CLAIM, i8, f8))
+def amount_of(k: Claim, i: int, t: float) -> float:
+    """How large displacement i may be at t, as the robot may be late, m."""
+    lasts = max(t + k.required[0, c.REQUIRED_LATE] - k.required[0, c.REQUIRED_SINCE], 0.0)
+    return float(k.displaced[i, c.DISPLACED_AMOUNT] + k.displaced[i, c.DISPLACED_GROWTH] * lasts)
+
+
+@kernel(BALL(tb.CLAIM, i8, i8))
+def share_of(k: Claim, p: int, i: int) -> tuple[float, float]:
+    """The least and the greatest share of the tool in displacement i in a phase."""
+    f = int(k.displaced[i, c.DISPLACED_FRAME])
+    if not k.displaced[i, c.DISPLACED_SHARED] > 0.0:
+        return 0.0, 0.0
+    return k.shares[p, f], k.shares[p, len(k.frames) + f]
+
+
+@kernel(f8(tb.CLAIM, i8, f8))
+def correction_shift(k: Claim, p: int, t: float) -> float:
+    """By how much corrections may shift the tool in a phase until t, m."""
+    shift = 0.0
+    for i in range(len(k.displaced)):
+        least, most = share_of(k, p, i)
+        shift += max(abs(least), abs(most)) * amount_of(k, i, t)
+    return shift
+
+
+@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, i8, f8, f8))
+def corrected_within(k: Claim, g: tb.Geometry, s: tb.Scratch, p: int, t0: float, t1: float) -> bool:
+    """Whether joints keep their ranges over [t0, t1] of a phase while corrections shift the tool (N10): the first three
+    that turn, by the turns of both links and by how much the tool turns back."""
+    shift = correction_shift(k, p, t1)
+    if shift == 0.0:
+        return True
+    if not joints_over(g, 0, int(k.arms[0, c.ARM_JOINTS]), t0, t1, s):
+        return False
+    _, first, second = correction_turns(k, shift, s)
+    for i in range(len(k.limits)):
+        own = k.limits[i]
+        if not (own[c.LIMIT_T0] < t1 and t0 < own[c.LIMIT_T1]):
+            continue
+        for j in range(int(k.arms[0, c.ARM_JOINTS])):
+            more = first if j == 0 else first + second if j == 1 else second if j == 3 else 0.0
+            low, high = own[c.LIMIT_LOWER + j], own[c.LIMIT_UPPER + j]
+            most = 0.5 * (high - low) * (1.0 + own[c.LIMIT_SHARE]) - g.rounds[0, tb.ROUND_TURN]
+            if not abs(s.joints[j, 0] - 0.5 * (low + high)) + s.joints[j, 1] + more <= most:
+                return False
+    return True
+
+
+@kernel(f8(tb.CLAIM, i8, F1, F1, f8, f8, f8, f8))
+def displaced_gap(
+    k: Claim, p: int, one: FloatArray, other: FloatArray, t: float, x: float, y: float, z: float
+) -> float:
+    """By how much displacements of frames may bring two seated bodies nearer along a unit normal until t, m."""
+    first, total = k.required[0, c.REQUIRED_TOOL], 0.0
+    tool, other_tool = one[c.SEAT_LINK] >= first, other[c.SEAT_LINK] >= first
+    for i in range(len(k.displaced) if not (tool and other_tool) else 0):
+        own, f, (low, high) = k.displaced[i], k.displaced[i, c.DISPLACED_FRAME], share_of(k, p, i)
+        least, most = (1.0, 1.0) if one[c.SEAT_FRAME] == f else (low, high) if tool else (0.0, 0.0)
+        other_least, other_most = (1.0, 1.0) if other[c.SEAT_FRAME] == f else (low, high) if other_tool else (0.0, 0.0)
+        share, d = max(abs(most - other_least), abs(other_most - least)), c.DISPLACED_DIRECTION
+        if share > 0.0:
+            level = own[c.DISPLACED_LEVEL] > 0.0
+            along = math.sqrt(x * x + y * y) if level else abs(x * own[d] + y * own[d + 1] + z * own[d + 2])
+            total += share * amount_of(k, i, t) * along
+    return float(total)
+
+
+@kernel(f8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, i8, i8, f8, f8))
+def own_gap(
+    k: Claim, g: tb.Geometry, s: tb.Scratch, about: FloatArray, side: int, p: int, t0: float, t1: float
+) -> float:
+    """How far one side of a row may be off along its normal over [t0, t1], m, but for displacements that it may share
+    with the other side: where it is on its seat, turns of its frame, lag, corrections. Infinite: it is not known."""
+    x, y, z = about[tb.OBJECT_NORMAL], about[tb.OBJECT_NORMAL + 1], about[tb.OBJECT_NORMAL + 2]
+    seat, n, lags = k.seats[int(about[side + tb.SIDE_SEAT])], int(k.arms[0, c.ARM_JOINTS]), False
+    body, f, link = int(seat[c.SEAT_BODY]), int(seat[c.SEAT_FRAME]), int(seat[c.SEAT_LINK])
+    flat, reach = math.sqrt(x * x + y * y), g.solids[int(about[side + tb.SIDE_SOLID]), tb.SOLID_REACH]
+    total = k.off[p, body] * flat + k.off[p, len(k.bodies) + body] * abs(z)
+    if f >= 0:
+        return float(total + k.frames[f, c.FRAME_YAW] * reach * flat)
+    for j in range(n):
+        lags = lags or k.required[0, c.REQUIRED_LAG + j] > 0.0
+    if lags:
+        total += lag_displacement(k, g, s, about, side, t0, t1)
+    if 0 < link < int(k.required[0, c.REQUIRED_TOOL]):
+        shift = correction_shift(k, p, t1)
+        if shift > 0.0:
+            if link > 2 or not joints_over(g, 0, n, t0, t1, s):
+                return math.inf
+            inner, first, second = correction_turns(k, shift, s)
+            total += flat * (reach * first if link == 1 else inner * first + reach * second)
+    return float(total)
+
+
 @kernel(f8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, F1, f8, f8))
 def required_gap(
     k: Claim, g: tb.Geometry, s: tb.Scratch, about: FloatArray, pair: FloatArray, t0: float, t1: float
 ) -> float:
     """The gap along a unit normal that is required over [t0, t1], m, with what is uncertain of both bodies (N8) and
     what their places round by. Infinite: it is not known."""
-    x, y, z, p = (
-        about[tb.OBJECT_NORMAL],
-        about[tb.OBJECT_NORMAL + 1],
-        about[tb.OBJECT_NORMAL + 2],
-        int(pair[tb.PAIR_PHASE]),
-    )
-    required, flat, total, n = (
-        k.required[0],
-        math.sqrt(x * x + y * y),
-        pair[tb.PAIR_DISTANCE],
-        int(k.arms[0, c.ARM_JOINTS]),
-    )
-    frames, bodies, shift, lags = len(k.frames), len(k.bodies), 0.0, False
-    lasts = max(t1 + required[c.REQUIRED_LATE] - required[c.REQUIRED_SINCE], 0.0)
-    one, other = k.seats[int(about[tb.SIDE_SEAT])], k.seats[int(about[tb.SIDES + tb.SIDE_SEAT])]
-    tool, other_tool = one[c.SEAT_LINK] >= required[c.REQUIRED_TOOL], other[c.SEAT_LINK] >= required[c.REQUIRED_TOOL]
-    for i in range(len(k.displaced) if not (tool and other_tool) else 0):
-        own, f, low, high = k.displaced[i], int(k.displaced[i, c.DISPLACED_FRAME]), 0.0, 0.0
-        if own[c.DISPLACED_SHARED] > 0.0:
-            low, high = k.shares[p, f], k.shares[p, frames + f]
-        amount = own[c.DISPLACED_AMOUNT] + own[c.DISPLACED_GROWTH] * lasts
-        shift += max(abs(low), abs(high)) * amount
-        least, most = (1.0, 1.0) if int(one[c.SEAT_FRAME]) == f else (low, high) if tool else (0.0, 0.0)
-        other_least, other_most = (
-            (1.0, 1.0) if int(other[c.SEAT_FRAME]) == f else (low, high) if other_tool else (0.0, 0.0)
-        )
-        share = max(abs(most - other_least), abs(other_most - least))
-        if share > 0.0:
-            d = c.DISPLACED_DIRECTION
-            along = flat if own[c.DISPLACED_LEVEL] > 0.0 else abs(x * own[d] + y * own[d + 1] + z * own[d + 2])
-            total += share * amount * along
-    for j in range(n):
-        lags = lags or required[c.REQUIRED_LAG + j] > 0.0
+    x, y, z = about[tb.OBJECT_NORMAL], about[tb.OBJECT_NORMAL + 1], about[tb.OBJECT_NORMAL + 2]
+    total, p = pair[tb.PAIR_DISTANCE], int(pair[tb.PAIR_PHASE])
     for side in (0, tb.SIDES):
-        solid, seat = int(about[side + tb.SIDE_SOLID]), k.seats[int(about[side + tb.SIDE_SEAT])]
-        body, f, link = int(seat[c.SEAT_BODY]), int(seat[c.SEAT_FRAME]), int(seat[c.SEAT_LINK])
-        reach = g.solids[solid, tb.SOLID_REACH]
-        total += rounding(g, int(about[side + tb.SIDE_CARRIER]), 0, g.solids[solid, tb.SOLID_SIZE])
-        total += k.frames[f, c.FRAME_YAW] * reach * flat if f >= 0 else 0.0
-        total += k.off[p, body] * flat + k.off[p, bodies + body] * abs(z)
-        if link >= 0 and lags:
-            total += lag_displacement(k, g, s, about, side, t0, t1)
-        if shift > 0.0 and 0 < link < int(required[c.REQUIRED_TOOL]):
-            if link > 2 or not joints_over(g, 0, n, t0, t1, s):
-                return math.inf
-            inner, first, second = correction_turns(k, shift, s)
-            total += flat * (reach * first if link == 1 else inner * first + reach * second)
+        size = g.solids[int(about[side + tb.SIDE_SOLID]), tb.SOLID_SIZE]
+        total += rounding(g, int(about[side + tb.SIDE_CARRIER]), 0, size)
+        if not pair[tb.PAIR_CERTAIN] > 0.0:
+            total += own_gap(k, g, s, about, side, p, t0, t1)
+    if not pair[tb.PAIR_CERTAIN] > 0.0:
+        one, other = k.seats[int(about[tb.SIDE_SEAT])], k.seats[int(about[tb.SIDES + tb.SIDE_SEAT])]
+        total += displaced_gap(k, p, one, other, t1, x, y, z)
     return float(total)

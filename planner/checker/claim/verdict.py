@@ -15,11 +15,12 @@ from assur.planner.checker.claim.form import FITS, MISFITS, bound_name, bounds, 
 from assur.planner.checker.claim.jets import constant, put
 from assur.planner.checker.claim.limits import KEPT, NO_LIMITS, first_joint_beyond
 from assur.planner.checker.claim.motion import make_curves, make_laws
-from assur.planner.checker.claim.obligations import make_pairs, number_bodies
-from assur.planner.checker.claim.points import AXES, POINTS, RATES, tool_claim_holds
+from assur.planner.checker.claim.obligations import make_pairs, number_bodies, require_second
+from assur.planner.checker.claim.planes import link_rows
 from assur.planner.checker.claim.rows import first_uncovered, first_wrong_row, resolve
 from assur.planner.checker.claim.solids import place_solids
 from assur.planner.checker.claim.tables import F1, F2, I1, f8, i8
+from assur.planner.checker.claim.tool import ERRORS, claim_holds
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.compiled import kernel, types
@@ -39,7 +40,7 @@ class ClaimCode(StrEnum):
     SURFACE = "SURFACE"
     """The surface of a body is not closed."""
     KNOTS = "KNOTS"
-    """Times of knots go back, or positions or velocities jump."""
+    """Times of knots go back, or positions or velocities jump, of a joint or where a frame's period ends."""
     PHASES = "PHASES"
     """Phases have gaps or end too early, or the robot need not keep clear while it moves."""
     LIMIT = "LIMIT"
@@ -49,7 +50,19 @@ class ClaimCode(StrEnum):
     RATE = "RATE"
     """A point of the tool is faster or slower, or accelerates harder, than is claimed."""
     DIRECTION = "DIRECTION"
-    """An axis of the tool is not within its directions."""
+    """An axis of a link, or the way to a point of a link, is not within its directions."""
+    GUIDE = "GUIDE"
+    """The tool leaves its way from one point to another."""
+    CORRECTION = "CORRECTION"
+    """A joint does not keep its range, or the arm its reach, while a correction shifts the tool."""
+    JOINTS = "JOINTS"
+    """A sum of joints, or a derivative of it, is not within its bounds."""
+    DISTANCE = "DISTANCE"
+    """Two bodies may be farther apart than is claimed."""
+    ERROR = "ERROR"
+    """The tool may be farther from its point than is claimed."""
+    NEAREST = "NEAREST"
+    """A second distance is not shown."""
     ROW = "ROW"
     """A row does not hold."""
     COVER = "COVER"
@@ -62,17 +75,24 @@ class ClaimCode(StrEnum):
     """Numbers that overflow, or that are divided by 0."""
 
 
-KNOTS, PHASES, LIMIT, ROW, COVER, WITHIN, MUCH = range(AXES + 1, AXES + 8)
+KNOTS, PHASES, LIMIT, ROW, COVER, WITHIN, GAP_ROW, GAP_COVER, MUCH = range(ERRORS + 1, ERRORS + 10)
 _CODES = (
     ClaimCode.POINT,
     ClaimCode.RATE,
     ClaimCode.DIRECTION,
+    ClaimCode.GUIDE,
+    ClaimCode.CORRECTION,
+    ClaimCode.JOINTS,
+    ClaimCode.DISTANCE,
+    ClaimCode.ERROR,
     ClaimCode.KNOTS,
     ClaimCode.PHASES,
     ClaimCode.LIMIT,
     ClaimCode.ROW,
     ClaimCode.COVER,
     ClaimCode.WITHIN,
+    ClaimCode.NEAREST,
+    ClaimCode.NEAREST,
     ClaimCode.WORK,
 )
 FINDING_CODE, FINDING_WHAT, FINDING_WHEN, FINDING = range(4)
@@ -129,6 +149,7 @@ def prepare(k: Claim) -> tuple[tb.Geometry, tb.Scratch]:
         np.zeros((len(k.angles), 2, 6)),
         np.zeros((2, 2, 6)),
         np.zeros((c.MOST_JOINTS, 6)),
+        np.zeros((3, 3, 6)),
         np.zeros(tb.LAW_POWERS + 2),
         np.zeros((links + frames, 2)),
     )
@@ -177,49 +198,73 @@ def add_finding(findings: FloatArray, many: int, code: int, what: float, when: f
     return many + 1
 
 
-@kernel(types.Tuple((F2, F2, F1))(tb.CLAIM, I1), allocates=True)
-def check_tables(k: Claim, order: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+@kernel(i8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, tb.PROOF, F2, F2, i8), allocates=True)
+def add_proof_findings(
+    k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof, stack: FloatArray, findings: FloatArray, many: int
+) -> int:
+    """Adds what rows do not show of the distances in `proof.pairs`. Returns the number of findings."""
+    resolve(k, g, proof)
+    link_rows(k, g, s, proof, stack)
+    wrong = first_wrong_row(k, g, s, proof)
+    second = proof.state[tb.PAIRS] > 0.0 and proof.pairs[0, tb.PAIR_CERTAIN] > 0.0
+    if wrong >= 0:
+        many = add_finding(findings, many, GAP_ROW if second else ROW, wrong, proof.rows[wrong, c.ROW_T0])
+    # a row that fails leaves its pair without cover: that is reported once
+    for code in range(COVER if wrong < 0 else WITHIN, WITHIN if second else WITHIN + 1):
+        pair = -1
+        while many < MOST_FINDINGS and proof.state[tb.WORK] > 0.0:
+            pair = first_uncovered(k, proof, pair) if code == COVER else first_within(k, g, s, proof, pair)
+            if pair < 0:
+                break
+            begin = k.phases[int(proof.pairs[pair, tb.PAIR_PHASE]), c.PHASE_T0]
+            many = add_finding(findings, many, GAP_COVER if second else code, pair, begin)
+    return many
+
+
+@kernel(types.Tuple((F2, F2, F1))(tb.CLAIM, I1, I1), allocates=True)
+def check_tables(k: Claim, order: IntArray, gap_order: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """What is not shown of a claim that fits together (.., FINDING), the pairs that must keep apart (.., PAIR), and the
-    numbers of the check (STATE,). `order`: of its rows, by begin and end."""
+    numbers of the check (STATE,). `order`, `gap_order`: of its rows and gap rows, by begin and end."""
     findings, state, many = np.zeros((MOST_FINDINGS + 2, FINDING)), np.zeros(tb.STATE), 0
     state[tb.WORK] = MOST_WORK
     g, s = prepare(k)
-    make_laws(k, g)
-    moves = make_curves(k, g, s.joints)
+    moves = make_laws(k, g) and make_curves(k, g, s.joints)
     if not (moves and phases_fit(k)):
         many = add_finding(findings, 0, PHASES if moves else KNOTS, 0.0, k.phases[0, c.PHASE_T0])
         return findings[:many], np.empty((0, tb.PAIR)), state
     place_solids(k, g)
-    stack = np.zeros((2 * tb.DEEPEST + 8, tb.POWERS + 1))
+    stack = np.zeros((2 * tb.DEEPEST + 8, max(tb.POWERS + 1, tb.OBJECT + 3)))
     joint = first_joint_beyond(k, stack, state)
     if joint != KEPT:
         many = add_finding(findings, many, LIMIT, joint, stack[len(stack) - 1, tb.POWERS])
-    for kind, table in ((POINTS, k.points), (RATES, k.rates), (AXES, k.axes)):
+    tables = (k.points, k.rates, k.axes, k.guides, k.phases, k.sums, k.distances, k.errors)
+    for kind, table in enumerate(tables):
         for i in range(len(table)):
-            if many < MOST_FINDINGS and not tool_claim_holds(k, g, s, kind, table[i], stack, state):
+            if many < MOST_FINDINGS and not claim_holds(k, g, s, kind, i, table[i], stack, state):
                 many = add_finding(findings, many, kind, i, table[i, 0])
-    bodies, phases, numbers = len(k.bodies), len(k.phases), np.full(len(k.bodies), -1)
+    bodies, phases, planes, numbers = len(k.bodies), len(k.phases), 0, np.full(len(k.bodies), -1)
+    for i in range(len(k.rows)):
+        planes += 1 if k.rows[i, c.ROW_BODY + 1] < 0.0 else 0
     robots = number_bodies(k, numbers)
     size = phases * robots * bodies
-    state[tb.WORK] -= float(size) * (1.0 + len(k.rules))
+    state[tb.WORK] -= float(size) * (1.0 + len(k.rules)) + 0.5 * planes * bodies
     if not state[tb.WORK] > 3.0 * size:
         many = add_finding(findings, many, MUCH, 0.0, k.phases[0, c.PHASE_T0])
         return findings[:many], np.empty((0, tb.PAIR)), state
-    rows_of, pairs = np.full((phases, robots, bodies), -1), np.empty((size, tb.PAIR))
-    proof = tb.Proof(numbers, rows_of, pairs, np.empty((len(k.rows), tb.OBJECT)), order, state)
+    rows_of, pairs, heads = np.full((phases, robots, bodies), -1), np.empty((size, tb.PAIR)), np.full(size, -1)
+    links = np.empty((max(len(k.rows) + planes * bodies, len(k.gap_rows)), 2), np.int64)
+    objects = np.empty((max(len(k.rows), len(k.gap_rows)), tb.OBJECT))
+    proof = tb.Proof(k.rows, numbers, rows_of, pairs, objects, order, links, heads, state)
     make_pairs(k, g, proof)
-    resolve(k, g, proof)
-    wrong = first_wrong_row(k, g, s, proof)
-    if wrong >= 0:
-        many = add_finding(findings, many, ROW, wrong, k.rows[wrong, c.ROW_T0])
-    for code in (COVER, WITHIN):
-        pair = -1
-        # a row that fails leaves its pair without cover: that is reported once
-        while many < MOST_FINDINGS and state[tb.WORK] > 0.0 and not (code == COVER and wrong >= 0):
-            pair = first_uncovered(k, proof, pair) if code == COVER else first_within(k, g, s, proof, pair)
-            if pair < 0:
-                break
-            many = add_finding(findings, many, code, pair, k.phases[int(pairs[pair, tb.PAIR_PHASE]), c.PHASE_T0])
+    many = add_proof_findings(k, g, s, proof, stack, findings, many)
+    if many < MOST_FINDINGS and max(k.required[0, c.REQUIRED_NEAREST], k.required[0, c.REQUIRED_PLACED]) >= 0.0:
+        none = require_second(k, proof)
+        if none >= 0:
+            many = add_finding(findings, many, GAP_COVER, none, k.phases[int(pairs[none, tb.PAIR_PHASE]), c.PHASE_T0])
+        else:
+            heads[:] = -1
+            proof = tb.Proof(k.gap_rows, numbers, rows_of, pairs, objects, gap_order, links, heads, state)
+            many = add_proof_findings(k, g, s, proof, stack, findings, many)
     if not state[tb.WORK] > 0.0:
         many = add_finding(findings, many, MUCH, 0.0, k.phases[0, c.PHASE_T0])
     return findings[:many], pairs[: int(state[tb.PAIRS])], state
@@ -239,30 +284,14 @@ def check_claim(claim: Claim) -> ClaimVerdict:
     body = open_body(claim)
     if body >= 0:
         return _refused(ClaimCode.SURFACE, f"body {body}")
-    if _unshown(claim):
-        return _refused(ClaimCode.FORM, "rows of a kind that is not shown yet")
-    order = np.lexsort((claim.rows[:, c.ROW_T1], claim.rows[:, c.ROW_T0]))
+    order, gap_order = [np.lexsort((rows[:, c.ROW_T1], rows[:, c.ROW_T0])) for rows in (claim.rows, claim.gap_rows)]
     try:
-        rows, pairs, state = check_tables(claim, order)
+        rows, pairs, state = check_tables(claim, order, gap_order)
     except (ZeroDivisionError, OverflowError, ValueError, IndexError) as error:
         return _refused(ClaimCode.FAULT, type(error).__name__)
     findings = tuple(_finding(claim, row, pairs) for row in rows)
     needed, many, halvings, deepest = [int(state[number]) for number in (tb.ROWS, tb.PAIRS, tb.HALVINGS, tb.DEPTH)]
     return ClaimVerdict(not findings, findings, needed, many, halvings, deepest, int(MOST_WORK - state[tb.WORK]))
-
-
-def _unshown(claim: Claim) -> bool:
-    """Whether a claim has rows of kinds that no kernel shows yet."""
-    tables = (claim.sums, claim.guides, claim.distances, claim.errors, claim.gap_rows)
-    rates, axes = claim.rates, claim.axes
-    return (
-        any(map(len, tables))
-        or bool((claim.rows[:, c.ROW_BODY + 1] < 0.0).any())
-        or bool((claim.required[:, c.REQUIRED_NEAREST :] >= 0.0).any() or (claim.frames[:, c.FRAME_PERIOD] > 0.0).any())
-        or bool((rates[:, c.RATE_ORDER] != 2.0).any() or (rates[:, c.RATE_LEAST] > 0.0).any())
-        or bool((rates[:, c.RATE_FRAME] >= 0.0).any() or (axes[:, c.AXIS_PLACE] > 0.0).any())
-        or bool((axes[:, c.AXIS_OTHER] >= 0.0).any())
-    )
 
 
 def _refused(code: ClaimCode, what: str) -> ClaimVerdict:
@@ -274,12 +303,12 @@ def _finding(claim: Claim, row: FloatArray, pairs: FloatArray) -> ClaimFinding:
     code, number, what = int(row[FINDING_CODE]), int(row[FINDING_WHAT]), ""
     if code == LIMIT:
         what = "no limits are for all of the motion" if number == NO_LIMITS else f"joint {number}"
-    elif code == ROW:
-        a, b = claim.rows[number, c.ROW_BODY : c.ROW_PIECE]
+    elif code in (ROW, GAP_ROW):
+        a, b = (claim.rows if code == ROW else claim.gap_rows)[number, c.ROW_BODY : c.ROW_PIECE]
         what = f"row {number}, bodies {a:.0f} and {b:.0f}"
-    elif code in (COVER, WITHIN):
+    elif code in (COVER, WITHIN, GAP_COVER):
         a, b, phase = pairs[number, [tb.PAIR_A, tb.PAIR_B, tb.PAIR_PHASE]]
         what = f"bodies {a:.0f} and {b:.0f} in phase {phase:.0f}"
-    elif code <= AXES:
+    elif code <= ERRORS:
         what = f"number {number}"
     return ClaimFinding(_CODES[code], what, float(row[FINDING_WHEN]))

@@ -11,165 +11,145 @@ than the distance required by more than a plan may be off its place.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.along import TRACKED_RAD
+from assur.planner.checker.refusals.obstructions import MOST, STATED
+from assur.planner.checker.refusals.places import Spot, spots
 from assur.planner.checker.refusals.postures import posture
-from assur.planner.checker.refusals.solids import deepest, within
+from assur.planner.checker.refusals.solids import deepest, is_within
 from assur.planner.checker.refusals.spans import around
-from assur.planner.checker.refusals.standing import place_of, standing
-from assur.planner.checker.refusals.ways import Way
-from assur.planner.checker.rows import Apart
-from assur.planner.checker.solids import solids
-from assur.planner.checker.world import World
+from assur.planner.checker.refusals.standing import allowed_modes, frame_at, links_at, still
+from assur.planner.checker.refusals.stated import NotShownError, Shown
+from assur.planner.checker.refusals.ways import Way, is_turn, ways
+from assur.planner.checker.statement.arms import link_names
+from assur.planner.checker.statement.differences import TRACKED_RAD
+from assur.planner.checker.statement.solids import bodies_of
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Hull, Piece
 from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.clearance import rule_of
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import Contacts, Phase, contacts_of, pair
-from assur.planner.model.proofs.witness import PROVED_M, PROVED_RAD, PROVED_TRACKED_M, Meeting
-from assur.planner.model.refusal import Rule
+from assur.planner.model.phases import Phase, pair
+from assur.planner.model.proofs.witness import PROVED_M, PROVED_RAD, PROVED_TRACKED_M, Meeting, Met
+from assur.planner.model.refusal import Bodies, Enclosed, Facts, Quantity, Reason, Refusal, Separation, Stage
 from assur.planner.model.scene import Scene
 
 OUTSIDE_M = 1e-9
 """By this much, m, a point may be outside of the body that it is said to be of: rounding of poses."""
 REACHED_M = 1e-6
 """The flange of a posture is at its goal up to this, m: rounding, also where the arm is stretched."""
+NOWHERE = np.full(3, np.nan)
 UPRIGHT = 1e-12
 """An axis whose horizontal part is not above this is vertical, and a place not farther from an axis, m, is on it."""
 
 
 @dataclass(frozen=True, slots=True)
-class Judged:
-    """A pair that is too near: `distance`, m, is not below its distance (W1; NaN: inside a hollow mesh), `required`
-    what is required of it, by which rule."""
-
-    distance: float
-    required: float
-    rule: Rule
-    above: float
-    """m. How far above the control point it is."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Stood:
-    """A body where it stands: its pose in the world, position (3,) and rotation (3, 3)."""
+class Solid:
+    """A body where it is: its pose in the world, position (3,) and rotation (3, 3); the link of the arm that it is on,
+    or None: it is of the surroundings."""
 
     body: Body
     at: FloatArray
     turn: FloatArray
     link: str | None
-    """The link of the arm, or None: it is of the surroundings."""
-    in_link: Pose = Pose()
 
     def local(self, point: FloatArray) -> FloatArray:
         return np.asarray(self.turn.T @ (point - self.at))
 
 
-def at_the_start(scene: Scene, meeting: Meeting) -> Judged | str:
-    """The pair of a meeting at the start, or why it is none that proves anything."""
+def met(scene: Scene, refusal: Refusal, witness: Met) -> Iterator[Shown]:
+    """Refusals by bodies that are in the way as a witness says: in each way to a control point, or at the start. Raises
+    `NotShownError` where they are not."""
+    if len(witness.ways) > MOST:
+        raise NotShownError("its witness has more meetings than there are")
+    if refusal.stage is Stage.START:
+        first = witness.ways[0] if len(witness.ways) == 1 else None
+        if first is None or (first.place, first.mode, first.turn_rad) != ("start", None, None):
+            raise NotShownError("one pair must be named, at the start")
+        yield Shown(_at_the_start(scene, refusal, first), STATED)
+        return
+    found = list[Refusal]()
+    for way in ways(scene, refusal.step):
+        for mode in allowed_modes(scene):
+            here = [each for each in witness.ways if each.mode == mode and is_turn(each.turn_rad, way.turn)]
+            if not here:
+                raise NotShownError(f"the witness has nothing that is in the way in mode {mode}")
+            found += [_at_a_point(scene, refusal, way, mode, each) for each in here]
+    yield from (Shown(each, STATED) for each in found)
+
+
+def _at_the_start(scene: Scene, refusal: Refusal, meeting: Meeting) -> Refusal:
     t, attached = scene.start.time, at_start(scene)
-    phase = Phase(t, t, LegKind.WAIT, 0, attached)
-    world = standing(scene, scene.start.q)
-    table = solids(scene, (phase,))
-    apart = Apart.of(scene, (phase,), table, world.tables)
-    numbers = [table.number.get(name) for name in meeting.bodies]
-    if None in numbers or not apart.required(0, *(number or 0 for number in numbers)):
-        return f"{' and '.join(meeting.bodies)} need not keep apart at the start"
-    first, second = (_stood(scene, world, t, attached, name) for name in meeting.bodies)
-    if first is None or second is None:
-        return "a body is nowhere at the start"
-    return _judged(scene, phase, first, second, meeting, 0.0, 0.0)
+    first, second = _solids(scene, scene.start.q, attached, meeting.bodies)
+    links = pair(first.link or "", second.link or "")
+    apart = (first.link is None) != (second.link is None) or links in {pair(*each) for each in scene.robot.self_pairs}
+    if not apart or first.link == second.link:
+        raise NotShownError(f"{' and '.join(meeting.bodies)} need not keep apart at the start")
+    spot = Spot(attached, LegKind.WAIT, frozenset(), "start")
+    true = _refusal(scene, refusal, spot, first, second, meeting, 0.0)
+    return replace(true, reason=Reason.START_IN_COLLISION, interval=(t, t))
 
 
-def at_a_point(scene: Scene, way: Way, meeting: Meeting) -> Judged | str:
-    """The pair of a meeting at a control point, in the mode of the meeting, or why it proves nothing."""
+def _at_a_point(scene: Scene, refusal: Refusal, way: Way, mode: str, meeting: Meeting) -> Refusal:
     t, robot, step = scene.start.time, scene.robot, scene.task[way.number]
     if scene.options.vias_missed and step.via:
-        return "the via is missed"
-    tilts = "pitch" in robot.coordinates
-    if tilts and not all(math.isfinite(angle) for angle in way.tilt):
-        return "pitch or roll are free"
-    place = _place(scene, way, meeting)
-    if isinstance(place, str):
-        return place
-    phase, above, contacts = place
-    if pair(*meeting.bodies) in contacts:
-        return f"{' and '.join(meeting.bodies)} may touch there"
-    at = place_of(standing(scene, scene.start.q), way.frame, t)
-    if at is None or meeting.mode is None:
-        return "the frame is not known at the start, or no mode is named"
-    fixed = scene.frames[way.frame].law.kind == "fixed"
-    if not fixed and not robot.turns_load:
-        return "how the arm tilts depends on when the point is met"
-    goal = way.goal(scene, at, above, 0.0, 0.0)
+        raise NotShownError("the via is missed")
+    if "pitch" in robot.coordinates and None in way.tilt:
+        raise NotShownError("pitch or roll are free")
+    around_point = spots(scene, way.number, way.before, way.after)
+    spot = next((each for each in around_point if each.place == meeting.place), None)
+    if spot is None:
+        raise NotShownError(f"there is no {meeting.place} at {step.name} from which a way leads on")
+    if pair(*meeting.bodies) in spot.contacts:
+        raise NotShownError(f"{' and '.join(meeting.bodies)} may touch there")
+    at = frame_at(scene, way.frame, t)
+    if at is None or (still(scene, way.frame) is None and not robot.turns_load):
+        raise NotShownError("the frame is not known at the start, or how the arm tilts depends on the time")
+    goal = way.goal(scene, at, spot.above, 0.0, 0.0)
     if way.turn is None:
         goal = replace(goal, yaw=around(at.then(way.flange).yaw, 0.0))
-    found = posture(robot, meeting.mode, goal)
+    wanted, found = (goal.x.middle, goal.y.middle, goal.z.middle), posture(robot, mode, goal)
     q = np.array([span.middle for span in found.joints])
     if not np.isfinite(q).all() or found.short.low > 0.0:
-        return "the arm does not reach the point, so nothing of it can collide there"
-    world = standing(scene, q)
-    flange = world.states([(world.flange, Pose(), t)])[0]
-    wanted = goal.x.middle, goal.y.middle, goal.z.middle
-    if not math.dist(flange.p, wanted) <= REACHED_M:
-        return "the flange is not shown to be at the point"
-    first, second = (_stood(scene, world, t, phase.attached, name) for name in meeting.bodies)
-    if first is None or second is None:
-        return "a body is nowhere"
-    refused = _hangs(scene, way, first, second, phase.attached)
-    if refused:
-        return refused
-    axis = math.dist(meeting.points_m[0][:2], wanted[:2])
-    angle = TRACKED_RAD if above > 0.0 else PROVED_RAD
-    return _judged(scene, phase, first, second, meeting, above, 2.0 * angle * axis if way.turn is not None else 0.0)
+        raise NotShownError("the arm does not reach the point, so nothing of it can collide there")
+    if not math.dist(links_at(scene, q)[link_names(robot).index("flange")].place, wanted) <= REACHED_M:
+        raise NotShownError("the flange is not shown to be at the point")
+    first, second = _solids(scene, q, spot.attached, meeting.bodies)
+    _check_constant(scene, way, first, second, spot.attached)
+    turned = 0.0
+    if way.turn is not None:
+        angle = TRACKED_RAD if spot.above > 0.0 else PROVED_RAD
+        turned = 2.0 * angle * math.dist(meeting.points_m[0][:2], wanted[:2])
+    return _refusal(scene, refusal, spot, first, second, meeting, turned)
 
 
-def _place(scene: Scene, way: Way, meeting: Meeting) -> tuple[Phase, float, Contacts] | str:
-    """The phase of a place at a point, how far above it is, and which pairs may touch there."""
-    t, step, number = scene.start.time, scene.task[way.number], way.number
-    approach, depart = scene.straight(step)
-    nothing: Contacts = frozenset()
-    before, behind = contacts_of(scene, step, way.before, None)
-    tracked = way.frame if step.tracks else None
-    if meeting.place == "point":
-        kind = LegKind.FOLLOW if step.tracks else LegKind.MOVE
-        return Phase(t, t, kind, number, way.before, tracked=tracked), 0.0, before if step.tracks else nothing
-    if step.part is None:
-        return f"there is no {meeting.place} at {step.name}"
-    if meeting.place == "behind":
-        return Phase(t, t, LegKind.DEPART, number, way.after, tracked=tracked), 0.0, behind
-    if meeting.place == "approach":
-        return Phase(t, t, LegKind.MOVE, number, way.before), approach, nothing
-    if meeting.place == "depart" and number + 1 < len(scene.task):
-        return Phase(t, t, LegKind.MOVE, number, way.after), depart, nothing
-    return f"there is no {meeting.place} at {step.name} from which a way leads on"
-
-
-def _hangs(scene: Scene, way: Way, first: _Stood, second: _Stood, attached: Attachments) -> str:
-    """Why a pair is none that is as near whenever the point is met: the first must hang on the flange, or the point
-    stand still, and the second never move against the point; and where the tool may be turned at will, that must change
-    nothing."""
-    if first.link is None or second.link is not None or second.body.name not in scene.index:
-        return f"{first.body.name} is not of the arm, or {second.body.name} not of the surroundings"
+def _check_constant(scene: Scene, way: Way, first: Solid, second: Solid, attached: Attachments) -> None:
+    """Raises `NotShownError` for a pair that may be less near when the point is met at another time: the first must be
+    on the flange, or the point stand still, and the second never move against the point; and where the tool may be
+    turned at will, that must change nothing."""
+    if first.link is None or second.link is not None:
+        raise NotShownError(f"{first.body.name} is not of the arm, or {second.body.name} not of the surroundings")
     frame = attached.pose_of(scene, second.body.name)[0]
-    stand = [scene.frames[name].law.kind == "fixed" for name in (frame, way.frame)]
+    at_rest = all(still(scene, name) is not None for name in (frame, way.frame))
     if first.link not in ("flange", "quill"):
-        return "" if all(stand) and way.spread == 0.0 else f"{first.body.name} does not hang on the flange"
-    if frame != way.frame and not all(stand):
-        return f"{second.body.name} moves against the point"
-    if way.turn is not None or first.link == "quill":
-        return "" if way.turn is not None or way.spread == 0.0 else "the tool turns about another axis"
+        if not at_rest or way.spread != 0.0:
+            raise NotShownError(f"{first.body.name} is not on the flange")
+        return
+    if frame != way.frame and not at_rest:
+        raise NotShownError(f"{second.body.name} moves against the point")
+    if way.turn is not None:
+        return
     held = None if attached.held is None else attached.held.part
-    round_ = first.body.name != held and all(_round(piece) for piece in first.body.pieces)
-    return "" if way.spread == 0.0 and round_ else f"{first.body.name} may be turned"
+    round_ = first.body.name != held and all(_is_round(piece) for piece in first.body.pieces)
+    if way.spread != 0.0 or not (first.link == "quill" or round_):
+        raise NotShownError(f"{first.body.name} may be turned")
 
 
-def _round(piece: Piece) -> bool:
+def _is_round(piece: Piece) -> bool:
     """Whether a piece is a solid of revolution about the vertical axis of its body."""
     shape, turn, at = piece.shape, piece.rotation, piece.position
     if isinstance(shape, Hull) or shape.half[0] > 0.0 or shape.half[1] > 0.0:
@@ -178,55 +158,80 @@ def _round(piece: Piece) -> bool:
     return upright and math.hypot(float(at[0]), float(at[1])) <= UPRIGHT
 
 
-def _stood(scene: Scene, world: World, t: float, attached: Attachments, name: str) -> _Stood | None:
-    """A body where it stands at an instant."""
-    links = scene.robot.links
-    flange = links.index("flange")
-    carrier, local, body = -1, Pose(), None
-    for item in scene.robot.bodies:
-        if item.body.name == name:
-            carrier, body = item.link, item.body
-    for tool in scene.tool.bodies:
-        if tool.name == name:
-            carrier, body = flange, tool
-    if name in scene.index:
-        body = scene.index[name].body
-        if attached.held is not None and attached.held.part == name:
-            carrier, local = flange, attached.held.in_flange
+def _solids(scene: Scene, q: FloatArray, attached: Attachments, names: tuple[str, str]) -> tuple[Solid, Solid]:
+    """Two bodies where they are at the start, with the arm at joint values q (n,). Raises `NotShownError` for a body
+    that there is not, or whose place is not known."""
+    robot, held, links = scene.robot, attached.held, links_at(scene, q)
+    seats = {item.body.name: (robot.links[item.link], Pose()) for item in robot.bodies}
+    seats |= {body.name: ("flange", Pose()) for body in scene.tool.bodies}
+    seats |= {} if held is None else {held.part: ("flange", held.in_flange)}
+    bodies = {body.name: body for body in bodies_of(scene)}
+
+    def solid(name: str) -> Solid:
+        link, local = seats.get(name, (None, Pose()))
+        if link is not None:
+            carrier = links[link_names(robot).index(link)]
+            place, turn = carrier.place, carrier.rotation
         else:
             frame, local = attached.pose_of(scene, name)
-            carrier = world.frame[frame]
-    if body is None:
-        return None
-    at, turn = world.place(carrier, t)
-    c, s = math.cos(local.yaw), math.sin(local.yaw)
-    own = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    position = at + turn @ local.position
-    if not (np.isfinite(position).all() and np.isfinite(turn).all()):
-        return None
-    return _Stood(body, position, turn @ own, links[carrier] if carrier < len(links) else None, local)
+            at = frame_at(scene, frame, scene.start.time)
+            place, turn = (NOWHERE, np.eye(3)) if at is None else (at.position, about_vertical(at.yaw))
+        found = Solid(bodies[name], place + turn @ local.position, turn @ about_vertical(local.yaw), link)
+        if not (np.isfinite(found.at).all() and np.isfinite(found.turn).all()):
+            raise NotShownError(f"it is not known where {name} is")
+        return found
+
+    if not set(names) <= set(bodies):
+        raise NotShownError(f"there is no body {' or '.join(names)}")
+    return solid(names[0]), solid(names[1])
 
 
-def _judged(
-    scene: Scene, phase: Phase, first: _Stood, second: _Stood, meeting: Meeting, above: float, turned: float
-) -> Judged | str:
-    """Whether both points of a meeting show that its bodies are nearer than required by more than a plan may be off its
-    place, `turned`, m, of it by its yaw."""
-    near = PROVED_TRACKED_M if above > 0.0 else PROVED_M
+def about_vertical(yaw: float) -> FloatArray:
+    c, s = math.cos(yaw), math.sin(yaw)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _refusal(
+    scene: Scene, given: Refusal, spot: Spot, first: Solid, second: Solid, meeting: Meeting, turned: float
+) -> Refusal:
+    """The refusal by a pair at a spot, if both points of a meeting show that its bodies are nearer than required by
+    more than a plan may be off its place, `turned`, m, of it by its yaw."""
+    near = turned + (PROVED_TRACKED_M if spot.above > 0.0 else PROVED_M)
     x, y = (np.array(point) for point in meeting.points_m)
-    rule, required = rule_of(scene, phase, first.body.name, second.body.name)
-    own = deepest(first.body, first.local(x))
-    if not own >= -OUTSIDE_M:
-        return f"the point is not inside {first.body.name}"
+    depths = [deepest(first.body, first.local(x)), deepest(second.body, second.local(y))]
+    reason, subject = Reason.CONTROL_POINT_IN_COLLISION, Bodies(meeting.bodies)
+    true = Refusal(stage=given.stage, reason=reason, step=given.step, subject=subject, facts=Enclosed())
+    if not all(each >= -OUTSIDE_M for each in (depths[:1] if meeting.inside else depths)):
+        raise NotShownError(f"a point is not inside {first.body.name}, or the other one not inside {second.body.name}")
     if meeting.inside:
         surface = second.body.surface
-        if surface is None or not (x == y).all() or not within(surface, second.local(y), near + turned):
-            return f"the point is not inside the surface of {second.body.name}"
-        return Judged(math.nan, required, rule, above)
-    other = deepest(second.body, second.local(y))
-    if not other >= -OUTSIDE_M:
-        return f"the point is not inside {second.body.name}"
-    distance = float(np.linalg.norm(x - y)) - own - other
-    if not distance <= required - near - turned - 2.0 * OUTSIDE_M:
-        return f"{first.body.name} and {second.body.name} are not shown to be nearer than they may be"
-    return Judged(distance, required, rule, above)
+        if surface is None or not (x == y).all() or not is_within(surface, second.local(y), near):
+            raise NotShownError(f"the point is not inside the surface of {second.body.name}")
+        return true
+    phase = Phase(scene.start.time, scene.start.time, spot.kind, given.step, spot.attached)
+    rule, required = rule_of(scene, phase, first.body.name, second.body.name)
+    distance = float(np.linalg.norm(x - y)) - sum(depths)
+    if not distance <= required - near - 2.0 * OUTSIDE_M:
+        raise NotShownError(f"{first.body.name} and {second.body.name} are not shown to be nearer than they may be")
+    facts = Separation(
+        touching=distance < 0.0,
+        gap_m=distance,
+        required_m=required,
+        rule=rule,
+        clearance_m=required,
+        end=spot.end,
+        straight_m=None if spot.end is None else spot.above,
+    )
+    facts = _as_given(facts, distance, given.facts)
+    return replace(true, amount=Quantity.of(required - (facts.gap_m or 0.0), "m"), facts=facts)
+
+
+def _as_given(true: Separation, distance: float, given: Facts) -> Separation:
+    """The same with what the points do not show, as it is given: the gap of bodies that overlap, whether those touch
+    that are as far apart as rounding is large, and the length with which a straight part would do."""
+    if not isinstance(given, Separation) or given.gap_m is None:
+        return true
+    gap, touching = given.gap_m, given.touching if abs(distance) <= STATED else true.touching
+    may_be = gap <= distance + STATED and (gap <= STATED or distance <= gap + 10.0 * STATED)
+    least = given.least_m if true.end is not None else None
+    return replace(true, gap_m=gap if may_be else distance, touching=touching, least_m=least)

@@ -1,58 +1,62 @@
-"""A joint that exceeds a limit after the start in every motion that ends at rest (W2 of docs/guarantees.md)."""
+"""A joint that exceeds a limit after the start in every motion that ends at rest (W2 of docs/guarantees.md).
+
+The acceleration of a joint with jerk limit J and acceleration limit A is never less than that of the hardest braking,
+max(a - J t, -A), so velocity and position are never less than those of the hardest braking, either.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
-from assur.planner.checker.legs import START, TIME_S, dwell
-from assur.planner.checker.limits import share_of
-from assur.planner.checker.refusals.start import amount_of, same
-from assur.planner.checker.spline import JERK, RATE
-from assur.planner.checker.world import REST
+from assur.planner.checker.refusals.stated import Shown
+from assur.planner.checker.statement.differences import SAME
+from assur.planner.checker.statement.limits import SHARES
+from assur.planner.checker.statement.loads import share_of
 from assur.planner.model.attachments import at_start
 from assur.planner.model.proofs.witness import PROVED_SHARE
-from assur.planner.model.refusal import Overshoot, Refusal
+from assur.planner.model.refusal import JointName, Overshoot, Reason, Refusal, Stage, of_joint
 from assur.planner.model.scene import Place, Scene
 
-HALVINGS = 200
-"""Of a bracket of times: it is as small as rounding allows by then."""
-INSTANT = 1e-6
-"""Relative: two instants at which a velocity is 0 are the same if they differ by no more."""
+
+def overshoot(scene: Scene, _: Refusal) -> Iterator[Shown]:
+    """What `overshoots` finds, for a check."""
+    return (Shown(each) for each in overshoots(scene))
 
 
-def overshoot(scene: Scene, refusal: Refusal, facts: Overshoot) -> str:
-    """Why it is not shown that a joint must exceed a limit after the start; nothing: it must."""
-    k = next((k for k, joint in enumerate(scene.robot.joints) if joint.name == refusal.joint), None)
-    if k is None or facts.rate not in (None, "velocity"):
-        return "the robot has no such joint, or the joint no such limit"
-    if not scene.options.jerk_limited or scene.options.end != "rest":
-        return "the motion may end before, or its jerk is not limited"
-    return "" if any(_shown(scene, refusal, facts, k, sign) for sign in (1.0, -1.0)) else "the joint can keep its limit"
-
-
-def _shown(scene: Scene, refusal: Refusal, facts: Overshoot, k: int, sign: float) -> bool:
-    """Whether it is shown in one direction of the joint, for the load that is carried then, with these numbers."""
+def overshoots(scene: Scene) -> Iterator[Refusal]:
+    """A refusal for each limit of a joint that is exceeded after the start by all motions that end at rest. It is also
+    exceeded from each state that a plan may have in place of the start (its first knot may differ, and a motion is at
+    rest up to `SAME`), with limits that are exceeded as far as a plan may."""
+    if not scene.options.jerk_limited or scene.options.end != "rest" or not scene.start.moving:
+        return  # without a limit the jerk is as high as is needed, and a motion that ends in motion may end before
     given, start = scene.robot.limits, scene.start
-    q, v, a = (sign * float(each[k]) for each in (start.q, start.qd, start.qdd))
-    low, high = float(given.lower[k]), float(given.upper[k])
-    end = high if sign > 0.0 else -low
-    most = end if facts.rate is None else float(given.velocity[k])
-    slack = PROVED_SHARE * (high - low if facts.rate is None else most)
-    for share, until in _shares(scene):
-        most_a, most_j = share * float(given.acceleration[k]), share * float(given.jerk[k])
-        # the first knot may be another state by START, and a motion is at rest up to REST
-        worse = q - START, v - START - REST, a - START - REST
-        least = _least(facts, worse, most_a * (1.0 + RATE), most_j * (1.0 + JERK))
-        true = _least(facts, (q, v, a), most_a, most_j)
-        if least is None or true is None or not true[0] <= until or not least[1] - most > slack:
-            continue
-        value, limit = true[1], most
-        if facts.rate is None:
-            value, limit = scene.counted(k, sign * value), scene.counted(k, sign * limit)
-        told = same(facts.value, value) and same(facts.limit, limit) and same(amount_of(refusal), true[1] - most)
-        if told and same(facts.after_s, true[0], INSTANT):
-            return True
-    return False
+    for k in range(len(scene.robot.joints)):
+        low, high, fastest = (float(each[k]) for each in (given.lower, given.upper, given.velocity))
+        for sign in (1.0, -1.0):
+            q, v, a = (sign * float(each[k]) for each in (start.q, start.qd, start.qdd))
+            worse = q - SAME, v - 2.0 * SAME, a - 2.0 * SAME
+            end = high if sign > 0.0 else -low
+            for share, until in _shares(scene):
+                hard = share * float(given.acceleration[k]), share * float(given.jerk[k])
+                harder = hard[0] * (1.0 + SHARES[2]), hard[1] * (1.0 + SHARES[3])
+                after, value = highest_velocity(v, a, hard[1])
+                least = highest_velocity(*worse[1:], harder[1])[1]
+                if after <= until and least - fastest > PROVED_SHARE * fastest:
+                    facts = Overshoot(rate="velocity", value=value, limit=fastest, after_s=after)
+                    yield _refusal(scene, Reason.MOTION_LIMIT, k, value - fastest, facts)
+                after, value = farthest_position(q, v, a, *hard)
+                least = farthest_position(*worse, *harder)[1]
+                if after <= until and least - end > PROVED_SHARE * (high - low):
+                    reached, limit = scene.counted(k, sign * value), scene.counted(k, sign * end)
+                    facts = Overshoot(rate=None, value=reached, limit=limit, after_s=after)
+                    yield _refusal(scene, Reason.JOINT_LIMIT, k, value - end, facts)
+
+
+def _refusal(scene: Scene, reason: Reason, k: int, over: float, facts: Overshoot) -> Refusal:
+    joint = scene.robot.joints[k]
+    amount, subject = of_joint(joint.kind, over, 0 if facts.rate is None else 1), JointName(joint.name)
+    return Refusal(stage=Stage.START, reason=reason, step=0, subject=subject, amount=amount, facts=facts)
 
 
 def _shares(scene: Scene) -> list[tuple[float, float]]:
@@ -64,37 +68,24 @@ def _shares(scene: Scene) -> list[tuple[float, float]]:
         return [alone]
     loaded = share_of(scene, tool + (scene.index[held.part].mass_kg or 0.0))
     place = next((step for step in scene.task if isinstance(step, Place)), None)
-    return [(loaded, math.inf)] if place is None else [(loaded, dwell(place) - TIME_S), alone]
+    return [(loaded, math.inf)] if place is None else [(loaded, place.dwell_s - SAME), alone]
 
 
-def _least(
-    facts: Overshoot, state: tuple[float, float, float], most_a: float, most_j: float
-) -> tuple[float, float] | None:
-    """When and how far the hardest braking goes, s; None: it does not go that way."""
-    q, v, a = state
-    peak = max(a, 0.0) / most_j
-    if facts.rate is not None:
-        return peak, _braked(v, a, most_a, most_j, peak)[0]
-    # from the greatest velocity on it only falls: where it is 0 is found by halving
-    low, high = peak, peak + 1.0
-    if not _braked(v, a, most_a, most_j, low)[0] > 0.0:
-        return None
-    for _ in range(HALVINGS):
-        if not _braked(v, a, most_a, most_j, high)[0] > 0.0:
-            break
-        low, high = high, 2.0 * high
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2.0
-        if _braked(v, a, most_a, most_j, middle)[0] > 0.0:
-            low = middle
-        else:
-            high = middle
-    return low, q + _braked(v, a, most_a, most_j, low)[1]
+def highest_velocity(v: float, a: float, jerk: float) -> tuple[float, float]:
+    """When, s, and how high the velocity is at the least peak after a start with velocity v and acceleration a."""
+    return (a / jerk, v + a * a / (2.0 * jerk)) if a > 0.0 else (0.0, v)
 
 
-def _braked(v: float, a: float, most_a: float, most_j: float, t: float) -> tuple[float, float]:
-    """Velocity and way after the time t of the hardest braking: the jerk is -J, and from when the acceleration is -A on
-    what it is below that is added again (W2)."""
-    late = max(0.0, t - max(0.0, (a + most_a) / most_j))
-    speed = v + a * t - most_j * (t * t - late * late) / 2.0
-    return speed, v * t + a * t * t / 2.0 - most_j * (t**3 - late**3) / 6.0
+def farthest_position(q: float, v: float, a: float, acceleration: float, jerk: float) -> tuple[float, float]:
+    """When, s, and where the hardest braking from position q, velocity v and acceleration a turns round, in the
+    direction of increasing q; at minus infinity if it never moves that way."""
+    ramp = (a + acceleration) / jerk
+    left = v + (a * a - acceleration * acceleration) / (2.0 * jerk)
+    if left > 0.0:
+        after = ramp + left / acceleration
+        return after, q + ramp * (v + ramp * (a / 2.0 - ramp * jerk / 6.0)) + left * left / (2.0 * acceleration)
+    square = a * a + 2.0 * jerk * v
+    after = (a + math.sqrt(square)) / jerk if square >= 0.0 else 0.0
+    if not after > 0.0:
+        return 0.0, -math.inf
+    return after, q + after * (v + after * (a / 2.0 - after * jerk / 6.0))

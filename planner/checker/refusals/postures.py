@@ -15,22 +15,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from assur.planner.checker.refusals.spans import (
-    ANY,
-    Span,
-    arc_cosine,
-    direction,
-    length,
-    minus,
-    over,
-    pick,
-    plus,
-    scaled,
-    sine,
-    size,
-    square,
-    times,
-)
+from assur.planner.checker.refusals.spans import ANY, Span, arc_cosine, direction, length, pick, sine
 from assur.planner.errors import FaultError
 from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.five_axis_arm import FiveAxisArm
@@ -72,9 +57,7 @@ class Posture:
 def posture(robot: Robot, mode: str, goal: Goal) -> Posture:
     """The posture of an arm in the working mode of this name. Raises `FaultError` for an arm that is not known."""
     base = robot.base
-    x, y = plus(goal.x, Span(-base.x, -base.x)), plus(goal.y, Span(-base.y, -base.y))
-    z = plus(goal.z, Span(-base.z, -base.z))
-    own = Goal(x, y, z, plus(goal.yaw, Span(-base.yaw, -base.yaw)), goal.pitch, goal.roll)
+    own = Goal(goal.x - base.x, goal.y - base.y, goal.z - base.z, goal.yaw - base.yaw, goal.pitch, goal.roll)
     if isinstance(robot, Scara):
         return _scara(robot, mode, own)
     if isinstance(robot, FiveBar):
@@ -84,8 +67,20 @@ def posture(robot: Robot, mode: str, goal: Goal) -> Posture:
     raise FaultError(f"the checker does not know the kinematics of {robot.name}")
 
 
-def _angle(value: float) -> Span:
-    return Span(value, value)
+def reaches_by_joint(robot: Robot) -> bool:
+    """Whether an arm is out of reach exactly where a joint is beyond its range: the ram of a polar arm."""
+    return isinstance(robot, PolarArm)
+
+
+def beyond_every_pitch(robot: Robot, x: float, y: float, z: float) -> float | None:
+    """By how much, m, a hand reaches a point of the world at no pitch (less than 0: at some); None: the arm has no
+    pitch. Its wrist is l3 from the point, so the point is from |d - l3| to d + l3 away from the shoulder, d being a
+    distance that the two links reach."""
+    if not isinstance(robot, FiveAxisArm):
+        return None
+    away = math.dist((x, y, z), (robot.base.x, robot.base.y, robot.base.z + robot.height))
+    least, most = abs(robot.l1 - robot.l2), robot.l1 + robot.l2
+    return max(abs(away - robot.l3) - most, least - away - robot.l3)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,74 +94,64 @@ class _Links:
 
 
 def _links(a: float, b: float, distance: Span) -> _Links:
-    outer = plus(distance, Span(-a - b, -a - b))
-    inner = minus(Span(abs(a - b), abs(a - b)), distance)
-    away = square(distance)
-    bend = over(plus(away, Span(-a * a - b * b, -a * a - b * b)), Span(2.0 * a * b, 2.0 * a * b))
-    turn = over(plus(away, Span(a * a - b * b, a * a - b * b)), scaled(2.0 * a, distance))
+    away = distance.squared()
+    bend = (away - (a * a + b * b)) / (2.0 * a * b)
+    turn = (away + (a * a - b * b)) / (distance * (2.0 * a))
     known = math.isfinite(turn.low) and math.isfinite(turn.high)
-    return _Links(pick(max, outer, inner), arc_cosine(turn) if known else Span(0.0, math.pi), arc_cosine(bend))
+    short = pick(max, distance - (a + b), -distance + abs(a - b))
+    return _Links(short, arc_cosine(turn) if known else Span(0.0, math.pi), arc_cosine(bend))
 
 
 def _scara(robot: Scara, mode: str, goal: Goal) -> Posture:
     found = _links(robot.l1, robot.l2, length(goal.x, goal.y))
     side = {"left": -1.0, "right": 1.0}[mode]
-    heading = plus(direction(goal.x, goal.y), _angle(-robot.base.yaw))
-    first, second = plus(heading, scaled(-side, found.first)), scaled(side, found.second)
+    first, second = direction(goal.x, goal.y) - robot.base.yaw - found.first * side, found.second * side
     joints = [first, second, goal.z]
     if robot.axes == 4:
         # θ1 and θ2 are both known up to what is not known of the distance
-        joints.append(minus(goal.yaw, plus(first, second)))
-    return Posture(found.short, AT, tuple(joints), size(sine(found.second)))
+        joints.append(goal.yaw - (first + second))
+    return Posture(found.short, AT, tuple(joints), abs(sine(found.second)))
 
 
 def _five_bar(robot: FiveBar, mode: str, goal: Goal) -> Posture:
     c, s = math.cos(robot.base.yaw), math.sin(robot.base.yaw)
-    x = plus(scaled(c, goal.x), scaled(s, goal.y))
-    y = plus(scaled(-s, goal.x), scaled(c, goal.y))
+    x, y = goal.x * c + goal.y * s, goal.x * -s + goal.y * c
     cranks, couplers, found = [], [], []
     for side, word in enumerate(mode.split("-")):
-        shift = robot.separation * (side - 0.5)
-        across = plus(y, Span(shift, shift))
+        across = y + robot.separation * (side - 0.5)
         one = _links(robot.proximal[side], robot.distal[side], length(x, across))
         # an elbow to the left has its crank turned counter-clockwise from the way to the tool axis
-        turn, way = 1.0 if word == "left" else -1.0, direction(x, across)
-        crank = plus(way, scaled(turn, one.first))
-        cranks.append(crank)
-        couplers.append(minus(crank, scaled(turn, one.second)))
+        turn = 1.0 if word == "left" else -1.0
+        cranks.append(direction(x, across) + one.first * turn)
+        couplers.append(cranks[-1] - one.second * turn)
         found.append(one)
-    joints = [cranks[0], cranks[1], goal.z, minus(goal.yaw, couplers[0])][: robot.axes]
-    level = AT if robot.axes > 2 else goal.z
+    joints = [cranks[0], cranks[1], goal.z, goal.yaw - couplers[0]][: robot.axes]
     front = 1.0 if robot.assembly == "front" else -1.0
     return Posture(
         pick(max, *(one.short for one in found)),
-        level,
+        AT if robot.axes > 2 else goal.z,
         tuple(joints),
-        pick(min, *(size(sine(one.second)) for one in found)),
-        scaled(front, sine(minus(couplers[1], couplers[0]))),
+        pick(min, *(abs(sine(one.second)) for one in found)),
+        sine(couplers[1] - couplers[0]) * front,
     )
 
 
 def _tilting(robot: ElbowArm | PolarArm, mode: str, goal: Goal) -> Posture:
     back = mode.startswith("back")
-    radius, height = length(goal.x, goal.y), plus(goal.z, Span(-robot.height, -robot.height))
-    heading = plus(direction(goal.x, goal.y), _angle((math.pi if back else 0.0) - robot.base.yaw))
-    out = scaled(-1.0, radius) if back else radius
-    aligned = over(radius, Span(robot.longest, robot.longest))
+    radius, height = length(goal.x, goal.y), goal.z - robot.height
+    heading = direction(goal.x, goal.y) + ((math.pi if back else 0.0) - robot.base.yaw)
+    out, aligned = -radius if back else radius, radius / robot.longest
     if isinstance(robot, FiveAxisArm):
-        hand = Span(robot.l3, robot.l3)
-        out = minus(out, times(hand, sine(plus(goal.pitch, _angle(math.pi / 2)))))
-        height = minus(height, times(hand, sine(goal.pitch)))
+        out, height = out - sine(goal.pitch + math.pi / 2) * robot.l3, height - sine(goal.pitch) * robot.l3
     distance, up = length(out, height), direction(out, height)
     if isinstance(robot, PolarArm):
         low, high = float(robot.limits.lower[2]), float(robot.limits.upper[2])
-        short = pick(max, plus(distance, Span(-high, -high)), minus(Span(low, low), distance))
-        reach = over(distance, Span(robot.longest, robot.longest))
+        short, reach = pick(max, distance - high, -distance + low), distance / robot.longest
         return Posture(short, AT, (heading, up, distance), pick(min, reach, aligned, Span(1.0, 1.0)))
     found = _links(robot.l1, robot.l2, distance)
     side = 1.0 if mode.endswith("up") is not back else -1.0
-    first, second = plus(up, scaled(side, found.first)), scaled(-side, found.second)
+    first, second = up + found.first * side, found.second * -side
     joints: tuple[Span, ...] = (heading, first, second)
     if isinstance(robot, FiveAxisArm):
-        joints = (*joints, minus(goal.pitch, plus(first, second)), goal.roll)
-    return Posture(found.short, AT, joints, pick(min, size(sine(found.second)), aligned))
+        joints = (*joints, goal.pitch - (first + second), goal.roll)
+    return Posture(found.short, AT, joints, pick(min, abs(sine(found.second)), aligned))

@@ -1,50 +1,67 @@
-"""How deep a point is in a convex solid, and whether it is inside a closed surface."""
+"""Points of convex solids: the farthest along a direction, how deep a point is, and what a closed surface holds."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.geometry.shapes import Body, Hull, Piece, Primitive
+from assur.planner.geometry.shapes import Body, Hull, Piece, Primitive, corners
 
 BLOCK = 100_000
 """Triangles that are looked at together."""
 
 
-def depth(piece: Piece, point: FloatArray) -> float:
-    """How far, m, a point (3,) of the body's frame is from the surface of a piece that it is inside of; below 0: it is
-    outside, by so much at least. A ball of this radius about the point is inside the piece."""
-    local = piece.rotation.T @ (point - piece.position)
-    return _of_hull(piece.shape, local) if isinstance(piece.shape, Hull) else _of_primitive(piece.shape, local)
+def farthest(piece: Piece, n: FloatArray) -> FloatArray:
+    """The point of a piece that is farthest along n."""
+    local, shape = piece.rotation.T @ n, piece.shape
+    points = corners(shape)
+    found = points[int(np.argmax(points @ local))].copy()
+    if isinstance(shape, Primitive):
+        flat, size = float(np.hypot(local[0], local[1])), float(np.linalg.norm(local))
+        if shape.disc > 0.0 and flat > 0.0:
+            found[:2] += shape.disc * local[:2] / flat
+        if shape.ball > 0.0 and size > 0.0:
+            found += shape.ball * local / size
+    return np.asarray(piece.position + piece.rotation @ found)
 
 
-def _of_primitive(shape: Primitive, local: FloatArray) -> float:
-    half, x = np.array(shape.half), np.abs(local)
-    if shape.ball > 0.0:  # a ball along a line
-        return shape.ball - float(np.linalg.norm(local - np.clip(local, -half, half)))
-    if shape.disc > 0.0:
-        return min(shape.disc - float(np.hypot(x[0], x[1])), float(half[2] - x[2]))
-    return float((half - x).min())
-
-
-def _of_hull(hull: Hull, local: FloatArray) -> float:
-    """By the planes of its faces; one that has no area is no plane."""
-    a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
-    normal = np.cross(b - a, c - a)
-    area = np.linalg.norm(normal, axis=1)
-    flat = area > 0.0
-    normal = normal[flat] / area[flat, None]
-    # all vertices are behind the plane that counts, whatever a face says
-    behind = (hull.vertices @ normal.T).max(0)
-    return float((behind - normal @ local).min())
+def depth(piece: Piece, point: FloatArray) -> tuple[float, FloatArray]:
+    """How deep a point is in a piece, and in which direction it gets deeper."""
+    local, shape = piece.rotation.T @ (point - piece.position), piece.shape
+    inward = np.zeros(3)
+    if isinstance(shape, Hull):
+        a, b, c = (shape.vertices[shape.faces[:, k]] for k in range(3))
+        normal = np.cross(b - a, c - a)
+        area = np.linalg.norm(normal, axis=1)
+        normal = normal[area > 0.0] / area[area > 0.0, None]
+        slack = (shape.vertices @ normal.T).max(0) - normal @ local
+        k = int(np.argmin(slack))
+        deep, inward = float(slack[k]), -normal[k]
+    elif shape.ball > 0.0:
+        off = local - np.clip(local, -np.array(shape.half), np.array(shape.half))
+        size = float(np.linalg.norm(off))
+        deep, inward = shape.ball - size, -off / size if size > 0.0 else inward
+    else:
+        half = np.array(shape.half)
+        flat = float(np.hypot(local[0], local[1]))
+        slack = half - np.abs(local)
+        if shape.disc > 0.0:
+            slack[0] = slack[1] = shape.disc - flat
+        k = int(np.argmin(slack))
+        deep = float(slack[k])
+        if shape.disc > 0.0 and k < 2:
+            inward[:2] = -local[:2] / flat if flat > 0.0 else 0.0
+        else:
+            inward[k] = -np.sign(local[k])
+    return deep, piece.rotation @ inward
 
 
 def deepest(body: Body, point: FloatArray) -> float:
     """`depth` in the piece of a body in which the point is deepest."""
-    return max(depth(piece, point) for piece in body.pieces)
+    return max(depth(piece, point)[0] for piece in body.pieces)
 
 
-def within(surface: tuple[FloatArray, IntArray], point: FloatArray, by: float) -> bool:
+def is_within(surface: tuple[FloatArray, IntArray], point: FloatArray, by: float) -> bool:
     """Whether a point is inside a closed surface, and no triangle of it is nearer than `by`, m: the solid angles at
     which all triangles are seen sum up to 4π."""
     vertices, faces = surface

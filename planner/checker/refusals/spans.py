@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from dataclasses import dataclass
 
 ROUNDING = 1e-14
 """Share of a number, and number, by which each result is widened: fifty times what an operation rounds."""
 
 
-class Span(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Span:
     """All numbers from `low` to `high`."""
 
     low: float
@@ -22,6 +23,34 @@ class Span(NamedTuple):
     @property
     def middle(self) -> float:
         return (self.low + self.high) / 2.0
+
+    def __add__(self, other: Span | float) -> Span:
+        one, two = (other.low, other.high) if isinstance(other, Span) else (other, other)
+        return _wide(self.low + one, self.high + two)
+
+    def __sub__(self, other: Span | float) -> Span:
+        return self + -other
+
+    def __neg__(self) -> Span:
+        return Span(-self.high, -self.low)
+
+    def __mul__(self, other: Span | float) -> Span:
+        one, two = (other.low, other.high) if isinstance(other, Span) else (other, other)
+        every = [x * y for x in (self.low, self.high) for y in (one, two)]
+        return _wide(min(every), max(every))
+
+    def __truediv__(self, other: Span | float) -> Span:
+        """Every number where the divisor may be zero."""
+        one, two = (other.low, other.high) if isinstance(other, Span) else (other, other)
+        return ANY if one <= 0.0 <= two else self * Span(1.0 / two, 1.0 / one)
+
+    def __abs__(self) -> Span:
+        near = 0.0 if self.low <= 0.0 <= self.high else min(abs(self.low), abs(self.high))
+        return _wide(near, max(abs(self.low), abs(self.high)))
+
+    def squared(self) -> Span:
+        size = abs(self)
+        return _wide(size.low * size.low, size.high * size.high)
 
 
 ANY = Span(-math.inf, math.inf)
@@ -39,47 +68,10 @@ def _wide(low: float, high: float) -> Span:
     return Span(low - ROUNDING * (1.0 + abs(low)), high + ROUNDING * (1.0 + abs(high)))
 
 
-def plus(*spans: Span) -> Span:
-    """The sum."""
-    return _wide(math.fsum(s.low for s in spans), math.fsum(s.high for s in spans))
-
-
-def scaled(by: float, a: Span) -> Span:
-    """A multiple."""
-    return _wide(min(by * a.low, by * a.high), max(by * a.low, by * a.high))
-
-
-def minus(a: Span, b: Span) -> Span:
-    """The difference."""
-    return _wide(a.low - b.high, a.high - b.low)
-
-
-def square(a: Span) -> Span:
-    """The square."""
-    far = max(abs(a.low), abs(a.high))
-    near = 0.0 if a.low <= 0.0 <= a.high else min(abs(a.low), abs(a.high))
-    return _wide(near * near, far * far)
-
-
-def times(a: Span, b: Span) -> Span:
-    """The product."""
-    every = [x * y for x in a for y in b]
-    return _wide(min(every), max(every))
-
-
-def over(a: Span, b: Span) -> Span:
-    """The quotient; every number where the divisor may be zero."""
-    return ANY if b.low <= 0.0 <= b.high else times(a, Span(1.0 / b.high, 1.0 / b.low))
-
-
-def root(a: Span) -> Span:
-    """The square root of what is not negative."""
-    return _wide(math.sqrt(max(a.low, 0.0)), math.sqrt(max(a.high, 0.0)))
-
-
 def length(a: Span, b: Span) -> Span:
     """√(a² + b²), not negative."""
-    found = root(plus(square(a), square(b)))
+    square = a.squared() + b.squared()
+    found = _wide(math.sqrt(max(square.low, 0.0)), math.sqrt(max(square.high, 0.0)))
     return Span(max(found.low, 0.0), found.high)
 
 
@@ -92,19 +84,12 @@ def sine(a: Span) -> Span:
     """The sine."""
     if not a.high - a.low < math.tau:
         return Span(-1.0, 1.0)
-    ends = math.sin(a.low), math.sin(a.high)
-    low, high = min(ends), max(ends)
-    if math.floor((a.high - math.pi / 2) / math.tau) > math.floor((a.low - math.pi / 2) / math.tau):
-        high = 1.0
-    if math.floor((a.high + math.pi / 2) / math.tau) > math.floor((a.low + math.pi / 2) / math.tau):
-        low = -1.0
-    return _wide(low, high)
+    ends, quarter = (math.sin(a.low), math.sin(a.high)), math.pi / 2
 
+    def passes(angle: float) -> bool:
+        return math.floor((a.high - angle) / math.tau) > math.floor((a.low - angle) / math.tau)
 
-def size(a: Span) -> Span:
-    """The number without its sign."""
-    near = 0.0 if a.low <= 0.0 <= a.high else min(abs(a.low), abs(a.high))
-    return _wide(near, max(abs(a.low), abs(a.high)))
+    return _wide(-1.0 if passes(-quarter) else min(ends), 1.0 if passes(quarter) else max(ends))
 
 
 def pick(of: Callable[[Iterable[float]], float], *spans: Span) -> Span:
@@ -114,22 +99,18 @@ def pick(of: Callable[[Iterable[float]], float], *spans: Span) -> Span:
 
 def direction(x: Span, y: Span) -> Span:
     """The angle at which a point of the rectangle x, y is seen from the origin; any where it may be the origin."""
-    corners = [(a, b) for a in x for b in y]
     if x.low <= 0.0 <= x.high and y.low <= 0.0 <= y.high:
         return ANY
     middle = math.atan2(y.middle, x.middle)
+    corners = [(a, b) for a in (x.low, x.high) for b in (y.low, y.high)]
     off = [math.remainder(math.atan2(b, a) - middle, math.tau) for a, b in corners]
     return _wide(middle + min(off), middle + max(off))
 
 
 def beyond(a: Span, low: float, high: float, *, turns: bool) -> float:
     """By how much a span is beyond [low, high] at least, with the best full turn where `turns`; 0: it is not."""
-    if not math.isfinite(a.low) or not math.isfinite(a.high):
-        return 0.0
-    if not turns:
-        return max(low - a.high, a.low - high, 0.0)
-    if a.high - a.low >= math.tau:
+    if not math.isfinite(a.low) or not math.isfinite(a.high) or (turns and a.high - a.low >= math.tau):
         return 0.0
     first = math.tau * math.floor((low - a.low) / math.tau)
-    shifts = (first - math.tau, first, first + math.tau, first + 2.0 * math.tau)
+    shifts = (first - math.tau, first, first + math.tau, first + 2.0 * math.tau) if turns else (0.0,)
     return min(max(low - a.high - k, a.low + k - high, 0.0) for k in shifts)

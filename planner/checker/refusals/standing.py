@@ -1,58 +1,74 @@
-"""The arm as it stands in one joint position, and the frames at any time: the checker's kinematics without a plan."""
+"""Where an arm is that stands at some joint values, and where frames are: by the formulas of the statement checker."""
 
 from __future__ import annotations
 
-import math
+from typing import NamedTuple
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.refusals.postures import Goal, posture
 from assur.planner.checker.refusals.spans import ANY, around, beyond
-from assur.planner.checker.world import World
+from assur.planner.checker.statement import arms, laws
 from assur.planner.frames.motion import Pose
-from assur.planner.model.outcome import Certificate, Plan
 from assur.planner.model.scene import Scene
-from assur.planner.trajectory import Trajectory
 
-NOWHERE = np.zeros(0)
-NO_BODIES = np.zeros(0, dtype=np.int64)
 SAME = 1e-6
 """Two joint positions nearer than this, rad or m, are one: what a posture of the arm's own flange may be off."""
 
 
-def standing(scene: Scene, q: FloatArray, lasts: float = 1.0) -> World:
-    """A world in which the arm stands at q (n,) from the start on, for `lasts` seconds."""
-    still = np.array([q, q])
-    begin = scene.start.time
-    trajectory = Trajectory(np.array([begin, begin + lasts]), still, 0.0 * still, 0.0 * still)
-    nothing = Certificate(
-        (), NOWHERE, NOWHERE, NO_BODIES, NO_BODIES, NO_BODIES, NO_BODIES, np.zeros((0, 3)),
-    )  # fmt: skip
-    return World(scene, Plan(trajectory, (), (), nothing))
+class Link(NamedTuple):
+    """Where a link is in the world: its origin (3,), m, its rotation (3, 3), and yaw (full turns of the joints
+    counted), pitch and roll, rad."""
+
+    place: FloatArray
+    rotation: FloatArray
+    angles: tuple[float, float, float]
 
 
-def modes_of(scene: Scene) -> tuple[str, ...]:
+def links_at(scene: Scene, q: FloatArray) -> list[Link]:
+    """The links of the arm at joint values q (n,), in the order of `arms.link_names`."""
+    places, angles = (each[:, 0] for each in arms.textbook(scene.robot, q[None]))
+    rotations = [arms.rotated(np.tile(own, (3, 1)), np.eye(3)).T for own in angles]
+    return [Link(p, r, tuple(own.tolist())) for p, r, own in zip(places, rotations, angles, strict=True)]
+
+
+def flange_at(scene: Scene, q: FloatArray) -> Link:
+    """The flange of the arm at joint values q (n,)."""
+    return links_at(scene, q)[arms.flange_row(scene.robot)]
+
+
+def yaw_at(scene: Scene, q: FloatArray) -> float:
+    """The yaw of the tool point in the world at joint values q (n,), rad."""
+    return flange_at(scene, q).angles[0] + scene.tool.tcp.yaw
+
+
+def frame_at(scene: Scene, name: str, time: float) -> Pose | None:
+    """Where a frame is at a time; None: its motion is not known then."""
+    law = scene.frames[name].law
+    first, last = laws.known(law)
+    if not first <= time <= last:
+        return None
+    link = laws.link_of(law)
+    return Pose(*(laws.place_at(law, time) if link is None else arms.place_at(*link, time)))
+
+
+def still(scene: Scene, name: str) -> Pose | None:
+    """Where a frame is that never moves; None: it may move."""
+    return frame_at(scene, name, scene.start.time) if laws.stands(scene.frames[name].law) else None
+
+
+def modes_at_start(scene: Scene) -> tuple[str, ...]:
     """Names of the working modes that the start is in: one, or more where it is singular."""
-    robot, start = scene.robot, scene.start
-    flange = standing(scene, start.q).states([(len(robot.links) - 1, Pose(), start.time)])[0]
+    robot, at = scene.robot, flange_at(scene, scene.start.q)
+    yaw, pitch, roll = (around(angle, 0.0) for angle in at.angles)
+    x, y, z = (around(float(value), 0.0) for value in at.place)
     tilts = "pitch" in robot.coordinates
-    goal = Goal(
-        around(flange.x, 0.0),
-        around(flange.y, 0.0),
-        around(flange.z, 0.0),
-        around(flange.yaw, 0.0) if robot.turns_load else ANY,
-        around(flange.pitch, 0.0) if tilts else ANY,
-        around(flange.roll, 0.0) if tilts else ANY,
-    )
+    goal = Goal(x, y, z, yaw if robot.turns_load else ANY, pitch if tilts else ANY, roll if tilts else ANY)
     found = []
     for mode in robot.modes:
-        joints = posture(robot, mode, goal).joints
-        off = [
-            beyond(span, value - SAME, value + SAME, turns=joint.kind == "revolute")
-            for joint, value, span in zip(robot.joints, start.q.tolist(), joints, strict=True)
-        ]
-        if not any(off):
+        joints = zip(robot.joints, scene.start.q.tolist(), posture(robot, mode, goal).joints, strict=True)
+        if not any(beyond(s, q - SAME, q + SAME, turns=joint.kind == "revolute") for joint, q, s in joints):
             found.append(mode)
     return tuple(found)
 
@@ -62,11 +78,4 @@ def allowed_modes(scene: Scene) -> tuple[str, ...]:
     modes, elbow = scene.robot.modes, scene.options.elbow
     if elbow == "auto":
         return tuple(modes)
-    return (modes_of(scene) or tuple(modes)) if elbow == "keep" else (elbow,)
-
-
-def place_of(world: World, name: str, t: float) -> Pose | None:
-    """The pose of a frame; None: it is not known then."""
-    state = world.states([(world.frame[name], Pose(), t)])[0]
-    known = all(math.isfinite(value) for value in state[:4])
-    return Pose(state.x, state.y, state.z, state.yaw) if known else None
+    return (modes_at_start(scene) or tuple(modes)) if elbow == "keep" else (elbow,)

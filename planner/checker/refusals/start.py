@@ -1,218 +1,172 @@
-"""What is wrong at the start: a joint beyond a limit, an open chain, a law that is over, a load, a yaw."""
+"""What is wrong at the start: a joint beyond a limit, an open chain, a law that is over, a yaw; and loads."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from typing import Literal
 
-import numpy as np
-
-from assur.planner.checker.limits import integrals, part_inertia, share_of, tool_inertia
-from assur.planner.checker.refusals.standing import standing
-from assur.planner.errors import InputError
-from assur.planner.frames.motion import Pose
+from assur.planner.checker.refusals.standing import links_at, yaw_at
+from assur.planner.checker.refusals.stated import Shown
+from assur.planner.checker.refusals.turning import forbidden
+from assur.planner.checker.statement import laws
+from assur.planner.checker.statement.arms import link_names
+from assur.planner.checker.statement.loads import integrals, part_inertia, share_of, tool_inertia
+from assur.planner.checker.statement.poses import inverse, numbers, then
 from assur.planner.model.attachments import at_start
-from assur.planner.model.forbidden_yaw import slack_of
+from assur.planner.model.joint_range import beyond
 from assur.planner.model.phases import yaw_offsets
-from assur.planner.model.proofs.witness import PROVED_M, PROVED_RAD, PROVED_S, PROVED_SHARE
+from assur.planner.model.proofs.witness import PROVED_RAD, PROVED_S, PROVED_SHARE
 from assur.planner.model.refusal import (
-    BeyondRange,
-    ForbiddenYaw,
-    LawEnds,
+    RATES,
+    Bodies,
+    Facts,
+    JointName,
     MotionLimit,
     Obstacle,
     Overload,
+    Quantity,
+    Reason,
     Refusal,
     Singular,
+    Stage,
+    Subject,
+    Unit,
     finite,
+    law_ends,
+    of_joint,
 )
-from assur.planner.model.scene import Move, Pick, Scene
-from assur.planner.robots.five_bar import FiveBar
+from assur.planner.model.scene import Pick, Scene
 
-SAME = 1e-9
-"""Two numbers that are off by less than this share of them, or this, are the same: sums of a few terms."""
-
-
-def same(one: float | None, other: float | None, by: float = SAME) -> bool:
-    """Whether two numbers are the same up to rounding; none is the same as none."""
-    if one is None or other is None:
-        return one is other
-    return abs(one - other) <= by * max(1.0, abs(other))
+Load = Literal["max_load", "table", "max_inertia"]
+COUPLERS = ("distal-left", "distal-right")
+"""The links of a loop that meet at the tool."""
+MARGIN = 1e-6
+"""By how much a margin that is stated may be off: the square root of what sums round."""
 
 
-def beyond_range(scene: Scene, refusal: Refusal, facts: BeyondRange) -> str:
-    """Why it is not shown that a joint is beyond its range at the start; nothing: it is."""
-    k = next((k for k, joint in enumerate(scene.robot.joints) if joint.name == refusal.joint), None)
-    if k is None:
-        return "the robot has no such joint"
-    low, high = float(scene.robot.limits.lower[k]), float(scene.robot.limits.upper[k])
-    q = float(scene.start.q[k])
-    over = max(low - q, q - high)
-    if not over > PROVED_SHARE * (high - low):
-        return "the joint is within its range at the start"
-    end = low if low - q > q - high else high
-    if not (same(amount_of(refusal), over) and same(facts.value, scene.counted(k, q))):
-        return "the joint is beyond its range by another amount"
-    told = facts == BeyondRange(value=facts.value, limit=facts.limit)
-    return "" if told and same(facts.limit, scene.counted(k, end)) else "its range ends elsewhere"
+def _here(scene: Scene, reason: Reason, amount: Quantity | None, facts: Facts, subject: Subject | None) -> Refusal:
+    """A refusal of the start."""
+    t = scene.start.time
+    return Refusal(
+        stage=Stage.START, reason=reason, step=0, interval=(t, t), subject=subject, amount=amount, facts=facts
+    )
 
 
-def too_fast(scene: Scene, refusal: Refusal, facts: MotionLimit) -> str:
-    """The same of a joint that is faster, or accelerates more, than it may."""
-    k = next((k for k, joint in enumerate(scene.robot.joints) if joint.name == refusal.joint), None)
-    if k is None or facts.rate not in ("velocity", "acceleration"):
-        return "the robot has no such joint, or the start no such rate"
-    held = at_start(scene).held
-    mass = (scene.tool.mass_kg or 0.0) + (0.0 if held is None else scene.index[held.part].mass_kg or 0.0)
-    limits, start = scene.robot.limits, scene.start
-    value, limit = abs(float(start.qd[k])), float(limits.velocity[k])
-    if facts.rate == "acceleration":
-        value, limit = abs(float(start.qdd[k])), share_of(scene, mass) * float(limits.acceleration[k])
-    if not value > limit * (1.0 + PROVED_SHARE):
-        return "the joint keeps its limit at the start"
-    bare = MotionLimit(obstacle=Obstacle.RATE, rate=facts.rate, value=facts.value, limit=facts.limit)
-    told = facts == bare and same(facts.value, value) and same(facts.limit, limit)
-    told = told and same(amount_of(refusal), value - limit)
-    return "" if told else "the joint exceeds its limit by another amount"
+def beyond_range(scene: Scene, _: Refusal) -> Iterator[Shown]:
+    """Joints that are beyond their range."""
+    for k, joint in enumerate(scene.robot.joints):
+        low, high, q = (float(each[k]) for each in (scene.robot.limits.lower, scene.robot.limits.upper, scene.start.q))
+        over = max(low - q, q - high)
+        if over > PROVED_SHARE * (high - low):
+            facts = beyond(scene, k, q)
+            amount, subject = of_joint(joint.kind, over), JointName(joint.name)
+            yield Shown(_here(scene, Reason.JOINT_LIMIT, amount, facts, subject))
 
 
-def unassembled(scene: Scene, refusal: Refusal, facts: Singular) -> str:
-    """The same of a closed chain that is too near a type 2 singularity, or does not close, at the start: with s
-    from the left elbow to the right one, |s|² = b_L² + b_R² + 2 b_L b_R cos of the angle between the couplers."""
-    robot = scene.robot
-    if not isinstance(robot, FiveBar):
-        return "the arm has no loop"
-    (left, right), (one, other) = robot.proximal, robot.distal
-    a, b = float(scene.start.q[0]), float(scene.start.q[1])
-    x = right * math.cos(b) - left * math.cos(a)
-    y = right * math.sin(b) - left * math.sin(a) - robot.separation
-    fold = (x * x + y * y - one * one - other * other) / (2.0 * one * other)
-    margin = math.sqrt(1.0 - fold * fold) if abs(fold) <= 1.0 else None
-    if not (margin or 0.0) < robot.parallel_least * (1.0 - PROVED_SHARE):
-        return "the arm is far enough from the singularity"
-    told = facts == Singular(margin=facts.margin, required=facts.required)
-    told = told and same(facts.margin, margin, 1e-6) and same(facts.required, robot.parallel_least)
-    short = robot.parallel_least - (margin or 0.0)
-    return "" if told and same(amount_of(refusal), short, 1e-6) else "its margin is another one"
+def too_fast(scene: Scene, _: Refusal) -> Iterator[Shown]:
+    """Joints that are faster, or accelerate more, than they may."""
+    limits, start, held = scene.robot.limits, scene.start, at_start(scene).held
+    share = share_of(scene, _mass(scene, None if held is None else held.part))
+    for k, joint in enumerate(scene.robot.joints):
+        rows = (start.qd[k], limits.velocity[k]), (start.qdd[k], share * limits.acceleration[k])
+        for order, rate, row in zip((1, 2), RATES, rows, strict=False):
+            value, limit = abs(float(row[0])), float(row[1])
+            if value > limit * (1.0 + PROVED_SHARE):
+                facts = MotionLimit(obstacle=Obstacle.RATE, rate=rate, value=value, limit=limit)
+                amount, subject = of_joint(joint.kind, value - limit, order), JointName(joint.name)
+                yield Shown(_here(scene, Reason.MOTION_LIMIT, amount, facts, subject))
 
 
-def law_over(scene: Scene, refusal: Refusal, facts: LawEnds) -> str:
-    """The same of the law of a frame that bears a body, which is not known at the start."""
-    name, t = refusal.frame, scene.start.time
-    if name not in scene.frames or all(body.frame != name for body in scene.bodies):
-        return "the frame bears no body"
-    low, high = scene.frames[name].law.valid
-    if not max(low - t, t - high) > PROVED_S:
-        return "the motion of the frame is known at the start"
-    told = facts.known_s == (finite(low), finite(high)) and same(facts.needed_s, t) and facts.tracked_s is None
-    told = told and not facts.on_arrival and same(amount_of(refusal), max(low - t, t - high))
-    return "" if told else "its motion is known at other times"
+def unassembled(scene: Scene, _: Refusal) -> Iterator[Shown]:
+    """A closed chain that is too near a type 2 singularity, where its couplers are parallel, or does not close."""
+    need, names = scene.robot.parallel_least, link_names(scene.robot)
+    if not set(COUPLERS) <= set(names):
+        return
+    links = links_at(scene, scene.start.q)
+    one, other = (links[names.index(name)].angles[0] for name in COUPLERS)
+    margin = finite(abs(math.sin(other - one)))
+    if (margin or 0.0) < need * (1.0 - PROVED_SHARE):
+        facts, amount = Singular(margin=margin, required=need), Quantity(need - (margin or 0.0), "1")
+        yield Shown(_here(scene, Reason.NEAR_PARALLEL_SINGULARITY, amount, facts, None), MARGIN)
 
 
-def turned_into_range(scene: Scene, refusal: Refusal, facts: ForbiddenYaw) -> str:
-    """The same of the yaw of the tool at the start."""
-    world, t = standing(scene, scene.start.q), scene.start.time
-    yaw = world.states([(world.flange, Pose(), t)])[0].yaw + scene.tool.tcp.yaw
-    return in_range(scene, refusal, facts, yaw)
+def law_over(scene: Scene, _: Refusal) -> Iterator[Shown]:
+    """Frames that bear a body and whose motion is not known at the start."""
+    t = scene.start.time
+    for name in sorted({body.frame for body in scene.bodies}):
+        low, high = laws.known(scene.frames[name].law)
+        if max(low - t, t - high) > PROVED_S:
+            yield Shown(law_ends(Stage.START, 0, name, (low, high), t, interval=(low, high)))
 
 
-def in_range(scene: Scene, refusal: Refusal, facts: ForbiddenYaw, yaw: float) -> str:
-    """Why it is not shown that a yaw is in the range that is named; nothing: it is."""
-    slack = slack_of(scene.execution.lag)
-    named = [
-        each for each in scene.forbidden_yaw if same(each.first, facts.first_rad) and same(each.last, facts.last_rad)
-    ]
-    if not named or facts.on_the_way:
-        return "there is no such range"
-    depth = named[0].depth(yaw, slack)
-    if not depth > PROVED_RAD:
-        return "the yaw is not in the range"
-    off = abs(math.remainder(facts.yaw_rad - yaw, math.tau))
-    told = off <= PROVED_RAD and same(facts.lag_rad, slack) and same(amount_of(refusal), depth, PROVED_RAD)
-    told = told and facts.mode is None
-    return "" if told else "the yaw is another one, or deeper or less deep in the range"
+def turned_into_range(scene: Scene, _: Refusal) -> Iterator[Shown]:
+    """Forbidden ranges that the yaw of the tool is in."""
+    for depth, facts in forbidden(scene, yaw_at(scene, scene.start.q)):
+        yield Shown(_here(scene, Reason.FORBIDDEN_YAW, Quantity(depth, "rad"), facts, None), PROVED_RAD)
 
 
-def overload(scene: Scene, refusal: Refusal, facts: Overload) -> str:
-    """Why it is not shown that the robot may not carry a load; nothing: it may not."""
-    known, part = scene.load_limits, facts.part
+def _mass(scene: Scene, part: str | None) -> float:
+    """Of the tool and a part, kg."""
+    return (scene.tool.mass_kg or 0.0) + (0.0 if part is None else scene.index[part].mass_kg or 0.0)
+
+
+def overload(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
+    """Loads that the robot may not carry: the tool alone, or with the part that is held at the start or that the step
+    takes."""
+    step, holding, limits = scene.task[refusal.step], scene.start.holding, scene.load_limits
+    parts: set[str | None] = {None}
+    if refusal.stage is not Stage.START and isinstance(step, Pick):
+        parts.add(step.part)
+    elif refusal.stage is Stage.START and holding is not None:
+        parts.add(holding.part)
+    most, table = limits.max_kg, limits.shares[-1][0] if limits.shares else None
+    if most is None and table is None:
+        most = limits.rated_kg  # beyond which nothing is known
+    for part in parts:
+        mass = _mass(scene, part)
+        rows: list[tuple[Load, Unit, float, float | None, float]] = [
+            ("max_load", "kg", mass, most, _mass(scene, None)),
+            ("table", "kg", mass, table, _mass(scene, None)),
+            ("max_inertia", "kg·m²", _inertia(scene, refusal, part), limits.max_inertia_kgm2, tool_inertia(scene)),
+        ]
+        for of, unit, value, limit, tool in rows:
+            if limit is not None and value > limit * (1.0 + PROVED_SHARE):
+                facts = Overload(of=of, value=value, limit=limit, tool=tool, part=part, part_value=value - tool)
+                true = Refusal(stage=refusal.stage, reason=Reason.LOAD_LIMIT, step=refusal.step,
+                               subject=None if part is None else Bodies((part,)),
+                               amount=Quantity(value - limit, unit), facts=facts)  # fmt: skip
+                yield Shown(true)
+
+
+def _inertia(scene: Scene, refusal: Refusal, part: str | None) -> float:
+    """Of the tool and a part about the wrist's axis, kg·m²: the least of all turns in which the part may be taken; or
+    that which is stated, if it is not more than that of some turn and the least is too much. Less than 0: the arm does
+    not turn it."""
+    if not scene.robot.turns_load:
+        return -1.0
+    low = high = tool_inertia(scene)
     if part is not None:
-        holding = scene.start.holding
-        held = refusal.stage == "start" and holding is not None and holding.part == part
-        step = scene.task[refusal.step]
-        if not held and not (isinstance(step, Pick) and step.part == part and refusal.stage != "start"):
-            return f"{part} is not taken there"
-    if refusal.bodies != (() if part is None else (part,)):
-        return "it is about other bodies"
-    if facts.of == "max_inertia":
-        return _inertia(scene, refusal, facts)
-    tool = scene.tool.mass_kg or 0.0
-    mass = tool + (0.0 if part is None else scene.index[part].mass_kg or 0.0)
-    table = known.shares[-1][0] if known.shares else None
-    limit = table if facts.of == "table" else known.max_kg
-    if limit is None and facts.of == "max_load" and not known.shares:
-        limit = known.rated_kg  # beyond which nothing is known
-    if limit is None or not mass > limit * (1.0 + PROVED_SHARE):
-        return "the load may be carried"
-    told = same(facts.value, mass) and same(facts.limit, limit) and same(facts.tool, tool)
-    told = told and same(facts.part_value, mass - tool) and same(amount_of(refusal), mass - limit)
-    return "" if told else "the load is another one"
-
-
-def _inertia(scene: Scene, refusal: Refusal, facts: Overload) -> str:
-    """... for its inertia, however the part is turned."""
-    most, robot = scene.load_limits.max_inertia_kgm2, scene.robot
-    if most is None or not robot.turns_load:
-        return "no inertia is limited"
-    own = tool_inertia(scene)
-    low, high = own, own
-    if facts.part is not None:
-        parts = _part_inertias(scene, refusal, facts.part)
-        low, high = own + min(parts), own + max(parts)
-    if not low > most * (1.0 + PROVED_SHARE):
-        return "the load may be carried, at least if its part is turned"
-    told = low - SAME <= facts.value <= high + SAME and same(facts.limit, most) and same(facts.tool, own)
-    told = told and same(facts.part_value, facts.value - own) and same(amount_of(refusal), facts.value - most)
-    return "" if told else "the inertia is another one"
+        parts = _part_inertias(scene, refusal, part)
+        low, high = low + min(parts), high + max(parts)
+    most, given = scene.load_limits.max_inertia_kgm2, refusal.facts
+    if most is None or not low > most * (1.0 + PROVED_SHARE) or not isinstance(given, Overload):
+        return low
+    return given.value if low <= given.value <= high else low
 
 
 def _part_inertias(scene: Scene, refusal: Refusal, part: str) -> list[float]:
     """Of a part, kg·m², for each turn in which it may be taken, or the least and the greatest of all."""
-    step, tcp = scene.task[refusal.step], scene.tool.tcp
-    holding = scene.start.holding
-    if refusal.stage == "start" and holding is not None:
-        return [part_inertia(scene, part, tcp.then(holding.grasp.inverse()))]
+    step, tcp, holding = scene.task[refusal.step], numbers(scene.tool.tcp), scene.start.holding
+    if refusal.stage is Stage.START and holding is not None:
+        return [part_inertia(scene, part, then(tcp, inverse(numbers(holding.grasp))))]
     if not isinstance(step, Pick):
         return [0.0]
-    offsets = yaw_offsets(scene, step)
+    grasp, offsets = numbers(step.grasp), yaw_offsets(scene, step)
     if offsets is not None:
-        turned = (Pose(yaw=turn).then(step.grasp) for turn in offsets)
-        return [part_inertia(scene, part, tcp.then(grasp.inverse())) for grasp in turned]
-    mass, axis = scene.index[part].mass_kg or 0.0, step.grasp.then(tcp.inverse())
+        turned = (then((0.0, 0.0, 0.0, turn), grasp) for turn in offsets)
+        return [part_inertia(scene, part, then(tcp, inverse(each))) for each in turned]
+    mass, (ax, ay, *_) = scene.index[part].mass_kg or 0.0, then(grasp, inverse(tcp))
     volume, x, y, square = integrals(scene.index[part].body)
-    away, out = math.hypot(axis.x, axis.y), math.hypot(x, y)
+    away, out = math.hypot(ax, ay), math.hypot(x, y)
     return [mass * (square + sign * 2.0 * away * out + away * away * volume) / volume for sign in (-1.0, 1.0)]
-
-
-def amount_of(refusal: Refusal) -> float | None:
-    """By how much a refusal says that something is missing, or too much."""
-    return None if refusal.amount is None else refusal.amount.value
-
-
-def no_path(scene: Scene, refusal: Refusal) -> str:
-    """Why it is not shown that the path of the first step cannot begin where the tool is; nothing: it is."""
-    move = scene.task[0]
-    if refusal.step != 0 or not isinstance(move, Move) or not move.path:
-        return "the first step has no path"
-    law = scene.frames[move.target.frame].law
-    if law.kind != "fixed":
-        return "the frame of the path moves"
-    tool = standing(scene, scene.start.q).tool(scene.start.time)
-    at = law.numbers.pose.inverse().then(Pose(tool.x, tool.y, tool.z))
-    near = np.array([[0.0, 0.0, 0.0], *(PROVED_M * np.eye(3)), *(-PROVED_M * np.eye(3))])
-    for x, y, z in near.tolist():
-        try:
-            move.path_from((at.x + x, at.y + y, at.z + z)).curve  # noqa: B018 - what is wrong is found when it is made
-        except InputError:
-            continue
-        return "the path can begin there"
-    return ""

@@ -10,13 +10,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from assur.planner.checker.paths.curves import curves_of
 from assur.planner.checker.refusals.postures import Goal
 from assur.planner.checker.refusals.spans import ANY, around
+from assur.planner.checker.refusals.standing import still
 from assur.planner.frames.motion import Pose
 from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.phases import yaw_offsets
+from assur.planner.model.refusal import Spot
 from assur.planner.model.scene import Pick, Place, Scene, Step, Trace
+
+TURN_RAD = 1e-9
+"""Turns of a part that differ by no more are one, rad."""
+Turns = tuple[float | None, ...]
+NOT_TURNED: Turns = (0.0,)
+ANY_TURN: Turns = (None,)
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,8 +32,8 @@ class Way:
 
     `turn`: of the part in the gripper, rad; None: any, and then the flange is `spread`, m, off `point`, in any
     direction and with any yaw. `point`: of the part or the target, in `frame`; `flange`: of the flange there, turned by
-    `turn`. `before`, `after`: what is attached before and after the step. `known`: pitch and roll that are asked, NaN
-    for one that is free.
+    `turn`. `before`, `after`: what is attached before and after the step. `tilt`: pitch and roll, None for
+    one that is free.
     """
 
     number: int
@@ -37,7 +44,17 @@ class Way:
     spread: float
     before: Attachments
     after: Attachments
-    tilt: tuple[float, float] = (math.nan, math.nan)
+    tilt: tuple[float | None, float | None]
+    lead_in_m: float | None
+    """How far before its path a trace is met, m; None: it is no trace."""
+
+    @property
+    def on_path(self) -> Spot:
+        """Where on its path the point is."""
+        if self.lead_in_m is None:
+            return {}
+        here = self.point.x, self.point.y, self.point.z
+        return {"path_m": -self.lead_in_m, "path_part": "lead-in", "path_at_m": here}
 
     def goal(self, scene: Scene, at: Pose, above: float, by_m: float, by_rad: float) -> Goal:
         """Where the flange is in the world while the frame is at `at`, so far above the point, m, each known up to
@@ -50,70 +67,59 @@ class Way:
             around(centre.y, wide),
             around(at.then(self.flange).z + above, by_m),
             around(centre.yaw, by_rad) if has_yaw else ANY,
-            around(pitch, by_rad) if math.isfinite(pitch) else ANY,
-            around(roll, by_rad) if math.isfinite(roll) else ANY,
+            ANY if pitch is None else around(pitch, by_rad),
+            ANY if roll is None else around(roll, by_rad),
         )
 
     def still(self, scene: Scene) -> Pose | None:
         """The pose of the frame, where it never moves."""
-        law = scene.frames[self.frame].law
-        return law.numbers.pose if law.kind == "fixed" else None
+        return still(scene, self.frame)
 
 
 def ways(scene: Scene, number: int) -> tuple[Way, ...]:
     """All ways to meet the control point of a step, one for each turn of the part that its symmetry leaves."""
-    holding, step = scene.start.holding, scene.task[number]
-    state, picked = at_start(scene), None
-    axis, turns = Pose() if holding is None else holding.grasp, _only(0.0)
+    step, state, picked, turns = scene.task[number], at_start(scene), None, NOT_TURNED
+    hands, target = isinstance(step, Pick | Place), step.target
     for earlier in scene.task[:number]:
         if isinstance(earlier, Pick):
-            picked, axis, turns = earlier, earlier.grasp, _turns(scene, earlier)
+            picked, turns = earlier, yaw_offsets(scene, earlier) or ANY_TURN
         elif isinstance(earlier, Place):
             held = state if picked is None else state.after(scene, picked)
-            state, picked, turns = held.after(scene, earlier), None, _only(0.0)
+            state, picked, turns = held.after(scene, earlier), None, NOT_TURNED
     if isinstance(step, Pick):
-        axis, turns = step.grasp, _turns(scene, step)
-    elif not isinstance(step, Place):
-        axis = Pose()
-    axis = axis.then(scene.tool.tcp.inverse())
-    free = not isinstance(step, Pick | Place) and yaw_offsets(scene, step) is None
-    found = []
+        turns = yaw_offsets(scene, step) or ANY_TURN
+    free, found = not hands and yaw_offsets(scene, step) is None, []
+    tilt = (None, None) if target is None else (target.pitch, target.roll)
     for turn in turns:
         before = state if picked is None else state.after(scene, picked, turn or 0.0)
-        frame, point = before.point(scene, step)
+        (frame, point), (_, flange) = before.point(scene, step), before.flange(scene, step, _own(step, turn))
         if isinstance(step, Trace):
-            point = _lead_in(step, point)
-        turned = turn if isinstance(step, Pick | Place) else 0.0
-        flange = point.then(Pose(yaw=turned or 0.0)).then(axis)
-        after = before.after(scene, step, turn or 0.0) if isinstance(step, Pick | Place) else before
+            x, y, z = step.path.curve.at(np.array([-step.lead_in_m]))[0][0].tolist()
+            point = replace(point, x=x, y=y, z=z)
+            flange = point.then(scene.tool.tcp.inverse())
         any_turn = free or turn is None
-        spread = math.hypot(axis.x, axis.y) if any_turn else 0.0
         found.append(
-            Way(number, None if any_turn else turn, frame, point, flange, spread, before, after, _tilt(step))
-        )  # fmt: skip
+            Way(
+                number=number,
+                turn=None if any_turn else turn,
+                frame=frame,
+                point=point,
+                flange=flange,
+                spread=math.hypot(flange.x - point.x, flange.y - point.y) if any_turn else 0.0,
+                before=before,
+                after=before.after(scene, step, turn or 0.0),
+                tilt=tilt,
+                lead_in_m=step.lead_in_m if isinstance(step, Trace) else None,
+            )
+        )
     return tuple(found)
 
 
-def _only(turn: float | None) -> tuple[float | None, ...]:
-    return (turn,)
+def _own(step: Step, turn: float | None) -> float:
+    """By how much the tool is turned at a step by the turn of a part; a part that is held already turns with it."""
+    return turn or 0.0 if isinstance(step, Pick) else 0.0
 
 
-def _turns(scene: Scene, step: Pick) -> tuple[float | None, ...]:
-    """Turns in which a pick may take its part; None: any."""
-    offsets = yaw_offsets(scene, step)
-    return (None,) if offsets is None else offsets
-
-
-def _tilt(step: Step) -> tuple[float, float]:
-    target = step.target
-    if target is None:
-        return math.nan, math.nan
-    pitch, roll = target.pitch, target.roll
-    return math.nan if pitch is None else pitch, math.nan if roll is None else roll
-
-
-def _lead_in(step: Trace, point: Pose) -> Pose:
-    """Where the lead-in of a trace begins: as far before the path as is asked, along its tangent there."""
-    _, tangent, _ = curves_of(step.path)[0].state(0.0)
-    x, y, z = (step.lead_in_m * np.asarray(tangent)).tolist()
-    return replace(point, x=point.x - x, y=point.y - y, z=point.z - z)
+def is_turn(one: float | None, other: float | None) -> bool:
+    """Whether two turns of a part are the same; any turn is the same as any."""
+    return one is other if one is None or other is None else abs(one - other) <= TURN_RAD

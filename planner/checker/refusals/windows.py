@@ -1,129 +1,212 @@
-"""Whether a control point can be tracked at no time for as long as it must be, whenever the arm comes."""
+"""Whether a control point can be tracked at no time for as long as it must be, whenever the arm comes.
+
+The way of a point along its conveyor is a polynomial of the time, piece after piece, and the last piece, which never
+ends, is a straight line. Between its turning points and the times at which it passes an end of the window it is on one
+side of both.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
 
-from assur.planner.checker.laws import travel
-from assur.planner.checker.refusals.openings import Asked, Times, asked, farthest_inside, inside, open_spans
-from assur.planner.checker.refusals.start import same
-from assur.planner.model.proofs.witness import PROVED_S, Openings
-from assur.planner.model.refusal import LawEnds, Refusal, finite
+import numpy as np
+from numpy.polynomial import Chebyshev
+
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.refusals.stated import NotShownError, Shown, same
+from assur.planner.checker.statement import laws
+from assur.planner.checker.statement.differences import Four
+from assur.planner.checker.statement.poses import numbers, then
+from assur.planner.laws import Law
+from assur.planner.model.attachments import at_start
+from assur.planner.model.proofs.witness import PROVED_M, PROVED_S, Openings
+from assur.planner.model.refusal import LawEnds, Quantity, Refusal, Stage, law_ends, window_missed
 from assur.planner.model.scene import Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
 
-TOLD = 1e-6
-"""Times, s, and lengths, m, that are told may be off by this: an end of a window in time is found to 1e-9 of a
+Times = tuple[float, float]
+STATED = 1e-6
+"""Times, s, and lengths, m, that are stated may be off by this: an end of a window in time is found to 1e-9 of a
 step, and on a belt of 1 mm/s a way of 1 nm takes 1 µs."""
+LONG_S = 2e6
+"""No law is known for so long, s (`FURTHEST_S` on both sides of time zero): what goes on for ever ends here."""
+CUTS_S = (1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
+"""The way is cut so long, s, after the start: a polynomial that is read off its values is as exact as these are."""
+REAL = 1e-6
+"""A root whose imaginary part, s, is not above this counts as a real one: a window that is only just touched."""
+ROUNDING = 1e-14
+"""A coefficient that is not above this share of the largest one is rounding."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tracking:
+    """When the control point of a step may be tracked, and for how long. Times are s.
+
+    `along`: its window along a conveyor, m (None: it has none, or is on no conveyor); `in_time`: that in time; `known`:
+    when the motion of its frame is known; `start`, `latest`: the first and the last time at all."""
+
+    frame: str
+    law: Law
+    point: Four
+    along: tuple[float, float] | None
+    in_time: Times
+    known: Times
+    needed: float
+    start: float
+    latest: float
+
+    def span(self) -> Times:
+        """From when until when tracking may last, the way along a conveyor left aside; empty if reversed."""
+        return max(self.start, self.known[0], self.in_time[0]), min(self.known[1], self.latest, self.in_time[1])
+
+    def way(self, times: FloatArray) -> FloatArray:
+        """How far along its conveyor the point is at times (m,), m."""
+        direction, zero = laws.measured_along(self.law) or ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
+        point = np.array(then((0.0, 0.0, 0.0, zero[3]), self.point)[:3])
+        places = laws.formula_of(self.law, float(times.min()), float(times.max())).place(times)[:, :3]
+        return np.asarray((places - zero[:3] + point) @ direction)
+
+    def pieces(self) -> Iterator[list[tuple[float, float]]]:
+        """The way piece by piece, from the start on for as long as the law is known: times at which it begins, turns
+        round, passes an end of its window, and ends; and where it is then."""
+        begin, end = self.start, min(self.known[1], self.start + LONG_S)
+        if self.along is None or not begin < end:
+            return
+        formula = laws.formula_of(self.law, begin, end)
+        cuts = {begin, end, *(t for t in (*formula.ends, *(begin + s for s in CUTS_S)) if begin < t < end)}
+        for a, b in pairwise(sorted(cuts)):
+            way = Chebyshev.interpolate(self.way, formula.degree, domain=[a, b])
+            way = way.trim(ROUNDING * float(np.abs(way.coef).max()))
+            roots = [root for each in (way.deriv(), *(way - limit for limit in self.along)) for root in each.roots()]
+            inner = (float(root.real) for root in roots if abs(root.imag) <= REAL)
+            yield [(t, float(way(t))) for t in sorted({a, b, *(t for t in inner if a < t < b)})]
+
+    def inside(self) -> list[Times]:
+        """When the point is in its window along a conveyor, from the start on: intervals in order. All of the time
+        where there is no such window."""
+        if self.along is None:
+            return [(self.start, min(self.known[1], self.start + LONG_S))]
+        (low, high), found = self.along, list[Times]()
+        for piece in self.pieces():
+            spans = [(t, t) for t, x in piece if low <= x <= high]
+            middles = ((a, b, self.way(np.array([(a + b) / 2.0]))[0]) for (a, _), (b, _) in pairwise(piece))
+            for a, b in sorted([*spans, *((a, b) for a, b, x in middles if low <= x <= high)]):
+                if found and a <= found[-1][1] + PROVED_S:
+                    found[-1] = found[-1][0], max(found[-1][1], b)
+                else:
+                    found.append((a, b))
+        return found
+
+    def open_spans(self, wider: float = 0.0) -> list[Times]:
+        """When the point may be tracked, `wider`, s, at both ends: intervals in order."""
+        low, high = self.span()
+        both = [(max(low - wider, a), min(high + wider, b)) for a, b in self.inside()]
+        return [(a, b) for a, b in both if a <= b]
+
+    def farthest(self) -> float:
+        """How far, m, the point stays outside its window along a conveyor from the start on for ever; not above 0: it
+        comes into it."""
+        low, high = self.along or (-math.inf, math.inf)
+        return min((max(low - x, x - high) for piece in self.pieces() for _, x in piece), default=-math.inf)
+
+
+def tracking(scene: Scene, number: int, *, wider: float = 0.0, lawless: bool = False) -> Tracking:
+    """What is required of the control point of a step, with a window that is `wider`, m, at both ends. `lawless`: as if
+    the law of its frame were known for ever after its begin. Which part is where follows from the steps before."""
+    attached = at_start(scene)
+    for earlier in scene.task[:number]:
+        attached = attached.after(scene, earlier)
+    step = scene.task[number]
+    frame, point = attached.point(scene, step)
+    law, window, latest = scene.frames[frame].law, step.window, scene.options.latest_end_s
+    along = window.along if laws.measured_along(law) is not None else None
+    first, last = laws.known(law)
+    return Tracking(
+        frame=frame,
+        law=law,
+        point=numbers(point),
+        along=None if along is None else (along[0] - wider, along[1] + wider),
+        in_time=window.time or (-math.inf, math.inf),
+        known=(first, math.inf if lawless else last),
+        needed=step.dwell_s,
+        start=scene.start.time,
+        latest=math.inf if latest is None else latest,
+    )
 
 
 def witness_of(scene: Scene, number: int) -> Openings:
-    """All times at which the control point of a step may be met at all, as they are told."""
-    return Openings(spans_s=tuple(open_spans(asked(scene, number), 0.0, 0.0)))
+    """All times at which the control point of a step may be met at all, as they are stated."""
+    return Openings(spans_s=tuple(tracking(scene, number).open_spans()))
 
 
-def missed(scene: Scene, refusal: Refusal, witness: Openings) -> str:
-    """Why it is not shown that the point can never be tracked for long enough; nothing: it is."""
-    of = asked(scene, refusal.step)
-    longest = max((b - a for a, b in open_spans(of)), default=-math.inf)
-    if not longest < of.needed_s - PROVED_S:
-        return "the point can be tracked for long enough"
-    told = open_spans(of, 0.0, 0.0)
-    if not _alike(told, witness.spans_s):
-        return "the point can be met at other times than the witness says"
-    facts = refusal.facts
-    if isinstance(facts, LawEnds):
-        return _by_law(of, refusal, facts)
-    return _by_window(of, refusal, facts, told) if isinstance(facts, WindowMissed) else "it is about no window"
+def missed(scene: Scene, refusal: Refusal, witness: Openings) -> Iterator[Shown]:
+    """Refusals of a point that can never be tracked for long enough. Raises `NotShownError` where it may be."""
+    of, number = tracking(scene, refusal.step), refusal.step
+    wide = tracking(scene, number, wider=PROVED_M).open_spans(PROVED_S)
+    if not max((b - a for a, b in wide), default=-math.inf) < of.needed - PROVED_S:
+        raise NotShownError("the point can be tracked for long enough")
+    spans = of.open_spans()
+    if not _are_alike(spans, list(witness.spans_s)):
+        raise NotShownError("the point can be met at other times than the witness says")
+    if isinstance(refusal.facts, LawEnds):
+        yield Shown(_by_law(scene, number, of), STATED)
+        return
+    misses: list[tuple[WindowMissed, float, Times | None]] = [
+        (WindowMissed(miss=miss), amount, None) for miss, amount in _misses(of)
+    ]
+    longest = max((b - a for a, b in spans), default=-math.inf)
+    for a, b in (each for each in spans if same(each[1] - each[0], longest, STATED)):
+        gone = _gone(of, b, b + of.needed - longest)
+        short = WindowMissed(miss=Miss.TOO_SHORT, open_s=longest, needed_s=of.needed, belt_m=gone)
+        misses.append((short, of.needed - longest, (a, b)))
+    for facts, by, interval in misses:
+        if by > 0.0:
+            amount = Quantity(by, "m" if facts.miss is Miss.NEVER_INSIDE else "s")
+            yield Shown(window_missed(Stage.WINDOW, number, facts, amount=amount, interval=interval), STATED)
 
 
-def _alike(told: list[Times], said: tuple[Times, ...]) -> bool:
-    """Whether intervals are the same; those that have no length, up to rounding, do not count."""
-    one, other = ([span for span in spans if span[1] - span[0] > TOLD] for spans in (told, list(said)))
-    if len(one) != len(other):
-        return False
-    return all(
-        same(a, b, TOLD) for first, second in zip(one, other, strict=True) for a, b in zip(first, second, strict=True)
-    )
+def _are_alike(spans: list[Times], stated: list[Times]) -> bool:
+    """Whether intervals are the same; one that has no length, up to rounding, does not count."""
+
+    def has(found: list[Times], a: float, b: float) -> bool:
+        return b - a <= STATED or any(same(a, c, STATED) and same(b, d, STATED) for c, d in found)
+
+    return all(has(stated, *each) for each in spans) and all(has(spans, *each) for each in stated)
 
 
-def _by_law(of: Asked, refusal: Refusal, facts: LawEnds) -> str:
-    """... because the law of its frame ends: as it ends there, and the point could be met if it went on."""
-    if refusal.frame != of.frame:
-        return "the point is in another frame"
-    low, high = of.known
-    if high < of.start:
-        needed = of.start
-    else:
-        going_on = [a for a, b in open_spans(of, 0.0, 0.0, lawless=True) if b - a >= of.needed_s - PROVED_S]
-        if not going_on:
-            return "if the motion were known for longer, the point could not be met either"
-        needed = min(going_on) + of.needed_s
-    amount = None if refusal.amount is None else refusal.amount.value
-    told = facts.known_s == (finite(low), finite(high)) and same(facts.needed_s, needed, TOLD)
-    told = told and same(facts.tracked_s, of.needed_s) and not facts.on_arrival
-    return (
-        "" if told and same(amount, max(low - needed, needed - high), TOLD) else "the motion is needed at other times"
-    )
+def _by_law(scene: Scene, number: int, of: Tracking) -> Refusal:
+    """Because the law of its frame ends: the point could be met if the motion went on."""
+    needed = of.start
+    if not of.known[1] < of.start:
+        going_on = tracking(scene, number, lawless=True).open_spans()
+        long_enough = [a for a, b in going_on if b - a >= of.needed - PROVED_S]
+        if not long_enough:
+            raise NotShownError("if the motion were known for longer, the point could not be met either")
+        needed = min(long_enough) + of.needed
+    return law_ends(Stage.WINDOW, number, of.frame, of.known, needed, tracked=of.needed)
 
 
-def _by_window(of: Asked, refusal: Refusal, facts: WindowMissed, told: list[Times]) -> str:
-    """... because its windows leave no time: for the reason that is given, by as much as is given."""
-    amount = None if refusal.amount is None else refusal.amount.value
-    if facts.searched_s is not None:
-        return "only a part of the time was searched"
-    if facts.miss is not Miss.TOO_SHORT and facts != WindowMissed(miss=facts.miss):
-        return "it tells how long a window is open that is none"
-    true = _amount(of, refusal, facts, told)
-    if true is None or not same(amount, true, TOLD) or not true > 0.0:
-        return f"it is not so that it is missed by as much ({facts.miss})"
-    return ""
+def _misses(of: Tracking) -> Iterator[tuple[Miss, float]]:
+    """Ways in which the windows leave no time, and by how much, s or m; not above 0: they leave some."""
+    (low, high), (opens, closes) = of.span(), of.in_time
+    yield Miss.OVER_BEFORE_START, of.start - closes
+    if low == max(opens, of.known[0]):
+        yield Miss.OPENS_AFTER_LATEST_END, low - of.latest
+    yield Miss.LATEST_END_BEFORE_START, of.start - of.latest
+    yield Miss.NEVER_INSIDE, of.farthest()
+    spans = of.inside()
+    if spans:
+        later = any(a <= closes and b >= low for a, b in spans)
+        miss = Miss.ENTERS_AFTER_LATEST_END if later else Miss.NO_COMMON_INSTANT
+        yield miss, min(max(a - high, low - b) for a, b in spans)
 
 
-def _amount(of: Asked, refusal: Refusal, facts: WindowMissed, told: list[Times]) -> float | None:
-    """By how much the window is missed, in the way that is told; None: it is not missed in this way."""
-    opens = -math.inf if of.window.time is None else of.window.time[0]
-    low, high = of.span()
-    latest = math.inf if of.latest is None else of.latest
-    match facts.miss:
-        case Miss.TOO_SHORT:
-            longest = max((b - a for a, b in told), default=-math.inf)
-            longest_spans = [span for span in told if same(span[1] - span[0], longest, TOLD)]
-            said = refusal.interval
-            ends = [said is not None and all(map(_near, said, span)) for span in longest_spans]
-            belt = refusal.interval and _gone(of, refusal.interval[1], refusal.interval[1] + of.needed_s - longest)
-            right = same(facts.open_s, longest, TOLD) and same(facts.needed_s, of.needed_s) and any(ends)
-            return of.needed_s - longest if right and same(facts.belt_m, belt or None, TOLD) else None
-        case Miss.OVER_BEFORE_START:
-            return of.start - of.closes
-        case Miss.OPENS_AFTER_LATEST_END:
-            return low - latest if low == max(opens, of.known[0]) else None
-        case Miss.LATEST_END_BEFORE_START:
-            return of.start - latest
-        case Miss.NEVER_INSIDE:
-            return farthest_inside(of)
-        case Miss.ENTERS_AFTER_LATEST_END | Miss.NO_COMMON_INSTANT:
-            spans = inside(of, 0.0)
-            later = any(a <= of.closes and b >= low for a, b in spans)
-            if not spans or later is not (facts.miss is Miss.ENTERS_AFTER_LATEST_END):
-                return None
-            return min(max(a - high, low - b) for a, b in spans)
-    return None
-
-
-def _near(one: float, other: float) -> bool:
-    return same(one, other, TOLD)
-
-
-def _gone(of: Asked, t0: float, t1: float) -> float | None:
-    """How far the point goes along its conveyor from t0 to t1, m; None: on none, or not known."""
-    law = of.law
-    if law.kind not in ("conveyor", "linear") or not (of.known[0] <= t0 and t1 <= of.known[1]):
+def _gone(of: Tracking, t0: float, t1: float) -> float | None:
+    """How far the point goes along its conveyor from t0 to t1, m; None: it does not, is on none, or it is not known."""
+    if laws.measured_along(of.law) is None or not (of.known[0] <= t0 and t1 <= of.known[1]):
         return None
-
-    def at(t: float) -> float:
-        pieces = travel(law, min(t0, of.start), t1)
-        begin, _, powers = next((piece for piece in pieces if piece[0] <= t <= piece[1]), pieces[-1])
-        return sum(c * (t - begin) ** k for k, c in enumerate(powers))
-
-    return abs(at(t1) - at(t0))
+    first, last = of.way(np.array([t0, t1])).tolist()
+    return abs(last - first) or None

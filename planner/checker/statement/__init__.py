@@ -10,27 +10,28 @@ It computes no distance, and imports nothing from which the planner or the write
 (an import rule holds that). A claim may state more than the request asks: a larger distance, a smaller contact, a
 narrower limit. It may not state less. All entry points return differences as plain sentences; there is none if the
 claim states what is asked. The form of the claim must be right: the claim checker has to see to that first.
-
-What no claim can state yet is not compared: where the tool is on a path, a trace or a straight way, heights of arches,
-how high an approach reaches at least, yaws that are kept, rest at a control point, by how much vias are missed, and
-whether a pitch or roll is beyond a right angle (a claim states sines). The errors of arrivals, from which the
-uncertainty of a part in the gripper follows, are taken from the plan.
 """
 
 from __future__ import annotations
 
+from assur.planner.checker.statement.arches import arches_agree
 from assur.planner.checker.statement.arms import links_agree, motion_agrees
+from assur.planner.checker.statement.arrivals import arrivals_agree
 from assur.planner.checker.statement.differences import Difference, Topic
 from assur.planner.checker.statement.distances import distances_agree, execution_agrees
+from assur.planner.checker.statement.errors import errors_agree
 from assur.planner.checker.statement.frames import frames_agree, laws_known
+from assur.planner.checker.statement.guides import guides_agree
 from assur.planner.checker.statement.holding import Handling
+from assur.planner.checker.statement.joints import hands_agree, joints_agree
 from assur.planner.checker.statement.limits import limits_agree, rates_agree, yaws_agree
 from assur.planner.checker.statement.loads import loads_agree, loads_of
 from assur.planner.checker.statement.nearness import Nearness
 from assur.planner.checker.statement.order import order_agrees
+from assur.planner.checker.statement.passed import parabolas_agree
 from assur.planner.checker.statement.peaks import peaks_agree, tool_agrees
 from assur.planner.checker.statement.phases import Stage, phases_agree, stages_of
-from assur.planner.checker.statement.points import points_agree, tilts_agree
+from assur.planner.checker.statement.points import points_agree
 from assur.planner.checker.statement.postures import margins_agree, modes_agree, postures_agree
 from assur.planner.checker.statement.solids import solids_agree
 from assur.planner.claim.columns import Claim
@@ -70,7 +71,13 @@ def state_plan(scene: Scene, plan: Plan, claim: Claim) -> list[Difference]:
     stages = stages_of(handling)
     found = _motion(handling, stages, claim)
     found += points_agree(handling, claim)
-    found += tilts_agree(handling, claim)
+    found += arrivals_agree(handling, claim)
+    found += hands_agree(handling, claim)
+    found += joints_agree(handling, claim)
+    found += arches_agree(handling, claim)
+    found += guides_agree(handling, claim)
+    found += parabolas_agree(handling)
+    found += errors_agree(handling, claim)
     found += modes_agree(handling, claim)
     found += margins_agree(handling, claim)
     found += Nearness(handling, stages, claim).touching_agrees()

@@ -130,7 +130,7 @@ def _chain(claim: c.Claim, arm: int, q: FloatArray) -> tuple[FloatArray, FloatAr
         cranks = numbers[c.LOOP_CRANK : c.LOOP_CRANK + 2].astype(int) - first
         lengths = numbers[c.LOOP_LENGTH : c.LOOP_LENGTH + 2]
         ahead = np.array([1.0, 0.0, 0.0])
-        ends = [places[k] + _turned(angles[k], n * ahead) for k, n in zip(cranks, lengths, strict=True)]
+        ends = [places[k] + rotated(angles[k], n * ahead) for k, n in zip(cranks, lengths, strict=True)]
         one, two = (end[:, 0] + 1j * end[:, 1] for end in ends)
         directions = _couplers(one, two, *numbers[c.LOOP_COUPLER : c.LOOP_SIDE + 1].tolist())
         couplers = links[:, c.LINK_COUPLER].astype(int)
@@ -141,14 +141,14 @@ def _chain(claim: c.Claim, arm: int, q: FloatArray) -> tuple[FloatArray, FloatAr
 
 def _stacked(parents: FloatArray, local: FloatArray, angles: FloatArray) -> FloatArray:
     """Places (L, m, 3) of links whose origins are at `local` in the axes of their parents."""
-    steps = _turned(angles[parents], local)
+    steps = rotated(angles[parents], local)
     places = np.zeros_like(local)
     for k, parent in enumerate(parents.tolist()):
         places[k] = local[k] if parent < 0 else places[parent] + steps[k]
     return places
 
 
-def _turned(angles: FloatArray, vectors: FloatArray) -> FloatArray:
+def rotated(angles: FloatArray, vectors: FloatArray) -> FloatArray:
     """Rz(yaw) Ry(-pitch) Rx(roll) times vectors (..., 3), for angles (..., 3)."""
     (cy, cp, cr), (sy, sp, sr) = np.moveaxis(np.cos(angles), -1, 0), np.moveaxis(np.sin(angles), -1, 0)
     x, y, z = np.moveaxis(vectors, -1, 0)

@@ -134,20 +134,20 @@ class Handling:
         if step.contact_with is not None:
             return set(step.contact_with)
         time, handed = self.arrivals[number].until, self.handed_before_step(number)
-        there = self._in_world(self.point(number), time)
+        there = self.in_world(self.point(number), time)
         bottom = there[2] - _reach(self.scene.index[step.part].body, -1.0)
         found = set()
         for body in self.scene.bodies:
             if body.name == step.part:
                 continue
-            here = self._in_world(self.place(body.name, handed), time)
+            here = self.in_world(self.place(body.name, handed), time)
             near = math.dist(here[:2], there[:2]) <= self.radius(body.name) + self.radius(step.part) + SAME
             if near and abs(here[2] + _reach(body.body, 1.0) - bottom) <= CONTACT_M + SAME:
                 found.add(body.name)
         return found
 
-    def _in_world(self, where: Where, time: float) -> Four:
-        """The pose in the world of what is fixed to a frame."""
+    def in_world(self, where: Where, time: float) -> Four:
+        """The pose in the world of what is fixed to a frame, at a time."""
         frame, pose = where
         if frame is None:
             raise FaultError("a part that the gripper holds is in no frame")
@@ -156,6 +156,11 @@ class Handling:
             link = laws.link_of(law)
             self._places[frame, time] = laws.place_at(law, time) if link is None else arms.place_at(*link, time)
         return then(self._places[frame, time], pose)
+
+    def tool_at(self, time: float) -> Four:
+        """Place and yaw of the tool point in the world at a time; of a flange that tilts the heading of the arm."""
+        robot, q = self.scene.robot, arms.states_at(self.plan.trajectory, time)[0]
+        return then(arms.link_at(robot, q, arms.flange_row(robot)), self.tcp)
 
     def kept_supports(self, part: str, handed: Sequence[int]) -> set[str]:
         """What a part that was put down may touch: what it was put on, but for parts that were taken since."""

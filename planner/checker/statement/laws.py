@@ -89,6 +89,28 @@ def known(law: Law) -> Interval:
     return first, last
 
 
+def stands(law: Law) -> bool:
+    """Whether a frame never moves."""
+    return law.kind == "fixed"
+
+
+def keeps_yaw(law: Law) -> bool:
+    """Whether a frame never turns."""
+    return law.kind in ("fixed", "conveyor", "linear", "oscillation")
+
+
+def period_of(law: Law) -> float | None:
+    """After how many seconds a frame that moves is where it was, again and again; None: never, or it is not known."""
+    of = law.numbers
+    if law.kind in ("swing", "oscillation"):
+        return float(of.period)
+    if law.kind == "keyframes" and of.ends == "periodic":
+        return float(of.times[-1] - of.times[0])
+    if law.kind == "turntable" and of.rate != 0.0 and of.rise == 0.0 and not of.changes:
+        return math.tau / abs(of.rate)
+    return None
+
+
 def line_of(law: Law) -> tuple[float, ...] | None:
     """The direction (unit vector) in which a frame travels; None: it travels along no line. A conveyor that stands has
     one, too: its errors are along it."""

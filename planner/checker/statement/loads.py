@@ -33,11 +33,11 @@ def loads_of(handling: Handling, stages: list[Stage]) -> list[Carried]:
     for held, group in groupby(stages[: len(handling.plan.legs)], carried):
         own, part = list(group), None if held is None else scene.index[held[0]]
         mass = (scene.tool.mass_kg or 0.0) + (0.0 if part is None else part.mass_kg or 0.0)
-        inertia = _tool_inertia(scene) if turns else None
+        inertia = tool_inertia(scene) if turns else None
         if inertia is not None and held is not None and part is not None:
-            inertia += _part_inertia(part.body, part.mass_kg or 0.0, held[1])
+            inertia += part_inertia(scene, *held)
         name = None if part is None else part.name
-        found.append(Carried(name, mass, inertia, _share(scene, mass), own[0].when[0], own[-1].when[1]))
+        found.append(Carried(name, mass, inertia, share_of(scene, mass), own[0].when[0], own[-1].when[1]))
     return found
 
 
@@ -61,36 +61,37 @@ def _is_same(one: float | None, other: float | None) -> bool:
     return one is not None and other is not None and abs(one - other) <= ROUNDING * max(abs(one), 1e-3)
 
 
-def _share(scene: Scene, mass: float) -> float:
-    """Of accelerations and jerks, that a mass leaves (G2)."""
+def share_of(scene: Scene, mass: float) -> float:
+    """Of acceleration and jerk that a load leaves (G2)."""
     load = scene.load_limits
     if load.shares:
         masses, shares = zip(*load.shares, strict=True)
         return float(np.interp(mass, masses, shares))
-    return load.rated_kg / mass if load.rated_kg is not None and mass > load.rated_kg else 1.0
+    return 1.0 if load.rated_kg is None else load.rated_kg / max(mass, load.rated_kg)
 
 
-def _tool_inertia(scene: Scene) -> float:
-    """Of the tool, kg·m²: as it is stated, or with its mass spread evenly over its bodies, or in the tool point."""
+def tool_inertia(scene: Scene) -> float:
+    """Of the tool about the flange's axis, kg·m²."""
     tool = scene.tool
     if tool.inertia_kgm2 is not None or not tool.mass_kg:
         return tool.inertia_kgm2 or 0.0
     if not tool.bodies:
         return tool.mass_kg * math.hypot(tool.tcp.x, tool.tcp.y) ** 2
-    volume, _, _, square = np.sum([_integrals(body) for body in tool.bodies], axis=0).tolist()
-    return float(tool.mass_kg * square / volume)
+    sums = np.sum([integrals(body) for body in tool.bodies], axis=0)
+    return float(tool.mass_kg * sums[3] / sums[0])
 
 
-def _part_inertia(body: Body, mass: float, in_flange: Four) -> float:
-    """Of a part that the gripper holds, kg·m²: about the axis of the flange, wherever that is in the part's axes."""
+def part_inertia(scene: Scene, part: str, in_flange: Four) -> float:
+    """Of a part that is held at a pose in the flange's frame, about the flange's axis, kg·m²."""
+    mass, (x, y, *_) = scene.index[part].mass_kg, inverse(in_flange)
     if not mass:
         return 0.0
-    (x, y, _, _), (volume, by_x, by_y, square) = inverse(in_flange), _integrals(body)
-    return mass * (square - 2.0 * (x * by_x + y * by_y) + (x * x + y * y) * volume) / volume
+    volume, first, second, square = integrals(scene.index[part].body)
+    return float(mass * (square - 2.0 * (x * first + y * second) + (x * x + y * y) * volume) / volume)
 
 
-def _integrals(body: Body) -> tuple[float, float, float, float]:
-    """The integrals of 1, x, y and x² + y² over a body, in its own axes."""
+def integrals(body: Body) -> tuple[float, float, float, float]:
+    """The integrals of 1, x, y and x² + y² over a body, in its frame."""
     if body.surface is not None:
         return _of_triangles(body.surface[0][body.surface[1]])
     total = np.zeros(4)
@@ -100,23 +101,24 @@ def _integrals(body: Body) -> tuple[float, float, float, float]:
             total += _of_triangles((shape.vertices @ turn.T + at)[shape.faces])
             continue
         (a, b, c), r, s = shape.half, shape.disc, shape.ball
-        volume, squares = 8.0 * a * b * c, np.array([a * a, b * b, c * c]) / 3.0
-        if shape.kind == "cylinder":
-            volume, squares = 2.0 * math.pi * r * r * c, np.array([r * r / 4.0, r * r / 4.0, c * c / 3.0])
-        if s > 0.0:  # two halves of a ball, and a tube of its radius between them, which may have no length
+        volume, along = 8.0 * a * b * c, np.array([a * a, b * b, c * c]) / 3.0
+        if r > 0.0:  # a cylinder
+            volume, along = 2.0 * math.pi * r * r * c, np.array([r * r / 4.0, r * r / 4.0, c * c / 3.0])
+        if s > 0.0:
+            # a ball that is cut in two by a tube of its radius and the length 2c, which may be 0
             ball, tube = 4.0 * math.pi * s**3 / 3.0, 2.0 * math.pi * s * s * c
             volume = ball + tube
             side = ball * s * s / 5.0 + tube * s * s / 4.0
             up = ball * (s * s / 5.0 + 2.0 * c * 3.0 * s / 8.0 + c * c) + tube * c * c / 3.0
-            squares = np.array([side, side, up]) / volume
-        spread = float((turn[:2] ** 2 @ squares).sum() + at[0] ** 2 + at[1] ** 2)
+            along = np.array([side, side, up]) / volume
+        spread = float((turn[:2] ** 2 @ along).sum() + at[0] ** 2 + at[1] ** 2)
         total += volume * np.array([1.0, at[0], at[1], spread])
     volume, x, y, square = total.tolist()
     return volume, x, y, square
 
 
 def _of_triangles(corners: FloatArray) -> tuple[float, float, float, float]:
-    """`_integrals` of what closed triangles (F, 3, 3) enclose: each with the origin is a tetrahedron with a sign."""
+    """`integrals` of what closed triangles (F, 3, 3) enclose: each with the origin is a tetrahedron with a sign."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     six = (a * np.cross(b, c)).sum(-1)
     first = six[:, None] * (a + b + c) / 24.0

@@ -1,4 +1,4 @@
-"""Does the claim state that the tool is where the task asks: at its control points, while it tracks them, and directed?
+"""Does the claim state that the tool is where the task asks: at its control points, and while it tracks them?
 
 A claim may state more: smaller errors, a lower height, a longer time.
 """
@@ -33,8 +33,8 @@ Row = list[float]
 
 @dataclass(frozen=True)
 class Point:
-    """The tool point is at a pose of a frame, `up` m above it at most, no farther off than `position` m and `yaw` rad
-    (-1: any), and with no greater difference of velocities than `rates`, m/s and rad/s (-1: any)."""
+    """The tool point is at a pose of a frame, from `least` to `up` m above it, no farther off than `position` m and
+    `yaw` rad (-1: any), and with no greater difference of velocities than `rates`, m/s and rad/s (-1: any)."""
 
     frame: int
     target: Four
@@ -43,15 +43,13 @@ class Point:
     yaw: float
     up: float = 0.0
     rates: tuple[float, float] = (-1.0, -1.0)
+    least: float = 0.0
 
 
 def points_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
     """Differences of the points."""
     scene, stated = handling.scene, claim.points.tolist()
     for number, step in enumerate(scene.task):
-        # the claim states nothing of the tool on a path, and at vias that may be missed
-        if isinstance(step, Trace) or (scene.options.vias_missed and step.via):
-            continue
         for point in _points_of(handling, number):
             if not any(_is_point(row, point, handling.tcp, flange_row(scene.robot)) for row in stated):
                 yield Difference(Topic.POINT, f"the tool is not stated to be at {step.name}", point.when)
@@ -59,21 +57,34 @@ def points_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
 
 def _points_of(handling: Handling, number: int) -> Iterator[Point]:
     """What is required of the tool at the control point of a step: when it is met, when it is left, and while it is
-    tracked; it may be higher in the straight parts before and behind."""
+    tracked; it may be higher in the straight parts before and behind, at whose outer ends it is that high."""
     scene, step, arrival = handling.scene, handling.scene.task[number], handling.arrivals[number]
     frame, target = handling.tool_point(number)
     turns = "yaw" in scene.robot.coordinates
-    at = list(scene.frames).index(frame)
-    rates = (MEET, MEET if turns else -1.0) if arrival.matched or _matches_velocity(step) else (-1.0, -1.0)
-    met = Point(at, target, (arrival.time, arrival.time), MEET, MEET if turns else -1.0, rates=rates)
+    at, tracked_yaw = list(scene.frames).index(frame), TRACKED_RAD if turns else -1.0
+    tracks = [leg for leg, is_ in zip(handling.plan.legs, handling.tracks, strict=True) if is_ and leg.step == number]
+    if isinstance(step, Trace):
+        # guides are compared with the path; the tool keeps its yaw
+        if turns:
+            yield Point(at, target, (tracks[0].t0, tracks[-1].t1), math.inf, tracked_yaw)
+        return
+    rates = (MEET, MEET if turns else -1.0)
+    matched = rates if arrival.matched or _matches_velocity(step) else (-1.0, -1.0)
+    if arrival.missed_by is not None:
+        yield Point(at, target, (arrival.time, arrival.time), arrival.missed_by.distance_m + MEET, -1.0)
+        return
+    met = Point(at, target, (arrival.time, arrival.time), MEET, MEET if turns else -1.0, rates=matched)
     yield met
     if arrival.until != arrival.time:
         yield replace(met, when=(arrival.until, arrival.until), rates=(-1.0, -1.0))
-    yaw = TRACKED_RAD if turns else -1.0
-    for leg, tracks in zip(handling.plan.legs, handling.tracks, strict=True):
-        if tracks and leg.step == number:
-            up = _height(scene, step, leg.kind)
-            yield Point(at, target, (leg.t0, leg.t1), TRACKED_M, yaw, up)
+    for leg in tracks:
+        up, stops, outer = _height(scene, step, leg.kind), step.approach_stop, leg.t0
+        if leg.kind is LegKind.DEPART:
+            stops, outer = step.depart_stop, leg.t1
+        yield Point(at, target, (leg.t0, leg.t1), TRACKED_M, tracked_yaw, up)
+        if up > 0.0:
+            end = Point(at, target, (outer, outer), TRACKED_M, tracked_yaw, up, least=up)
+            yield replace(end, rates=rates if stops else (-1.0, -1.0))
 
 
 def _matches_velocity(step: Step) -> bool:
@@ -107,7 +118,7 @@ def _is_point(row: Row, point: Point, tcp: Four, flange: int) -> bool:
         and row[c.POINT_POSITION] <= point.position
         and (row[c.POINT_HEIGHT] == -1.0 or point.up > 0.0)
         and row[c.POINT_MIDDLE] + half <= point.up + TRACKED_M + SAME
-        and row[c.POINT_MIDDLE] - half >= -TRACKED_M - SAME
+        and row[c.POINT_MIDDLE] - half >= point.least - TRACKED_M - SAME
         and _is_no_larger(row[c.POINT_YAW], point.yaw)
         # velocities are compared when the row begins
         and (point.rates[0] < 0.0 or row[c.POINT_T0] == first)
@@ -118,26 +129,6 @@ def _is_point(row: Row, point: Point, tcp: Four, flange: int) -> bool:
 def _is_no_larger(stated: float, required: float) -> bool:
     """Whether an error is stated that is no larger than required; -1: any."""
     return required < 0.0 or 0.0 <= stated <= required
-
-
-def tilts_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
-    """Pitch and roll of the tool at control points, for arms that tilt it; and that these are those of the request."""
-    if "pitch" not in handling.scene.robot.coordinates:
-        return
-    for number, step in enumerate(handling.scene.task):
-        if isinstance(step, Trace) or (handling.scene.options.vias_missed and step.via):
-            continue
-        arrival = handling.arrivals[number]
-        pitch, roll = arrival.pitch or 0.0, arrival.roll or 0.0
-        asked = zip((pitch, roll), (step.target.pitch, step.target.roll), strict=True)  # type: ignore[union-attr]
-        if not all(y is None or abs(math.remainder(x - y, math.tau)) <= MEET for x, y in asked):
-            yield Difference(Topic.ARRIVAL, f"{step.name} is met with another pitch or roll")
-        ahead, across = math.sin(pitch), math.sin(roll) * math.cos(pitch)
-        for last, off in dict.fromkeys([(arrival.time, MEET), (arrival.until, TRACKED_RAD)]):
-            when = (arrival.time, last)
-            for axis, value in (((1.0, 0.0, 0.0), ahead), ((0.0, 1.0, 0.0), across)):
-                if not is_axis_stated(handling.scene, claim, axis, (0.0, 0.0, 1.0), (value - off, value + off), when):
-                    yield Difference(Topic.AXIS, f"the tool is not stated to be directed as {step.name} asks", when)
 
 
 def is_axis_stated(

@@ -18,7 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assur.planner.checker import Code as Finding
-from assur.planner.checker import check
+from assur.planner.checked import check
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from assur.planner.checker import Code, check
+from assur.planner.checked import check
+from assur.planner.checker import Code
 from assur.planner.checker.enclosure import enclosed
 from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import solids

@@ -8,7 +8,8 @@ from functools import cache
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.checker import Code, check
+from assur.planner.checked import check
+from assur.planner.checker import Code
 from assur.planner.checker.cover import SPARED
 from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import solids

@@ -11,7 +11,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from assur.planner.checker import Code, check
+from assur.planner.checked import check
+from assur.planner.checker import Code
 from assur.planner.errors import InputError
 from assur.planner.model.scene import Window
 from assur.planner.trajectory import Trajectory

@@ -12,7 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker import Code, check
+from assur.planner.checked import check
+from assur.planner.checker import Code
 from assur.planner.checker.motion import JETS
 from assur.planner.checker.nearest import WITHIN_M
 from assur.planner.checker.separation import HINT, ITEM, NEAR_M, OTHER, OTHER_ON, distance

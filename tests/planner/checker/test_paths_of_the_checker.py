@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assur.planner.checker import Code, check
+from assur.planner.checked import check
+from assur.planner.checker import Code
 from assur.planner.checker.paths.curves import Bezier, Turn, curves_of, length_of
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose

@@ -13,7 +13,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assur.planner.checker import Code, along, check
+from assur.planner.checked import check
+from assur.planner.checker import Code, along
 from assur.planner.checker.checking import ROUNDED_M
 from assur.planner.checker.laws import rounding, tables
 from assur.planner.checker.separation import SLACK_M

@@ -15,7 +15,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker import Code, check
+from assur.planner.checked import check
+from assur.planner.checker import Code
 from assur.planner.errors import FaultError
 from assur.planner.geometry.shapes import Primitive, sphere
 from assur.planner.laws import Law, Pose, linear, swing, turntable

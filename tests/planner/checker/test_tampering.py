@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assur.planner.checker import Code, Verdict, check
+from assur.planner.checked import check
+from assur.planner.checker import Code, Verdict
 from assur.planner.errors import FaultError
 from assur.planner.laws import Pose, conveyor, linear
 from assur.planner.model.outcome import Leg, LegKind, Plan

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assur.planner.checker import Code, check
+from assur.planner.checked import check
+from assur.planner.checker import Code
 from assur.planner.checker.world import World
 from assur.planner.frames.motion import Pose
 from assur.planner.frames.tilted import TiltedMotion

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker import check
+from assur.planner.checked import check
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import Frame, Law, Uncertainty, conveyor, fixed, keyframes, swing, turntable

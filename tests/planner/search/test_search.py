@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assur.planner.checker import check
+from assur.planner.checked import check
 from assur.planner.collision.proof import Prover
 from assur.planner.geometry.shapes import box, cylinder
 from assur.planner.legs.joint import Shape

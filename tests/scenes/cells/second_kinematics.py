@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
-from assur.planner.checker import Code, check
+from assur.planner.checked import check
+from assur.planner.checker import Code
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Plan, Planned
 from assur.planner.model.scene import Scene

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assur.planner.checker import Code, check
+from assur.planner.checked import check
+from assur.planner.checker import Code
 from assur.planner.errors import InputError
 from assur.planner.geometry.shapes import Body, Primitive, box
 from assur.planner.robots.five_axis_arm import FLANGE, LINK4

@@ -13,7 +13,8 @@ import pytest
 
 from assur.experiments.five_bar_workspace import velocity_equation
 from assur.planner.arrays import FloatArray
-from assur.planner.checker import Code, check
+from assur.planner.checked import check
+from assur.planner.checker import Code
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Plan
 from assur.planner.robots.five_bar import FiveBar

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assur.planner.checker import Code, check
+from assur.planner.checked import check
+from assur.planner.checker import Code
 from assur.planner.errors import InputError
 from assur.planner.legs.forbidden_yaw import tool_yaw
 from assur.planner.model.scene import Start

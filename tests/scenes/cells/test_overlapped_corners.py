@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assur.planner.checker import Code, check
+from assur.planner.checked import check
+from assur.planner.checker import Code
 from assur.planner.model.outcome import LegKind, Plan
 from assur.planner.model.scene import Scene
 from assur.scenes.reading.plan import plan_of

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assur.planner.checker import Code, check
+from assur.planner.checked import check
+from assur.planner.checker import Code
 from assur.planner.errors import InputError
 from assur.planner.search.tuning import SAME_DURATION
 from assur.scenes.reading.plan import plan_of

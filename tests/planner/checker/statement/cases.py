@@ -169,6 +169,27 @@ def _near(d: Document) -> None:
     step(d, 1)["support_within_mm"] = 0.1
 
 
+def _ways(d: Document) -> None:
+    """Straight parts with stops; a straight leg that begins in motion on the dial; then from rest to rest, with the yaw
+    that the tool has; and a via."""
+    step(d, 0)["approach"]["stop"] = True
+    step(d, 1)["depart"]["stop"] = True
+    step(d, 2)["leg"] = "cartesian"
+    x, y, z = step(d, 2)["to"]["at_mm"]
+    kept = {"at_mm": [x, y + 60, z + 5], "yaw_keep": True}
+    d["task"] += [
+        {"move": {"to": kept, "leg": "cartesian", "match": "position"}},
+        {"move": {"to": {"at_mm": [x + 30, y + 40, z + 15]}, "via": True}},
+        {"move": {"to": {"at_mm": [x, y, z]}}},
+    ]
+
+
+def _tilts(d: Document) -> None:
+    """A straight leg with another pitch and roll at its end."""
+    to = {"at_mm": [320, 120, 400], "pitch_deg": -70, "roll_deg": 20}
+    d["task"].append({"move": {"name": "on", "to": to, "leg": "cartesian"}})
+
+
 VARIANTS: dict[str, tuple[str, Callable[[Document], object]]] = {
     "demo, more uncertain": ("demo", _open_demo),
     "dense-flow, more uncertain": ("dense-flow", _open_flow),
@@ -177,6 +198,8 @@ VARIANTS: dict[str, tuple[str, Callable[[Document], object]]] = {
     "demo, supports not named": ("demo", _stacked),
     "demo, belt that slows down": ("demo", _stopping),
     "two-robots, start uncertain": ("two-robots", _open_robots),
+    "demo, straight ways": ("demo", _ways),
+    "rv-m1, straight way": ("rv-m1", _tilts),
 }
 """By the name of a variant: the scenario, and what is changed in its request."""
 

@@ -45,6 +45,7 @@ def free_of(claim: Claim) -> list[Free]:
         Free("required", beyond(c.REQUIRED_LAG, own), missing),
         Free("frames", range(c.FRAME_POSE, c.FRAME_RATE), unused, lambda k, row: k.frames[row, c.FRAME_ARM] > 0.0),
         Free("frames", range(c.FRAME_RATE, c.FRAME_PIECE), unused, lambda k, row: k.frames[row, 11] == 0.0),
+        Free("frames", range(c.FRAME_STEP, c.FRAME), unused, lambda k, row: k.frames[row, c.FRAME_PERIOD] == 0.0),
         Free("links", range(c.LINK_SLIDE, c.LINK_YAW), unused, lambda k, row: k.links[row, c.LINK_SLIDE] == -1.0),
         Free("pieces", range(c.PIECE_AXIS, c.PIECE_DISC), unused, lambda k, row: k.pieces[row, c.PIECE_DISC] == 0.0),
         Free("knots", range(1), longer, lambda k, row: not k.knots[row, c.KNOT_QD :].any()),

@@ -7,9 +7,12 @@ import pytest
 
 from tests.planner.checker.statement.cases import case_of, differences
 from tests.planner.checker.statement.faults import FAULTS, MORE, Change, Fault
+from tests.planner.checker.statement.faults_of_arrivals import FAULTS_OF_ARRIVALS
+
+ALL = FAULTS + FAULTS_OF_ARRIVALS
 
 
-@pytest.mark.parametrize("fault", FAULTS, ids=[fault.name for fault in FAULTS])
+@pytest.mark.parametrize("fault", ALL, ids=[fault.name for fault in ALL])
 def test_a_fault_in_a_claim_is_reported(fault: Fault) -> None:
     case = case_of(fault.case)
     assert differences(case) == []

@@ -10,11 +10,15 @@ from typing import Any
 import pytest
 
 from assur.planner.checker.statement import Topic
-from assur.planner.model.outcome import LegKind, Plan
+from assur.planner.frames.motion import Pose
+from assur.planner.model.arrival_error import ArrivalError
+from assur.planner.model.outcome import LegKind, Missed, Plan, Traced
+from assur.planner.trajectory import Trajectory
 from assur.scenes.requests import cell_of
 from tests.planner.checker.statement.cases import Case, Document, case_of, differences, sealed, step
 
 DEMO, FLOW = "demo, more uncertain", "dense-flow, more uncertain"
+TRACE, BLENDS, TILTS = "bead-on-belt", "parabolic-blend", "rv-m1, straight way"
 Edit = Callable[[Document], object]
 T = Topic
 
@@ -32,6 +36,23 @@ def other(name: str, change: Edit) -> Case:
 def heavier(request: Document) -> None:
     """A part that leaves a smaller share of the accelerations."""
     next(body for body in request["bodies"] if "mass_kg" in body).update(mass_kg=5.0)
+
+
+def higher_arch(request: Document) -> None:
+    """An arch that is 1 mm higher."""
+    step(request, 0)["arch"]["top_mm"] += 1
+
+
+def kept_yaw(request: Document) -> None:
+    """The yaw that the tool has in place of any."""
+    to = step(request, 0)["to"]
+    del to["yaw_free"]
+    to["yaw_keep"] = True
+
+
+def other_path(request: Document) -> None:
+    """The path of a move along another arc."""
+    step(request, 1)["path"][0]["arc"]["via_mm"][0] += 0.1
 
 
 POST = {"name": "post", "shape": {"sphere": {"radius_mm": 10}}, "pose": {"at_mm": [0, -900, 0]}}
@@ -60,6 +81,22 @@ REFUSED: tuple[tuple[str, str, Topic, Edit], ...] = (
     ("a faster belt", DEMO, T.LAW, lambda r: r["frames"]["belt"]["conveyor"].update(speed_mm_s=250.1)),
     ("no belt correction", FLOW, T.UNCERTAINTY, lambda r: r["execution"].update(belt_correction=False)),
     ("a smaller tolerance", FLOW, T.ARRIVAL, lambda r: step(r, 0).update(tolerance_mm=0.01)),
+    ("a higher approach", DEMO, T.POINT, lambda r: step(r, 0).update(approach={"mm": 35})),
+    ("a straight way", DEMO, T.GUIDE, lambda r: step(r, 2).update(leg="cartesian")),
+    ("a stop above", DEMO, T.POINT, lambda r: step(r, 0)["approach"].update(stop=True)),
+    ("a point to be flown by", "rv-m1", T.POINT, lambda r: step(r, 0)["to"].update(at_mm=[0, 0, 45.1])),
+    ("another pitch", "rv-m1", T.ARRIVAL, lambda r: step(r, 0)["to"].update(pitch_deg=-89)),
+    ("a straight way of the hand", "rv-m1", T.SUM, lambda r: step(r, 1).update(leg="cartesian")),
+    ("a higher arch", "standard-cycle", T.ARCH, higher_arch),
+    ("an arch", DEMO, T.LEGS, lambda r: step(r, 2).update(arch={"top_mm": 150})),
+    ("another path", "circular-legs", T.GUIDE, other_path),
+    ("a faster trace", TRACE, T.ARRIVAL, lambda r: step(r, 0).update(speed_mm_s=153)),
+    ("another trace", TRACE, T.ARRIVAL, lambda r: step(r, 0)["path"][1]["arc"]["via_mm"].__setitem__(0, 50.02)),
+    ("a longer lead-in", TRACE, T.LEGS, lambda r: step(r, 0).update(lead_in_mm=9)),
+    ("a rest at the point", DEMO, T.SUM, lambda r: step(r, 2).update(match="position")),
+    ("a yaw that is kept", "round-the-base", T.AXIS, kept_yaw),
+    ("blends that last longer", BLENDS, T.PARABOLA, lambda r: r["options"].update(acceleration_time_ms=239)),
+    ("a via elsewhere", BLENDS, T.PARABOLA, lambda r: step(r, 0)["to"].update(at_mm=[200, 200.1, -200])),
     ("another support", DEMO, T.CONTACT, lambda r: step(r, 1).update(contact_with=["belt-bed"])),
 )
 
@@ -83,6 +120,20 @@ def with_arrival(plan: Plan, which: int, **changes: Any) -> Plan:
     return replace(plan, arrivals=tuple(arrivals))
 
 
+def farther_along(plan: Plan) -> Plan:
+    """The plan that states that a control point is 2 µm farther along its belt."""
+    along = plan.arrivals[0].along_m
+    assert along is not None
+    return with_arrival(plan, 0, along_m=along + 2e-6)
+
+
+def other_pitch(plan: Plan) -> Plan:
+    """The plan that states another pitch where any is allowed."""
+    pitch = plan.arrivals[1].pitch
+    assert pitch is not None
+    return with_arrival(plan, 1, pitch=pitch + 1e-4)
+
+
 PLANS: tuple[tuple[str, Topic, Callable[[Plan], Plan]], ...] = (
     ("a leg of no step", T.LEGS, lambda p: with_leg(p, -1, step=99)),
     ("a leg of another step", T.LEGS, lambda p: with_leg(p, 0, step=1)),
@@ -96,7 +147,92 @@ PLANS: tuple[tuple[str, Topic, Callable[[Plan], Plan]], ...] = (
     ("an arrival that is turned", T.ARRIVAL, lambda p: with_arrival(p, 0, yaw_offset=1.0)),
     # what is uncertain of a part in the gripper follows from it
     ("an arrival without an error", T.ARRIVAL, lambda p: with_arrival(p, 0, error=None)),
+    ("an arrival of another name", T.ARRIVAL, lambda p: with_arrival(p, 0, control_point="elsewhere")),
+    ("an arrival elsewhere", T.ARRIVAL, lambda p: with_arrival(p, 0, pose=moved(p.arrivals[0].pose))),
+    (
+        "an arrival farther along",
+        T.ARRIVAL,
+        farther_along,
+    ),
+    ("a velocity that is not matched", T.ARRIVAL, lambda p: with_arrival(p, 0, matched=False)),
+    ("an arrival with a pitch", T.ARRIVAL, lambda p: with_arrival(p, 0, pitch=0.0)),
+    ("an arrival that is traced", T.ARRIVAL, lambda p: with_arrival(p, 0, trace=Traced(1.0, 0.1, 0.1, 0.0))),
+    ("a via that is met, and missed", T.PARABOLA, lambda p: with_arrival(p, 2, missed_by=Missed((0.0,) * 4, 0.0))),
+    ("a smaller error", T.ERROR, lambda p: with_arrival(p, 1, error=smaller(p.arrivals[1].error))),
 )
+
+
+def moved(pose: Pose) -> Pose:
+    """A pose 2 µm aside."""
+    return replace(pose, x=pose.x + 2e-6)
+
+
+def smaller(error: ArrivalError | None) -> ArrivalError:
+    """An error that is 1 µm smaller than another one."""
+    assert error is not None
+    return replace(error, position_m=error.position_m - 1e-6)
+
+
+def missed_less(plan: Plan) -> Plan:
+    """The plan that states that a joint misses its via by another amount."""
+    missed = plan.arrivals[0].missed_by
+    assert missed is not None
+    return with_arrival(plan, 0, missed_by=replace(missed, joints=(missed.joints[0] + 1e-6, *missed.joints[1:])))
+
+
+def missed_nearer(plan: Plan) -> Plan:
+    """The plan that states that its via is missed by less."""
+    missed = plan.arrivals[0].missed_by
+    assert missed is not None
+    return with_arrival(plan, 0, missed_by=replace(missed, distance_m=missed.distance_m - 1e-5))
+
+
+def no_parabola(plan: Plan) -> Plan:
+    """The plan in which a joint is elsewhere at a knot."""
+    path = plan.trajectory
+    q = path.q.copy()
+    middle = float(path.time[len(path.time) // 2])
+    q[path.time == middle, 0] += 1e-4
+    return replace(plan, trajectory=Trajectory(path.time, q, path.qd, path.qdd, jumps=True))
+
+
+def traced(plan: Plan, **changes: float) -> Plan:
+    """The plan that states something else of its trace."""
+    trace = plan.arrivals[0].trace
+    assert trace is not None
+    return with_arrival(plan, 0, trace=replace(trace, **changes))
+
+
+OTHER_PLANS: tuple[tuple[str, str, Topic, Callable[[Plan], Plan]], ...] = (
+    ("another miss of a joint", BLENDS, T.PARABOLA, missed_less),
+    ("a miss that is too small", BLENDS, T.PARABOLA, missed_nearer),
+    ("a via that is not missed", BLENDS, T.PARABOLA, lambda p: with_arrival(p, 0, missed_by=None)),
+    ("a piece that is no parabola", BLENDS, T.PARABOLA, no_parabola),
+    ("a longer trace", TRACE, T.ARRIVAL, lambda p: traced(p, length_m=0.3)),
+    ("a faster trace", TRACE, T.ARRIVAL, lambda p: traced(p, fastest_m_s=0.2)),
+    ("a slower trace", TRACE, T.ARRIVAL, lambda p: traced(p, slowest_m_s=0.1)),
+    ("a narrower range of speeds", TRACE, T.RATE, lambda p: traced(p, slowest_m_s=0.15)),
+    ("a wide trace", TRACE, T.ARRIVAL, lambda p: traced(p, error_m=1.1e-5)),
+    ("a trace that is nearer", TRACE, T.GUIDE, lambda p: traced(p, error_m=1e-6)),
+    ("a trace of which nothing is stated", TRACE, T.ARRIVAL, lambda p: with_arrival(p, 0, trace=None)),
+    ("no pitch", TILTS, T.ARRIVAL, lambda p: with_arrival(p, 0, pitch=None)),
+    (
+        "another pitch that is free",
+        TILTS,
+        T.SUM,
+        other_pitch,
+    ),
+    ("a move called arch", DEMO, T.ARCH, lambda p: with_leg(p, 0, kind=LegKind.ARCH)),
+    ("a via on a belt", BLENDS, T.ARRIVAL, lambda p: with_arrival(p, 0, along_m=0.0)),
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "topic", "change"), [each[1:] for each in OTHER_PLANS], ids=[each[0] for each in OTHER_PLANS]
+)
+def test_a_plan_that_states_what_is_not_so_is_refused(name: str, topic: Topic, change: Callable[[Plan], Plan]) -> None:
+    case = case_of(name)
+    assert topic in {each.topic for each in differences(case, plan=sealed(case.scene, change(case.plan)))}
 
 
 @pytest.mark.parametrize(("topic", "change"), [each[1:] for each in PLANS], ids=[each[0] for each in PLANS])
@@ -114,10 +250,8 @@ def test_the_digests_of_request_and_plan_are_compared() -> None:
 
 
 NOT_STATED: tuple[tuple[str, Edit], ...] = (
-    ("a higher approach", lambda r: step(r, 0).update(approach={"mm": 35})),
     ("a larger margin to singular positions", lambda r: r["options"].update(singularity_margin=0.6)),
     ("the other working mode", lambda r: r["options"].update(elbow="left")),
-    ("a straight way", lambda r: step(r, 2).update(leg="cartesian")),
 )
 """Other requests that are accepted, because no claim can state yet what they ask. Each is to be refused then."""
 

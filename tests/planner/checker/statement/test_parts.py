@@ -109,7 +109,7 @@ def test_the_textbook_has_links_where_the_robot_has_them(name: str) -> None:
     position, rotation = robot.placements(q)
     closes = np.isfinite(places[-1]).all(axis=1)
     assert closes.sum() > 10
-    turned = np.stack([arms._turned(angles, axis) for axis in np.eye(3)], axis=-1)
+    turned = np.stack([arms.rotated(angles, axis) for axis in np.eye(3)], axis=-1)
     for link in range(len(robot.links)):
         row = arms.link_row(robot, link)
         assert np.abs(places[row] - position[:, link])[closes].max() < 1e-12

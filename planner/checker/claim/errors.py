@@ -1,0 +1,188 @@
+"""How far the tool may be from its point, whatever is uncertain (U4): the worst sum of what displaces point and tool.
+
+What has a direction counts with either sign, and all signs are combined. What has any horizontal direction, or goes up
+or down, is added to the longest sum. Lag moves the tool along the rates of its joints, but for a bow: half of what
+bounds the second derivative. A late frame is evaluated at instants; between them its way leaves a chord (N9).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.claim import tables as tb
+from assur.planner.checker.claim.chain import chain, point, slot_of, vector
+from assur.planner.checker.claim.jets import jet, minus, put
+from assur.planner.checker.claim.motion import joints_over, rounding
+from assur.planner.checker.claim.obligations import is_fixed
+from assur.planner.checker.claim.points import direction, place
+from assur.planner.checker.claim.solids import length
+from assur.planner.checker.claim.tables import F1, F2, f8, i8
+from assur.planner.checker.claim.uncertainty import amount_of, share_of
+from assur.planner.claim import columns as c
+from assur.planner.claim.columns import Claim
+from assur.planner.compiled import kernel, types
+
+INSTANTS = 65
+"""Of a frame that may be late."""
+MOST_SIGNED = 10
+"""Vectors whose signs are combined; what are more count in full."""
+FLAT, UP, YAW, SIGNED = range(4)
+"""Sums of what counts in full: horizontally, up or down, m, as yaw, rad; and how many vectors there are."""
+
+
+@kernel(types.void(F2, F1, f8, f8, f8))
+def add_signed(vectors: FloatArray, sums: FloatArray, x: float, y: float, z: float) -> None:
+    """Adds a vector that counts with either sign. A vertical one goes up or down, whatever the others do."""
+    many = int(sums[SIGNED])
+    if (x == 0.0 and y == 0.0) or many >= MOST_SIGNED:
+        sums[FLAT], sums[UP] = sums[FLAT] + math.sqrt(x * x + y * y), sums[UP] + abs(z)
+        return
+    vectors[many, 0], vectors[many, 1], vectors[many, 2] = x, y, z
+    sums[SIGNED] += 1.0
+
+
+@kernel(types.void(tb.CLAIM, F1, F2, F1))
+def add_displaced(k: Claim, own: FloatArray, vectors: FloatArray, sums: FloatArray) -> None:
+    """Adds displacements of frames, each with the share by which it moves the point against the tool."""
+    p, d = int(own[c.ERROR_PHASE]), c.DISPLACED_DIRECTION
+    for i in range(len(k.displaced)):
+        row, (least, most) = k.displaced[i], share_of(k, p, i)
+        if row[c.DISPLACED_FRAME] == own[c.ERROR_FRAME]:
+            least, most = 1.0 - most, 1.0 - least
+        size = max(abs(least), abs(most)) * amount_of(k, i, own[c.ERROR_TIME])
+        if size > 0.0 and row[c.DISPLACED_LEVEL] > 0.0:
+            sums[FLAT] += size
+        elif size > 0.0:
+            add_signed(vectors, sums, size * row[d], size * row[d + 1], size * row[d + 2])
+
+
+@kernel(f8(f8))
+def angle_of(chord: float) -> float:
+    """The angle whose chord on a circle of radius 1 is given, π at most."""
+    return 2.0 * math.asin(0.5 * chord) if chord < 2.0 else math.pi
+
+
+@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, F2, F1))
+def add_lag(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, vectors: FloatArray, sums: FloatArray) -> bool:
+    """Adds what lagging joints displace and turn: for each joint the rate of the point at a rate of its lag alone, then
+    half of the second derivative for all joints anywhere within their lag. False: it is not known."""
+    on, n, t, tool = int(own[c.ERROR_LINK]), int(k.arms[0, c.ARM_JOINTS]), own[c.ERROR_TIME], own[c.ERROR_TOOL :]
+    at, turn, chord = tb.INSTANTS + tb.INTERVALS, 0.0, 0.0
+    x, y, yaw = math.cos(tool[3]), math.sin(tool[3]), int(k.links[on, c.LINK_YAW])
+    if at >= len(s.jets):
+        return True  # no joint lags
+    # rows of bodies keep jets in this slot for an interval: they are computed anew
+    jets, s.known[at, 0, 0] = s.jets[at], np.nan
+    for j in range(n + 1):
+        lag = k.required[0, c.REQUIRED_LAG + j] if j < n else 1.0
+        if lag == 0.0:
+            continue
+        if not joints_over(g, 0, n, t, t, s):
+            return False
+        for m in range(n):
+            q, most = s.joints[m], k.required[0, c.REQUIRED_LAG + m]
+            q[1], q[2], q[3], q[4], q[5] = 0.0, lag if m == j else 0.0, 0.0, 0.0, 0.0
+            if j == n:
+                q[1], q[3] = most, most
+        if not chain(k, g, 0, jets, s):
+            return False
+        for axis in range(3):
+            put(s.vectors, 0, axis, point(jets, on, axis, tool[0], tool[1], tool[2]))
+            put(s.vectors, 1, axis, vector(jets, on, axis, x, y, 0.0))
+        u, v, w = jet(s.vectors, 0, 0), jet(s.vectors, 0, 1), jet(s.vectors, 0, 2)
+        a, b = jet(s.vectors, 1, 0), jet(s.vectors, 1, 1)
+        if j < n:
+            turn += abs(k.angles[yaw, c.ANGLE_SHARE + j]) * lag
+            chord += math.sqrt(a[2] * a[2] + b[2] * b[2])
+            add_signed(vectors, sums, u[2], v[2], w[2])
+        else:
+            sums[FLAT] += 0.5 * math.sqrt((abs(u[4]) + u[5]) ** 2 + (abs(v[4]) + v[5]) ** 2)
+            sums[UP] += 0.5 * (abs(w[4]) + w[5])
+            chord += 0.5 * math.sqrt((abs(a[4]) + a[5]) ** 2 + (abs(b[4]) + b[5]) ** 2)
+    if g.carriers[on, tb.CARRIER_UPRIGHT] > 0.0:
+        sums[YAW] += turn if k.links[on, c.LINK_COUPLER] < 0.0 else angle_of(chord)
+    return True
+
+
+@kernel(i8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, F2, F1))
+def late_ways(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, ways: FloatArray, sums: FloatArray) -> int:
+    """Writes where the point of a frame that may be late is, seen from the tool, at instants (.., 3), m, then its place
+    on the frame in axes of the world (.., 2). Adds by how much its way and its turn may differ. Returns how many
+    instants there are; 0: it is not known."""
+    on, f, t, tool = int(own[c.ERROR_LINK]), int(own[c.ERROR_FRAME]), own[c.ERROR_TIME], own[c.ERROR_TOOL :]
+    frame_on, target, many, bow, bow_up, turn, bend = int(g.on[f, 0]), own[c.ERROR_TARGET :], 1, 0.0, 0.0, 0.0, 0.0
+    first = last = 0.0
+    if not is_fixed(g, f):
+        first = -k.frames[f, c.FRAME_SHIFT + 1]
+        last = k.required[0, c.REQUIRED_LATE] - k.frames[f, c.FRAME_SHIFT]
+        many = INSTANTS if last > first else 1
+    step, slot, here = (last - first) / max(many - 1, 1), slot_of(k, g, s, on, t, t), slot_of(k, g, s, frame_on, t, t)
+    if slot < 0 or here < 0:
+        return 0
+    for axis in range(3):
+        put(s.vectors, 0, axis, place(g, s.jets[slot], on, axis, tool[0], tool[1], tool[2]))
+        put(s.vectors, 1, axis, direction(g, s.jets[here], frame_on, axis, 1.0, 0.0, 0.0))
+    for i in range(many):
+        u = t + first + i * step
+        for part in range(2 if i + 1 < many else 1):
+            there = slot_of(k, g, s, frame_on, u, u if part == 0 else t + first + (i + 1) * step)
+            if there < 0:
+                return 0
+            for axis in range(3):
+                at = place(g, s.jets[there], frame_on, axis, target[0], target[1], target[2])
+                x = direction(g, s.jets[there], frame_on, axis, 1.0, 0.0, 0.0)
+                off = minus(x, jet(s.vectors, 1, axis))
+                if part == 0:
+                    ways[i, axis] = at[0] - s.vectors[0, axis, 0]
+                    ways[i, 3 + axis] = at[0] - s.jets[there, frame_on, axis, 0]
+                    ways[many, axis] = off[0]
+                else:
+                    ways[many, axis], ways[many, 3 + axis] = abs(at[4]) + at[5], abs(x[4]) + x[5]
+            if part == 0:
+                turn = max(turn, length(ways[many], 0, 3))
+            else:
+                bow, bow_up = max(bow, length(ways[many], 0, 2)), max(bow_up, ways[many, 2])
+                bend = max(bend, length(ways[many], 3, 6))
+    sums[FLAT] += bow * step * step / 8.0 + s.vectors[0, 0, 1] + s.vectors[0, 1, 1]
+    sums[UP] += bow_up * step * step / 8.0 + s.vectors[0, 2, 1]
+    sums[YAW] += angle_of(turn + bend * step * step / 8.0)
+    reach = length(target, 0, 3)
+    sums[FLAT], sums[UP] = sums[FLAT] + rounding(g, frame_on, 0, reach), sums[UP] + rounding(g, frame_on, 0, reach)
+    return many
+
+
+@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, F1), allocates=True)
+def error_within(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, state: FloatArray) -> bool:
+    """Whether the tool is no farther from its point than is claimed."""
+    vectors, ways, sums, t = np.zeros((MOST_SIGNED, 3)), np.zeros((INSTANTS + 1, 6)), np.zeros(SIGNED + 1), own[0]
+    p, yaw = int(own[c.ERROR_PHASE]), k.frames[int(own[c.ERROR_FRAME]), c.FRAME_YAW]
+    sums[FLAT], sums[UP], sums[YAW] = own[c.ERROR_OFF] + tb.SLACK, own[c.ERROR_OFF + 1] + tb.SLACK, tb.SLACK
+    sums[YAW] += own[c.ERROR_OFF + 2] + yaw
+    sums[SIGNED] = 1.0  # the first vector is the turn of the frame
+    if not k.phases[p, c.PHASE_T0] <= t <= k.phases[p, c.PHASE_T1]:
+        return False
+    add_displaced(k, own, vectors, sums)
+    many = late_ways(k, g, s, own, ways, sums) if add_lag(k, g, s, own, vectors, sums) else 0
+    count = int(sums[SIGNED])
+    state[tb.WORK] -= 1.0 + many * 2.0**count / 50.0
+    if many == 0 or not state[tb.WORK] > 0.1 * s.work[tb.TOUCHED]:
+        return False
+    far, level, high = 0.0, 0.0, 0.0
+    for i in range(many):
+        arm = length(ways[i], 3, 5)
+        vectors[0, 0], vectors[0, 1] = -yaw * ways[i, 4], yaw * ways[i, 3]
+        for signs in range(2**count if arm * yaw > 0.0 else 2 ** (count - 1)):
+            x, y, z = ways[i, 0], ways[i, 1], ways[i, 2]
+            for m in range(count):
+                # the first vector, which may be 0, has the last sign
+                sign = 1.0 - 2.0 * ((signs >> ((m - 1) % count)) & 1)
+                x, y, z = x + sign * vectors[m, 0], y + sign * vectors[m, 1], z + sign * vectors[m, 2]
+            # a turn leaves its tangent by less than half its square
+            side = math.sqrt(x * x + y * y) + sums[FLAT] + 0.5 * arm * yaw * yaw
+            height = abs(z) + sums[UP]
+            far, level, high = max(far, math.sqrt(side * side + height * height)), max(level, side), max(high, height)
+    within = far + sums[YAW] * own[c.ERROR_ARM] <= own[c.ERROR_FAR] and level <= own[c.ERROR_FLAT]
+    return bool(within and high <= own[c.ERROR_UP] and sums[YAW] <= own[c.ERROR_YAW])

@@ -1,0 +1,86 @@
+"""Yaws of the tool that are forbidden, and those to which it could only turn through a range that is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from assur.planner.checker.refusals.spans import Span, beyond
+from assur.planner.checker.refusals.standing import yaw_at
+from assur.planner.model.forbidden_yaw import slack_of
+from assur.planner.model.proofs.witness import PROVED_RAD
+from assur.planner.model.refusal import ForbiddenYaw
+from assur.planner.model.scene import Scene
+from assur.planner.robots.scara import Scara
+
+MOST_TURNS = 64
+"""Full turns, either way, by which a yaw that is stated may differ."""
+
+
+def forbidden(scene: Scene, yaw: float, mode: str | None = None) -> Iterator[tuple[float, ForbiddenYaw]]:
+    """The ranges that a yaw of the tool, rad, is in by more than a plan may be off it, and how deep it is in each."""
+    slack = slack_of(scene.execution.lag)
+    for each in scene.forbidden_yaw:
+        depth = each.depth(yaw, slack)
+        if depth > PROVED_RAD:
+            facts = ForbiddenYaw(first_rad=each.first, last_rad=each.last, yaw_rad=yaw, lag_rad=slack, mode=mode)
+            yield depth, facts
+
+
+def unreachable(
+    scene: Scene, yaw: float, joints: tuple[Span, ...], mode: str
+) -> tuple[float, Iterator[tuple[float, ForbiddenYaw]]] | None:
+    """Whether the tool of a SCARA would have to turn through a forbidden range to a yaw, rad, with joints within spans:
+    by how much less the nearest yaw would have to be turned, and the same for each full turn that may be stated."""
+    room = _room(scene)
+    if room is None or not _beyond_room(scene, room, yaw, joints):
+        return None
+    over = [max(room.low - y, y - room.high) for y in (yaw + math.tau * k for k in range(-MOST_TURNS, MOST_TURNS + 1))]
+    slack = slack_of(scene.execution.lag)
+    stated = (
+        (by, ForbiddenYaw(first_rad=each.first, last_rad=each.last, yaw_rad=yaw, lag_rad=slack, on_the_way=True,
+                          mode=mode))
+        for each in scene.forbidden_yaw for by in over
+    )  # fmt: skip
+    return min(by for by in over if by > 0.0), stated
+
+
+def _room(scene: Scene) -> Span | None:
+    """Between which yaws, full turns counted as the sum of its joints has them, the tool of a SCARA stays for ever;
+    None: it is in a range at the start, or the arm is no SCARA with a wrist."""
+    if not isinstance(scene.robot, Scara) or scene.robot.axes != 4:
+        return None
+    own, slack, room = yaw_at(scene, scene.start.q), slack_of(scene.execution.lag), Span(-math.inf, math.inf)
+    for each in scene.forbidden_yaw:
+        if each.depth(own, slack) >= 0.0:
+            return None
+        begin = own - (own - each.first) % math.tau
+        room = Span(max(room.low, begin + each.width + slack), min(room.high, begin + math.tau - slack))
+    return room
+
+
+def _beyond_room(scene: Scene, room: Span, yaw: float, joints: tuple[Span, ...]) -> bool:
+    """Whether a SCARA that never leaves the room has no joint position, within its ranges, for a yaw: with θ1 and θ2 in
+    each of their turns, θ4 would have to be what is left of the yaw."""
+    lower, upper = scene.robot.limits.lower.tolist(), scene.robot.limits.upper.tolist()
+    own = scene.robot.base.yaw + scene.tool.tcp.yaw
+    first, second = (_turns(span, low, high) for span, low, high in zip(joints[:2], lower, upper, strict=False))
+    for k in range(math.floor((room.low - yaw) / math.tau) - 1, math.ceil((room.high - yaw) / math.tau) + 2):
+        total = Span(yaw + math.tau * k - PROVED_RAD, yaw + math.tau * k + PROVED_RAD)
+        if total.high < room.low or total.low > room.high:
+            continue
+        for one in first:
+            for other in second:
+                last = total - (one + other + own)
+                if not beyond(last, lower[3], upper[3], turns=False) > PROVED_RAD:
+                    return False
+    return True
+
+
+def _turns(span: Span, low: float, high: float) -> list[Span]:
+    """A span with all full turns with which it may be in a range; all numbers if nothing is known of it."""
+    if not (math.isfinite(span.low) and math.isfinite(span.high)):
+        return [span]
+    first = math.ceil((low - PROVED_RAD - span.high) / math.tau)
+    last = math.floor((high + PROVED_RAD - span.low) / math.tau)
+    return [Span(span.low + math.tau * k, span.high + math.tau * k) for k in range(first, last + 1)]

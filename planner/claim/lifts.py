@@ -1,0 +1,89 @@
+"""Arches in a claim: each goes up and then down, and as high as its step requires.
+
+Rows are sums that have one joint: the lift. Its rate is no less than stated on the way up, and no more on the way down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+
+import numpy as np
+
+from assur.planner.claim import columns as c
+from assur.planner.model.outcome import LegKind, Plan
+from assur.planner.model.scene import Scene
+from assur.planner.trajectory import Trajectory
+
+Row = tuple[float, ...]
+INSTANTS, ROUNDS = 16, 5
+"""Parts of an interval at whose ends the lift is evaluated; and rounds, each between the neighbours of the highest."""
+SAMPLES = 128
+"""Parts of a piece of the motion at whose ends the rate of the lift is evaluated."""
+NEAR = 1e-8
+"""A joint is stated to be so near its value, rad or m: ten times what the claim checker keeps for rounding."""
+BACK_M = 2e-5
+"""A way that goes back by no more in total is stated in one row, m; else the pieces that go back have their own."""
+
+
+def arch_top(scene: Scene, plan: Plan, number: int) -> float:
+    """When, s, the lift is highest on the arches of a step."""
+    spans = [leg for leg in plan.legs if leg.step == number and leg.kind is LegKind.ARCH]
+    return _top(plan.trajectory, scene.robot.lift or 0, spans[0].t0, spans[-1].t1)
+
+
+def arches_of(scene: Scene, plan: Plan) -> list[Row]:
+    """Rows of sums: of each arch the lift at its begin, its top and its end, and rates on the ways up and down."""
+    lift, path, found = scene.robot.lift, plan.trajectory, list[Row]()
+    for leg in plan.legs if lift is not None else ():
+        if leg.kind is not LegKind.ARCH or lift is None:
+            continue
+        share = tuple(float(joint == lift) for joint in range(c.MOST_JOINTS))
+        turn = _top(path, lift, leg.t0, leg.t1)
+        heights = path.evaluate(np.array([leg.t0, turn, leg.t1]))[:, lift].tolist()
+        found += [(t, t, 0, *share, z - NEAR, z + NEAR) for t, z in zip((leg.t0, turn, leg.t1), heights, strict=True)]
+        for sign, t0, t1 in ((1.0, leg.t0, turn), (-1.0, turn, leg.t1)):
+            if t0 < t1:
+                found += [_one_way(share, sign, *each) for each in _rates(path, lift, sign, t0, t1)]
+    return found
+
+
+def _one_way(share: Sequence[float], sign: float, t0: float, t1: float, least: float) -> Row:
+    """The row of an interval in which the lift goes up (sign 1) or down (-1), but for `least`, m/s."""
+    return (t0, t1, 1, *share, *((least, c.GREATEST) if sign > 0.0 else (-c.GREATEST, -least)))
+
+
+def _top(path: Trajectory, lift: int, t0: float, t1: float) -> float:
+    """When the lift is highest in an interval, s."""
+    t = np.unique(
+        np.concatenate([np.linspace(t0, t1, 4 * INSTANTS + 1), path.time[(path.time > t0) & (path.time < t1)]])
+    )
+    for _ in range(ROUNDS):
+        k = int(path.evaluate(t)[:, lift].argmax())
+        best = float(t[k])
+        t = np.append(np.linspace(t[max(k - 1, 0)], t[min(k + 1, len(t) - 1)], INSTANTS + 1), best)
+        t.sort()
+    return best
+
+
+def _rates(path: Trajectory, lift: int, sign: float, t0: float, t1: float) -> list[tuple[float, float, float]]:
+    """Intervals that cover [t0, t1], and the least rate of the lift, times `sign`, in each: one for all pieces, or
+    pieces that go back apart from those that do not."""
+    edges = np.unique(np.concatenate([[t0], path.time[(path.time > t0) & (path.time < t1)], [t1]]))
+    t = edges[:-1, None] + np.diff(edges)[:, None] * np.linspace(0.0, 1.0, SAMPLES + 1)
+    t[:, -1] = edges[1:]
+    rate, jerk = (sign * path.evaluate(t.ravel(), order)[:, lift].reshape(t.shape) for order in (1, 3))
+    # between two samples a rate leaves its chord by no more than its second derivative lets it
+    least = rate.min(1) - 0.13 * np.abs(jerk).max(1) * (np.diff(edges) / SAMPLES) ** 2 - NEAR
+    if float(-least.min()) * (t1 - t0) <= BACK_M:
+        return [(t0, t1, float(least.min()))]
+    found = []
+    for _, group in groupby(zip(edges.tolist(), edges[1:].tolist(), least.tolist(), strict=False), key=_goes_back):
+        own = list(group)
+        found.append((own[0][0], own[-1][1], min(each[2] for each in own)))
+    return found
+
+
+def _goes_back(piece: tuple[float, float, float]) -> bool:
+    """Whether the least rate of a piece is negative."""
+    return piece[2] < -2.0 * NEAR
