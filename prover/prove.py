@@ -67,11 +67,6 @@ def length(vector: Iterable[Any]) -> arb:
     return sum((x * x for x in vector), arb(0)).upper().sqrt().upper()
 
 
-def shortest(vector: Iterable[Any]) -> arb:
-    """A lower bound of the length of a vector of balls."""
-    return sum((x * x for x in map(arb.abs_lower, vector)), arb(0)).lower().sqrt().lower()
-
-
 def largest(balls: Iterable[arb]) -> arb:
     """An upper bound of all values in some balls."""
     return reduce(arb.max, (ball.upper() for ball in balls), arb("-inf"))
@@ -83,8 +78,7 @@ def constant(x: Any) -> arb_series:
 
 def united(found: list[Vector], here: list[Vector]) -> list[Vector]:
     """The smallest balls that hold those of two lists; `found` may be empty."""
-    both = zip(found or here, here, strict=True)
-    return [[x.union(y) for x, y in zip(*each, strict=True)] for each in both]
+    return [[x.union(y) for x, y in zip(*both, strict=True)] for both in zip(found or here, here, strict=True)]
 
 
 class Curve:
@@ -110,8 +104,8 @@ class Curve:
         return [arb_series(each, TERMS) for each in found]
 
     def once(self, low: arb, high: arb) -> list[Vector]:
-        """Their powers over [low, high], from all pieces that it reaches. An instant is in the piece that begins
-        there, and in the last one."""
+        """Their powers over [low, high], from all pieces that the interval reaches. An instant is in the piece that
+        begins there, and in the last one."""
         if not (low >= self.edges[0] and high <= self.edges[-1]):
             raise ArithmeticError("a motion is not given")
         found: list[Vector] = []
@@ -173,9 +167,7 @@ def law(frame: Document) -> Curve:
             own.append(arb_poly([x, v, *(arb(a) / ((m + 1) * (m + 2)) for m, a in enumerate(powers))]))
         state = [(path(h), path.derivative()(h)) for path in own]
         pieces.append(own)
-    if not period > 0:
-        return Curve(edges, pieces)
-    for k, ((x0, v0), (x, v), step) in enumerate(zip(start, state, frame["step"], strict=True)):
+    for k, ((x0, v0), (x, v), step) in enumerate(zip(start, state, frame["step"], strict=True)) if period > 0 else ():
         missing, rate = x0 + step - x, v0 - v
         if not (abs(missing) <= CLOSED and abs(rate) <= CLOSED):
             raise ValueError("a frame that repeats ends a period where the next one begins")
@@ -193,8 +185,7 @@ class Carrier:
 
     def point(self, local: Vector) -> Vector:
         """The series of a point, from its coordinates in the carrier, which may change."""
-        rows = zip(self.place, *self.columns, strict=True)
-        return [p + x * local[0] + y * local[1] + z * local[2] for p, x, y, z in rows]
+        return [p + x for p, x in zip(self.place, self.direction(local), strict=True)]
 
     def direction(self, local: Vector) -> Vector:
         """The series of a vector, from its coordinates in the carrier."""
@@ -286,7 +277,7 @@ class Solid:
         """A point that is farthest along a unit vector g of the carrier. Any point would do: what is across g within
         CLOSED counts with its middle, and of vertices the first that no other exceeds by that."""
         heights = [float(dot(point, g).mid()) for point in self.points]
-        found = next(x for x, height in zip(self.points, heights, strict=True) if height >= max(heights) - CLOSED)
+        found = self.points[next((k for k, x in enumerate(heights) if x >= max(heights) - CLOSED), 0)]
         for edge in self.edges:
             along = float(dot(edge, g).mid())
             sign = 0 if abs(along) <= CLOSED else 1 if along > 0 else -1
@@ -350,12 +341,6 @@ def rounds(points: list[Vector], triangles: list[list[int]], place: Vector) -> a
     return total / (2 * arb.pi())
 
 
-def heading(one: Carrier, other: Carrier) -> arb:
-    """An upper bound of the angle between the x axes of two carriers that turn about the vertical, rad."""
-    (a, b), (x, y) = ((axis[0] for axis in on.columns[0][:2]) for on in (one, other))
-    return abs(arb.atan2(a * y - b * x, a * x + b * y)).upper()
-
-
 def farthest(away: Vector, straight: list[Vector], flat: arb, upright: arb) -> tuple[arb, arb, arb]:
     """Upper bounds of the length of a vector, of its horizontal part and of its height, if all vectors of `straight`
     are added with one sign or the other, and then what may be in any direction (N15)."""
@@ -396,15 +381,6 @@ def swung(arm: Document, tool_from: int, elbow: arb, shift: arb) -> tuple[arb, a
     return arb(a), shift / (a * sine), shift / (b * sine)
 
 
-def in_range(span: Document, joints: Vector, more: Vector) -> bool:
-    """Whether the positions of all joints keep their limits, if each is `more` off."""
-    kept = []
-    for q, low, high, off in zip(joints, span["lower"], span["upper"], more, strict=True):
-        half = (arb(high) - low) / 2
-        kept.append(abs(q[0] - (arb(high) + low) / 2) + off <= half * (1 + arb(span["shares"][0])))
-    return all(kept)
-
-
 class Duty(NamedTuple):
     """Two bodies of a phase that must stay `least` apart, m; less than 0: they may touch so deep. What is not known of
     them comes on top, but not if `planned`. The first follows the clock, the second is from `early` to `late` ahead of
@@ -425,9 +401,9 @@ class World:
         self.bundle, self.work, self.kept, self.failures = bundle, WORK, dict[Any, Any](), list[str]()
         self.splines = [spline(arm) for arm in bundle["arms"]]
         self.laws = [law(frame) if frame["edges"] or frame["period"] else None for frame in bundle["frames"]]
-        self.curves = [curve for curve in (*self.splines, *self.laws) if curve is not None]
-        self.frames, self.bodies = bundle["frames"], bundle["bodies"]
-        self.phases, self.must = bundle["phases"], bundle["required"]
+        self.frames, self.bodies, self.phases, self.must = (
+            bundle[x] for x in ("frames", "bodies", "phases", "required")
+        )
         self.seats = [[nth(bundle["seats"], k, "seat") for k in phase["seats"]] for phase in self.phases]
         self.surfaces = [surface(body) for body in self.bodies]
         if any([seat["body"] for seat in seats] != list(range(len(self.bodies))) for seats in self.seats):
@@ -435,7 +411,7 @@ class World:
 
     def spend(self, work: int) -> None:
         self.work -= work
-        if self.work < sum(curve.touched for curve in self.curves):
+        if self.work < sum(curve.touched for curve in (*self.splines, *self.laws) if curve is not None):
             raise RuntimeError("more work than is allowed")
 
     def everywhere(self, test: Callable[..., int], t0: float, t1: float, s0: Any = 0.0, s1: Any = 0.0) -> bool:
@@ -533,32 +509,21 @@ class World:
     def planned(self, p: int) -> dict[frozenset[int], Duty]:
         """The pairs of bodies that must keep a second distance in phase p, if nothing is unknown: those that must stay
         apart and may not touch."""
-        found, touching = (
-            dict[frozenset[int], Duty](),
-            {frozenset(each["bodies"]) for each in self.phases[p]["contacts"]},
-        )
-        for key, duty in self.duties(p).items():
-            least = self.must["nearest" if any(self.seats[p][k]["link"] >= 0 for k in key) else "placed"]
-            if key not in touching and least >= 0:
-                found[key] = Duty(duty.bodies, least, Fraction(0), Fraction(0), [], planned=True)
-        return found
+        found, touching = self.duties(p), {frozenset(each["bodies"]) for each in self.phases[p]["contacts"]}
+        for key, duty in found.items():
+            kind = "nearest" if any(self.seats[p][k]["link"] >= 0 for k in key) else "placed"
+            found[key] = Duty(duty.bodies, self.must[kind], Fraction(0), Fraction(0), [], planned=True)
+        return {key: duty for key, duty in found.items() if key not in touching and duty.least >= 0}
 
     def meant(self, p: int, row: Document, duties: dict[frozenset[int], Duty]) -> Iterator[tuple[Document, Duty]]:
         """A row with the pair that it is of, if that pair needs it. A plane is a row for the box of each body that
         stands, and needs no time differences."""
-        a, b = row["bodies"]
-        if b >= 0 and frozenset((a, b)) in duties:
-            duty = duties[frozenset((a, b))]
-            if duty.bodies[0] == a or duty.early == duty.late == 0:
-                yield row, duty
-        if b < 0 and (row["pieces"][1] >= 0 or row["s0"] != 0 or row["s1"] != 0):
-            raise ValueError("a plane has no second piece, and no time differences")
-        for key, duty in duties.items() if b < 0 else ():
-            (other,) = key - {a} if a in key and len(key) == 2 else (None,)
-            if other is not None and duty.early == duty.late == 0:
-                seat = self.seats[p][other]
-                if seat["link"] < 0 and self.stands(seat["frame"]):
-                    yield {**row, "bodies": [a, other]}, duty
+        (a, b), at = row["bodies"], self.seats[p]
+        for other in [b] if b >= 0 else range(len(at)):
+            duty = duties.get(frozenset((a, other)))
+            stands = at[other]["link"] < 0 and self.stands(at[other]["frame"])
+            if duty and (duty.early == duty.late == 0 or duty.bodies[0] == a) and (b >= 0 or stands):
+                yield {**row, "bodies": [a, other]}, duty
 
     def apart(self, key: str) -> tuple[int, int]:
         """Shows all rows of a table, and that they cover each pair in all of each phase; counts rows and pairs."""
@@ -637,13 +602,12 @@ class World:
         found, flat, phase, must = duty.least * size, length(n[:2]), self.phases[p], self.must
         if duty.planned:
             return arb(found)
-        lasts = self.lasts(t1)
         tools = [seat["link"] >= must["tool_from"] for seat, _ in sides]
         for f, frame in enumerate(self.frames):
             on = [seat["frame"] == f for seat, _ in sides]
             for each in frame["unknown"] if not all(tools) else ():
                 given = phase["shares"][f] if each["shared"] else (0.0, 0.0)
-                amount = each["amount"] + each["growth"] * lasts
+                amount = self.amount(each, t1)
                 shares = [(1.0, 1.0) if x else given if tool else (0.0, 0.0) for x, tool in zip(on, tools, strict=True)]
                 share = largest(abs(arb(shares[i][1]) - shares[1 - i][0]) for i in (0, 1))
                 along = abs(dot(n, each["direction"])) if each["direction"] else flat
@@ -668,19 +632,19 @@ class World:
                 found += flat * nth(turns, seat["link"] - 1, "link of two that a correction turns, less one,")
         return found
 
-    def lasts(self, t: float) -> arb:
-        """How long displacements have grown at a time, if the robot is as late as it may be, s."""
-        return arb((arb(t) + self.must["late"] - self.must["since"]).max(arb(0)))
+    def amount(self, each: Document, t: float) -> arb:
+        """The size of a displacement at a time, if the robot is as late as it may be, m."""
+        lasts = (arb(t) + self.must["late"] - self.must["since"]).max(arb(0))
+        return arb(each["amount"] + each["growth"] * lasts)
 
     def shifted(self, phase: Document, t: float) -> tuple[arb, arb]:
         """How far a correction may have shifted the tool until a time, horizontally, and up or down, m."""
         flat, upright = arb(0), arb(0)
         for frame, given in zip(self.frames, phase["shares"], strict=True):
-            for each in frame["unknown"]:
-                if each["shared"]:
-                    amount = largest(map(abs, map(arb, given))) * (each["amount"] + each["growth"] * self.lasts(t))
-                    flat += amount * (length(map(arb, each["direction"][:2])) if each["direction"] else 1)
-                    upright += amount * (abs(arb(each["direction"][2])) if each["direction"] else 0)
+            for each in (each for each in frame["unknown"] if each["shared"]):
+                x, y, z = map(arb, each["direction"] or (1, 0, 0))
+                amount = largest(map(abs, map(arb, given))) * self.amount(each, t)
+                flat, upright = flat + amount * length([x, y]), upright + amount * abs(z)
         return flat, upright
 
     def covered(self, duty: Duty, t0: float, t1: float) -> bool:
@@ -705,16 +669,21 @@ class World:
         return True
 
     def limited(self) -> None:
-        """Shows that each joint keeps its limits, on every piece of the spline that reaches into their time."""
+        """Shows that joints keep their limits, on every piece of the spline that reaches into their time, and
+        their ranges with corrections."""
         own, spans = self.splines[0], self.bundle["limits"]
         if not any(span["t0"] <= own.edges[0] and own.edges[-1] <= span["t1"] for span in spans):
             self.failures.append("no limits count for all of the motion")
 
         def test(span: Document, t0: float, t1: float, *_: float) -> int:
-            rates = [span[key] for key in ("velocity", "acceleration", "jerk") if span[key]]
             joints = own.over(arb(t0), arb(t1))
-            kept = [in_range(span, joints, [arb(0)] * len(joints))]
-            for q, *most in zip(joints, *rates, strict=True):
+            kept, more = list[bool](), self.corrections(joints, t0, t1)
+            for q, low, high, off in zip(joints, span["lower"], span["upper"], more, strict=True):
+                half = (arb(high) - low) / 2
+                kept.append(abs(q[0] - (arb(high) + low) / 2) + off <= half * (1 + arb(span["shares"][0])))
+            for q, *most in zip(
+                joints, *(span[x] for x in ("velocity", "acceleration", "jerk") if span[x]), strict=True
+            ):
                 for k, (x, share) in enumerate(zip(most, span["shares"][1:], strict=False), start=1):
                     kept.append(abs(q[k]) * math.factorial(k) <= x * (1 + arb(share)))
             return SHOWN if all(kept) else IN_TIME
@@ -723,25 +692,16 @@ class World:
             if t1 > span["t0"] and t0 < span["t1"] and not self.everywhere(partial(test, span), t0, t1):
                 self.failures.append(f"a joint does not keep its limits from {t0:.9g} s to {t1:.9g} s")
 
-    def corrected(self) -> None:
-        """Shows that the arm keeps its ranges and its reach, with what a correction adds (N10)."""
-        edges, must = self.splines[0].edges, self.must
-
-        def test(phase: Document, t0: float, t1: float, *_: float) -> int:
+    def corrections(self, joints: Vector, t0: float, t1: float) -> Vector:
+        """By how much corrections may bring each joint off its position, at most (N10)."""
+        found = [arb(0)] * len(joints)
+        for phase in (x for x in self.phases if x["robot"] and x["t0"] <= t1 and t0 <= x["t1"]):
             shift, rise = self.shifted(phase, t1)
-            if shift == 0 and rise == 0:
-                return SHOWN
-            joints = self.splines[0].over(arb(t0), arb(t1))
-            elbow = nth(joints, 1, "joint")[0] + arb(0, nth(must["lag"], 1, "lag"))
-            first, second = swung(self.bundle["arms"][0], must["tool_from"], elbow, shift)[1:]
-            spans = [span for span in self.bundle["limits"] if span["t1"] > t0 and span["t0"] < t1]
-            more = [first, first + second, rise, second]
-            return SHOWN if all(in_range(span, joints, more) for span in spans) else IN_TIME
-
-        for phase in self.phases:
-            t0, t1 = max(phase["t0"], edges[0]), min(phase["t1"], edges[-1])
-            if phase["robot"] and t0 <= t1 and not self.everywhere(partial(test, phase), t0, t1):
-                self.failures.append(f"a correction brings a joint beyond its range from {t0:.9g} s to {t1:.9g} s")
+            if not (shift == 0 and rise == 0):
+                elbow = nth(joints, 1, "joint")[0] + arb(0, nth(self.must["lag"], 1, "lag"))
+                _, first, second = swung(self.bundle["arms"][0], self.must["tool_from"], elbow, shift)
+                found = [x.max(y) for x, y in zip(found, (first, first + second, rise, second), strict=True)]
+        return found
 
     def stated(self) -> None:
         """Shows all rows about the tool and the joints."""
@@ -750,8 +710,10 @@ class World:
         for key, test in tests.items():
             for k, row in enumerate(self.bundle[key]):
                 t0, t1 = (row.get(end, row.get("time")) for end in ("t0", "t1"))
+                phase = nth(self.phases, row["phase"], "phase") if "phase" in row else {"t0": t0, "t1": t1}
                 ahead = self.ahead(row["frame"], self.must["late"]) if key == "errors" else (Fraction(0), Fraction(0))
-                if not self.everywhere(partial(test, row), t0, t1, *(fmpq(s.numerator, s.denominator) for s in ahead)):
+                span = (t0, t1, *(fmpq(s.numerator, s.denominator) for s in ahead))
+                if not (phase["t0"] <= t0 <= t1 <= phase["t1"] and self.everywhere(partial(test, row), *span)):
                     self.failures.append(f"{key}, {row.get('name', k)}, from {t0:.9g} s to {t1:.9g} s")
 
     def short(self, vectors: Callable[[float, float], list[Vector]], limits: Vector, t0: float, t1: float) -> int:
@@ -768,17 +730,15 @@ class World:
         """Whether the tool is at its point; and how fast it leaves it as that time begins."""
         limits = [*point["height"], point["position"], *point["yaw"]]
         found = self.short(partial(self.relative, point), limits, t0, t1)
-        rates = self.relative({**point, "height": []}, t0, t0) if point["rates"] and found == SHOWN else []
-        fast = [length(s[1] for s in v) <= most for v, most in zip(rates, point["rates"], strict=bool(rates))]
+        rates = self.relative({**point, "height": []}, point["t0"], point["t0"]) if point["rates"] else []
+        fast = [length(s[1] for s in v) <= most for v, most in zip(rates, point["rates"], strict=True)]
         return found if all(fast) else WRONG
 
-    def fast(self, rate: Document, t0: float, t1: float, *_: float) -> int:
+    def fast(self, rate: Document, t0: float, t1: float, *_s: float) -> int:
         """Whether the velocity of a point in a frame, or its acceleration in the world, is as long as is claimed: for
         all values of a time at once, or by the rate of its square (N12)."""
         order, edges, middle = rate["order"], self.splines[0].edges, (t0 + t1) / 2
         least, most = arb(rate["least"]), arb(rate["most"])
-        if order > 1 and rate["frame"] >= 0:
-            raise ValueError("an acceleration is claimed in the world only")
 
         def moving(a: float, b: float) -> tuple[Vector, Vector]:
             way = self.carrier(rate["link"], -1, a, b).point(rate["point"])
@@ -788,14 +748,12 @@ class World:
                 way = [dot(column, away) for column in there.columns]
             return [s[order] * order for s in way], [s[order + 1] * math.factorial(order + 1) for s in way]
 
-        over, change = moving(t0, t1)
-        if shortest(over) >= least and length(over) <= most:
+        (over, change), (here, _) = moving(t0, t1), moving(middle, middle)
+        if length(over) <= most and sum((x * x for x in map(arb.abs_lower, over)), arb(0)) >= least * least:
             return SHOWN
-        if order > 1 and bisect_right(edges, t0) != bisect_left(edges, t1):
-            return IN_TIME  # the acceleration may jump
-        here = moving(middle, middle)[0]
-        off = 2 * abs(dot(over, change)) * (arb(t1) - middle).max(middle - arb(t0))
-        return SHOWN if dot(here, here) - off >= least * least and dot(here, here) + off <= most * most else IN_TIME
+        square, off = dot(here, here), 2 * abs(dot(over, change)) * (arb(t1) - middle).max(middle - arb(t0))
+        smooth = order == 1 or bisect_right(edges, t0) == bisect_left(edges, t1)  # accelerations jump at knots
+        return SHOWN if smooth and square - off >= least * least and square + off <= most * most else IN_TIME
 
     def aimed(self, axis: Document, t0: float, t1: float, *_: float) -> int:
         """Whether a scalar product of an axis, or of the way to a point, and a direction is in its range."""
@@ -822,9 +780,7 @@ class World:
     def led(self, guide: Document, t0: float, t1: float, *_: float) -> int:
         """Whether the tool is at its guide, from a point of one frame to a point of another."""
         (first, last), h = map(arb, guide["shares"]), arb(guide["t1"]) - guide["t0"]
-        if h == 0 and first != last:
-            raise ValueError("a guide has one share at an instant")
-        slope = (last - first) / h if h > 0 else arb(0)
+        slope = (last - first) / h if first != last else arb(0)  # at an instant: not a number
 
         def off(a: float, b: float) -> list[Vector]:
             share = arb_series([first + slope * (arb(a).union(arb(b)) - guide["t0"]), slope], TERMS)
@@ -838,9 +794,7 @@ class World:
     def close(self, row: Document, t: float, *_: float) -> int:
         """Whether two bodies are as near each other as is claimed: points of both are, which weights choose (N14)."""
         p, weights, found = row["phase"], row["weights"], [arb(0)] * 3
-        phase, total = nth(self.phases, p, "phase"), sum(map(arb, weights), arb(0))
-        if not (phase["t0"] <= t <= phase["t1"] and abs(total - 1) <= CLOSED):
-            return WRONG
+        total = sum(map(arb, weights), arb(0))
         for body, piece, sign in zip(row["bodies"], row["pieces"], (-1, 1), strict=True):
             seat = nth(self.seats[p], body, "body")
             solid, (place, columns) = self.solid(seat, piece), self.carrier(seat["link"], seat["frame"], t, t).orders[0]
@@ -848,46 +802,34 @@ class World:
                 if weight > 0:
                     way = [arb(x) * -sign for x in row["directions"][3 * k : 3 * k + 3]]
                     size = dot(way, way).sqrt()
-                    if not size > 0:
-                        return WRONG
                     point = solid.farthest([dot(column, way) / size for column in columns])
                     at = [x + dot(axes, point) for x, *axes in zip(place, *columns, strict=True)]
                     found = [x + sign * weight * y / total for x, y in zip(found, at, strict=True)]
-        return SHOWN if length(found) <= row["most"] else WRONG
+        return SHOWN if abs(total - 1) <= CLOSED and length(found) <= row["most"] else WRONG
 
     def missed(self, row: Document, t: float, _: float, s0: Any, s1: Any) -> int:
         """Whether the tool is no farther from its point than is claimed, while the frame is from s0 to s1 ahead of the
         clock (N15). Of its way the ends count and how far it bends between them; of its turn all of it."""
-        phase, f, yaw = nth(self.phases, row["phase"], "phase"), row["frame"], arb(self.frames[row["frame"]]["yaw"])
-        if not phase["t0"] <= t <= phase["t1"]:
-            return WRONG
-        key = ("missed", id(row))
-        if key not in self.kept:
-            self.kept[key] = self.unsure(row, phase, t)
-        straight, flat, upright, turn = self.kept[key]
-        now, on = self.carrier(-1, f, t, t), self.carrier(row["link"], -1, t, t)
-        tool, limits = on.point(row["tool"][:3]), [row[x] for x in ("distance", "horizontal", "vertical", "yaw")]
-        over = self.carrier(-1, f, t, t, s0, s1)
-        way, bend = over.point(row["target"][:3]), (arb(s1) - s0) ** 2 / 8
-        arm = [2 * (x[2] - y[2]) for x, y in zip(way[:2], over.place, strict=False)]
-        bow, rise = (length(2 * x[2] for x in way[:2]) + yaw * length(arm)) * bend, abs(2 * way[2][2]) * bend
-
-        def kept(bow: Any, rise: Any, turns: list[Carrier]) -> bool:
-            turned = turn + largest(heading(now, there) for there in turns)
-            for s in {s0, s1}:
-                there = self.carrier(-1, f, t, t, s, s)
-                point = [x[0] for x in there.point(row["target"][:3])]
-                x, y = (a - b[0] for a, b in zip(point[:2], there.place, strict=False))
-                away = [a[0] - b for a, b in zip(tool, point, strict=True)]
-                far, side, height = farthest(away, [*straight, [-yaw * y, yaw * x, arb(0)]], flat + bow, upright + rise)
-                found = (far + turned * row["arm"], side, height, turned)
-                if not all(x <= most for x, most in zip(found, limits, strict=True)):
-                    return False
-            return True
-
-        if kept(bow, rise, [over]):
-            return SHOWN
-        return AHEAD if s1 > s0 and kept(0, 0, [self.carrier(-1, f, t, t, s, s) for s in (s0, s1)]) else WRONG
+        f, yaw = row["frame"], arb(self.frames[row["frame"]]["yaw"])
+        if (id(row), t) not in self.kept:
+            self.kept[id(row), t] = self.unsure(row, self.phases[row["phase"]], t)
+        straight, flat, upright, turn = self.kept[id(row), t]
+        tool, point = self.carrier(row["link"], -1, t, t).point(row["tool"][:3]), row["target"][:3]
+        now, over = self.carrier(-1, f, t, t), self.carrier(-1, f, t, t, s0, s1)
+        way, bend = over.point(point), (arb(s1) - s0) ** 2 / 4
+        (a, b), (x, y) = ((axis[0] for axis in on.columns[0][:2]) for on in (now, over))
+        turned = turn + abs(arb.atan2(a * y - b * x, a * x + b * y)).upper()
+        arm = length(x[2] - y[2] for x, y in zip(way[:2], over.place, strict=False))
+        flat, upright = flat + (length(x[2] for x in way[:2]) + yaw * arm) * bend, upright + abs(way[2][2]) * bend
+        for there in (self.carrier(-1, f, t, t, s, s) for s in (s0, s1)):
+            x, y, z = (x[0] for x in there.point(point))
+            tangent = [yaw * (there.place[1][0] - y), yaw * (x - there.place[0][0]), arb(0)]
+            away = [a[0] - b for a, b in zip(tool, (x, y, z), strict=True)]
+            far, side, height = farthest(away, [*straight, tangent], flat, upright)
+            kept = far + turned * row["arm"] <= row["distance"] and side <= row["horizontal"]
+            if not (kept and height <= row["vertical"] and turned <= row["yaw"]):
+                return AHEAD
+        return SHOWN
 
     def unsure(self, row: Document, phase: Document, t: float) -> tuple[list[Vector], arb, arb, arb]:
         """What adds to an error at any lateness (N15): vectors that count with either sign, how far it may be
@@ -898,7 +840,7 @@ class World:
             for each in frame["unknown"]:
                 shares = given if each["shared"] and tools else (0, 0)
                 share = largest(abs(arb(int(k == f)) - x) for x in shares)
-                amount = share * (each["amount"] + each["growth"] * self.lasts(t))
+                amount = share * self.amount(each, t)
                 if each["direction"]:
                     straight.append([amount * x for x in each["direction"]])
                 else:
@@ -906,7 +848,7 @@ class World:
         yaw, lag, link = arb(self.frames[f]["yaw"]), self.must["lag"], row["link"]
         flat, turn = flat + length(map(arb, row["target"][:2])) * yaw * yaw / 2, turn + yaw
         moves, arm = [k for k, x in enumerate(lag) if x > 0], self.bundle["arms"][0]
-        coupled = nth(arm["links"], link, "link")["coupler"] >= 0
+        own, coupled = nth(arm["links"], link, "link"), arm["links"][link]["coupler"] >= 0
         now = [x[0] for x in self.splines[0].over(arb(t), arb(t))]
         near = [x + arb(0, most) for x, most in zip(now, lag, strict=True)]
         first = chain(arm, [constant(x) for x in now])[link].columns[0]
@@ -921,21 +863,19 @@ class World:
                 raise ArithmeticError("joints that lag turn the tool too far")
             return [*on.point(row["tool"][:3]), y * u - x * v if coupled else constant(0)]
 
-        sine, twice = arb(0), {k: [x[2] * 2 for x in moved(near, k)] for k in moves}
+        sine, halves = arb(0), {k: [x[2] for x in moved(near, k)] for k in moves}
         for k in moves:
             *way, turned = (x[1] for x in moved(now, k))
             straight.append(way)
             sine += abs(turned)
-        bows = [[x / 2 for x in bow] for bow in twice.values()]
+        bows = list(halves.values())
         for j, k in combinations(moves, 2):
-            both = zip(moved(near, j, k), twice[j], twice[k], strict=True)
-            bows.append([(x[2] * 2 - y - z) / 2 for x, y, z in both])
+            bows.append([x[2] - y - z for x, y, z in zip(moved(near, j, k), halves[j], halves[k], strict=True)])
         for x, y, z, turned in bows:
             flat, upright, sine = flat + length([x, y]), upright + abs(z), sine + abs(turned)
-        if arm["links"][link]["pitch"] is None and moves:
-            shares = arm["links"][link]["yaw"]["joints"]
-            sums = sum((abs(arb(x)) * most for x, most in zip(shares, lag, strict=True)), arb(0))
-            turn += sine.upper().asin() if coupled else sums
+        if own["pitch"] is None:
+            shares = zip(own["yaw"]["joints"], lag, strict=True)
+            turn += sine.upper().asin() if coupled else sum((abs(arb(x)) * most for x, most in shares), arb(0))
         return straight, flat, upright, turn
 
     def relative(self, point: Document, t0: float, t1: float) -> list[Vector]:
@@ -970,31 +910,24 @@ def finite(text: str) -> int:
 
 FORMER, TABLES = "assur-bundle/2", ("sums", "guides", "distances", "errors", "gap_rows")
 """The form before, and the tables that it does not have. It has `pulls` in place of `rates`."""
-ADDED: Document = {
-    "frames": {"period": 0.0, "step": [0.0] * 4},
-    "axes": {"place": False, "other": -1},
-    "required": {"nearest": -1.0, "placed": -1.0},
-}
-"""What other parts of the form before do not have, and what means the same."""
+ADDED: Document = {"frames": {"period": 0.0, "step": [0.0] * 4}, "axes": {"place": False, "other": -1}}
+UNCLAIMED = {"nearest": -1.0, "placed": -1.0}
+"""What other parts of the form before do not have, and what means the same: frames, axes, and what is required."""
 
 
-def converted(document: Document) -> Document:
+def converted(document: Any) -> Document:
     """A document of the form before in the present one: a pull is a rate of order 2, no greater than it allows. Raises
     `ValueError` if parts are missing, or are not of that form."""
-    try:
-        parts: list[tuple[Document, Document]] = [(document, {key: [] for key in TABLES} | {"rates": []})]
-        for key, added in ADDED.items():
-            parts += [(each, added) for each in (document[key] if key != "required" else [document[key]])]
-        for each, added in parts:
-            if each.keys() & added.keys():
-                raise ValueError(f"{min(each.keys() & added.keys())} is no part of {FORMER}")
-            each.update(added)
-        for pull in document.pop("pulls"):
-            most = min(Fraction(pull.pop("most")) * (1 + Fraction(pull.pop("share"))), Fraction(1e300))
-            pull.update(point=pull.pop("tool")[:3], frame=-1, order=2, least=0.0, most=math.nextafter(float(most), 0.0))
-            document["rates"].append(pull)
-    except (KeyError, TypeError, AttributeError) as error:
-        raise ValueError(f"no {FORMER}: {error}") from error
+    parts: Any = [(document, {x: [] for x in (*TABLES, "rates")}), (document["required"], UNCLAIMED)]
+    parts += [(each, ADDED[key]) for key in ADDED for each in document[key]]
+    for each, added in parts:
+        if each.keys() & added.keys():
+            raise ValueError(f"{min(each.keys() & added.keys())} is no part of {FORMER}")
+        each.update(added)
+    for pull in document.pop("pulls"):
+        most = min(Fraction(pull.pop("most")) * (1 + Fraction(pull.pop("share"))), Fraction(1e300))
+        pull.update(point=pull.pop("tool")[:3], frame=-1, order=2, least=0.0, most=math.nextafter(float(most), 0.0))
+        document["rates"].append(pull)
     return {**document, "schema": "assur-bundle/3"}
 
 
@@ -1045,8 +978,8 @@ def claimed(world: World, alone: float, rows: int, pairs: int, gap_rows: int, ga
         return [each[key] for each in bundle[table]]
 
     speeds, pulls = ([each["most"] for each in bundle["rates"] if each["order"] == order] for order in (1, 2))
-    turned, reached = ([x["high"] - x["low"] for x in bundle["axes"] if x["place"] is place] for place in (False, True))
-    sums = [each["high"] - each["low"] for each in bundle["sums"]]
+    axes, sums = ([each["high"] - each["low"] for each in bundle[key]] for key in ("axes", "sums"))
+    second = [must[key] if must[key] >= 0 else "not claimed" for key in ("nearest", "placed")]
     return {
         **{key: bundle[key] for key in ("plan_digest", "request_digest")},
         "the robot keeps clear from and until, s": [own[0], alone],
@@ -1056,10 +989,8 @@ def claimed(world: World, alone: float, rows: int, pairs: int, gap_rows: int, ga
         "planes among the rows": sum(row["bodies"][1] < 0 for row in bundle["rows"]),
         "distances in travel and near a control point, m": [must["travel"], must["near"]],
         "smallest distance of a pair, m": min(x for r in (must, *must["exceptions"]) for x in (r["travel"], r["near"])),
-        "second distance of the robot's bodies, m": must["nearest"] if must["nearest"] >= 0 else "not claimed",
-        "second distance of parts that were put down, m": must["placed"] if must["placed"] >= 0 else "not claimed",
-        "pairs of bodies that keep their second distance, counted in each phase": gap_pairs,
-        "rows that show the second distances": gap_rows,
+        "second distances of the robot's bodies and of parts that were put down, m": second,
+        "pairs that keep a second distance, counted in each phase, and rows that show it": [gap_pairs, gap_rows],
         "bodies from meshes, with what they enclose": sum(bool(shell["triangles"]) for shell in world.surfaces),
         "pairs of the robot's links that keep apart": sum(len(pair) == 2 and pair <= links for pair in asked),
         "parts that were put down, counted in each phase": len(put_down),
@@ -1080,8 +1011,9 @@ def claimed(world: World, alone: float, rows: int, pairs: int, gap_rows: int, ga
         "farthest that it may be off, m": max([0, *(each["position"] for each in bundle["points"])]),
         **counted("at which the velocity of a point is bounded", "greatest velocity, m/s", speeds),
         **counted("at which the acceleration of a point is bounded", "greatest acceleration, m/s²", pulls),
-        **counted("at which an axis has a direction", "widest range of a direction", turned),
-        **counted("at which a point has a place along a direction", "widest range of such a place, m", reached),
+        **counted(
+            "at which an axis has a direction, or a point a place along one", "widest range of these, or m", axes
+        ),
         **counted("at which a sum of joints or a derivative of it is bounded", "widest range of a sum", sums),
         **counted("at which a point is at its guide", "farthest from a guide, m", most("guides", "most")),
         **counted("at which two bodies are near each other", "farthest of these, m", most("distances", "most")),
@@ -1107,12 +1039,11 @@ def prove(data: bytes) -> tuple[bool, Any]:
         if not alone >= edges[-1]:
             failures.append(f"the robot keeps clear until {alone:.9g} s, and moves until {edges[-1]:.9g} s")
         world.limited()
-        world.corrected()
         world.stated()
         counts = (*world.apart("rows"), *world.apart("gap_rows"))
         lines = [*failures[:MOST_TOLD], f"claims that are not shown: {len(failures)}"]
         return not failures, lines if failures else claimed(world, alone, *counts)
-    except (IndexError, TypeError) as error:
+    except (AttributeError, LookupError, TypeError) as error:
         raise ValueError(f"values that do not fit together: {error}") from error
     except (OverflowError, RuntimeError):
         return False, [f"more work than {WORK} intervals, pairs and pieces of motions"]

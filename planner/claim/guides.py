@@ -41,7 +41,7 @@ class _Limits(NamedTuple):
 
 
 LINE = _Limits(TRACKED_M, 0.9 * TRACKED_M)
-PATH = _Limits(0.65 * TRACKED_M, 0.58 * TRACKED_M, 0.33 * TRACKED_M)
+PATH = _Limits(0.65 * TRACKED_M, 0.58 * TRACKED_M, 0.3 * TRACKED_M)
 STEPS = 4
 """Steps to the nearest place on a path."""
 Row = tuple[float, ...]
@@ -50,12 +50,11 @@ Row = tuple[float, ...]
 def guides_of(scene: Scene, plan: Plan) -> list[Row]:
     """The rows of guides of a plan."""
     found, attached, before = list[Row](), at_start(scene), WORLD
-    for number, step in enumerate(scene.task):
-        arrival = plan.arrivals[number]
+    for step, arrival in zip(scene.task, plan.arrivals, strict=False):
         if isinstance(step, Trace):
             found += _traced(scene, plan, step, arrival)
         elif isinstance(step, Move) and step.leg == "cartesian":
-            legs = [leg for leg in plan.legs if leg.step == number and leg.kind is not LegKind.WAIT]
+            legs = [leg for leg in plan.legs if leg.step == arrival.step and leg.kind is not LegKind.WAIT]
             legs = [leg for leg in legs if leg.t1 <= arrival.time]
             t = _samples(plan.trajectory, legs[0].t0, legs[-1].t1)
             if step.path:
@@ -116,7 +115,7 @@ def _traced(scene: Scene, plan: Plan, step: Trace, arrival: Arrival) -> list[Row
     if arrival.trace is None:
         return found
     curve, most = step.path.curve, arrival.trace.error_m
-    on_path = _Limits(most - 0.45 * RESERVE_M, most - 0.6 * RESERVE_M, 0.4 * RESERVE_M)
+    on_path = _Limits(most - 0.45 * RESERVE_M, most - 0.6 * RESERVE_M, 0.38 * RESERVE_M)
     for leg in plan.legs:
         if leg.step != arrival.step or leg.kind not in (LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART):
             continue

@@ -34,15 +34,15 @@ def points_of(scene: Scene, plan: Plan) -> Rows:
     end."""
     found, tcp, link = Rows(), scene.tool.tcp, len(scene.robot.links) - 1
     frames, tool = list(scene.frames), (tcp.x, tcp.y, tcp.z, tcp.yaw)
-    attached, arrivals = at_start(scene), {arrival.step: arrival for arrival in plan.arrivals}
+    attached = at_start(scene)
     turns = "yaw" in scene.robot.coordinates
     met, turning, tracked = (MEET_RAD, MEET_RAD_S, TRACKED_RAD) if turns else (FREE, FREE, FREE)
-    for number, step in enumerate(scene.task):
-        arrival = arrivals[number]
+    # a motion without a task has no arrivals
+    for step, arrival in zip(scene.task, plan.arrivals, strict=False):
         frame, flange = attached.flange(scene, step, arrival.yaw_offset)
         at = flange.then(tcp)
         target = (frames.index(frame), link, *tool, at.x, at.y, at.z, at.yaw)
-        legs = [leg for leg in plan.legs if leg.step == number and leg.kind in TRACKING]
+        legs = [leg for leg in plan.legs if leg.step == arrival.step and leg.kind in TRACKING]
         if isinstance(step, Trace):
             # guides state where the tool is; it keeps its yaw in the frame
             if turns:
@@ -105,20 +105,17 @@ def axes_of(scene: Scene, plan: Plan) -> Rows:
         away = (math.cos(each.middle), math.sin(each.middle), 0.0)
         high = math.cos(min(each.width / 2.0 + late, math.pi))
         found.append(("forbidden yaw", (path.start, path.end, link, 0, *ahead, -1, *away, -2.0, high)))
-    for number, step in enumerate(scene.task):
+    for step, arrival in zip(scene.task, plan.arrivals, strict=False):
         if step.target is not None and step.target.yaw_keep:
             # the yaw of the tool when the step begins; its point row states that it is met with this yaw
-            yaw = (
-                (scene.frames[step.target.frame].law.yaw or 0.0)
-                + step.target.pose.yaw
-                + plan.arrivals[number].yaw_offset
-            )
+            own = scene.frames[step.target.frame].law.yaw or 0.0
+            yaw = own + step.target.pose.yaw + arrival.yaw_offset
             begin, same = (math.cos(yaw), math.sin(yaw), 0.0), (link, 0)
-            t = next(leg.t0 for leg in plan.legs if leg.step == number)
+            t = next(leg.t0 for leg in plan.legs if leg.step == arrival.step)
             found.append((step.name, (t, t, *same, *aside, -1, *begin, -MEET_RAD, MEET_RAD)))
             found.append((step.name, (t, t, *same, *ahead, -1, *begin, 0.5, 2.0)))
         if step.arch is not None:
-            t = arch_top(scene, plan, number)
+            t = arch_top(scene, plan, arrival.step)
             high = step.arch.top_m - MEET_M
             found.append((step.name, (t, t, link, 1, tcp.x, tcp.y, tcp.z, -1, *UP, high, c.GREATEST)))
     return found

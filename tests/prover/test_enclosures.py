@@ -146,7 +146,7 @@ def test_no_number_shows_nothing() -> None:
     with pytest.raises(ArithmeticError):
         Curve([0.0, 1.0], [[]]).over(arb("nan"), arb(0.5))
     world = prover.World.__new__(prover.World)
-    world.work, world.curves = 10_000, []
+    world.work, world.splines, world.laws = 10_000, [], []
     assert not world.everywhere(lambda *_: prover.IN_TIME, 0.0, 1.0)
     assert world.everywhere(lambda t0, t1, *_: prover.SHOWN if t1 - t0 < 0.01 else prover.IN_TIME, 0.0, 1.0)
     assert not world.everywhere(lambda t0, *_: prover.WRONG if t0 > 0.9 else prover.IN_TIME, 0.0, 1.0)

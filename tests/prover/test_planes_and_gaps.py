@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from tests.prover.bundles import Document, bundle, shown
@@ -10,7 +12,7 @@ from tests.prover.test_guards import ball, body, row, sliding
 LITTLE = 1e-9
 
 
-def plane(**changes: object) -> Document:
+def plane(**changes: Any) -> Document:
     return {**row(0, -1, 0, -1), **changes}
 
 
@@ -42,8 +44,9 @@ def test_a_plane_is_no_row_for_what_moves_or_another_body() -> None:
     assert not shown(document)[0]
     document["rows"] = [plane(normal=[-1.0, 0.0, 0.0])]
     assert not shown(document)[0]
-    for changes in ({"pieces": [0, 0]}, {"s1": 0.5}):
-        with pytest.raises(ValueError, match="a plane has no second piece"):
+    wrong: dict[str, Document] = {"pieces.1": {"pieces": [0, 0]}, "s1": {"s1": 0.5}, "s0": {"s0": -0.5}}
+    for where, changes in wrong.items():
+        with pytest.raises(ValueError, match=f"^rows.0.{where}: "):
             shown({**document, "rows": [plane(**changes)]})
 
 
@@ -106,10 +109,8 @@ def test_a_second_distance_is_kept_if_nothing_is_unknown() -> None:
         ])  # fmt: skip
         assert shown(document)[0] is right
     right, told = shown(nearest(0.07, row(0, 1)))
-    assert told["second distance of the robot's bodies, m"] == 0.07
-    assert told["second distance of parts that were put down, m"] == "not claimed"
-    assert told["pairs of bodies that keep their second distance, counted in each phase"] == 1
-    assert told["rows that show the second distances"] == 1
+    assert told["second distances of the robot's bodies and of parts that were put down, m"] == [0.07, "not claimed"]
+    assert told["pairs that keep a second distance, counted in each phase, and rows that show it"] == [1, 1]
 
 
 def test_rows_of_a_second_distance_cover_every_pair_that_may_not_touch() -> None:

@@ -82,13 +82,14 @@ class Bezier:
 
     @cached_property
     def bend(self) -> float:
-        """A bound of the curvature, 1/m; infinite where the derivative may vanish."""
+        """A bound of the curvature |ṙ × r̈| / |ṙ|³, 1/m: from the middle of each cell ṙ changes by r̈, and ṙ × r̈ by
+        ṙ × r⃛. Infinite where ṙ may vanish."""
         middle = self.table[0][:-1] + 0.5 / CELLS
-        rates, seconds, thirds = self.derivatives
-        most = [np.linalg.norm(each, axis=1).max() / (2 * CELLS) for each in (seconds, thirds)]
-        fast = np.linalg.norm(_at(rates, middle), axis=1) - most[0]
-        pull = np.linalg.norm(_at(seconds, middle), axis=1) + most[1]
-        return float((pull / fast**2).max()) if (fast > 0.0).all() else math.inf
+        rate, second = (_at(each, middle) for each in self.derivatives[:2])
+        most = [np.linalg.norm(each, axis=1).max() for each in self.derivatives]
+        fast = np.linalg.norm(rate, axis=1) - most[1] / (2 * CELLS)
+        across = np.linalg.norm(np.cross(rate, second), axis=1) + most[0] * most[2] / (2 * CELLS)
+        return float((across / fast**3).max()) if (fast > 0.0).all() else math.inf
 
     def state(self, s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Points (T, 3), tangents and derivatives of the tangents at arc lengths (T,) (Q3)."""

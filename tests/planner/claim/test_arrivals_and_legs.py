@@ -49,7 +49,8 @@ def test_the_tool_is_near_its_guides(name: str) -> None:
     path, rows = case.plan.trajectory, case.claim.guides
     assert 10 < len(rows) <= GUIDED[name]
     for row in rows:
-        t, share = np.linspace(row[0], row[1], 17), np.linspace(*row[c.GUIDE_SHARE : c.GUIDE_MOST], 17)[:, None]
+        t = np.linspace(row[0], row[1], 17)
+        share = np.linspace(row[c.GUIDE_SHARE], row[c.GUIDE_SHARE + 1], 17)[:, None]
         ends = []
         for k, first in enumerate((c.GUIDE_FROM, c.GUIDE_TO)):
             at = frame(case, row[c.GUIDE_FRAME + k], t)
