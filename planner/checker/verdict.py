@@ -87,14 +87,6 @@ class Code(StrEnum):
     """The claim needs more work than the checker does."""
     CLAIM = "CLAIM"
     """Something else that the answer says beside its plan is not so: contacts, or what it repeats of the request."""
-    # of the checker before
-    ASSEMBLY = "ASSEMBLY"
-    MATCH = "MATCH"
-    TRACKING = "TRACKING"
-    CARRY = "CARRY"
-    VIA = "VIA"
-    LAW_ENDS = "LAW_ENDS"
-    NORMAL = "NORMAL"
     REFUSAL = "REFUSAL"
     """A refusal that is said to be proved is not shown to be, or says what is not so."""
 
