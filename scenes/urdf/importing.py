@@ -28,8 +28,7 @@ from assur.scenes.urdf.arm_text import ArmText
 from assur.scenes.urdf.bodies import angles, body_of, free_name, shared_head
 from assur.scenes.urdf.carriers import Carrier, carrier_of, self_pairs
 from assur.scenes.urdf.chain import chain_to, told_of
-from assur.scenes.urdf.limits import Limits, limits_of
-from assur.scenes.urdf.limits_file import LimitsFile, read_limits
+from assur.scenes.urdf.limits import Limits, LimitsFile, limits_of, read_limits
 from assur.scenes.urdf.mesh_files import mesh_triangles
 from assur.scenes.urdf.plausible import implausible, size_of
 from assur.scenes.urdf.reader import read_tree

@@ -38,7 +38,7 @@ scenes/reading: frames
 scenes/schema: frames
 """
 FAMILIES = """
-api/cli: import_report
+api/cli: robots_group
 planner/bound: duration guided places
 planner/checker: along laws motion uncertainty
 planner/checker/claims: error_terms postures
