@@ -7,8 +7,8 @@ import numpy as np
 from benchmarks.oracle.apart_kept import ROUNDING_M, WITHIN_M
 from benchmarks.oracle.faults import Broken, beyond
 from benchmarks.oracle.motion import Motion, Phase
-from benchmarks.oracle.shapes import Gap
 from benchmarks.soak.poses import Document
+from benchmarks.soak.solids import Gap
 
 
 def hands_kept(motion: Motion) -> list[Broken]:

@@ -17,14 +17,13 @@ from assur.planner.errors import InputError
 from assur.scenes import ik, load
 from assur.scenes.requests import plan_document, scene_of, shipped
 from benchmarks.checker_refusals import keep
-from benchmarks.soak import exact
 from benchmarks.soak.arms import Arm, robot_file
 from benchmarks.soak.campaign import ELBOW, Tally, as_si, campaign, counted, faults_of
 from benchmarks.soak.laws import frames_of
 from benchmarks.soak.poses import Document, Poses
 from benchmarks.soak.random_cells import KINDS, random_cell
 from benchmarks.soak.simulation import Outcome, simulated
-from benchmarks.soak.solids import Solid, gaps, solid_of
+from benchmarks.soak.solids import gaps, solid_of
 from tests.scenes.cells.test_uncertain_cells import (
     beside_a_neighbour,
     between_walls,
@@ -96,31 +95,6 @@ def test_the_sign_of_a_gap_is_what_fcl_says(first: str, second: str) -> None:
     clear = np.abs(found) > 1e-6
     assert 0 < told.sum() < n
     assert ((found < 0.0) == told)[clear].all()
-
-
-@pytest.mark.parametrize("first", ["box", "flat box", "cylinder", "sphere", "capsule", "bar"])
-@pytest.mark.parametrize("second", ["box", "cylinder", "bar"])
-def test_a_gap_is_the_distance_and_minus_the_depth(first: str, second: str) -> None:
-    """Against the search for the shortest way, which knows supports only; and moved apart along the best direction."""
-    rng = np.random.default_rng(2)
-    one, other = solid_of(SHAPES[first]), solid_of(SHAPES[second])
-    for _ in range(15):
-        at = Poses(rng.uniform(-0.12, 0.12, (1, 3)), rng.uniform(-3, 3, 1))
-        beside = Poses(rng.uniform(-0.12, 0.12, (1, 3)), rng.uniform(-3, 3, 1))
-        found = float(gaps(one, at, other, beside, 0.0)[0])
-        a, b = _as_placed(one, at), _as_placed(other, beside)
-        if found > 0.0:
-            assert exact._distance(a, b, None) == pytest.approx(found, abs=2e-6)
-        else:
-            # no direction keeps them further apart, and one does by as much, but for what a lattice leaves out
-            along = exact._support_gaps(a, b, None, exact._sphere(20000))
-            assert found - 3e-3 <= along.max() <= found + 1e-9
-            assert exact._gap(a, b, None, np.inf) <= found + 1e-9
-
-
-def _as_placed(solid: Solid, at: Poses) -> exact.Placed:
-    half = np.array([solid.half_x, solid.half_y, solid.half_z])
-    return exact.Placed(at.p[0], float(at.yaw[0]), np.zeros(3), half, solid.round_m, solid.ball, None, None)
 
 
 @pytest.mark.parametrize("model", MODELS)
