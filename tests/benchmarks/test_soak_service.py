@@ -19,11 +19,21 @@ from assur.scenes.requests import shipped
 from benchmarks.machine import ROOT
 from benchmarks.soak_service import mutated_requests, schemathesis_phases
 from benchmarks.soak_service.client import Client, Reply, until
-from benchmarks.soak_service.described import statuses
 from benchmarks.soak_service.killed_workers import lost_beyond
 from benchmarks.soak_service.large_bodies import of_megabytes, torus
-from benchmarks.soak_service.mutations import LONGER_BUDGET_S, MILD, OF_TEXT, WRONG, mutant, text_of
-from benchmarks.soak_service.places import every_place, put, removed, value_at
+from benchmarks.soak_service.mutated_requests import statuses
+from benchmarks.soak_service.mutations import (
+    LONGER_BUDGET_S,
+    MILD,
+    OF_TEXT,
+    WRONG,
+    every_place,
+    mutant,
+    put,
+    removed,
+    text_of,
+    value_at,
+)
 from benchmarks.soak_service.proxy import substituted
 from benchmarks.soak_service.row import (
     IN_PART,
