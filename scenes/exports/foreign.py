@@ -15,8 +15,7 @@ from assur.scenes.exports.export import SPARE, cell_in
 from assur.scenes.exports.raised import raised
 from assur.scenes.faults import NOTHING, DocumentError
 from assur.scenes.motions.csv_motion import csv_motion
-from assur.scenes.motions.joint_names import listed, matched
-from assur.scenes.motions.motion import STATES, TIME, Motion, Track, largest
+from assur.scenes.motions.motion import STATES, TIME, Motion, Track, largest, listed, matched
 from assur.scenes.motions.ros_motion import ros_motion
 from assur.scenes.numbers import number, optional
 from assur.scenes.reading.neighbours import crowded

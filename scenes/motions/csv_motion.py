@@ -14,8 +14,18 @@ import numpy as np
 
 from assur.scenes.bounds import LINES_A_ROW, MAX_JOINTS, MAX_LOG_BYTES, MAX_ROW_CHARACTERS
 from assur.scenes.faults import NOTHING, DocumentError
-from assur.scenes.motions.clock import seconds, unit_of_calendar
-from assur.scenes.motions.motion import ACCELERATION, POSITION, STATES, TIME, VELOCITY, Motion, Track, largest
+from assur.scenes.motions.motion import (
+    ACCELERATION,
+    POSITION,
+    STATES,
+    TIME,
+    VELOCITY,
+    Motion,
+    Track,
+    largest,
+    seconds,
+    unit_of_calendar,
+)
 from assur.scenes.text.scalars import LONGEST_SHOWN
 from assur.scenes.units import any_unit, si_key, to_si, twin_of
 

@@ -16,8 +16,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.scenes.urdf.refusals import ImportRefused, Lack, Unsuitable
-from assur.scenes.urdf.tree import Bound, Joint, JointType, Limit, Solid, Tree
-from assur.scenes.urdf.turns import of_quaternion, of_rpy
+from assur.scenes.urdf.tree import Bound, Joint, JointType, Limit, Solid, Tree, of_quaternion, of_rpy
 from assur.scenes.urdf.unread import not_expanded, unread
 from assur.scenes.urdf.xml_text import FARTHEST, NUMBER, Node, number, numbers, parse_xml
 

@@ -53,7 +53,7 @@ scenes: robot_facts
 scenes/exports: recipe
 scenes/reading: arms loads start
 scenes/schema: robots
-scenes/urdf: arm_text bodies carriers families importing recognising
+scenes/urdf: arm_text carriers families importing
 """
 DISTANCES = """
 planner/checker: rows
