@@ -10,7 +10,7 @@
 # make check   ruff, mypy, import rules
 # make serve   the HTTP service on 127.0.0.1:8000
 # make problems  the three benchmark sets, and the independent recheck of every answer
-# make bench   the whole benchmark: results, tables, plots, page; BESIDE=COMMIT compares with a commit
+# make bench   the whole benchmark, peers included: results, tables, plots, page; BESIDE=COMMIT compares with a commit
 # make bench-quick  a sample of it, in under 3 minutes
 # make soak    random answers for an hour, judged by other means; MINUTES=5 or PLANS=100, SEED=1, ONLY="shifts plans refusals"
 # make prove-random  1,000 random plans before both checkers, which must agree; PLANS=100 for fewer, SEED=1 for others
@@ -156,7 +156,7 @@ problems: $(VENV)/installed-test
 	done
 
 # The scripts of the benchmark, each in a process of its own.
-SCRIPTS := first_answer durations demo_cycle session scaling legs service
+SCRIPTS := first_answer durations demo_cycle session scaling legs service side_by_side
 each_script = for script in $(SCRIPTS); do \
 		beside=; if [ $$script = first_answer ]; then beside="$(if $(BESIDE),--beside $(BESIDE))"; fi; \
 		$(BIN)/python -m benchmarks.$$script $$beside $(1) || status=1; done
@@ -237,5 +237,5 @@ soak-service: $(VENV)/installed-test
 		--seed $(SEED) --out $(OUT)/soak-service/results.json
 
 clean:
-	rm -rf $(VENV) $(OUT) build .coverage .coverage.* htmlcov .hypothesis .mypy_cache .pytest_cache .ruff_cache .import_linter_cache *.egg-info
+	rm -rf $(VENV) .venv-peers $(OUT) build .coverage .coverage.* htmlcov .hypothesis .mypy_cache .pytest_cache .ruff_cache .import_linter_cache *.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

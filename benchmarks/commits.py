@@ -3,95 +3,18 @@
 from __future__ import annotations
 
 import io
-import json
 import subprocess
 import sys
 import tarfile
 import tempfile
-import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
+from benchmarks.dialogue import Document, Program
 from benchmarks.machine import ROOT
 from benchmarks.problem_set import ProblemSet
 from benchmarks.translation import Terms, request, unrelated_problem
-
-Document = dict[str, Any]
-
-GRACE_S = 5.0
-"""A process that was asked to end is killed after this."""
-
-
-class ProgramDied(Exception):
-    """The process ended, was killed for taking too long, or wrote what is no answer."""
-
-
-class Program:
-    """A process that answers: one JSON object a line in, one out. The first line that it writes says that it is warm.
-    What a library prints in it, or how it dies, is no concern of others."""
-
-    def __init__(self, command: Sequence[str], *, folder: Path, start_s: float):
-        self._process = subprocess.Popen(
-            command,
-            cwd=folder,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            text=True,
-            encoding="utf-8",
-        )
-        try:
-            self._line(start_s)
-        except ProgramDied:
-            self.close()
-            raise
-
-    def ask(self, question: Document, limit_s: float) -> Document:
-        """The answer to a question. Raises `ProgramDied` when there is none within `limit_s`."""
-        pipe = self._process.stdin
-        assert pipe is not None
-        try:
-            pipe.write(json.dumps(question, allow_nan=False) + "\n")
-            pipe.flush()
-        except OSError as error:
-            raise ProgramDied("ended before it was asked") from error
-        return self._line(limit_s)
-
-    def _line(self, limit_s: float) -> Document:
-        pipe = self._process.stdout
-        assert pipe is not None
-        late = threading.Timer(limit_s, self._process.kill)
-        late.start()
-        try:
-            text = pipe.readline()
-        finally:
-            late.cancel()
-        if not text:
-            raise ProgramDied(f"no answer within {limit_s:g} s, or ended (exit {self._process.wait()})")
-        try:
-            answer = json.loads(text)
-        except ValueError as error:
-            raise ProgramDied(f"wrote what is not JSON: {text[:80]!r}") from error
-        if not isinstance(answer, dict):
-            raise ProgramDied(f"wrote what is no object: {text[:80]!r}")
-        return answer
-
-    def close(self) -> None:
-        """Ends the process."""
-        try:
-            self._process.communicate(timeout=GRACE_S)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.communicate()
-
-    def __enter__(self) -> Program:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
 
 PROGRAM = Path(__file__).with_name("planner_process.py")
 START_S = 300.0

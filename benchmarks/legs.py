@@ -20,7 +20,8 @@ from benchmarks.figures import Document, figure, finish, quantile
 from benchmarks.first_answer import refusals
 from benchmarks.judged import judged, problem_set
 from benchmarks.machine import ROOT, pin
-from benchmarks.recheck.arm import A1_M, A2_M, tool
+from benchmarks.peers.arm import along
+from benchmarks.recheck.arm import tool
 from benchmarks.recheck.spline import Spline
 from benchmarks.translation import Terms, request
 
@@ -82,23 +83,6 @@ def ends(number: int, limits: Any) -> tuple[list[float], list[float]]:
         inside = np.all((q >= limits["qmin"]) & (q <= limits["qmax"]))  # not where the line is out of reach: NaN
         if inside and np.linalg.norm(points[1] - points[0]) >= SHORT_M:
             return points[0].tolist(), points[1].tolist()
-
-
-def along(start: Any, end: Any, yaw: tuple[float, float], sign: float, points: int) -> Any:
-    """Joint positions (points, 4) along a straight line of the tool from `start` to `end` (3,), yaw going evenly, the
-    elbow on the side `sign`; angles continuous from the first. NaN where the line cannot be reached.
-
-    cos q2 = (r² - a1² - a2²) / (2 a1 a2)      q1 = ∠(x, y) - atan2(a2 sin q2, a1 + a2 cos q2)      (B1)
-    """
-    s = np.linspace(0.0, 1.0, points)[:, None]
-    p = np.asarray(start) + s * (np.asarray(end) - np.asarray(start))
-    r2 = p[:, 0] ** 2 + p[:, 1] ** 2
-    with np.errstate(invalid="ignore"):
-        q2 = sign * np.arccos((r2 - A1_M**2 - A2_M**2) / (2 * A1_M * A2_M))
-    q1 = np.arctan2(p[:, 1], p[:, 0]) - np.arctan2(A2_M * np.sin(q2), A1_M + A2_M * np.cos(q2))
-    q1 = np.unwrap(q1)
-    q4 = np.unwrap(yaw[0] + s[:, 0] * (yaw[1] - yaw[0]) - q1 - q2)
-    return np.stack([q1, q2, p[:, 2], q4], axis=-1)
 
 
 def bent(knots: Document, start: list[float], end: list[float]) -> list[str]:

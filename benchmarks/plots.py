@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from assur.experiments.experiment import Drawing
-from assur.experiments.figures import BLUE, GREEN, ORANGE, RED, write
+from assur.experiments.figures import BLUE, GREEN, GREY, ORANGE, RED, write
 from benchmarks.durations import curve
 from benchmarks.figures import Records
 from benchmarks.first_answer import OURS
 from benchmarks.judged import SETS, label
 from benchmarks.scaling import building, median_s, searching
+from benchmarks.side_by_side import TITLES as PEERS
+from benchmarks.side_by_side import of, solved
 
 TITLES = {
     "first_answer": "Solved over time",
@@ -27,7 +29,8 @@ def draw(results: Mapping[str, Records], folder: Path) -> list[Path]:
     drawn: list[Path] = []
     folder.mkdir(parents=True, exist_ok=True)
     if "first_answer" in results:
-        drawn += write(lambda figure: solving(figure, results["first_answer"]), (3.6, 3.0), folder / "first_answer")
+        size = (7.2, 3.0) if "side_by_side" in results else (3.6, 3.0)
+        drawn += write(lambda figure: solving(figure, results), size, folder / "first_answer")
     if "durations" in results:
         drawn += write(lambda figure: duration(figure, results["durations"]), (3.6, 3.0), folder / "durations")
     if "scaling" in results:
@@ -35,20 +38,27 @@ def draw(results: Mapping[str, Records], folder: Path) -> list[Path]:
     return drawn
 
 
-def solving(figure: Drawing, records: Records) -> None:
-    """Share of problems solved by a time, all seeds pooled."""
-    axes = figure.subplots()
+def solving(figure: Drawing, results: Mapping[str, Records]) -> None:
+    """Share of problems solved by a time, all seeds pooled; the peers beside it, where they were measured."""
+    peers = results.get("side_by_side", {})
+    left, *right = figure.subplots(1, 2 if peers else 1, sharey=True, squeeze=False)[0]
     for title, colour in COLOURS.items():
-        rows = [r for item, r in records.items() if item.startswith(f"{OURS}/{title}/")]
-        _steps(axes, [row["first_s"] for row in rows if row["status"] == "planned"], len(rows), colour, title)
-    axes.set_title("(a) ours")
-    axes.set_ylabel("solved [%]")
-    axes.set_xscale("log")
-    axes.set_xlim(3e-4, 1.2)
-    axes.set_ylim(0, 102)
-    axes.set_xlabel("time from the request [s]")
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="lower right")
+        rows = [r for item, r in results["first_answer"].items() if item.startswith(f"{OURS}/{title}/")]
+        _steps(left, [row["first_s"] for row in rows if row["status"] == "planned"], len(rows), colour, title)
+    left.set_title("(a) ours")
+    left.set_ylabel("solved [%]")
+    for beside in right:
+        for title, colour in zip(("ours", *PEERS.values()), (BLUE, GREY, "#bbbbbb"), strict=True):
+            peer = list(of(peers, title).values())
+            _steps(beside, [row["first_s"] for row in peer if solved(row)], len(peer), colour, title)
+        beside.set_title("(b) static, beside the peers, free when rechecked")
+    for axes in (left, *right):
+        axes.set_xscale("log")
+        axes.set_xlim(3e-4, 1.2)
+        axes.set_ylim(0, 102)
+        axes.set_xlabel("time from the request [s]")
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(loc="lower right")
 
 
 def _steps(axes: Drawing, seconds: list[float], total: int, colour: str, title: str) -> None:

@@ -18,7 +18,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.commits import Program, ask, planning, sources
+from benchmarks.commits import ask, planning, sources
+from benchmarks.dialogue import Program
 from benchmarks.judged import SETS, label, problem_set
 from benchmarks.machine import pin
 from benchmarks.problem_set import ProblemSet

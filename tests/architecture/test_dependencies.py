@@ -14,6 +14,8 @@ EXTRAS = ("plot", "client", "xacro", "dae", "proof")
 """Extras of the product; whoever calls what needs one that is not there is told its name."""
 ELSEWHERE = {"pycollada", "xacrodoc"}
 """Extras that trimesh imports, and that a process of its own does."""
+PEERS = ("benchmarks/peers/ompl_rrtconnect.py", "benchmarks/peers/mplib_planner.py", "benchmarks/peers/toppra_legs.py")
+"""Programs that are not run in the environment of the project."""
 GENERATED = {"scara-models"}
 """Modules that a test has made."""
 BROUGHT = {"pydantic-core": "pydantic", "annotated-types": "pydantic"}
@@ -62,4 +64,7 @@ def test_every_library_that_tests_and_benchmarks_import_comes_with_their_extra()
     imported, declared = _imported(*BESIDE), _declared("test", *EXTRAS)
     # the tests of reports run where there is a browser, with an extra of their own
     of_browser = {name for name in _declared("browser") if imported.get(name, "").startswith("tests/browser/")}
-    assert {name: where for name, where in imported.items() if name not in declared | of_browser} == {}
+    extra = {name: where for name, where in imported.items() if name not in declared | of_browser}
+    # the peers' programs run in an environment of their own: tests/benchmarks/test_peers.py holds them to it
+    assert {name: where for name, where in extra.items() if not where.startswith(PEERS)} == {}
+    assert set(extra) <= {"ompl", "mplib", "toppra"}

@@ -15,10 +15,13 @@ from benchmarks.figures import Figure, figure, finish
 from benchmarks.first_answer import OURS, figures_of
 from benchmarks.judged import SETS, label, problem_set
 from benchmarks.machine import ROOT, machine
+from benchmarks.peers.running import NEEDS, REQUIREMENTS, peers
+from benchmarks.recheck.findings import Finding
 from benchmarks.report import BLOCKS, MARKED, PAGE, SCRIPTS, filled, results
 from benchmarks.scaling import FEW_SIZES, aside, crowd
 from benchmarks.scaling import figures_of as scaling_figures
 from benchmarks.session import moved
+from benchmarks.side_by_side import fatal
 from benchmarks.translation import Terms, request
 
 
@@ -108,6 +111,35 @@ def test_a_session_goes_on_from_where_the_arm_and_its_goal_are() -> None:
     slip = np.subtract(after["velocity_m_s"], before["velocity_m_s"])
     np.testing.assert_allclose(slip, [0.01, -0.02, 0.0], atol=1e-12)
     np.testing.assert_allclose(np.subtract(after["at_m"], before["at_m"]) + 0.2 * slip, 0.0, atol=1e-12)
+
+
+def test_a_peer_without_a_limit_of_jerk_may_jump_in_acceleration_at_its_ends_and_nothing_else() -> None:
+    still = "does not begin at rest: q̇ [0.0, 0.0, 0.0, 0.0], q̈ [1.0, 0.0, 0.0, 0.0]"
+    assert not fatal(Finding("x", "start", still))
+    assert fatal(Finding("x", "start", still.replace("q̇ [0.0", "q̇ [0.1")))
+    assert fatal(Finding("x", "start", "begins 0.1 away from the given start"))
+    assert fatal(Finding("x", "collision", "link-1 hits obstacle 0"))
+    assert not fatal(Finding("x", "jerk", "joint 1 goes from -9 to 9"))
+
+
+def test_a_peer_that_does_not_start_or_dies_is_missing_with_its_reason_and_the_others_go_on() -> None:
+    import sys
+
+    echo = "print('{\"version\": \"1\"}', flush=True)\nfor line in iter(input, 'x'): print(line, flush=True)"
+    once = "print('{}', flush=True)\ninput()"
+    commands = {"ompl": [sys.executable, "-c", echo], "mplib": [sys.executable, "-c", once]}
+    with peers(("ompl", "mplib"), commands) as there:
+        assert there.versions["ompl"] == "1"
+        assert there.ask("ompl", {"a": 1}) == {"a": 1}
+        assert there.ask("mplib", {})["status"] == "missing"
+        assert "died" in there.ask("mplib", {})["reason"]
+        assert there.ask("ompl", {"b": 2}) == {"b": 2}
+    with peers(("ompl",), {"ompl": [sys.executable, "-c", "raise SystemExit(3)"]}) as there:
+        assert "does not start" in there.ask("ompl", {})["reason"]
+    lines = [line for line in REQUIREMENTS.read_text(encoding="utf-8").splitlines() if line and line[0] != "#"]
+    assert {line.partition("==")[0] for line in lines if "==" in line} == {
+        name for all_ in NEEDS.values() for name in all_
+    }
 
 
 def test_the_worst_share_is_of_the_largest_ratios(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

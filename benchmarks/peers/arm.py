@@ -1,0 +1,48 @@
+"""The problems' arm for peers that bring no kinematics: closed forms, and every turn of the joints.
+
+cos q2 = (r² - a1² - a2²) / (2 a1 a2)      q1 = ∠(x, y) - atan2(a2 sin q2, a1 + a2 cos q2)      (B1)
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from benchmarks.recheck.arm import A1_M, A2_M
+
+Array = Any
+
+
+def solutions(position: list[float], yaw: float, limits: dict[str, list[float]]) -> list[list[float]]:
+    """Every q within the limits that puts the tool there, in both modes and all turns; those of least |q| first."""
+    x, y, z = position
+    cosine = (x * x + y * y - A1_M**2 - A2_M**2) / (2 * A1_M * A2_M)
+    if not -1.0 <= cosine <= 1.0:
+        return []
+    found = []
+    for sign in (1.0, -1.0):
+        q2 = sign * math.acos(cosine)
+        q1 = math.atan2(y, x) - math.atan2(A2_M * math.sin(q2), A1_M + A2_M * math.cos(q2))
+        for k1, k4 in product((-1, 0, 1), (-2, -1, 0, 1, 2)):
+            q4 = math.remainder(yaw - q1 - q2, 2 * math.pi)
+            q = [q1 + 2 * math.pi * k1, q2, z, q4 + 2 * math.pi * k4]
+            if all(low <= value <= high for low, value, high in zip(limits["qmin"], q, limits["qmax"], strict=True)):
+                found.append(q)
+    return sorted(found, key=lambda q: sum(abs(value) for value in q))
+
+
+def along(start: Array, end: Array, yaw: tuple[float, float], sign: float, points: int) -> Array:
+    """Joint positions (points, 4) along a straight line of the tool from `start` to `end` (3,), yaw going evenly, the
+    elbow on the side `sign`; angles continuous from the first. NaN where the line cannot be reached."""
+    s = np.linspace(0.0, 1.0, points)[:, None]
+    p = np.asarray(start) + s * (np.asarray(end) - np.asarray(start))
+    r2 = p[:, 0] ** 2 + p[:, 1] ** 2
+    with np.errstate(invalid="ignore"):
+        q2 = sign * np.arccos((r2 - A1_M**2 - A2_M**2) / (2 * A1_M * A2_M))
+    q1 = np.arctan2(p[:, 1], p[:, 0]) - np.arctan2(A2_M * np.sin(q2), A1_M + A2_M * np.cos(q2))
+    q1 = np.unwrap(q1)
+    q4 = np.unwrap(yaw[0] + s[:, 0] * (yaw[1] - yaw[0]) - q1 - q2)
+    return np.stack([q1, q2, p[:, 2], q4], axis=-1)
