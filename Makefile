@@ -146,7 +146,7 @@ serve: $(VENV)/installed
 # The moving goals once met in position and once with their velocity.
 RUNS := static:position moving_bodies:position moving_goal:position moving_goal:velocity
 
-problems: $(VENV)/installed
+problems: $(VENV)/installed-test
 	@mkdir -p $(OUT)
 	@set -e; for run in $(RUNS); do \
 		set_="$${run%%:*}"; match="$${run##*:}"; answers="$(OUT)/$$set_-$$match.jsonl"; \
@@ -162,14 +162,14 @@ each_script = for script in $(SCRIPTS); do \
 		$(BIN)/python -m benchmarks.$$script $$beside $(1) || status=1; done
 
 # What was measured stands in the page even where an answer was not clean: as refused.
-bench: $(VENV)/installed
+bench: $(VENV)/installed-test
 	@status=0; $(call each_script,); rm -f benchmarks/results/profile.jsonl; \
 		for run in $(RUNS); do for commit in "" $(if $(BESIDE),--commit=$(BESIDE)); do \
 			$(BIN)/python -m benchmarks.profile "$${run%%:*}" --match "$${run##*:}" $$commit \
 				--out benchmarks/results/profile.jsonl || status=1; done; done; \
 		$(BIN)/python -m benchmarks.report; exit $$status
 
-bench-quick: $(VENV)/installed
+bench-quick: $(VENV)/installed-test
 	@status=0; $(call each_script,--quick); exit $$status
 
 # For a time, or until each campaign has looked at so many answers.

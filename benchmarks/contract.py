@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,8 @@ PHASES = "examples,coverage,fuzzing,stateful"
 EXPECTED = ["2XX", "400", "401", "404", "409", "422", "429", "503"]
 """Statuses of a request that keeps the description. 400: whole numbers beyond 2**53, where a field has no bound. 422 is
 judged by `benchmarks.contract_hooks`."""
+END_S = 30.0
+"""What a round may take beyond its time to end, s."""
 CONFIG = """\
 [checks.use_after_free]
 enabled = false
@@ -62,7 +65,8 @@ def round_of(
         command += [] if operations is None else ["--include-operation-id-regex", operations]
         paths = os.pathsep.join(str(path) for path in (ROOT, ROOT / "src", os.environ.get("PYTHONPATH", "")) if path)
         environment = {**os.environ, "PYTHONPATH": paths, "SCHEMATHESIS_HOOKS": "benchmarks.contract_hooks"}
-        told = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        limit_s = None if longest_s is None else longest_s + END_S
+        told = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=limit_s)
         if not report.exists():
             raise RuntimeError(told.stdout[-4000:] + told.stderr[-4000:])
         found: dict[str, Any] = json.loads(report.read_text(encoding="utf-8"))
@@ -83,6 +87,41 @@ def phases_of(done: dict[str, Any]) -> set[str]:
     return {phase for phase in PHASES.split(",") if any(name.startswith(phase) for name in names)}
 
 
+def run(
+    url: str,
+    out: Path,
+    cases: int,
+    examples: int,
+    seed: int,
+    rounds: int = 1,
+    longest_s: float | None = None,
+    phases: str = PHASES,
+    operations: str | None = None,
+    say: Callable[[str], None] = print,
+) -> dict[str, Any]:
+    """Runs rounds until there are so many cases, or the time is over: the result, which is in `out` after each round.
+
+    Raises `RuntimeError` for a round that made no case, and `subprocess.TimeoutExpired` for one that did not end."""
+    started, next_seed = time.monotonic(), seed
+    result: dict[str, Any] = {"cases": 0, "seeds": [], "phases": [], "failures": []}
+    with ThreadPoolExecutor(rounds) as pool:
+        running: set[Future[dict[str, Any]]] = set()
+        while True:
+            left = None if longest_s is None else longest_s - (time.monotonic() - started)
+            while len(running) < rounds and result["cases"] < cases and (left is None or left >= 1.0):
+                running.add(pool.submit(round_of, url, next_seed, examples, phases, left, operations))
+                next_seed += 1
+            if not running:
+                return result
+            ended, running = wait(running, return_when=FIRST_COMPLETED)
+            for round_ in ended:
+                _added(result, round_.result())
+            out.parent.mkdir(parents=True, exist_ok=True)
+            out.write_text(json.dumps(result, indent=1), encoding="utf-8")
+            told = f"{result['cases']} cases, {len(result['failures'])} failures"
+            say(f"{told}, {time.monotonic() - started:.0f} s")
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.contract", description="See the top of the file.")
     parser.add_argument("url", help="address of a service that runs")
@@ -94,27 +133,7 @@ def main() -> int:
     parser.add_argument("--phases", default=PHASES)
     parser.add_argument("--operations", help="a regular expression of operation ids; silence: all")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "contract.json")
-    given = parser.parse_args()
-    started, next_seed = time.monotonic(), given.seed
-    result: dict[str, Any] = {"cases": 0, "seeds": [], "phases": [], "failures": []}
-    with ThreadPoolExecutor(given.rounds) as pool:
-        running: set[Future[dict[str, Any]]] = set()
-        while True:
-            left = None if given.longest_s is None else given.longest_s - (time.monotonic() - started)
-            while len(running) < given.rounds and result["cases"] < given.cases and (left is None or left >= 1.0):
-                words = (given.url, next_seed, given.examples, given.phases, left, given.operations)
-                running.add(pool.submit(round_of, *words))
-                next_seed += 1
-            if not running:
-                break
-            ended, running = wait(running, return_when=FIRST_COMPLETED)
-            for round_ in ended:
-                _added(result, round_.result())
-            given.out.parent.mkdir(parents=True, exist_ok=True)
-            given.out.write_text(json.dumps(result, indent=1), encoding="utf-8")
-            told = f"{result['cases']} cases, {len(result['failures'])} failures"
-            print(f"{told}, {time.monotonic() - started:.0f} s", flush=True)
-    return 1 if result["failures"] else 0
+    return 1 if run(**vars(parser.parse_args()))["failures"] else 0
 
 
 def _added(result: dict[str, Any], done: dict[str, Any]) -> None:

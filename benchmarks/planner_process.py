@@ -9,7 +9,7 @@ FOLDER holds the sources of the commit. Commits before the one import name `assu
 from __future__ import annotations
 
 import cProfile
-import importlib
+import importlib.util
 import json
 import os
 import pstats
@@ -59,10 +59,12 @@ class Planner(NamedTuple):
 
 def planner(prefix: str = "assur.") -> Planner:
     """The planner whose packages are named with this prefix."""
-    requests, pipeline, checker = (
-        importlib.import_module(prefix + name) for name in ("scenes.requests", "planner.pipeline", "planner.checker")
+    # of commits before both checkers had one entry, it is in the room of the checker
+    entry = "planner.checked" if importlib.util.find_spec(f"{prefix}planner.checked") else "planner.checker"
+    requests, pipeline, checked = (
+        importlib.import_module(prefix + name) for name in ("scenes.requests", "planner.pipeline", entry)
     )
-    return Planner(requests.scene_of, pipeline.plan, checker.check, prefix)
+    return Planner(requests.scene_of, pipeline.plan, checked.check, prefix)
 
 
 def timed(door: Planner, document: Document) -> Document:

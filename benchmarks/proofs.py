@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import signal
 import statistics
 import time
@@ -17,7 +16,9 @@ from rich.console import Console
 from rich.progress import Progress
 
 from benchmarks.checker_refusals import SECOND, Refused, codes_of, keep, said
-from benchmarks.soak.campaign import ELBOW, as_si
+from benchmarks.oracle.asked import as_si, checked, planned, shown
+from benchmarks.oracle.plans import own_seed
+from benchmarks.soak.campaign import ELBOW
 from benchmarks.soak.random_cells import KINDS, random_cell
 
 CONSOLE, PROGRESS = Console(width=140), Console(stderr=True)
@@ -26,7 +27,7 @@ CONSOLE, PROGRESS = Console(width=140), Console(stderr=True)
 @dataclass(eq=False)
 class Agreement:
     """`shown`: plans that both checkers accept; `differ`: cells of whose plans one of them refuses one, with what was
-    said; `refusals`: the same by kind, where `waiting` are known; `times`: of the second, s."""
+    said; `refusals`: the same by kind, where `waiting` are known; `times`: of a bundle and its proof, s."""
 
     shown: int = 0
     refused: Counter[str] = field(default_factory=Counter)
@@ -41,7 +42,7 @@ def agreements(plans: int, seed: int, out: Path | None = None) -> Iterator[Agree
     found, number = Agreement(), 0
     while found.plans < plans:
         kind = list(KINDS)[number % len(KINDS)]
-        own = seed * 1_000_000 + number // len(KINDS)
+        own = own_seed(seed, number // len(KINDS))
         number += 1
         judged(found, kind, own, out)
         yield found
@@ -49,31 +50,23 @@ def agreements(plans: int, seed: int, out: Path | None = None) -> Iterator[Agree
 
 def judged(found: Agreement, kind: str, seed: int, out: Path | None = None) -> None:
     """Plans a random cell, and asks both checkers. A request of which one of them refuses a plan, in the search or at
-    the end, is written to `out`. Raises `InputError` for a request that is at fault in anything but
-    `ELBOW`, and for an answer that no bundle can state."""
-    from assur.planner.errors import InputError
-    from assur.prover.prove import prove
-    from assur.scenes.bundle import bundle_document
-    from assur.scenes.requests import check_document, plan_document
-
+    the end, is written to `out`. Raises `ValueError` for a request that is at fault in anything but
+    `ELBOW`, and `InputError` for an answer that no bundle can state."""
     request = random_cell(kind, seed)
-    try:
-        answer = plan_document(request)
-    except InputError as error:
-        if error.field != ELBOW:
-            raise
+    answer, fault = planned(request)
+    if answer is None:
+        if fault != ELBOW:
+            raise ValueError(f"{kind}, seed {seed}: bad input in {fault}")
         found.refused[ELBOW] += 1
         return
     findings, told = list[Any](), ""
     if answer["status"] == "planned":
         found.plans += 1
-        findings = list(check_document(request, answer)["findings"])
-        data = json.dumps(bundle_document(request, answer)).encode()
+        findings = checked(request, answer) or []
         began = time.perf_counter()
-        second, result = prove(data)
+        told = shown(request, answer)
         found.times.append(time.perf_counter() - began)
-        found.shown += not findings and second
-        told = "" if second else result[0]
+        found.shown += not (findings or told)
     else:
         found.refused[str(answer["reason"])] += 1
     codes = codes_of(answer, findings) + [SECOND] * bool(told)

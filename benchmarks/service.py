@@ -9,15 +9,8 @@ from __future__ import annotations
 
 import http.client
 import json
-import os
-import re
-import signal
-import subprocess
-import sys
 import tempfile
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -29,13 +22,13 @@ from assur.scenes import check
 from benchmarks.checker_refusals import codes_of
 from benchmarks.figures import Document, figure, finish, quantile
 from benchmarks.judged import judged, problem_set
-from benchmarks.machine import ROOT
+from benchmarks.soak_service.client import Client
+from benchmarks.soak_service.served import served
 from benchmarks.translation import Terms, request, unrelated_problem
 
 TRIPS, FEW_TRIPS = 60, 12
 BUDGET_S = 5.0
 """Far longer than these problems take: no answer may depend on how busy the machine is."""
-START_S = 300.0
 WARM = 5
 """Requests before anything is timed."""
 
@@ -46,14 +39,17 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few round trips.")
     problems = problem_set("static")
     solvable = [problem for problem in problems.problems if problem["witness"] is not None][: parameters["trips"]]
     records: dict[str, Document] = {}
-    with served() as port:
-        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        served(Path(folder, "log"), workers=1, max_tasks=100_000) as service,
+    ):
+        client = service.client(timeout=60.0)
         for i in range(WARM):
-            trip(connection, request(unrelated_problem(i, False), problems.limits, Terms()), "full")
+            trip(client, request(unrelated_problem(i, False), problems.limits, Terms()), "full")
         for problem in track(solvable, "service", console=Console(stderr=True)):
             document = request(problem, problems.limits, Terms(BUDGET_S, "first"))
-            digest_s, short = trip(connection, document, "digest")
-            full_s, whole = trip(connection, document, "full")
+            digest_s, short = trip(client, document, "digest")
+            full_s, whole = trip(client, document, "full")
             record = {"status": whole["status"], "findings": [f"refused: {code}" for code in codes_of(whole, None)]}
             if whole["status"] == "planned":
                 began = time.perf_counter()
@@ -80,47 +76,13 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few round trips.")
     finish("service", "what HTTP adds to a plan", quick, parameters, records, figures)
 
 
-@contextmanager
-def served() -> Iterator[int]:
-    """The port of a service that is ready; it ends with the block."""
-    clean = {name: value for name, value in os.environ.items() if not name.startswith("ASSUR_")}
-    settings = {"ASSUR_WORKERS": "1", "ASSUR_MAX_TASKS": "100000"}
-    command = [sys.executable, "-m", "assur.api.command_line", "serve", "--port", "0"]
-    with tempfile.TemporaryDirectory() as folder:
-        log = Path(folder, "log")
-        with log.open("wb") as stream:
-            process = subprocess.Popen(command, cwd=ROOT, env=clean | settings, stderr=stream, stdout=stream)
-        try:
-            end = time.monotonic() + START_S
-            while '"ready": true' not in (text := log.read_text(encoding="utf-8")):
-                if process.poll() is not None or time.monotonic() > end:
-                    raise RuntimeError(f"the service does not start: {text[-500:]}")
-                time.sleep(0.05)
-            found = re.search(r'"event": "listening".*"port": (\d+)', text)
-            if found is None:
-                raise RuntimeError(f"the service names no port: {text[-500:]}")
-            yield int(found.group(1))
-        finally:
-            process.send_signal(signal.SIGTERM)
-            try:
-                process.wait(30)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
-
-
-def trip(connection: http.client.HTTPConnection, document: Document, detail: str) -> tuple[float, Document]:
+def trip(client: Client, document: Document, detail: str) -> tuple[float, Document]:
     """Seconds of a round trip, from bytes to bytes, and the answer."""
-    body = json.dumps(document).encode()
-    began = time.perf_counter()
-    connection.request("POST", f"/v1/plans?certificate={detail}", body, {"Content-Type": "application/json"})
-    response = connection.getresponse()
-    content = response.read()
-    elapsed = time.perf_counter() - began
-    answer: Document = json.loads(content)
-    if response.status != http.client.OK:
-        raise RuntimeError(f"HTTP {response.status}: {str(answer)[:300]}")
-    return elapsed, answer
+    reply = client.post(f"/v1/plans?certificate={detail}", json.dumps(document).encode())
+    answer: Document = reply.document()
+    if reply.status != http.client.OK:
+        raise RuntimeError(f"HTTP {reply.status}: {reply.fault or str(answer)[:300]}")
+    return reply.seconds, answer
 
 
 if __name__ == "__main__":

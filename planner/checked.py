@@ -183,6 +183,8 @@ def _named(finding: ClaimFinding, labels: Mapping[str, Sequence[str]]) -> Findin
     def named(match: re.Match[str]) -> str:
         word, *numbers = match.groups()
         names = labels.get(NAMED.get(finding.code if word == "number" else word, ""), ())
+        if word == "number" and not names:
+            return ""  # a row without a name: its time says which
         known = [PLANE if k == "-1" else names[int(k)] if int(k) < len(names) else k for k in numbers if k is not None]
         return f"{'' if word in ('number', 'body', 'bodies') else word + ' '}{' and '.join(known)}"
 

@@ -32,8 +32,7 @@ from assur.scenes.reading.cell import Cell
 from assur.scenes.refusals import refusal_document, refused_document, word
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.request import RequestDocument
-from assur.scenes.written_arrivals import arrival_document
-from assur.scenes.written_knots import settled, trajectory_document
+from assur.scenes.written_knots import arrival_document, settled, trajectory_document
 
 Detail = Literal["full", "digest"]
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from assur.scenes.catalogue import RobotFile
 from assur.scenes.faults import DocumentError, likeliest
 from assur.scenes.motion_log import LoggedJoint, MotionLog, load_log
-from assur.scenes.motions.joint_names import matched
+from assur.scenes.motions.motion import matched
 from assur.scenes.units import TWIN_UNITS, to_si
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from assur.planner.errors import InputError
 from assur.scenes.bundle import bundle_cell
 from assur.scenes.faults import DocumentError
 from assur.scenes.files import empty
-from assur.scenes.text.json_faults import not_json, not_utf8
+from assur.scenes.text.json_text import not_json, not_utf8
 
 NEEDS = "assur prove needs python-flint and jsonschema-rs, which are an extra: pip install 'assur[proof]'"
 NAMES_ONLY = "All that the bundle claims is shown. Its digests are names: neither plan nor request was read."

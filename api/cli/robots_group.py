@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
+from rich.table import Table
 
-from assur.api.cli import catalogue_table, import_report
 from assur.api.cli.border import BAD_INPUT, RIGHT, AsJson, bordered, say, show, show_json, writable
-from assur.api.cli.console_report import working
+from assur.api.cli.console_report import row, table, working
 from assur.api.cli.inputs import pairs_in, robot_named
 from assur.planner.errors import InputError
+from assur.planner.report.number_format import SHOWN_AS, number
 from assur.scenes import requests
 from assur.scenes.schema.stated import Status
 
@@ -46,9 +49,9 @@ def robots(robot: Robot = None, as_json: AsJson = False) -> int:
     if as_json:
         show_json({"robots": listed})
         return RIGHT
-    show(catalogue_table.catalogue(listed), "", catalogue_table.LEGEND)
+    show(catalogue(listed), "", LEGEND)
     if robot is not None:
-        show("", catalogue_table.sources(listed[0]))
+        show("", sources(listed[0]))
     return RIGHT
 
 
@@ -115,7 +118,7 @@ def import_(
     if as_json:
         show_json(report)
     else:
-        show(*import_report.everything(report))
+        show(*everything(report))
     return RIGHT
 
 
@@ -144,3 +147,120 @@ def _position(joint: str, text: str) -> float:
         return float(text)
     except ValueError as error:
         raise InputError("--hold", f"{joint}={text}", "JOINT=POSITION, a number in rad or m") from error
+
+
+MARKS = {
+    "vendor_config": " c",
+    "third_party": " t",
+    "disputed": " d",
+    "measured": " m",
+    "estimated": " e",
+    None: " ?",
+}
+"""Marks behind a number that is not the maker's own word; `LEGEND` explains them."""
+LEGEND = (
+    "c: a maker's configuration file, perhaps a placeholder; t: second hand; d: disputed; m: measured;\n"
+    "e: estimated; ?: no status is stated; no mark: the maker's own, or exact by definition\n"
+    "unit: of the range; speed, acceleration and jerk are the same per s, s2 and s3\n"
+    "reach: from the axis of the first joint to that of the flange, arm straight"
+)
+NUMBERS = ("lower", "upper", "velocity", "acceleration", "jerk", "zero", "zero_angle")
+"""Numbers of a joint; the zero of a lifting one, the zero angle of one that turns."""
+LOADS = ("rated_load", "max_load", "max_inertia", "acceleration_by_load")
+OF_ARM = ("separation", "proximal", "distal", "l1", "l2", "l3", "height", "base_offset", *LOADS)
+
+
+def catalogue(robots: list[dict[str, Any]]) -> Table:
+    """The robots, a row per joint, in mm, degrees and seconds, each number marked with its status."""
+    made = table("robot", ">reach", ">max load", "joint", "unit", ">range", ">speed", ">acceleration", ">jerk")
+    for robot in robots:
+        load = robot.get("max_load")
+        of_robot = [robot["model"], _reach(robot)]
+        of_robot.append("" if load is None else f"{load['value']:g} {load['unit']}{_mark(load)}")
+        for joint in robot["joints"]:
+            lower, upper = joint["lower"], joint["upper"]
+            extent = f"{number(_shop(lower)[0], 4)} .. {number(_shop(upper)[0], 4)}{_mark(lower)}"
+            rates = (joint[kind] for kind in ("velocity", "acceleration", "jerk"))
+            shown = (number(_shop(rate)[0], 4) + _mark(rate) for rate in rates)
+            row(made, *of_robot, joint["name"], _shop(lower)[1], extent, *shown)
+            of_robot = ["", "", ""]
+    return made
+
+
+def sources(robot: dict[str, Any]) -> Table:
+    """Every number of a robot as it was written, with its status and source."""
+    made = table("of", "number", ">value", "unit", "status", "source")
+    for of, name, quantity in _quantities(robot):
+        value = quantity["value"]
+        shown = ", ".join(f"{x:g}" for x in (value if isinstance(value, list) else [value]))
+        row(made, of, name, shown, quantity["unit"], quantity["status"] or "", quantity["source"] or "")
+    solids = robot["solids"]
+    if solids["each"]:
+        count = f"{len(solids['each'])} solids"
+        row(made, robot["model"], count, "", "", solids["status"] or "", solids["source"] or "")
+    return made
+
+
+def _quantities(robot: dict[str, Any]) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    for name in OF_ARM:
+        if name in robot:
+            yield robot["model"], name, robot[name]
+    for joint in robot["joints"]:
+        for name in NUMBERS:
+            if name in joint:
+                yield joint["name"], name, joint[name]
+
+
+def _shop(quantity: dict[str, Any]) -> tuple[float, str]:
+    """A length or an angle of a robot, or its rate, in mm or degrees, and which of them; of two sides the left one."""
+    name, factor = SHOWN_AS[quantity["unit"].partition("_")[0]]
+    value = quantity["value"]
+    return (value[0] if isinstance(value, list) else value) * factor, name
+
+
+def _mark(quantity: dict[str, Any]) -> str:
+    return MARKS.get(quantity["status"], "")
+
+
+def _reach(robot: dict[str, Any]) -> str:
+    """How far the flange comes from the shoulder: all links, or, of an arm that extends, its longest extent."""
+    links = [robot[key] for key in ("proximal", "distal", "l1", "l2", "l3") if key in robot]
+    links = links or [robot["joints"][-1]["upper"]]
+    marks = "".join(sorted({_mark(link) for link in links}))
+    return f"{number(sum(_shop(link)[0] for link in links), 4)} mm{marks}"
+
+
+CALLED = {"scara": "SCARA", "elbow_arm": "elbow arm", "five_axis_arm": "five-axis arm"}
+
+
+def everything(report: dict[str, Any]) -> Iterator[Table | str]:
+    """The robot, its joints, its covers, and what is to be known of them."""
+    order = f", axis order {report['axis_order']}" if report["axis_order"] else ""
+    yield f"{report['name']}: {CALLED[report['family']]}{order}, from link {report['base']} to link {report['flange']}"
+    yield ""
+    made = table("joint", "in the URDF", ">sign", ">zero", "unit")
+    for joint in report["joints"]:
+        turns = joint["unit"] == "rad"
+        zero = math.degrees(joint["zero"]) if turns else 1e3 * joint["zero"]
+        unit = "deg" if turns else "mm"
+        row(made, joint["name"], joint["urdf"], f"{joint['sign']:+d}", f"{zero:.6g}", unit)
+    yield from (made, "")
+    yield (
+        f"flange at {report['states']} random states: at most {1e6 * report['apart_m']:.2g} um and "
+        f"{1e6 * report['apart_rad']:.2g} urad from the URDF's"
+    )
+    if report["flange_turn_deg"] is not None:
+        roll, pitch, yaw = report["flange_turn_deg"]
+        yield f"the URDF's flange frame is turned in ours by roll {roll:g}, pitch {pitch:g}, yaw {yaw:g} deg"
+    if report["covers"]:
+        covers = table("mesh of", ">hulls", ">furthest out of the mesh")
+        for cover in report["covers"]:
+            row(covers, cover["of"], cover["hulls"], f"{1e3 * cover['excess_m']:.1f} mm")
+        yield from ("", covers)
+    pairs = ", ".join("-".join(pair) for pair in report["self_pairs"])
+    yield from ("", f"{report['bodies']} bodies; pairs of links that are kept apart: {pairs or 'none'}")
+    yield from (f"warning: {warning}" for warning in report["warnings"])
+    yield from report["remarks"]
+    if report["unused"]:
+        yield f"no plan depends on what else the URDF has: {', '.join(report['unused'])}"
+    yield f"written: {report['file']}"

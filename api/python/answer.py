@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import copy
+import html
+import sys
+import warnings
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +15,6 @@ from assur.planner.errors import AssurError, InputError
 
 if TYPE_CHECKING:
     from assur.api.python.motion import Trajectory
-    from assur.api.python.shown import Shown
     from assur.scenes.schema import answer as written
 
 PLANNED, NOT_PLANNED = "planned", "not_planned"
@@ -137,7 +139,6 @@ class Answer(Mapping[str, Any]):
         A plan with its certificate in full is checked again, and the page says what came out. Returns the path. Raises
         `InputError` for an answer that is not as an answer is; `OSError` where the file cannot be written.
         """
-        from assur.api.python.shown import page_of
 
         out = Path(path)
         out.write_text(page_of(self._known_request(), self._document, title, about), encoding="utf-8")
@@ -149,7 +150,6 @@ class Answer(Mapping[str, Any]):
         `height_px`: of the frame that it is in. Outside of a notebook nothing can show it, and a warning says to call
         `report`. Raises `InputError`, as `report` does.
         """
-        from assur.api.python.shown import Shown, page_of, tell_where_there_is_no_notebook
 
         if height_px not in range(1, MOST_HIGH_PX + 1):
             raise InputError("height_px", height_px, f"a whole number of pixels from 1 to {MOST_HIGH_PX}")
@@ -190,3 +190,42 @@ class Answer(Mapping[str, Any]):
         if not self.planned:
             return f"<Answer: not planned. {self.sentence}>"
         return f"<Answer: planned, {self.duration_s:.3f} s, {len(self.arrivals)} arrivals>"
+
+
+NOTEBOOKS = ("IPython", "marimo")
+"""What a notebook has loaded that shows `_repr_html_`."""
+ELSEWHERE = "answer.report('report.html') writes the same page as a file that every browser opens"
+
+
+class Shown:
+    """The viewer of an answer, a page that needs no network. A notebook shows it where it is the last value of a cell,
+    or where it is given to `display`."""
+
+    def __init__(self, page: str, height_px: int) -> None:
+        self._page, self._height_px = page, height_px
+
+    def _repr_html_(self) -> str:
+        # A frame with an origin of its own: what a request says reaches neither the notebook nor its kernel.
+        return (
+            f'<iframe srcdoc="{html.escape(self._page)}" sandbox="allow-scripts" title="assur" '
+            f'style="width: 100%; height: {self._height_px}px; border: 0"></iframe>'
+        )
+
+    def __repr__(self) -> str:
+        return f"<the viewer of an answer: a notebook shows it; {ELSEWHERE}>"
+
+
+def page_of(request: Mapping[str, Any], answer: Mapping[str, Any], title: str, about: str) -> str:
+    """The report of an answer to a request, which says what the checker says. Raises `InputError` naming the field."""
+    from assur.api.version import version
+    from assur.scenes.requests import cell_of, report_page, verdict_on
+
+    cell, document = cell_of(dict(request)), dict(answer)
+    verdict = verdict_on(cell, document)
+    return report_page(cell, document, title=title, about=about, verdict=verdict, version=version())
+
+
+def tell_where_there_is_no_notebook() -> None:
+    """Warns the caller's caller whom nobody shows what `show` gives."""
+    if not any(name in sys.modules for name in NOTEBOOKS):
+        warnings.warn(f"no notebook is running here, so nothing is shown; {ELSEWHERE}", stacklevel=3)

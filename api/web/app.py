@@ -23,13 +23,12 @@ from assur.api.web.idempotency import Idempotency
 from assur.api.web.job_routes import job_bodies, job_router
 from assur.api.web.job_store import JobStore
 from assur.api.web.mesh_routes import mesh_bodies, mesh_router
-from assur.api.web.operation_routes import operation_router, watch
+from assur.api.web.operation_routes import operation_router, studio_router, watch
 from assur.api.web.representation import Representation
 from assur.api.web.request_log import FACTS, RequestLog
 from assur.api.web.routes import bodies, router
 from assur.api.web.service import Service
 from assur.api.web.settings import Settings
-from assur.api.web.studio_routes import studio_router
 from assur.api.web.uploads import Uploads
 
 ROUTERS = (bodies, router, job_bodies, job_router, studio_router, mesh_bodies, mesh_router, operation_router)

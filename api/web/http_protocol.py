@@ -22,7 +22,7 @@ from uvicorn.server import ServerState
 from assur.api.documents import problem_response
 from assur.api.problems import Problem
 from assur.api.web.addresses import network
-from assur.api.web.chunks import SMALL_CHUNKS, CountedConnection, SmallChunksError
+from assur.api.web.body_reader import SMALL_CHUNKS, CountedConnection, SmallChunksError
 from assur.api.web.connections import CROWDED, Connections
 
 PIECE_BYTES = 64 << 10

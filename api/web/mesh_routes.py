@@ -22,6 +22,7 @@ from assur.api.web.openapi import problems
 from assur.api.web.request_log import FACTS
 from assur.api.web.routes import BODY_PROBLEMS, WORKER_PROBLEMS, Direct, read_admitted, service_of
 from assur.api.web.uploads import Uploads
+from assur.api.workers import jobs
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_MESH_BYTES
 from assur.scenes.meshes.folder import DIGEST, FolderError, Kept, MeshFolder
@@ -107,7 +108,7 @@ async def put_mesh(request: Request) -> Response:
             uploads.take_back(client.name, len(content))
     cover = None
     if how is not None:
-        told = json.loads((await service_of(request).cover(digest, *how, client)).body)
+        told = json.loads((await service_of(request).quick(jobs.cover, client, digest, *how)).body)
         cover = Covered(pieces=told["pieces"], excess_m=told["excess_m"])
     request.scope[FACTS]["outcome"] = "new" if is_new else "known"
     return _response(digest, folder.known(digest), cover, 201 if is_new else 200)

@@ -1,8 +1,9 @@
-"""The addresses for operators and newcomers: metrics, which build this is, and what there is."""
+"""The addresses for operators and newcomers: metrics, which build this is, what there is, and the studio."""
 
 from __future__ import annotations
 
 import asyncio
+from functools import cache
 from pathlib import Path
 
 from fastapi import APIRouter, Request
@@ -11,12 +12,14 @@ from starlette.responses import Response
 
 from assur.api.documents import json_response, to_json
 from assur.api.log_lines import Later
+from assur.api.problems import Problem
 from assur.api.telemetry.meters import Meters
 from assur.api.version import VersionDocument, version_document
 from assur.api.web.clients import Clients
 from assur.api.web.job_store import JobStore
 from assur.api.web.routes import service_of
 from assur.api.web.service import Service
+from assur.scenes.report.assembly import digests
 
 operation_router = APIRouter()
 INDEX = Path(__file__).parent / "index.html"
@@ -70,3 +73,36 @@ def watch(service: Service, jobs: JobStore, clients: Clients) -> Meters:
     build = version_document(service.settings.commit)
     meters.build({name: str(build.get(name) or "") for name in ("version", "schema", "kernels", "commit", "python")})
     return meters
+
+
+FILES = Path(__file__).parent / "studio"
+SCRIPTS = ("answers", "documents", "drafts", "history", "jobs", "service", "storage", "studio")
+KINDS = {"studio.css": "text/css"} | {f"{name}.js": "text/javascript" for name in SCRIPTS}
+"""The files of the page, and what they are."""
+
+studio_router = APIRouter(include_in_schema=False)
+
+
+@cache
+def _page() -> tuple[bytes, dict[str, str]]:
+    """The page, and the policy that it is sent with: its own files, this service, and the reports that it shows, which
+    inherit the policy."""
+    script, style = digests()
+    policy = (
+        f"default-src 'none'; script-src 'self' {script}; style-src 'self' {style}; connect-src 'self'; "
+        "img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
+    )
+    return (FILES / "studio.html").read_bytes(), {"Content-Security-Policy": policy}
+
+
+@studio_router.get("/studio")
+def studio() -> Response:
+    page, headers = _page()
+    return Response(page, media_type="text/html", headers=headers)
+
+
+@studio_router.get("/studio/{name}")
+def studio_file(name: str) -> Response:
+    if name not in KINDS:
+        raise Problem("not-found", "See /docs for what there is.")
+    return Response((FILES / name).read_bytes(), media_type=KINDS[name])

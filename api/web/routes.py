@@ -152,6 +152,26 @@ async def scene_order(request: Request) -> Order:
         raise Problem.of_input(error, "not-found") from error
 
 
+def _answered_by(
+    job: Callable[..., jobs.Reply],
+    path: str,
+    name: str,
+    summary: str,
+    body: dict[str, Any],
+    limit: int = CHECK_BODY_BYTES,
+    **more: Any,
+) -> None:
+    """An address whose body a worker answers by `job`, without a budget of its own. `more`: its `response_model` or
+    `response_class`, and `tags` other than plans."""
+
+    async def answered(request: Request) -> Response:
+        given = await read_admitted(request, limit)
+        return await _unless_gone(request, service_of(request).quick(job, client_of(request), given))
+
+    described = {"operation_id": name, "tags": ["plans"], "summary": summary, "openapi_extra": body} | more
+    bodies.post(path, responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS), **described)(answered)
+
+
 @bodies.post(
     "/v1/plans",
     operation_id="plan",
@@ -188,88 +208,56 @@ async def plan_scene(request: Request) -> Response:
     return await once(request, key, lambda: _unless_gone(request, service_of(request).do(order)))
 
 
-@bodies.post(
+_answered_by(
+    jobs.check,
     "/v1/plans/check",
-    operation_id="check_plan",
-    tags=["plans"],
-    summary="Check a plan against its request",
+    "check_plan",
+    "Check a plan against its request",
+    CHECK_BODY,
     response_model=Verdict,
-    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
-    openapi_extra=CHECK_BODY,
 )
-async def check(request: Request) -> Response:
-    body = await read_admitted(request, CHECK_BODY_BYTES)
-    return await _unless_gone(request, service_of(request).check(body, client_of(request)))
-
-
-@bodies.post(
+_answered_by(
+    jobs.view,
     "/v1/plans/view",
-    operation_id="view_plan",
-    tags=["plans"],
-    summary="What a viewer plays of a plan, or of a refusal: poses over time, meshes, curves",
+    "view_plan",
+    "What a viewer plays of a plan, or of a refusal: poses over time, meshes, curves",
+    VIEW_BODY,
     response_model=ViewDocument,
-    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
-    openapi_extra=VIEW_BODY,
 )
-async def view(request: Request) -> Response:
-    body = await read_admitted(request, CHECK_BODY_BYTES)
-    return await _unless_gone(request, service_of(request).view(body, client_of(request)))
-
-
-@bodies.post(
+_answered_by(
+    jobs.report,
     "/v1/plans/report",
-    operation_id="report_plan",
-    tags=["plans"],
-    summary="A page that plays a plan, or a refusal, and says all of it",
+    "report_plan",
+    "A page that plays a plan, or a refusal, and says all of it",
+    REPORT_BODY,
     response_class=HTMLResponse,
-    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
-    openapi_extra=REPORT_BODY,
 )
-async def report(request: Request) -> Response:
-    body = await read_admitted(request, CHECK_BODY_BYTES)
-    return await _unless_gone(request, service_of(request).report(body, client_of(request)))
-
-
-@bodies.post(
+_answered_by(
+    jobs.export,
     "/v1/plans/export",
-    operation_id="export_plan",
-    tags=["plans"],
-    summary="A plan as a controller's file, proved on the points of the file",
+    "export_plan",
+    "A plan as a controller's file, proved on the points of the file",
+    EXPORT_BODY,
     response_model=ExportAnswer,
-    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
-    openapi_extra=EXPORT_BODY,
 )
-async def export(request: Request) -> Response:
-    body = await read_admitted(request, CHECK_BODY_BYTES)
-    return await _unless_gone(request, service_of(request).export(body, client_of(request)))
-
-
-@bodies.post(
+_answered_by(
+    jobs.check_trajectory,
     "/v1/trajectories/check",
-    operation_id="check_trajectory",
-    tags=["plans"],
-    summary="Prove or refute a trajectory that was made elsewhere",
+    "check_trajectory",
+    "Prove or refute a trajectory that was made elsewhere",
+    TRAJECTORY_BODY,
     response_model=TrajectoryVerdict,
-    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
-    openapi_extra=TRAJECTORY_BODY,
 )
-async def check_trajectory(request: Request) -> Response:
-    body = await read_admitted(request, CHECK_BODY_BYTES)
-    return await _unless_gone(request, service_of(request).check_trajectory(body, client_of(request)))
-
-
-@bodies.post(
+_answered_by(
+    jobs.ik,
     "/v1/ik",
-    operation_id="solve_ik",
-    tags=["kinematics"],
-    summary="All joint positions at a pose of the tool, or the pose of the tool at joints",
+    "solve_ik",
+    "All joint positions at a pose of the tool, or the pose of the tool at joints",
+    IK_BODY,
     response_model=IkAnswer,
-    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
-    openapi_extra=IK_BODY,
+    limit=PLAN_BODY_BYTES,
+    tags=["kinematics"],
 )
-async def ik(request: Request) -> Response:
-    body = await read_admitted(request, PLAN_BODY_BYTES)
-    return await _unless_gone(request, service_of(request).ik(body, client_of(request)))
 
 
 @router.get(
@@ -322,18 +310,16 @@ def show_scene_text(name: str) -> Response:
         raise Problem.of_input(error, "not-found") from error
 
 
-@bodies.post(
+_answered_by(
+    jobs.parse,
     "/v1/scenes/parse",
-    operation_id="parse_scene",
-    tags=["scenes"],
-    summary="The request that the text of a scenario means, or its faults with their lines",
+    "parse_scene",
+    "The request that the text of a scenario means, or its faults with their lines",
+    PARSE_BODY,
     response_model=Parsed,
-    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
-    openapi_extra=PARSE_BODY,
+    limit=PLAN_BODY_BYTES,
+    tags=["scenes"],
 )
-async def parse(request: Request) -> Response:
-    body = await read_admitted(request, PLAN_BODY_BYTES)
-    return await _unless_gone(request, service_of(request).parse(body, client_of(request)))
 
 
 @router.get(

@@ -25,7 +25,7 @@ from assur.api.telemetry.trace import current
 from assur.api.version import version_document
 from assur.api.web.body_reader import Reading
 from assur.api.web.settings import Settings
-from assur.api.web.turns import Turns
+from assur.api.web.uploads import Turns
 from assur.api.workers import file_jobs, jobs
 from assur.api.workers.client import Client, Demand, Ticket
 from assur.api.workers.pool import Work, Workers
@@ -113,40 +113,8 @@ class Service:
 
         return await (self._beside(client, read) if body else asyncio.to_thread(read))
 
-    async def check(self, body: bytes, client: Client) -> jobs.Answer:
-        """The checker's verdict on the request and plan in `body`. Raises `Problem`."""
-        return await self._quick(jobs.check, client, body)
-
-    async def view(self, body: bytes, client: Client) -> jobs.Answer:
-        """What a viewer plays of the request and plan in `body`. Raises `Problem`."""
-        return await self._quick(jobs.view, client, body)
-
-    async def report(self, body: bytes, client: Client) -> jobs.Answer:
-        """The page that plays the request and plan in `body`. Raises `Problem`."""
-        return await self._quick(jobs.report, client, body)
-
-    async def export(self, body: bytes, client: Client) -> jobs.Answer:
-        """The plan in `body` as a controller's file. Raises `Problem`."""
-        return await self._quick(jobs.export, client, body)
-
-    async def check_trajectory(self, body: bytes, client: Client) -> jobs.Answer:
-        """The verdict on the trajectory in `body`. Raises `Problem`."""
-        return await self._quick(jobs.check_trajectory, client, body)
-
-    async def ik(self, body: bytes, client: Client) -> jobs.Answer:
-        """The joint positions, or the pose of the tool, that `body` asks for. Raises `Problem`."""
-        return await self._quick(jobs.ik, client, body)
-
-    async def cover(self, digest: str, form: str, unit: str, client: Client) -> jobs.Answer:
-        """Has a mesh of the folder covered, and its cuts kept there. Raises `Problem`."""
-        return await self._quick(jobs.cover, client, digest, form, unit)
-
-    async def parse(self, body: bytes, client: Client) -> jobs.Answer:
-        """What the text of a scenario in `body` means. Raises `Problem`."""
-        return await self._quick(jobs.parse, client, body)
-
-    async def _quick(self, job: Callable[..., jobs.Reply], client: Client, *asked: bytes | str) -> jobs.Answer:
-        """The answer of a job that has no budget of its own, for its work is bounded by what is asked."""
+    async def quick(self, job: Callable[..., jobs.Reply], client: Client, *asked: bytes | str) -> jobs.Answer:
+        """The answer of a job without a budget, for its work is bounded by what is asked. Raises `Problem`."""
         kind = job.__name__
         short = sum(map(len, asked)) <= SHORT_BYTES
         demand = Demand(client, self.settings.check_s, short, kind=kind if short else f"long {kind}")

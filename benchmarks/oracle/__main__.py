@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -12,9 +13,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from benchmarks.oracle.plans import Tally
-from benchmarks.oracle.running import CAMPAIGNS, SHIFTS, Going, run
-from benchmarks.soak import campaign as shifts
-from benchmarks.soak.__main__ import LARGEST_MEDIAN, table_of
+from benchmarks.oracle.running import CAMPAIGNS, Going, run
 
 CONSOLE, PROGRESS = Console(width=140), Console(stderr=True)
 
@@ -55,32 +54,18 @@ def main(
 def _printed(going: Going) -> bool:
     """Prints what a campaign has found; whether there is nothing wrong."""
     CONSOLE.print(f"\n[bold]{going.name}[/bold], seed {going.seed}: {going.done} answers")
-    if going.name != SHIFTS:
-        CONSOLE.print(_table(going.found))
-        return going.clean
-    total = shifts.Tally()
-    for each in going.shifted.values():
-        total.merged(each)
-    CONSOLE.print(table_of(going.shifted))
-    return going.clean and (total.median or 0.0) <= LARGEST_MEDIAN
+    CONSOLE.print(_table(going.found, going.total))
+    return going.total.clean
 
 
-def _table(found: dict[str, Tally]) -> Table:
+def _table(found: Mapping[str, Tally], total: Tally) -> Table:
     table = Table(box=None, header_style="bold")
-    for name in ("kind", "looked at", "faults", "refused by the checker", "others"):
-        table.add_column(name, justify="right" if name not in ("kind", "others") else "left")
-    total = Tally()
+    for name in ("kind", *total.row()):
+        table.add_column(name, justify="left" if name in ("kind", "others") else "right")
     for kind, tally in found.items():
-        total.merged(tally)
-        table.add_row(*_row(kind, tally))
-    table.add_row(*_row("all", total), style="bold")
+        table.add_row(kind, *tally.row().values())
+    table.add_row("all", *total.row().values(), style="bold")
     return table
-
-
-def _row(kind: str, tally: Tally) -> list[str]:
-    faults = ", ".join(f"{name} {count}" for name, count in tally.faults.most_common()) or "0"
-    others = ", ".join(f"{name} {count}" for name, count in tally.refused.most_common() if count)
-    return [kind, str(tally.looked), faults, f"{tally.unchecked} of {tally.by_checker}", others]
 
 
 if __name__ == "__main__":

@@ -7,8 +7,8 @@ import numpy as np
 from benchmarks.oracle.faults import Broken, beyond
 from benchmarks.oracle.motion import Motion
 from benchmarks.oracle.nearest import Near, nearest_of
-from benchmarks.oracle.shapes import Gap
 from benchmarks.soak.poses import Document
+from benchmarks.soak.solids import Gap
 
 WITHIN_M = 5e-5
 """The smallest clearance that an answer tells is within this of the true one, either way."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.oracle.places import Places
-from benchmarks.soak.arms import Arm, Carried, robot_file
+from benchmarks.soak.arms import Arm, Carried, ranges_of, robot_file
 from benchmarks.soak.poses import Document, Floats, Poses, pose_in, si
 from benchmarks.soak.solids import solid_of
 
@@ -40,7 +40,7 @@ class TiltingArm:
         """The arm of a request (`robot`), a shipped one."""
         ((family, given),) = robot_file(document["model"]).items()
         joints = given["joints"]
-        ranges = _ranges(document, joints)
+        ranges = ranges_of(document, joints)
         bodies = [Carried(b["name"], b["link"], solid_of(b["shape"]), pose_in(b)) for b in given["bodies"]["value"]]
         bodies += [
             Carried(b["name"], "flange", solid_of(b["shape"]), pose_in(b)) for b in document["tool"].get("bodies", [])
@@ -113,15 +113,6 @@ def world_links(arm: Arm | TiltingArm, q: Floats) -> dict[str, Places]:
     for name, place in arm.links(q).items():
         found[name] = place if isinstance(place, Places) else Places.upright(place)
     return found
-
-
-def _ranges(document: Document, joints: list[Document]) -> Floats:
-    ranges = np.array([si(joint, "range") for joint in joints])
-    for name, limit in document.get("limits", {}).items():
-        for j, joint in enumerate(joints):
-            if name in (f"{joint['name']}_rad", f"{joint['name']}_m"):
-                ranges[j] = limit
-    return ranges
 
 
 RATES = {"velocity": "s", "acceleration": "s2", "jerk": "s3"}

@@ -15,12 +15,13 @@ from benchmarks.oracle.faults import Broken
 from benchmarks.oracle.inverse import TURNS
 from benchmarks.oracle.motion import robots_in
 from benchmarks.oracle.places import Places
-from benchmarks.oracle.shapes import Gap, shapes_of
+from benchmarks.oracle.shapes import shapes_of
 from benchmarks.oracle.when_met import Point, Reach
 from benchmarks.soak.allowed import CONTACT_M, clearance
 from benchmarks.soak.arms import Arm, robot_file
 from benchmarks.soak.laws import seat
 from benchmarks.soak.poses import Document, Floats, Poses
+from benchmarks.soak.solids import Gap
 
 MISSING = 9e-7
 """A point is met where no more than this is missing, m or rad: the checker lets the tool be a micrometre, or a

@@ -10,12 +10,13 @@ import numpy as np
 
 from benchmarks.oracle.arms import TiltingArm, arm_of, world_links
 from benchmarks.oracle.places import Places
-from benchmarks.oracle.shapes import Shape, shapes_of
+from benchmarks.oracle.shapes import shapes_of
 from benchmarks.recheck.spline import Spline
 from benchmarks.soak.allowed import Pair, Stage, stages
 from benchmarks.soak.arms import Arm, robot_file
 from benchmarks.soak.cell import Cell
 from benchmarks.soak.poses import Document, Floats, Poses
+from benchmarks.soak.solids import Shape
 
 
 @dataclass(frozen=True, eq=False)

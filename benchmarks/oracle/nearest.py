@@ -8,9 +8,9 @@ import numpy as np
 
 from benchmarks.oracle.motion import Motion, Phase
 from benchmarks.oracle.places import Places
-from benchmarks.oracle.shapes import Gap
 from benchmarks.soak.allowed import Pair
 from benchmarks.soak.poses import Floats
+from benchmarks.soak.solids import Gap
 
 STEP_S = 4e-3
 """Between two instants at which all pairs are looked at."""

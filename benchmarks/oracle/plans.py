@@ -38,6 +38,15 @@ class Tally:
     def clean(self) -> bool:
         return not self.faults and not self.unchecked.unknown
 
+    def row(self) -> dict[str, str]:
+        """Column of a table → what it has of this."""
+        return {
+            "looked at": str(self.looked),
+            "faults": ", ".join(f"{name} {count}" for name, count in self.faults.most_common()) or "0",
+            "refused by the checker": f"{self.unchecked} of {self.by_checker}",
+            "others": ", ".join(f"{name} {count}" for name, count in self.refused.most_common() if count),
+        }
+
 
 def own_seed(seed: int, number: int) -> int:
     """The seed of the cell with this number, counted for each kind, in a campaign with `seed`."""

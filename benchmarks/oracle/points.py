@@ -13,7 +13,7 @@ import numpy as np
 from benchmarks.oracle.arms import TiltingArm, arm_of, limits_of, world_links
 from benchmarks.oracle.places import Places
 from benchmarks.soak.arms import Arm
-from benchmarks.soak.drafts import Draft, drafted
+from benchmarks.soak.drafts import Draft, drafted, options_of
 from benchmarks.soak.poses import Document, Floats, Poses
 from benchmarks.soak.random_cells import surround
 
@@ -217,19 +217,9 @@ def _draft(rng: np.random.Generator, model: str) -> Draft:
             "frames": {},
             "bodies": [],
             "task": [],
-            "options": {
-                "seed": int(rng.integers(1000)),
-                "budget_s": 60,
-                "max_candidates": 24,
-                "stop": "first",
-                "elbow": "auto",
-                "singularity_margin": draft.between(0.05, 0.2),
-                "clearance_m": {"travel": draft.between(0.0, 5e-3), "near": draft.between(0.0, 1e-3)},
-            },
+            "options": options_of(draft),
         }
     )
-    if draft.chance(0.3):
-        draft.request["options"]["stay_safe_s"] = draft.between(0.1, 1.0)
     if draft.chance(0.3):
         draft.request["robot"]["limits"] = {"acceleration": draft.between(0.4, 1.0)}
     return draft

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.oracle.apart_kept import apart_kept
+from benchmarks.oracle.apart_kept import ROUNDING_M, WITHIN_M, apart_kept
 from benchmarks.oracle.arrivals_kept import Targets, arrivals_kept
 from benchmarks.oracle.faults import Broken, beyond
-from benchmarks.oracle.hands_kept import hands_kept
 from benchmarks.oracle.joints_kept import joints_kept
-from benchmarks.oracle.motion import Motion
+from benchmarks.oracle.motion import Motion, Phase
 from benchmarks.oracle.traces_kept import traces_kept
 from benchmarks.oracle.ways_kept import ways_kept
 from benchmarks.soak.poses import Document
+from benchmarks.soak.solids import Gap
 
 TOOL = 0.05
 """By so much of it the tool's speed may exceed the peak that is told, between the instants at which it is searched."""
@@ -45,3 +45,30 @@ def _tool(motion: Motion) -> list[Broken]:
     there = motion.tool(np.array([at - h, at + h])).p
     off = abs(float(np.linalg.norm(there[1] - there[0])) / (2.0 * h) - float(told["speed_m_s"]))
     return found + beyond("tool", "speed, as told", off, 1e-3 * float(told["speed_m_s"]) + 1e-4, at)
+
+
+def hands_kept(motion: Motion) -> list[Broken]:
+    """At the end of the dwell of each pick and place: the smallest distance, 0 where there is contact."""
+    found = list[Broken]()
+    for phase in motion.phases:
+        number = phase.stage.handed_over
+        if number is None:
+            continue
+        ((kind, given),) = motion.request["task"][number].items()
+        arrival = next(each for each in motion.answer["arrivals"] if each["step"] == number)
+        if kind == "pick":
+            found += _distance(motion, arrival, given["part"], motion.cell.tool_bodies, "grip_m", phase)
+        elif "contact_with" in given:
+            found += _distance(motion, arrival, given["part"], given["contact_with"], "support_m", phase)
+    return found
+
+
+def _distance(motion: Motion, arrival: Document, part: str, others: list[str], key: str, phase: Phase) -> list[Broken]:
+    told = arrival.get(key)
+    if told is None:
+        return []  # what an answer leaves out is no claim
+    t = np.array([arrival["until_s"]])
+    places = motion.bodies(phase, t, {part, *others})
+    gaps = [Gap(motion.shapes[part], motion.shapes[name]).at(places[part][0], places[name][0]) for name in others]
+    true = max(min(gaps), 0.0)
+    return beyond("hands", f"{arrival['control_point']}, {key}", abs(told - true), WITHIN_M + ROUNDING_M, t[0])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -11,9 +11,11 @@ from benchmarks.oracle import plans, refusals
 from benchmarks.oracle.plans import Tally
 from benchmarks.soak import campaign as shifts
 
-SHIFTS, PLANS, REFUSALS = "shifts", "plans", "refusals"
-CAMPAIGNS = (SHIFTS, PLANS, REFUSALS)
-ENDLESS = 10**9
+CAMPAIGNS: dict[str, Callable[[int | None, int, Path | None], Iterator[Mapping[str, Tally]]]] = {
+    "shifts": shifts.campaign,
+    "plans": plans.campaign,
+    "refusals": refusals.campaign,
+}
 
 
 @dataclass(eq=False)
@@ -22,28 +24,25 @@ class Going:
 
     name: str
     seed: int
-    found: dict[str, Tally] = field(default_factory=dict)
-    shifted: dict[str, shifts.Tally] = field(default_factory=dict)
+    found: Mapping[str, Tally] = field(default_factory=dict)
     over: bool = False
 
     @property
     def done(self) -> int:
         """Answers that were looked at."""
-        return sum(each.looked for each in self.found.values()) + sum(each.planned for each in self.shifted.values())
+        return sum(each.looked for each in self.found.values())
 
     @property
-    def clean(self) -> bool:
-        return all(each.clean for each in self.found.values()) and all(each.clean for each in self.shifted.values())
+    def total(self) -> Tally:
+        """Of all kinds together."""
+        total = shifts.Tally() if self.name == "shifts" else Tally()
+        for each in self.found.values():
+            total.merged(each)
+        return total
 
     def steps(self, count: int | None, out: Path | None) -> Iterator[None]:
         """After each cell, or request, once."""
-        if self.name == SHIFTS:
-            for shifted in shifts.campaign(count or ENDLESS, self.seed, out):
-                self.shifted = shifted
-                yield
-            return
-        asked = plans.campaign if self.name == PLANS else refusals.campaign
-        for found in asked(count, self.seed, out):
+        for found in CAMPAIGNS[self.name](count, self.seed, out):
             self.found = found
             yield
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.recheck.solids import Placed, Solid, box, upright_cylinder
+from benchmarks.recheck.solids import Placed, box, upright_cylinder
 from benchmarks.recheck.spline import Floats
 
 A1_M = 0.325
@@ -23,12 +23,8 @@ LINK_1_Z_M = 0.30
 LINK_2_Z_M = 0.36
 """Height of the middle of link 2."""
 
-LINK_1 = box("link 1", 0.405, 0.08, 0.06)
-LINK_2 = box("link 2", 0.355, 0.08, 0.06)
-QUILL = upright_cylinder("quill", 0.012, 0.31)
 QUILL_LENGTH_M = 0.31
-
-BODIES: tuple[Solid, ...] = (LINK_1, LINK_2, QUILL)
+LINK_1, LINK_2, QUILL = box(0.405, 0.08, 0.06), box(0.355, 0.08, 0.06), upright_cylinder(0.012, QUILL_LENGTH_M)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,9 +62,9 @@ def placed_bodies(q: Floats) -> tuple[Placed, ...]:
     forearm = A2_M * np.stack([np.cos(second), np.sin(second)], axis=-1)
     level = np.ones(len(q))
     return (
-        Placed(LINK_1, _with_height(elbow / 2, LINK_1_Z_M * level), first),
-        Placed(LINK_2, _with_height(elbow + forearm / 2, LINK_2_Z_M * level), second),
-        Placed(QUILL, _with_height(elbow + forearm, q[:, 2] + QUILL_LENGTH_M / 2), 0.0 * level),
+        Placed("link 1", LINK_1, _with_height(elbow / 2, LINK_1_Z_M * level), first),
+        Placed("link 2", LINK_2, _with_height(elbow + forearm / 2, LINK_2_Z_M * level), second),
+        Placed("quill", QUILL, _with_height(elbow + forearm, q[:, 2] + QUILL_LENGTH_M / 2), 0.0 * level),
     )
 
 

@@ -161,8 +161,8 @@ def _collisions(problem: dict[str, Any], spline: Spline, latest_end_s: float) ->
     found = []
     for body in bodies:
         for obstacle in obstacles:
-            hits = list(collisions(body, obstacle))
-            if hits:
+            hits = collisions(body, obstacle)
+            if len(hits):
                 span = f"from {t[hits[0]]:.4f} to {t[hits[-1]]:.4f} s ({len(hits)} samples)"
-                found.append(("collision", f"{body.solid.name} hits {obstacle.solid.name} {span}"))
+                found.append(("collision", f"{body.name} hits {obstacle.name} {span}"))
     return found

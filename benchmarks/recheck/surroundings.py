@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.problem_set import Problem
-from benchmarks.recheck.solids import Placed, Solid, box, lying_capsule, upright_cylinder
+from benchmarks.recheck.solids import Placed, box, lying_capsule, upright_cylinder
 from benchmarks.recheck.spline import Floats
+from benchmarks.soak.solids import Solid
 
 
 def placed_obstacles(problem: Problem, t: Floats) -> tuple[Placed, ...]:
@@ -26,11 +27,11 @@ def goal_at(problem: Problem, t: float) -> tuple[Floats, float, Floats]:
 def _solid(name: str, obstacle: dict[str, Any]) -> Solid:
     kind = obstacle["type"]
     if kind == "box":
-        return box(name, *obstacle["size"])
+        return box(*obstacle["size"])
     if kind == "cylinder":
-        return upright_cylinder(name, obstacle["radius"], obstacle["height"])
+        return upright_cylinder(obstacle["radius"], obstacle["height"])
     if kind == "capsule":
-        return lying_capsule(name, obstacle["radius"], obstacle["length"])
+        return lying_capsule(obstacle["radius"], obstacle["length"])
     raise ValueError(f"{name}: unknown type {kind!r}")
 
 
@@ -39,9 +40,9 @@ def _placed(name: str, obstacle: dict[str, Any], t: Floats) -> Placed:
     motion = obstacle.get("motion", {"kind": "linear", "v": [0.0, 0.0, 0.0]})
     if motion["kind"] == "linear":
         centre = np.array(obstacle["pos"]) + np.array(motion["v"]) * t[:, None]
-        return Placed(solid, centre, np.full(len(t), float(obstacle["yaw"])))
+        return Placed(name, solid, centre, np.full(len(t), float(obstacle["yaw"])))
     if motion["kind"] == "swing":
         angle = motion["phase"] + motion["omega"] * t
         outwards = np.stack([np.cos(angle), np.sin(angle), np.zeros(len(t))], axis=-1)
-        return Placed(solid, np.array(motion["pivot"]) + obstacle["length"] / 2 * outwards, angle)
+        return Placed(name, solid, np.array(motion["pivot"]) + obstacle["length"] / 2 * outwards, angle)
     raise ValueError(f"{name}: unknown motion {motion['kind']!r}")

@@ -53,11 +53,7 @@ class Arm:
         if family not in ("scara", "five_bar"):
             raise ValueError(f"an arm that the simulation does not know: {document['model']}")
         joints = given["joints"]
-        ranges = np.array([si(joint, "range") for joint in joints])
-        for name, limit in document.get("limits", {}).items():
-            for j, joint in enumerate(joints):
-                if name in (f"{joint['name']}_rad", f"{joint['name']}_m"):
-                    ranges[j] = limit
+        ranges = ranges_of(document, joints)
         order = (0, 2, 1, 3) if given.get("axis_order") == "rprr" else tuple(range(len(joints)))
         down, tool = given.get("tool_frame") == "z_down", document["tool"]
         bodies = [_carried(each, each["link"], down) for each in given["bodies"]["value"]]
@@ -158,6 +154,16 @@ class Arm:
         back = np.empty_like(q)
         back[..., list(self.order)] = ours
         return back * self.signs
+
+
+def ranges_of(document: Document, joints: list[Document]) -> Floats:
+    """The ranges (n, 2) of joints of a robot's file, rad or m, as a request (`robot`) narrows them."""
+    ranges = np.array([si(joint, "range") for joint in joints])
+    for name, limit in document.get("limits", {}).items():
+        for j, joint in enumerate(joints):
+            if name in (f"{joint['name']}_rad", f"{joint['name']}_m"):
+                ranges[j] = limit
+    return ranges
 
 
 def _short(angle: Floats) -> Floats:

@@ -3,60 +3,57 @@
 from __future__ import annotations
 
 import statistics
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from benchmarks.checker_refusals import Refused, codes_of, keep, said
+from benchmarks.checker_refusals import codes_of, keep, said
+from benchmarks.oracle import plans
+from benchmarks.oracle.asked import as_si, checked, planned
 from benchmarks.soak.poses import Document
 from benchmarks.soak.random_cells import KINDS, random_cell
 from benchmarks.soak.realisations import Realisations
 from benchmarks.soak.simulation import Outcome, simulated
 
 REALISATIONS = 20
+LARGEST_MEDIAN = 1.3
+"""Of the error that is reported over the worst that was realised."""
 
 
 @dataclass(eq=False)
-class Tally:
+class Tally(plans.Tally):
     """Of one kind of cells. `ratios`: of each arrival the error that is reported over the worst that was realised;
     `deepest_m`: the contact that came nearest to what was allowed, beside it."""
 
-    planned: int = 0
-    refused: Counter[str] = field(default_factory=Counter)
     runs: int = 0
     collisions: int = 0
-    faults: Counter[str] = field(default_factory=Counter)
     deepest_m: float = 0.0
     deepest_allowed_m: float = 0.0
     ratios: list[float] = field(default_factory=list)
-    unchecked: Refused = field(default_factory=Refused)
 
     def add(self, outcome: Outcome, runs: int) -> None:
-        self.planned += 1
+        self.looked += 1
         self.runs += runs
         self.collisions += outcome.collisions
         self.faults.update(fault.kind for fault in outcome.faults)
         self.ratios += [said / worst for _, said, worst in outcome.errors if worst > 0.0]
-        if self.deepest_allowed_m == 0.0 or (
-            outcome.deepest_allowed_m > 0.0
-            and outcome.deepest_m - outcome.deepest_allowed_m > self.deepest_m - self.deepest_allowed_m
-        ):
-            self.deepest_m, self.deepest_allowed_m = outcome.deepest_m, outcome.deepest_allowed_m
+        self._deepest(outcome.deepest_m, outcome.deepest_allowed_m)
 
-    def merged(self, other: Tally) -> None:
+    def _deepest(self, m: float, allowed_m: float) -> None:
+        if self.deepest_allowed_m == 0.0 or (
+            allowed_m > 0.0 and m - allowed_m > self.deepest_m - self.deepest_allowed_m
+        ):
+            self.deepest_m, self.deepest_allowed_m = m, allowed_m
+
+    def merged(self, other: plans.Tally) -> None:
         """Adds another kind's."""
-        deepest = max((self, other), key=lambda t: (t.deepest_allowed_m > 0.0, t.deepest_m - t.deepest_allowed_m))
-        self.deepest_m, self.deepest_allowed_m = deepest.deepest_m, deepest.deepest_allowed_m
-        self.planned, self.runs = self.planned + other.planned, self.runs + other.runs
-        self.collisions += other.collisions
-        self.unchecked.merged(other.unchecked)
-        self.refused.update(other.refused)
-        self.faults.update(other.faults)
-        self.ratios += other.ratios
+        super().merged(other)
+        if isinstance(other, Tally):
+            self._deepest(other.deepest_m, other.deepest_allowed_m)
+            self.runs, self.collisions = self.runs + other.runs, self.collisions + other.collisions
+            self.ratios += other.ratios
 
     @property
     def median(self) -> float | None:
@@ -64,37 +61,43 @@ class Tally:
 
     @property
     def clean(self) -> bool:
-        return not self.faults and not self.unchecked.unknown
+        return super().clean and (self.median or 0.0) <= LARGEST_MEDIAN
+
+    def row(self) -> dict[str, str]:
+        deep = self.deepest_allowed_m > 0.0
+        return {
+            "accepted": str(self.looked),
+            "refused": str(self.refused.total()),
+            "runs": str(self.runs),
+            "collisions": str(self.collisions),
+            "faults": str(self.faults.total() + self.unchecked.unknown),
+            "contact mm": f"{self.deepest_m * 1e3:.3f}" if deep else "",
+            "allowed mm": f"{self.deepest_allowed_m * 1e3:.3f}" if deep else "",
+            "reported / worst": "" if self.median is None else f"{self.median:.3f}",
+            "max": f"{max(self.ratios):.2f}" if self.ratios else "",
+        }
 
 
 def campaign(
-    plans: int, seed: int, out: Path | None = None, realisations: int = REALISATIONS, checked: bool = False
+    count: int | None, seed: int, out: Path | None = None, realisations: int = REALISATIONS
 ) -> Iterator[dict[str, Tally]]:
-    """Cells of all kinds in turn, until `plans` were accepted: after each cell what was found so far, by kind.
+    """Cells of all kinds in turn, until `count` plans were accepted (None: for ever): after each cell what was found so
+    far, by kind.
 
     A plan of which a run keeps a promise not, and one that the checker refuses, is written to `out` as a request, with
     what went wrong beside it.
-    `checked`: every plan goes through the checker, too.
     """
     found = {kind: Tally() for kind in KINDS}
     number, accepted = 0, 0
-    while accepted < plans:
-        kind = list(KINDS)[number % len(KINDS)]
-        own = seed * 1_000_000 + number // len(KINDS)
+    while count is None or accepted < count:
+        kind, own = list(KINDS)[number % len(KINDS)], plans.own_seed(seed, number // len(KINDS))
         number += 1
-        accepted += counted(found[kind], kind, own, random_cell(kind, own), out, realisations, checked)
+        accepted += counted(found[kind], kind, own, random_cell(kind, own), out, realisations)
         yield found
 
 
 ELBOW = "start.elbow"
 """The field of the one fault that a random cell may have: its arm cannot stand there with its elbow on that side."""
-
-
-def as_si(document: object) -> Document:
-    """A request as the simulation reads it: every quantity in SI, what is silent left out."""
-    from assur.scenes.requests import validate
-
-    return dict(validate(document).model_dump(mode="json", exclude_unset=True, by_alias=True))
 
 
 def counted(
@@ -104,22 +107,17 @@ def counted(
     request: Document,
     out: Path | None = None,
     realisations: int = REALISATIONS,
-    checked: bool = False,
 ) -> bool:
     """Whether the plan of a cell of this kind and seed was accepted, which was run then; the tally counts it, or why it
-    was refused. Raises `InputError` for a request that is at fault in anything but `ELBOW`."""
-    from assur.planner.errors import InputError
-    from assur.scenes.requests import check_document, plan_document
-
-    try:
-        answer = plan_document(request, certificate="full" if checked else "digest")
-    except InputError as error:
-        if error.field != ELBOW:
-            raise
+    was refused. Raises `ValueError` for a request that is at fault in anything but `ELBOW`."""
+    answer, fault = planned(request)
+    if answer is None:
+        if fault != ELBOW:
+            raise ValueError(f"{kind}, seed {seed}: bad input in {fault}")
         tally.refused[ELBOW] += 1
         return False
     found, faults = bool(answer["status"] == "planned"), list[Document]()
-    findings: list[Any] = list(check_document(request, answer)["findings"]) if found and checked else []
+    findings = checked(request, answer) if found else []
     if found:
         outcome, real = simulated(request, answer, realisations, np.random.default_rng(seed))
         tally.add(outcome, realisations)

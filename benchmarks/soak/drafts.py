@@ -138,7 +138,7 @@ def drafted(rng: np.random.Generator, model: str, tool: str) -> Draft:
             "frames": {},
             "bodies": [],
             "task": [],
-            "options": _options(draft),
+            "options": options_of(draft),
             "execution": _execution(draft, given, list(joints)),
         }
     )
@@ -183,7 +183,8 @@ def _tool(draft: Draft, kind: str, length: float, down: bool) -> Document:
     return tool
 
 
-def _options(draft: Draft) -> Document:
+def options_of(draft: Draft) -> Document:
+    """The options of a random cell."""
     found: Document = {
         "seed": int(draft.rng.integers(1000)),
         "budget_s": 60,

@@ -4,7 +4,8 @@ Every solid stays upright. A box, an upright cylinder, a capsule along an axis a
 rounded by a radius) times an interval of heights, enlarged by a ball. Of two such products the gap is that of the flat
 cores and that of the heights put together: their hypotenuse where both are apart, else the larger of both, which is
 then minus the depth of the overlap; the balls are subtracted. A cylinder that lies and a mesh are looked at as that
-box which holds them, and, where the box comes too near, point by point (`exact.py`).
+box which holds them, and, where the box comes too near, by `coal`, a mesh triangle by triangle: each of them is convex,
+so the depth of an overlap is known, too.
 """
 
 from __future__ import annotations
@@ -13,10 +14,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import coal
 import numpy as np
 import trimesh
+from numpy.typing import NDArray
 
-from benchmarks.soak.exact import Placed, nearest_gap
+from benchmarks.oracle.places import Places
 from benchmarks.soak.poses import Document, Floats, Poses, si
 
 ASSETS = Path(__file__).resolve().parents[2] / "scenes" / "assets"
@@ -103,8 +106,102 @@ def gaps(a: Solid, at: Poses, b: Solid, beside: Poses, enough: float) -> Floats:
     elif b.triangles is not None and a.exact:
         found[near] = np.maximum(found[near], _triangle_gaps(b.triangles, beside[near], a, at[near], enough))
     for i in np.flatnonzero(found < enough):
-        found[i] = nearest_gap(_placed(a, at, int(i)), _placed(b, beside, int(i)), enough)
+        found[i] = _by_coal(a, at[i], b, beside[i], enough)
     return found
+
+
+def _by_coal(a: Solid, at: Poses, b: Solid, beside: Poses, enough: float) -> float:
+    """The gap of two solids, of which one at most is a mesh, at single poses, m; any lower bound of it that is
+    `enough`."""
+    if a.triangles is not None and b.triangles is not None:
+        raise ValueError("two meshes: the simulation does not look at them against each other")
+    if b.triangles is not None:
+        a, at, b, beside = b, beside, a, at
+    other, there = shape_of(b), Places.upright(beside)
+    if a.triangles is None:
+        return Gap(shape_of(a), other).at(Places.upright(at), there)
+    world, middle, half = at.then(Poses.of(a.triangles)).p, _middle(b, beside), [b.radius, b.radius, b.height]
+    apart = np.maximum(middle - half - world.max(axis=1), world.min(axis=1) - middle - half).max(axis=1)
+    found = [Gap(_triangle(corners), other).at(UNMOVED, there) for corners in world[apart < enough]]
+    return float(min(found)) if found else float(apart.min())
+
+
+def _triangle(corners: Floats) -> Shape:
+    """A triangle (3, 3) as a convex solid of no thickness."""
+    points, sides = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+    for corner in corners:
+        points.append(corner)
+    for order in ((0, 1, 2), (0, 2, 1)):
+        sides.append(coal.Triangle(*order))
+    return Shape(coal.Convex(points, sides), np.inf)
+
+
+UNMOVED = Places.at(np.zeros(3))
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A solid as `coal` has it: `geometry`, which is at `inner` in the body's frame; `radius`: of a ball about `inner`
+    that holds it, m; `mesh`: whether it is a surface, of which what is inside is not seen."""
+
+    geometry: Any
+    radius: float
+    inner: Places = UNMOVED
+    mesh: bool = False
+
+
+def shape_of(solid: Solid) -> Shape:
+    """The shape of a solid."""
+    if solid.triangles is not None:
+        model = coal.BVHModelOBBRSS()
+        model.beginModel(len(solid.triangles), 3 * len(solid.triangles))
+        for a, b, c in solid.triangles:
+            model.addTriangle(a, b, c)
+        model.endModel()
+        return Shape(model, float(np.linalg.norm(solid.triangles, axis=-1).max()), mesh=True)
+    half = solid.half_x, solid.half_y, solid.half_z
+    radius, axis = float(np.hypot(solid.radius, solid.height)), int(np.argmax(half))
+    if solid.lying is not None:
+        axis, r, length = solid.lying
+        return Shape(coal.Cylinder(r, 2.0 * length), radius, LYING[axis])
+    if solid.round_m:
+        return Shape(coal.Cylinder(solid.round_m, 2.0 * solid.half_z), radius)
+    if solid.ball:
+        geometry = coal.Capsule(solid.ball, 2.0 * half[axis]) if any(half) else coal.Sphere(solid.ball)
+        return Shape(geometry, radius, LYING[axis])
+    return Shape(coal.Box(*(2.0 * each for each in half)), radius)
+
+
+LYING = (Places.turned(1, np.pi / 2.0), Places.turned(0, -np.pi / 2.0), UNMOVED)
+"""By which turns what lies along z is turned to lie along x, y or z."""
+
+
+class Gap:
+    """The distance of two shapes, m: less than 0 where convex ones overlap, by the least way that would part them; 0
+    where a surface is crossed."""
+
+    def __init__(self, first: Shape, second: Shape) -> None:
+        self._one, self._other = first, second
+        self._distance = coal.ComputeDistance(first.geometry, second.geometry)
+        self._request, self._result = coal.DistanceRequest(), coal.DistanceResult()
+        self._request.enable_signed_distance = not (first.mesh or second.mesh)
+
+    def at(self, a: Places, b: Places) -> float:
+        """With both bodies at single places, as `among`."""
+        return float(self.among(Places(a.r[None], a.p[None]), Places(b.r[None], b.p[None]), np.zeros(1, dtype=int))[0])
+
+    def among(self, a: Places, b: Places, at: NDArray[np.int_]) -> Floats:
+        """At some (K,) of N places of both bodies, (K,) m. Raises `ValueError` where these are not finite: `coal` would
+        be silent."""
+        one, other = a[at].then(self._one.inner), b[at].then(self._other.inner)
+        if not (np.isfinite(one.p).all() and np.isfinite(other.p).all()):
+            raise ValueError("a place that is not finite")
+        found, place = np.empty(len(at)), coal.Transform3s
+        for k in range(len(at)):
+            self._result.clear()
+            first, second = place(one.r[k], one.p[k]), place(other.r[k], other.p[k])
+            found[k] = self._distance(first, second, self._request, self._result)
+        return found
 
 
 CHUNK = 2000
@@ -145,13 +242,6 @@ def _along_axes(corners: Floats, half: Floats, round_m: float, ball: float) -> F
         gap = np.maximum(along.min(axis=1), -along.max(axis=1)) - reach
         found = np.where(length > 1e-12, np.maximum(found, gap), found)
     return found
-
-
-def _placed(solid: Solid, at: Poses, i: int) -> Placed:
-    half = np.array([solid.half_x, solid.half_y, solid.half_z])
-    return Placed(
-        at.p[i], float(at.yaw[i]), np.array(solid.offset), half, solid.round_m, solid.ball, solid.triangles, solid.lying
-    )
 
 
 def _middle(solid: Solid, at: Poses) -> Floats:

@@ -3,15 +3,16 @@ The short ones are all served, at most twice as slowly as without the greedy one
 
 from __future__ import annotations
 
+import hashlib
 import json
 import statistics
 import threading
 import time
 from collections import Counter
 from collections.abc import Callable
+from pathlib import Path
 
 from benchmarks.soak_service.client import Client, Reply
-from benchmarks.soak_service.keys import keys_file
 from benchmarks.soak_service.row import NotThereError, Numbers, Row, Run
 from benchmarks.soak_service.served import Service, served
 
@@ -157,3 +158,12 @@ ROW = Row(
     told,
     judge_times,
 )
+
+
+def keys_file(folder: Path, names: list[str]) -> tuple[Path, dict[str, str]]:
+    """A file for ASSUR_KEYS_FILE with a key for each name, and the keys by name."""
+    keys = {name: hashlib.sha256(f"soak {name}".encode()).hexdigest() for name in names}
+    path = folder / "keys.json"
+    hashed = [{"name": name, "sha256": hashlib.sha256(key.encode()).hexdigest()} for name, key in keys.items()]
+    path.write_text(json.dumps({"schema": "assur-keys/1", "keys": hashed}), encoding="utf-8")
+    return path, keys

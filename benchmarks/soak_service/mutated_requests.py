@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.soak_service.client import Client, Reply
-from benchmarks.soak_service.described import description, statuses
 from benchmarks.soak_service.mutations import MILD, Mutant, mutant
 from benchmarks.soak_service.row import Numbers, Row, RowError, Run, above
 from benchmarks.soak_service.served import Service, Watch, served
@@ -222,3 +221,27 @@ ROW = Row(
     judge,
     told,
 )
+
+
+def description(service: Service) -> dict[str, Any]:
+    """The description of a running service."""
+    client = service.client()
+    reply = client.get("/openapi.json")
+    client.close()
+    document = reply.document()
+    if reply.status != 200 or not isinstance(document, dict):
+        raise RowError(f"/openapi.json was answered with {reply.status} {reply.fault}".strip())
+    return document
+
+
+def statuses(document: dict[str, Any], method: str, path: str) -> set[int]:
+    """The statuses that the description has for an operation; all of a hundred where it says 5XX, all for default."""
+    found: set[int] = set()
+    for status in document["paths"][path][method.lower()]["responses"]:
+        if status == "default":
+            found |= set(range(100, 600))
+        elif status.upper().endswith("XX"):
+            found |= set(range(100 * int(status[0]), 100 * int(status[0]) + 100))
+        else:
+            found.add(int(status))
+    return found

@@ -1,4 +1,7 @@
-"""Checks claims without trusting who made them, and proofs of refusals: `assur.planner.checked` is the entry for plans."""
+"""Checks claims without trusting who made them, and proofs of refusals.
+
+`assur.planner.checked` is the entry for plans.
+"""
 
 from __future__ import annotations
 

@@ -67,6 +67,8 @@ class Code(StrEnum):
     """A control point is met in another working mode than is asked or stated."""
     SINGULARITY = "SINGULARITY"
     """Nearer to a singular position than `singularity_margin` allows, or than is stated."""
+    SEPARATION = "SEPARATION"
+    """Two bodies are not shown to keep the required distance."""
     DISTANCE = "DISTANCE"
     """A smaller distance is required of a pair, or for a shorter time."""
     ROW = "ROW"
@@ -87,15 +89,6 @@ class Code(StrEnum):
     """Something else that the answer says beside its plan is not so: contacts, or what it repeats of the request."""
     REFUSAL = "REFUSAL"
     """A refusal that is said to be proved is not shown to be, or says what is not so."""
-    # of the checker before
-    ASSEMBLY = "ASSEMBLY"
-    MATCH = "MATCH"
-    TRACKING = "TRACKING"
-    CARRY = "CARRY"
-    VIA = "VIA"
-    LAW_ENDS = "LAW_ENDS"
-    NORMAL = "NORMAL"
-    SEPARATION = "SEPARATION"
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from assur.planner.claim.guides import LATER_S
 from assur.planner.claim.points import MEET_M
+from assur.planner.claim.unstated import unstated
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import EXACT
 from assur.planner.model.arrival_error import ArrivalError
@@ -30,13 +32,16 @@ def errors_of(scene: Scene, plan: Plan, phases: Sequence[Phase]) -> list[Row]:
 
 def _row(scene: Scene, arrival: Arrival, error: ArrivalError, phases: Sequence[Phase]) -> Row:
     step, tcp, within = scene.task[arrival.step], scene.tool.tcp, error.within
-    number = next(
+    done = [
         k
         for k, phase in enumerate(phases)
         if phase.step == arrival.step
-        and phase.t1 == arrival.until
+        and abs(phase.t1 - arrival.until) <= LATER_S
         and (phase.kind is LegKind.FOLLOW if step.tracks else phase.kind is not LegKind.WAIT)
-    )
+    ]
+    if not done:
+        raise unstated(f"{step.name}, which no leg ends at")
+    number = done[0]
     attached, handled = phases[number].attached, phases[number].handled
     frame, point = attached.point(scene, step)
     tool, off, arm = tcp, EXACT, 0.0

@@ -42,6 +42,8 @@ class _Limits(NamedTuple):
 
 LINE = _Limits(TRACKED_M, 0.9 * TRACKED_M)
 PATH = _Limits(0.65 * TRACKED_M, 0.58 * TRACKED_M, 0.3 * TRACKED_M)
+LATER_S = 1e-9
+"""So much later than its arrival a leg may end, s, in a motion through other knots."""
 STEPS = 4
 """Steps to the nearest place on a path."""
 Row = tuple[float, ...]
@@ -55,7 +57,7 @@ def guides_of(scene: Scene, plan: Plan) -> list[Row]:
             found += _traced(scene, plan, step, arrival)
         elif isinstance(step, Move) and step.leg == "cartesian":
             legs = [leg for leg in plan.legs if leg.step == arrival.step and leg.kind is not LegKind.WAIT]
-            legs = [leg for leg in legs if leg.t1 <= arrival.time]
+            legs = [leg for leg in legs if leg.t1 <= arrival.time + LATER_S]
             t = _samples(plan.trajectory, legs[0].t0, legs[-1].t1)
             if step.path:
                 found += _along_path(scene, plan, step, t)

@@ -11,6 +11,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
+from assur.planner.claim.guides import LATER_S
 from assur.planner.claim.lifts import NEAR, Row, arches_of
 from assur.planner.claim.points import MEET_RAD, MEET_RAD_S, TRACKED_RAD
 from assur.planner.model.outcome import TRACKING, Arrival, Leg, LegKind, Plan
@@ -88,7 +89,7 @@ def _met(plan: Plan, legs: list[Leg], arrival: Arrival, hand: FloatArray) -> lis
 def _along(plan: Plan, step: Step, legs: list[Leg], arrival: Arrival, hand: FloatArray) -> list[Row]:
     """Along a straight leg or a path pitch and roll go from those at its begin to those at its end: a row across that
     way and one along it."""
-    own = [leg for leg in legs if leg.t1 <= arrival.time]
+    own = [leg for leg in legs if leg.t1 <= arrival.time + LATER_S]
     if not (step.leg == "cartesian" and own):
         return []
     t0, t1 = own[0].t0, own[-1].t1

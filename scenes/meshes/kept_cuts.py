@@ -9,21 +9,20 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Literal
 
-from assur.planner.errors import FaultError, InputError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from assur.planner.errors import FaultError
 from assur.planner.geometry.shapes import Hull
 from assur.scenes.meshes.cover import MAX_PIECES, Cover, Cuts, cover_by
 from assur.scenes.meshes.parts import Parts
 from assur.scenes.meshes.surface import Surface
-from assur.scenes.text.json_text import parse_json
 
 FORM = "assur-cover/1"
 """Mark of the file."""
-KEYS = {"form", "version", "mesh", "convex", "planes", "groups", "excess_m", "hulls"}
 
 
 class KeptCutsError(Exception):
@@ -32,6 +31,20 @@ class KeptCutsError(Exception):
     def __init__(self, why: str, *, other: bool = False) -> None:
         super().__init__(why)
         self.other = other
+
+
+class _Kept(BaseModel):
+    """The file, as `Cuts` has it, with the digest of the hulls that come of it."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+    form: Literal["assur-cover/1"]
+    version: str
+    mesh: str
+    convex: bool
+    planes: Annotated[tuple[tuple[int, Literal[0, 1, 2], float], ...], Field(max_length=MAX_PIECES - 1)]
+    groups: tuple[tuple[int, ...], ...]
+    excess_m: Annotated[float, Field(ge=0.0)]
+    hulls: str
 
 
 @cache
@@ -65,17 +78,15 @@ def cover_from(content: bytes, mesh: str, surface: Surface) -> Parts[Cover]:
     """The cover of a surface with the cuts in a file. Raises `KeptCutsError` for a file that is torn, of another mesh,
     or does not give the hulls that it was made with."""
     try:
-        document = parse_json(content)
-    except InputError as error:
-        raise KeptCutsError("no JSON") from error
-    if not (isinstance(document, dict) and document.keys() == KEYS and document["form"] == FORM):
-        raise KeptCutsError("other fields")
-    if document["mesh"] != mesh:
+        kept = _Kept.model_validate_json(content, strict=True)
+    except ValidationError as error:
+        raise KeptCutsError("no file of cuts") from error
+    if kept.mesh != mesh:
         raise KeptCutsError("another mesh")
-    if document["version"] != version():
+    if kept.version != version():
         raise KeptCutsError("another version", other=True)
-    cover = yield from cover_by(surface, _cuts(document))
-    if hulls_digest(cover) != document["hulls"]:
+    cover = yield from cover_by(surface, _cuts(kept))
+    if hulls_digest(cover) != kept.hulls:
         raise KeptCutsError("other hulls")
     return cover
 
@@ -91,29 +102,14 @@ def hulls_digest(cover: Cover) -> str:
     return found.hexdigest()
 
 
-def _cuts(document: dict[str, Any]) -> Cuts:
-    convex, planes, groups, excess = (document[key] for key in ("convex", "planes", "groups", "excess_m"))
-    if not (isinstance(convex, bool) and isinstance(planes, list) and isinstance(groups, list)):
-        raise KeptCutsError("fields of other types")
-    if not (len(planes) < MAX_PIECES and (not convex or planes == [])):
+def _cuts(kept: _Kept) -> Cuts:
+    if kept.convex and kept.planes:
         raise KeptCutsError("too many cuts")
-    if not (type(excess) in (int, float) and math.isfinite(excess) and excess >= 0):
-        raise KeptCutsError("an excess that is no length")
     cells = {0}
-    for i, plane in enumerate(planes):
-        if not (isinstance(plane, list) and len(plane) == 3 and all(type(x) is int for x in plane[:2])):
-            raise KeptCutsError("a cut that is none")
-        number, axis, at = plane
-        if not (number in cells and axis in (0, 1, 2) and type(at) in (int, float) and math.isfinite(at)):
+    for i, (number, _, _) in enumerate(kept.planes):
+        if number not in cells:
             raise KeptCutsError("a cut of no cell")
         cells = (cells - {number}) | {2 * i + 1, 2 * i + 2}
-    if not all(isinstance(group, list) and all(type(x) is int for x in group) for group in groups):
-        raise KeptCutsError("a group that is none")
-    if sorted(x for group in groups for x in group) != sorted(cells):
+    if sorted(x for group in kept.groups for x in group) != sorted(cells):
         raise KeptCutsError("groups of other cells")
-    return Cuts(
-        convex,
-        tuple((number, axis, float(at)) for number, axis, at in planes),
-        tuple(tuple(group) for group in groups),
-        float(excess),
-    )
+    return Cuts(kept.convex, kept.planes, kept.groups, kept.excess_m)

@@ -19,9 +19,9 @@ from assur.planner.arrays import FloatArray
 from assur.planner.geometry.containment import winding_number
 from assur.planner.geometry.shapes import Hull
 from assur.scenes.meshes.clip import SAME_M, clip
+from assur.scenes.meshes.cover import convex_groups
 from assur.scenes.meshes.excess import doubled_area
 from assur.scenes.meshes.hull import hull_of, rough_hull, simpler, volume_of_hull
-from assur.scenes.meshes.merge import convex_groups
 from assur.scenes.meshes.surface import Surface
 
 SHARES = (0.5, 0.25, 0.75)

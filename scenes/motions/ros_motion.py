@@ -18,9 +18,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.scenes.bounds import LONG_S, MAX_JOINTS, MAX_JSON_BYTES
 from assur.scenes.faults import NOTHING, WHOLE, DocumentError, Path, dotted
-from assur.scenes.motions.clock import seconds
-from assur.scenes.motions.joint_names import listed
-from assur.scenes.motions.motion import STATES, TIME, Motion, Track, largest
+from assur.scenes.motions.motion import STATES, TIME, Motion, Track, largest, listed, seconds
 from assur.scenes.text.json_text import parse_json
 from assur.scenes.text.yaml_text import Lines, parse_documents
 

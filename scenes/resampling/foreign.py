@@ -11,8 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from assur.planner.checked import check_motion
-from assur.planner.checked import check
+from assur.planner.checked import check, check_motion
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover

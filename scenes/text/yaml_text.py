@@ -17,7 +17,7 @@ import yaml
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_DEPTH, MAX_YAML_BYTES
 from assur.scenes.faults import WHOLE, DocumentError, Path, dotted
-from assur.scenes.text.json_faults import not_utf8
+from assur.scenes.text.json_text import not_utf8
 from assur.scenes.text.scalars import Refused, real, whole
 
 NULL = re.compile(r"(?:|~|null|Null|NULL)\Z")

@@ -24,16 +24,14 @@ from assur.scenes.schema.robots import ArmDocument
 from assur.scenes.schema.stated import Status
 from assur.scenes.text.yaml_text import parse_yaml
 from assur.scenes.urdf import agreement, solids
-from assur.scenes.urdf.arm_text import ArmText
-from assur.scenes.urdf.bodies import angles, body_of, free_name, shared_head
+from assur.scenes.urdf.arm_text import ArmText, angles, body_of, free_name, shared_head
 from assur.scenes.urdf.carriers import Carrier, carrier_of, self_pairs
 from assur.scenes.urdf.chain import chain_to, told_of
-from assur.scenes.urdf.limits import Limits, limits_of
-from assur.scenes.urdf.limits_file import LimitsFile, read_limits
+from assur.scenes.urdf.families import arm_in
+from assur.scenes.urdf.limits import Limits, LimitsFile, limits_of, read_limits
 from assur.scenes.urdf.mesh_files import mesh_triangles
 from assur.scenes.urdf.plausible import implausible, size_of
 from assur.scenes.urdf.reader import read_tree
-from assur.scenes.urdf.recognising import arm_in
 from assur.scenes.urdf.refusals import ImportRefused, Lack, OfNoFamily, Unsuitable
 from assur.scenes.urdf.solids import Covering, Part
 from assur.scenes.urdf.srdf import Semantics, read_srdf

@@ -1,7 +1,9 @@
-"""The tree of links and joints that a URDF says, with the solids of its links, as plain data in metres and radians."""
+"""The tree of links and joints that a URDF says, with the solids of its links, as plain data in metres and radians; and
+turns as a URDF writes them, as rotation matrices, in which multiples of a right angle have no rounding."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -140,3 +142,39 @@ class Tree:
             joint = joints[name]
             joints[name] = replace(joint, kind="fixed", origin=joint.motion(np.array(value)), mimics=None)
         return replace(self, joints=joints)
+
+
+def turned(axis: Literal["x", "y", "z"], angle: float) -> FloatArray:
+    """A rotation (3, 3) about an axis by an angle, rad."""
+    c, s = math.cos(angle), math.sin(angle)
+    quarter = angle / (math.pi / 2)
+    if quarter == round(quarter):
+        c, s = float(round(c)), float(round(s))
+    i = "xyz".index(axis)
+    j, k = (i + 1) % 3, (i + 2) % 3
+    found = np.eye(3)
+    found[j, j] = found[k, k] = c
+    found[j, k], found[k, j] = -s, s
+    return found
+
+
+def of_rpy(roll: float, pitch: float, yaw: float) -> FloatArray:
+    """A rotation (3, 3) by roll, pitch and yaw about the fixed x, y and z axes, in this order, rad."""
+    found: FloatArray = turned("z", yaw) @ turned("y", pitch) @ turned("x", roll)
+    return found
+
+
+def of_quaternion(x: float, y: float, z: float, w: float) -> FloatArray:
+    """The rotation (3, 3) of a quaternion of any length above 0."""
+    # the division comes last: equal components then make exact zeros and ones
+    square = x * x + y * y + z * z + w * w
+    return (
+        np.array(
+            [
+                [(x * x + w * w - y * y - z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+                [2.0 * (x * y + w * z), (y * y + w * w - x * x - z * z), 2.0 * (y * z - w * x)],
+                [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), (z * z + w * w - x * x - y * y)],
+            ]
+        )
+        / square
+    )

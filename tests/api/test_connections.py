@@ -22,8 +22,7 @@ from uvicorn.server import ServerState
 from assur.api.problems import Problem
 from assur.api.web import body_reader
 from assur.api.web.addresses import network
-from assur.api.web.body_reader import Reading
-from assur.api.web.chunks import CHUNK_BYTES, FIRST_CHUNKS
+from assur.api.web.body_reader import CHUNK_BYTES, FIRST_CHUNKS, Reading
 from assur.api.web.connections import AGAIN, LOOK_S
 from assur.api.web.serve import Server, listening, made
 from assur.api.web.settings import Settings

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from assur.api import container
-from assur.api.container import memory_mib, processors
+from assur.api.web import settings as container
 from assur.api.web import settings as settings_module
-from assur.api.web.settings import LEAST_MIB, WEB_MIB, Settings
+from assur.api.web.settings import LEAST_MIB, WEB_MIB, Settings, memory_mib, processors
 from assur.api.workers.memory import MEMORY_MIB
 from assur.planner.errors import InputError
 

@@ -17,6 +17,7 @@ from assur.api.problems import Problem
 from assur.api.web.job_store import JobStore
 from assur.api.web.service import Order, Service
 from assur.api.web.settings import Settings
+from assur.api.workers import jobs
 from assur.api.workers.client import Client, Demand
 from assur.api.workers.pool import Work
 from tests.api.running import running
@@ -254,7 +255,7 @@ def test_a_check_of_a_large_body_does_not_count_as_short() -> None:
             seen.append(order)
 
         service.do = do  # type: ignore[method-assign, assignment]
-        await service.check(b" " * size, ANYONE)
+        await service.quick(jobs.check, ANYONE, b" " * size)
         return seen[0].demand
 
     small, large = asyncio.run(asked(1 << 20)), asyncio.run(asked((1 << 20) + 1))

@@ -20,7 +20,7 @@ import pytest
 
 from assur.api.log_lines import LONGEST_LINE, AtOnce, Later
 from assur.api.workers.jobs import FIRST_PLAN
-from assur.api.workers.start_failures import why_not_started
+from assur.api.workers.pool import why_not_started
 from assur.api.workers.worker_process import CrashedError
 
 ROOT = Path(__file__).parents[2]

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from assur.api.container import processors
-from assur.api.web.settings import PREFIX, Settings
+from assur.api.web.settings import PREFIX, Settings, processors
 from assur.planner.errors import InputError
 
 PAGE = Path(__file__).parents[2] / "docs" / "operating.md"

@@ -12,7 +12,7 @@ import pytest
 from assur.api.problems import Problem
 from assur.api.web.service import SMALL_BYTES, Service
 from assur.api.web.settings import Settings
-from assur.api.web.turns import Turns
+from assur.api.web.uploads import Turns
 from assur.api.workers.client import Client
 from assur.api.workers.jobs import FIRST_PLAN
 

@@ -37,7 +37,7 @@ scenes/reading: frames
 scenes/schema: frames
 """
 FAMILIES = """
-api/cli: import_report
+api/cli: robots_group
 planner/bound: duration guided places
 planner/checker: along laws motion uncertainty
 planner/checker/claims: error_terms postures
@@ -52,7 +52,7 @@ scenes: robot_facts
 scenes/exports: recipe
 scenes/reading: arms loads start
 scenes/schema: robots
-scenes/urdf: arm_text bodies carriers families importing recognising
+scenes/urdf: arm_text carriers families importing
 """
 DISTANCES = """
 planner/checker: rows

@@ -11,7 +11,6 @@ import pytest
 from assur.scenes.requests import scene_of
 from benchmarks import figures
 from benchmarks.best_known import PATH, read, worst
-from benchmarks.cells import aside, crowd
 from benchmarks.figures import Figure, figure, finish
 from benchmarks.first_answer import OURS, figures_of
 from benchmarks.judged import SETS, label, problem_set
@@ -19,7 +18,7 @@ from benchmarks.machine import ROOT, machine
 from benchmarks.peers.running import NEEDS, REQUIREMENTS, peers
 from benchmarks.recheck.findings import Finding
 from benchmarks.report import BLOCKS, MARKED, PAGE, SCRIPTS, filled, results
-from benchmarks.scaling import FEW_SIZES
+from benchmarks.scaling import FEW_SIZES, aside, crowd
 from benchmarks.scaling import figures_of as scaling_figures
 from benchmarks.session import moved
 from benchmarks.side_by_side import fatal

@@ -26,11 +26,10 @@ from benchmarks.oracle.nearest import nearest_of
 from benchmarks.oracle.places import Places, about
 from benchmarks.oracle.promises import broken_promises
 from benchmarks.oracle.running import CAMPAIGNS, Going, run
-from benchmarks.oracle.shapes import Gap, Shape
 from benchmarks.oracle.traces_kept import arc, line, on_path
 from benchmarks.soak.drafts import FIVE_BAR, SCARAS, THREE_AXES
 from benchmarks.soak.poses import Document, Poses
-from benchmarks.soak.solids import gaps, solid_of
+from benchmarks.soak.solids import Gap, gaps, shape_of, solid_of
 from tests.benchmarks.test_soak import SHAPES
 
 MODELS = (*SCARAS, THREE_AXES, FIVE_BAR, *TILTING)
@@ -48,7 +47,7 @@ def test_the_simulations_own_gaps_are_those_of_coal(first: str, second: str) -> 
     at = Poses(rng.uniform(-0.1, 0.1, (n, 3)), rng.uniform(-3, 3, n))
     beside = Poses(rng.uniform(-0.1, 0.1, (n, 3)), rng.uniform(-3, 3, n))
     own = gaps(solid_of(one), at, solid_of(other), beside, np.inf)
-    a, b = Shape(one), Shape(other)
+    a, b = shape_of(solid_of(one)), shape_of(solid_of(other))
     by_coal = Gap(a, b).among(Places.upright(at), Places.upright(beside), np.arange(n))
     apart = by_coal > 1e-6
     assert apart.any() or n < 40
@@ -60,7 +59,7 @@ def test_the_simulations_own_gaps_are_those_of_coal(first: str, second: str) -> 
 
 
 def test_a_place_that_is_not_finite_is_refused() -> None:
-    gap, here = Gap(Shape(SHAPES["box"]), Shape(SHAPES["sphere"])), Places.at(np.zeros(3))
+    gap, here = Gap(shape_of(solid_of(SHAPES["box"])), shape_of(solid_of(SHAPES["sphere"]))), Places.at(np.zeros(3))
     assert gap.at(here, Places.at([1.0, 0.0, 0.0])) == pytest.approx(0.9, abs=1e-6)
     with pytest.raises(ValueError, match="not finite"):
         gap.at(here, Places.at([np.nan, 0.0, 0.0]))

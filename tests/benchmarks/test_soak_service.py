@@ -19,11 +19,21 @@ from assur.scenes.requests import shipped
 from benchmarks.machine import ROOT
 from benchmarks.soak_service import mutated_requests, schemathesis_phases
 from benchmarks.soak_service.client import Client, Reply, until
-from benchmarks.soak_service.described import statuses
 from benchmarks.soak_service.killed_workers import lost_beyond
 from benchmarks.soak_service.large_bodies import of_megabytes, torus
-from benchmarks.soak_service.mutations import LONGER_BUDGET_S, MILD, OF_TEXT, WRONG, mutant, text_of
-from benchmarks.soak_service.places import every_place, put, removed, value_at
+from benchmarks.soak_service.mutated_requests import statuses
+from benchmarks.soak_service.mutations import (
+    LONGER_BUDGET_S,
+    MILD,
+    OF_TEXT,
+    WRONG,
+    every_place,
+    mutant,
+    put,
+    removed,
+    text_of,
+    value_at,
+)
 from benchmarks.soak_service.proxy import substituted
 from benchmarks.soak_service.row import (
     IN_PART,
@@ -181,7 +191,7 @@ GOOD: dict[str, Numbers] = {
         "turned_away": 3,
         "checks": 800,
     },
-    "schemathesis": {"asked": 10, "cases": 12, "failures": 0, "exit_code": 0, "phases": [*schemathesis_phases.PHASES]},
+    "schemathesis": {"asked": 10, "cases": 12, "failures": 0, "phases": [*schemathesis_phases.PHASES]},
     "killed-workers": {
         "seconds": 600,
         "kills": 118,
@@ -237,7 +247,6 @@ BAD: list[tuple[str, tuple[Any, ...], Any]] = [
     ("schemathesis", ("failures",), None),
     ("schemathesis", ("cases",), 9),
     ("schemathesis", ("phases",), ["examples", "coverage", "stateful"]),
-    ("schemathesis", ("exit_code",), 1),
     *(("killed-workers", (name,), 1) for name in ("lost_beyond", "quarantined", "wrong", "zombies")),
     ("killed-workers", ("web_growth_mib",), 100.0),
     ("killed-workers", ("kills",), 3),
@@ -319,12 +328,6 @@ def test_a_row_that_cannot_be_measured_is_a_result(tmp_path: Path) -> None:
         row = Row("x", "", "", "", raising(error), lambda _: [], lambda _: "")
         result = run_row(row, quiet(tmp_path))
         assert (result.verdict, result.reasons) == (verdict, [str(error)])
-
-
-def test_the_result_of_the_runner_is_read() -> None:
-    text = '{"cases": 12, "failures": ["a"], "phases": ["fuzzing", "coverage"]}'
-    assert schemathesis_phases.summary(text) == {"cases": 12, "failures": 1, "phases": ["coverage", "fuzzing"]}
-    assert schemathesis_phases.summary("Traceback\n")["failures"] is None
 
 
 # the table

@@ -45,12 +45,12 @@ def test_every_obstacle_is_where_the_recheck_sees_it_at_every_time(problems: Pro
             assert not piece.position.any()
             assert np.abs(motion.p - seen.centre).max() <= SAME_M
             assert _turn(motion.yaw - seen.yaw).max() <= SAME_M
-            assert np.allclose(piece.rotation, seen.solid.attitude, atol=1e-15)
-            # The outline of the recheck and the support of the planner's shape reach equally far along the axes.
+            # The solid of the recheck and the planner's shape reach equally far along the axes.
             shape, solid = piece.shape, seen.solid
-            half = np.abs(solid.attitude @ np.array(shape.half)) + shape.disc + shape.ball  # type: ignore[union-attr]
-            assert half[0] == pytest.approx(solid.half_x + solid.round_m, abs=1e-15)
-            assert half[1] == pytest.approx(solid.half_y + solid.round_m, abs=1e-15)
+            half = np.abs(piece.rotation @ np.array(shape.half)) + shape.ball  # type: ignore[union-attr]
+            wide = np.array([solid.half_x, solid.half_y, solid.half_z]) + solid.ball
+            np.testing.assert_allclose(half, wide, atol=1e-15)
+            assert shape.disc == solid.round_m  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize("problems", SETS.values(), ids=SETS)

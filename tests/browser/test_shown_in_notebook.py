@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser
 
-from assur.api.python.shown import Shown
+from assur.api.python.answer import Shown
 from tests.browser.conftest import SIZE, report
 from tests.browser.opened_page import PATIENCE_S, Opened
 

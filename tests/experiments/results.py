@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from assur.experiments.experiment import Result
-from assur.experiments.registry import ENTRIES
+from assur.experiments.reproduce import ENTRIES
 
 
 @cache

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from assur.experiments import five_bar
-from assur.experiments.five_bar_places import elbows, on_curve
+from assur.experiments.five_bar import elbows, on_curve
 from assur.experiments.five_bar_workspace import workspace
 from assur.planner.robots.five_bar import MODES
 from tests.experiments.results import result

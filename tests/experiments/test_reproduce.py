@@ -15,8 +15,7 @@ import pytest
 
 from assur.experiments import figures
 from assur.experiments.experiment import Drawing, paragraphs
-from assur.experiments.registry import ENTRIES
-from assur.experiments.reproduce import chosen, reproduce
+from assur.experiments.reproduce import ENTRIES, chosen, reproduce
 from assur.planner.errors import FaultError, InputError
 from tests.architecture.source_tree import PRODUCT, ROOT, imports, sources
 from tests.experiments.results import result
@@ -156,7 +155,7 @@ def test_matplotlib_has_one_door() -> None:
     [
         "from assur.api.web.app import create_app\ncreate_app()",
         "import assur.api.command_line",
-        "from assur.experiments.registry import ENTRIES\n[e for e in ENTRIES if e.name == 'modes'][0].run()",
+        "from assur.experiments.reproduce import ENTRIES\n[e for e in ENTRIES if e.name == 'modes'][0].run()",
     ],
 )
 def test_nothing_but_a_figure_loads_matplotlib(program: str) -> None:

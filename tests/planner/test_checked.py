@@ -103,3 +103,19 @@ def test_each_topic_and_each_code_has_a_code_and_words(name: str) -> None:
     assert code in Code
     if isinstance(name, ClaimCode) and name not in (ClaimCode.FORM, ClaimCode.FAULT):
         assert checked._named(ClaimFinding(name, "", np.nan), {}).what == checked.WORDS[name]
+
+
+def test_findings_have_names_where_rows_have_them_and_their_time() -> None:
+    labels = {"points": ["pick"], "bodies": ["cup", "post"]}
+    found = [
+        checked._named(ClaimFinding(code, what, 0.5), labels)
+        for code, what in (
+            (ClaimCode.POINT, "number 0"),
+            (ClaimCode.GUIDE, "number 7"),
+            (ClaimCode.ROW, "row 4, bodies 1 and -1"),
+        )
+    ]
+    assert [each.where for each in found] == ["0.5 s"] * 3
+    assert found[0].what == "pick: the tool is not at its point, or does not move with it"
+    assert found[1].what == "the tool leaves its way"
+    assert found[2].what == "row 4, post and what never moves: a row does not hold"

@@ -7,8 +7,10 @@ import json
 from functools import cache
 from typing import Any
 
+from assur.planner.checker.claim.verdict import check_claim
 from assur.planner.claim import columns as c
 from assur.planner.claim import document as written
+from assur.planner.claim import reading
 from assur.planner.claim.chain import Arms, knots_of
 from assur.planner.claim.laws import law_of
 from assur.planner.claim.solids import solids_of
@@ -73,3 +75,10 @@ def body_document(body: Body) -> Document:
 def shown(document: Document) -> tuple[bool, Any]:
     """What the prover says of a bundle: that it is shown, and its claims; or that it is not, and what is not."""
     return prove(json.dumps(document).encode())
+
+
+def agreed(document: Document) -> tuple[bool, Any]:
+    """What the prover says of a bundle, of which the claim checker says the same."""
+    answer = shown(document)
+    assert check_claim(reading.read(document)[0]).accepted is answer[0]
+    return answer

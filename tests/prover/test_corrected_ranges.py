@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.prover.bundles import Document, bundle, planned, shown
+from tests.prover.bundles import Document, agreed, bundle, planned
 
 
 def beyond(document: Document) -> bool:
     """Whether joints leave their ranges."""
-    right, told = shown(document)
+    right, told = agreed(document)
     return not right and any(line.startswith("a joint does not keep its limits") for line in told)
 
 
@@ -35,7 +35,7 @@ def test_a_range_that_the_planned_motion_just_keeps_is_left_by_a_correction(join
 
 def test_a_correction_that_may_stretch_the_arm_is_refused() -> None:
     document = bundle("dense-flow")
-    assert shown(document)[0]
+    assert agreed(document)[0]
     for frame in document["frames"]:
         for each in frame["unknown"]:
             each["amount"] = 5.0 if each["shared"] else each["amount"]

@@ -6,10 +6,9 @@ from typing import Any
 
 import pytest
 
-from tests.prover.bundles import Document, bundle, shown
+from tests.prover.bundles import Document, agreed, bundle
 from tests.prover.test_guards import ball, body, row, sliding
-
-LITTLE = 1e-9
+from tests.prover.test_stated_rows import LITTLE
 
 
 def plane(**changes: Any) -> Document:
@@ -18,48 +17,48 @@ def plane(**changes: Any) -> Document:
 
 def test_a_plane_is_a_row_for_each_body_that_stands_behind_it() -> None:
     walls = [body("near", ball(0.9)), body("far", ball(2.0), ball(3.0))]
-    right, told = shown(sliding(*walls, rows=[plane()], speed=2.0, least=0.075 - LITTLE))
+    right, told = agreed(sliding(*walls, rows=[plane()], speed=2.0, least=0.075 - LITTLE))
     assert right
     assert [told["planes among the rows"], told["rows that show it"]] == [1, 2]
-    right, told = shown(sliding(*walls, rows=[plane()], speed=2.0, least=0.075 + LITTLE))
+    right, told = agreed(sliding(*walls, rows=[plane()], speed=2.0, least=0.075 + LITTLE))
     # the plane itself is not wrong: it does not show the nearer one
     assert (right, len(told)) == (False, 2)
     assert told[0] == "ball and near in MOVE from 0 s: no row for a part of it"
-    assert shown(sliding(*walls, rows=[plane(), row(0, 1)], speed=2.0, least=0.07))[1]["rows that show it"] == 3
+    assert agreed(sliding(*walls, rows=[plane(), row(0, 1)], speed=2.0, least=0.07))[1]["rows that show it"] == 3
 
 
 def test_a_body_that_may_be_elsewhere_is_behind_a_plane_with_that() -> None:
     document = sliding(body("wall", ball(0.9)), rows=[plane()], speed=2.0, least=0.07)
     for off, right in ((0.0049, True), (0.0051, False)):
         document["phases"][0]["unknown"] = [[0.0, 0.0], [off, 0.0]]
-        assert shown(document)[0] is right
+        assert agreed(document)[0] is right
 
 
 def test_a_plane_is_no_row_for_what_moves_or_another_body() -> None:
     document = sliding(body("part", ball(2.0)), rows=[plane()])
-    assert shown(document)[0]
+    assert agreed(document)[0]
     document["seats"][1]["frame"] = 1
-    assert not shown(document)[0]
+    assert not agreed(document)[0]
     document["seats"][1]["frame"], document["rows"][0]["bodies"] = 0, [1, -1]
-    assert not shown(document)[0]
+    assert not agreed(document)[0]
     document["rows"] = [plane(normal=[-1.0, 0.0, 0.0])]
-    assert not shown(document)[0]
+    assert not agreed(document)[0]
     wrong: dict[str, Document] = {"pieces.1": {"pieces": [0, 0]}, "s1": {"s1": 0.5}, "s0": {"s0": -0.5}}
     for where, changes in wrong.items():
         with pytest.raises(ValueError, match=f"^rows.0.{where}: "):
-            shown({**document, "rows": [plane(**changes)]})
+            agreed({**document, "rows": [plane(**changes)]})
 
 
 def test_planes_and_rows_cover_a_phase_together() -> None:
     wall = body("wall", ball(2.0))
-    assert shown(sliding(wall, rows=[plane(t1=0.5), {**row(0, 1), "t0": 0.5}]))[0]
-    assert not shown(sliding(wall, rows=[plane(t1=0.5), {**row(0, 1), "t0": 0.5 + LITTLE}]))[0]
+    assert agreed(sliding(wall, rows=[plane(t1=0.5), {**row(0, 1), "t0": 0.5}]))[0]
+    assert not agreed(sliding(wall, rows=[plane(t1=0.5), {**row(0, 1), "t0": 0.5 + LITTLE}]))[0]
     # a plane of one piece of the first body leaves the others uncovered
     document = sliding(wall, rows=[plane()])
     document["bodies"][0]["pieces"].append(ball(0.1))
-    assert not shown(document)[0]
+    assert not agreed(document)[0]
     document["rows"].append(plane(pieces=[1, -1]))
-    assert shown(document)[0]
+    assert agreed(document)[0]
 
 
 def test_planes_take_the_place_of_the_rows_of_a_plan() -> None:
@@ -76,19 +75,19 @@ def test_planes_take_the_place_of_the_rows_of_a_plan() -> None:
             return own
         return {**own, "bodies": [own["bodies"][0], -1], "pieces": [own["pieces"][0], -1]}
 
-    before = shown(document)[1]
+    before = agreed(document)[1]
     document["rows"] = [replaced(own) for own in document["rows"]]
-    right, told = shown(document)
+    right, told = agreed(document)
     assert right
     assert told["planes among the rows"] > 50
     assert told["rows that show it"] >= before["rows that show it"]
     walls = [own for own in document["rows"] if own["bodies"][1] < 0]
     document["rows"] = [own for own in document["rows"] if own["bodies"][1] >= 0]
-    assert not shown(document)[0]
+    assert not agreed(document)[0]
     for own in walls:
         own["normal"] = [-x for x in own["normal"]]
     document["rows"] += walls
-    assert not shown(document)[0]
+    assert not agreed(document)[0]
 
 
 def nearest(least: float, *rows: Document) -> Document:
@@ -101,31 +100,31 @@ def nearest(least: float, *rows: Document) -> Document:
 def test_a_second_distance_is_kept_if_nothing_is_unknown() -> None:
     for least, right in ((0.075 - LITTLE, True), (0.075 + LITTLE, False)):
         document = nearest(least, row(0, 1))
-        assert shown(document)[0] is right
+        assert agreed(document)[0] is right
         document["required"]["lag"] = [0.01]
         document["phases"][0]["unknown"] = [[0.01, 0.01], [0.02, 0.0]]
         document["frames"][0].update(yaw=0.001, unknown=[
             {"direction": [1.0, 0.0, 0.0], "amount": 0.01, "growth": 0.001, "shared": False}
         ])  # fmt: skip
-        assert shown(document)[0] is right
-    right, told = shown(nearest(0.07, row(0, 1)))
+        assert agreed(document)[0] is right
+    right, told = agreed(nearest(0.07, row(0, 1)))
     assert told["second distances of the robot's bodies and of parts that were put down, m"] == [0.07, "not claimed"]
     assert told["pairs that keep a second distance, counted in each phase, and rows that show it"] == [1, 1]
 
 
 def test_rows_of_a_second_distance_cover_every_pair_that_may_not_touch() -> None:
-    assert not shown(nearest(0.07))[0]
-    assert not shown(nearest(0.07, {**row(0, 1), "t1": 0.9}))[0]
-    assert shown(nearest(-1.0))[0]
+    assert not agreed(nearest(0.07))[0]
+    assert not agreed(nearest(0.07, {**row(0, 1), "t1": 0.9}))[0]
+    assert agreed(nearest(-1.0))[0]
     document = nearest(0.07)
     document["phases"][0]["contacts"] = [{"bodies": [0, 1], "depth": 0.0}]
-    assert shown(document)[0]
+    assert agreed(document)[0]
     # no distance is so large: there must be no pair
-    assert not shown(nearest(1e300, row(0, 1)))[0]
+    assert not agreed(nearest(1e300, row(0, 1)))[0]
     document["required"]["nearest"] = 1e300
-    assert shown(document)[0]
+    assert agreed(document)[0]
     with pytest.raises(ValueError, match=r"gap_rows\.0\.bodies\.1"):
-        shown(nearest(0.07, plane()))
+        agreed(nearest(0.07, plane()))
 
 
 def test_a_part_that_was_put_down_has_a_second_distance_of_its_own() -> None:
@@ -135,8 +134,8 @@ def test_a_part_that_was_put_down_has_a_second_distance_of_its_own() -> None:
     document["rows"].append(row(1, 2, normal=(0.0, -1.0, 0.0)))
     document["required"].update(nearest=0.2)
     gaps = [row(0, 1), row(0, 2)]
-    assert shown({**document, "gap_rows": gaps})[0]
+    assert agreed({**document, "gap_rows": gaps})[0]
     for placed, right in ((1.8 - LITTLE, True), (1.8 + LITTLE, False), (1e300, False)):
         document["required"]["placed"] = placed
-        assert shown({**document, "gap_rows": [*gaps, row(1, 2, normal=(0.0, -1.0, 0.0))]})[0] is right
-    assert not shown({**document, "gap_rows": gaps})[0]
+        assert agreed({**document, "gap_rows": [*gaps, row(1, 2, normal=(0.0, -1.0, 0.0))]})[0] is right
+    assert not agreed({**document, "gap_rows": gaps})[0]

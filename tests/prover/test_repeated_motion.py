@@ -8,8 +8,9 @@ import pytest
 from flint import arb, ctx
 
 from assur.prover import prove as prover
-from tests.prover.bundles import Document, shown
+from tests.prover.bundles import Document, agreed
 from tests.prover.test_guards import ball, body, frame, row, sliding
+from tests.prover.test_stated_rows import LITTLE
 
 EDGES, GAIN = [-0.5, -0.25, 0.0, 0.5], 0.125
 WAYS: list[list[list[float]]] = [
@@ -82,21 +83,21 @@ def passing(least: float, **changes: object) -> Document:
 
 
 def test_every_period_counts() -> None:
-    assert shown(passing(0.2 - 1e-9))[0]
-    assert not shown(passing(0.2 + 1e-9))[0]
-    assert shown(passing(0.2 - 1e-9))[1]["frames that repeat their motion"] == 1
+    assert agreed(passing(0.2 - LITTLE))[0]
+    assert not agreed(passing(0.2 + LITTLE))[0]
+    assert agreed(passing(0.2 - LITTLE))[1]["frames that repeat their motion"] == 1
     # 5 mm nearer after each period: from the second on it is too near
-    nearer = passing(0.2 - 1e-9, step=[-1e-10, 0.0, 0.0, 0.0])
-    assert shown(nearer)[0]
+    nearer = passing(0.2 - LITTLE, step=[-1e-10, 0.0, 0.0, 0.0])
+    assert agreed(nearer)[0]
     nearer["required"].update(travel=0.2 - 2e-10, near=0.2 - 2e-10)
-    assert not shown(nearer)[0]
+    assert not agreed(nearer)[0]
 
 
 def test_a_late_start_over_many_periods_is_shown() -> None:
     document = passing(0.15)
     document["required"]["late"] = 1.5
-    assert not shown(document)[0]
+    assert not agreed(document)[0]
     document["rows"][0]["s1"] = 1.5
-    assert shown(document)[0]
+    assert agreed(document)[0]
     document["required"].update(travel=0.21, near=0.21)
-    assert not shown(document)[0]
+    assert not agreed(document)[0]

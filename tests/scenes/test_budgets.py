@@ -15,7 +15,7 @@ from assur.planner.errors import InputError
 from assur.planner.model.options import LEAST_ACCELERATION_TIME_S
 from assur.scenes import bounds
 from assur.scenes.requests import check_document, plan_document, validate, view_document
-from assur.scenes.schema import sizes
+from assur.scenes.schema.read import check_sizes
 from assur.scenes.schema.request import RequestDocument
 
 LONG_S = 1e5
@@ -120,7 +120,7 @@ def test_limits_of_more_joints_than_an_arm_has_are_refused() -> None:
 
 
 def test_what_is_small_enough_is_left_to_the_model() -> None:
-    sizes.check_sizes(RequestDocument, ARM)
+    check_sizes(RequestDocument, ARM)
     with pytest.raises(InputError) as refused:
         validate({**ARM, "frames": {"f": {"fixe": 0}}})
     assert "exactly one of" in refused.value.allowed

@@ -189,6 +189,8 @@ def frame_over(k: Claim, g: tb.Geometry, f: int, on: int, t0: float, t1: float, 
     this is longer than a period."""
     frame, own, period = k.frames[f], s.four, k.frames[f, c.FRAME_PERIOD]
     first, many = int(frame[c.FRAME_PIECE]), int(frame[c.FRAME_PIECES])
+    if many + frame[c.FRAME_WAVES] > 0.0 and not (g.times[0, 0] <= t0 <= t1 <= g.times[0, 1]):
+        return tb.NOT_GIVEN
     for axis in range(4):
         put(own, axis // 2, axis % 2, constant(frame[c.FRAME_POSE + axis]))
     if many > 0:

@@ -18,24 +18,22 @@ NO_LIMITS, KEPT = -2, -1
 
 
 @kernel(types.boolean(F1, i8, f8, f8, F2, F1))
-def bounded(control: FloatArray, degree: int, middle: float, most: float, stack: FloatArray, state: FloatArray) -> bool:
-    """Whether a polynomial with these Bernstein coefficients stays within `most` of `middle`."""
+def bounded(control: FloatArray, degree: int, low: float, high: float, stack: FloatArray, state: FloatArray) -> bool:
+    """Whether a polynomial with these Bernstein coefficients stays between two numbers."""
     top = 1
     for m in range(degree + 1):
         stack[0, m] = control[m]
     stack[0, tb.POWERS] = 0.0
     while top > 0:
         top -= 1
-        own, worst = stack[top], 0.0
+        own, within = stack[top], True
         for m in range(degree + 1):
-            off = abs(own[m] - middle)
-            if not off <= worst:
-                worst = off
-        if worst <= most:
+            within = within and low <= own[m] <= high
+        if within:
             continue
         depth = int(own[tb.POWERS])
         state[tb.WORK] -= 1.0
-        if not (abs(own[0] - middle) <= most and abs(own[degree] - middle) <= most) or depth >= tb.DEEPEST:
+        if not (low <= own[0] <= high and low <= own[degree] <= high) or depth >= tb.DEEPEST:
             return False
         if not state[tb.WORK] > 0.0:
             return False
@@ -96,11 +94,12 @@ def joint_keeps_limits(
     add_joint(one, other, j, 1.0, ends, sizes)
     low, high = limit[c.LIMIT_LOWER + j], limit[c.LIMIT_UPPER + j]
     for order in range(4 if limit[c.LIMIT_JERKS] > 0.0 else 3):
-        off, middle = write_control(other[0] - one[0], ends, sizes, order, control), 0.0
-        most = limit[c.LIMIT_VELOCITY + c.MOST_JOINTS * (order - 1) + j]
-        if order == 0:
-            off, middle, most = off + 4.0 * tb.ULP * (abs(low) + abs(high)), 0.5 * (low + high), 0.5 * (high - low)
-        if not bounded(control, 5 - order, middle, most * (1.0 + limit[c.LIMIT_SHARE + order]) - off, stack, state):
+        off = write_control(other[0] - one[0], ends, sizes, order, control)
+        if order > 0:
+            high = limit[c.LIMIT_VELOCITY + c.MOST_JOINTS * (order - 1) + j]
+            low = -high
+        more = 0.5 * (high - low) * limit[c.LIMIT_SHARE + order] - off - 4.0 * tb.ULP * (abs(low) + abs(high))
+        if not bounded(control, 5 - order, low - more, high + more, stack, state):
             return False
     return True
 
@@ -160,7 +159,7 @@ def sum_within(k: Claim, own: FloatArray, stack: FloatArray, state: FloatArray) 
         if t0 > begin or t1 < end:
             off *= 32.0
             cut(control, 5 - order, (max(t0, begin) - begin) / h, 1.0 if t1 >= end else (t1 - begin) / h)
-        off += 4.0 * tb.ULP * (abs(low) + abs(high))
-        if not bounded(control, 5 - order, 0.5 * (low + high), 0.5 * (high - low) - off, stack, state):
+        least, most = low + off + 2.0 * tb.ULP * abs(low), high - off - 2.0 * tb.ULP * abs(high)
+        if not bounded(control, 5 - order, least, most, stack, state):
             return False
     return True

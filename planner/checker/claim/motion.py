@@ -15,6 +15,8 @@ from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.compiled import kernel, types
 
+BEYOND_S = 1.0
+"""So long before and after the phases, lateness included, frames may be evaluated, s: sums of times are rounded."""
 Errors = tuple[float, float, float, float, float]
 """By how much an angle, its rate and its second derivative round, and how large both rates are at most."""
 
@@ -161,18 +163,26 @@ def make_curves(k: Claim, g: tb.Geometry, joints: FloatArray) -> bool:
 def make_laws(k: Claim, g: tb.Geometry) -> bool:
     """Powers of each piece of a law (N6), and what frames round by: errors of value and rate are carried on from piece
     to piece (R2). False: where a period ends and the next one begins, places or rates differ."""
+    begin, end = k.phases[0, c.PHASE_T0], max(k.phases[len(k.phases) - 1, c.PHASE_T1], k.required[0, c.REQUIRED_UNTIL])
+    early, late = 0.0, 0.0
+    for f in range(len(k.frames)):
+        early, late = max(early, k.frames[f, c.FRAME_SHIFT + 1]), max(late, -k.frames[f, c.FRAME_SHIFT])
+    begin, end = begin - early - BEYOND_S, end + k.required[0, c.REQUIRED_LATE] + late + BEYOND_S
+    g.times[0, 0], g.times[0, 1], latest = begin, end, max(abs(begin), abs(end))
     for f in range(len(k.frames)):
         frame, rounds = k.frames[f], g.rounds[len(k.links) + f]
         first, many, wave = int(frame[c.FRAME_PIECE]), int(frame[c.FRAME_PIECES]), int(frame[c.FRAME_WAVE])
         for axis in range(4):
             x, v, ex, ev = frame[c.FRAME_POSE + axis], frame[c.FRAME_RATE + axis], 0.0, 0.0
-            period, latest = frame[c.FRAME_PERIOD], c.LATEST_S if frame[c.FRAME_PERIOD] > 0.0 else 0.0
+            period = frame[c.FRAME_PERIOD]
             e0, e1, e2, rate, second = 32.0 * tb.ULP * abs(x), 0.0, 0.0, 0.0, 0.0
             for i in range(first, first + many):
                 law, h = g.laws[i], k.laws[i, c.LAW_END] - k.laws[i, c.LAW_BEGIN]
                 law[0], law[1] = k.laws[i, c.LAW_BEGIN], k.laws[i, c.LAW_END]
                 if period > 0.0 and i == first + many - 1:
                     h = k.laws[first, c.LAW_BEGIN] + period - law[0]
+                # what is behind the last time that counts rounds nothing
+                counts = h if period > 0.0 else min(h, max(end - law[0], 0.0))
                 at = tb.CURVE_POWER + tb.LAW_POWERS * axis
                 law[at], law[at + 1], degree = x, v, 1
                 for m in range(c.MOST_POWERS):
@@ -183,18 +193,19 @@ def make_laws(k: Claim, g: tb.Geometry) -> bool:
                 law[tb.CURVE_DEGREE] = max(law[tb.CURVE_DEGREE], float(degree))
                 x, v, size, speed, bend, jerk = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
                 for m in range(degree, -1, -1):
-                    x, size = x * h + law[at + m], size * h + abs(law[at + m])
+                    x, size = x * h + law[at + m], size * counts + abs(law[at + m])
                     if m > 0:
-                        v, speed = v * h + m * law[at + m], speed * h + m * abs(law[at + m])
+                        v, speed = v * h + m * law[at + m], speed * counts + m * abs(law[at + m])
                     if m > 1:
-                        bend = bend * h + m * (m - 1.0) * abs(law[at + m])
+                        bend = bend * counts + m * (m - 1.0) * abs(law[at + m])
                     if m > 2:
-                        jerk = jerk * h + m * (m - 1.0) * (m - 2.0) * abs(law[at + m])
-                late = 4.0 * tb.ULP * max(abs(law[0]), abs(law[1]), latest)
-                e0 = max(e0, ex + ev * h + 32.0 * tb.ULP * size + late * speed)
-                e1 = max(e1, ev + 32.0 * tb.ULP * speed + late * bend)
-                e2, rate, second = max(e2, 32.0 * tb.ULP * bend + late * jerk), max(rate, speed), max(second, bend)
-                ex, ev = ex + ev * h + 32.0 * tb.ULP * size, ev + 32.0 * tb.ULP * speed
+                        jerk = jerk * counts + m * (m - 1.0) * (m - 2.0) * abs(law[at + m])
+                if counts > 0.0:
+                    parts, late = (8.0 + 2.0 * degree) * tb.ULP, 4.0 * tb.ULP * max(abs(law[0]), latest)
+                    e0 = max(e0, ex + ev * counts + parts * size + late * speed)
+                    e1 = max(e1, ev + parts * speed + late * bend)
+                    e2, rate, second = max(e2, parts * bend + late * jerk), max(rate, speed), max(second, bend)
+                    ex, ev = ex + ev * counts + parts * size, ev + parts * speed
             if period > 0.0:
                 jump, kink = (
                     abs(x - frame[c.FRAME_POSE + axis] - frame[c.FRAME_STEP + axis]),
@@ -202,12 +213,16 @@ def make_laws(k: Claim, g: tb.Geometry) -> bool:
                 )
                 if not (jump <= tb.SLACK and kink <= tb.SLACK):
                     return False
-                e0 += jump + kink * period + 4.0 * tb.ULP * abs(frame[c.FRAME_STEP + axis]) * (1.0 + latest / period)
+                e0 += (
+                    jump
+                    + kink * period
+                    + 4.0 * tb.ULP * abs(frame[c.FRAME_STEP + axis]) * (1.0 + (latest + abs(g.laws[first, 0])) / period)
+                )
                 e1 += kink
             for i in range(wave, wave + int(frame[c.FRAME_WAVES])):
                 if int(k.waves[i, c.WAVE_COORDINATE]) == axis:
                     w, a = abs(k.waves[i, c.WAVE_RATE]), abs(k.waves[i, c.WAVE_AMPLITUDE])
-                    e = 4.0 * tb.ULP * a * (1.0 + w * c.LATEST_S + abs(k.waves[i, c.WAVE_PHASE]))
+                    e = 4.0 * tb.ULP * a * (1.0 + w * latest + abs(k.waves[i, c.WAVE_PHASE]))
                     e0, e1, e2, rate, second = e0 + e, e1 + e * w, e2 + e * w * w, rate + a * w, second + a * w * w
             if axis < 3:
                 rounds[tb.ROUND_PLACE] += e0

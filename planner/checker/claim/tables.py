@@ -66,6 +66,7 @@ class Geometry(NamedTuple):
     solids: FloatArray  # SOLID_...
     vertices: FloatArray  # (vertices of all seats, 3): in the axes of their carrier
     first: FloatArray  # (seats, 2): first row in `solids` and in `vertices`
+    times: FloatArray  # (1, 2): from when to when motions of frames are evaluated
 
 
 class Scratch(NamedTuple):

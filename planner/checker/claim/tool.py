@@ -7,8 +7,9 @@ from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.distances import is_near
 from assur.planner.checker.claim.errors import error_within
 from assur.planner.checker.claim.limits import sum_within
+from assur.planner.checker.claim.motion import piece_at
 from assur.planner.checker.claim.points import at_point, axis_within, guided, moves_with_point, rate_within
-from assur.planner.checker.claim.tables import F1, F2, i8
+from assur.planner.checker.claim.tables import F1, F2, f8, i8
 from assur.planner.checker.claim.uncertainty import corrected_within
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
@@ -17,6 +18,18 @@ from assur.planner.compiled import kernel, types
 POINTS, RATES, AXES, GUIDES, CORRECTED, SUMS, DISTANCES, ERRORS = range(8)
 """Tables whose rows are claims: `points`, `rates`, `axes`, `guides`, `phases` (with corrections), `sums`, `distances`,
 `errors`. All begin with the begin and the end of their time, but the last two."""
+
+
+@kernel(f8(tb.GEOMETRY, f8, f8))
+def middle(g: tb.Geometry, t0: float, t1: float) -> float:
+    """Where an interval is divided: where two pieces of the robot's motion meet, if that is once, for there its
+    acceleration may jump; else in its middle."""
+    first = int(g.spans[0, 0])
+    last = first + int(g.spans[0, 1]) - 1
+    i = piece_at(g.curves, first, last, t0)
+    if i < last and t0 < g.curves[i, 1] < t1 <= g.curves[i + 1, 1]:
+        return float(g.curves[i, 1])
+    return 0.5 * (t0 + t1)
 
 
 @kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, i8, i8, F1, F2, F1))
@@ -53,7 +66,8 @@ def claim_holds(
             continue
         if depth >= tb.DEEPEST or t0 == t1 or not state[tb.WORK] > 0.1 * s.work[tb.TOUCHED]:
             return False
+        t = middle(g, t0, t1)
         for half in range(2):
-            stack[top, 0], stack[top, 1] = (0.5 * (t0 + t1), t1) if half == 0 else (t0, 0.5 * (t0 + t1))
+            stack[top, 0], stack[top, 1] = (t, t1) if half == 0 else (t0, t)
             stack[top, 2], top = depth + 1.0, top + 1
     return True

@@ -140,6 +140,7 @@ def prepare(k: Claim) -> tuple[tb.Geometry, tb.Scratch]:
         np.zeros((solids, tb.SOLID)),
         np.zeros((vertices, 3)),
         np.zeros((len(k.seats), 2)),
+        np.zeros((1, 2)),
     )
     for j in range(c.MOST_JOINTS):
         lags = c.MOST_JOINTS if k.required[0, c.REQUIRED_LAG + j] > 0.0 else lags

@@ -8,7 +8,7 @@ side of both.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -45,8 +45,9 @@ ROUNDING = 1e-14
 class Tracking:
     """When the control point of a step may be tracked, and for how long. Times are s.
 
-    `along`: its window along a conveyor, m (None: it has none, or is on no conveyor); `in_time`: that in time; `known`:
-    when the motion of its frame is known; `start`, `latest`: the first and the last time at all."""
+    `law`: of its `frame`; `point`: x, y, z, yaw in it. `along`: its window along a conveyor, m (None: it has none, or
+    is on no conveyor); `in_time`: that in time; `known`: when the motion of its frame is known; `start`, `latest`: the
+    first and the last time at all."""
 
     frame: str
     law: Law
@@ -62,27 +63,26 @@ class Tracking:
         """From when until when tracking may last, the way along a conveyor left aside; empty if reversed."""
         return max(self.start, self.known[0], self.in_time[0]), min(self.known[1], self.latest, self.in_time[1])
 
-    def way(self, times: FloatArray) -> FloatArray:
-        """How far along its conveyor the point is at times (m,), m."""
+    def way(self, formula: laws.Formula) -> Callable[[FloatArray], FloatArray]:
+        """How far along its conveyor the point is, m, at times (m,) for which the formula of its law holds."""
         direction, zero = laws.measured_along(self.law) or ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
-        point = np.array(then((0.0, 0.0, 0.0, zero[3]), self.point)[:3])
-        places = laws.formula_of(self.law, float(times.min()), float(times.max())).place(times)[:, :3]
-        return np.asarray((places - zero[:3] + point) @ direction)
+        point = np.array(then((0.0, 0.0, 0.0, zero[3]), self.point)[:3]) - zero[:3]
+        return lambda times: np.asarray((formula.place(times)[:, :3] + point) @ direction)
 
-    def pieces(self) -> Iterator[list[tuple[float, float]]]:
-        """The way piece by piece, from the start on for as long as the law is known: times at which it begins, turns
-        round, passes an end of its window, and ends; and where it is then."""
+    def pieces(self) -> Iterator[tuple[Chebyshev, list[float]]]:
+        """The way piece by piece, m by s, from the start on for as long as the law is known, with the times at which it
+        begins, turns round, passes an end of its window, and ends."""
         begin, end = self.start, min(self.known[1], self.start + LONG_S)
         if self.along is None or not begin < end:
             return
         formula = laws.formula_of(self.law, begin, end)
         cuts = {begin, end, *(t for t in (*formula.ends, *(begin + s for s in CUTS_S)) if begin < t < end)}
         for a, b in pairwise(sorted(cuts)):
-            way = Chebyshev.interpolate(self.way, formula.degree, domain=[a, b])
+            way = Chebyshev.interpolate(self.way(formula), formula.degree, domain=[a, b])
             way = way.trim(ROUNDING * float(np.abs(way.coef).max()))
             roots = [root for each in (way.deriv(), *(way - limit for limit in self.along)) for root in each.roots()]
             inner = (float(root.real) for root in roots if abs(root.imag) <= REAL)
-            yield [(t, float(way(t))) for t in sorted({a, b, *(t for t in inner if a < t < b)})]
+            yield way, sorted({a, b, *(t for t in inner if a < t < b)})
 
     def inside(self) -> list[Times]:
         """When the point is in its window along a conveyor, from the start on: intervals in order. All of the time
@@ -90,10 +90,9 @@ class Tracking:
         if self.along is None:
             return [(self.start, min(self.known[1], self.start + LONG_S))]
         (low, high), found = self.along, list[Times]()
-        for piece in self.pieces():
-            spans = [(t, t) for t, x in piece if low <= x <= high]
-            middles = ((a, b, self.way(np.array([(a + b) / 2.0]))[0]) for (a, _), (b, _) in pairwise(piece))
-            for a, b in sorted([*spans, *((a, b) for a, b, x in middles if low <= x <= high)]):
+        for way, times in self.pieces():
+            spans = [*((t, t) for t in times), *pairwise(times)]
+            for a, b in sorted(each for each in spans if low <= way(sum(each) / 2.0) <= high):
                 if found and a <= found[-1][1] + PROVED_S:
                     found[-1] = found[-1][0], max(found[-1][1], b)
                 else:
@@ -110,7 +109,8 @@ class Tracking:
         """How far, m, the point stays outside its window along a conveyor from the start on for ever; not above 0: it
         comes into it."""
         low, high = self.along or (-math.inf, math.inf)
-        return min((max(low - x, x - high) for piece in self.pieces() for _, x in piece), default=-math.inf)
+        ways = (float(way(t)) for way, times in self.pieces() for t in times)
+        return min((max(low - x, x - high) for x in ways), default=-math.inf)
 
 
 def tracking(scene: Scene, number: int, *, wider: float = 0.0, lawless: bool = False) -> Tracking:
@@ -208,5 +208,5 @@ def _gone(of: Tracking, t0: float, t1: float) -> float | None:
     """How far the point goes along its conveyor from t0 to t1, m; None: it does not, is on none, or it is not known."""
     if laws.measured_along(of.law) is None or not (of.known[0] <= t0 and t1 <= of.known[1]):
         return None
-    first, last = of.way(np.array([t0, t1])).tolist()
+    first, last = of.way(laws.formula_of(of.law, t0, t1))(np.array([t0, t1])).tolist()
     return abs(last - first) or None

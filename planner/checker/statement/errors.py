@@ -45,7 +45,9 @@ def _is_error(handling: Handling, number: int, error: ArrivalError, row: list[fl
     done = [
         k
         for k, leg in enumerate(handling.plan.legs)
-        if leg.step == number and leg.t1 == arrival.until and (leg.kind is LegKind.FOLLOW or not step.tracks)
+        if leg.step == number
+        and abs(leg.t1 - arrival.until) <= SAME
+        and (leg.kind is LegKind.FOLLOW or not step.tracks)
     ]
     known, arm = EXACT, 0.0
     if step.part is not None:

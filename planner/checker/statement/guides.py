@@ -45,8 +45,7 @@ def guides_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
         if stated is not None:
             yield Difference(Topic.ARRIVAL, f"{step.name} is no trace")
         if isinstance(step, Move) and step.leg == "cartesian":
-            legs = [leg for leg in handling.plan.legs if leg.step == number and leg.kind is not LegKind.WAIT]
-            when = (legs[0].t0, handling.arrivals[number].time)
+            when = handling.way(number)
             what = "along its path" if step.path else "straight"
             agrees = _follows_path if step.path else _is_straight
             if not agrees(handling, number, when, claim):

@@ -14,7 +14,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import arms, laws
-from assur.planner.checker.statement.differences import SAME, Four
+from assur.planner.checker.statement.differences import SAME, Four, Interval
 from assur.planner.checker.statement.poses import inverse, numbers, then
 from assur.planner.errors import FaultError
 from assur.planner.geometry.shapes import Body, Hull
@@ -156,6 +156,12 @@ class Handling:
             link = laws.link_of(law)
             self._places[frame, time] = laws.place_at(law, time) if link is None else arms.place_at(*link, time)
         return then(self._places[frame, time], pose)
+
+    def way(self, number: int) -> Interval:
+        """The time of all legs in which the arm moves to the control point of a step."""
+        last = self.arrivals[number].time + SAME
+        legs = [leg for leg in self.plan.legs if leg.step == number and leg.kind is not LegKind.WAIT and leg.t1 <= last]
+        return (legs[0].t0, legs[-1].t1)
 
     def tool_at(self, time: float) -> Four:
         """Place and yaw of the tool point in the world at a time; of a flange that tilts the heading of the arm."""

@@ -62,7 +62,7 @@ def joints_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
 def _is_flown_by(handling: Handling, claim: c.Claim, time: float) -> bool:
     """The arm does not wait at a via; and a joint goes on, or each joint that moves turns round there."""
     path = handling.plan.trajectory
-    if any(leg.kind is LegKind.WAIT and leg.t0 == time for leg in handling.plan.legs):
+    if any(leg.kind is LegKind.WAIT and abs(leg.t0 - time) <= SAME for leg in handling.plan.legs):
         return False
     for joint in np.eye(path.n):
         for sign in (1.0, -1.0):
@@ -123,8 +123,7 @@ def _is_directed(handling: Handling, number: int, angles: tuple[float, float], c
 def _goes_straight(handling: Handling, number: int, claim: c.Claim) -> bool:
     """Pitch and roll go from those at the begin of a straight leg to those at its end, both by one share, the short way
     round: a row bounds them across that way, and one along it."""
-    legs = [leg for leg in handling.plan.legs if leg.step == number and leg.kind is not LegKind.WAIT]
-    when, hand = (legs[0].t0, handling.arrivals[number].time), hand_shares(handling.scene.robot)
+    when, hand = handling.way(number), hand_shares(handling.scene.robot)
     begin, end = (hand @ states_at(handling.plan.trajectory, t)[0] for t in when)
     way, length = end - begin, float(np.hypot(*(end - begin)))
     if not (np.abs(way) <= math.pi + HALF_RAD).all():

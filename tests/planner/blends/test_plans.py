@@ -17,8 +17,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assur.planner.checker import Code as Finding
 from assur.planner.checked import check
+from assur.planner.checker import Code as Finding
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from assur.api.cli.trajectory_report import lines
+from assur.api.cli.trajectories import lines
 from assur.planner.collision.rows import Unproved
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_KNOTS

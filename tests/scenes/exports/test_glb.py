@@ -19,7 +19,7 @@ from assur.planner.model.phases import phases
 from assur.planner.trajectory import Trajectory
 from assur.scenes.exports import glb
 from assur.scenes.exports.doors import export_document
-from assur.scenes.exports.gltf import Gltf
+from assur.scenes.exports.glb import Gltf
 from assur.scenes.reading.plan import motion_of
 from assur.scenes.scenarios import shipped, shipped_scenarios
 from assur.scenes.view import display_meshes

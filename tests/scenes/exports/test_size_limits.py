@@ -10,7 +10,7 @@ import pytest
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import LINES_A_ROW, MAX_JSON_BYTES, MAX_KNOTS, MAX_LOG_BYTES, MAX_ROW_CHARACTERS
-from assur.scenes.exports.trajectory_file import trajectory_from
+from assur.scenes.exports.foreign import trajectory_from
 from assur.scenes.faults import DocumentError
 from assur.scenes.requests import cell_of, shipped
 from tests.api.test_command_line import run

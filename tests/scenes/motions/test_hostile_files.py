@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from assur.planner.errors import InputError
 from assur.scenes.motion_log import parse_log
 from assur.scenes.motions.csv_motion import csv_motion
-from assur.scenes.motions.joint_names import matched
+from assur.scenes.motions.motion import matched
 from assur.scenes.motions.ros_motion import is_message, ros_motion
 from tests.scenes.motions.messages import message, yaml_text
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assur.api.cli.trajectory_report import lines
+from assur.api.cli.trajectories import lines
 from assur.planner.errors import InputError
 from assur.scenes.catalogue import shipped_robot
 from assur.scenes.exports.doors import check_trajectory_document

@@ -15,7 +15,7 @@ from assur.scenes.conventions import converted
 from assur.scenes.reading.arms import OVER, BuiltArm
 from assur.scenes.urdf.importing import Imported, Wanted, import_robot, write
 from assur.scenes.urdf.refusals import ImportRefused
-from assur.scenes.urdf.turns import turned
+from assur.scenes.urdf.tree import turned
 from tests.scenes.urdf.made import FAMILIES, RIGHT, Files, J, flange_by_library, urdf
 from tests.scenes.urdf.random_arms import ARMS
 

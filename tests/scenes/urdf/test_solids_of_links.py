@@ -19,7 +19,7 @@ from assur.scenes.meshes.solid_cover import solid_cover
 from assur.scenes.meshes.surface import closed_surface
 from assur.scenes.urdf.importing import Imported, Wanted, import_robot, write
 from assur.scenes.urdf.solids import Covering
-from assur.scenes.urdf.turns import turned
+from assur.scenes.urdf.tree import turned
 from tests.scenes.meshes.solids import SOLIDS, binary_stl, on_triangles, surface
 from tests.scenes.urdf.made import RIGHT, Files, J, box, flange_by_library, mesh, urdf
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from assur.scenes.report import report as of_report
-from assur.scenes.report.facts import arrivals, refusal, table
-from assur.scenes.report.report import report_of
+from assur.scenes.report.report import arrivals, refusal, report_of, table
 from assur.scenes.scenarios import shipped
 from assur.scenes.view import display_meshes
 from tests.scenes.cells.second_kinematics import answer

@@ -12,8 +12,8 @@ from assur.planner.model.phases import phases
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 from assur.scenes.reading.plan import motion_of
-from assur.scenes.view.curves import OFF, curves
 from assur.scenes.view.distances import distances
+from assur.scenes.view.document import OFF, curves
 from assur.scenes.view.poses import WITHIN_M, Track, carrier_poses, instants
 from assur.scenes.view.quaternions import rotated
 from assur.scenes.view.tracks import Tracks, tracks

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 from assur.planner.checker.claim.verdict import ClaimCode
 from assur.planner.claim import reading
 from assur.planner.claim.columns import Claim
+from tests.planner.checker.claim.stated import STATED
 
 Document = dict[str, Any]
 Change = Callable[[Document], object]
@@ -29,6 +30,14 @@ RATE, DIRECTION, ROW, COVER, SURFACE = (
     ClaimCode.ROW,
     ClaimCode.COVER,
     ClaimCode.SURFACE,
+)
+GUIDE, CORRECTION, JOINTS, DISTANCE, ERROR, NEAREST = (
+    ClaimCode.GUIDE,
+    ClaimCode.CORRECTION,
+    ClaimCode.JOINTS,
+    ClaimCode.DISTANCE,
+    ClaimCode.ERROR,
+    ClaimCode.NEAREST,
 )
 
 
@@ -202,6 +211,11 @@ def reversed_range(path: str, low: str, high: str) -> Change:
     return change
 
 
+def alone(row: Document) -> Document:
+    """A row of its first body, the other way round: it shows nothing."""
+    return {**row, "bodies": [row["bodies"][0], -1], "pieces": [-1, -1], "normal": times(-1.0)(row["normal"])}
+
+
 def exception(document: Document) -> None:
     """A distance of its own for the part."""
     rule = {"first": [], "second": [body(document, "part")], "travel": 0.3, "near": 0.3}
@@ -339,7 +353,7 @@ UNCERTAINTY = [
         "a correction is larger",
         "dense-flow",
         put("frames.*.unknown.*", lambda u: {**u, "amount": 0.2} if u["shared"] else u),
-        ROW,
+        CORRECTION,
     ),
 ]
 LIMITS_AND_TOOL = [
@@ -377,6 +391,48 @@ LIMITS_AND_TOOL = [
         put("axes.0", lambda axis: {**axis, "low": axis["low"] - 4e-3, "high": axis["low"]}),
         DIRECTION,
     ),
+]
+NEW_ROWS = [
+    *(
+        Forgery(f"a joint's derivative {order} is less", STATED, put(f"sums.{order}.high", times(0.8)), JOINTS)
+        for order in range(4)
+    ),
+    Forgery("a joint stays above its least value", STATED, put("sums.0.low", plus(0.01)), JOINTS),
+    Forgery("a joint has a larger share", STATED, put("sums.0.joints", times(2.0)), JOINTS),
+    Forgery("a sum lasts longer than the motion", STATED, put("sums.0.t1", plus(1e-9)), JOINTS),
+    Forgery("the tool is slower", STATED, put("rates.-2.most", times(0.95)), RATE),
+    Forgery("the tool was faster at an instant", STATED, put("rates.-1.least", times(1.1)), RATE),
+    Forgery("a speed is that of another frame", STATED, put("rates.-1.frame", 1), RATE),
+    Forgery("an elbow is less bent", STATED, put("axes.-2.low", plus(0.01)), DIRECTION),
+    Forgery("an elbow is that of another link", STATED, put("axes.-2.other", 1), DIRECTION),
+    Forgery("the tool is lower", STATED, put("axes.-1.high", plus(-0.01)), DIRECTION),
+    Forgery("a way begins at another link", STATED, put("axes.-1.other", 4), DIRECTION),
+    Forgery("a place is an axis", STATED, put("axes.-1.place", False), DIRECTION),
+    Forgery("a guide is narrower than the slack", STATED, put("guides.0.most", 0.0), GUIDE),
+    Forgery("a guide ends elsewhere", STATED, put("guides.0.to.0", plus(1e-3)), GUIDE),
+    Forgery("a guide is of another frame", STATED, put("guides.0.frames", [0, 0]), GUIDE),
+    Forgery("a guide has two shares at once", STATED, put("guides.0.shares", [0.4, 0.5]), GUIDE),
+    Forgery("the tool is nearer to its point", STATED, put("errors.0.distance", 0.0), ERROR),
+    Forgery("it is nearer horizontally", STATED, put("errors.0.horizontal", 0.0), ERROR),
+    Forgery(
+        "it is nearer vertically", STATED, both(put("errors.0.off.1", 0.05), put("errors.0.vertical", 0.04)), ERROR
+    ),
+    Forgery("it is turned by less", STATED, both(put("errors.0.off.2", 0.05), put("errors.0.yaw", 0.04)), ERROR),
+    Forgery("a yaw moves a long grasp", STATED, both(put("errors.0.off.2", 0.05), put("errors.0.arm", 9.0)), ERROR),
+    Forgery("an error is of another point", STATED, put("errors.0.target.2", plus(0.2)), ERROR),
+    Forgery("an error is of another phase", STATED, put("errors.0.phase", 0), ERROR),
+    Forgery("two bodies are nearer", STATED, put("distances.0.most", 0.0), DISTANCE),
+    Forgery("weights of points are too small", STATED, put("distances.0.weights", [0.9, 0.0, 0.0, 0.0]), DISTANCE),
+    Forgery("a point has no direction", STATED, put("distances.0.directions", [0.0] * 12), DISTANCE),
+    Forgery("a distance is of another phase", STATED, put("distances.0.phase", 0), DISTANCE),
+    Forgery("a distance names no piece", STATED, put("distances.0.pieces", [9, 0]), FORM),
+    Forgery("a second distance is greater", STATED, put("required.nearest", 0.2), NEAREST),
+    Forgery("no pair has a second distance", STATED, put("required.nearest", 1e300), NEAREST),
+    Forgery("a second distance has no rows", STATED, put("gap_rows", []), NEAREST),
+    Forgery("a gap row ends too early", STATED, put("gap_rows.lasting.t1", lambda t: math.nextafter(t, 0.0)), NEAREST),
+    Forgery("a gap row is of one body", STATED, put("gap_rows.0.bodies.1", -1), FORM),
+    Forgery("a row is of one body alone", "demo", put("rows.lasting", alone), COVER),
+    Forgery("a row of one body is ahead", "demo", put("rows.lasting", lambda r: {**alone(r), "s1": 0.1}), FORM),
 ]
 EMPTY_RANGES = [
     Forgery("a phase ends before it begins", "demo", reversed_range("phases.1", "t0", "t1"), FORM),
@@ -416,6 +472,7 @@ FORGERIES = [
     *MOTION,
     *UNCERTAINTY,
     *LIMITS_AND_TOOL,
+    *NEW_ROWS,
     *EMPTY_RANGES,
     *DOCUMENTS,
 ]

@@ -114,3 +114,27 @@ def test_jets_of_functions_hold_samples() -> None:
             for at, bounds in zip(functions(jet_of(one, t, t), jet_of(other, t, t)), wide, strict=True):
                 for k in (0, 2, 4):
                     assert abs(at[k] - bounds[k]) <= bounds[k + 1] * (1.0 + 1e-9) + 1e-12
+
+
+@pytest.mark.parametrize(("later", "most"), [(0.0, 1e-13), (9e4, 5e-10)])
+def test_a_law_rounds_by_what_its_time_in_the_plan_is_and_not_by_all_that_follows(later: float, most: float) -> None:
+    """A belt at 1 m/s, whose pose is stated at time 0, in a plan at that time and in one a day later."""
+    claim = read(json.loads(json.dumps(bundle("demo"))))
+    belt = int(np.flatnonzero(claim.frames[:, c.FRAME_PIECES] > 0.0)[0])
+    row, on = claim.frames[belt], len(claim.links) + belt
+    row[c.FRAME_RATE] = 1.0
+    claim.phases[:, c.PHASE_T0 : c.PHASE_T1 + 1] += later
+    claim.required[0, c.REQUIRED_UNTIL] += later
+    assert claim.laws[int(row[c.FRAME_PIECE] + row[c.FRAME_PIECES]) - 1, c.LAW_END] == c.LATEST_S
+    geometry, scratch = prepare(claim)
+    assert make_laws(claim, geometry)
+    begin, end = claim.phases[0, c.PHASE_T0], claim.phases[-1, c.PHASE_T1]
+    stated = geometry.rounds[on, tb.ROUND_PLACE]
+    assert stated <= 3.0 * most
+    for t in np.random.default_rng(3).uniform(begin, end, 50).tolist():
+        slot = slot_of(claim, geometry, scratch, on, t, t)
+        since = Fraction(t) - Fraction(float(claim.laws[int(row[c.FRAME_PIECE]), c.LAW_BEGIN]))
+        exact_x = Fraction(float(row[c.FRAME_POSE])) + since
+        assert abs(Fraction(float(scratch.jets[slot, on, 0, 0])) - exact_x) <= Fraction(float(stated))
+    for t in (begin - 2.0, end + 2.0):  # lateness and shifts are less
+        assert slot_of(claim, geometry, scratch, on, t, t) == -1 - tb.NOT_GIVEN

@@ -13,6 +13,7 @@ from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.errors import InputError
 from tests.planner.checker.claim.forgeries import FORGERIES, Document, Forgery, lasting, read
+from tests.planner.checker.claim.stated import STATED, document_of
 from tests.prover.bundles import bundle, shown
 
 AGREE = FORGERIES[:12]
@@ -33,9 +34,9 @@ def verdict_of(document: Document) -> ClaimVerdict | None:
 
 def forged(forgery: Forgery) -> Document:
     """The forged document, which differs from the right one."""
-    document = bundle(forgery.scenario)
+    document = document_of(forgery.scenario)
     forgery.change(document)
-    assert repr(document) != repr(bundle(forgery.scenario))
+    assert repr(document) != repr(document_of(forgery.scenario))
     return document
 
 
@@ -56,6 +57,13 @@ def test_a_forged_claim_is_refused(forgery: Forgery) -> None:
     assert verdict is not None
     assert not verdict.accepted
     assert verdict.findings[0].code == forgery.code
+
+
+def test_rows_of_all_kinds_are_shown_by_both() -> None:
+    document = document_of(STATED)
+    assert check_claim(read(document)).findings == ()
+    assert shown(document)[0]
+    assert all(len(table) for table in read(document)[list(Claim._fields).index("points") :])
 
 
 def agrees(forgery: Forgery) -> bool:
@@ -137,7 +145,8 @@ def wrong_numbers() -> list[tuple[str, int, float]]:
 
 def test_a_number_that_its_column_must_not_hold_is_refused() -> None:
     claims = [
-        read(bundle(name)) for name in ("demo", "five-bar", "belt-to-belt", "dense-flow", "rv-m1", "shutter", "tray")
+        read(document_of(name))
+        for name in (STATED, "demo", "five-bar", "belt-to-belt", "dense-flow", "rv-m1", "shutter", "tray")
     ]
     seen = set[tuple[str, int]]()
     for table, column, value in wrong_numbers():

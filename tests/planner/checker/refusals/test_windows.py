@@ -53,7 +53,7 @@ def test_a_point_is_inside_at_the_times_at_which_a_grid_has_it_inside() -> None:
         of = some_tracking(rng)
         assert of.along is not None
         spans, times = of.inside(), np.linspace(of.start, LONG_S, 400)
-        ways = of.way(times)
+        ways = of.way(laws.formula_of(of.law, of.start, LONG_S))(times)
         low, high = of.along
         for t, x in zip(times.tolist(), ways.tolist(), strict=True):
             known = any(a - 1e-9 <= t <= b + 1e-9 for a, b in spans)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 
+import numpy as np
 import pytest
 
 from assur.planner.errors import InputError
+from assur.planner.model.outcome import Plan
+from assur.scenes.resampling.grid import arrivals_on, legs_on, on_nanoseconds, on_ticks
 from assur.scenes.scenarios import shipped_scenarios
 from benchmarks.soak.random_cells import KINDS, random_cell
-from tests.planner.checker.statement.cases import VARIANTS, case_of, differences, planned
+from tests.planner.checker.statement.cases import VARIANTS, case_of, claim_of, differences, planned, sealed
 from tests.prover.test_meshes import CASES as MESHES
 
 NOT_PLANNED = frozenset(
@@ -48,6 +51,17 @@ def test_the_claim_of_an_arm_among_meshes_is_accepted(name: str) -> None:
     assert case is not None
     assert len(case.claim.triangles) > 0
     assert differences(case) == []
+
+
+@pytest.mark.parametrize(("name", "tick_s"), [("demo", 0.004), ("rv-m1, straight way", 0.004), ("shutter", None)])
+def test_the_claim_of_a_motion_through_other_knots_is_accepted(name: str, tick_s: float | None) -> None:
+    case = case_of(name)
+    path = case.plan.trajectory
+    other = on_nanoseconds(path) if tick_s is None else on_ticks(case.scene, case.plan, tick_s)
+    assert not np.array_equal(other.time, path.time)
+    plan = Plan(other, legs_on(case.plan, other), arrivals_on(case.plan, other), case.plan.certificate)
+    plan = sealed(case.scene, plan)
+    assert differences(case, claim_of(case.scene, plan), plan) == []
 
 
 def accepted(count: int, seed: int) -> Counter[str]:
