@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.checker.limits import integrals
+from assur.planner.checker.statement.loads import integrals
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.inertia import spread

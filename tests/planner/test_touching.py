@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from assur.planner.checked import check
-from assur.planner.checker import Code
-from assur.planner.checker.nearest import WITHIN_M
+from assur.planner.checker.statement.nearness import WITHIN_M
+from assur.planner.checker.verdict import Code
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.touching import TOUCH_M, apart, grip, support
 from assur.planner.errors import InputError
@@ -23,6 +23,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder, sphere
 from assur.planner.laws import conveyor
 from assur.planner.model.attachments import AT_START, at_start
+from assur.planner.model.claims import Claims
 from assur.planner.model.input_warning import Odd
 from assur.planner.model.outcome import Arrival, NotPlanned, Planned
 from assur.planner.model.phases import yaw_offsets
@@ -281,7 +282,10 @@ def test_where_a_body_is_not_known_nothing_is_measured() -> None:
     assert apart(Prover(later), AT_START, 5.5, "part", "right-table") > 0.0
 
 
-OFF = [-0.02, -1e-3, -1.2 * WITHIN_M, 1.2 * WITHIN_M, 1e-3, 0.02, 1e6]
+TOO_NEAR, UPPER = (-0.02, -1e-3, -1.2 * WITHIN_M), (-0.8 * WITHIN_M, 1e-3, 0.02, 1e6)
+"""What is added to a distance that is stated. An upper value may be larger."""
+STATED = Claims()
+"""An answer whose arrivals count."""
 CASES: dict[str, Callable[[], Scene]] = {
     "touching": table_to_table,
     "apart": lambda: asking(gripped(0.0, 0.02)),
@@ -298,18 +302,18 @@ def saying(arrival: Arrival, field: str, value: float) -> Arrival:
 def test_a_distance_that_is_not_so_is_refused_and_one_that_is_is_accepted(name: str) -> None:
     scene = CASES[name]()
     made = told(scene).plan
-    assert check(scene, made).findings == ()
+    assert check(scene, made, STATED).findings == ()
     for i, arrival in enumerate(made.arrivals):
         for field in ("grip_m", "support_m"):
             value = getattr(arrival, field)
-            for said in [0.0] if value is None else [value + off for off in OFF]:
+            for said in [0.0] if value is None else [value + off for off in TOO_NEAR]:
                 forged = saying(arrival, field, said)
                 arrivals = (*made.arrivals[:i], forged, *made.arrivals[i + 1 :])
-                findings = check(scene, sealed(scene, replace(made, arrivals=arrivals))).findings
-                assert [(f.code, f.where) for f in findings] == [(Code.CLAIM, f"arrivals[{i}].{field}")], (field, said)
-            for within in [] if value is None else [-0.8 * WITHIN_M, 0.8 * WITHIN_M]:
+                findings = check(scene, sealed(scene, replace(made, arrivals=arrivals)), STATED).findings
+                assert [f.code for f in findings] == [Code.NEAREST], (field, said)
+            for within in () if value is None else UPPER:
                 arrivals = (*made.arrivals[:i], saying(arrival, field, value + within), *made.arrivals[i + 1 :])
-                assert check(scene, sealed(scene, replace(made, arrivals=arrivals))).ok
+                assert check(scene, sealed(scene, replace(made, arrivals=arrivals)), STATED).ok
 
 
 def test_a_plan_that_is_farther_than_a_step_allows_is_refused_whatever_it_says() -> None:
@@ -318,12 +322,12 @@ def test_a_plan_that_is_farther_than_a_step_allows_is_refused_whatever_it_says()
     made = told(free).plan
     silent = tuple(replace(arrival, grip_m=None, support_m=None) for arrival in made.arrivals)
     for arrivals in (made.arrivals, silent):
-        for allowed, codes in ((0.019, [Code.ERROR]), (0.021, [])):
+        for allowed, codes in ((0.019, [Code.NEAREST]), (0.021, [])):
             scene = asking(free, allowed)
             findings = check(scene, sealed(scene, replace(made, arrivals=arrivals))).findings
             assert [each.code for each in findings] == codes
     high = asking(placed(0.01))
     made = told(high).plan
-    for allowed, codes in ((0.009, [Code.ERROR]), (0.011, [])):
+    for allowed, codes in ((0.009, [Code.NEAREST]), (0.011, [])):
         scene = asking(high, support_m=allowed)
         assert [each.code for each in check(scene, sealed(scene, made)).findings] == codes

@@ -66,7 +66,7 @@ def test_joints_keep_their_peaks_and_reach_them(name: str) -> None:
     case, claim = answered(name)
     path, limits = case.plan.trajectory, case.scene.robot.limits
     reached = set[tuple[int, int]]()
-    for row in claim.sums:
+    for row in claim.sums[len(case.claim.sums) :]:
         (joint,), order = np.flatnonzero(row[c.SUM_SHARE : c.SUM_LOW]), int(row[c.SUM_ORDER])
         t = times(case, row)
         # at the end of an interval its own piece counts
