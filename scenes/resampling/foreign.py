@@ -123,7 +123,7 @@ def judged(scene: Scene, trajectory: Trajectory, plan: Plan | None = None) -> Ju
         amount = None if earliest.gap > earliest.required else earliest.required - earliest.gap
         first.append(First(findings[-1].what, earliest.time, amount, "m", earliest.bodies))
     else:
-        verdict = check_motion(scene, made, of_motion) if plan is None else check(scene, made)
+        verdict = check_motion(_ending(scene, trajectory), made, of_motion) if plan is None else check(scene, made)
         findings += [each for each in verdict.findings if not (first and each.code == Code.LIMIT)]
     if plan is None:
         findings += _still_moving(scene, trajectory)
@@ -133,6 +133,13 @@ def judged(scene: Scene, trajectory: Trajectory, plan: Plan | None = None) -> Ju
 
 def _when(first: First) -> float:
     return first.time
+
+
+def _ending(scene: Scene, trajectory: Trajectory) -> Scene:
+    """The scene with the end that a motion has: behind one that does not end at rest nothing is claimed. Blends have to
+    end at rest."""
+    moving = scene.options.jerk_limited and not ends_at_rest(trajectory)
+    return replace(scene, options=replace(scene.options, end="moving")) if moving else scene
 
 
 def _still_moving(scene: Scene, trajectory: Trajectory) -> list[Finding]:

@@ -185,10 +185,16 @@ def _after(before: Leg | None, leg: Leg) -> Leg:
 
 
 def arrivals_on(plan: Plan, made: Trajectory) -> tuple[Arrival, ...]:
-    """The arrivals of a plan, none later than the end of a motion, which may be earlier by what its grid rounds."""
-    return tuple(
-        replace(each, time=min(each.time, made.end), until=min(each.until, made.end)) for each in plan.arrivals
-    )
+    """The arrivals of a plan, none later than the end of a motion, and at the ends of its legs where these are nearer
+    than a nanosecond: a grid rounds them."""
+    ends = np.array([leg.t1 for leg in legs_on(plan, made)])
+
+    def on(t: float) -> float:
+        t = min(t, made.end)
+        near = float(ends[np.abs(ends - t).argmin()])
+        return near if abs(near - t) <= NANO else t
+
+    return tuple(replace(each, time=on(each.time), until=on(each.until)) for each in plan.arrivals)
 
 
 def _rates(made: Trajectory) -> BoolArray:

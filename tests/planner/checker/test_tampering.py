@@ -331,9 +331,10 @@ def test_a_velocity_that_is_not_matched_is_found() -> None:
 
 def test_a_turn_that_the_part_does_not_allow_is_found() -> None:
     scene, plan = belt_case()
-    for turn in (np.pi, np.pi / 2):
+    # the part looks the same after half a turn, which this plan does not make
+    for turn, wanted in ((np.pi, Code.POINT), (np.pi / 2, Code.ARRIVAL)):
         turned = (replace(plan.arrivals[0], yaw_offset=turn), *plan.arrivals[1:])
-        assert Code.POINT in codes(check(scene, sealed(scene, replace(plan, arrivals=turned))))
+        assert codes(check(scene, sealed(scene, replace(plan, arrivals=turned)))) == {wanted}
 
 
 @pytest.mark.parametrize("window", [Window(time=(0.0, 0.75)), Window(time=(0.71, 2.0)), Window(along=(-0.2, -0.025))])
