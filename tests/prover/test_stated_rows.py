@@ -90,6 +90,23 @@ def test_where_an_acceleration_jumps_an_instant_is_in_what_begins_there() -> Non
     assert holds(document, "sums", summed(2, 1.0 - 1e-3, 1.0 + 1e-3, t0=0.5 - 1e-9, t1=0.5))
 
 
+def test_an_acceleration_that_jumps_to_another_direction_is_no_harder_than_both() -> None:
+    document, q, qd = swinging(), [0.75, -0.25], [1.0, -0.3]
+    knots = [[0.0, 0.0], q, q, [1.5, -0.5]], [[0.0, 0.0], qd, qd, [0.0, 0.0]]
+    document["arms"][0].update(
+        time=[0.0, 0.5, 0.5, 1.0], q=knots[0], qd=knots[1], qdd=[[0.0, 0.0], [2.0, 1.0], [-3.0, 2.0], [0.0, 0.0]]
+    )
+    v = 1.0  # rad/s of the first link
+    # of the end of the first link: with the angle's acceleration a it is hypot(a, v²), in two directions
+    for at, a in ((math.nextafter(0.5, 0.0), 2.0), (0.5, -3.0)):
+        there = {"t0": at, "t1": at, "point": [1.0, 0.0, 0.0]}
+        assert holds(document, "rates", rate(2, math.hypot(a, v) - 1e-6, math.hypot(a, v) + 1e-6, **there))
+    around = {"t0": 0.49999, "t1": 0.50001, "point": [1.0, 0.0, 0.0]}
+    assert holds(document, "rates", rate(2, 0.0, math.hypot(3.0, v) + 1e-2, **around))
+    assert holds(document, "rates", rate(2, math.hypot(2.0, v) - 1e-2, math.hypot(3.0, v) + 1e-2, **around))
+    assert not holds(document, "rates", rate(2, 0.0, math.hypot(3.0, v) - 1e-2, **around))
+
+
 def rate(order: int, least: float, most: float, **changes: object) -> Document:
     where = {"name": "a point", "link": 1, "point": [0.3, 0.2, 0.1], "frame": -1}
     return {**WHOLE, **where, "order": order, "least": least, "most": most, **changes}
