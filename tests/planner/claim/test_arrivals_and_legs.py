@@ -11,7 +11,7 @@ from assur.planner.frames.motion import Motion
 from tests.planner.checker.statement.cases import Case, case_of
 
 WAYS, TILTS, FLOW = "demo, straight ways", "rv-m1, straight way", "dense-flow, more uncertain"
-GUIDED = {WAYS: 120, TILTS: 60, "circular-legs": 900, "bead-on-belt": 800, "scan-on-dial": 330}
+GUIDED = {WAYS: 120, TILTS: 60, "circular-legs": 850, "bead-on-belt": 400, "scan-on-dial": 400}
 """Cases with guides, and how many rows these have at most."""
 WITH_SUMS = ("shutter", "standard-cycle", "tray", "carton", WAYS, TILTS)
 UNCERTAIN = (FLOW, "demo, more uncertain", "belt-to-belt", "bead-on-belt", "elbow-arm", "five-bar", "rv-m1", WAYS)
