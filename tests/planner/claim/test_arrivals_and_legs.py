@@ -13,7 +13,7 @@ from tests.planner.checker.statement.cases import Case, case_of
 WAYS, TILTS, FLOW = "demo, straight ways", "rv-m1, straight way", "dense-flow, more uncertain"
 GUIDED = {WAYS: 120, TILTS: 60, "circular-legs": 850, "bead-on-belt": 400, "scan-on-dial": 400}
 """Cases with guides, and how many rows these have at most."""
-WITH_SUMS = ("shutter", "standard-cycle", "carton", WAYS, TILTS)
+WITH_SUMS = ("shutter", "standard-cycle", "tray", "carton", WAYS, TILTS)
 UNCERTAIN = (FLOW, "demo, more uncertain", "belt-to-belt", "bead-on-belt", "elbow-arm", "five-bar", "rv-m1", WAYS)
 DRAWS = 4000
 ROUNDED = 1e-12
