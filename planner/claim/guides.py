@@ -22,7 +22,7 @@ from assur.planner.model.path import TANGENT_RAD, PathCurve
 from assur.planner.model.scene import WORLD, Move, Scene, Trace
 from assur.planner.trajectory import Trajectory
 
-CELL_S, CELLS, MOST_CELLS = 5e-4, 8, 20_000
+CELL_S, CELLS, MOST_CELLS = 2e-4, 8, 50_000
 """Samples are so near in time, s; a piece of the trajectory has so many at least; all of a leg has about so many at
 most."""
 REST = 1e-9
@@ -32,16 +32,18 @@ RESERVE_M = 1e-6
 
 
 class _Limits(NamedTuple):
-    """How far, m, the tool is stated to be off a chord at most; how far samples of it may be off, since the claim
-    checker bounds what is between them; and how far a path may leave its chord."""
+    """How far, m, tool and path together may be off a chord at most; and how much of that is left for what the claim
+    checker bounds between samples."""
 
     most: float
-    sampled: float
-    curve: float = 0.0
+    left: float
 
 
-LINE = _Limits(TRACKED_M, 0.9 * TRACKED_M)
-PATH = _Limits(0.65 * TRACKED_M, 0.58 * TRACKED_M, 0.3 * TRACKED_M)
+ALONG = _Limits(TRACKED_M, 0.07 * TRACKED_M)
+LOOSER = 1.2
+"""By which the statement checker's bound of a curvature may be larger than what is sampled of it."""
+ROUNDED_M = 1e-8
+"""What both checkers keep for rounding, m, ten times."""
 LATER_S = 1e-9
 """So much later than its arrival a leg may end, s, in a motion through other knots."""
 STEPS = 4
@@ -85,13 +87,13 @@ def _straight(scene: Scene, plan: Plan, goal_at: tuple[str, Pose], before: str, 
 
     def off(ends: IntArray) -> FloatArray:
         s = np.interp(t, t[ends], share[ends])
-        return np.asarray(np.linalg.norm(w - a - s[:, None] * gap, axis=1) / LINE.sampled)
+        return _most(np.linalg.norm(w - a - s[:, None] * gap, axis=1), ends) / (ALONG.most - ALONG.left)
 
     ends = _chords(len(t), off)
     frames = list(scene.frames)
     head = (*_link(scene), frames.index(first), frames.index(goal_frame), *left.tolist(), *goal.position.tolist())
     times, shares = t[ends].tolist(), share[ends].tolist()
-    return [(times[k], times[k + 1], *head, shares[k], shares[k + 1], LINE.most) for k in range(len(times) - 1)]
+    return [(times[k], times[k + 1], *head, shares[k], shares[k + 1], ALONG.most) for k in range(len(times) - 1)]
 
 
 def _along_path(scene: Scene, plan: Plan, step: Move, t: FloatArray) -> list[Row]:
@@ -108,7 +110,7 @@ def _along_path(scene: Scene, plan: Plan, step: Move, t: FloatArray) -> list[Row
         s = np.clip(s + ((w - place) * tangent).sum(1), 0.0, curve.length)
     s[0], s[-1] = 0.0, curve.length
     s = np.minimum(np.maximum.accumulate(s), curve.length)
-    return _on_curve(scene, step.target.frame, curve, t, s, w, np.zeros(len(t)), PATH)
+    return _on_curve(scene, step.target.frame, curve, t, s, w, np.zeros(len(t)), ALONG)
 
 
 def _traced(scene: Scene, plan: Plan, step: Trace, arrival: Arrival) -> list[Row]:
@@ -116,14 +118,14 @@ def _traced(scene: Scene, plan: Plan, step: Trace, arrival: Arrival) -> list[Row
     found, v = list[Row](), step.speed_m_s
     if arrival.trace is None:
         return found
-    curve, most = step.path.curve, arrival.trace.error_m
-    on_path = _Limits(most - 0.45 * RESERVE_M, most - 0.6 * RESERVE_M, 0.38 * RESERVE_M)
+    curve = step.path.curve
+    on_path = _Limits(arrival.trace.error_m, 0.25 * RESERVE_M)
     for leg in plan.legs:
         if leg.step != arrival.step or leg.kind not in (LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART):
             continue
         t = _samples(plan.trajectory, leg.t0, leg.t1)
         w = _seen(_frame(scene, step.target.frame, t), _tool(scene, plan.trajectory, t))
-        pull, limits = np.zeros(len(t)), PATH
+        pull, limits = np.zeros(len(t)), ALONG
         if leg.kind is LegKind.FOLLOW:
             s, limits = v * (t - leg.t0), on_path
         else:
@@ -157,37 +159,42 @@ def _on_curve(
     bend = most[part]
     parts = np.cumsum(np.append(0, np.diff(part) != 0))
 
-    def off(ends: IntArray) -> FloatArray:
-        number = np.repeat(np.arange(len(ends) - 1), np.diff(ends))
-        number = np.append(number, len(ends) - 2)
-        chord = np.stack([np.interp(t, t[ends], place[ends, k]) for k in range(3)], 1)
-        tool = np.linalg.norm(w - chord, axis=1) / limits.sampled
+    def curved(ends: IntArray) -> FloatArray:
+        """How far the curve may be off each chord, m."""
         far, lasts = np.diff(s[ends]), np.diff(t[ends])
-        curved = np.maximum.reduceat(bend, ends[:-1])
-        curved = np.maximum(curved, bend[ends[1:]]) * far**2 / 8.0
-        curved += (parts[ends[1:]] > parts[ends[:-1]]) * TANGENT_RAD * far / 4.0
-        curved += np.maximum.reduceat(pull, ends[:-1]) * lasts**2 / 8.0
-        return np.asarray(np.maximum(tool, (curved / limits.curve)[number]))
+        found = _most(bend, ends) * far**2 / 8.0
+        found += (parts[ends[1:]] > parts[ends[:-1]]) * TANGENT_RAD * far / 4.0
+        found += _most(pull, ends) * lasts**2 / 8.0
+        return np.asarray(LOOSER * found + ROUNDED_M)
+
+    def off(ends: IntArray) -> FloatArray:
+        chord = np.stack([np.interp(t, t[ends], place[ends, k]) for k in range(3)], 1)
+        return (_most(np.linalg.norm(w - chord, axis=1), ends) + curved(ends)) / (limits.most - limits.left)
 
     ends = _chords(len(t), off)
     frames, head = [list(scene.frames).index(frame)] * 2, _link(scene)
-    times, points = t[ends].tolist(), place[ends].tolist()
+    times, points, most = t[ends].tolist(), place[ends].tolist(), (limits.most - curved(ends)).tolist()
     return [
-        (times[k], times[k + 1], *head, *frames, *points[k], *points[k + 1], 0.0, 1.0, limits.most)
+        (times[k], times[k + 1], *head, *frames, *points[k], *points[k + 1], 0.0, 1.0, most[k])
         for k in range(len(times) - 1)
     ]
 
 
 def _chords(count: int, off: Callable[[IntArray], FloatArray]) -> IntArray:
-    """Numbers of the samples at which chords begin and end: chords in which a sample is off by more than 1 are halved,
-    while they hold a sample. `off`: by how much each sample (T,) is off, for given chords."""
+    """Numbers of the samples at which chords begin and end: chords that are off by more than 1 are halved, while they
+    hold a sample. `off`: by how much each of some chords (N,) is off."""
     ends = np.array([0, count - 1])
     while True:
-        far, lasts = off(ends), np.diff(ends)
-        wide = (np.maximum.reduceat(far, ends[:-1]) > 1.0) & (lasts > 1)
+        lasts = np.diff(ends)
+        wide = (off(ends) > 1.0) & (lasts > 1)
         if not wide.any():
             return ends
         ends = np.sort(np.append(ends, (ends[:-1] + lasts // 2)[wide]))
+
+
+def _most(values: FloatArray, ends: IntArray) -> FloatArray:
+    """The largest of the values at the samples (T,) of each chord, both its ends included, (N,)."""
+    return np.asarray(np.maximum(np.maximum.reduceat(values, ends[:-1]), values[ends[1:]]))
 
 
 def _samples(path: Trajectory, t0: float, t1: float) -> FloatArray:

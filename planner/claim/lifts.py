@@ -18,6 +18,8 @@ from assur.planner.trajectory import Trajectory
 Row = tuple[float, ...]
 INSTANTS, ROUNDS = 16, 5
 """Parts of an interval at whose ends the lift is evaluated; and rounds, each between the neighbours of the highest."""
+SLOW_M_S = 1e-6
+"""So fast the lift may go the wrong way wherever its rate is 0, m/s: it moves by less than what counts."""
 SAMPLES = 128
 """Parts of a piece of the motion at whose ends the rate of the lift is evaluated."""
 NEAR = 1e-8
@@ -74,7 +76,7 @@ def _rates(path: Trajectory, lift: int, sign: float, t0: float, t1: float) -> li
     t[:, -1] = edges[1:]
     rate, jerk = (sign * path.evaluate(t.ravel(), order)[:, lift].reshape(t.shape) for order in (1, 3))
     # between two samples a rate leaves its chord by no more than its second derivative lets it
-    least = rate.min(1) - 0.13 * np.abs(jerk).max(1) * (np.diff(edges) / SAMPLES) ** 2 - NEAR
+    least = rate.min(1) - 0.13 * np.abs(jerk).max(1) * (np.diff(edges) / SAMPLES) ** 2 - SLOW_M_S
     if float(-least.min()) * (t1 - t0) <= BACK_M:
         return [(t0, t1, float(least.min()))]
     found = []
@@ -86,4 +88,4 @@ def _rates(path: Trajectory, lift: int, sign: float, t0: float, t1: float) -> li
 
 def _goes_back(piece: tuple[float, float, float]) -> bool:
     """Whether the least rate of a piece is negative."""
-    return piece[2] < -2.0 * NEAR
+    return piece[2] < -2.0 * SLOW_M_S
