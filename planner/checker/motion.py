@@ -134,10 +134,10 @@ def five_bar(arm: FloatArray, q: FloatArray, jets: FloatArray, c: int) -> bool:
         crank, coupler, half = p[1 + side], p[3 + side], p[0] * (0.5 - side)
         ax, ay = constant(arm[BASE] - sb * half), constant(arm[BASE + 1] + cb * half)
         cw, sw = plus(scaled(cb, cq), scaled(-sb, sq)), plus(scaled(sb, cq), scaled(cb, sq))
-        upright(jets, c + 1 + 2 * side, ax, ay, z, cw, sw)
+        upright(jets, c + 1 + side, ax, ay, z, cw, sw)
         ax, ay = plus(ax, scaled(crank, cw)), plus(ay, scaled(crank, sw))
         cw, sw = plus(scaled(cb, vx), scaled(-sb, vy)), plus(scaled(sb, vx), scaled(cb, vy))
-        upright(jets, c + 2 + 2 * side, ax, ay, z, scaled(1.0 / coupler, cw), scaled(1.0 / coupler, sw))
+        upright(jets, c + 3 + side, ax, ay, z, scaled(1.0 / coupler, cw), scaled(1.0 / coupler, sw))
         if side == 0:
             tx, ty, ct, st = plus(ax, cw), plus(ay, sw), scaled(1.0 / coupler, cw), scaled(1.0 / coupler, sw)
     lift = plus(z, jet_of(q, 2)) if arm[AXIS_COUNT] > 2.0 else z

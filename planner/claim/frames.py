@@ -70,7 +70,7 @@ def frames_of(scene: Scene) -> Frames:
                 same = [len(followed)]
                 followed.append((link.robot, link.trajectory))
                 first.append(arms.add(link.robot))
-            on = same[0] + 1, first[same[0]] + link.robot.chain_rows[link.link]
+            on = same[0] + 1, first[same[0]] + link.link
         elif endless(law):
             placed, _, own = law_of(law, -math.inf, math.inf)
         else:

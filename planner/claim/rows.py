@@ -109,7 +109,7 @@ class _Places:
             if t not in self.arms:
                 held = np.array([min(max(t, self.path.start), self.path.end)])
                 self.arms[t] = self.robot.placements(self.path.evaluate(held))
-            link = self.robot.chain_rows.index(int(row[c.SEAT_LINK]))
+            link = int(row[c.SEAT_LINK])
             p, r = self.arms[t][0][0, link], self.arms[t][1][0, link]
         else:
             motion = self.laws[int(row[c.SEAT_FRAME])].motion(np.array(t))
