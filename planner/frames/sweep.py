@@ -11,7 +11,7 @@ from assur.planner.arrays import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
-    """The jets (12, 6) of a carrier over an interval (`assur.planner.kernels.chain`)."""
+    """The jets (12, 6) of a carrier over an interval (`assur.planner.kernels.sweeps.chain`)."""
 
     jets: FloatArray
 

@@ -15,9 +15,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.compiled import kernel
 from assur.planner.kernels.carriers import derivative
-from assur.planner.kernels.chain import JETS
 from assur.planner.kernels.intervals import RESERVE_M, Cell, Motion, fetch, least_between, survey
-from assur.planner.kernels.jets import ACCELERATION, JET_COLUMNS
 from assur.planner.kernels.links import ANGLE_COUNT, LINKS, POSE_COLUMNS
 from assur.planner.kernels.solids import (
     CARRIER,
@@ -36,6 +34,8 @@ from assur.planner.kernels.solids import (
     TABLE,
     support,
 )
+from assur.planner.kernels.sweeps.chain import JETS
+from assur.planner.kernels.sweeps.jets import ACCELERATION, JET_COLUMNS
 from assur.planner.kernels.uncertainty import DOUBT, SWAY_COLUMNS, Doubt, displaced, spread, sway_links
 
 SIDES = 6

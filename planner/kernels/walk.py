@@ -12,7 +12,6 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
-from assur.planner.kernels.chain import JETS
 from assur.planner.kernels.intervals import (
     DONE,
     FINEST_S,
@@ -35,7 +34,6 @@ from assur.planner.kernels.intervals import (
     push,
     survey,
 )
-from assur.planner.kernels.jets import JET_COLUMNS
 from assur.planner.kernels.links import ANGLE_COUNT, LINKS, POSE_COLUMNS
 from assur.planner.kernels.nearest import bounded
 from assur.planner.kernels.proof import (
@@ -60,6 +58,8 @@ from assur.planner.kernels.proof import (
 )
 from assur.planner.kernels.screening import HITS, note_hit
 from assur.planner.kernels.solids import CELL, EARLY, LATE, MOTION, ROW, TABLE
+from assur.planner.kernels.sweeps.chain import JETS
+from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 from assur.planner.kernels.uncertainty import (
     DOUBT,
     MOMENTS,

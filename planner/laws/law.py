@@ -128,9 +128,9 @@ class Law:
 
     def sweep(self, t0: float, t1: float) -> Sweep:
         """How the frame moves over the closed interval [t0, t1], s (K44)."""
-        from assur.planner.kernels.chain import JETS
-        from assur.planner.kernels.jets import JET_COLUMNS
         from assur.planner.kernels.laws import sweep_frame
+        from assur.planner.kernels.sweeps.chain import JETS
+        from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 
         jets = np.zeros((1, JETS, JET_COLUMNS))
         sweep_frame(self.row, self.side, t0, t1, jets, 0)

@@ -17,10 +17,10 @@ from assur.planner.frames.sweep import Sweep
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.kernels import inverse as kernels
 from assur.planner.kernels import links as of
-from assur.planner.kernels.chain import JETS, sweep_links
 from assur.planner.kernels.inverse import POSTURE_COLUMNS, joint_motions
-from assur.planner.kernels.jets import JET_COLUMNS
 from assur.planner.kernels.motion import COORDINATES, ORDERS, link_motions
+from assur.planner.kernels.sweeps.chain import JETS, sweep_links
+from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 from assur.planner.robots.facts import Inverse
 
 if TYPE_CHECKING:

@@ -11,19 +11,6 @@ import math
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
 from assur.planner.compiled import kernel
-from assur.planner.kernels.jets import (
-    CUBE,
-    JET,
-    JET_COLUMNS,
-    Jet,
-    add,
-    inverse,
-    jet_at,
-    put_jet,
-    root,
-    times,
-    turned,
-)
 from assur.planner.kernels.links import (
     ANGLE,
     ANGLE_COS,
@@ -35,6 +22,19 @@ from assur.planner.kernels.links import (
     CHAIN,
     LINKS,
     LOOP,
+)
+from assur.planner.kernels.sweeps.jets import (
+    CUBE,
+    JET,
+    JET_COLUMNS,
+    Jet,
+    add,
+    inverse,
+    jet_at,
+    put_jet,
+    root,
+    times,
+    turned,
 )
 
 JETS = 12
