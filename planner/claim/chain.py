@@ -10,8 +10,6 @@ from assur.planner.claim.unstated import unstated
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 
-NO_SLIDE = (-1.0, 0.0, 0.0, 0.0)
-
 
 class Arms:
     """The arms of a cell, the robot first."""
@@ -27,40 +25,24 @@ class Arms:
         first, start, n = len(self._links), len(self._angles), len(robot.joints)
         if n > c.MOST_JOINTS:
             raise unstated(f"an arm with {n} joints")
-        chain, known = robot.chain, dict[tuple[float, ...], int]()
-
-        def angle(constant: float, joints: tuple[int, ...]) -> int:
-            key = (constant, *(float(joint in joints) for joint in range(c.MOST_JOINTS)))
-            return known.setdefault(key, start + len(known))
-
-        for link in chain.links:
-            parent = first + link.parent if link.parent >= 0 else -1
-            yaw = angle(0.0 if link.fixed or link.coupler >= 0 else robot.base.yaw, link.turns)
-            tilts = (-1, -1) if link.tilts is None else (angle(0.0, link.tilts), angle(0.0, link.rolls))
-            slide = NO_SLIDE if link.slide is None else (link.slide[0], *link.slide[1])
-            self._links.append((parent, *link.offset, *slide, yaw, *tilts, link.coupler))
-        loop = -1
-        if chain.loop is not None:
-            loop, cranks = len(self._loops), [first + crank for crank in chain.loop.cranks]
-            between = known_between(known, [int(self._links[crank][c.LINK_YAW]) for crank in cranks], start)
-            _, lengths, couplers, side, least = chain.loop
-            self._loops.append((*cranks, *lengths, *couplers, side, least, between))
-        self._arms.append((first, len(chain.links), n, 0, 0, start, len(known), loop))
-        self._angles += known
+        rows = robot.chain_rows
+        links, loops = rows.links.copy(), rows.loops.copy()
+        links[:, c.LINK_PARENT] += np.where(links[:, c.LINK_PARENT] >= 0.0, first, 0)
+        turns = links[:, c.LINK_YAW : c.LINK_COUPLER]
+        turns += np.where(turns >= 0.0, start, 0)
+        loops[:, c.LOOP_CRANK : c.LOOP_LENGTH] += first
+        loops[:, c.LOOP_BETWEEN] += start
+        loop = len(self._loops) if len(loops) else -1
+        self._arms.append((first, len(links), n, 0, 0, start, len(rows.angles), loop))
+        self._links += links.tolist()
+        self._angles += rows.angles.tolist()
+        self._loops += loops.tolist()
         return first
 
     def tables(self) -> dict[str, FloatArray]:
         """Arms (without their knots), links, angles and loops."""
         rows = {"arms": self._arms, "links": self._links, "angles": self._angles, "loops": self._loops}
         return {name: c.table(name, each) for name, each in rows.items()}
-
-
-def known_between(known: dict[tuple[float, ...], int], yaws: list[int], start: int) -> int:
-    """The row of the angle between two cranks whose yaws are these rows, added to the angles `known` of an arm, which
-    begin at row `start`."""
-    angles = list(known)
-    one, other = (angles[yaw - start] for yaw in yaws)
-    return known.setdefault(tuple(b - a for a, b in zip(one, other, strict=True)), start + len(known))
 
 
 def knots_at_rest(path: Trajectory) -> FloatArray:

@@ -64,7 +64,7 @@ def frames_of(scene: Scene) -> Frames:
                 same = [len(followed)]
                 followed.append((link.robot, link.trajectory))
                 first.append(arms.add(link.robot))
-            on = same[0] + 1, first[same[0]] + link.robot.chain_rows[link.link]
+            on = same[0] + 1, first[same[0]] + link.link
         own = pieces, len(law.pieces), len(waves), len(law.waves)
         rows.append([*on, *law.at, *own, *known.shift_s, known.yaw_rad, *law.period])
         laws.append(law.pieces)

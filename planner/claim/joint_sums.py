@@ -62,7 +62,7 @@ def _one(joint: int) -> tuple[float, ...]:
 
 def hand_of(robot: Robot) -> FloatArray:
     """The shares (2, c.MOST_JOINTS) of the joints in pitch and roll of the flange."""
-    flange, found = robot.chain.links[robot.chain_rows[robot.links.index("flange")]], np.zeros((2, c.MOST_JOINTS))
+    flange, found = robot.chain.links[robot.links.index("flange")], np.zeros((2, c.MOST_JOINTS))
     for row, joints in zip(found, (flange.tilts or (), flange.rolls), strict=True):
         np.add.at(row, list(joints), 1.0)
     return found

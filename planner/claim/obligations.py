@@ -42,7 +42,7 @@ def carriers_of(scene: Scene, names: Sequence[str]) -> Carriers:
     return Carriers(
         body=number,
         frame={name: k for k, name in enumerate(scene.frames)},
-        flange=scene.robot.chain_rows[scene.robot.links.index("flange")],
+        flange=scene.robot.links.index("flange"),
         off=off,
     )
 
@@ -58,7 +58,7 @@ class Seats:
 def seats_of(scene: Scene, carriers: Carriers) -> Seats:
     """Where each body is when the plan begins."""
     robot, attached = scene.robot, at_start(scene)
-    links = [robot.chain_rows[item.link] for item in robot.bodies] + [carriers.flange] * len(scene.tool.bodies)
+    links = [item.link for item in robot.bodies] + [carriers.flange] * len(scene.tool.bodies)
     rows: list[tuple[float, ...]] = [(k, link, -1, 0.0, 0.0, 0.0, 0.0) for k, link in enumerate(links)]
     rows += [(carriers.body[item.name], *_place(scene, carriers, attached, item.name)) for item in scene.bodies]
     parts = {step.part for step in scene.task if step.part is not None}
@@ -145,7 +145,7 @@ def distances_of(scene: Scene, carriers: Carriers) -> dict[str, FloatArray]:
     robot, required, lag = scene.robot, scene.options.clearance, scene.execution.lag
     pairs = np.zeros((len(robot.links), len(robot.links)))
     for pair in robot.self_pairs:
-        i, k = (robot.chain_rows[robot.links.index(name)] for name in pair)
+        i, k = map(robot.links.index, pair)
         pairs[i, k] = pairs[k, i] = 1.0
     names, rules = list(carriers.body), list[FloatArray]()
     for rule in required.exceptions:
@@ -156,7 +156,7 @@ def distances_of(scene: Scene, carriers: Carriers) -> dict[str, FloatArray]:
     row = np.zeros((1, c.REQUIRED))
     row[0, : c.REQUIRED_UNTIL] = required.travel_m, required.near_m
     row[0, c.REQUIRED_LATE], row[0, c.REQUIRED_SINCE] = scene.execution.start_tolerance_s, scene.start.time
-    row[0, c.REQUIRED_TOOL] = robot.chain_rows[robot.links.index("quill" if "quill" in robot.links else "flange")]
+    row[0, c.REQUIRED_TOOL] = robot.links.index("quill" if "quill" in robot.links else "flange")
     row[0, c.REQUIRED_LAG : c.REQUIRED_LAG + len(lag)] = lag
     row[0, c.REQUIRED_NEAREST :] = -1.0
     return {

@@ -105,13 +105,11 @@ class Postures:
         return own + self._couplers
 
     def _value(self, bend: Bend, plan: Plan, t: float) -> float:
-        rows = self._scene.robot.chain_rows
         p, r = self._scene.robot.placements(plan.trajectory.evaluate(np.array([t])))
-        link, other = rows.index(bend.link), rows.index(bend.other)
-        along: FloatArray = r[0, other] @ np.array(bend.along)
+        along: FloatArray = r[0, bend.other] @ np.array(bend.along)
         if bend.length > 0.0:
-            return float((p[0, link] - p[0, other]) @ along) / bend.length
-        return float(r[0, link] @ np.array(AHEAD) @ along)
+            return float((p[0, bend.link] - p[0, bend.other]) @ along) / bend.length
+        return float(r[0, bend.link] @ np.array(AHEAD) @ along)
 
 
 def guided(scene: Scene, plan: Plan) -> Iterator[tuple[Arrival, float, float]]:

@@ -150,7 +150,7 @@ class Prover:
         self.carried_by = scene.robot.row, self.laws, self.side
         """What says where the carriers are: robot, laws of frames and their side table."""
         self.collider = Collider()
-        none = np.zeros((2, max(scene.robot.rate_matrix.shape)))
+        none = np.zeros(len(scene.robot.joints))
         self.exact: Doubt = (np.zeros((0, SET_COLUMNS)), none, np.array([scene.start.time, 0.0, 0.0, 0.0]))
         """What kernels are told where all is where it is planned."""
         self.has_loop = has_loop(scene.robot)
@@ -166,18 +166,18 @@ class Prover:
     def spline(self, trajectory: Trajectory) -> Spline:
         """The tables of a trajectory; those of the last one are kept, for its phases are proved one after the other."""
         if self._spline is None or self._spline[0] is not trajectory:
-            self._spline, self._rows = (trajectory, spline_table(trajectory, self.scene.robot.rate_matrix)), {}
+            self._spline, self._rows = (trajectory, spline_table(trajectory)), {}
         return self._spline[1]
 
     def standing(self, q: FloatArray, t: float) -> Spline:
         """The arm at rest at q (n,) from time t on."""
         still = np.zeros((2, len(q)))
         path = Trajectory(np.array([t, t + 1.0]), np.array([q, q]), still, still)
-        return spline_table(path, self.scene.robot.rate_matrix)
+        return spline_table(path)
 
     def motion(self, spline: Spline) -> Motion:
         """What moves the carriers, as kernels read it."""
-        return (*self.carried_by, spline.tk, spline.c, spline.whole, spline.matrix)
+        return (*self.carried_by, spline.tk, spline.c, spline.whole)
 
     def prove(self, phase: Phase, trajectory: Trajectory) -> Rows | Unproved:
         """Rows that cover every asked pair over the whole phase, or the first pair that resists."""

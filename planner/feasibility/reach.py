@@ -10,9 +10,6 @@ import numpy as np
 
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.kernels.carriers import point_bound
-from assur.planner.kernels.laws import bound_frame
-from assur.planner.kernels.links import BOUND_COLUMNS
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.legs.paths.tracing import lead_in_begin
 from assur.planner.model.joint_range import beyond_at_nearest_turn
@@ -133,10 +130,8 @@ def _never_near(scene: Scene, point: ControlPoint) -> Refusal | None:
     edges = scene.start.time + period * np.arange(PARTS + 1) / PARTS
     middle = point.flange((edges[:-1] + edges[1:]) / 2).p
     away = np.hypot(middle[:, 0] - robot.base.x, middle[:, 1] - robot.base.y)
-    bounds, reach = np.empty((1, BOUND_COLUMNS)), math.hypot(point.pose.x, point.pose.y)
     for i in range(PARTS):
-        bound_frame(law.row, law.side, edges[i], edges[i + 1], bounds, 0)
-        x, y = (point_bound(bounds, 0, reach, reach, *along)[0] for along in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+        x, y, _ = law.sweep(edges[i], edges[i + 1]).point(1, point.pose.x, point.pose.y, 0.0)
         away[i] -= math.hypot(x, y) * (edges[i + 1] - edges[i]) / 2
     short = float(away.min()) - robot.l1 - robot.l2
     if not short > EDGE_M:  # nor where the law is not known for a whole period

@@ -1,4 +1,11 @@
-"""Where the carriers of a scene are, links first, then frames, and bounds of the motion of what they carry."""
+"""Where the carriers of a scene are, links first, then frames, and bounds of the motion of what they carry.
+
+With o the origin of a carrier and R its rotation, a point p that it carries is at o + R p, so that
+
+    n·x'' = n·o'' + (n R'') p,   |n·x'' - middle| ≤ radius                                                  (K43)
+
+for middles and radii of the coordinates of o'' and R'' over an interval; the same holds for the first derivative.
+"""
 
 from __future__ import annotations
 
@@ -6,23 +13,14 @@ import math
 
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
-from assur.planner.kernels.laws import bound_frame, place_frame
-from assur.planner.kernels.links import (
-    ACCELERATION,
-    LINKS,
-    V_ANY,
-    V_ANY_FAR,
-    V_BOX,
-    V_FAR,
-    V_FLAT,
-    V_REACH,
-    V,
-    bound_links,
-    place_links,
-)
+from assur.planner.kernels.laws import place_frame, sweep_frame
+from assur.planner.kernels.links import LINKS, place_links
+from assur.planner.kernels.solids import CARRIER, CENTRE, DISC, HALF, NORMAL, ROTATION, TABLE
+from assur.planner.kernels.sweeps.chain import sweep_links
+from assur.planner.kernels.sweeps.jets import BALL, CUBE, Ball
 
-LEAST_SQUARE = 1e-290
-"""Squares below this are near the smallest numbers that there are (no unit)."""
+ON_AXIS = 1e-12
+"""A disc whose axis is off that of its carrier by no more counts as one about that axis (no unit)."""
 
 
 @kernel("void(float64[::1], float64[:, ::1], float64[:, ::1], float64[::1], float64, float64[:, ::1])")
@@ -39,71 +37,60 @@ def place_carriers(
         place_frame(laws[f], pieces, t, placed, links + f)
 
 
-@kernel(
-    "void(float64[::1], float64[:, ::1], float64[:, ::1], float64, float64,"
-    " float64[::1], float64[::1], float64[::1], float64[::1], float64[:, ::1])"
-)
-def carrier_bounds(
+@kernel(f"void(float64[::1], {TABLE}, {TABLE}, float64, float64, {TABLE}, {CUBE}, {CUBE})")
+def sweep_carriers(
     robot: FloatArray,
     laws: FloatArray,
     pieces: FloatArray,
     t0: float,
     t1: float,
-    lower: FloatArray,
-    upper: FloatArray,
-    rate: FloatArray,
-    rate_d: FloatArray,
-    bounds: FloatArray,
+    joints: FloatArray,
+    turns: FloatArray,
+    jets: FloatArray,
 ) -> None:
-    """Fills `bounds` (L + F, BOUND_COLUMNS) for the closed interval [t0, t1].
+    """Fills `jets` (L + F, JETS, JET_COLUMNS) for the closed interval [t0, t1], from those of the joints over it.
 
-    `lower, upper` (n,), `rate, rate_d` (m,): what `sweep_bounds` says of the joints over it.
+    `turns` (A, 2, JET_COLUMNS) is room to work in.
     """
-    bound_links(robot, lower, upper, rate, rate_d, bounds)
+    sweep_links(robot, joints, turns, jets)
     links = int(robot[LINKS])
     for f in range(len(laws)):
-        bound_frame(laws[f], pieces, t0, t1, bounds, links + f)
+        sweep_frame(laws[f], pieces, t0, t1, jets, links + f)
 
 
-@kernel("float64(float64[:, ::1], int64, int64, float64, float64, float64, float64, float64, float64)")
-def _along(
-    bounds: FloatArray,
-    k: int,
-    o: int,
-    reach: float,
-    distance: float,
-    nx: float,
-    ny: float,
-    nz: float,
-    flat: float,
-) -> float:
-    """K43 from column o on; `flat` is |n_xy|."""
-    known = abs(nx * bounds[k, o + V] + ny * bounds[k, o + V + 1] + nz * bounds[k, o + V + 2])
-    box = o + V_BOX
-    found = known + abs(nx) * bounds[k, box] + abs(ny) * bounds[k, box + 1] + abs(nz) * bounds[k, box + 2]
-    found += bounds[k, o + V_ANY] + bounds[k, o + V_ANY_FAR] * distance
-    # no horizontal motion counts along the vertical, and no turning on the axis, even if its bound is infinite
-    if flat != 0.0:
-        across = bounds[k, o + V_FLAT] + bounds[k, o + V_FAR] * distance
-        if reach != 0.0:
-            across += bounds[k, o + V_REACH] * reach
-        found += flat * across
-    return found if found >= 0.0 else math.inf
+@kernel(f"{BALL}({TABLE}, {CUBE}, int64, int64, {NORMAL})")
+def derivative(bodies: FloatArray, jets: FloatArray, i: int, order: int, nx: float, ny: float, nz: float) -> Ball:
+    """What the derivative of that order (1 or 2) of n·x may be over an interval, for all points x of unit i (K43).
 
-
-@kernel("UniTuple(float64, 2)(float64[:, ::1], int64, float64, float64, float64, float64, float64)")
-def point_bound(
-    bounds: FloatArray, k: int, reach: float, distance: float, nx: float, ny: float, nz: float
-) -> tuple[float, float]:
-    """Upper bounds of |n·ẋ| and |n·ẍ| over an interval along a unit vector n, for every point x of carrier k (K43).
-
-    The points are within horizontal distance `reach` of the carrier's z axis and within `distance` of its origin, m.
-    Infinite for what is not a number, and for a negative reach or distance.
+    A hull counts as the box around it. What keeps its shape adds nothing: a ball, and a disc about the axis of its
+    carrier while that axis keeps its direction. The radius is infinite where nothing is known.
     """
-    if not (reach >= 0.0 and distance >= 0.0):
-        return math.inf, math.inf
-    square = nx * nx + ny * ny
-    # the root of a square that is almost nothing has lost its digits
-    flat = math.sqrt(square) if square > LEAST_SQUARE else math.hypot(nx, ny)
-    speed = _along(bounds, k, 0, reach, distance, nx, ny, nz, flat)
-    return speed, _along(bounds, k, ACCELERATION, reach, distance, nx, ny, nz, flat)
+    at, o, r = jets[int(bodies[i, CARRIER])], 2 * order, 2 * order + 1
+    ax, ay, az = abs(nx), abs(ny), abs(nz)
+    u, v, w = (
+        nx * at[3, o] + ny * at[4, o] + nz * at[5, o],
+        nx * at[6, o] + ny * at[7, o] + nz * at[8, o],
+        nx * at[9, o] + ny * at[10, o] + nz * at[11, o],
+    )
+    ru, rv, rw = (
+        ax * at[3, r] + ay * at[4, r] + az * at[5, r],
+        ax * at[6, r] + ay * at[7, r] + az * at[8, r],
+        ax * at[9, r] + ay * at[10, r] + az * at[11, r],
+    )
+    x, y, z = bodies[i, CENTRE], bodies[i, CENTRE + 1], bodies[i, CENTRE + 2]
+    middle = nx * at[0, o] + ny * at[1, o] + nz * at[2, o] + u * x + v * y + w * z
+    radius = ax * at[0, r] + ay * at[1, r] + az * at[2, r] + ru * abs(x) + rv * abs(y) + rw * abs(z)
+    for j in range(3):
+        half = bodies[i, HALF + j]
+        if half > 0.0:
+            a, b, c = bodies[i, ROTATION + j], bodies[i, ROTATION + 3 + j], bodies[i, ROTATION + 6 + j]
+            radius += half * (abs(u * a + v * b + w * c) + ru * abs(a) + rv * abs(b) + rw * abs(c))
+    if bodies[i, DISC] > 0.0:
+        level = max(abs(bodies[i, ROTATION + 2]), abs(bodies[i, ROTATION + 5])) <= ON_AXIS
+        turns = abs(at[9, o]) + at[9, r] + abs(at[10, o]) + at[10, r] + abs(at[11, o]) + at[11, r]
+        if not (level and turns == 0.0):
+            p, q, s = abs(u) + ru, abs(v) + rv, abs(w) + rw
+            radius += bodies[i, DISC] * math.sqrt(p * p + q * q + s * s)
+    if not (at[0, 1] < math.inf and radius < math.inf and abs(middle) < math.inf):
+        return 0.0, math.inf
+    return middle, radius

@@ -12,28 +12,27 @@ from typing import TypeAlias
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.compiled import kernel
-from assur.planner.kernels.carriers import carrier_bounds, place_carriers, point_bound
+from assur.planner.kernels.carriers import derivative, place_carriers, sweep_carriers
 from assur.planner.kernels.solids import (
     CARRIER,
     CUBE,
-    DISTANCE,
     MOTION,
     NORMAL,
     NUMBERS,
     OPENED,
     PIECES,
     RADIUS,
-    REACH,
     ROW,
     TABLE,
     place,
 )
-from assur.planner.kernels.spline import spline_state, sweep_bounds
+from assur.planner.kernels.spline import spline_state, sweep_joints
+from assur.planner.kernels.sweeps.jets import Ball
 
 Cell: TypeAlias = tuple[FloatArray, FloatArray, IntArray]
 """`bodies`, `vertices`, `still`."""
-Motion: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
-"""`robot`, `laws`, `side`, `tk`, `c`, `whole`, `matrix`."""
+Motion: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+"""`robot`, `laws`, `side`, `tk`, `c`, `whole`."""
 
 ITEM_NORMAL, ITEM_FROM, ITEM_TO, ITEM_COLUMNS = 3, 6, 7, 8
 """Columns of an item: its normal, the least and the greatest shift, s, and how many."""
@@ -52,24 +51,29 @@ KEPT_STILL = 1 << 60
 """Number of the interval for which a unit that stands still was placed: it is placed once."""
 
 
-@kernel(f"void({MOTION}, float64, float64, {ROW}, {TABLE}, {CUBE}, {TABLE})")
+@kernel(f"void({MOTION}, float64, float64, {ROW}, {TABLE}, {CUBE}, {CUBE}, {CUBE})")
 def survey(
-    motion: Motion, t0: float, t1: float, q: FloatArray, swept: FloatArray, carriers: FloatArray, bounds: FloatArray
+    motion: Motion,
+    t0: float,
+    t1: float,
+    q: FloatArray,
+    joints: FloatArray,
+    turns: FloatArray,
+    carriers: FloatArray,
+    jets: FloatArray,
 ) -> None:
-    """Fills `carriers` (3, K, 12) at both ends and in the middle of [t0, t1], and `bounds` of
-    their motion over it (K, BOUND_COLUMNS).
+    """Fills `carriers` (3, K, 12) at both ends and in the middle of [t0, t1], and `joints` (n, JET_COLUMNS) and `jets`
+    (K, JETS, JET_COLUMNS) over it.
 
-    `q` (n,) and `swept` (4, max(n, m)) are room to work in.
+    `q` (n,) and `turns` (A, 2, JET_COLUMNS) are room to work in.
     """
-    robot, laws, side, tk, c, whole, matrix = motion
-    n, m = c.shape[1], len(matrix)
+    robot, laws, side, tk, c, whole = motion
     for moment in range(3):
         t = t0 if moment == 0 else (0.5 * (t0 + t1) if moment == 1 else t1)
         spline_state(tk, c, t, q)
         place_carriers(robot, laws, side, q, t, carriers[moment])
-    lower, upper, rate, rate_d = swept[0, :n], swept[1, :n], swept[2, :m], swept[3, :m]
-    sweep_bounds(tk, c, whole, matrix, t0, t1, lower, upper, rate, rate_d)
-    carrier_bounds(robot, laws, side, t0, t1, lower, upper, rate, rate_d, bounds)
+    sweep_joints(tk, c, whole, t0, t1, joints)
+    sweep_carriers(robot, laws, side, t0, t1, joints, turns, jets)
 
 
 @kernel(f"void({TABLE}, int64, {CUBE}, {CUBE}, {NUMBERS}, int64, {NUMBERS})")
@@ -89,33 +93,28 @@ def fetch(
         stamp[i] = KEPT_STILL if still[int(bodies[i, CARRIER])] else number
 
 
-@kernel(f"UniTuple(float64, 2)({TABLE}, {TABLE}, int64, {NORMAL})")
-def unit_bound(bodies: FloatArray, bounds: FloatArray, i: int, nx: float, ny: float, nz: float) -> tuple[float, float]:
-    """Bounds of |n·ẋ| and |n·ẍ| over an interval, for all points x of unit i."""
-    return point_bound(bounds, int(bodies[i, CARRIER]), bodies[i, REACH], bodies[i, DISTANCE], nx, ny, nz)
+@kernel("float64(float64, float64, float64, float64)")
+def least_between(g0: float, g1: float, bend: float, h: float) -> float:
+    """The least value over an interval of length h, from those at its ends and a bound of its second derivative
+    (C3)."""
+    return float(min(g0, g1) - max(bend, 0.0) * h * h / 8.0)
 
 
-@kernel("float64(float64, float64, float64, float64, float64)")
-def between(g0: float, g1: float, speed: float, acceleration: float, h: float) -> float:
-    """The least value over an interval of length h, from those at its ends and bounds of its rates (C2, C3)."""
-    by_speed = 0.5 * (g0 + g1 - speed * h)
-    by_acceleration = min(g0, g1) - acceleration * h * h / 8.0
-    return by_speed if by_speed >= by_acceleration else by_acceleration
+@kernel(f"UniTuple(float64, 2)({TABLE}, {CUBE}, {CUBE}, int64, int64, {NORMAL})")
+def gap_bend(
+    bodies: FloatArray, jets: FloatArray, ahead: FloatArray, a: int, b: int, nx: float, ny: float, nz: float
+) -> Ball:
+    """Upper bounds of the second derivative of the gap of units a and b along n, and of what unit b adds to it, from
+    the jets of their carriers: those of b's in `ahead`."""
+    one, other = derivative(bodies, jets, a, 2, nx, ny, nz), derivative(bodies, ahead, b, 2, nx, ny, nz)
+    added = other[0] + other[1]
+    return added - one[0] + one[1], added
 
 
-@kernel(f"float64({TABLE}, {TABLE}, int64, {NORMAL}, float64, float64, float64)")
-def least_alone(
-    bodies: FloatArray, bounds: FloatArray, i: int, nx: float, ny: float, nz: float, g0: float, g1: float, h: float
-) -> float:
-    """How far a plane across n is ahead of unit i at least over an interval, from what it is at both ends."""
-    speed, acceleration = unit_bound(bodies, bounds, i, nx, ny, nz)
-    return between(g0, g1, speed, acceleration, h)
-
-
-@kernel(f"float64({TABLE}, {TABLE}, int64, int64, {NORMAL}, float64, float64, float64)")
+@kernel(f"float64({TABLE}, {CUBE}, int64, int64, {NORMAL}, float64, float64, float64)")
 def least_gap(
     bodies: FloatArray,
-    bounds: FloatArray,
+    jets: FloatArray,
     a: int,
     b: int,
     nx: float,
@@ -125,10 +124,8 @@ def least_gap(
     g1: float,
     h: float,
 ) -> float:
-    """A lower bound of the gap of units a and b along n over an interval, from those at its ends."""
-    speed_a, acceleration_a = unit_bound(bodies, bounds, a, nx, ny, nz)
-    speed_b, acceleration_b = unit_bound(bodies, bounds, b, nx, ny, nz)
-    return between(g0, g1, speed_a + speed_b, acceleration_a + acceleration_b, h)
+    """A lower bound of the gap of units a and b along n over an interval of length h, from those at its ends."""
+    return float(least_between(g0, g1, gap_bend(bodies, jets, jets, a, b, nx, ny, nz)[0], h))
 
 
 @kernel(f"boolean({TABLE}, int64, int64)")

@@ -60,9 +60,8 @@ from assur.planner.kernels.links import (
     POLAR,
     SCARA,
     SIGMA,
-    close_loop,
 )
-from assur.planner.kernels.motion import ORDERS, add_turned
+from assur.planner.kernels.motion import ORDERS, add_turned, close_loop
 
 TURN = 2.0 * math.pi
 """A full turn, rad."""

@@ -3,7 +3,7 @@
 No kind of law is named here. A frame that is a link of another robot has its trajectory in the side table as one run of
 numbers (`trajectory_of`). Equations F0, F6 and F9 of docs/kinematics.md.
 
-Columns of bounds and of places are those of `links`.
+Columns of places are those of `links`, jets those of `chain`.
 """
 
 from __future__ import annotations
@@ -15,26 +15,12 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
 from assur.planner.kernels.columns import laws as c
-from assur.planner.kernels.dyads import fill, fill_rows
-from assur.planner.kernels.links import (
-    ACCELERATION,
-    BOUND_COLUMNS,
-    JOINTS,
-    LINKS,
-    POSE_COLUMNS,
-    ROBOT_COLUMNS,
-    V_ANY,
-    V_BOX,
-    V_REACH,
-    V,
-    bound_links,
-    place_links,
-    put_upright,
-)
-from assur.planner.kernels.spline import spline_state, sweep_bounds
+from assur.planner.kernels.dyads import fill_rows
+from assur.planner.kernels.links import ANGLE_COUNT, JOINTS, LINKS, POSE_COLUMNS, SIZE, place_links, put_upright
+from assur.planner.kernels.spline import spline_state, sweep_joints
+from assur.planner.kernels.sweeps.chain import put_yaw, sweep_links, unknown
+from assur.planner.kernels.sweeps.jets import ACCELERATION, CUBE, JET_COLUMNS, RATE, turned
 
-LENGTH_ROUNDING = 2e-15
-"""|n·v| is raised by this part of |v|: rounding of a product of three terms, where it almost vanishes."""
 CYCLE_ROUNDING = 4.0 * 2.0**-52
 """Intervals are widened by this part of the times that they were reduced from, and of the period: the rounding of t
 modulo the period."""
@@ -149,7 +135,9 @@ def _crest(theta0: float, theta1: float) -> float:
 
 
 @kernel("UniTuple(float64, 4)(float64[::1], float64[:, ::1], int64, float64, float64)")
-def _ranges(law: FloatArray, pieces: FloatArray, k: int, t0: float, t1: float) -> tuple[float, float, float, float]:
+def coordinate_rates(
+    law: FloatArray, pieces: FloatArray, k: int, t0: float, t1: float
+) -> tuple[float, float, float, float]:
     """The ranges of velocity and of acceleration of coordinate k over the closed interval [t0, t1], least and greatest
     of each. Where the acceleration jumps, both sides count."""
     begin, count, powers, period = int(law[c.BEGIN]), int(law[c.COUNT]), int(law[c.POWERS]), law[c.PERIOD]
@@ -186,27 +174,25 @@ def _ranges(law: FloatArray, pieces: FloatArray, k: int, t0: float, t1: float) -
     return low, high, low_d, high_d
 
 
-@kernel("UniTuple(int64, 8)(float64[::1], float64[:, ::1])")
-def trajectory_of(law: FloatArray, pieces: FloatArray) -> tuple[int, int, int, int, int, int, int, int]:
+@kernel("UniTuple(int64, 6)(float64[::1], float64[:, ::1])")
+def trajectory_of(law: FloatArray, pieces: FloatArray) -> tuple[int, int, int, int, int, int]:
     """Where in the side table, read as one run of numbers, the parts of a link begin, and their sizes.
 
-    Robot row, rate matrix (m, n), times of the knots (P + 1), coefficients (P, n, 6), `whole` of `piece_bounds`
-    (P + 1, 2k); then P, n, m.
+    Robot row, times of the knots (P + 1), coefficients (P, n, 6), `whole` of `piece_bounds` (P + 1, 9 n); then P and n.
     """
     robot = int(law[c.BEGIN]) * pieces.shape[1]
-    count, m, n = int(law[c.COUNT]), int(law[c.RATES]), int(pieces[int(law[c.BEGIN]), JOINTS])
-    matrix = robot + ROBOT_COLUMNS
-    times = matrix + m * n
+    count, n = int(law[c.COUNT]), int(pieces[int(law[c.BEGIN]), JOINTS])
+    times = robot + int(pieces[int(law[c.BEGIN]), SIZE])
     coefficients = times + count + 1
-    return robot, matrix, times, coefficients, coefficients + count * n * 6, count, n, m
+    return robot, times, coefficients, coefficients + count * n * 6, count, n
 
 
 @kernel("void(float64[::1], float64[:, ::1], float64, float64[:, ::1], int64)", allocates=True)
 def _place_link(law: FloatArray, pieces: FloatArray, t: float, placed: FloatArray, k: int) -> None:
     """F6: the link where the neighbour's spline has it."""
-    robot, matrix, times, coefficients, whole, count, n, _ = trajectory_of(law, pieces)
+    robot, times, coefficients, whole, count, n = trajectory_of(law, pieces)
     run = pieces.reshape(pieces.size)
-    row = run[robot:matrix]
+    row = run[robot:times]
     links = int(row[LINKS])
     scratch = np.empty(n + links * POSE_COLUMNS)
     q, found = scratch[:n], scratch[n:].reshape((links, POSE_COLUMNS))
@@ -215,6 +201,21 @@ def _place_link(law: FloatArray, pieces: FloatArray, t: float, placed: FloatArra
     link = int(law[c.LINK])
     for i in range(POSE_COLUMNS):
         placed[k, i] = found[link, i]
+
+
+@kernel("float64(float64[::1], float64[:, ::1], int64, float64)")
+def _coordinate_at(law: FloatArray, pieces: FloatArray, k: int, t: float) -> float:
+    """Coordinate k at time t, which is known."""
+    i, u, whole = _piece_at(law, pieces, t)
+    value = _coordinate(pieces, i, k, int(law[c.POWERS]), u)[0]
+    if k < 3 or not law[c.WHOLE] > 0.0:
+        value += whole * law[c.STEP + k]
+    first = int(law[c.WAVE])
+    for wave in range(first, first + int(law[c.WAVES])):
+        if int(pieces[wave, c.WAVE_COORDINATE]) == k:
+            theta = pieces[wave, c.WAVE_RATE] * t + pieces[wave, c.WAVE_PHASE]
+            value += pieces[wave, c.WAVE_AMPLITUDE] * math.sin(theta)
+    return value
 
 
 @kernel("void(float64[::1], float64[:, ::1], float64, float64[:, ::1], int64)")
@@ -226,94 +227,68 @@ def place_frame(law: FloatArray, pieces: FloatArray, t: float, placed: FloatArra
     if law[c.LINKED] > 0.0:
         _place_link(law, pieces, t, placed, k)
         return
-    i, u, whole = _piece_at(law, pieces, t)
-    powers, first = int(law[c.POWERS]), int(law[c.WAVE])
-    x = _coordinate(pieces, i, 0, powers, u)[0] + whole * law[c.STEP]
-    y = _coordinate(pieces, i, 1, powers, u)[0] + whole * law[c.STEP + 1]
-    z = _coordinate(pieces, i, 2, powers, u)[0] + whole * law[c.STEP + 2]
-    yaw = 0.0
+    x, y, z = (
+        _coordinate_at(law, pieces, 0, t),
+        _coordinate_at(law, pieces, 1, t),
+        _coordinate_at(law, pieces, 2, t),
+    )
     if law[c.TURNS] > 0.0:
-        yaw = _coordinate(pieces, i, 3, powers, u)[0]
-        if not law[c.WHOLE] > 0.0:
-            yaw += whole * law[c.STEP + 3]
-    for wave in range(first, first + int(law[c.WAVES])):
-        theta = pieces[wave, c.WAVE_RATE] * t + pieces[wave, c.WAVE_PHASE]
-        value, coordinate = pieces[wave, c.WAVE_AMPLITUDE] * math.sin(theta), int(pieces[wave, c.WAVE_COORDINATE])
-        if coordinate == 0:
-            x += value
-        elif coordinate == 1:
-            y += value
-        elif coordinate == 2:
-            z += value
-        else:
-            yaw += value
-    if law[c.TURNS] > 0.0:
+        yaw = _coordinate_at(law, pieces, 3, t)
         put_upright(placed, k, x, y, z, math.cos(yaw), math.sin(yaw))
     else:
         put_upright(placed, k, x, y, z, law[c.COS], law[c.SIN])
 
 
-@kernel("void(float64[::1], float64[:, ::1], float64, float64, float64[:, ::1], int64)", allocates=True)
-def _bound_link(law: FloatArray, pieces: FloatArray, t0: float, t1: float, bounds: FloatArray, k: int) -> None:
+@kernel(f"void(float64[::1], float64[:, ::1], float64, float64, {CUBE}, int64)", allocates=True)
+def _sweep_link(law: FloatArray, pieces: FloatArray, t0: float, t1: float, jets: FloatArray, k: int) -> None:
     """F6: what is known of the link of that arm holds for the frame, which is the link's."""
-    robot, matrix, times, coefficients, whole, count, n, m = trajectory_of(law, pieces)
+    robot, times, coefficients, whole, count, n = trajectory_of(law, pieces)
     run = pieces.reshape(pieces.size)
-    row = run[robot:matrix]
-    links = int(row[LINKS])
-    scratch = np.empty(2 * n + 2 * m + links * BOUND_COLUMNS)
-    lower, upper, rate = scratch[:n], scratch[n : 2 * n], scratch[2 * n : 2 * n + m]
-    rate_d = scratch[2 * n + m : 2 * n + 2 * m]
-    found = scratch[2 * n + 2 * m :].reshape((links, BOUND_COLUMNS))
-    sweep_bounds(
+    row = run[robot:times]
+    joints, turns = np.empty((n, JET_COLUMNS)), np.empty((int(row[ANGLE_COUNT]), 2, JET_COLUMNS))
+    found = np.zeros((int(row[LINKS]), jets.shape[1], JET_COLUMNS))
+    sweep_joints(
         run[times:coefficients],
         run[coefficients:whole].reshape((count, n, 6)),
-        run[whole : whole + (count + 1) * 4 * (m + n)].reshape((count + 1, 4 * (m + n))),
-        run[matrix:times].reshape((m, n)),
+        run[whole : whole + (count + 1) * 9 * n].reshape((count + 1, 9 * n)),
         t0,
         t1,
-        lower,
-        upper,
-        rate,
-        rate_d,
+        joints,
     )
-    bound_links(row, lower, upper, rate, rate_d, found)
+    sweep_links(row, joints, turns, found)
     link = int(law[c.LINK])
-    for i in range(BOUND_COLUMNS):
-        bounds[k, i] = found[link, i]
+    for i in range(jets.shape[1]):
+        for column in range(JET_COLUMNS):
+            jets[k, i, column] = found[link, i, column]
 
 
-@kernel("void(float64[::1], float64[:, ::1], float64, float64, float64[:, ::1], int64)")
-def bound_frame(law: FloatArray, pieces: FloatArray, t0: float, t1: float, bounds: FloatArray, k: int) -> None:
-    """Fills row k of `bounds` with the frame of a law over the closed interval [t0, t1]: its velocity and acceleration
-    along its line, or else the ranges of each coordinate as a box around their middles (K44).
+@kernel(f"void(float64[::1], float64[:, ::1], float64, float64, {CUBE}, int64)")
+def sweep_frame(law: FloatArray, pieces: FloatArray, t0: float, t1: float, jets: FloatArray, k: int) -> None:
+    """Fills `jets[k]` with the frame of a law over the closed interval [t0, t1]; of its origin only the rates (K44).
 
-    Infinite in every direction for an interval that is not wholly known, ends before it begins, or is not a number.
+    Nothing is known for an interval that is not wholly known, ends before it begins, or is not a number.
     """
-    row = bounds[k]
-    fill(row, 0.0)
+    own = jets[k]
+    fill_rows(own, 0, len(own), 0.0)
     if not (law[c.FIRST] <= t0 <= t1 <= law[c.LAST]):
-        row[V_ANY] = row[ACCELERATION + V_ANY] = math.inf
+        unknown(own)
         return
     if law[c.LINKED] > 0.0:
-        _bound_link(law, pieces, t0, t1, bounds, k)
+        _sweep_link(law, pieces, t0, t1, jets, k)
         return
-    axis = int(law[c.AXIS])
-    if law[c.LINE + axis] != 0.0:
-        low, high, low_d, high_d = _ranges(law, pieces, axis, t0, t1)
-        speed = max(abs(low), abs(high)) / abs(law[c.LINE + axis]) + law[c.SLACK]
-        acceleration = max(abs(low_d), abs(high_d)) / abs(law[c.LINE + axis]) + law[c.SLACK + 1]
-        for i in range(3):
-            row[V + i], row[ACCELERATION + V + i] = speed * law[c.LINE + i], acceleration * law[c.LINE + i]
-        row[V_ANY], row[ACCELERATION + V_ANY] = LENGTH_ROUNDING * speed, LENGTH_ROUNDING * acceleration
-    else:
-        for i in range(3):
-            if law[c.MOVES + i] > 0.0:
-                low, high, low_d, high_d = _ranges(law, pieces, i, t0, t1)
-                row[V + i], row[V_BOX + i] = (low + high) / 2.0, (high - low) / 2.0
-                row[ACCELERATION + V + i] = (low_d + high_d) / 2.0
-                row[ACCELERATION + V_BOX + i] = (high_d - low_d) / 2.0
-        row[V_ANY], row[ACCELERATION + V_ANY] = law[c.SLACK], law[c.SLACK + 1]
+    for axis in range(3):
+        if law[c.MOVES + axis] > 0.0:
+            low, high, low_d, high_d = coordinate_rates(law, pieces, axis, t0, t1)
+            own[axis, RATE], own[axis, RATE + 1] = 0.5 * (low + high), 0.5 * (high - low) + law[c.SLACK]
+            own[axis, ACCELERATION] = 0.5 * (low_d + high_d)
+            own[axis, ACCELERATION + 1] = 0.5 * (high_d - low_d) + law[c.SLACK + 1]
     if law[c.TURNS] > 0.0:
-        low, high, low_d, high_d = _ranges(law, pieces, 3, t0, t1)
-        w, dw = max(abs(low), abs(high)) + law[c.SLACK + 2], max(abs(low_d), abs(high_d)) + law[c.SLACK + 3]
-        row[V_REACH], row[ACCELERATION + V_REACH] = w, math.hypot(dw, w * w)
+        low, high, low_d, high_d = coordinate_rates(law, pieces, 3, t0, t1)
+        middle, rate = _coordinate_at(law, pieces, 3, 0.5 * (t0 + t1)), (low + high) / 2.0
+        yaw = (
+            middle, 0.5 * (t1 - t0) * (max(abs(low), abs(high)) + law[c.SLACK + 2]),
+            rate, 0.5 * (high - low) + law[c.SLACK + 2],
+            0.5 * (low_d + high_d), 0.5 * (high_d - low_d) + law[c.SLACK + 3],
+        )  # fmt: skip
+        cosine, sine = turned(yaw)
+        put_yaw(own, cosine, sine)

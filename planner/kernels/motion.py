@@ -85,10 +85,21 @@ def _move_scara(robot: FloatArray, link: int, joints: FloatArray, out: FloatArra
         add_arm(out, robot[L2], angles, 1)
 
 
+@kernel("int64(float64[::1], float64, float64, float64[:, ::1])")
+def close_loop(robot: FloatArray, theta1: float, theta5: float, work: FloatArray) -> int:
+    """The dyad between the elbows of a five-bar (K32), in base axes, for the angles of its cranks; its code.
+
+    Row `SOLVED` of `work` is filled, without rates.
+    """
+    work[0, 0] = robot[L3] * math.cos(theta5) - robot[L1] * math.cos(theta1)
+    work[0, 1] = robot[L3] * math.sin(theta5) - robot[L1] * math.sin(theta1) - robot[HEIGHT]
+    return rrr(robot[L2], robot[L4], robot[SIGMA], work, 0, work[SOLVED])
+
+
 @kernel("void(float64[::1], int64, float64[:, ::1], float64[:, ::1], float64[:, ::1])")
 def _move_five_bar(robot: FloatArray, link: int, joints: FloatArray, out: FloatArray, work: FloatArray) -> None:
     """K32, K34 with the rates of the dyad between the elbows; `work` (8, 12) is room to work in."""
-    right = link == 3 or link == 4
+    right = link == 2 or link == 4
     side = -robot[HEIGHT] / 2.0 if right else robot[HEIGHT] / 2.0
     out[0, 0] -= robot[BASE_SIN] * side
     out[0, 1] += robot[BASE_COS] * side
@@ -96,7 +107,7 @@ def _move_five_bar(robot: FloatArray, link: int, joints: FloatArray, out: FloatA
     for k in range(ORDERS):
         work[k, 2] = joints[k, crank] + (robot[BASE_YAW] if k == 0 else 0.0)
         out[k, 3] = work[k, 2]
-    if link == 1 or link == 3:
+    if link == 1 or link == 2:
         return
     add_arm(out, robot[L3] if right else robot[L1], work, 2)
     fill_rows(work, 0, ORDERS, 0.0)

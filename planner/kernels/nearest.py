@@ -1,6 +1,6 @@
 """The smallest clearance over a motion, between a proved lower and an upper value, by branch and bound.
 
-A pair leaves an interval when the bound of its gap over it (equations C2, C3) is not below the smallest distance found
+A pair leaves an interval when the bound of its gap over it (equation C3) is not below the smallest distance found
 so far less `WITHIN_M`; otherwise the interval is halved. The smallest such bound is below every distance at every
 instant; the smallest distance found is one that occurs. The `state` goes on from one phase to the next.
 """
@@ -42,12 +42,12 @@ SHORT = 16.0
 """An interval of no more `FINEST_S` is not halved further for a normal that keeps a pair apart in its middle."""
 
 
-@kernel(f"int64({TABLE}, {TABLE}, {CUBE}, {TABLE}, float64, float64, {TABLE}, int64, {TABLE}, {TABLE}, {ROW})")
+@kernel(f"int64({TABLE}, {TABLE}, {CUBE}, {CUBE}, float64, float64, {TABLE}, int64, {TABLE}, {TABLE}, {ROW})")
 def bounded(
     bodies: FloatArray,
     vertices: FloatArray,
     placed: FloatArray,
-    bounds: FloatArray,
+    jets: FloatArray,
     t0: float,
     t1: float,
     items: FloatArray,
@@ -82,7 +82,7 @@ def bounded(
                 enough = above - WITHIN_M
         g0 = gap(bodies, vertices, placed, 0, a, b, nx, ny, nz)
         g1 = gap(bodies, vertices, placed, 2, a, b, nx, ny, nz)
-        found = least_gap(bodies, bounds, a, b, nx, ny, nz, g0, g1, h)
+        found = least_gap(bodies, jets, a, b, nx, ny, nz, g0, g1, h)
         best = max(best, found)
         if best >= enough:
             break
@@ -101,7 +101,7 @@ def sample_distance(
     motion: Motion, cell: Cell, pairs: FloatArray, t0: float, t1: float, many: int, state: FloatArray
 ) -> None:
     """Lowers the smallest distance found, at `many` > 1 instants of [t0, t1]; bodies of several pieces are left out."""
-    robot, laws, side, tk, c, _, _ = motion
+    robot, laws, side, tk, c, _ = motion
     bodies, vertices, still = cell
     carriers, placed = np.empty((1, len(still), POSE_COLUMNS)), np.empty((1, len(bodies), POSE_COLUMNS))
     stamp, q = np.zeros(len(bodies), dtype=np.int64), np.empty(c.shape[1])

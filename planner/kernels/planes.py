@@ -14,9 +14,11 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.compiled import kernel
-from assur.planner.kernels.intervals import RESERVE_M, Cell, Motion, fetch, least_alone, survey, unit_bound
-from assur.planner.kernels.links import BOUND_COLUMNS, POSE_COLUMNS
+from assur.planner.kernels.carriers import derivative
+from assur.planner.kernels.intervals import RESERVE_M, Cell, Motion, fetch, least_between, survey
+from assur.planner.kernels.links import ANGLE_COUNT, LINKS, POSE_COLUMNS
 from assur.planner.kernels.solids import (
+    CARRIER,
     CELL,
     CUBE,
     FIRST,
@@ -24,6 +26,7 @@ from assur.planner.kernels.solids import (
     NORMAL,
     NUMBERS,
     PAIR_COLUMNS,
+    RADIUS,
     REQUIRED,
     ROW,
     SECOND,
@@ -31,12 +34,14 @@ from assur.planner.kernels.solids import (
     TABLE,
     support,
 )
-from assur.planner.kernels.uncertainty import DOUBT, Doubt, displaced, spread, sway_links
+from assur.planner.kernels.sweeps.chain import JETS
+from assur.planner.kernels.sweeps.jets import ACCELERATION, JET_COLUMNS
+from assur.planner.kernels.uncertainty import DOUBT, SWAY_COLUMNS, Doubt, displaced, spread, sway_links
 
 SIDES = 6
-SPARED = 256.0
-"""The acceleration of a unit, times the square of an interval, over this is what a checker may miss of a plane that it
-proves over eighths of the interval: twice 1/8 of what C3 asks for each of them."""
+SPARED = 512.0
+"""A bound of the acceleration of a unit, as large as that of any checker, times the square of an interval, over this is
+what a checker may miss of a plane that it proves over eighths of the interval (C3)."""
 
 
 @kernel("UniTuple(float64, 3)(int64)")
@@ -61,30 +66,36 @@ def behind(motion: Motion, cell: Cell, doubt: Doubt, units: IntArray, edges: Flo
     """Fills `least` (R, 6): each of `units` (R,) stays behind the plane n·x = −least of each side all along, wherever
     its link may be displaced to.
 
-    It is proved over each of the intervals between `edges` (C2, C3), and is the smallest of them. What the checker may
+    It is proved over each of the intervals between `edges` (C3), and is the smallest of them. What the checker may
     miss of it is taken off: it proves a plane over eighths of an interval, by bounds of its own.
     """
     bodies, vertices, still = cell
-    n, m = motion[4].shape[1], len(motion[6])
+    robot, n = motion[0], motion[4].shape[1]
+    links = int(robot[LINKS])
     carriers, placed = np.empty((3, len(still), POSE_COLUMNS)), np.empty((3, len(bodies), POSE_COLUMNS))
-    bounds, stamp = np.zeros((len(still), BOUND_COLUMNS)), np.zeros(len(bodies), dtype=np.int64)
-    q, swept, room = np.empty(n), np.empty((4, max(n, m))), np.empty((3, max(n, m)))
-    sway = np.zeros((len(still), BOUND_COLUMNS))
+    jets, stamp = np.zeros((len(still), JETS, JET_COLUMNS)), np.zeros(len(bodies), dtype=np.int64)
+    q, joints, lagging = np.empty(n), np.empty((n, JET_COLUMNS)), np.empty((n, JET_COLUMNS))
+    turns, lagged = np.empty((int(robot[ANGLE_COUNT]), 2, JET_COLUMNS)), np.zeros((links, JETS, JET_COLUMNS))
+    sway = np.zeros((len(still), SWAY_COLUMNS))
     least[:] = math.inf
     for part in range(len(edges) - 1):
         t0, t1 = edges[part], edges[part + 1]
-        survey(motion, t0, t1, q, swept, carriers, bounds)
-        sways = sway_links(motion[0], swept[0, :n], swept[1, :n], doubt, t1, room, sway)
+        survey(motion, t0, t1, q, joints, turns, carriers, jets)
+        sways = sway_links(robot, joints, doubt, t1, lagging, turns, lagged, sway)
         for r in range(len(units)):
             i = units[r]
             fetch(bodies, i, carriers, placed, stamp, part + 1, still)
+            turning, square = jets[int(bodies[i, CARRIER])], (t1 - t0) * (t1 - t0)
+            turned = 0.0
+            for j in range(3, JETS):
+                turned += (abs(turning[j, ACCELERATION]) + turning[j, ACCELERATION + 1]) ** 2
             for k in range(SIDES):
                 nx, ny, nz = side_normal(k)
                 g0 = ahead(bodies, vertices, placed, 0, i, nx, ny, nz)
                 g1 = ahead(bodies, vertices, placed, 2, i, nx, ny, nz)
-                _, acceleration = unit_bound(bodies, bounds, i, nx, ny, nz)
-                shown = least_alone(bodies, bounds, i, nx, ny, nz, g0, g1, t1 - t0)
-                shown -= acceleration * (t1 - t0) * (t1 - t0) / SPARED
+                middle, radius = derivative(bodies, jets, i, 2, nx, ny, nz)
+                shown = least_between(g0, g1, radius - middle, t1 - t0)
+                shown -= (abs(middle) + radius + bodies[i, RADIUS] * math.sqrt(turned)) * square / SPARED
                 if sways:
                     shown -= displaced(bodies, sway, i, nx, ny, nz)
                 # what is not a number shows nothing

@@ -16,10 +16,10 @@ from assur.planner.kernels.inverse import LOOP, POSTURE_COLUMNS, posture
 from assur.planner.kernels.links import LINKS, PARALLEL_LEAST, assembled
 from assur.planner.kernels.motion import COORDINATES, ORDERS, link_motion
 from assur.planner.kernels.solids import CUBE, MOTION, ROW, TABLE
-from assur.planner.kernels.spline import piece_at, piece_motion, piece_state, spline_state, sweep_bounds
+from assur.planner.kernels.spline import piece_at, piece_motion, piece_state, spline_state, sweep_joints
+from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 from assur.planner.kernels.uncertainty import (
     DOUBT,
-    LAG_Q,
     SHIFT,
     SHIFT_GROWTH,
     Doubt,
@@ -33,24 +33,21 @@ STACK = 64
 """Intervals on the stack at a time: one for each halving, and no motion is halved so often."""
 
 
-@kernel(
-    "UniTuple(float64, 2)(float64[::1], float64[::1], float64[:, :, ::1], float64[:, ::1], float64[:, ::1])",
-    allocates=True,
-)
-def first_lost(
-    robot: FloatArray, tk: FloatArray, c: FloatArray, whole: FloatArray, matrix: FloatArray
-) -> tuple[float, float]:
+@kernel(f"UniTuple(float64, 2)({ROW}, {ROW}, {CUBE}, {TABLE})", allocates=True)
+def first_lost(robot: FloatArray, tk: FloatArray, c: FloatArray, whole: FloatArray) -> tuple[float, float]:
     """When the robot is first not proved to stay assembled with its least parallel margin, and its margin then, NaN
     where it does not assemble; an infinite time: it stays assembled."""
-    n, m = c.shape[1], len(matrix)
-    lower, upper, rate, rate_d, q = np.empty(n), np.empty(n), np.empty(m), np.empty(m), np.empty(n)
+    n = c.shape[1]
+    lower, upper, q, joints = np.empty(n), np.empty(n), np.empty(n), np.empty((n, JET_COLUMNS))
     out, work = np.empty(POSTURE_COLUMNS), np.empty((WORK_ROWS, RRR_COLUMNS))
     stack, top = np.empty((STACK, 2)), 1
     stack[0, 0], stack[0, 1] = tk[0], tk[len(tk) - 1]
     while top > 0:
         top -= 1
         t0, t1 = stack[top, 0], stack[top, 1]
-        sweep_bounds(tk, c, whole, matrix, t0, t1, lower, upper, rate, rate_d)
+        sweep_joints(tk, c, whole, t0, t1, joints)
+        for j in range(n):
+            lower[j], upper[j] = joints[j, 0] - joints[j, 1], joints[j, 0] + joints[j, 1]
         if assembled(robot, lower, upper):
             continue
         middle = 0.5 * (t0 + t1)
@@ -73,23 +70,24 @@ FITS, SINGULAR = -2, -1
 def correction_fits(motion: Motion, limits: FloatArray, doubt: Doubt, t0: float, t1: float, found: FloatArray) -> int:
     """The joint that a correction may bring beyond its range over [t0, t1], SINGULAR or FITS; `found` (2,) takes when,
     s, and by how much, rad. `limits` (≥ 2, n): the lower and the upper ends of the joints."""
-    robot, _, _, tk, c, whole, matrix = motion
-    n, m, lag, clock = c.shape[1], len(matrix), doubt[1], doubt[2]
-    swept, stack, top = np.empty((4, max(n, m))), np.empty((HALVED + 2, 3)), 1
+    robot, _, _, tk, c, whole = motion
+    n, lag, clock = c.shape[1], doubt[1], doubt[2]
+    joints, stack, top = np.empty((n, JET_COLUMNS)), np.empty((HALVED + 2, 3)), 1
     stack[0, 0], stack[0, 1], stack[0, 2] = t0, t1, 0.0
     while top > 0:
         top -= 1
         a, b, depth = stack[top, 0], stack[top, 1], stack[top, 2]
-        lower, upper = swept[0, :n], swept[1, :n]
-        sweep_bounds(tk, c, whole, matrix, a, b, lower, upper, swept[2, :m], swept[3, :m])
+        sweep_joints(tk, c, whole, a, b, joints)
         shift = clock[SHIFT] + clock[SHIFT_GROWTH] * growing_for(clock, b)
-        first, second = corrected_angles(robot, lower[1] - lag[LAG_Q, 1], upper[1] + lag[LAG_Q, 1], shift)
+        first, second = corrected_angles(
+            robot, joints[1, 0] - joints[1, 1] - lag[1], joints[1, 0] + joints[1, 1] + lag[1], shift
+        )
         joint, over = FITS, 0.0
         if not (first < np.inf and second < np.inf):
             joint = SINGULAR
         for j in range(n):
             more = first if j == 0 else (first + second if j == 1 else (second if j == 3 else 0.0))
-            beyond = max(limits[0, j] - (lower[j] - more), upper[j] + more - limits[1, j])
+            beyond = joints[j, 1] + more + max(limits[0, j] - joints[j, 0], joints[j, 0] - limits[1, j])
             if joint != SINGULAR and more > 0.0 and beyond > over:
                 joint, over = j, beyond
         if joint == FITS:

@@ -29,12 +29,12 @@ PROVED, OPEN, HALVE, HALVE_SHIFT, TOO_NEAR = range(5)
 """What became of one item on one interval."""
 
 
-@kernel(f"boolean({TABLE}, {TABLE}, {CUBE}, {TABLE}, int64, int64, {NORMAL}, float64, float64)")
+@kernel(f"boolean({TABLE}, {TABLE}, {CUBE}, {CUBE}, int64, int64, {NORMAL}, float64, float64)")
 def shown(
     bodies: FloatArray,
     vertices: FloatArray,
     placed: FloatArray,
-    bounds: FloatArray,
+    jets: FloatArray,
     a: int,
     b: int,
     nx: float,
@@ -50,18 +50,18 @@ def shown(
     g1 = gap(bodies, vertices, placed, 2, a, b, nx, ny, nz)
     if not g1 > need:
         return False
-    return bool(least_gap(bodies, bounds, a, b, nx, ny, nz, g0, g1, h) >= need)
+    return bool(least_gap(bodies, jets, a, b, nx, ny, nz, g0, g1, h) >= need)
 
 
 @kernel(
-    f"int64({TABLE}, {TABLE}, {CUBE}, {TABLE}, {SHIFTED}, {TABLE}, {TABLE}, {TABLE}, float64, float64, {TABLE}, int64,"
+    f"int64({TABLE}, {TABLE}, {CUBE}, {CUBE}, {SHIFTED}, {TABLE}, {TABLE}, {TABLE}, float64, float64, {TABLE}, int64,"
     f" {TABLE}, {TABLE}, {ROW})"
 )
 def settle(
     bodies: FloatArray,
     vertices: FloatArray,
     placed: FloatArray,
-    bounds: FloatArray,
+    jets: FloatArray,
     shifted: Shifted,
     pairs: FloatArray,
     sets: FloatArray,
@@ -115,10 +115,10 @@ def settle(
         if other > wanted:
             if late:
                 proved = least_shifted(
-                    bodies, vertices, view, bounds, shifted[2], a, b, mx, my, mz, h, d
+                    bodies, vertices, view, jets, shifted[2], a, b, mx, my, mz, h, d
                 )[0] >= wanted  # fmt: skip
             else:
-                proved = shown(bodies, vertices, placed, bounds, a, b, mx, my, mz, h, wanted)
+                proved = shown(bodies, vertices, placed, jets, a, b, mx, my, mz, h, wanted)
             if proved:
                 items[i, 3], items[i, 4], items[i, 5] = mx, my, mz
                 return PROVED
@@ -126,7 +126,7 @@ def settle(
     found[0], found[1] = best + need if best > -math.inf else math.nan, need
     if best > 0.0:
         if d > FINEST_S:
-            _, over_time, over_shift = least_shifted(bodies, vertices, view, bounds, shifted[2], a, b, nx, ny, nz, h, d)
+            _, over_time, over_shift = least_shifted(bodies, vertices, view, jets, shifted[2], a, b, nx, ny, nz, h, d)
             if over_shift > over_time:
                 return HALVE_SHIFT
         return HALVE

@@ -32,23 +32,21 @@ BALL = 17
 """Radius of the ball."""
 REACH = 18
 """Greatest distance of the unit's points from the carrier's z axis (S2)."""
-DISTANCE = 19
-"""Greatest distance of the unit's points from the carrier's origin (S4)."""
-RADIUS = 20
+RADIUS = 19
 """Greatest distance of the unit's points from its centre."""
-VERTEX = 21
+VERTEX = 20
 """A hull's first row in the table of vertices."""
-VERTICES = 22
+VERTICES = 21
 """How many vertices a hull has; 0: a primitive."""
-BODY = 23
+BODY = 22
 """Number of the body that the unit is of."""
-PIECE = 24
+PIECE = 23
 """Number of the piece in its body; -1: the bounding box of the whole body."""
-OPENED = 25
+OPENED = 24
 """Of a bounding box: the row of the body's first piece."""
-PIECES = 26
+PIECES = 25
 """Of a bounding box: how many pieces the body has; 0: the unit is a piece itself."""
-COLUMNS = 27
+COLUMNS = 26
 
 FIRST, SECOND = 0, 1
 """Columns of a pair: its two units, the first of the robot."""
@@ -72,8 +70,8 @@ NORMAL = "float64, float64, float64"
 """Types in the signatures of kernels."""
 CELL = f"Tuple(({TABLE}, {TABLE}, {NUMBERS}))"
 """The units of an arrangement: `bodies`, `vertices`, and which carriers stand `still` throughout (1), (K,)."""
-MOTION = f"Tuple(({ROW}, {TABLE}, {TABLE}, {ROW}, {CUBE}, {TABLE}, {TABLE}))"
-"""What moves the carriers: `robot`, `laws` and `side` of the frames; `tk`, `c`, `whole`, `matrix` of the joints."""
+MOTION = f"Tuple(({ROW}, {TABLE}, {TABLE}, {ROW}, {CUBE}, {TABLE}))"
+"""What moves the carriers: `robot`, `laws` and `side` of the frames; `tk`, `c`, `whole` of the joints."""
 
 
 @kernel(f"void({TABLE}, int64, {TABLE}, {CUBE}, int64)")

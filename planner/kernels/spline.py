@@ -4,9 +4,9 @@ A trajectory is `tk` (P + 1,) s, the times of its knots, and `c` (P, n, 6), the 
 piece, τ the time since the knot before it. What does not depend on an interval is computed once, by `piece_bounds`.
 
 On one piece a function f lies within h²/8 max|f''| of the straight line between its values at both ends of an interval
-of length h (equation W1). For |C q̇| that needs C q⃛, for |C q̈| the fourth derivative, for q the acceleration: each from
-the hull of the whole piece (Bernstein coefficients), and never more than that hull itself. Where the acceleration jumps
-between two pieces, each side is bounded by its own piece.
+of length h (equation W1). For q that needs the acceleration, for its rate the jerk, for its acceleration the fourth
+derivative: each from the hull of the whole piece (Bernstein coefficients), and never more than that hull itself. Where
+the acceleration jumps between two pieces, each side is bounded by its own piece.
 """
 
 from __future__ import annotations
@@ -93,37 +93,6 @@ def spline_states(knots: FloatArray, tk: FloatArray, c: FloatArray, t: FloatArra
                     found[k, order, i] = knots[len(knots) - 1, 1 + order * n + i]
 
 
-@kernel("UniTuple(float64, 4)(float64, float64, float64, float64, float64, float64)")
-def rate_hulls(g1: float, g2: float, g3: float, g4: float, g5: float, h: float) -> tuple[float, float, float, float]:
-    """Bounds over [0, h] of the magnitudes of the first to the fourth derivative of Σ g_k τ^k: hulls, or W1."""
-    d1, d2, d3, d4 = 2.0 * g2 * h, 3.0 * g3 * h * h, 4.0 * g4 * h**3, 5.0 * g5 * h**4
-    ends = max(abs(g1), abs(g1 + d1 + d2 + d3 + d4))
-    inner = max(abs(g1 + d1 / 4.0), abs(g1 + d1 / 2.0 + d2 / 6.0), abs(g1 + 0.75 * d1 + d2 / 2.0 + d3 / 4.0))
-    e0, e1, e2, e3 = 2.0 * g2, 6.0 * g3 * h, 12.0 * g4 * h * h, 20.0 * g5 * h**3
-    ends_d = max(abs(e0), abs(e0 + e1 + e2 + e3))
-    inner_d = max(abs(e0 + e1 / 3.0), abs(e0 + (2.0 * e1 + e2) / 3.0))
-    f0, f1, f2 = 6.0 * g3, 24.0 * g4 * h, 60.0 * g5 * h * h
-    jerk = max(abs(f0), abs(f0 + f1 / 2.0), abs(f0 + f1 + f2))
-    snap = max(abs(24.0 * g4), abs(24.0 * g4 + 120.0 * g5 * h))
-    velocity, acceleration = max(ends, inner), max(ends_d, inner_d)
-    return min(velocity, ends + h * h * jerk / 8.0), min(acceleration, ends_d + h * h * snap / 8.0), jerk, snap
-
-
-@kernel("UniTuple(float64, 5)(float64[:, :, ::1], int64, float64[:, ::1], int64)")
-def combined(c: FloatArray, p: int, matrix: FloatArray, row: int) -> tuple[float, float, float, float, float]:
-    """Coefficients 1 to 5 of row number `row` of C q on piece p."""
-    g1 = g2 = g3 = g4 = g5 = 0.0
-    for i in range(matrix.shape[1]):
-        share = matrix[row, i]
-        if share != 0.0:
-            g1 += share * c[p, i, 1]
-            g2 += share * c[p, i, 2]
-            g3 += share * c[p, i, 3]
-            g4 += share * c[p, i, 4]
-            g5 += share * c[p, i, 5]
-    return g1, g2, g3, g4, g5
-
-
 @kernel("boolean(float64[:, ::1], int64)")
 def rests(knots: FloatArray, k: int) -> bool:
     """Whether velocity and acceleration of knot number k are exactly zero."""
@@ -133,132 +102,117 @@ def rests(knots: FloatArray, k: int) -> bool:
     return still
 
 
-@kernel("void(float64[:, ::1], float64[::1], float64[:, :, ::1], float64[:, ::1], float64[:, ::1])")
-def piece_bounds(knots: FloatArray, tk: FloatArray, c: FloatArray, matrix: FloatArray, whole: FloatArray) -> None:
-    """Fills `whole` (P + 1, 2k), k = 2m + 2n columns for C q̇ (m), C q̈ (m), q (n) and −q (n), each bounded from above.
+@kernel("UniTuple(float64, 2)(float64, float64, float64, float64, float64)")
+def hull(low: float, high: float, first: float, last: float, bend: float) -> tuple[float, float]:
+    """The least and the greatest value of what is within a hull, and within `bend` of the line between both ends."""
+    return max(low, min(first, last) - bend), min(high, max(first, last) + bend)
 
-    Row p: the largest value of each column on piece p, and then, over 8, the largest magnitude of its second
-    derivative. The last row: the rounding that is added to each column; then whether the arm rests before the first
-    knot and after the last one (1 or 0).
+
+@kernel("void(float64[:, ::1], float64[::1], float64[:, :, ::1], float64[:, ::1])")
+def piece_bounds(knots: FloatArray, tk: FloatArray, c: FloatArray, whole: FloatArray) -> None:
+    """Fills `whole` (P + 1, 9 n), nine columns for each joint.
+
+    Row p: the least and the greatest value of q, of its rate and of its second derivative on piece p; then, over 8, the
+    largest magnitudes of the second derivative of each of the three. The last row: the rounding of each of the three;
+    then, of the first joint, whether the arm rests before the first knot and after the last one (1 or 0).
     """
-    pieces, n, m = len(c), c.shape[1], len(matrix)
-    k = 2 * m + 2 * n
-    for p in range(pieces + 1):
-        for j in range(2 * k):
-            whole[p, j] = 0.0
+    pieces, n = len(c), c.shape[1]
+    for column in range(whole.shape[1]):
+        whole[pieces, column] = 0.0
     for p in range(pieces):
         h = tk[p + 1] - tk[p]
-        for j in range(m):
-            g1, g2, g3, g4, g5 = combined(c, p, matrix, j)
-            velocity, acceleration, jerk, snap = rate_hulls(g1, g2, g3, g4, g5, h)
-            whole[p, j], whole[p, m + j] = velocity, acceleration
-            whole[p, k + j], whole[p, k + m + j] = jerk / 8.0, snap / 8.0
         for i in range(n):
             g0, g1, g2, g3, g4, g5 = c[p, i, 0], c[p, i, 1], c[p, i, 2], c[p, i, 3], c[p, i, 4], c[p, i, 5]
-            velocity, acceleration, _, _ = rate_hulls(g1, g2, g3, g4, g5, h)
-            p1, p2, p3, p4, p5 = g1 * h, g2 * h * h, g3 * h**3, g4 * h**4, g5 * h**5
+            row, at, u = whole[p], 9 * i, h * h
+            snap = max(abs(24.0 * g4), abs(24.0 * g4 + 120.0 * g5 * h))
+            f0, f1, f2 = 6.0 * g3, 24.0 * g4 * h, 60.0 * g5 * u
+            jerk = max(abs(f0), abs(f0 + f1 / 2.0), abs(f0 + f1 + f2))
+            e0, e1, e2, e3 = 2.0 * g2, 6.0 * g3 * h, 12.0 * g4 * u, 20.0 * g5 * u * h
+            b1, b2, b3 = e0 + e1 / 3.0, e0 + (2.0 * e1 + e2) / 3.0, e0 + e1 + e2 + e3
+            low, high = hull(min(e0, b1, b2, b3), max(e0, b1, b2, b3), e0, b3, u * snap / 8.0)
+            push = max(abs(low), abs(high))
+            row[at + 4], row[at + 5] = low, high
+            d1, d2, d3, d4 = 2.0 * g2 * h, 3.0 * g3 * u, 4.0 * g4 * u * h, 5.0 * g5 * u * u
+            b1, b2, b3 = g1 + d1 / 4.0, g1 + d1 / 2.0 + d2 / 6.0, g1 + 0.75 * d1 + d2 / 2.0 + d3 / 4.0
+            b4 = g1 + d1 + d2 + d3 + d4
+            low, high = hull(min(g1, b1, b2, b3, b4), max(g1, b1, b2, b3, b4), g1, b4, u * jerk / 8.0)
+            speed = max(abs(low), abs(high))
+            row[at + 2], row[at + 3] = low, high
+            p1, p2, p3, p4, p5 = g1 * h, g2 * u, g3 * u * h, g4 * u * u, g5 * u * u * h
             b1, b2 = g0 + p1 / 5.0, g0 + 0.4 * p1 + p2 / 10.0
             b3 = g0 + 0.6 * p1 + 0.3 * p2 + p3 / 10.0
             b4 = g0 + 0.8 * p1 + 0.6 * p2 + 0.4 * p3 + p4 / 5.0
             b5 = g0 + p1 + p2 + p3 + p4 + p5
-            high, low = max(g0, b1, b2, b3, b4, b5), min(g0, b1, b2, b3, b4, b5)
-            bent = h * h * acceleration / 8.0
-            high, low = min(high, max(g0, b5) + bent), max(low, min(g0, b5) - bent)
-            whole[p, 2 * m + i], whole[p, 2 * m + n + i] = high, -low
-            whole[p, k + 2 * m + i] = whole[p, k + 2 * m + n + i] = acceleration / 8.0
-            place = ROUNDING * max(abs(high), abs(low))
-            for column in (2 * m + i, 2 * m + n + i):
-                whole[pieces, column] = max(whole[pieces, column], place)
-            # the largest rate of each joint for a while, where the rounding of its position is
-            whole[pieces, k + 2 * m + i] = max(whole[pieces, k + 2 * m + i], velocity)
-            whole[pieces, k + 2 * m + n + i] = max(whole[pieces, k + 2 * m + n + i], acceleration)
-    for j in range(m):
-        for i in range(n):
-            share = ROUNDING * abs(matrix[j, i])
-            whole[pieces, j] += share * whole[pieces, k + 2 * m + i]
-            whole[pieces, m + j] += share * whole[pieces, k + 2 * m + n + i]
-    for j in range(k, 2 * k):
-        whole[pieces, j] = 0.0
-    whole[pieces, k] = 1.0 if rests(knots, 0) else 0.0
-    whole[pieces, k + 1] = 1.0 if rests(knots, len(knots) - 1) else 0.0
+            low, high = hull(min(g0, b1, b2, b3, b4, b5), max(g0, b1, b2, b3, b4, b5), g0, b5, u * push / 8.0)
+            row[at], row[at + 1] = low, high
+            row[at + 6], row[at + 7], row[at + 8] = push / 8.0, jerk / 8.0, snap / 8.0
+            for k, size in enumerate((max(abs(low), abs(high)), speed, push)):
+                whole[pieces, at + k] = max(whole[pieces, at + k], ROUNDING * size)
+    whole[pieces, 3] = 1.0 if rests(knots, 0) else 0.0
+    whole[pieces, 4] = 1.0 if rests(knots, len(knots) - 1) else 0.0
 
 
-@kernel("float64(float64[:, ::1], int64, int64, int64, float64, float64)")
-def _on_part(whole: FloatArray, p: int, column: int, k: int, ends: float, square: float) -> float:
-    """The bound of a column on a part of piece p, `square` being its length squared (W1)."""
-    bound: float = min(ends + square * whole[p, k + column], max(whole[p, column], ends))
-    return bound
+@kernel("UniTuple(float64, 2)(float64[:, ::1], int64, int64, int64, float64, float64, float64)")
+def _on_part(
+    whole: FloatArray, p: int, at: int, order: int, first: float, last: float, square: float
+) -> tuple[float, float]:
+    """The least and the greatest value of a derivative of a joint on a part of piece p whose length squared is
+    `square`, from its values at both ends of the part (W1)."""
+    low, high, bend = min(first, last), max(first, last), square * whole[p, at + 6 + order]
+    least, most = min(whole[p, at + 2 * order], low), max(whole[p, at + 2 * order + 1], high)
+    return max(low - bend, least), min(high + bend, most)
 
 
-@kernel(
-    "void(float64[::1], float64[:, :, ::1], float64[:, ::1], float64[:, ::1], float64, float64,"
-    " float64[::1], float64[::1], float64[::1], float64[::1])"
-)
-def sweep_bounds(
-    tk: FloatArray,
-    c: FloatArray,
-    whole: FloatArray,
-    matrix: FloatArray,
-    t0: float,
-    t1: float,
-    lower: FloatArray,
-    upper: FloatArray,
-    rate: FloatArray,
-    rate_d: FloatArray,
-) -> None:
-    """Joint ranges `lower, upper` (n,), and upper bounds `rate, rate_d` (m,) of |C q̇| and |C q̈|, over [t0, t1].
+@kernel("void(float64[::1], float64[:, :, ::1], float64[:, ::1], float64, float64, float64[:, ::1])")
+def sweep_joints(tk: FloatArray, c: FloatArray, whole: FloatArray, t0: float, t1: float, joints: FloatArray) -> None:
+    """Fills `joints` (n, 6) with the jets of the joints over [t0, t1], from what `piece_bounds` has filled.
 
-    `whole` is what `piece_bounds` has filled for `matrix` C (m, n). Before its first knot and after its last one the
-    arm stands still, if that knot is exactly at rest; if it is not, an interval that reaches there has infinite bounds.
-    So has one that ends before it begins, or is not a number.
+    Before its first knot and after its last one the arm stands still, if that knot is exactly at rest, and rates of 0
+    count there; if it is not, an interval that reaches there has infinite bounds. So has one that ends before it
+    begins, or is not a number.
     """
-    pieces, n, m = len(c), c.shape[1], len(matrix)
-    k = 2 * m + 2 * n
-    start, end = tk[0], tk[pieces]
-    known = t0 <= t1 and (t0 >= start or whole[pieces, k] == 1.0) and (t1 <= end or whole[pieces, k + 1] == 1.0)
-    if not known:
-        for i in range(n):
-            lower[i], upper[i] = -math.inf, math.inf
-        for j in range(m):
-            rate[j] = rate_d[j] = math.inf
-        return
+    pieces, n = len(c), c.shape[1]
+    start, end, last = tk[0], tk[pieces], whole[pieces]
+    known = t0 <= t1 and (t0 >= start or last[3] == 1.0) and (t1 <= end or last[4] == 1.0)
+    still = t0 < start or t1 > end
     for i in range(n):
-        lower[i] = upper[i] = -math.inf
-    for j in range(m):
-        rate[j] = rate_d[j] = 0.0
+        for order in range(3):
+            low, high = (0.0, 0.0) if still and order > 0 else (math.inf, -math.inf)
+            joints[i, 2 * order], joints[i, 2 * order + 1] = (low, high) if known else (0.0, math.inf)
+    if not known:
+        return
     a, b = min(max(t0, start), end), min(max(t1, start), end)
     p = piece_at(tk, a)
     first = True
     while first or (p < pieces and tk[p] < b):
         first = False
-        u0, u1 = max(a - tk[p], 0.0), min(b, tk[p + 1]) - tk[p]
-        if a <= tk[p] and tk[p + 1] <= b:
-            for j in range(m):
-                rate[j], rate_d[j] = max(rate[j], whole[p, j]), max(rate_d[j], whole[p, m + j])
-            for i in range(n):
-                upper[i] = max(upper[i], whole[p, 2 * m + i])
-                lower[i] = max(lower[i], whole[p, 2 * m + n + i])
-            p += 1
-            continue
-        square = (u1 - u0) * (u1 - u0)
-        for j in range(m):
-            g1, g2, g3, g4, g5 = combined(c, p, matrix, j)
-            v0 = g1 + u0 * (2.0 * g2 + u0 * (3.0 * g3 + u0 * (4.0 * g4 + u0 * 5.0 * g5)))
-            v1 = g1 + u1 * (2.0 * g2 + u1 * (3.0 * g3 + u1 * (4.0 * g4 + u1 * 5.0 * g5)))
-            a0 = 2.0 * g2 + u0 * (6.0 * g3 + u0 * (12.0 * g4 + u0 * 20.0 * g5))
-            a1 = 2.0 * g2 + u1 * (6.0 * g3 + u1 * (12.0 * g4 + u1 * 20.0 * g5))
-            rate[j] = max(rate[j], _on_part(whole, p, j, k, max(abs(v0), abs(v1)), square))
-            rate_d[j] = max(rate_d[j], _on_part(whole, p, m + j, k, max(abs(a0), abs(a1)), square))
+        u, v = max(a - tk[p], 0.0), min(b, tk[p + 1]) - tk[p]
+        all_of_it, square = a <= tk[p] and tk[p + 1] <= b, (v - u) * (v - u)
         for i in range(n):
+            at, own = 9 * i, joints[i]
+            if all_of_it:
+                for k in range(0, 6, 2):
+                    own[k], own[k + 1] = min(own[k], whole[p, at + k]), max(own[k + 1], whole[p, at + k + 1])
+                continue
             g0, g1, g2, g3, g4, g5 = c[p, i, 0], c[p, i, 1], c[p, i, 2], c[p, i, 3], c[p, i, 4], c[p, i, 5]
-            q0 = g0 + u0 * (g1 + u0 * (g2 + u0 * (g3 + u0 * (g4 + u0 * g5))))
-            q1 = g0 + u1 * (g1 + u1 * (g2 + u1 * (g3 + u1 * (g4 + u1 * g5))))
-            upper[i] = max(upper[i], _on_part(whole, p, 2 * m + i, k, max(q0, q1), square))
-            lower[i] = max(lower[i], _on_part(whole, p, 2 * m + n + i, k, max(-q0, -q1), square))
+            low, high = _on_part(
+                whole, p, at, 0, g0 + u * (g1 + u * (g2 + u * (g3 + u * (g4 + u * g5)))),
+                g0 + v * (g1 + v * (g2 + v * (g3 + v * (g4 + v * g5)))), square,
+            )  # fmt: skip
+            own[0], own[1] = min(own[0], low), max(own[1], high)
+            low, high = _on_part(
+                whole, p, at, 1, g1 + u * (2.0 * g2 + u * (3.0 * g3 + u * (4.0 * g4 + u * 5.0 * g5))),
+                g1 + v * (2.0 * g2 + v * (3.0 * g3 + v * (4.0 * g4 + v * 5.0 * g5))), square,
+            )  # fmt: skip
+            own[2], own[3] = min(own[2], low), max(own[3], high)
+            low, high = _on_part(
+                whole, p, at, 2, 2.0 * g2 + u * (6.0 * g3 + u * (12.0 * g4 + u * 20.0 * g5)),
+                2.0 * g2 + v * (6.0 * g3 + v * (12.0 * g4 + v * 20.0 * g5)), square,
+            )  # fmt: skip
+            own[4], own[5] = min(own[4], low), max(own[5], high)
         p += 1
-    for j in range(m):
-        rate[j] += abs(rate[j]) * ROUNDING + whole[pieces, j]
-        rate_d[j] += abs(rate_d[j]) * ROUNDING + whole[pieces, m + j]
     for i in range(n):
-        upper[i] += abs(upper[i]) * ROUNDING + whole[pieces, 2 * m + i]
-        lower[i] = -(lower[i] + abs(lower[i]) * ROUNDING + whole[pieces, 2 * m + n + i])
+        for order in range(3):
+            low, high = joints[i, 2 * order], joints[i, 2 * order + 1]
+            rounds = last[9 * i + order] + ROUNDING * max(abs(low), abs(high))
+            joints[i, 2 * order], joints[i, 2 * order + 1] = 0.5 * (low + high), 0.5 * (high - low) + rounds

@@ -9,12 +9,12 @@ symmetric, and may grow with time. Its support along n,
 is what a pair must be apart in addition to its clearance. `sets` (N, SET_COLUMNS), one row a set.
 
 Links of the robot are displaced by what the servos lag behind, and by the correction for a belt: both move the joints
-by small amounts δ, so a point moves by no more than the bound of its speed (K43) for joint rates of that size (U2).
+by small amounts δ, so a point moves by no more than its rate (K43) where the rates of the joints are δ (U2).
 
 In time, the second unit of a pair may be ahead of the clock: the first is at t, the second at t + s. The robot may
 start late by s; then all else is further on by s while it moves. For points x, y of the two the distance along n is
-f(t, s) = n·(y(t + s) − x(t)). Over t it bends by both accelerations at most, over s by the second alone, so C2 and C3
-bound it over t at both ends of s, and then over s (C8).
+f(t, s) = n·(y(t + s) − x(t)). Over t it bends by both accelerations at most, over s by the second alone, so C3 bounds
+it over t at both ends of s, and then over s (C8).
 """
 
 from __future__ import annotations
@@ -23,30 +23,33 @@ import math
 
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
-from assur.planner.kernels.carriers import point_bound
 from assur.planner.kernels.dyads import fill_rows
-from assur.planner.kernels.intervals import between, unit_bound
-from assur.planner.kernels.laws import bound_frame, place_frame
-from assur.planner.kernels.links import ACCELERATION, KIND, L1, L2, LINKS, SCARA, V_FLAT, V_REACH, bound_links
+from assur.planner.kernels.intervals import gap_bend
+from assur.planner.kernels.laws import place_frame, sweep_frame
+from assur.planner.kernels.links import KIND, L1, L2, LINKS, SCARA
 from assur.planner.kernels.solids import CARRIER, CENTRE, CUBE, NORMAL, RADIUS, ROW, SET, TABLE, gap, place
+from assur.planner.kernels.sweeps.chain import sweep_links
+from assur.planner.kernels.sweeps.jets import ACCELERATION, RATE
 
 FLAT, FLAT_GROWTH, UPRIGHT, UPRIGHT_GROWTH = range(4)
 """Columns of a set: radius of the disc, m, by how much it grows, m/s, and the same of the vertical."""
 SEGMENTS, SEGMENT = 4, 5
 """Where the segments begin, and columns of each: half its length, m, its growth, m/s, and its direction (3)."""
 MOST_SEGMENTS = 4
-LOOSER = 1.5
-"""Factor of how far links other than a SCARA's lag: the checker bounds coordinates one by one, at most √2 as much."""
 SET_COLUMNS = SEGMENTS + MOST_SEGMENTS * SEGMENT
 
 SINCE, LATEST, SHIFT, SHIFT_GROWTH = range(4)
 """In `clock`: since when errors grow, s; how late the robot may start at most, s; how far a correction shifts the tool,
 m, and by how much that grows, m/s."""
-LAG_Q, LAG_RATE = 0, 1
-"""Rows of `lag` (2, max(n, m)): how far each joint lags, rad or m, and each combination of joints that `matrix` has."""
-DOUBT = f"Tuple(({TABLE}, {TABLE}, {ROW}))"
-"""`sets`, `lag` and `clock`: all that is not known of a motion in a cell."""
+DOUBT = f"Tuple(({TABLE}, {ROW}, {ROW}))"
+"""`sets`, `lag` and `clock`: all that is not known of a motion in a cell; `lag` (n,): how far each joint lags."""
 Doubt = tuple[FloatArray, FloatArray, FloatArray]
+
+SWAY_TURNS, SWAY_LEVEL, SWAY_SHIFT, SWAY_REACH = 12, 13, 14, 15
+"""Columns of how far a link may be displaced, behind how far the coordinates of its origin and of the columns of its
+rotation may: the size of the latter together; 1 if it stays upright; how far a correction shifts its axis, m, and by
+how much more for each metre from the axis."""
+SWAY_COLUMNS = 16
 
 
 @kernel(f"float64({ROW}, float64)")
@@ -128,40 +131,50 @@ def corrected_angles(robot: FloatArray, theta_low: float, theta_high: float, shi
     return shift * l2 / cross, shift * l1 / cross
 
 
-@kernel(f"boolean({ROW}, {ROW}, {ROW}, {DOUBT}, float64, {TABLE}, {TABLE})")
+@kernel(f"boolean({ROW}, {TABLE}, {DOUBT}, float64, {TABLE}, {CUBE}, {CUBE}, {TABLE})")
 def sway_links(
-    robot: FloatArray, lower: FloatArray, upper: FloatArray, doubt: Doubt, t1: float, work: FloatArray, sway: FloatArray
+    robot: FloatArray,
+    joints: FloatArray,
+    doubt: Doubt,
+    t1: float,
+    lagging: FloatArray,
+    turns: FloatArray,
+    jets: FloatArray,
+    sway: FloatArray,
 ) -> bool:
-    """Fills the first rows of `sway` (K, BOUND_COLUMNS) with how far links may be from where they are planned while
-    joints are in `lower, upper` (n,) and until t1: the columns of speed, in m (U2, U3). False: they cannot be.
+    """Fills the first rows of `sway` (K, SWAY_COLUMNS) with how far links may be from where they are planned while
+    joints are as `joints` (n, JET_COLUMNS) has it, and until t1 (U2, U3). False: they cannot be.
 
-    `work` (3, max(n, m)) is room to work in.
+    `lagging`, as `joints`, `turns` and `jets` are room to work in.
     """
     _, lag, clock = doubt
     shift = clock[SHIFT] + clock[SHIFT_GROWTH] * growing_for(clock, t1)
     lags = lag.any()
     if not (lags or shift > 0.0):
         return False
-    n, links = len(lower), int(robot[LINKS])
+    links = int(robot[LINKS])
+    fill_rows(sway, 0, links, 0.0)
     if lags:
-        for j in range(n):
-            work[0, j], work[1, j] = lower[j] - lag[LAG_Q, j], upper[j] + lag[LAG_Q, j]
-        for j in range(lag.shape[1]):
-            work[2, j] = 0.0
-        bound_links(robot, work[0, :n], work[1, :n], lag[LAG_RATE], work[2], sway)
-        if robot[KIND] != SCARA:
-            for k in range(links):
-                for column in range(ACCELERATION):
-                    sway[k, column] *= LOOSER
-    else:
-        fill_rows(sway, 0, links, 0.0)
+        for j in range(len(joints)):
+            lagging[j, 0], lagging[j, 1] = joints[j, 0], joints[j, 1] + lag[j]
+            lagging[j, RATE], lagging[j, RATE + 1] = 0.0, lag[j]
+            lagging[j, ACCELERATION], lagging[j, ACCELERATION + 1] = 0.0, 0.0
+        sweep_links(robot, lagging, turns, jets)
+        for k in range(links):
+            square = 0.0
+            for i in range(12):
+                sway[k, i] = abs(jets[k, i, RATE]) + jets[k, i, RATE + 1] if jets[k, 0, 1] < math.inf else math.inf
+            sway[k, SWAY_LEVEL] = 1.0 if sway[k, 5] + sway[k, 8] + sway[k, 11] == 0.0 else 0.0
+            for i in range(3, 5 if sway[k, SWAY_LEVEL] > 0.0 else 12):
+                square += sway[k, i] * sway[k, i]
+            sway[k, SWAY_TURNS] = math.sqrt(square)
     if shift > 0.0:
         first, second = math.inf, math.inf
         if robot[KIND] == SCARA:
-            first, second = corrected_angles(robot, lower[1] - lag[LAG_Q, 1], upper[1] + lag[LAG_Q, 1], shift)
-        sway[1, V_REACH] += first
-        sway[2, V_FLAT] += robot[L1] * first
-        sway[2, V_REACH] += second
+            low, high = joints[1, 0] - joints[1, 1] - lag[1], joints[1, 0] + joints[1, 1] + lag[1]
+            first, second = corrected_angles(robot, low, high, shift)
+        sway[1, SWAY_REACH] = first
+        sway[2, SWAY_SHIFT], sway[2, SWAY_REACH] = robot[L1] * first, second
     return True
 
 
@@ -169,10 +182,18 @@ def sway_links(
 def displaced(bodies: FloatArray, sway: FloatArray, i: int, nx: float, ny: float, nz: float) -> float:
     """By how much points of unit i may be displaced along n, m: 0 for what no link carries.
 
-    The unit counts as the ball around it, as for the checker, whose bound must not be larger.
+    The unit counts as the ball around it, and both horizontal coordinates count in full: a checker may bound a
+    displacement by the sum of what each joint adds to it, and its bound must not be larger.
     """
-    reach = math.hypot(bodies[i, CENTRE], bodies[i, CENTRE + 1]) + bodies[i, RADIUS]
-    return point_bound(sway, int(bodies[i, CARRIER]), reach, reach + abs(bodies[i, CENTRE + 2]), nx, ny, nz)[0]
+    own, radius, flat = sway[int(bodies[i, CARRIER])], bodies[i, RADIUS], math.sqrt(nx * nx + ny * ny)
+    x, y, z = abs(bodies[i, CENTRE]), abs(bodies[i, CENTRE + 1]), abs(bodies[i, CENTRE + 2])
+    level, up = 0.0, own[2] + own[5] * x + own[8] * y + own[11] * z
+    for axis in range(2):
+        level += own[axis] + own[3 + axis] * x + own[6 + axis] * y + own[9 + axis] * z
+    found = flat * level + abs(nz) * up + radius * own[SWAY_TURNS] * (flat if own[SWAY_LEVEL] > 0.0 else 1.0)
+    if own[SWAY_REACH] > 0.0:
+        found += flat * (own[SWAY_SHIFT] + own[SWAY_REACH] * (math.hypot(x, y) + radius))
+    return found if found >= 0.0 else math.inf
 
 
 @kernel(f"float64({TABLE}, {TABLE}, int64, {TABLE}, {TABLE}, float64, boolean, int64, int64, {NORMAL})")
@@ -200,9 +221,9 @@ def doubtful(
 MOMENTS, MIDDLE = 5, 4
 """Instants at which a shifted pair is placed: t0 and t1 with the first shift, then with the last one; the middle."""
 Shifted = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-"""Carriers (MOMENTS, K, 12) and units (MOMENTS, U, 12), bounds of the frames' motion over all of it (K, BOUND_COLUMNS),
-and what of each carrier is known, (K, 3): number of the interval and both shifts."""
-SHIFTED = f"Tuple(({CUBE}, {CUBE}, {TABLE}, {TABLE}))"
+"""Carriers (MOMENTS, K, 12) and units (MOMENTS, U, 12), jets of the frames over all of it (K, JETS, JET_COLUMNS), and
+what of each carrier is known, (K, 3): number of the interval and both shifts."""
+SHIFTED = f"Tuple(({CUBE}, {CUBE}, {CUBE}, {TABLE}))"
 
 
 @kernel(f"void({TABLE}, {TABLE}, {TABLE}, int64, int64, {CUBE}, int64, int64, float64[::1], {SHIFTED})")
@@ -222,7 +243,7 @@ def place_shifted(
 
     `span` (4,): begin and end of interval number `number`, and of the shift, s. The second is carried by a frame.
     """
-    carriers, both, bounds, known = shifted
+    carriers, both, jets, known = shifted
     k, t0, t1, s0, s1 = int(bodies[b, CARRIER]), span[0], span[1], span[2], span[3]
     if not (known[k, 0] == number and known[k, 1] == s0 and known[k, 2] == s1):
         known[k, 0], known[k, 1], known[k, 2] = number, s0, s1
@@ -231,7 +252,7 @@ def place_shifted(
             if m == MIDDLE:
                 t, s = 0.5 * (t0 + t1), 0.5 * (s0 + s1)
             place_frame(laws[k - links], side, t + s, carriers[m], k)
-        bound_frame(laws[k - links], side, t0 + s0, t1 + s1, bounds, k)
+        sweep_frame(laws[k - links], side, t0 + s0, t1 + s1, jets, k)
     for m in range(MOMENTS):
         place(bodies, b, carriers[m], both, m)
         moment = 1 if m == MIDDLE else 2 * (m % 2)
@@ -239,12 +260,12 @@ def place_shifted(
             both[m, a, i] = placed[moment, a, i]
 
 
-@kernel(f"UniTuple(float64, 3)({TABLE}, {TABLE}, {CUBE}, {TABLE}, {TABLE}, int64, int64, {NORMAL}, float64, float64)")
+@kernel(f"UniTuple(float64, 3)({TABLE}, {TABLE}, {CUBE}, {CUBE}, {CUBE}, int64, int64, {NORMAL}, float64, float64)")
 def least_shifted(
     bodies: FloatArray,
     vertices: FloatArray,
     both: FloatArray,
-    bounds: FloatArray,
+    jets: FloatArray,
     ahead: FloatArray,
     a: int,
     b: int,
@@ -256,18 +277,9 @@ def least_shifted(
 ) -> tuple[float, float, float]:
     """A lower bound of the gap along n over an interval of length h and a shift of length d (C8); and what is lost to
     both lengths at most."""
-    speed_a, acceleration_a = unit_bound(bodies, bounds, a, nx, ny, nz)
-    speed_b, acceleration_b = unit_bound(bodies, ahead, b, nx, ny, nz)
-    speed, acceleration = speed_a + speed_b, acceleration_a + acceleration_b
-    first = between(
-        gap(bodies, vertices, both, 0, a, b, nx, ny, nz), gap(bodies, vertices, both, 1, a, b, nx, ny, nz),
-        speed, acceleration, h,
-    )  # fmt: skip
-    last = between(
-        gap(bodies, vertices, both, 2, a, b, nx, ny, nz), gap(bodies, vertices, both, 3, a, b, nx, ny, nz),
-        speed, acceleration, h,
-    )  # fmt: skip
-    found = between(first, last, speed_b, acceleration_b, d)
-    over_time = min(0.5 * speed * h, acceleration * h * h / 8.0)
-    over_shift = min(0.5 * speed_b * d, acceleration_b * d * d / 8.0)
-    return found, over_time, over_shift
+    bend, added = gap_bend(bodies, jets, ahead, a, b, nx, ny, nz)
+    over_time, over_shift = max(bend, 0.0) * h * h / 8.0, max(added, 0.0) * d * d / 8.0
+    least = math.inf
+    for corner in range(4):
+        least = min(least, gap(bodies, vertices, both, corner, a, b, nx, ny, nz))
+    return least - over_time - over_shift, over_time, over_shift

@@ -19,7 +19,6 @@ from assur.planner.kernels.solids import (
     COVER,
     CUBE,
     DISC,
-    DISTANCE,
     HALF,
     NUMBERS,
     OPENED,
@@ -139,17 +138,20 @@ def write_units(
     return u
 
 
-@kernel(f"UniTuple(float64, 2)({TABLE}, {TABLE}, int64)")
-def extents(rows: FloatArray, vertices: FloatArray, u: int) -> tuple[float, float]:
-    """Bounds, m, of the horizontal distance of unit u's points from the z axis of the frame that carries it (S2), and
-    of their distance from its origin (S4).
+@kernel(f"float64({TABLE}, {TABLE}, int64)")
+def reach_of(rows: FloatArray, vertices: FloatArray, u: int) -> float:
+    """A bound, m, of the horizontal distance of unit u's points from the z axis of the frame that carries it (S2).
 
     A solid of revolution about that very axis looks the same however the frame turns, so it counts as one that does not
-    turn: 0. A ball looks the same however the frame turns and tilts, so for the second its points count as its centre.
+    turn: 0.
     """
-    x, y, z = rows[u, CENTRE], rows[u, CENTRE + 1], rows[u, CENTRE + 2]
+    x, y = rows[u, CENTRE], rows[u, CENTRE + 1]
     hx, hy, hz = rows[u, HALF], rows[u, HALF + 1], rows[u, HALF + 2]
-    reach, distance, many, first = 0.0, 0.0, int(rows[u, VERTICES]), int(rows[u, VERTEX])
+    upright = max(abs(rows[u, ROTATION + 2]), abs(rows[u, ROTATION + 5])) <= ON_AXIS
+    many, first, reach = int(rows[u, VERTICES]), int(rows[u, VERTEX]), 0.0
+    thin = many == 0 and hx == 0.0 and hy == 0.0 and (upright or (hz == 0.0 and rows[u, DISC] == 0.0))
+    if thin and math.hypot(x, y) <= ON_AXIS:
+        return 0.0
     for k in range(many if many > 0 else 8):
         if many > 0:
             a, b, c = vertices[first + k, 0], vertices[first + k, 1], vertices[first + k, 2]
@@ -158,17 +160,8 @@ def extents(rows: FloatArray, vertices: FloatArray, u: int) -> tuple[float, floa
         r = ROTATION
         px = x + rows[u, r] * a + rows[u, r + 1] * b + rows[u, r + 2] * c
         py = y + rows[u, r + 3] * a + rows[u, r + 4] * b + rows[u, r + 5] * c
-        pz = z + rows[u, r + 6] * a + rows[u, r + 7] * b + rows[u, r + 8] * c
-        level = math.hypot(px, py)
-        reach, distance = max(reach, level), max(distance, math.hypot(level, pz))
-    reach, distance = reach + rows[u, DISC] + rows[u, BALL], distance + rows[u, DISC] + rows[u, BALL]
-    if many > 0 or hx != 0.0 or hy != 0.0:
-        return reach, distance
-    ball = hz == 0.0 and rows[u, DISC] == 0.0
-    upright = max(abs(rows[u, ROTATION + 2]), abs(rows[u, ROTATION + 5])) <= ON_AXIS
-    if (ball or upright) and math.hypot(x, y) <= ON_AXIS:
-        reach = 0.0
-    return reach, math.hypot(math.hypot(x, y), z) if ball else distance
+        reach = max(reach, math.hypot(px, py))
+    return float(reach + rows[u, DISC] + rows[u, BALL])
 
 
 @kernel(f"void({TABLE}, {TABLE}, int64, int64, int64, {ROW}, {TABLE}, {TABLE}, {TABLE})")
@@ -198,7 +191,7 @@ def seat_units(
             a, b = own[u, AXES + j], own[u, AXES + 3 + j]
             rows[u, ROTATION + j], rows[u, ROTATION + 3 + j] = c * a - s * b, s * a + c * b
             rows[u, ROTATION + 6 + j] = own[u, AXES + 6 + j]
-        rows[u, REACH], rows[u, DISTANCE] = extents(rows, vertices, u)
+        rows[u, REACH] = reach_of(rows, vertices, u)
         co, si = math.cos(places[carrier, 3]), math.sin(places[carrier, 3])
         for axis in range(3):
             size = rows[u, BALL]

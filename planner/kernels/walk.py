@@ -34,7 +34,7 @@ from assur.planner.kernels.intervals import (
     push,
     survey,
 )
-from assur.planner.kernels.links import BOUND_COLUMNS, LINKS, POSE_COLUMNS
+from assur.planner.kernels.links import ANGLE_COUNT, LINKS, POSE_COLUMNS
 from assur.planner.kernels.nearest import bounded
 from assur.planner.kernels.proof import (
     ALONG,
@@ -58,7 +58,17 @@ from assur.planner.kernels.proof import (
 )
 from assur.planner.kernels.screening import HITS, note_hit
 from assur.planner.kernels.solids import CELL, EARLY, LATE, MOTION, ROW, TABLE
-from assur.planner.kernels.uncertainty import DOUBT, MOMENTS, Doubt, growing_for, place_shifted, sway_links
+from assur.planner.kernels.sweeps.chain import JETS
+from assur.planner.kernels.sweeps.jets import JET_COLUMNS
+from assur.planner.kernels.uncertainty import (
+    DOUBT,
+    MOMENTS,
+    SWAY_COLUMNS,
+    Doubt,
+    growing_for,
+    place_shifted,
+    sway_links,
+)
 
 PROVE, SCREEN, NEAREST = range(3)
 """What a search is for."""
@@ -87,20 +97,22 @@ def walk(
     how many items no interval is begun. If rows, items or work run out, the state is such that the call can be repeated
     with more room.
     """
-    robot, laws, side, _, c, _, matrix = motion
+    robot, laws, side, _, c, _ = motion
     bodies, vertices, still = cell
-    many, n, m = len(still), c.shape[1], len(matrix)
+    many, n = len(still), c.shape[1]
     carriers, placed = np.empty((3, many, POSE_COLUMNS)), np.empty((3, len(bodies), POSE_COLUMNS))
-    bounds, sway, steady = np.zeros((many, BOUND_COLUMNS)), np.zeros((many, BOUND_COLUMNS)), np.zeros((0, 1))
+    jets, sway, steady = np.zeros((many, JETS, JET_COLUMNS)), np.zeros((many, SWAY_COLUMNS)), np.zeros((0, 1))
     ahead = 0
     for p in range(len(pairs)):
         ahead = len(bodies) if pairs[p, EARLY] != 0.0 or pairs[p, LATE] != 0.0 else ahead
     shifted = (
         np.empty((MOMENTS, many if ahead > 0 else 0, POSE_COLUMNS)), np.empty((MOMENTS, ahead, POSE_COLUMNS)),
-        np.zeros((many, BOUND_COLUMNS)), np.full((many, 3), np.nan),
+        np.zeros((many if ahead > 0 else 0, JETS, JET_COLUMNS)), np.full((many, 3), np.nan),
     )  # fmt: skip
-    span, room, links = np.empty(4), np.empty((3, max(n, m))), int(robot[LINKS])
-    stamp, q, swept = np.zeros(len(bodies), dtype=np.int64), np.empty(n), np.empty((4, max(n, m)))
+    span, links = np.empty(4), int(robot[LINKS])
+    lagging, lagged = np.empty((n, JET_COLUMNS)), np.zeros((links, JETS, JET_COLUMNS))
+    stamp, q, joints = np.zeros(len(bodies), dtype=np.int64), np.empty(n), np.empty((n, JET_COLUMNS))
+    turns = np.empty((int(robot[ANGLE_COUNT]), 2, JET_COLUMNS))
     points, work, found = np.empty((4, 3)), np.empty((3, 4)), np.empty(2)
     number = 0
     while state[TOP] > 0.0:
@@ -114,10 +126,10 @@ def walk(
         middle = 0.5 * (t0 + t1)
         state[TOP] = top
         number += 1
-        survey(motion, t0, t1, q, swept, carriers, bounds)
+        survey(motion, t0, t1, q, joints, turns, carriers, jets)
         lasts, sways = growing_for(doubt[2], t1), False
         if task != NEAREST:
-            sways = sway_links(robot, swept[0, :n], swept[1, :n], doubt, t1, room, sway)
+            sways = sway_links(robot, joints, doubt, t1, lagging, turns, lagged, sway)
         end, left, i, free, h = first + count, 0, first, state[HITS] == 0.0, t1 - t0
         while i < end:
             r, status = int(state[FOUND]), DONE
@@ -130,13 +142,13 @@ def walk(
                 fetch(bodies, a, carriers, placed, stamp, number, still)
                 fetch(bodies, b, carriers, placed, stamp, number, still)
                 if task == NEAREST:
-                    verdict = bounded(bodies, vertices, placed, bounds, t0, t1, items, i, points, work, state)
+                    verdict = bounded(bodies, vertices, placed, jets, t0, t1, items, i, points, work, state)
                 else:
                     if items[i, ITEM_FROM] != 0.0 or items[i, ITEM_TO] != 0.0:
                         span[0], span[1], span[2], span[3] = t0, t1, items[i, ITEM_FROM], items[i, ITEM_TO]
                         place_shifted(laws, side, bodies, links, number, placed, a, b, span, shifted)
                     verdict = settle(
-                        bodies, vertices, placed, bounds, shifted, pairs, doubt[0], sway if sways else steady, lasts, h,
+                        bodies, vertices, placed, jets, shifted, pairs, doubt[0], sway if sways else steady, lasts, h,
                         items, i, points, work, found,
                     )  # fmt: skip
                 if verdict == PROVED:

@@ -15,6 +15,7 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.sweep import Sweep
 from assur.planner.kernels.columns import laws as c
 from assur.planner.laws.links import ArmLink
 from assur.planner.laws.ramps import Change
@@ -124,6 +125,16 @@ class Law:
         vectors, angles = np.empty((4, t.size, 3)), np.empty((4, t.size))
         frame_motions(self.row, self.side, np.ascontiguousarray(t.ravel()), vectors, angles)
         return Motion(*vectors.reshape(4, *t.shape, 3), *angles.reshape(4, *t.shape))
+
+    def sweep(self, t0: float, t1: float) -> Sweep:
+        """How the frame moves over the closed interval [t0, t1], s (K44)."""
+        from assur.planner.kernels.laws import sweep_frame
+        from assur.planner.kernels.sweeps.chain import JETS
+        from assur.planner.kernels.sweeps.jets import JET_COLUMNS
+
+        jets = np.zeros((1, JETS, JET_COLUMNS))
+        sweep_frame(self.row, self.side, t0, t1, jets, 0)
+        return Sweep(jets[0])
 
 
 @dataclass(frozen=True, slots=True)

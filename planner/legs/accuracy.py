@@ -17,9 +17,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion, Pose
-from assur.planner.kernels.carriers import point_bound
-from assur.planner.kernels.laws import bound_frame
-from assur.planner.kernels.links import ACCELERATION, BOUND_COLUMNS, V_REACH, bound_links
+from assur.planner.frames.sweep import Sweep
 from assur.planner.laws.law import EXACT, PoseUncertainty
 from assur.planner.model.arrival_error import ArrivalError, Cause, Share
 from assur.planner.model.attachments import Attachments
@@ -164,13 +162,10 @@ def _add_late(scene: Scene, name: str, local: Pose, until: float, terms: _Terms)
     way = frame.law.motion(until + times).at(local)
     here = frame.law.motion(np.array(until)).at(local)
     terms.late, terms.late_s = way.p - here.p, times
-    bounds = np.zeros((1, BOUND_COLUMNS))
-    bound_frame(frame.law.row, frame.law.side, until + early, until + late, bounds, 0)
-    far = math.hypot(local.x, local.y)
+    swept = frame.law.sweep(until + early, until + late)
     between = float(np.diff(times).max())
-    bend = max(point_bound(bounds, 0, far, math.hypot(far, local.z), *axis)[1] for axis in np.eye(3).tolist())
-    speed = float(bounds[0, V_REACH])
-    turned = float(np.abs(way.yaw - here.yaw).max()) + speed * between / 2.0
+    bend = float(swept.point(2, local.x, local.y, local.z).max())
+    turned = float(np.abs(way.yaw - here.yaw).max()) + swept.turning(1) * between / 2.0
     bow = math.sqrt(3.0) * bend * between**2 / 8.0
     terms.add(Cause.LATE, bow, bow, turned if np.any(way.yaw != here.yaw) else 0.0)
 
@@ -193,26 +188,24 @@ def _add_lag(scene: Scene, here: Motion, q: FloatArray, terms: _Terms) -> None:
             rate[j] = amount
             moved = robot.link_motion(flange, q, rate, none, none).at(at)
             terms.add_signed(Cause.LAG, robot.joints[j].name, -moved.v)
-    lag, bounds = np.array(execution.lag), np.zeros((len(robot.links), BOUND_COLUMNS))
-    rate = np.abs(robot.rate_matrix) @ lag
-    bound_links(robot.row, q - lag, q + lag, rate, np.zeros_like(rate), bounds)
-    far = math.hypot(at.x, at.y)
-    bend = max(point_bound(bounds, flange, far, math.hypot(far, at.z), *axis)[1] for axis in np.eye(3).tolist())
+    lag = np.array(execution.lag)
+    joints = np.column_stack([q, lag, none, lag, none, none])
+    swept = robot.sweep(joints, flange)
+    bend = float(np.linalg.norm(swept.point(2, at.x, at.y, at.z)))
     # twice for each half of the bow: the checker looks at the bent way from its ends
     bow = 1.5 * math.sqrt(2.0) * bend
-    turn = 0.0 if robot.tilting else _turned(scene, q, lag, bounds[flange])
+    turn = 0.0 if robot.tilting else _turned(scene, q, lag, swept)
     terms.add(Cause.LAG, bow, bow if robot.tilting else 0.0, turn)
 
 
-def _turned(scene: Scene, q: FloatArray, lag: FloatArray, bounds: FloatArray) -> float:
+def _turned(scene: Scene, q: FloatArray, lag: FloatArray, swept: Sweep) -> float:
     """How far joints that lag turn the tool, rad: the heading of a closed chain is bent as well."""
-    rate, rate_d = float(bounds[V_REACH]), float(bounds[ACCELERATION + V_REACH])
     if isinstance(scene.robot, Scara):
-        return rate
+        return float(lag.sum() - lag[2])
     corners = scene.robot.forward(q + lag * _signs(len(lag)))[1] - scene.robot.forward(q)[1]
     most = float(np.abs(np.remainder(corners + np.pi, 2.0 * np.pi) - np.pi).max())
     # more than the bow of a heading: the checker bounds its cosine and its sine apart, over all of the lag
-    return most + 2.0 * math.sqrt(2.0) * (rate_d + rate**2)
+    return most + 2.0 * math.sqrt(2.0) * (swept.turning(2) + swept.turning(1) ** 2)
 
 
 def _worst(terms: _Terms, grasp: float) -> ArrivalError:

@@ -18,11 +18,10 @@ def shifted_out(scene: Scene, step: int, trajectory: Trajectory, phases: list[Ph
     if not scene.execution.belt_correction:
         return None
     robot, execution = scene.robot, scene.execution
-    spline, matrix = spline_table(trajectory, robot.rate_matrix), robot.rate_matrix
-    lag = np.zeros((2, max(matrix.shape)))
+    spline, lag = spline_table(trajectory), np.zeros(trajectory.n)
     if execution.lags:
-        lag[0, : matrix.shape[1]] = execution.lag
-    motion = (robot.row, np.zeros((0, 1)), np.zeros((0, 1)), spline.tk, spline.c, spline.whole, spline.matrix)
+        lag[:] = execution.lag
+    motion = (robot.row, np.zeros((0, 1)), np.zeros((0, 1)), spline.tk, spline.c, spline.whole)
     for phase in phases:
         shift = Displacements(scene, phase).shift
         if not any(shift) or not phase.robot:

@@ -17,8 +17,8 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.kernels.links import ACCELERATION, BOUND_COLUMNS, V_REACH, bound_links
-from assur.planner.kernels.spline import sweep_bounds
+from assur.planner.kernels.spline import sweep_joints
+from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.model.forbidden_yaw import RESERVE_RAD, Room, YawRange, entered, gaps, room, slack_of
@@ -148,12 +148,10 @@ def turns_into(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | Non
 def _bounded(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
     """`turns_into` of an arm whose yaw is no sum of joints (Y1)."""
     robot, ranges = scene.robot, scene.forbidden_yaw
-    spline, matrix = spline_table(trajectory, robot.rate_matrix), robot.rate_matrix
+    spline, joints = spline_table(trajectory), np.empty((trajectory.n, JET_COLUMNS))
+    flange = len(robot.links) - 1
     middles = np.array([each.middle for each in ranges])
     most = np.cos(np.minimum([each.width / 2.0 + _slack(scene) for each in ranges], math.pi))
-    lower, upper = np.empty((2, matrix.shape[1]))
-    rate, rate_d = np.empty((2, matrix.shape[0]))
-    bounds, flange = np.empty((len(robot.links), BOUND_COLUMNS)), len(robot.links) - 1
 
     def toward(t: float) -> FloatArray:
         return np.asarray(np.cos(float(tool_yaw(scene, trajectory.evaluate(t))) - middles))
@@ -162,10 +160,9 @@ def _bounded(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
     while stack:
         t0, t1, first, last = stack.pop()
         h = t1 - t0
-        sweep_bounds(spline.tk, spline.c, spline.whole, spline.matrix, t0, t1, lower, upper, rate, rate_d)
-        bound_links(robot.row, lower, upper, rate, rate_d, bounds)
+        sweep_joints(spline.tk, spline.c, spline.whole, t0, t1, joints)
         nearest = np.maximum(first, last)
-        if (nearest + bounds[flange, ACCELERATION + V_REACH] * h * h / 8.0 < most).all():
+        if (nearest + robot.sweep(joints, flange).turning(2) * h * h / 8.0 < most).all():
             continue
         if not (nearest < most).all() or h <= SHORTEST_S:
             number = int(np.argmax(nearest - most))

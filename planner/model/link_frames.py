@@ -49,11 +49,11 @@ def link_law(robot: Robot, trajectory: Trajectory, link: int, valid: tuple[float
 
 
 def _tables(robot: Robot, trajectory: Trajectory, link: int) -> tuple[FloatArray, FloatArray]:
-    """Row and side table of the law: robot, rate matrix and spline as one run of numbers
+    """Row and side table of the law: robot and spline as one run of numbers
     (`assur.planner.kernels.laws.trajectory_of`)."""
-    spline, row = spline_table(trajectory, robot.rate_matrix), np.zeros(c.LAW_COLUMNS)
-    run = np.concatenate([part.ravel() for part in (robot.row, spline.matrix, spline.tk, spline.c, spline.whole)])
-    row[[c.LINKED, c.LINK, c.COUNT, c.RATES]] = 1.0, link, len(spline.c), len(spline.matrix)
+    spline, row = spline_table(trajectory), np.zeros(c.LAW_COLUMNS)
+    run = np.concatenate([part.ravel() for part in (robot.row, spline.tk, spline.c, spline.whole)])
+    row[[c.LINKED, c.LINK, c.COUNT]] = 1.0, link, len(spline.c)
     side = np.zeros((math.ceil(run.size / c.PIECE_COLUMNS), c.PIECE_COLUMNS))
     side.ravel()[: run.size] = run
     return row, side

@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray, frozen
+from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
 from assur.planner.robots.chain import AHEAD, UP, Bend, Chain, Link
 from assur.planner.robots.planar import ring_margin
@@ -23,7 +23,6 @@ MODES = ("up", "down", "back-up", "back-down")
 """Elbow above or below the line from shoulder to flange; `back`: the base is turned away, the arm reaches over it."""
 SIGNS = ((-1, 1), (1, 1), (1, -1), (-1, -1))
 """Of the sine of the elbow and of the radius of the flange, mode by mode."""
-_RATES = frozen([[1, 0, 0], [0, 1, 0], [0, 1, 1]], (3, 3), "rate_matrix")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -67,8 +66,3 @@ class ElbowArm(TiltingArm):
 
     def reach_margin(self, flange: Motion, mode: int) -> FloatArray:
         return ring_margin(np.hypot(*self.in_plane(flange, mode)), self.l1, self.l2)
-
-    @property
-    def rate_matrix(self) -> FloatArray:
-        """(3, 3): φ̇1, ψ̇2, ψ̇3 per joint rate."""
-        return _RATES

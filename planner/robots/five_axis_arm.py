@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray, frozen
+from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import TiltedMotion
@@ -23,9 +23,6 @@ from assur.planner.robots.tilting import LINK2, LINK3
 
 LINKS = ("base", "link1", "link2", "link3", "link4", "flange")
 LINK4, FLANGE = 4, 5
-_RATES = frozen(
-    [[1, 0, 0, 0, 0], [0, 1, 0, 0, 0], [0, 1, 1, 0, 0], [0, 1, 1, 1, 0], [0, 0, 0, 0, 1]], (5, 5), "rate_matrix"
-)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -43,7 +40,6 @@ class FiveAxisArm(ElbowArm):
 
     l3: float
     links: tuple[str, ...] = field(default=LINKS, init=False, repr=False)
-    tilting: frozenset[int] = field(default=frozenset((LINK2, LINK3, LINK4, FLANGE)), init=False, repr=False)
     coordinates: tuple[str, ...] = field(default=("x", "y", "z", "pitch", "roll"), init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -65,11 +61,6 @@ class FiveAxisArm(ElbowArm):
         hand = Link("link4", LINK3, (self.l2, 0.0, 0.0), (0,), (1, 2, 3))
         flange = Link("flange", LINK4, (self.l3, 0.0, 0.0), (0,), (1, 2, 3), (4,))
         return Chain((*self._shoulder, forearm, hand, flange), self._bends, SIGNS)
-
-    @property
-    def rate_matrix(self) -> FloatArray:
-        """(5, 5): φ̇1, ψ̇2, ψ̇3, ψ̇4, θ̇5 per joint rate."""
-        return _RATES
 
     def reach_margin(self, flange: Motion, mode: int) -> FloatArray:
         """As `Robot.reach_margin`: that of the wrist (H2). Raises `FaultError` for a motion without pitch."""

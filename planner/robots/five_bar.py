@@ -22,7 +22,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray, frozen
+from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.robots.chain import LEFT, UP, Bend, Chain, Link, Loop
@@ -31,8 +31,8 @@ from assur.planner.robots.planar import ring_margin
 from assur.planner.robots.riders import check_lengths, check_riders, joints_of
 from assur.planner.robots.robot import Robot
 
-LINKS = ("base", "proximal-left", "distal-left", "proximal-right", "distal-right", "quill", "flange")
-BASE, PROXIMAL_LEFT, DISTAL_LEFT, PROXIMAL_RIGHT, DISTAL_RIGHT, QUILL, FLANGE = range(7)
+LINKS = ("base", "proximal-left", "proximal-right", "distal-left", "distal-right", "quill", "flange")
+BASE, PROXIMAL_LEFT, PROXIMAL_RIGHT, DISTAL_LEFT, DISTAL_RIGHT, QUILL, FLANGE = range(7)
 ASSEMBLIES = ("front", "back")
 """On which side of the line of the elbows the tool axis is: with both cranks sideways, in front or behind."""
 MODES = ("left-left", "left-right", "right-left", "right-right")
@@ -41,9 +41,6 @@ tool axis, seen from the crank axis. The usual mode, elbows outwards, is left-ri
 PARALLEL_LEAST = 0.1
 """Least parallel margin, |sin| of the angle between the couplers (no unit): at 0.1, 5.7°, a torque of the motors or
 a play in a joint acts ten times as strong along the tool's worst direction as at a right angle."""
-
-
-_RATES = frozen(np.eye(4), (4, 4), "rate_matrix")
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +71,6 @@ class FiveBar(Robot):
     parallel_least: float = PARALLEL_LEAST
     modes: tuple[str, ...] = field(default=MODES, init=False, repr=False)
     links: tuple[str, ...] = field(default=LINKS, init=False, repr=False)
-    tilting: frozenset[int] = field(default=frozenset(), init=False, repr=False)
     coordinates: tuple[str, ...] = field(init=False, repr=False)
     joints: tuple[Joint, ...] = field(init=False, repr=False)
     lift: int | None = field(init=False, repr=False)
@@ -135,11 +131,6 @@ class FiveBar(Robot):
             for side, crank, coupler in zip((half, -half), self.proximal, self.distal, strict=True)
         )
         return np.asarray(np.minimum(left, right))
-
-    @property
-    def rate_matrix(self) -> FloatArray:
-        """(4, n): the joint rates themselves."""
-        return _RATES[:, : self.axes]
 
     @property
     def sigma(self) -> int:

@@ -11,12 +11,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.claim import columns as c
 from assur.planner.frames.motion import Motion
+from assur.planner.frames.sweep import Sweep
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.kernels import inverse as kernels
 from assur.planner.kernels import links as of
 from assur.planner.kernels.inverse import POSTURE_COLUMNS, joint_motions
 from assur.planner.kernels.motion import COORDINATES, ORDERS, link_motions
+from assur.planner.kernels.sweeps.chain import JETS, sweep_links
+from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 from assur.planner.robots.facts import Inverse
 
 if TYPE_CHECKING:
@@ -41,8 +45,8 @@ PLACES = (
 
 
 def row_of(arm: Robot) -> FloatArray:
-    """The arm as a row of numbers (`ROBOT_COLUMNS`,), SI units."""
-    row = np.zeros(of.ROBOT_COLUMNS)
+    """The arm as a row of numbers, SI units."""
+    row = np.zeros(of.CHAIN)
     family, lengths, numbers = arm.facts
     row[of.KIND], row[of.JOINTS], row[of.LINKS] = FAMILIES[family], len(arm.joints), len(arm.links)
     base = arm.base
@@ -51,7 +55,15 @@ def row_of(arm: Robot) -> FloatArray:
     row[of.L1 : of.L1 + len(lengths)] = lengths
     for name, column in PLACES:
         row[column] = numbers.get(name, 0.0)
-    return row
+    rows = arm.chain_rows
+    constant = rows.angles[:, c.ANGLE_CONSTANT]
+    moves = rows.angles[:, c.ANGLE_SHARE :].any(1)
+    angles = np.column_stack([rows.angles, moves, np.cos(constant), np.sin(constant)])
+    loop = np.append(rows.loops, rows.apart) if len(rows.loops) else np.zeros(0)
+    row[of.ANGLES], row[of.ANGLE_COUNT] = of.CHAIN + rows.links.size, len(angles)
+    end = of.CHAIN + rows.links.size + angles.size
+    row[of.LOOP], row[of.SIZE] = end if len(loop) else 0.0, end + len(loop)
+    return np.concatenate([row, rows.links.ravel(), angles.ravel(), loop])
 
 
 def targets_of(flange: Motion, order: int) -> FloatArray:
@@ -105,6 +117,13 @@ def placements(arm: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     flat = np.array(q, dtype=np.float64).reshape(-1, len(arm.joints))
     of.places_of_links(arm.row, flat, placed.reshape(-1, *placed.shape[-2:]))
     return placed[..., :3].copy(), placed[..., 3:].reshape(*shape, 3, 3)
+
+
+def sweep(arm: Robot, joints: FloatArray, link: int) -> Sweep:
+    """As `Robot.sweep`."""
+    jets = np.zeros((len(arm.links), JETS, JET_COLUMNS))
+    sweep_links(arm.row, joints, np.empty((len(arm.chain_rows.angles), 2, JET_COLUMNS)), jets)
+    return Sweep(jets[link])
 
 
 def postures(arm: Robot, q: FloatArray) -> FloatArray:

@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray, frozen
+from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion
 from assur.planner.geometry.shapes import SMALLEST_M
@@ -21,7 +21,6 @@ from assur.planner.robots.tilting import LINK1, LINK2, LINK3, TiltingArm
 
 MODES = ("front", "back")
 """`back`: the base is turned away and the arm reaches over the vertical."""
-_RATES = frozen(np.eye(3), (3, 3), "rate_matrix")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -62,8 +61,3 @@ class PolarArm(TiltingArm):
         distance = np.hypot(*self.in_plane(flange, mode))
         lower, upper = float(self.limits.lower[-1]), float(self.limits.upper[-1])
         return np.asarray(np.minimum(upper - distance, distance - lower))
-
-    @property
-    def rate_matrix(self) -> FloatArray:
-        """(3, 3): φ̇1, ψ̇, ḋ."""
-        return _RATES

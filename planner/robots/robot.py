@@ -13,8 +13,9 @@ import numpy as np
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.sweep import Sweep
 from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.robots.chain import Chain
+from assur.planner.robots.chain import Chain, Rows
 from assur.planner.robots.facts import Inverse, Joint, Limits, RobotBody
 
 
@@ -32,8 +33,6 @@ class Robot(ABC):
     """Working modes; for a SCARA ("left", "right")."""
     links: tuple[str, ...]
     """Names of the link frames, on which bodies are. "flange" is one of them: it carries tool and part."""
-    tilting: frozenset[int]
-    """Numbers of the links that do not stay upright: their attitude is more than the yaw of their motion."""
     bodies: tuple[RobotBody, ...]
     self_pairs: tuple[tuple[str, str], ...]
     """Names of links between which self-collision is asked: bodies on the one against bodies on the other."""
@@ -44,18 +43,18 @@ class Robot(ABC):
 
     @property
     @abstractmethod
-    def rate_matrix(self) -> FloatArray:
-        """(m, n): the combinations of joint rates that bound point speeds (SCARA: q1, q1+q2, q3, q1+q2+q4)."""
-
-    @property
-    @abstractmethod
     def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
         """The family's name in `assur.planner.robots.kinematics`, lengths of links, m, what else its kernels read."""
 
     @property
     @abstractmethod
     def chain(self) -> Chain:
-        """The same links as a tree, in the order of a claim."""
+        """The same links as a tree."""
+
+    @cached_property
+    def tilting(self) -> frozenset[int]:
+        """Numbers of the links that do not stay upright: their attitude is more than the yaw of their motion."""
+        return frozenset(number for number, link in enumerate(self.chain.links) if link.tilts is not None)
 
     @abstractmethod
     def reach_margin(self, flange: Motion, mode: int) -> FloatArray:
@@ -73,12 +72,12 @@ class Robot(ABC):
         return row_of(self)
 
     @cached_property
-    def chain_rows(self) -> tuple[int, ...]:
-        """The number in `chain` of each link frame (L,). Raises `FaultError` if the chain has other links."""
-        names = [link.name for link in self.chain.links]
-        if sorted(names) != sorted(self.links):
+    def chain_rows(self) -> Rows:
+        """`chain` as rows; not to be written to. Raises `FaultError` if the chain has other links."""
+        names = tuple(link.name for link in self.chain.links)
+        if names != self.links:
             raise FaultError(f"the links of {self.name}: {names}")
-        return tuple(names.index(name) for name in self.links)
+        return self.chain.rows(self.base.yaw)
 
     @property
     def turns_load(self) -> bool:
@@ -132,6 +131,12 @@ class Robot(ABC):
         from assur.planner.robots.kinematics import placements
 
         return placements(self, q)
+
+    def sweep(self, joints: FloatArray, link: int) -> Sweep:
+        """How link number `link` moves while the joints are as their jets (n, 6) say (K43)."""
+        from assur.planner.robots.kinematics import sweep
+
+        return sweep(self, joints, link)
 
     def _posture(self, q: FloatArray) -> FloatArray:
         from assur.planner.robots.kinematics import postures

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray, frozen
+from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.robots.chain import LEFT, UP, Bend, Chain, Link
@@ -28,7 +28,6 @@ LINKS = ("base", "link1", "link2", "quill", "flange")
 BASE, LINK1, LINK2, QUILL, FLANGE = range(5)
 MODES = ("left", "right")
 """Left is assembly mode 1 (θ2 < 0), right is mode 2 (θ2 > 0)."""
-_RATES = frozen([[1, 0, 0, 0], [1, 1, 0, 0], [0, 0, 1, 0], [1, 1, 0, 1]], (4, 4), "rate_matrix")
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,10 +55,9 @@ class Scara(Robot):
     joint_names: tuple[str, ...] = ()
     arms_rise: bool = False
     modes: tuple[str, ...] = field(default=MODES, init=False, repr=False)
-    links: tuple[str, ...] = field(default=LINKS, init=False, repr=False)
-    tilting: frozenset[int] = field(default=frozenset(), init=False, repr=False)
     lift: int | None = field(default=2, init=False, repr=False)
     parallel_least: float = field(default=0.0, init=False, repr=False)
+    links: tuple[str, ...] = field(default=LINKS, init=False, repr=False)
     coordinates: tuple[str, ...] = field(init=False, repr=False)
     joints: tuple[Joint, ...] = field(init=False, repr=False)
 
@@ -97,8 +95,3 @@ class Scara(Robot):
     def reach_margin(self, flange: Motion, mode: int) -> FloatArray:  # noqa: ARG002 - both modes reach as far
         away = flange.p - self.base.position
         return ring_margin(np.hypot(away[..., 0], away[..., 1]), self.l1, self.l2)
-
-    @property
-    def rate_matrix(self) -> FloatArray:
-        """(4, n): φ̇1, φ̇2, ż, φ̇4 per joint rate (three axes: the last is φ̇2 again)."""
-        return _RATES[:, : self.axes]

@@ -8,7 +8,6 @@ to K31 of docs/kinematics.md. Sources: 002 (both arms), 003 (elbow arm).
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -24,7 +23,6 @@ from assur.planner.robots.robot import Robot
 
 LINKS = ("base", "link1", "link2", "link3", "flange")
 BASE, LINK1, LINK2, LINK3, FLANGE = range(5)
-TILTING = frozenset((LINK2, LINK3, FLANGE))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -52,16 +50,10 @@ class TiltingArm(Robot):
     self_pairs: tuple[tuple[str, str], ...] = ()
     joint_names: tuple[str, ...] = ()
     links: tuple[str, ...] = field(default=LINKS, init=False, repr=False)
-    tilting: frozenset[int] = field(default=TILTING, init=False, repr=False)
     coordinates: tuple[str, ...] = field(default=("x", "y", "z"), init=False, repr=False)
     lift: int | None = field(default=None, init=False, repr=False)
     parallel_least: float = field(default=0.0, init=False, repr=False)
     joints: tuple[Joint, ...] = field(init=False, repr=False)
-
-    @property
-    @abstractmethod
-    def rate_matrix(self) -> FloatArray:
-        """(m, n): the rates that bound point speeds."""
 
     @property
     def _shoulder(self) -> tuple[Link, ...]:

@@ -83,12 +83,9 @@ class PairTables:
             self._wanted[one, other] = self._wanted[other, one] = one != other
         arms = {"link1": ARM, "link2": ARM, "base": BASE}
         self._kinds = [arms.get(name, TOOL) for name in scene.robot.links]
-        matrix = scene.robot.rate_matrix
-        lag = np.zeros((2, max(matrix.shape)))
+        self._lag = np.zeros(len(scene.robot.joints))
         if scene.execution.lags:
-            lag[0, : matrix.shape[1]] = scene.execution.lag
-            lag[1, : matrix.shape[0]] = np.abs(matrix) @ scene.execution.lag
-        self._lag = lag
+            self._lag[:] = scene.execution.lag
         self._made: dict[tuple[object, ...], Pairs] = {}
         self._shifts: FloatArray | None = None
 

@@ -15,7 +15,7 @@ from scipy.optimize import minimize
 
 from assur.planner.arrays import FloatArray
 from assur.planner.geometry.shapes import Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere
-from assur.planner.kernels.solids import DISTANCE, REACH
+from assur.planner.kernels.solids import REACH
 from assur.planner.model.attachments import AT_START
 from assur.planner.tables.bodies import Bodies
 from tests.planner.cells import Around, arm, block, cell, go, rotation
@@ -209,18 +209,8 @@ def nearer(a: Piece, b: Piece, left: float) -> Piece:
 
 def reach(piece: Piece, position: FloatArray, rotation: FloatArray) -> float:
     """How far, m, a piece's points are from the z axis of the frame in which its body is at this pose."""
-    return _extents(piece, position, rotation)[0]
-
-
-def distance_from_origin(piece: Piece, position: FloatArray, rotation: FloatArray) -> float:
-    """How far, m, they are from that frame's origin."""
-    return _extents(piece, position, rotation)[1]
-
-
-def _extents(piece: Piece, position: FloatArray, rotation: FloatArray) -> tuple[float, float]:
     turned = Piece(piece.shape, position + rotation @ piece.position, rotation @ piece.rotation)
-    row = unit_rows([turned])[0]
-    return float(row[REACH]), float(row[DISTANCE])
+    return float(unit_rows([turned])[0, REACH])
 
 
 def unit_rows(pieces: list[Piece]) -> FloatArray:

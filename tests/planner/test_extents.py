@@ -1,4 +1,4 @@
-"""Extents of solids: none of their points is farther from the axis or the origin that they are carried about."""
+"""Extents of solids: none of their points is farther from the axis that they are carried about."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.geometry.shapes import AXES, Hull, Piece, Primitive, box, capsule, cylinder, sphere, support
-from assur.planner.kernels.solids import DISTANCE, REACH
-from tests.planner.convex import distance_from_origin, reach, unit_rows
+from assur.planner.kernels.solids import REACH
+from tests.planner.convex import reach, unit_rows
 from tests.planner.test_shapes import KINDS, TETRAHEDRON, TRIANGLES, primitives, rotations
 
 
@@ -49,20 +49,7 @@ def test_many_solids_have_the_extents_that_each_has_alone(kinds: list[str], data
     centre = np.array([data.draw(st.tuples(*3 * [st.sampled_from([0.0, 0.3, -1.0])])) for _ in kinds])
     axes = np.array([data.draw(rotations()) for _ in kinds])
     rows = unit_rows([Piece(shape, c, a) for shape, c, a in zip(shapes, centre, axes, strict=True)])
-    reaches, distances = rows[:, REACH], rows[:, DISTANCE]
+    reaches = rows[:, REACH]
     for k, shape in enumerate(shapes):
         piece = Piece(shape, centre[k], axes[k])
         assert reaches[k] == reach(piece, np.zeros(3), np.eye(3))
-        assert distances[k] == distance_from_origin(piece, np.zeros(3), np.eye(3))
-
-
-@pytest.mark.parametrize("kind", [*KINDS, "hull"])
-@given(data=st.data())
-def test_no_support_plane_is_farther_from_the_origin_than_the_distance(kind: str, data: st.DataObject) -> None:
-    shape = Hull(TETRAHEDRON, TRIANGLES) if kind == "hull" else data.draw(primitives(kind))
-    piece = Piece(shape, np.array(data.draw(st.tuples(*3 * [st.floats(-1, 1)]))), data.draw(rotations()))
-    found = distance_from_origin(piece, np.zeros(3), np.eye(3))
-    n = np.random.default_rng(0).normal(size=(200, 3))
-    n = np.concatenate([n / np.linalg.norm(n, axis=1, keepdims=True), np.eye(3), -np.eye(3)])
-    own = shape.ball if kind == "sphere" and isinstance(shape, Primitive) else 0.0  # a ball counts as its centre
-    assert max(support(piece, direction) for direction in n) <= found + own + 1e-12

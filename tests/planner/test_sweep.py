@@ -8,22 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from assur.planner.errors import FaultError
 from assur.planner.timing import time_joints
 from assur.planner.trajectory import Trajectory
-from assur.planner.trajectory.spline import spline_table
 from tests.planner.timing.legs import question
-from tests.planner.trajectory.splines import splines, sweep
+from tests.planner.trajectory.splines import bernstein, splines, sweep
 
 Floats = NDArray[np.float64]
-SCARA = np.array([[1.0, 0, 0, 0], [1, 1, 0, 0], [0, 0, 1, 0], [1, 1, 0, 1]])
-
-
-def rates(n: int) -> Floats:
-    """Every joint, sums of neighbours, and a difference that cancels."""
-    difference = np.zeros((1, n))
-    difference[0, :2] = [1.0, -1.0][:n]
-    return np.concatenate([np.eye(n), np.tril(np.ones((n, n))), difference])
 
 
 def intervals(path: Trajectory, rng: np.random.Generator, size: int) -> tuple[Floats, Floats]:
@@ -62,53 +52,47 @@ def _wide(limits: tuple[Floats, Floats, Floats], path: Trajectory) -> tuple[Floa
     return np.maximum(limits[0], 1.1 * np.abs(path.qd[-1])), limits[1], limits[2]
 
 
-def truth(path: Trajectory, a: float, b: float, c: Floats) -> list[Floats]:
-    """Largest |C q̇|, |C q̈|, and the range of q, over dense samples and knots of one interval."""
+def truth(path: Trajectory, a: float, b: float) -> tuple[Floats, Floats]:
+    """The least and the greatest q, q̇ and q̈ (n, 3), over dense samples and knots of one interval."""
     t = np.concatenate([np.linspace(a, b, 300), path.time[(path.time >= a) & (path.time <= b)]])
-    q, qd, qdd = (path.evaluate(t, d) for d in range(3))
-    return [np.abs(qd @ c.T).max(0), np.abs(qdd @ c.T).max(0), q.min(0), q.max(0)]
+    states = np.stack([path.evaluate(t, order) for order in range(3)], -1)
+    return states.min(0), states.max(0)
 
 
 @given(splines, st.integers(0, 1000))
 def test_no_bound_is_below_the_truth(path: Trajectory, seed: int) -> None:
-    c = rates(path.n)
     t0, t1 = intervals(path, np.random.default_rng(seed), 24)
-    found = sweep(path, t0, t1, c)
+    low, high = sweep(path, t0, t1)
     for k in range(len(t0)):
-        rate, rate_d, low, high = truth(path, float(t0[k]), float(t1[k]), c)
-        assert (found.rate[k] >= rate).all()
-        assert (found.rate_d[k] >= rate_d).all()
-        assert (found.lower[k] <= low).all()
-        assert (found.upper[k] >= high).all()
+        least, most = truth(path, float(t0[k]), float(t1[k]))
+        assert (low[k] <= least).all()
+        assert (high[k] >= most).all()
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_bounds_are_tight_on_joint_legs(seed: int) -> None:
     path = joint_legs(seed)
     rng = np.random.default_rng(seed)
-    for length, share in ((1e-3, 1.001), (5e-3, 1.02), (0.05, 1.15)):
+    scale = np.abs(np.stack([path.q, path.qd, path.qdd], -1)).max(0)
+    jerk = np.abs(bernstein(path, 3)).max((0, 2))
+    for length in (1e-3, 5e-3, 0.05):
         t0 = rng.uniform(path.start, path.end - length, 60)
-        t1 = t0 + length
-        found = sweep(path, t0, t1, SCARA)
-        wanted = [truth(path, float(a), float(b), SCARA) for a, b in zip(t0, t1, strict=True)]
-        top = [np.stack([row[k] for row in wanted]) for k in range(4)]
-        scale = np.abs(path.qd @ SCARA.T).max(0), np.abs(path.qdd @ SCARA.T).max(0)
-        assert (found.rate <= top[0] * share + (share - 1) * scale[0]).all()
-        # The acceleration is piecewise linear: its bound is the truth.
-        assert (found.rate_d <= top[1] + 1e-2 * scale[1]).all()
-        room = length**2 * np.abs(path.qdd).max(0) / 8 * 1.1 + 1e-9
-        assert (found.upper <= top[3] + room).all()
-        assert (found.lower >= top[2] - room).all()
+        low, high = sweep(path, t0, t0 + length)
+        for k, t in enumerate(t0.tolist()):
+            least, most = truth(path, t, t + length)
+            # the acceleration is piecewise linear: its bound is the truth
+            room = np.stack([length**2 * scale[:, 2] / 8, length**2 * jerk / 8, 1e-2 * scale[:, 2]], -1) * 1.1 + 1e-9
+            assert (high[k] <= most + room).all()
+            assert (low[k] >= least - room).all()
 
 
 def test_a_point_in_time_is_bounded_by_its_values() -> None:
     path = joint_legs(1)
     t = np.linspace(path.start, path.end, 50)
-    found = sweep(path, t, t, SCARA)
-    assert found.rate == pytest.approx(np.abs(path.evaluate(t, 1) @ SCARA.T), rel=1e-10, abs=1e-9)
-    assert found.rate_d == pytest.approx(np.abs(path.evaluate(t, 2) @ SCARA.T), rel=1e-10, abs=1e-8)
-    assert found.lower == pytest.approx(path.evaluate(t), abs=1e-11)
-    assert found.upper == pytest.approx(path.evaluate(t), abs=1e-11)
+    states = np.stack([path.evaluate(t, order) for order in range(3)], -1)
+    for found in sweep(path, t, t):
+        assert found == pytest.approx(states, rel=1e-10, abs=1e-8)
+        assert found[..., 0] == pytest.approx(states[..., 0], abs=1e-11)
 
 
 def at_rest_at_both_ends() -> Trajectory:
@@ -121,17 +105,13 @@ def at_rest_at_both_ends() -> Trajectory:
 def test_an_arm_at_rest_stands_still_before_and_after() -> None:
     path = at_rest_at_both_ends()
     before, after = np.array([-np.inf, path.start - 1]), np.array([path.end + 1, np.inf])
-    still = sweep(path, np.array([-np.inf, path.end + 0.5]), np.array([path.start - 0.5, np.inf]), SCARA)
-    assert (still.rate <= 1e-9).all()
-    assert (still.rate_d <= 1e-7).all()
-    for k, q in ((0, path.q[0]), (1, path.q[-1])):
-        assert still.lower[k] == pytest.approx(q, abs=1e-11)
-        assert still.upper[k] == pytest.approx(q, abs=1e-11)
-    around, inside = (
-        sweep(path, a, b, SCARA) for a, b in ((before, after), (np.full(2, path.start), np.full(2, path.end)))
-    )
-    for name in ("lower", "upper", "rate", "rate_d"):
-        assert np.array_equal(getattr(around, name), getattr(inside, name))
+    for still in sweep(path, np.array([-np.inf, path.end + 0.5]), np.array([path.start - 0.5, np.inf])):
+        assert (np.abs(still[..., 1]) <= 1e-9).all()
+        assert (np.abs(still[..., 2]) <= 1e-7).all()
+        for k, q in ((0, path.q[0]), (1, path.q[-1])):
+            assert still[k, :, 0] == pytest.approx(q, abs=1e-11)
+    around, inside = (sweep(path, a, b) for a, b in ((before, after), (np.full(2, path.start), np.full(2, path.end))))
+    assert np.array_equal(around, inside)
 
 
 @pytest.mark.parametrize("end", [0, -1])
@@ -143,27 +123,16 @@ def test_an_arm_in_motion_at_an_end_is_not_known_beyond_it(end: int, what: str) 
     path = Trajectory(path.time, **states)
     edge = path.start if end == 0 else path.end
     t0, t1 = np.array([edge - 0.1, edge, edge, edge - 0.1]), np.array([edge, edge, edge + 0.1, edge + 0.1])
-    found = sweep(path, t0, t1, SCARA)
+    low, high = sweep(path, t0, t1)
     known = [False, True, True, False] if end == 0 else [True, True, False, False]
-    for name in ("lower", "upper", "rate", "rate_d"):
-        assert np.isfinite(getattr(found, name)).all(1).tolist() == known
+    assert np.isfinite(low).all((1, 2)).tolist() == np.isfinite(high).all((1, 2)).tolist() == known
     for k in np.flatnonzero(~np.array(known)):
-        assert (found.rate[k] == np.inf).all()
-        assert (found.rate_d[k] == np.inf).all()
-        assert (found.lower[k] == -np.inf).all()
-        assert (found.upper[k] == np.inf).all()
+        assert (low[k] == -np.inf).all()
+        assert (high[k] == np.inf).all()
 
 
 @pytest.mark.parametrize(("t0", "t1"), [(1.2, 1.1), (np.nan, 1.1), (1.1, np.nan), (np.inf, -np.inf)])
 def test_over_an_interval_that_is_none_nothing_is_known(t0: float, t1: float) -> None:
-    found = sweep(at_rest_at_both_ends(), np.array([t0]), np.array([t1]), SCARA)
-    assert (found.rate == np.inf).all()
-    assert (found.rate_d == np.inf).all()
-    assert (found.lower == -np.inf).all()
-    assert (found.upper == np.inf).all()
-
-
-def test_rates_of_another_number_of_joints_are_a_fault() -> None:
-    for c in (SCARA[:, :3], np.ones(4)):
-        with pytest.raises(FaultError):
-            spline_table(at_rest_at_both_ends(), c)
+    low, high = sweep(at_rest_at_both_ends(), np.array([t0]), np.array([t1]))
+    assert (low == -np.inf).all()
+    assert (high == np.inf).all()

@@ -64,7 +64,7 @@ def test_links_are_where_the_planner_has_them(name: str) -> None:
             t = np.linspace(t0, t1, 20)
             place, turn = robot.placements(motion.evaluate(t))
             for number in range(len(robot.links)):
-                carrier = links[robot.chain_rows[number]]
+                carrier = links[number]
                 assert carrier.upright == (number not in robot.tilting)
                 for i in range(3):
                     assert all(holds(carrier.place[i][0], x) for x in place[:, number, i])

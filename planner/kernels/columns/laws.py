@@ -35,10 +35,10 @@ LINE, AXIS = 21, 24
 """Unit vector of the only line along which the frame travels (3; zeros: it has none), and its greatest coordinate."""
 SLACK = 25
 """What is added to bounds, for rounding: of speed, acceleration, yaw rate and yaw acceleration (4)."""
-LINK, RATES = 29, 30
-"""Number of the link, and number of rows of its robot's rate matrix. `BEGIN` and `COUNT` are then the first row of its
-run of numbers (`laws.trajectory_of`), and its number of pieces."""
-LAW_COLUMNS = 31
+LINK = 29
+"""Number of the link. `BEGIN` and `COUNT` are then the first row of its run of numbers (`laws.trajectory_of`), and its
+number of pieces."""
+LAW_COLUMNS = 30
 
 PIECE_BEGIN, PIECE_END = 0, 1
 """The time of a piece."""

@@ -28,7 +28,7 @@ from assur.planner.robots.scara import BASE, FLANGE, LINK1, LINK2, QUILL, Scara
 from assur.planner.trajectory import Trajectory
 from tests.planner.convex import reach
 from tests.planner.laws.bounded import bounded
-from tests.planner.robots.point_bounds import Sweep, point_bounds
+from tests.planner.robots.point_bounds import point_bounds
 
 MODE = 1
 Height = Callable[[FloatArray], tuple[FloatArray, ...]]
@@ -433,14 +433,13 @@ class PlainProver:
             edges = np.unique(np.concatenate([[t0, t1], knots[(knots > t0) & (knots < t1)]]))
             t = np.concatenate([np.linspace(a, b, 33) for a, b in zip(edges, [*edges[1:], t1], strict=True)])
             t = np.clip(t, self.trajectory.start, self.trajectory.end)
-            c = self.scene.robot.rate_matrix
-            q, qd, qdd = (self.trajectory.evaluate(t, order) for order in range(3))
-            rate, rate_d = np.abs(qd @ c.T).max(0) * 1.02, np.abs(qdd @ c.T).max(0) * 1.02
-            if t0 >= self.trajectory.end:
-                rate, rate_d = rate * 0, rate_d * 0
-            sweep = Sweep(q.min(0)[None], q.max(0)[None], rate[None], rate_d[None])
+            joints = np.zeros((1, self.trajectory.n, 6))
+            for order in range(3 if t0 < self.trajectory.end else 1):
+                states = self.trajectory.evaluate(t, order)
+                low, high = states.min(0), states.max(0)
+                joints[0, :, 2 * order], joints[0, :, 2 * order + 1] = (low + high) / 2, 0.51 * (high - low)
             r = reach(piece, side.pose.position, _turn(side.pose.yaw))
-            v, acc = point_bounds(self.scene.robot, np.array([side.link]), np.array([r]), np.array([r]), n[None], sweep)
+            v, acc = point_bounds(self.scene.robot, side.link, np.zeros((1, 3)), n[None], joints, r)
             return float(v[0]) + 1e-6, float(acc[0]) + 1e-3
         law = bounded(self.scene.frames[side.frame].law, np.array([t0]), np.array([t1]), n[None])
         r = reach(piece, side.pose.position, _turn(side.pose.yaw)) * math.hypot(n[0], n[1])

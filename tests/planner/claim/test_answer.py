@@ -31,7 +31,7 @@ MANY = 4001
 def product(robot: Robot, row: FloatArray, q: FloatArray) -> FloatArray:
     """The scalar product (T,) that a row of `axes` is about, for joints q (T, n)."""
     p, r = robot.placements(q)
-    link, other = (robot.chain_rows.index(int(row[k])) for k in (c.AXIS_LINK, c.AXIS_OTHER))
+    link, other = (int(row[k]) for k in (c.AXIS_LINK, c.AXIS_OTHER))
     way = np.einsum("tij,j->ti", r[:, link], row[c.AXIS_ON : c.AXIS_OTHER])
     if row[c.AXIS_PLACE] == 1.0:
         way = way + p[:, link] - p[:, other]
@@ -113,7 +113,7 @@ def farthest(case: Case, row: FloatArray, side: int, claim: c.Claim) -> FloatArr
     t, path = np.array([row[c.DISTANCE_TIME]]), case.plan.trajectory
     where = carriers(case.scene, path.evaluate(np.clip(t, path.start, path.end)), t)
     links = len(case.scene.robot.links)
-    k = case.scene.robot.chain_rows.index(int(seat[1])) if seat[1] >= 0 else links + int(seat[2])
+    k = int(seat[1]) if seat[1] >= 0 else links + int(seat[2])
     turn, at = where.rotation[0, k], where.position[0, k]
     x, y, z, yaw = seat[c.SEAT_POSE :]
     own = np.array([[math.cos(yaw), -math.sin(yaw), 0.0], [math.sin(yaw), math.cos(yaw), 0.0], [0.0, 0.0, 1.0]])

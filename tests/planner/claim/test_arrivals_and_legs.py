@@ -29,7 +29,7 @@ def turned(yaw: FloatArray, points: FloatArray) -> FloatArray:
 def on_link(case: Case, link: float, point: FloatArray, q: FloatArray) -> FloatArray:
     """A point (3,) of a link of the robot in the world, (T, 3), for joints (T, n)."""
     p, r = case.scene.robot.placements(q)
-    row = case.scene.robot.chain_rows.index(int(link))
+    row = int(link)
     return np.asarray(p[:, row] + r[:, row] @ point)
 
 

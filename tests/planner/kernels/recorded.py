@@ -11,11 +11,14 @@ import sys
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.kernels.carriers import carrier_bounds, place_carriers, point_bound
+from assur.planner.kernels.carriers import derivative, place_carriers, sweep_carriers
 from assur.planner.kernels.inverse import POSTURE_COLUMNS, joint_motions, postures
-from assur.planner.kernels.links import BOUND_COLUMNS, ranges_assembled
+from assur.planner.kernels.links import ANGLE_COUNT, ranges_assembled
 from assur.planner.kernels.motion import link_motions
-from assur.planner.kernels.spline import spline_motion, spline_state, sweep_bounds
+from assur.planner.kernels.solids import CARRIER, CENTRE, COLUMNS, HALF, ROTATION
+from assur.planner.kernels.spline import spline_motion, spline_state, sweep_joints
+from assur.planner.kernels.sweeps.chain import JETS
+from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 from assur.planner.laws import (
     Change,
     Law,
@@ -33,6 +36,7 @@ from assur.planner.model.link_frames import link_law
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import spline_table
 from tests.planner.kernels.arms import ARMS, states
+from tests.planner.robots.point_bounds import joint_jets
 from tests.planner.trajectory.splines import REGIMES, spline
 
 SIZE = 24
@@ -62,23 +66,27 @@ def of_arm(name: str, rows: FloatArray, pieces: FloatArray) -> dict[str, FloatAr
     q, n = states(robot, 7, SIZE), len(robot.joints)
     q[-1] = np.nan
     carriers = len(robot.links) + len(rows)
-    placed, bounds = np.empty((SIZE, carriers, 12)), np.empty((SIZE, carriers, BOUND_COLUMNS))
-    half, rates = 10.0 ** rng.uniform(-5, 0, (SIZE, n)), rng.exponential(2.0, (2, SIZE, len(robot.rate_matrix)))
+    placed, jets = np.empty((SIZE, carriers, 12)), np.zeros((SIZE, carriers, JETS, JET_COLUMNS))
+    half, rates = 10.0 ** rng.uniform(-5, 0, (SIZE, n)), rng.normal(size=(2, SIZE, n))
     half[::4] = rates[:, ::6] = 0.0
     rates[0, 5, 0] = np.inf
+    turns, unit = np.empty((int(robot.row[ANGLE_COUNT]), 2, JET_COLUMNS)), np.zeros((1, COLUMNS))
+    unit[0, CENTRE : CENTRE + 3], unit[0, HALF : HALF + 3], unit[0, ROTATION : ROTATION + 9 : 4] = 0.1, 0.05, 1.0
     lower, upper, t = q - half, q + half, rng.uniform(-0.2, 1.2, (2, SIZE))
     points, proved = np.empty((SIZE, 2)), np.empty(SIZE, dtype=np.bool_)
     for i in range(SIZE):
         place_carriers(robot.row, rows, pieces, q[i], t[0, i], placed[i])
         ends = (min(t[:, i]), max(t[:, i]))
-        carrier_bounds(robot.row, rows, pieces, *ends, lower[i], upper[i], rates[0, i], rates[1, i], bounds[i])
-        points[i] = point_bound(bounds[i], i % carriers, 0.1 * (i % 3), 0.2, 0.6, 0.0, 0.8)
+        joints = joint_jets(lower[i], upper[i], rates[0, i], rates[1, i])
+        sweep_carriers(robot.row, rows, pieces, *ends, joints, turns, jets[i])
+        unit[0, CARRIER] = i % carriers
+        points[i] = derivative(unit, jets[i], 0, 1 + i % 2, 0.6, 0.0, 0.8)
     ranges_assembled(robot.row, lower, upper, proved)
     joints = np.stack([q, *rng.normal(size=(3, *q.shape))], 1)
     moved = np.empty((len(robot.links), SIZE, 4, 6))
     for link in range(len(robot.links)):
         link_motions(robot.row, link, joints, moved[link])
-    found = {"placed": placed, "bounds": bounds, "points": points, "proved": proved.astype(float), "moved": moved}
+    found = {"placed": placed, "jets": jets, "points": points, "proved": proved.astype(float), "moved": moved}
     targets = moved[-1].copy()
     targets[::7, 0, :2] *= 4.0
     for mode in range(len(robot.modes)):
@@ -99,15 +107,11 @@ def of_splines() -> dict[str, FloatArray]:
     found: dict[str, FloatArray] = {}
     for regime in REGIMES:
         path = spline(3, regime)
-        matrix = np.array([[1.0, 0.0, 0.0], [1.0, -1.0, 0.0]])
-        table = spline_table(path, matrix)
-        out, motion, q = np.zeros((SIZE, 4, 3)), np.empty((SIZE, 4, 3)), np.empty((SIZE, 3))
+        table = spline_table(path)
+        out, motion, q = np.zeros((SIZE, 3, JET_COLUMNS)), np.empty((SIZE, 4, 3)), np.empty((SIZE, 3))
         times = np.linspace(path.start - 0.1, path.end + 0.1, SIZE + 1)
         for i in range(SIZE):
-            lower, upper, rate, rate_d = out[i, 0], out[i, 1], out[i, 2, :2], out[i, 3, :2]
-            sweep_bounds(
-                table.tk, table.c, table.whole, table.matrix, times[i], times[i + 1], lower, upper, rate, rate_d
-            )
+            sweep_joints(table.tk, table.c, table.whole, times[i], times[i + 1], out[i])
             spline_state(table.tk, table.c, times[i], q[i])
             spline_motion(table.tk, table.c, times[i], motion[i])
         found |= {f"{regime}: swept": out, f"{regime}: state": q, f"{regime}: motion": motion, f"{regime}": table.whole}

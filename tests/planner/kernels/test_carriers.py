@@ -10,25 +10,23 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.kernels.carriers import carrier_bounds, point_bound
-from assur.planner.kernels.columns import laws as law_columns
-from assur.planner.kernels.laws import bound_frame, place_frame
-from assur.planner.kernels.links import BOUND_COLUMNS
-from assur.planner.kernels.spline import spline_motion, spline_state, sweep_bounds
+from assur.planner.kernels.carriers import derivative
+from assur.planner.kernels.laws import place_frame
+from assur.planner.kernels.solids import BALL, CENTRE, COLUMNS, DISC, HALF, ROTATION
+from assur.planner.kernels.spline import spline_motion, spline_state
+from assur.planner.kernels.sweeps.chain import JETS
+from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 from assur.planner.laws import Law, Pose, fixed, law_tables, linear
 from assur.planner.model.link_frames import link_law
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import spline_table
 from tests.planner.kernels.arms import ARMS, states
-from tests.planner.laws.laws import Case, cases, directions, intervals, samples
-from tests.planner.robots.point_bounds import Sweep
-from tests.planner.trajectory.splines import bernstein, splines
+from tests.planner.laws.laws import Case, cases, intervals, samples
+from tests.planner.trajectory.splines import bernstein, splines, sweep
 
 CLOSE = 1e-12
 """Relative, and m or rad: how far two forms of the same formula may differ by rounding."""
-NO_LAWS = np.zeros((0, law_columns.LAW_COLUMNS))
-NO_PIECES = np.zeros((0, law_columns.PIECE_COLUMNS))
 every_arm = pytest.mark.parametrize("name", list(ARMS))
 
 
@@ -38,34 +36,75 @@ def same(found: FloatArray, expected: FloatArray, close: float = CLOSE) -> None:
     assert np.all(np.abs(found[known] - expected[known]) <= close * (1.0 + np.abs(expected[known])))
 
 
-def swept(robot: Robot, seed: int, size: int) -> Sweep:
-    """Ranges about random states, from points to wide ones, with random rates; some are zero, one is infinite."""
-    rng = np.random.default_rng(seed)
-    q = states(robot, seed, size)
-    half = 10.0 ** rng.uniform(-4, 0.5, (size, 1)) * rng.random(q.shape)
-    half[::3] = 0.0
-    rates = rng.exponential(3.0, (2, size, len(robot.rate_matrix)))
-    rates[:, ::5] = 0.0
-    rates[:, ::7, 0] = 0.0
-    return Sweep(q - half, q + half, rates[0], rates[1] * 10.0)
+def unit(centre: FloatArray, turn: FloatArray, half: FloatArray, disc: float, ball: float) -> FloatArray:
+    """The table of one unit on carrier 0: box, disc and ball together."""
+    bodies = np.zeros((1, COLUMNS))
+    bodies[0, CENTRE : CENTRE + 3], bodies[0, ROTATION : ROTATION + 9] = centre, turn.ravel()
+    bodies[0, HALF : HALF + 3], bodies[0, DISC], bodies[0, BALL] = half, disc, ball
+    return bodies
+
+
+def turned(rng: np.random.Generator) -> FloatArray:
+    """A random rotation (3, 3)."""
+    found, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    return np.asarray(found * np.linalg.det(found))
 
 
 @every_arm
-def test_a_point_of_which_nothing_is_known_is_bounded_by_infinity(name: str) -> None:
+def test_a_solid_moves_no_faster_than_its_bound_and_over_an_instant_as_fast(name: str) -> None:
+    """Jets of a link at an instant are its rates: all points of a box then have the derivatives that the bound has."""
+    robot, rng = ARMS[name], np.random.default_rng(4)
+    n, rows = len(robot.joints), states(robot, 2, 12)
+    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    for q in rows:
+        joints = np.zeros((n, JET_COLUMNS))
+        joints[:, 0], joints[:, 2], joints[:, 4] = q, rng.normal(size=n), rng.normal(size=n)
+        for link in range(len(robot.links)):
+            jets = robot.sweep(joints, link).jets
+            if not np.isfinite(jets).all():
+                continue
+            centre, turn, half = rng.normal(size=3) * 0.2, turned(rng), rng.uniform(0.0, 0.1, 3)
+            points = np.column_stack([np.ones(8), centre + (corners * half) @ turn.T])
+            along = rng.normal(size=3)
+            along /= np.linalg.norm(along)
+            for order in (1, 2):
+                rates = points @ jets[:, 2 * order].reshape(4, 3) @ along
+                found = derivative(unit(centre, turn, half, 0.0, 0.3), jets[None], 0, order, *along)
+                assert found[0] + found[1] == pytest.approx(rates.max(), rel=1e-9, abs=1e-9)
+                assert found[0] - found[1] == pytest.approx(rates.min(), rel=1e-9, abs=1e-9)
+                wider = derivative(unit(centre, turn, half, 0.1, 0.3), jets[None], 0, order, *along)
+                assert wider[0] == found[0]
+                assert wider[1] >= found[1]
+
+
+def test_what_keeps_its_shape_adds_nothing() -> None:
+    """A disc about the axis of an upright carrier, and a ball anywhere; a disc that lies on its side does turn."""
+    robot = ARMS["far three-axis scara"]
+    joints = np.zeros((3, JET_COLUMNS))
+    joints[:, 2] = 1.0, 2.0, 0.5
+    jets, none, flat = robot.sweep(joints, 2).jets[None], np.zeros(3), np.eye(3)
+    for order in (1, 2):
+        point = derivative(unit(none, flat, none, 0.0, 0.0), jets, 0, order, 0.6, 0.0, 0.8)
+        assert derivative(unit(none, flat, none, 0.2, 0.3), jets, 0, order, 0.6, 0.0, 0.8) == point
+        side = derivative(unit(none, flat[:, [2, 0, 1]], none, 0.2, 0.0), jets, 0, order, 0.6, 0.0, 0.8)
+        assert side[1] > point[1] + 0.05
+
+
+@every_arm
+def test_of_a_link_of_which_nothing_is_known_nothing_is_bounded(name: str) -> None:
     robot = ARMS[name]
-    row, known = robot.row, swept(robot, 3, 4)
-    bounds = np.empty((len(robot.links), BOUND_COLUMNS))
-    last = len(robot.links) - 1
+    last, solid = len(robot.links) - 1, unit(np.zeros(3), np.eye(3), np.zeros(3), 0.0, 0.1)
     for bad in (math.nan, math.inf):
-        rate = known.rate[1].copy()
-        rate[0] = bad
-        carrier_bounds(row, NO_LAWS, NO_PIECES, 0.0, 1.0, known.lower[1], known.upper[1], rate, known.rate_d[1], bounds)
-        assert point_bound(bounds, last, 0.1, 0.1, 1.0, 0.0, 0.0) == (math.inf, math.inf)
-    each = (known.lower[1], known.upper[1], known.rate[1], known.rate_d[1])
-    carrier_bounds(row, NO_LAWS, NO_PIECES, 0.0, 1.0, *each, bounds)
-    for reach, distance in ((-0.1, 0.1), (0.1, -0.1), (math.nan, 0.1), (0.1, math.nan)):
-        assert point_bound(bounds, last, reach, distance, 1.0, 0.0, 0.0) == (math.inf, math.inf)
-    assert point_bound(bounds, last, 0.1, 0.1, math.nan, 0.0, 0.0) == (math.inf, math.inf)
+        for column in range(JET_COLUMNS):
+            joints = np.zeros((len(robot.joints), JET_COLUMNS))
+            joints[0, column] = bad
+            jets = robot.sweep(joints, last).jets[None]
+            assert derivative(solid, jets, 0, 2, 1.0, 0.0, 0.0) == (0.0, math.inf)
+    known = np.zeros((1, JETS, JET_COLUMNS))
+    assert derivative(solid, known, 0, 2, 1.0, 0.0, 0.0) == (0.0, 0.0)
+    assert derivative(solid, known, 0, 2, math.nan, 0.0, 0.0) == (0.0, math.inf)
+    solid[0, CENTRE] = math.nan
+    assert derivative(solid, known, 0, 2, 1.0, 0.0, 0.0) == (0.0, math.inf)
 
 
 def placed_by(law: Law, t: FloatArray) -> FloatArray:
@@ -100,26 +139,19 @@ def test_frames_are_where_the_law_says(case: Case, seed: int) -> None:
 @given(cases(), st.data(), st.floats(-math.pi, math.pi))
 def test_no_point_beside_a_frames_axis_is_faster_than_its_bound(case: Case, data: st.DataObject, around: float) -> None:
     t0, t1 = data.draw(intervals(case))
-    n, reach = data.draw(directions()), data.draw(st.sampled_from([0.0, 0.3]))
-    rows, pieces = law_tables([case.law])
-    bounds = np.empty((1, BOUND_COLUMNS))
-    bound_frame(rows[0], pieces, t0, t1, bounds, 0)
-    speed, acceleration = point_bound(bounds, 0, reach, 9.0, *n)
+    reach = data.draw(st.sampled_from([0.0, 0.3]))
     beside = Pose(reach * math.cos(around), reach * math.sin(around), 0.2)
-    motion = case.law.motion(samples(case, t0, t1, 200)).at(beside)
-    close = CLOSE * (1.0 + acceleration)
-    assert np.abs(motion.v @ n).max() <= speed + close
-    assert np.abs(motion.a @ n).max() <= acceleration + close
+    motion, swept = case.law.motion(samples(case, t0, t1, 200)).at(beside), case.law.sweep(t0, t1)
+    for order, truth in ((1, motion.v), (2, motion.a)):
+        bound = swept.point(order, beside.x, beside.y, beside.z)
+        assert (np.abs(truth).max(0) <= bound + CLOSE * (1.0 + bound)).all()
 
 
 @pytest.mark.parametrize("interval", [(0.0, 3.0), (3.5, 4.5), (5.0, 4.0), (math.nan, 4.0), (3.0, math.nan)])
 def test_nothing_is_extrapolated(interval: tuple[float, float]) -> None:
     laws: list[Law] = [fixed(Pose(1.0), (2.0, 4.0)), linear(Pose(), (0.1, 0.0, 0.0), 0.0, (2.0, 4.0))]
-    rows, pieces = law_tables(laws)
-    bounds = np.empty((2, BOUND_COLUMNS))
-    for k in range(2):
-        bound_frame(rows[k], pieces, *interval, bounds, k)
-        assert point_bound(bounds, k, 0.0, 0.0, 0.0, 0.0, 1.0) == (math.inf, math.inf)
+    for law in laws:
+        assert law.sweep(*interval).point(1, 0.0, 0.0, 0.0).tolist() == 3 * [math.inf]
     found = placed(laws[0], np.array([1.999, 2.0, 4.0, 4.001]))
     assert np.array_equal(np.isnan(found).all(1), [True, False, False, True])
 
@@ -148,7 +180,7 @@ def test_a_neighbours_link_is_where_its_plan_has_it(robot: Robot, path: Trajecto
 @given(splines, st.integers(0, 10**6))
 def test_the_spline_is_the_trajectory(path: Trajectory, seed: int) -> None:
     rng = np.random.default_rng(seed)
-    table = spline_table(path, np.eye(path.n))
+    table = spline_table(path)
     t = np.concatenate([rng.uniform(path.start - 0.5, path.end + 0.5, 30), path.time])
     q, state = np.empty(path.n), np.empty((4, path.n))
     for each in t:
@@ -168,11 +200,10 @@ def test_the_spline_is_the_trajectory(path: Trajectory, seed: int) -> None:
 def test_beside_a_trajectory_that_does_not_rest_nothing_is_known() -> None:
     time, q = np.array([0.0, 1.0]), np.zeros((2, 1))
     moving = np.array([[0.0], [0.5]])
-    table = spline_table(Trajectory(time, q, moving, q), np.eye(1))
-    lower, upper, rate, rate_d = np.empty((4, 1))
+    path = Trajectory(time, q, moving, q)
     for t0, t1, known in ((-1.0, 0.5, True), (0.5, 1.0, True), (0.5, 1.1, False), (0.5, 0.4, False)):
-        sweep_bounds(table.tk, table.c, table.whole, table.matrix, t0, t1, lower, upper, rate, rate_d)
-        assert np.isfinite([lower[0], upper[0], rate[0], rate_d[0]]).all() == known
+        assert np.isfinite(sweep(path, np.array([t0]), np.array([t1]))).all() == known
     for t0, t1 in ((math.nan, 0.5), (0.5, math.nan)):
-        sweep_bounds(table.tk, table.c, table.whole, table.matrix, t0, t1, lower, upper, rate, rate_d)
-        assert rate[0] == rate_d[0] == upper[0] == math.inf == -lower[0]
+        low, high = sweep(path, np.array([t0]), np.array([t1]))
+        assert (low == -math.inf).all()
+        assert (high == math.inf).all()

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from assur.planner.kernels.laws import last_begun
-from assur.planner.kernels.links import ROBOT_COLUMNS, place_links
+from assur.planner.kernels.links import place_links
 from tests.planner.kernels import recorded
+from tests.planner.kernels.arms import ARMS
 
 CLOSE = 1e-12
 """Relative, to the largest number of an output if that is more than 1."""
@@ -35,6 +36,6 @@ def test_plain_python_and_compiled_code_agree(tmp_path: Path) -> None:
 
 def test_an_index_beyond_a_table_raises() -> None:
     with pytest.raises(IndexError):
-        place_links(np.zeros(ROBOT_COLUMNS), np.zeros(1), np.zeros((5, 12)))
+        place_links(ARMS["scara"].row, np.zeros(4), np.zeros((4, 12)))
     with pytest.raises(IndexError):
         last_begun(np.zeros((2, 1)), 0, 9, 1.0)

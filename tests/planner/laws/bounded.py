@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import astuple, dataclass
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.kernels.carriers import point_bound
-from assur.planner.kernels.laws import bound_frame
-from assur.planner.kernels.links import ACCELERATION, BOUND_COLUMNS, V_REACH
-from assur.planner.laws import Law, Motion, law_tables
+from assur.planner.kernels.columns import laws as c
+from assur.planner.kernels.laws import coordinate_rates
+from assur.planner.laws import Law, Motion
 
 
 @dataclass(frozen=True)
@@ -31,14 +31,20 @@ class Bounded:
 
 def bounded(law: Law, t0: FloatArray, t1: FloatArray, n: FloatArray) -> Bounded:
     """Over the intervals [t0, t1] (N,) along unit vectors `n` (N, 3)."""
-    rows, pieces = law_tables([law])
-    found, bounds = np.empty((len(t0), 4)), np.empty((1, BOUND_COLUMNS))
+    found = np.full((len(t0), 4), np.inf)
     for i in range(len(t0)):
-        bound_frame(rows[0], pieces, float(t0[i]), float(t1[i]), bounds, 0)
-        # of a point beside the axis: infinite where nothing is known
-        known = np.isfinite(point_bound(bounds, 0, 1.0, 1.0, *n[i])).all()
-        turns = bounds[0, V_REACH], bounds[0, ACCELERATION + V_REACH]
-        found[i] = *point_bound(bounds, 0, 0.0, 0.0, *n[i]), *(turns if known else (np.inf, np.inf))
+        swept = law.sweep(float(t0[i]), float(t1[i]))
+        if not np.isfinite(swept.jets).all():
+            continue
+        for order in (1, 2):
+            middle, off = swept.jets[:3, 2 * order], swept.jets[:3, 2 * order + 1]
+            found[i, order - 1] = abs(middle @ n[i]) + off @ np.abs(n[i])
+            found[i, 1 + order] = swept.turning(order)
+        if law.link is None:
+            # the axes bound them over a short interval only
+            low, high, low_d, high_d = coordinate_rates(law.row, law.side, 3, float(t0[i]), float(t1[i]))
+            rate = max(abs(low), abs(high)) + law.row[c.SLACK + 2]
+            found[i, 2:] = rate, math.hypot(max(abs(low_d), abs(high_d)) + law.row[c.SLACK + 3], rate**2)
     return Bounded(*found.T)
 
 

@@ -2,37 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.kernels.carriers import point_bound
-from assur.planner.kernels.links import BOUND_COLUMNS, bound_links
+from assur.planner.arrays import FloatArray
+from assur.planner.kernels.sweeps.jets import ACCELERATION, JET_COLUMNS, RATE
 from assur.planner.robots.robot import Robot
 
 
-@dataclass(frozen=True, slots=True)
-class Sweep:
-    """What is known of the joint motion over N intervals: joint range `lower, upper` (N, n), and upper bounds of
-    |C q̇| and |C q̈| with C = `rate_matrix`: `rate, rate_d` (N, m)."""
-
-    lower: FloatArray
-    upper: FloatArray
-    rate: FloatArray
-    rate_d: FloatArray
+def joint_jets(lower: FloatArray, upper: FloatArray, rate: FloatArray, rate_d: FloatArray) -> FloatArray:
+    """Jets (..., n, 6) of joints in a range (..., n) whose rates and second derivatives are known."""
+    found = np.zeros((*lower.shape, JET_COLUMNS))
+    with np.errstate(invalid="ignore"):
+        found[..., 0], found[..., 1] = 0.5 * (lower + upper), 0.5 * (upper - lower)
+    found[..., RATE], found[..., ACCELERATION] = rate, rate_d
+    return found
 
 
 def point_bounds(
-    robot: Robot, link: IntArray, reach: FloatArray, distance: FloatArray, n: FloatArray, sweep: Sweep
+    robot: Robot, link: int, points: FloatArray, n: FloatArray, joints: FloatArray, radius: float = 0.0
 ) -> tuple[FloatArray, FloatArray]:
-    """Upper bounds (N,) of |n·ẋ| and |n·ẍ| over N intervals, for every point x of link number `link` (N,), along unit
-    vectors `n` (N, 3). The points are within horizontal distance `reach` (N,) of the link frame's z axis (an upright
-    link looks at this alone) and within `distance` (N,) of its origin (a tilting link looks at this)."""
-    found, bounds = np.empty((len(link), 2)), np.empty((len(robot.links), BOUND_COLUMNS))
-    for i, k in enumerate(link.tolist()):
-        lower, upper, rate, rate_d = (np.array(x[i]) for x in (sweep.lower, sweep.upper, sweep.rate, sweep.rate_d))
-        bound_links(robot.row, lower, upper, rate, rate_d, bounds)
-        sizes = (0.0, float(distance[i])) if k in robot.tilting else (float(reach[i]), 0.0)
-        found[i] = point_bound(bounds, k, *sizes, *n[i].tolist())
+    """Upper bounds (N,) of |n·ẋ| and |n·ẍ| over N intervals, along unit vectors `n` (N, 3), for all points x within
+    `radius` of a point (N, 3) of link number `link`, from the jets of the joints (N, n, 6)."""
+    found = np.full((len(points), 2), np.inf)
+    for i, (point, along, each) in enumerate(zip(points, n, joints, strict=True)):
+        jets = robot.sweep(np.ascontiguousarray(each), link).jets
+        place = np.append(1.0, point)
+        for order in (1, 2) if np.isfinite(jets).all() else ():
+            middle, off = (jets[:, 2 * order + k].reshape(4, 3) for k in (0, 1))
+            turned = np.abs(middle[1:] @ along) + off[1:] @ np.abs(along)
+            bound = abs(place @ middle @ along) + np.abs(place) @ off @ np.abs(along)
+            found[i, order - 1] = bound + radius * np.linalg.norm(turned)
     return found[:, 0].copy(), found[:, 1].copy()

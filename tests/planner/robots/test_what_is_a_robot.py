@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assur.planner.errors import InputError
+from assur.planner.errors import FaultError, InputError
 from assur.planner.geometry.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
+from assur.planner.robots.chain import Chain
 from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.facts import Limits, RobotBody
 from assur.planner.robots.five_axis_arm import FiveAxisArm
@@ -32,7 +33,7 @@ SAID: list[tuple[Robot, str, str, tuple[str, ...], str, int | None]] = [
     *(
         (
             five_bar(axes=axes),
-            "base proximal-left distal-left proximal-right distal-right quill flange",
+            "base proximal-left proximal-right distal-left distal-right quill flange",
             coordinates,
             ("left-left", "left-right", "right-left", "right-right"),
             "RRPR"[:axes],
@@ -55,16 +56,16 @@ def test_a_robot_says_what_it_is_and_cannot_be_changed(
     assert (robot.modes, robot.lift) == (modes, lift)
     assert "".join(joint.kind[0].upper() for joint in robot.joints) == kinds
     assert hasattr(robot, "out_of_reach") == ("pitch" in robot.coordinates)
-    with pytest.raises(ValueError, match="read-only"):
-        robot.rate_matrix[0, 0] = 2.0
     with pytest.raises(FrozenInstanceError):
         robot.name = "other"
 
 
-def test_the_rates_that_bound_points_are_those_of_the_page() -> None:
-    assert scara().rate_matrix.tolist() == [[1, 0, 0, 0], [1, 1, 0, 0], [0, 0, 1, 0], [1, 1, 0, 1]]
-    assert scara(3).rate_matrix.tolist() == [[1, 0, 0], [1, 1, 0], [0, 0, 1], [1, 1, 0]]
-    assert five_bar(axes=3).rate_matrix.tolist() == [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]]
+def test_the_cranks_of_a_loop_turn_about_axes_of_the_base() -> None:
+    chain = five_bar().chain
+    links = list(chain.links)
+    links[2] = links[2]._replace(parent=1)
+    with pytest.raises(FaultError, match="turn on links 0 and 1"):
+        Chain(tuple(links), chain.loop).rows(0.0)
 
 
 def solid(*pieces: Piece) -> Body:

@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from assur.planner.kernels.hermite import HULL_COLUMNS, first_column, piece_hulls
-from assur.planner.kernels.spline import sweep_bounds
+from assur.planner.kernels.spline import sweep_joints
+from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 from assur.planner.trajectory import Trajectory, accepted_bands, keeps_bands
 from assur.planner.trajectory.spline import spline_table
-from tests.planner.robots.point_bounds import Sweep
 
 Floats = NDArray[np.float64]
 
@@ -27,14 +27,12 @@ def keeps_limits(path: Trajectory, *limits: Floats | None) -> bool:
     return keeps_bands(path, accepted_bands(*limits))  # type: ignore[arg-type]
 
 
-def sweep(path: Trajectory, t0: Floats, t1: Floats, rate_matrix: Floats) -> Sweep:
-    """What is known of the joint motion over intervals (N,), by the kernel."""
-    table = spline_table(path, rate_matrix)
-    found = Sweep(*np.empty((2, len(t0), path.n)), *np.empty((2, len(t0), len(rate_matrix))))
+def sweep(path: Trajectory, t0: Floats, t1: Floats) -> tuple[Floats, Floats]:
+    """The least and the greatest q, q̇ and q̈ (N, n, 3) of the joints over intervals (N,), by the kernel."""
+    table, found = spline_table(path), np.empty((len(t0), path.n, JET_COLUMNS))
     for i in range(len(t0)):
-        each = found.lower[i], found.upper[i], found.rate[i], found.rate_d[i]
-        sweep_bounds(table.tk, table.c, table.whole, table.matrix, t0[i], t1[i], *each)
-    return found
+        sweep_joints(table.tk, table.c, table.whole, t0[i], t1[i], found[i])
+    return found[..., ::2] - found[..., 1::2], found[..., ::2] + found[..., 1::2]
 
 
 REGIMES = ("even", "random", "short pieces", "cubic", "still", "far from zero")

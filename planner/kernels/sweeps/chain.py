@@ -1,0 +1,208 @@
+"""How the links of an arm move over an interval: jets of any tree of links, with one loop at most.
+
+A carrier has 12 jets: the coordinates of its origin in the world, then the columns of its rotation. Angles are sums of
+joints in the world, so no rotation is multiplied by another (K43 of docs/kinematics.md).
+"""
+
+from __future__ import annotations
+
+import math
+
+from assur.planner.arrays import FloatArray
+from assur.planner.claim import columns as c
+from assur.planner.compiled import kernel
+from assur.planner.kernels.links import (
+    ANGLE,
+    ANGLE_COS,
+    ANGLE_COUNT,
+    ANGLE_MOVES,
+    ANGLE_SIN,
+    ANGLES,
+    APART,
+    CHAIN,
+    LINKS,
+    LOOP,
+)
+from assur.planner.kernels.sweeps.jets import (
+    CUBE,
+    JET,
+    JET_COLUMNS,
+    Jet,
+    add,
+    inverse,
+    jet_at,
+    put_jet,
+    root,
+    times,
+    turned,
+)
+
+JETS = 12
+"""Jets of a carrier."""
+FREER = 0.25
+"""The square of the sine between the couplers of a loop is at least this part of the square of what is required, where
+bounds are computed; else the interval is too long."""
+LEAST_SQUARE = 1e-9
+"""m²: the ends of both cranks of a loop are farther apart than the root of this."""
+
+
+@kernel("void(float64[:, ::1])")
+def unknown(own: FloatArray) -> None:
+    """Nothing is known of a carrier with these jets."""
+    own[0, 1] = math.inf
+
+
+@kernel(f"void(float64[:, ::1], int64, {JET}, {JET}, {JET})")
+def put_column(own: FloatArray, column: int, x: Jet, y: Jet, z: Jet) -> None:
+    """Writes a column of the rotation of a carrier."""
+    put_jet(own, 3 + 3 * column, x)
+    put_jet(own, 4 + 3 * column, y)
+    put_jet(own, 5 + 3 * column, z)
+
+
+@kernel(f"void(float64[:, ::1], {JET}, {JET})")
+def put_yaw(own: FloatArray, cosine: Jet, sine: Jet) -> None:
+    """Writes the rotation of a carrier that is turned about the vertical."""
+    none = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    put_column(own, 0, cosine, sine, none)
+    put_column(own, 1, add(none, -1.0, sine), cosine, none)
+    put_column(own, 2, none, none, (1.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+
+
+@kernel(f"void(float64[::1], float64[:, ::1], {CUBE})")
+def _turn_angles(robot: FloatArray, joints: FloatArray, turns: FloatArray) -> None:
+    """Cosine and sine of all angles of an arm, into `turns` (A, 2, JET_COLUMNS)."""
+    for number in range(int(robot[ANGLE_COUNT])):
+        at = int(robot[ANGLES]) + ANGLE * number
+        if not robot[at + ANGLE_MOVES] > 0.0:
+            put_jet(turns[number], 0, (robot[at + ANGLE_COS], 0.0, 0.0, 0.0, 0.0, 0.0))
+            put_jet(turns[number], 1, (robot[at + ANGLE_SIN], 0.0, 0.0, 0.0, 0.0, 0.0))
+            continue
+        angle = (robot[at + c.ANGLE_CONSTANT], 0.0, 0.0, 0.0, 0.0, 0.0)
+        for j in range(len(joints)):
+            share = robot[at + c.ANGLE_SHARE + j]
+            if share != 0.0:
+                angle = add(angle, share, jet_at(joints, j))
+        cosine, sine = turned(angle)
+        put_jet(turns[number], 0, cosine)
+        put_jet(turns[number], 1, sine)
+
+
+Couplers = tuple[Jet, Jet, Jet, Jet]
+"""Cosine and sine of the yaw of the first coupler of a loop, then of the second one."""
+
+
+@kernel(f"Tuple((boolean, UniTuple({JET}, 4)))(float64[::1], {CUBE}, {CUBE})")
+def _couplers(robot: FloatArray, turns: FloatArray, jets: FloatArray) -> tuple[bool, Couplers]:
+    """The couplers of a loop (K39 to K42), and whether it is shown to stay closed.
+
+    Of |s|² each crank occurs as seldom as possible: with d between both axes, u and v along the cranks and their
+    lengths l and r, it is |d|² + l² + r² + 2 d·(r v − l u) − 2 l r cos(angle between the cranks).
+    """
+    own = robot[int(robot[LOOP]) :]
+    one, other = jets[int(own[c.LOOP_CRANK])], jets[int(own[c.LOOP_CRANK + 1])]
+    left, right, a, b = own[c.LOOP_LENGTH], own[c.LOOP_LENGTH + 1], own[c.LOOP_COUPLER], own[c.LOOP_COUPLER + 1]
+    x, y, none = own[APART], own[APART + 1], (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    sx = add(add((x, 0.0, 0.0, 0.0, 0.0, 0.0), right, jet_at(other, 3)), -left, jet_at(one, 3))
+    sy = add(add((y, 0.0, 0.0, 0.0, 0.0, 0.0), right, jet_at(other, 4)), -left, jet_at(one, 4))
+    square = (left * left + right * right - x * x - y * y, 0.0, 0.0, 0.0, 0.0, 0.0)
+    square = add(add(square, 2.0 * x, sx), 2.0 * y, sy)
+    square = add(square, -2.0 * left * right, jet_at(turns[int(own[c.LOOP_BETWEEN])], 0))
+    fold = add((-0.5 * (a * a + b * b) / (a * b), 0.0, 0.0, 0.0, 0.0, 0.0), 0.5 / (a * b), square)
+    margin = add((1.0, 0.0, 0.0, 0.0, 0.0, 0.0), -1.0, times(fold, fold))
+    least = own[c.LOOP_LEAST]
+    if not (margin[0] - margin[1] >= FREER * least * least and square[0] - square[1] > LEAST_SQUARE):
+        return False, (none, none, none, none)
+    ratio = inverse(square)
+    along = add((0.5, 0.0, 0.0, 0.0, 0.0, 0.0), 0.5 * (a * a - b * b), ratio)
+    across = add(none, own[c.LOOP_SIDE] * a * b, times(root(margin), ratio))
+    ux, uy = add(times(along, sx), -1.0, times(across, sy)), add(times(along, sy), 1.0, times(across, sx))
+    wx, wy = add(ux, -1.0, sx), add(uy, -1.0, sy)
+    return True, (add(none, 1.0 / a, ux), add(none, 1.0 / a, uy), add(none, 1.0 / b, wx), add(none, 1.0 / b, wy))
+
+
+@kernel(f"void(float64[::1], int64, float64[:, ::1], {CUBE})")
+def _put_origin(robot: FloatArray, k: int, joints: FloatArray, jets: FloatArray) -> None:
+    """The origin of link k, a point of its parent that may slide along an axis of the parent."""
+    at, own = CHAIN + k * c.LINK, jets[k]
+    parent, slide = int(robot[at + c.LINK_PARENT]), int(robot[at + c.LINK_SLIDE])
+    for axis in range(3):
+        place = robot[at + c.LINK_OFFSET + axis], 0.0, 0.0, 0.0, 0.0, 0.0
+        if parent >= 0:
+            place = jet_at(jets[parent], axis)
+            for column in range(3):
+                offset = robot[at + c.LINK_OFFSET + column]
+                if offset != 0.0:
+                    place = add(place, offset, jet_at(jets[parent], 3 + 3 * column + axis))
+        put_jet(own, axis, place)
+    if slide < 0:
+        return
+    for column in range(3):
+        share = robot[at + c.LINK_AXIS + column]
+        if share == 0.0:
+            continue
+        level = parent < 0 or (column == 2 and robot[CHAIN + parent * c.LINK + c.LINK_PITCH] < 0.0)
+        for axis in range(3):
+            if not level:
+                way = times(jet_at(joints, slide), jet_at(jets[parent], 3 + 3 * column + axis))
+                put_jet(own, axis, add(jet_at(own, axis), share, way))
+            elif axis == column:
+                put_jet(own, axis, add(jet_at(own, axis), share, jet_at(joints, slide)))
+
+
+@kernel(f"void(float64[::1], float64[:, ::1], {CUBE}, {CUBE})")
+def sweep_links(robot: FloatArray, joints: FloatArray, turns: FloatArray, jets: FloatArray) -> None:
+    """Fills the first rows of `jets` (K, JETS, JET_COLUMNS) with the links, from the jets of the joints (n,
+    JET_COLUMNS). Nothing is known of them if a joint is not bounded, or a loop is not shown to stay closed.
+
+    `turns` (A, 2, JET_COLUMNS) is room to work in.
+    """
+    links, known = int(robot[LINKS]), True
+    for j in range(len(joints)):
+        for i in range(JET_COLUMNS):
+            known = known and math.isfinite(joints[j, i])
+    if known:
+        _turn_angles(robot, joints, turns)
+    closed, none = False, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    loop = (none, none, none, none)
+    for k in range(links):
+        at, own = CHAIN + k * c.LINK, jets[k]
+        if not known:
+            unknown(own)
+            continue
+        _put_origin(robot, k, joints, jets)
+        yaw, coupler = turns[int(robot[at + c.LINK_YAW])], int(robot[at + c.LINK_COUPLER])
+        cosine, sine = jet_at(yaw, 0), jet_at(yaw, 1)
+        if coupler >= 0:
+            if not closed:
+                closed, loop = _couplers(robot, turns, jets)
+                if not closed:
+                    for i in range(links):
+                        unknown(jets[i])
+                    return
+            u, v = (loop[0], loop[1]) if coupler == 0 else (loop[2], loop[3])
+            turning = add(times(cosine, u), -1.0, times(sine, v))
+            sine = add(times(sine, u), 1.0, times(cosine, v))
+            cosine = turning
+        if robot[at + c.LINK_PITCH] < 0.0:
+            put_yaw(own, cosine, sine)
+            continue
+        pitch, roll = turns[int(robot[at + c.LINK_PITCH])], turns[int(robot[at + c.LINK_ROLL])]
+        level, up = jet_at(pitch, 0), jet_at(pitch, 1)
+        put_column(own, 0, times(level, cosine), times(level, sine), up)
+        # without roll: to the left, and up
+        left_x, left_y = add(none, -1.0, sine), cosine
+        high_x, high_y = add(none, -1.0, times(up, cosine)), add(none, -1.0, times(up, sine))
+        c_roll, s_roll = jet_at(roll, 0), jet_at(roll, 1)
+        if robot[int(robot[ANGLES]) + ANGLE * int(robot[at + c.LINK_ROLL]) + ANGLE_MOVES] > 0.0:
+            put_column(
+                own, 1, add(times(c_roll, left_x), 1.0, times(s_roll, high_x)),
+                add(times(c_roll, left_y), 1.0, times(s_roll, high_y)), times(s_roll, level),
+            )  # fmt: skip
+            put_column(
+                own, 2, add(times(c_roll, high_x), -1.0, times(s_roll, left_x)),
+                add(times(c_roll, high_y), -1.0, times(s_roll, left_y)), times(c_roll, level),
+            )  # fmt: skip
+        else:
+            put_column(own, 1, left_x, left_y, none)
+            put_column(own, 2, high_x, high_y, level)
