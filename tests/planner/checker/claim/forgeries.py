@@ -269,7 +269,7 @@ REQUIRED = [
         "displacements grow from an earlier time",
         "dense-flow",
         both(put("required.since", -100.0), put("frames.*.unknown.*.growth", 0.01)),
-        ROW,
+        CORRECTION,
     ),
 ]
 PHASES_AND_BODIES = [
@@ -343,7 +343,7 @@ UNCERTAINTY = [
         "errors of frames have any direction",
         "dense-flow",
         put("frames.*.unknown.*", lambda u: {**u, "amount": 0.5, "direction": []}),
-        ROW,
+        CORRECTION,
     ),
     Forgery("frames may be turned", "demo", put("frames.*.yaw", 0.5), ROW),
     Forgery("a frame may be late", "demo", put("frames.*.shift", [0.0, 0.1]), COVER),
