@@ -1,4 +1,4 @@
-"""What may touch what in each leg, and how far apart everything else must stay (docs/guarantees.md, C5)."""
+"""What may touch what in each leg, and how far apart everything else must stay (docs/bundle.md, N8)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rows of errors: how far the tool may be from its point at the end of an arrival, whatever is uncertain (U4).
+"""Rows of errors: how far the tool may be from its point at the end of an arrival, whatever is uncertain (N15).
 
 The numbers are those of the answer. What is uncertain of frames, joints and the start is in other tables; a row adds
 what is uncertain of the point itself: of a part where it lies, or in the gripper.

@@ -96,7 +96,7 @@ def fetch(
 @kernel("float64(float64, float64, float64, float64)")
 def least_between(g0: float, g1: float, bend: float, h: float) -> float:
     """The least value over an interval of length h, from those at its ends and a bound of its second derivative
-    (C3)."""
+    (N3)."""
     return float(min(g0, g1) - max(bend, 0.0) * h * h / 8.0)
 
 

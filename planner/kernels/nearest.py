@@ -1,6 +1,6 @@
 """The smallest clearance over a motion, between a proved lower and an upper value, by branch and bound.
 
-A pair leaves an interval when the bound of its gap over it (equation C3) is not below the smallest distance found
+A pair leaves an interval when the bound of its gap over it (equation N3) is not below the smallest distance found
 so far less `WITHIN_M`; otherwise the interval is halved. The smallest such bound is below every distance at every
 instant; the smallest distance found is one that occurs. The `state` goes on from one phase to the next.
 """

@@ -41,7 +41,7 @@ from assur.planner.kernels.uncertainty import DOUBT, SWAY_COLUMNS, Doubt, displa
 SIDES = 6
 SPARED = 512.0
 """A bound of the acceleration of a unit, as large as that of any checker, times the square of an interval, over this is
-what a checker may miss of a plane that it proves over eighths of the interval (C3)."""
+what a checker may miss of a plane that it proves over eighths of the interval (N3)."""
 
 
 @kernel("UniTuple(float64, 3)(int64)")
@@ -66,7 +66,7 @@ def behind(motion: Motion, cell: Cell, doubt: Doubt, units: IntArray, edges: Flo
     """Fills `least` (R, 6): each of `units` (R,) stays behind the plane n·x = −least of each side all along, wherever
     its link may be displaced to.
 
-    It is proved over each of the intervals between `edges` (C3), and is the smallest of them. What the checker may
+    It is proved over each of the intervals between `edges` (N3), and is the smallest of them. What the checker may
     miss of it is taken off: it proves a plane over eighths of an interval, by bounds of its own.
     """
     bodies, vertices, still = cell

@@ -1,5 +1,5 @@
 """Whether an arm stays where it can be all along a spline, over halved intervals: a linkage with a loop in its assembly
-mode (K39), a SCARA that a belt correction shifts within its ranges and away from singular positions (U3). And what a
+mode (K39), a SCARA that a belt correction shifts within its ranges and away from singular positions (N10). And what a
 whole motion asks of the tool and leaves of the arm, at sampled instants."""
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What becomes of one open pair on one interval: proved apart, to be halved, to be opened, or too near.
 
-A pair leaves as soon as one normal proves it (equations C1 to C5, C8 in docs/guarantees.md). What is not proved goes on
+A pair leaves as soon as one normal proves it (equations N3, N4 and N8 in docs/bundle.md). What is not proved goes on
 to both halves of its interval, or of its shift, with the best normal so far as the first to try. A bounding box that is
 too near is replaced by the pieces in it.
 """
@@ -43,7 +43,7 @@ def shown(
     h: float,
     need: float,
 ) -> bool:
-    """Whether the normal n keeps units a and b apart by `need` over all of an interval of length h (C4)."""
+    """Whether the normal n keeps units a and b apart by `need` over all of an interval of length h (N3)."""
     g0 = gap(bodies, vertices, placed, 0, a, b, nx, ny, nz)
     if not g0 > need:
         return False

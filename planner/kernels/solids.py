@@ -1,8 +1,8 @@
 """Convex solids as rows of numbers: where they are, their support function, the gap along a normal, likely normals.
 
 Every primitive is box + disc + ball (equation S1), so one support function without branches serves all of them; a hull
-adds a loop over its vertices. A gap along any unit normal is a lower bound of the distance (equation C1 in
-docs/guarantees.md): a bad normal costs efficiency and never safety. Where a pose is not known there is NaN, which no
+adds a loop over its vertices. A gap along any unit normal is a lower bound of the distance (equation N3 in
+docs/bundle.md): a bad normal costs efficiency and never safety. Where a pose is not known there is NaN, which no
 comparison here takes for a proof.
 
 Tables: `bodies` (U, COLUMNS), one row a *unit* (a convex piece, or the bounding box of a body of several); `vertices`
@@ -51,7 +51,7 @@ COLUMNS = 26
 FIRST, SECOND = 0, 1
 """Columns of a pair: its two units, the first of the robot."""
 REQUIRED = 2
-"""Distance that a pair must keep, m (C5), but for what is not known of where the two are: ..."""
+"""Distance that a pair must keep, m (N8), but for what is not known of where the two are: ..."""
 SET = 3
 """... the number of its set of displacements (`kernels.uncertainty`), -1 for none, ..."""
 EARLY, LATE = 4, 5
@@ -124,7 +124,7 @@ def gap(
     ny: float,
     nz: float,
 ) -> float:
-    """Gap of units a and b at instant m along the unit normal n from a to b: no more than their distance (C1)."""
+    """Gap of units a and b at instant m along the unit normal n from a to b: no more than their distance (N3)."""
     between = (
         nx * (placed[m, b, 0] - placed[m, a, 0])
         + ny * (placed[m, b, 1] - placed[m, a, 1])

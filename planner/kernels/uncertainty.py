@@ -4,17 +4,17 @@ A *set* is what two bodies of one pair may be displaced against each other. It i
 interval along the vertical, and segments along given directions (an error of a belt lies along the belt); each is
 symmetric, and may grow with time. Its support along n,
 
-    S(n) = |n_xy| disc + |n_z| vertical + Σ |n·e_i| segment_i                                              (U1)
+    S(n) = |n_xy| disc + |n_z| vertical + Σ |n·e_i| segment_i                                              (N8)
 
 is what a pair must be apart in addition to its clearance. `sets` (N, SET_COLUMNS), one row a set.
 
 Links of the robot are displaced by what the servos lag behind, and by the correction for a belt: both move the joints
-by small amounts δ, so a point moves by no more than its rate (K43) where the rates of the joints are δ (U2).
+by small amounts δ, so a point moves by no more than its rate (K43) where the rates of the joints are δ (N8).
 
 In time, the second unit of a pair may be ahead of the clock: the first is at t, the second at t + s. The robot may
 start late by s; then all else is further on by s while it moves. For points x, y of the two the distance along n is
-f(t, s) = n·(y(t + s) − x(t)). Over t it bends by both accelerations at most, over s by the second alone, so C3 bounds
-it over t at both ends of s, and then over s (C8).
+f(t, s) = n·(y(t + s) − x(t)). Over t it bends by both accelerations at most, over s by the second alone, so N3 bounds
+it over t at both ends of s, and then over s (N4).
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def growing_for(clock: FloatArray, t1: float) -> float:
 
 @kernel(f"float64({TABLE}, int64, float64, {NORMAL})")
 def spread(sets: FloatArray, k: int, lasts: float, nx: float, ny: float, nz: float) -> float:
-    """The support S(n) of set k, m, where errors have grown for `lasts` seconds (U1); 0 for no set (-1)."""
+    """The support S(n) of set k, m, where errors have grown for `lasts` seconds (N8); 0 for no set (-1)."""
     if k < 0:
         return 0.0
     row = sets[k]
@@ -110,7 +110,7 @@ def _cosines(low: float, high: float) -> tuple[float, float]:
 @kernel(f"UniTuple(float64, 2)({ROW}, float64, float64, float64)")
 def corrected_angles(robot: FloatArray, theta_low: float, theta_high: float, shift: float) -> tuple[float, float]:
     """By how much the links of a SCARA may turn, rad, where its flange is shifted by `shift`, m, in any horizontal
-    direction, from anywhere with θ2 in an interval (U3); infinite where it might become singular.
+    direction, from anywhere with θ2 in an interval (N10); infinite where it might become singular.
 
     With |D| = l1 l2 |sin θ2| at least D over all radii that the flange may have, |Δφ1| <= shift l2 / D and
     |Δφ2| <= shift l1 / D (K4). |D| is least at one of the ends of the radii: D² is concave in their square.
@@ -143,7 +143,7 @@ def sway_links(
     sway: FloatArray,
 ) -> bool:
     """Fills the first rows of `sway` (K, SWAY_COLUMNS) with how far links may be from where they are planned while
-    joints are as `joints` (n, JET_COLUMNS) has it, and until t1 (U2, U3). False: they cannot be.
+    joints are as `joints` (n, JET_COLUMNS) has it, and until t1 (N8, N10). False: they cannot be.
 
     `lagging`, as `joints`, `turns` and `jets` are room to work in.
     """
@@ -275,7 +275,7 @@ def least_shifted(
     h: float,
     d: float,
 ) -> tuple[float, float, float]:
-    """A lower bound of the gap along n over an interval of length h and a shift of length d (C8); and what is lost to
+    """A lower bound of the gap along n over an interval of length h and a shift of length d (N4); and what is lost to
     both lengths at most."""
     bend, added = gap_bend(bodies, jets, ahead, a, b, nx, ny, nz)
     over_time, over_shift = max(bend, 0.0) * h * h / 8.0, max(added, 0.0) * d * d / 8.0

@@ -1,4 +1,4 @@
-"""How far the tool may be from its control point: the worst of all that a request does not know (equation U4).
+"""How far the tool may be from its control point: the worst of all that a request does not know (equation N15).
 
 The error is part less tool. What a frame, a late start and lagging joints add has a direction each, so the worst is one
 of the combinations of their signs: all are looked at. What is the same in every horizontal direction adds to the

@@ -1,5 +1,5 @@
-"""How far apart two bodies must stay in a phase, before what is not known of them (equation C5 in
-docs/guarantees.md)."""
+"""How far apart two bodies must stay in a phase, before what is not known of them (equation N8 in
+docs/bundle.md)."""
 
 from __future__ import annotations
 

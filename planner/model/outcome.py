@@ -207,9 +207,9 @@ class Certificate:
 
     Bodies are indices into `names`; a piece is the index of a convex piece of the body, -1 its bounding box (in the
     body's axes). A second of -1 is no body but the origin of the world: the row says behind which plane the first stays
-    (equation C6). `shift0`, `shift1`: between which times, s, the second body is ahead of the clock (C8); None: it is
+    (equation C6). `shift0`, `shift1`: between which times, s, the second body is ahead of the clock (N4); None: it is
     not, in any row. `normal` (M, 3) points from the first to the second. Gaps and bounds of motion are not among the
-    columns: who checks a row computes them. Equations C1 to C3 in docs/guarantees.md.
+    columns: who checks a row computes them. Equations N3 and N4 in docs/bundle.md.
 
     Raises `InputError` for columns of different lengths or kinds, numbers that are not finite, and names that are not
     different texts. Whether names and pieces exist is not known here.

@@ -1,4 +1,4 @@
-"""Which bodies must stay how far apart (equation C5): phases, contacts, clearance and uncertainty as numbers."""
+"""Which bodies must stay how far apart (equation N8): phases, contacts, clearance and uncertainty as numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is not known of where bodies are, phase by phase, as the sets that kernels read (equation U1).
+"""What is not known of where bodies are, phase by phase, as the sets that kernels read (equation N8).
 
 Errors that two bodies have in common do not part them: the bodies on a belt are off by one error, and a controller that
 corrects for it shifts the tool by the same. So of each frame's error along its line a body has a share: all of it where

@@ -1,4 +1,4 @@
-"""How far the tool may be from its point, whatever is uncertain (U4): the worst sum of what displaces point and tool.
+"""How far the tool may be from its point, whatever is uncertain (N15): the worst sum of all displacements.
 
 What has a direction counts with either sign, and all signs are combined. What has any horizontal direction, or goes up
 or down, is added to the longest sum. Lag moves the tool along the rates of its joints, but for a bow: half of what

@@ -138,7 +138,7 @@ def see(k: Claim, g: tb.Geometry, s: tb.Scratch, on: int, tool: FloatArray, f: i
 @kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, f8, f8))
 def rate_within(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, t0: float, t1: float) -> bool:
     """Whether a point of a link is no faster or slower (order 1), or accelerates no harder or less (order 2), than is
-    claimed over [t0, t1]. The square of a speed w leaves the mean of both ends by at most max |w · dw/dt| h (V5)."""
+    claimed over [t0, t1]. The square of a speed w leaves the mean of both ends by at most max |w · dw/dt| h (N12)."""
     on, f, order, tool = int(own[c.RATE_LINK]), int(own[c.RATE_FRAME]), int(own[c.RATE_ORDER]), own[c.RATE_POINT :]
     ends, middle, radius = 2 if order == 1 and t1 > t0 else 1, 0.0, 0.0
     if ends == 2:
@@ -194,7 +194,7 @@ def axis_within(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, t0: fl
 
 @kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, f8, f8, F1))
 def guided(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, t0: float, t1: float, result: FloatArray) -> bool:
-    """Whether the tool is on its way from a point of one frame to a point of another over [t0, t1] (V8)."""
+    """Whether the tool is on its way from a point of one frame to a point of another over [t0, t1] (N9)."""
     lasts, on, one_on = own[c.GUIDE_T1] - own[c.GUIDE_T0], int(own[c.GUIDE_LINK]), int(g.on[int(own[c.GUIDE_FRAME]), 0])
     other_on, share, tool = int(g.on[int(own[c.GUIDE_FRAME + 1]), 0]), own[c.GUIDE_SHARE], own[c.GUIDE_TOOL :]
     one, other, rate, h, bow = own[c.GUIDE_FROM :], own[c.GUIDE_TO :], 0.0, t1 - t0, tb.SLACK

@@ -65,7 +65,7 @@ def test_the_cranks_of_a_loop_turn_about_axes_of_the_base() -> None:
     links = list(chain.links)
     links[2] = links[2]._replace(parent=1)
     with pytest.raises(FaultError, match="turn on links 0 and 1"):
-        Chain(tuple(links), chain.loop).rows(0.0)
+        chain._replace(links=tuple(links)).rows(0.0)
 
 
 def solid(*pieces: Piece) -> Body:
