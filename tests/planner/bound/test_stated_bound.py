@@ -7,8 +7,7 @@ import math
 import pytest
 
 from assur.planner.bound.duration import RESERVE, WINDOW_M, WINDOW_S, least_duration
-from assur.planner.checker.along import MEET_M
-from assur.planner.checker.legs import TIME_S
+from assur.planner.checker.statement.differences import MEET, SAME
 from assur.planner.checker.verdict import Code
 from assur.planner.model.outcome import Planned
 from assur.planner.model.scene import Scene
@@ -67,5 +66,5 @@ def test_a_bound_above_the_plan_is_refused_even_if_it_is_the_computed_one() -> N
 
 
 def test_no_window_of_the_bound_is_narrower_than_that_of_a_check() -> None:
-    assert WINDOW_S >= TIME_S
-    assert WINDOW_M >= MEET_M
+    assert WINDOW_S >= SAME
+    assert WINDOW_M >= MEET

@@ -452,10 +452,10 @@ def proved(scene: Scene, trajectory: Trajectory, legs: tuple[Leg, ...], arrivals
     prover = PlainProver(scene, trajectory)
     for phase in phases(scene, legs, arrivals):
         prover.prove(phase)
-    return sealed(scene, Plan(trajectory, legs, arrivals, _certificate(prover.rows)))
+    return sealed(scene, Plan(trajectory, legs, arrivals, certificate_of(prover.rows)))
 
 
-def _certificate(rows: list[tuple[object, ...]]) -> Certificate:
+def certificate_of(rows: list[tuple[object, ...]]) -> Certificate:
     names = tuple(dict.fromkeys(str(row[i]) for row in rows for i in (2, 4)))
     number = {name: i for i, name in enumerate(names)}
 

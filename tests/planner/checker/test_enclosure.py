@@ -9,14 +9,9 @@ import pytest
 
 from assur.planner.checked import check
 from assur.planner.checker import Code
-from assur.planner.checker.enclosure import enclosed
-from assur.planner.checker.rows import Apart
-from assur.planner.checker.solids import solids
-from assur.planner.checker.world import World
 from assur.planner.geometry.shapes import Body, Piece, box, sphere
 from assur.planner.laws import Pose
 from assur.planner.model.outcome import Plan
-from assur.planner.model.phases import phases
 from assur.planner.model.scene import Scene, WorldBody
 from tests.planner.checker.hand_made import belt_case, crossing, crossing_case, proved, solid
 
@@ -41,8 +36,8 @@ def shell(name: str, half: float, *, hollow: bool = True) -> Body:
 
 
 def found(scene: Scene, plan: Plan) -> list[str]:
-    of_plan, world = phases(scene, plan.legs, plan.arrivals), World(scene, plan)
-    findings = enclosed(world, Apart.of(scene, of_plan, solids(scene, of_plan), world.tables))
+    """What is not shown to be outside, in a plan with rows made for this scene."""
+    findings = check(scene, proved(scene, plan.trajectory, plan.legs, plan.arrivals)).findings
     assert {finding.code for finding in findings} <= {Code.CONTAINMENT}
     return [finding.what for finding in findings]
 

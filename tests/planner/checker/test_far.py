@@ -7,24 +7,17 @@ from functools import cache
 
 import numpy as np
 
-from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.arrays import BoolArray
 from assur.planner.checked import check
 from assur.planner.checker import Code
-from assur.planner.checker.cover import SPARED
-from assur.planner.checker.rows import Apart
-from assur.planner.checker.solids import solids
-from assur.planner.checker.world import World
-from assur.planner.collision.proof import Prover
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder
 from assur.planner.laws import fixed, linear
 from assur.planner.model.outcome import Plan, Planned
-from assur.planner.model.phases import phases
 from assur.planner.model.scene import Clearance, Execution, Scene, WorldBody
 from assur.planner.pipeline import plan
 from tests.planner.cells import CUP, arm, cell, frame, go, stands
 from tests.planner.checker.hand_made import carton, with_rows, without
-from tests.planner.second_solids import carriers, place, standing, support
 
 FAR_M = 1.3
 """From the shoulder to the ring of posts: out of reach of the arm, which is 0.6 m long."""
@@ -61,18 +54,6 @@ def codes(scene: Scene, made: Plan) -> set[Code]:
     return {finding.code for finding in check(scene, made).findings}
 
 
-def reach(scene: Scene, made: Plan, row: int, t: FloatArray) -> FloatArray:
-    """max of n·x over the body of a row, n being its normal, at times t (T,)."""
-    c = made.certificate
-    phase = next(p for p in phases(scene, made.legs, made.arrivals) if p.t0 <= c.t0[row] and c.t1[row] <= p.t1)
-    arrangement = Prover(scene).arrangement(phase.attached)
-    unit = arrangement.roots[arrangement.number[c.names[c.first[row]]]]
-    where = carriers(scene, standing(made.trajectory, t), t)
-    placed = place(arrangement, where, np.arange(len(t)), np.full(len(t), unit))
-    n = np.tile(c.normal[row], (len(t), 1, 1))
-    return np.asarray(support(placed, n)[:, 0] + placed.centre @ c.normal[row])
-
-
 def test_a_few_rows_of_bodies_alone_do_for_a_ring_of_sixty_posts() -> None:
     scene, made = ring()
     c = made.certificate
@@ -81,17 +62,6 @@ def test_a_few_rows_of_bodies_alone_do_for_a_ring_of_sixty_posts() -> None:
     assert not any(name.startswith("post") for name in c.names)
     assert len(c) < 200  # for the posts alone there would be 600: 2 phases, 5 bodies, 60 posts
     assert set(c.second_piece[alone(made)]) == {-1}
-
-
-def test_what_each_row_of_a_body_alone_proves_is_true_at_all_times_that_are_looked_at() -> None:
-    scene, made = ring()
-    c = made.certificate
-    of_plan = phases(scene, made.legs, made.arrivals)
-    verdicts = Apart.of(scene, of_plan, solids(scene, of_plan), World(scene, made).tables).judged(c)[0]
-    for row in np.flatnonzero(alone(made)):
-        least = verdicts[row, SPARED]
-        found = -reach(scene, made, int(row), np.linspace(c.t0[row], c.t1[row], 41))
-        assert found.min() - 0.1 <= least <= found.min()
 
 
 def of_one_body(made: Plan) -> list[BoolArray]:

@@ -8,27 +8,18 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from assur.planner.arrays import FloatArray
 from assur.planner.checked import check
 from assur.planner.checker import Code
-from assur.planner.checker.motion import JETS
-from assur.planner.checker.nearest import WITHIN_M
-from assur.planner.checker.separation import HINT, ITEM, NEAR_M, OTHER, OTHER_ON, distance
-from assur.planner.checker.solids import BALL, SOLID, TURN, farthest
+from assur.planner.checker.statement.nearness import WITHIN_M
 from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover
-from assur.planner.geometry.shapes import box, capsule, cylinder
 from assur.planner.model.claims import Claims
 from assur.planner.model.outcome import Nearest, Plan
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import Scene
 from tests.planner.checker.hand_made import belt_case, crossing_case, proved
 from tests.planner.checker.test_far import ring
-from tests.planner.checker.test_solids_of_the_checker import TABLE
-from tests.planner.checker.test_soundness import distance as from_point
 
 CASES = (crossing_case, belt_case, ring)
 
@@ -116,61 +107,3 @@ def test_boxes_of_bodies_are_opened_to_their_pieces() -> None:
     assert codes(boxed, made, found) == set()
     assert codes(boxed, made, replace(found, gap_m=found.gap_m + 3 * WITHIN_M)) == {Code.NEAREST}
     assert said.gap_m <= found.gap_m + WITHIN_M
-
-
-SHAPES = {"box": box(0.1, 0.04, 0.06), "cylinder": cylinder(0.03, 0.2), "capsule": capsule(0.02, 0.15)}
-
-
-def placed(seed: int) -> FloatArray:
-    """Jets (2, JETS, 6) of two carriers somewhere, turned anyhow."""
-    rng, found = np.random.default_rng(seed), np.zeros((2, JETS, 6))
-    for row in found:
-        q, r = np.linalg.qr(rng.normal(size=(3, 3)))
-        q = q * np.sign(np.diag(r))
-        q = q if np.linalg.det(q) > 0 else q[:, [1, 0, 2]]
-        row[:3, :2], row[3:, :2] = rng.normal(size=3)[:, None] * 0.3, q.T.reshape(-1)[:, None]
-    return found
-
-
-def between(first: FloatArray, second: FloatArray, jets: FloatArray) -> tuple[float, float]:
-    """The distance of two solids on the two carriers, from below and from above, as near as the search comes."""
-    item, none, low = np.zeros(ITEM), np.zeros((0, 1)), -1.0
-    item[OTHER], item[OTHER_ON], item[HINT + 2] = 1.0, 1.0, 1.0
-    tables = (none, none, none, none, np.stack([first, second]), TABLE.vertices)
-    for _ in range(30):  # what is claimed is the lower value of before: it ends as soon as it has most of the rest
-        now, high = distance(tables, jets, item, low)
-        low = max(low, now)
-    return low, high
-
-
-@given(st.sampled_from(sorted(SHAPES)), st.integers(0, 2**32 - 1))
-def test_distances_of_a_ball_are_those_from_its_centre(name: str, seed: int) -> None:
-    """Against a closed form; the ball is a point with a radius."""
-    jets, ball, other, shape = placed(seed), np.zeros(SOLID), np.zeros(SOLID), SHAPES[name]
-    ball[BALL], ball[[TURN, TURN + 4, TURN + 8]], other[[TURN, TURN + 4, TURN + 8]] = 0.02, 1.0, 1.0
-    other[12:15], other[15], other[16] = shape.half, shape.disc, shape.ball
-    local = (jets[0, :3, 0] - jets[1, :3, 0]) @ jets[1, 3:, 0].reshape(3, 3).T
-    true = float(from_point(shape, local[None])[0]) - 0.02
-    low, high = between(ball, other, jets)
-    if true > 1e-4:
-        assert low - 1e-12 <= true <= high + 1e-12
-        assert high - low <= NEAR_M
-
-
-@given(st.integers(0, len(TABLE.table) - 1), st.integers(0, len(TABLE.table) - 1), st.integers(0, 2**32 - 1))
-def test_no_points_of_two_solids_are_nearer_than_the_lower_value_and_some_are_no_farther_than_the_upper_one(
-    i: int, k: int, seed: int
-) -> None:
-    jets = placed(seed)
-    first, second = TABLE.table[i].copy(), TABLE.table[k].copy()
-    low, high = between(first, second, jets)
-    assert low <= high + 1e-12
-    if low > 0.0:  # of those that overlap nothing more is asked
-        assert high - low <= NEAR_M
-    for n in np.random.default_rng(seed).normal(size=(50, 3)):
-        n /= np.linalg.norm(n)
-        one = np.array(farthest(first, jets, 0, TABLE.vertices, tuple(n.tolist()), 1.0))
-        other = np.array(farthest(second, jets, 1, TABLE.vertices, tuple((-n).tolist()), 1.0))
-        # along any direction the gap of supports is below the distance, and points of both are not nearer than that
-        assert n @ (other - one) <= high + 1e-12
-        assert np.linalg.norm(other - one) >= low - 1e-12

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from assur.planner.checked import check
 from assur.planner.checker import Code
-from assur.planner.checker.paths.curves import Bezier, Turn, curves_of, length_of
+from assur.planner.checker.statement.curves import Bezier, Turn, curve_of
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import conveyor
@@ -25,6 +25,7 @@ from tests.planner.cells import CUP, cell, frame
 from tests.planner.checker.hand_made import sealed
 
 V = 0.1
+BEGIN = (0.0, 0.0, 0.05)
 PARTS: tuple[PathPart, ...] = (
     LineTo((0.03, 0.0, 0.05)),
     ArcTo((0.05, 0.02, 0.05), (0.03, 0.04, 0.05)),
@@ -55,7 +56,7 @@ def made(scene_number: int = 0) -> Plan:
 def told(scene: Scene, changed: Plan) -> dict[Code, str]:
     """What is found, but for the rows of the certificate, which are of another motion."""
     findings = check(scene, sealed(scene, changed)).findings
-    return {each.code: each.what for each in findings if each.code not in (Code.SEPARATION, Code.COVER, Code.ROW)}
+    return {each.code: each.what for each in findings if each.code not in (Code.COVER, Code.ROW)}
 
 
 def claiming(changed: Plan, **claims: float) -> Plan:
@@ -121,14 +122,14 @@ def test_another_process_speed_is_found(share: float) -> None:
 
 
 def test_a_path_of_which_a_stretch_is_left_out_is_found() -> None:
-    assert length_of(Path((0.0, 0.0, 0.05), SHORTER)) < length_of(Path((0.0, 0.0, 0.05), PARTS))
+    assert curve_of(BEGIN, SHORTER, 0.0).length < curve_of(BEGIN, PARTS, 0.0).length
     found = told(scene_of(), made(1))
     assert Code.LEGS in found
 
 
 def test_a_stretch_left_out_in_the_same_time_is_found() -> None:
     """The shorter way, slower by so much that it takes as long, with legs that last as they should."""
-    long, short = length_of(Path((0.0, 0.0, 0.05), PARTS)), length_of(Path((0.0, 0.0, 0.05), SHORTER))
+    long, short = curve_of(BEGIN, PARTS, 0.0).length, curve_of(BEGIN, SHORTER, 0.0).length
     slow = V * short / long
     lead = 0.004 * slow / V
     found = plan(scene_of(SHORTER, slow, lead=lead))
@@ -213,24 +214,26 @@ def test_both_derivations_of_a_path_are_the_same_curve(parts: list[PathPart], bl
         path = Path((0.0, 0.0, 0.0), tuple(parts), blend)
     except InputError:
         return
-    own = curves_of(path)
-    assert length_of(path) == pytest.approx(path.length, rel=1e-8)
-    begin = 0.0
-    for cut in own:
-        s = np.linspace(0.0, cut.length, 33)[1:-1]
+    own = curve_of(path.begin, path.parts, path.blend_m)
+    assert own.length == pytest.approx(path.length, rel=1e-8)
+    for begin, cut in zip(own.edges.tolist(), own.parts, strict=False):
+        length = cut.end - cut.begin
+        s = np.linspace(0.0, length, 33)[1:-1]
         p, tangent, bend = path.curve.at(begin + s)
-        assert np.abs(cut.place(s) - p).max() < 1e-8
+        assert np.abs(cut.state(s)[0] - p).max() < 1e-8
+        assert np.abs(own.state(begin + s)[0] - p).max() < 1e-8
         assert (np.linalg.norm(bend, axis=1) <= cut.part.bend * (1 + 1e-6) + 1e-6).all()
-        step = 1e-6 * cut.length
+        step = 1e-6 * length
         ahead, back = (path.curve.at(begin + s + off)[0] for off in (step, -step))
         assert np.abs((ahead - back) / (2 * step) - tangent).max() < 1e-3
-        begin += cut.length
+        assert np.abs(cut.state(s)[1] - tangent).max() < 1e-3
 
 
 def test_an_arc_and_a_straight_polynomial_have_their_curvature() -> None:
-    arc = curves_of(Path((0.1, 0.0, 0.0), (ArcTo((0.0, 0.1, 0.0), (-0.1, 0.0, 0.0)),)))[0]
-    assert isinstance(arc.part, Turn)
-    assert arc.part.bend == pytest.approx(10.0)
+    arc = curve_of((0.1, 0.0, 0.0), (ArcTo((0.0, 0.1, 0.0), (-0.1, 0.0, 0.0)),), 0.0)
+    (cut,) = arc.parts
+    assert isinstance(cut.part, Turn)
+    assert cut.part.bend == pytest.approx(10.0)
     assert arc.length == pytest.approx(0.1 * np.pi)
     assert Bezier(np.outer(np.arange(4), [0.01, 0.0, 0.0])).bend == pytest.approx(0.0, abs=1e-9)
     # a cusp has no bound

@@ -12,9 +12,7 @@ import pytest
 
 from assur.planner.checked import check
 from assur.planner.checker import Code
-from assur.planner.checker.world import World
 from assur.planner.frames.motion import Pose
-from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.laws import conveyor
 from assur.planner.model.outcome import Arrival, LegKind, Plan, Planned
 from assur.planner.model.scene import Scene, Step
@@ -52,17 +50,6 @@ def found(scene: Scene, plan: Plan) -> dict[Code, list[str]]:
     for finding in check(scene, sealed(scene, plan)).findings:
         texts.setdefault(finding.code, []).append(finding.what)
     return texts
-
-
-def test_the_pitch_and_roll_that_are_read_are_what_the_hand_was_given() -> None:
-    scene, plan = honest(True)
-    world, robot = World(scene, plan), scene.robot
-    for t in np.linspace(plan.trajectory.start, plan.trajectory.end, 200)[:-1]:
-        motion = robot.link_motion(5, *(plan.trajectory.evaluate(np.array(t), order) for order in range(4)))
-        assert isinstance(motion, TiltedMotion)
-        read = world.tool(float(t))
-        assert np.abs(np.remainder((read.pitch, read.roll) - motion.tilt + math.pi, math.tau) - math.pi).max() < 1e-12
-        assert np.abs((read.pitch_d, read.roll_d) - motion.tilt_d).max() < 1e-12
 
 
 @pytest.mark.parametrize("asked", [True, False])
