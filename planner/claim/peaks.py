@@ -26,6 +26,9 @@ BETWEEN, REACHED, ROUNDING, LEAST = 0.01, 1e-3, 1e-4, 1e-6
 """Shares by which a peak of the tool, found at instants, may be exceeded between them; by which the largest
 acceleration with a part may be missed, whose instant is not stated; and by which a peak may be off at its instant. And
 m/s or m/s²: what is no faster stands."""
+OFF = (1e-6, 1e-3)
+"""By how much a speed, m/s, and an acceleration, m/s², of the tool may be off at its instant in addition: bounds of a
+closed chain round the acceleration by 0.5 mm/s²."""
 BESIDE_S = 1e-9
 """How far from a jump of the acceleration, s, either of its sides is evaluated."""
 SAMPLES, PIECES = 17, 4
