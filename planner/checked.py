@@ -91,7 +91,7 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
         different = state_plan(scene, plan, claim)
         return different if different or claims is NOTHING else state_answer(scene, plan, claims, claim)
 
-    return _judged(scene, plan, of_plan, fill, compare, between)
+    return _judged(scene, plan, of_plan, claims, fill, compare, between)
 
 
 def check_motion(scene: Scene, plan: Plan, of_motion: tuple[Phase, ...]) -> Verdict:
@@ -101,6 +101,7 @@ def check_motion(scene: Scene, plan: Plan, of_motion: tuple[Phase, ...]) -> Verd
         scene,
         plan,
         of_motion,
+        NOTHING,
         lambda base: with_motion(base, plan, of_motion),
         lambda claim: state_motion(scene, plan, claim),
         nothing,
@@ -111,6 +112,7 @@ def _judged(
     scene: Scene,
     plan: Plan,
     of_plan: tuple[Phase, ...],
+    claims: Claims,
     fill: Callable[[SceneClaim], Claim],
     compare: Callable[[Claim], list[Difference]],
     between: Callable[[], None],
@@ -122,7 +124,7 @@ def _judged(
     except InputError as error:
         return Verdict.of([Finding(Code.FORM, str(error))])
     between()
-    findings = _unshown(kept.base, plan, of_plan, claim)
+    findings = _unshown(kept.base, plan, of_plan, claims, claim)
     if any(finding.code == Code.FORM for finding in findings):
         return Verdict.of(findings)  # the statement checker reads only tables that are those of a claim
     between()
@@ -131,12 +133,12 @@ def _judged(
     return Verdict.of(findings + _found(different or compare(claim)))
 
 
-def _unshown(base: SceneClaim, plan: Plan, of_plan: tuple[Phase, ...], claim: Claim) -> list[Finding]:
+def _unshown(base: SceneClaim, plan: Plan, of_plan: tuple[Phase, ...], claims: Claims, claim: Claim) -> list[Finding]:
     """What the claim checker does not show, with names in place of numbers."""
     verdict = check_claim(claim)
     if verdict.accepted:
         return []
-    labels: dict[str, Sequence[str]] = labels_of(base, plan, of_plan)._asdict()
+    labels: dict[str, Sequence[str]] = labels_of(base, plan, of_plan, claims)._asdict()
     labels["joints"] = [joint.name for joint in base.scene.robot.joints]
     return [_named(each, labels) for each in verdict.findings]
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
+from assur.planner.model.claims import NOTHING, Claims
 from assur.scenes.requests import cell_of, read_plan
 from assur.scenes.scenarios import with_files
 
@@ -27,19 +28,22 @@ def bundle_document(request: object, plan: object, *, folder: Path | None = None
 
 def bundle_cell(cell: Cell, plan: object) -> dict[str, Any]:
     """The same for a cell that has been read."""
-    made, untrue, _ = read_plan(cell, plan)
+    made, untrue, claims = read_plan(cell, plan)
     if untrue:
         told = "; ".join(finding.what for finding in untrue)
         raise InputError("plan", "this answer", f"one that is right: {told}")
-    return bundle_of(cell.scene, made)
+    return bundle_of(cell.scene, made, claims)
 
 
-def bundle_of(scene: Scene, plan: Plan) -> dict[str, Any]:
-    """The bundle of a plan for a scene. Raises `InputError` for what a bundle cannot state."""
+def bundle_of(scene: Scene, plan: Plan, claims: Claims = NOTHING) -> dict[str, Any]:
+    """The bundle of a plan for a scene, and of what else is stated of it. Raises `InputError` for what a bundle cannot
+    state."""
+    from assur.planner.claim.answer import with_answer
     from assur.planner.claim.document import document_of
     from assur.planner.claim.filling import claim_of, with_plan
     from assur.planner.claim.labels import labels_of
     from assur.planner.model.phases import phases
 
     base, of_plan = claim_of(scene), phases(scene, plan.legs, plan.arrivals)
-    return document_of(with_plan(base, plan, of_plan), labels_of(base, plan, of_plan))
+    claim = with_answer(base, with_plan(base, plan, of_plan), plan, of_plan, claims)
+    return document_of(claim, labels_of(base, plan, of_plan, claims))

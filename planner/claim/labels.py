@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from assur.planner.claim.filling import SceneClaim
+from assur.planner.claim.peaks import tool_peaks_of
 from assur.planner.claim.points import axes_of, points_of, rates_of
+from assur.planner.model.claims import NOTHING, Claims
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import Phase
 from assur.planner.robots.robot import Robot
@@ -27,9 +29,15 @@ class Labels(NamedTuple):
     axes: tuple[str, ...]
 
 
-def labels_of(base: SceneClaim, plan: Plan, phases: Sequence[Phase]) -> Labels:
-    """The labels of the claim that `with_plan` makes of the same."""
+OF_TOOL = "tool"
+"""What the rows of the tool's peaks are called."""
+
+
+def labels_of(base: SceneClaim, plan: Plan, phases: Sequence[Phase], claims: Claims = NOTHING) -> Labels:
+    """The labels of the claim that `with_plan` makes of the same, and `with_answer` of what an answer states."""
     scene = base.scene
+    peaks = tool_peaks_of(scene, plan, phases, claims)
+    axes = axes_of(scene, plan) + base.postures.of_plan(plan) + base.postures.of_answer(plan, claims)
     robots = scene.robot, *(robot for robot, _ in base.cell.frames.others)
     return Labels(
         request_digest=scene.digest,
@@ -39,8 +47,8 @@ def labels_of(base: SceneClaim, plan: Plan, phases: Sequence[Phase]) -> Labels:
         bodies=tuple(base.cell.carriers.body),
         phases=tuple(str(phase.kind) for phase in phases),
         points=tuple(name for name, _ in points_of(scene, plan)),
-        rates=tuple(name for name, _ in rates_of(scene, plan, phases)),
-        axes=tuple(name for name, _ in axes_of(scene, plan) + base.postures.of_plan(plan)),
+        rates=(*(name for name, _ in rates_of(scene, plan, phases)), *(OF_TOOL for _ in peaks)),
+        axes=tuple(name for name, _ in axes),
     )
 
 

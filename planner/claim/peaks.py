@@ -26,6 +26,9 @@ BETWEEN, REACHED, ROUNDING, LEAST = 0.01, 1e-3, 1e-4, 1e-6
 """Shares by which a peak of the tool, found at instants, may be exceeded between them; by which the largest
 acceleration with a part may be missed, whose instant is not stated; and by which a peak may be off at its instant. And
 m/s or m/s²: what is no faster stands."""
+OFF = (1e-6, 1e-3)
+"""By how much a speed, m/s, and an acceleration, m/s², of the tool may be off at its instant in addition: bounds of a
+closed chain round the acceleration by 0.5 mm/s²."""
 BESIDE_S = 1e-9
 """How far from a jump of the acceleration, s, either of its sides is evaluated."""
 SAMPLES, PIECES = 17, 4
@@ -131,7 +134,7 @@ def tool_peaks_of(scene: Scene, plan: Plan, phases: Sequence[Phase], claims: Cla
         found += [_rate(scene, t0, t1, 2, 0.0, most) for t0, t1 in _between_jumps(path, *whole[0])]
         for order, size, t in ((1, said.speed, said.speed_time), (2, said.acceleration, said.acceleration_time)):
             at = _beside(scene, path, t) if order == 2 else min(max(t, path.start), path.end)
-            found.append(_rate(scene, at, at, order, *around(size)))
+            found.append(_rate(scene, at, at, order, *around(size, order)))
     if claims.tool_acceleration is not None:
         size = claims.tool_acceleration
         spans = [(p.t0, p.t1) for p in phases if p.attached.held is not None and p.t1 > p.t0 and p.step >= 0] or whole
@@ -140,7 +143,7 @@ def tool_peaks_of(scene: Scene, plan: Plan, phases: Sequence[Phase], claims: Cla
         if size > LEAST:
             peak = carrying_peak(scene, path, tuple(phases)) or tool_peak(scene, path, path.start, path.end)
             at = _beside(scene, path, peak[1])
-            found.append(_rate(scene, at, at, 2, size * (1.0 - REACHED), c.GREATEST))
+            found.append(_rate(scene, at, at, 2, size * (1.0 - REACHED), most))
     return found
 
 
@@ -150,9 +153,10 @@ def _between_jumps(path: Trajectory, t0: float, t1: float) -> list[tuple[float, 
     return list(pairwise([t0, *inside, t1]))
 
 
-def around(size: float) -> tuple[float, float]:
-    """Between which sizes a peak is at its instant."""
-    return max(size * (1.0 - ROUNDING) - LEAST, 0.0), size * (1.0 + ROUNDING) + LEAST
+def around(size: float, order: int) -> tuple[float, float]:
+    """Between which sizes a peak of the speed (order 1) or the acceleration (2) is at its instant."""
+    off = ROUNDING * size + OFF[order - 1]
+    return max(size - off, 0.0), size + off
 
 
 def _beside(scene: Scene, path: Trajectory, t: float) -> float:

@@ -20,9 +20,9 @@ WITHIN = (1e-6, 1e-6, 1e-3)
 BETWEEN, REACHED = 0.01, 1e-3
 """Shares by which a peak of the tool, which is evaluated at instants, may be exceeded between them; and by which the
 largest acceleration with a part may be missed, whose instant is not stated."""
-AT_ITS_TIME, STANDS = 1e-4, 1e-6
-"""A share by which a peak may be off at its instant (bounds of a closed chain round by 0.5 mm/s²); m/s or m/s²: what
-is no faster stands."""
+AT_ITS_TIME, OFF, STANDS = 1e-4, (1e-6, 1e-3), 1e-6
+"""A share by which a peak may be off at its instant, and m/s and m/s² in addition (bounds of a closed chain round the
+acceleration by 0.5 mm/s²); m/s or m/s²: what is no faster stands."""
 BESIDE_S = 2e-9
 """A jump of the acceleration is evaluated so far beside it at most, s."""
 ROUNDING = 1e-12
@@ -97,7 +97,8 @@ def tool_agrees(handling: Handling, stages: list[Stage], claims: Claims, claim: 
             most, beside = size * (1.0 + BETWEEN) + STANDS, BESIDE_S if order == 2 else SAME
             if not _is_rate(handling, claim, order, (-1.0, most), whole):
                 yield Difference(Topic.PEAK, f"the {name} of the tool may be larger than is stated")
-            bounds = (size * (1.0 - AT_ITS_TIME) - STANDS, size * (1.0 + AT_ITS_TIME) + STANDS)
+            off = AT_ITS_TIME * size + OFF[order - 1]
+            bounds = (size - off, size + off)
             within = (max(time - beside, whole[0]), min(time + beside, whole[1]))
             if not _is_rate(handling, claim, order, bounds, within, inside=True):
                 yield Difference(Topic.PEAK, f"the {name} of the tool is not what is stated then", (time, time))
