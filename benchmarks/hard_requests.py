@@ -3,7 +3,7 @@
 The requests are of the kinds for which planner and checkers have disagreed. A kind and a seed make the same request on
 every machine; searches end by a count. An answer is planned and checked, refused for a reason, bad input, or an error.
 *Checker refuses* counts the answers in whose search, or at whose end, the checker refused a plan that the planner had
-proved. Exit 1 if there is an error, or a refusal by a checker that is of no known kind.
+proved. Exit 1 if there is an error, or a refusal by a checker.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from benchmarks.checker_refusals import SECOND, Refused, codes_of, keep, said
+from benchmarks.checker_refusals import SECOND, codes_of, keep, said
 from benchmarks.oracle.arms import arm_of
-from benchmarks.oracle.asked import as_si, checked, planned, shown
+from benchmarks.oracle.asked import checked, planned, shown
 from benchmarks.oracle.kinds import ELBOW, FIVE_AXES, KINDS, POLAR, TILTING, random_cell
 from benchmarks.oracle.points import Points
 from benchmarks.soak.arms import robot_file
@@ -282,7 +282,6 @@ class Tally:
     lost: int = 0
     unshown: int = 0
     codes: Counter[str] = field(default_factory=Counter)
-    unchecked: Refused = field(default_factory=Refused)
 
 
 def count(tally: Tally, kind: str, seed: int, request: Document, out: Path | None, prove: bool = False) -> None:
@@ -304,14 +303,13 @@ def count(tally: Tally, kind: str, seed: int, request: Document, out: Path | Non
     if prove and has_plan:
         told = shown(request, answer)
         tally.unshown += bool(told)
-    unknown = tally.unchecked.add(as_si(request), codes) if codes else False
     tally.codes.update(set(codes))
     tally.by_checker += bool(codes)
     tally.lost += bool(codes) and not has_plan
     tally.planned += has_plan
     if not has_plan and not codes:
         tally.refused[str(answer["reason"])] += 1
-    if out is not None and (unknown or told):
+    if out is not None and (codes or told):
         keep(out, f"{kind}-{seed}", request, {SECOND: told, **said(answer, findings)})
 
 
@@ -352,10 +350,6 @@ def main(
     except KeyboardInterrupt:
         PROGRESS.print("interrupted: what was planned until then")
     CONSOLE.print(table_of(tallies))
-    total = Refused()
-    for tally in tallies.values():
-        total.merged(tally.unchecked)
-    CONSOLE.print(f"plans that the checker refuses, and of known kinds: {total}")
     if prove:
         CONSOLE.print(f"plans that the second checker refuses: {sum(tally.unshown for tally in tallies.values())}")
     for name, counted in (("errors", "errors"), ("bad input", "bad_input"), ("reasons", "refused")):
@@ -363,7 +357,7 @@ def main(
             told = ", ".join(f"{what} {number}" for what, number in getattr(tally, counted).most_common())
             if told:
                 CONSOLE.print(f"{name}, {kind}: {told}", highlight=False)
-    if total.unknown or any(tally.errors or tally.unshown for tally in tallies.values()):
+    if any(tally.by_checker or tally.errors or tally.unshown for tally in tallies.values()):
         raise typer.Exit(1)
 
 

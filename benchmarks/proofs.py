@@ -15,8 +15,8 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from benchmarks.checker_refusals import SECOND, Refused, codes_of, keep, said
-from benchmarks.oracle.asked import as_si, checked, planned, shown
+from benchmarks.checker_refusals import SECOND, codes_of, keep, said
+from benchmarks.oracle.asked import checked, planned, shown
 from benchmarks.oracle.plans import own_seed
 from benchmarks.soak.campaign import ELBOW
 from benchmarks.soak.random_cells import KINDS, random_cell
@@ -27,12 +27,11 @@ CONSOLE, PROGRESS = Console(width=140), Console(stderr=True)
 @dataclass(eq=False)
 class Agreement:
     """`shown`: plans that both checkers accept; `differ`: cells of whose plans one of them refuses one, with what was
-    said; `refusals`: the same by kind, where `waiting` are known; `times`: of a bundle and its proof, s."""
+    said; `times`: of a bundle and its proof, s."""
 
     shown: int = 0
     refused: Counter[str] = field(default_factory=Counter)
     differ: list[tuple[str, int, str]] = field(default_factory=list)
-    refusals: Refused = field(default_factory=Refused)
     plans: int = 0
     times: list[float] = field(default_factory=list)
 
@@ -70,7 +69,7 @@ def judged(found: Agreement, kind: str, seed: int, out: Path | None = None) -> N
     else:
         found.refused[str(answer["reason"])] += 1
     codes = codes_of(answer, findings) + [SECOND] * bool(told)
-    if found.refusals.add(as_si(request), codes):
+    if codes:
         found.differ.append((kind, seed, "; ".join([*codes, told])))
         if out is not None:
             keep(out, f"{kind}-{seed}", request, {"second": told, **said(answer, findings)})
@@ -98,7 +97,7 @@ def main(
         f"{found.plans} plans, {found.shown} accepted by both checkers; the second took"
         f" {statistics.median(found.times):.2f} s (median), {max(found.times):.2f} s at most"
     )
-    CONSOLE.print(f"refused by a checker: {found.refusals}")
+    CONSOLE.print(f"refused by a checker: {len(found.differ)}")
     for kind, own, told in found.differ:
         CONSOLE.print(f"{kind}, seed {own}: {told}")
     if found.differ:

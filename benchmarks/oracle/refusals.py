@@ -48,8 +48,9 @@ def looked_at(tally: Tally, kind: str, seed: int, request: Document, out: Path |
     else:
         tally.refused[UNPROVED] += 1
     tally.by_checker += findings is not None
-    unknown = tally.unchecked.add(as_si(request), codes_of(answer, findings))
+    unchecked = bool(codes_of(answer, findings))
+    tally.unchecked += unchecked
     tally.faults.update({each.kind for each in broken or []})
-    if out is not None and (unknown or broken):
+    if out is not None and (unchecked or broken):
         written(out, kind, seed, request, answer, broken or [], findings)
     return proved and broken is not None

@@ -19,12 +19,27 @@ from ompl import base, geometric, util
 
 from benchmarks.dialogue import Document, answer_lines
 from benchmarks.peers.arm import solutions
-from benchmarks.recheck.arm import A1_M, A2_M, BODIES, LINK_1_Z_M, LINK_2_Z_M, QUILL_LENGTH_M
+from benchmarks.recheck.arm import A1_M, A2_M, LINK_1, LINK_1_Z_M, LINK_2, LINK_2_Z_M, QUILL, QUILL_LENGTH_M
 from benchmarks.recheck.surroundings import placed_obstacles
+from benchmarks.soak.solids import Solid
 
 RESOLUTION = 0.001
 """Share of the space's extent (14 rad) between states that OMPL checks along a motion: at most 9 mm of the tool. At its
 default, ten times as much, one path in six goes through an edge."""
+
+
+UPRIGHT = np.eye(3)
+LYING = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+"""Turns the z axis, along which fcl has a capsule, into the x axis."""
+
+
+def geometry_of(solid: Solid) -> tuple[Any, Any]:
+    """A box, an upright cylinder or a capsule along x as `fcl` has it, and its attitude (3, 3)."""
+    if solid.ball > 0.0:
+        return fcl.Capsule(solid.ball, 2.0 * solid.half_x), LYING
+    if solid.round_m > 0.0:
+        return fcl.Cylinder(solid.round_m, 2.0 * solid.half_z), UPRIGHT
+    return fcl.Box(2.0 * solid.half_x, 2.0 * solid.half_y, 2.0 * solid.half_z), UPRIGHT
 
 
 class World:
@@ -32,13 +47,14 @@ class World:
 
     def __init__(self, problem: Document) -> None:
         self.request = fcl.CollisionRequest()
-        self.arm = [fcl.CollisionObject(body.geometry) for body in BODIES]
+        self.arm = [fcl.CollisionObject(geometry_of(body)[0]) for body in (LINK_1, LINK_2, QUILL)]
         self.obstacles = []
         for placed in placed_obstacles(problem, np.zeros(1)):
             c, s = np.cos(placed.yaw[0]), np.sin(placed.yaw[0])
             turned = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-            where = fcl.Transform(turned @ placed.solid.attitude, placed.centre[0])
-            self.obstacles.append(fcl.CollisionObject(placed.solid.geometry, where))
+            geometry, attitude = geometry_of(placed.solid)
+            where = fcl.Transform(turned @ attitude, placed.centre[0])
+            self.obstacles.append(fcl.CollisionObject(geometry, where))
 
     def free(self, q: list[float]) -> bool:
         """Whether the arm touches nothing."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from benchmarks.checker_refusals import codes_of, keep, said
 from benchmarks.oracle import plans
-from benchmarks.oracle.asked import as_si, checked, planned
+from benchmarks.oracle.asked import checked, planned
 from benchmarks.soak.poses import Document
 from benchmarks.soak.random_cells import KINDS, random_cell
 from benchmarks.soak.realisations import Realisations
@@ -70,7 +70,7 @@ class Tally(plans.Tally):
             "refused": str(self.refused.total()),
             "runs": str(self.runs),
             "collisions": str(self.collisions),
-            "faults": str(self.faults.total() + self.unchecked.unknown),
+            "faults": str(self.faults.total() + self.unchecked),
             "contact mm": f"{self.deepest_m * 1e3:.3f}" if deep else "",
             "allowed mm": f"{self.deepest_allowed_m * 1e3:.3f}" if deep else "",
             "reported / worst": "" if self.median is None else f"{self.median:.3f}",
@@ -124,8 +124,9 @@ def counted(
         faults = faults_of(outcome, real)
     else:
         tally.refused[str(answer["reason"])] += 1
-    unknown = tally.unchecked.add(as_si(request), codes_of(answer, findings))
-    if out is not None and (faults or unknown):
+    unchecked = bool(codes_of(answer, findings))
+    tally.unchecked += unchecked
+    if out is not None and (faults or unchecked):
         keep(out, f"{kind}-{seed}", request, {"kind": kind, "seed": seed, "faults": faults, **said(answer, findings)})
     return found
 

@@ -14,7 +14,7 @@ from assur.planner.search import completion
 from assur.scenes import load
 from assur.scenes.requests import check_document, plan_document
 from benchmarks import proofs
-from benchmarks.checker_refusals import KNOWN, SECOND, Refused, codes_of, known
+from benchmarks.checker_refusals import codes_of
 from benchmarks.oracle import plans, refusals
 from benchmarks.run_problems import refused
 from benchmarks.soak import campaign as shifts
@@ -36,7 +36,7 @@ def request_refused(monkeypatch: pytest.MonkeyPatch) -> Document:
     """A request that has a plan, and a checker that refuses each plan of a search."""
     request = random_cell(KIND, seed())
     request["options"] = {**request.get("options", {}), "max_candidates": 20}
-    verdict = Verdict.of([Finding(Code.VIA, SAID, where="1 s")])
+    verdict = Verdict.of([Finding(Code.ARRIVAL, SAID, where="1 s")])
     monkeypatch.setattr(completion, "check", lambda *_, **__: verdict)
     return request
 
@@ -46,7 +46,7 @@ def test_the_sentence_begins_with_it_and_no_other_beginning_is_believed(request_
     assert (answer["status"], answer["proved"]) == ("not_planned", False)
     count = sum(line["count"] for line in answer["census"]["lines"] if line["stage"] == "checker")
     what = "a plan" if count == 1 else f"{count} plans"
-    first = f"A fault of the planner: the checker refused {what} of the search (VIA: {SAID}); please report it. "
+    first = f"A fault of the planner: the checker refused {what} of the search (ARRIVAL: {SAID}); please report it. "
     assert answer["sentence"].startswith(first)
     assert check_document(request_refused, answer)["ok"]
     for lie in (answer["sentence"].removeprefix(first), "All is well. " + answer["sentence"]):
@@ -67,9 +67,9 @@ def test_each_campaign_counts_it_as_a_failure_and_keeps_the_request(request_refu
     refusals.looked_at(of_refusals, KIND, seed(), request_refused, tmp_path / "refusals")
     assert not shifts.counted(of_shifts, KIND, seed(), request_refused, tmp_path / "shifts")
     for tally in (of_plans, of_refusals, of_shifts):
-        assert (tally.unchecked.unknown, dict(tally.unchecked.waiting), tally.clean) == (1, {}, False)
+        assert (tally.unchecked, tally.clean) == (1, False)
     proofs.judged(agreement, KIND, seed(), tmp_path / "proofs")
-    assert (agreement.refusals.unknown, len(agreement.differ)) == (1, 1)
+    assert len(agreement.differ) == 1
     for name in ("plans", "refusals", "shifts"):
         assert kept(tmp_path / name, request_refused)["in_the_search"][0]["facts"]["what"] == SAID
     assert kept(tmp_path / "proofs", random_cell(KIND, seed()))["in_the_search"]
@@ -78,45 +78,7 @@ def test_each_campaign_counts_it_as_a_failure_and_keeps_the_request(request_refu
 def test_nothing_is_counted_of_a_plan_that_the_checker_accepts(tmp_path: Path) -> None:
     tally, request = plans.Tally(), random_cell(KIND, seed())
     assert plans.looked_at(tally, KIND, seed(), request, tmp_path)
-    assert (tally.unchecked.unknown, tally.clean, list(tmp_path.iterdir())) == (0, True, [])
-
-
-LATE: Document = {"start": {"at_s": 4e4}, "neighbours": [{"name": "other"}]}
-TILTS: Document = {"robot": {"elbow_arm": {"joints": []}}, "execution": {"lag": {"j1_rad": 0.001}}}
-SLOW: Document = {"robot": {"scara": {"joints": [{"name": "j1", "velocity_rad_s": 1e-4}]}}}
-
-
-@pytest.mark.parametrize(
-    ("request_", "code", "name"),
-    [
-        (LATE, "LAW_ENDS", "a neighbour and a late clock"),
-        (LATE, "VIA", None),
-        ({**LATE, "start": {"at_s": 10}}, "LAW_ENDS", None),
-        (TILTS, "SEPARATION", "servo lag on an arm that tilts"),
-        (TILTS, SECOND, None),
-        ({**TILTS, "execution": {}}, "SEPARATION", None),
-        ({**TILTS, "robot": {"model": "polar-arm"}}, "COVER", "servo lag on an arm that tilts"),
-        (TILTS, "ERROR", "the error of an arrival by servo lag"),
-        ({**TILTS, "robot": {"five_bar": {"joints": []}}}, "ERROR", "the error of an arrival by servo lag"),
-        ({**TILTS, "robot": {"model": "mitsubishi-rp-5ah"}}, "SEPARATION", None),
-        ({**TILTS, "robot": {"model": "fanuc-sr-3ia"}}, "ERROR", None),
-        ({**TILTS, "execution": {}}, "ERROR", None),
-        (SLOW, "CLAIM", "tiny limits"),
-        (SLOW, "VIA", None),
-        ({"robot": {"model": "fanuc-sr-3ia"}}, "CLAIM", None),
-    ],
-)
-def test_known_kinds_are_counted_by_name_and_hide_no_other(request_: Document, code: str, name: str | None) -> None:
-    assert known(request_, code) == name
-    tally = Refused()
-    assert tally.add(request_, [code]) is (name is None)
-    assert tally.add(request_, [code, "FORM"])  # another code beside it is a failure
-    assert tally.waiting == ({} if name is None else {name: 2})
-    assert tally.unknown == (2 if name is None else 1)
-
-
-def test_the_known_kinds_are_few_and_have_names_of_their_own() -> None:
-    assert len({each.name for each in KNOWN}) == len(KNOWN) == 4
+    assert (tally.unchecked, tally.clean, list(tmp_path.iterdir())) == (0, True, [])
 
 
 def test_a_problem_of_which_the_checker_refused_a_plan_is_a_failure() -> None:

@@ -57,11 +57,11 @@ def test_all_instants_of_a_document_are_later_and_no_durations() -> None:
 
 def test_a_plan_that_the_checker_refuses_is_counted_and_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     kind = "mesh round the arm"
-    verdict = Verdict.of([Finding(Code.VIA, "this plan is refused", where="1 s")])
+    verdict = Verdict.of([Finding(Code.ARRIVAL, "this plan is refused", where="1 s")])
     monkeypatch.setattr(completion, "check", lambda *_, **__: verdict)
     tally = Tally()
     count(tally, kind, 0, hard_request(kind, 0), tmp_path)
-    assert (tally.planned, tally.by_checker, tally.lost, dict(tally.codes)) == (0, 1, 1, {"VIA": 1})
+    assert (tally.planned, tally.by_checker, tally.lost, dict(tally.codes)) == (0, 1, 1, {"ARRIVAL": 1})
     assert json.loads((tmp_path / "mesh-round-the-arm-0.json").read_bytes()) == hard_request(kind, 0)
     assert table_of({kind: tally}).row_count == 1
 
