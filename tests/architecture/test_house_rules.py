@@ -19,11 +19,7 @@ NAMELESS = frozenset({"utils", "util", "helpers", "helper", "common", "core", "m
 MOST_LINES = 400
 """Above this a module of the product needs a reason in LONG."""
 LONG: dict[str, str] = {
-<<<<<<< HEAD
     "planner/claim/columns.py": "every column of the claim, once, with its meaning and what it may hold",
-=======
-    "planner/claim/columns.py": "the columns of all tables of a claim, one contract that every reader imports",
->>>>>>> T3
     "planner/model/outcome.py": "all facts of an outcome, each documented, beside the plan that they belong to",
     "planner/model/refusal.py": "the reasons and the facts of each, one list that must be complete",
     "prover/prove.py": "a second checker that is read as a whole, and copied as one file",
