@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 
 from assur.planner.claim.guides import LATER_S
-from assur.planner.claim.points import MEET_M
+from assur.planner.claim.points import MEET_M, TRACKED_M
 from assur.planner.claim.unstated import unstated
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import EXACT
@@ -20,8 +20,8 @@ from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Pick, Place, Scene, Trace
 
 ROUNDED = 1e-8
-"""Added to each number of an answer, m or rad: ten times what the claim checker keeps for rounding. The tool meets its
-point within `MEET_M`, which is added to lengths."""
+"""Added to each number of an answer, m or rad: ten times what the claim checker keeps for rounding. How far the tool is
+from its point if nothing is uncertain is added to lengths."""
 Row = tuple[float, ...]
 
 
@@ -45,6 +45,9 @@ def _row(scene: Scene, arrival: Arrival, error: ArrivalError, phases: Sequence[P
     attached, handled = phases[number].attached, phases[number].handled
     frame, point = attached.point(scene, step)
     tool, off, arm = tcp, EXACT, 0.0
+    planned = TRACKED_M if isinstance(step, Trace) else MEET_M
+    if arrival.missed_by is not None:
+        planned += arrival.missed_by.distance_m
     if isinstance(step, Pick):
         tool = tcp.then(Pose(yaw=arrival.yaw_offset).then(step.grasp).inverse())
         off = handled.of(step.part) or scene.index[step.part].uncertainty
@@ -58,6 +61,6 @@ def _row(scene: Scene, arrival: Arrival, error: ArrivalError, phases: Sequence[P
         *(arrival.until, number, list(scene.frames).index(frame), len(scene.robot.links) - 1),
         *(tool.x, tool.y, tool.z, tool.yaw, point.x, point.y, point.z, point.yaw),
         *(off.position_m, off.vertical_m, off.yaw_rad, arm),
-        *(each + MEET_M + ROUNDED for each in (error.position_m, within.position_m, within.vertical_m)),
+        *(each + planned + ROUNDED for each in (error.position_m, within.position_m, within.vertical_m)),
         within.yaw_rad + ROUNDED,
     )

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator
 
 from assur.planner.checker.statement.arms import flange_row
-from assur.planner.checker.statement.differences import MEET, SAME, Difference, Four, Topic
+from assur.planner.checker.statement.differences import MEET, SAME, TRACKED_M, Difference, Four, Topic
 from assur.planner.checker.statement.holding import Handling
 from assur.planner.checker.statement.poses import inverse, is_same_pose, then
 from assur.planner.claim import columns as c
@@ -22,7 +22,7 @@ from assur.planner.model.scene import Pick, Trace
 
 ROUNDED = 2e-8
 """By which a row may be larger than the number of the answer, m or rad: what the claim checker keeps for rounding. A
-length may be larger by `MEET`, too: so far the tool may be off its point if nothing is uncertain."""
+length may be larger, too, by what the tool may be off its point if nothing is uncertain."""
 
 
 def errors_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
@@ -54,8 +54,11 @@ def _is_error(handling: Handling, number: int, error: ArrivalError, row: list[fl
         known = handling.uncertainty(step.part, handling.handed_before_step(number)) or EXACT
     if isinstance(step, Pick):
         arm = math.hypot(step.grasp.x, step.grasp.y)
+    planned = TRACKED_M if isinstance(step, Trace) else MEET
+    if arrival.missed_by is not None:
+        planned += arrival.missed_by.distance_m
     off, within = (known.position_m, known.vertical_m, known.yaw_rad, arm), error.within
-    most = *(MEET + each for each in (error.position_m, within.position_m, within.vertical_m)), within.yaw_rad
+    most = *(planned + each for each in (error.position_m, within.position_m, within.vertical_m)), within.yaw_rad
     return (
         row[c.ERROR_TIME] == arrival.until
         and row[c.ERROR_PHASE] in done
