@@ -96,8 +96,9 @@ def test_a_distance_by_which_the_tool_does_not_miss_is_found() -> None:
     missed = made.arrivals[0].missed_by
     assert missed is not None
     assert missed.distance_m > 1e-3
-    for distance in (0.0, missed.distance_m + 2e-6, -missed.distance_m):
+    for distance in (0.0, missed.distance_m + 2e-6):
         assert codes(asked, with_missed(made, 0, distance_m=distance)) - {Code.POINT} == {Code.BLEND}
+    assert codes(asked, with_missed(made, 0, distance_m=-missed.distance_m)) == {Code.FORM}
 
 
 def test_a_miss_that_is_not_told_or_told_of_a_stop_is_found() -> None:

@@ -81,7 +81,7 @@ def test_a_normal_of_a_body_alone_that_is_no_unit_vector_is_found() -> None:
     for row in np.flatnonzero(alone(made)):
         normal = made.certificate.normal.copy()
         normal[row] *= 1.001
-        assert Code.NORMAL in codes(scene, with_rows(scene, made, normal=normal))
+        assert Code.ROW in codes(scene, with_rows(scene, made, normal=normal))
 
 
 def test_planes_that_look_elsewhere_part_less() -> None:
@@ -116,7 +116,7 @@ def test_a_body_on_a_frame_that_moves_or_is_not_known_throughout_needs_rows_of_i
     scene, made = ring()
     end = made.trajectory.end
     crawls, ends = linear(Pose(), (1e-9, 0.0, 0.0)), fixed(Pose(), (0.0, end + 0.1))
-    for law, found in ((fixed(Pose()), set()), (crawls, {Code.COVER}), (ends, {Code.COVER, Code.LAW_ENDS})):
+    for law, found in ((fixed(Pose()), set()), (crawls, {Code.COVER}), (ends, {Code.COVER, Code.LAW})):
         bodies = (replace(scene.bodies[0], frame="other"), *scene.bodies[1:])
         asked = replace(scene, frames={**scene.frames, "other": frame("other", law)}, bodies=bodies)
         assert codes(asked, with_rows(asked, made)) == found
