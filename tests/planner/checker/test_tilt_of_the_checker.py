@@ -110,7 +110,7 @@ def test_an_arrival_of_an_arm_that_has_none_must_not_say_them() -> None:
     for change in changes:
         said = replace(plan.arrivals[0], **change)
         assert found(scene, replace(plan, arrivals=(said,))) == {
-            Code.ARRIVAL: [f"goal is met with a {name}, which the arm has not" for name in change]
+            Code.ARRIVAL: ["goal is met with a pitch, which the arm has not"]
         }
 
 
