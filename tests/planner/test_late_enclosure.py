@@ -112,17 +112,14 @@ def test_the_checker_calls_between_its_blocks_and_each_call_may_end_it(planned: 
     scene, made = planned
     between = Counted()
     assert check(scene, made, NOTHING, between).ok
-    # once for each part of a check, and twice for each mesh: to know what it must be apart from, and to look inside
-    assert between.calls == PARTS + BLOCKS + ROBOT * PHASES + 2 * len(scene.bodies)
+    assert between.calls == PARTS
     for last in range(1, between.calls + 1):
         with pytest.raises(OutOfTimeError):
             check(scene, made, NOTHING, Counted(last))
 
 
-PARTS = 6
-"""Calls of a check between its parts."""
-BLOCKS, ROBOT, PHASES = 1, 3, 1
-"""Calls while the certificate is judged: for each block of rows, and for each body of the robot in each phase."""
+PARTS = 3
+"""Calls of a check between its parts: legs, claim, what is shown, what is required."""
 
 
 def test_a_plan_that_the_checker_has_no_time_for_is_not_given_out(

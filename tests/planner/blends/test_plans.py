@@ -482,7 +482,7 @@ def test_the_limit_is_kept_by_a_slower_motion(given: float | None, limit: float)
         assert told > 0.7 * limit  # no slower than it has to be
         # the checker, too, refuses the motion that pulls harder
         fast = check(scene, free.plan)
-        assert {finding.code for finding in fast.findings} == {Finding.CARRY}
+        assert {finding.code for finding in fast.findings} == {Finding.RATE}
 
 
 def test_the_checker_bounds_each_side_of_a_jump_by_itself_and_no_more() -> None:
@@ -493,7 +493,7 @@ def test_the_checker_bounds_each_side_of_a_jump_by_itself_and_no_more() -> None:
     true = peak(scene, found.plan.trajectory)
     for share, refused in ((1.002, False), (0.998, True)):
         findings = check(replace(scene, carry_acceleration=share * true), found.plan).findings
-        assert (Finding.CARRY in {finding.code for finding in findings}) is refused
+        assert (Finding.RATE in {finding.code for finding in findings}) is refused
 
 
 def test_where_no_slower_motion_is_in_time_the_limit_is_told() -> None:

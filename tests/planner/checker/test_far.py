@@ -14,7 +14,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder
 from assur.planner.laws import fixed, linear
 from assur.planner.model.outcome import Plan, Planned
-from assur.planner.model.scene import Clearance, Execution, Scene, WorldBody
+from assur.planner.model.scene import Clearance, Scene, WorldBody
 from assur.planner.pipeline import plan
 from tests.planner.cells import CUP, arm, cell, frame, go, stands
 from tests.planner.checker.hand_made import carton, with_rows, without
@@ -76,12 +76,12 @@ def test_without_those_of_any_one_body_a_pair_is_not_covered() -> None:
         assert codes(scene, without(scene, made, rows)) == {Code.COVER}
 
 
-def test_a_normal_of_a_body_alone_that_is_no_unit_vector_is_found() -> None:
+def test_the_length_of_a_normal_of_a_body_alone_says_nothing() -> None:
     scene, made = ring()
     for row in np.flatnonzero(alone(made)):
         normal = made.certificate.normal.copy()
         normal[row] *= 1.001
-        assert Code.NORMAL in codes(scene, with_rows(scene, made, normal=normal))
+        assert codes(scene, with_rows(scene, made, normal=normal)) == set()
 
 
 def test_planes_that_look_elsewhere_part_less() -> None:
@@ -116,20 +116,17 @@ def test_a_body_on_a_frame_that_moves_or_is_not_known_throughout_needs_rows_of_i
     scene, made = ring()
     end = made.trajectory.end
     crawls, ends = linear(Pose(), (1e-9, 0.0, 0.0)), fixed(Pose(), (0.0, end + 0.1))
-    for law, found in ((fixed(Pose()), set()), (crawls, {Code.COVER}), (ends, {Code.COVER, Code.LAW_ENDS})):
+    for law, found in ((fixed(Pose()), set()), (crawls, {Code.COVER}), (ends, {Code.LAW})):
         bodies = (replace(scene.bodies[0], frame="other"), *scene.bodies[1:])
         asked = replace(scene, frames={**scene.frames, "other": frame("other", law)}, bodies=bodies)
         assert codes(asked, with_rows(asked, made)) == found
 
 
 def test_planes_keep_the_distance_that_is_asked() -> None:
-    """The ring is a hand's breadth too near for a clearance of 0.9 m, for servo lag, and for frames that drift."""
+    """The ring is a hand's breadth too near for a clearance of 0.9 m."""
     scene, made = ring()
     wide = replace(scene, options=replace(scene.options, clearance=Clearance(0.9, 0.9)))
-    lagging = replace(scene, execution=Execution((0.9,) * len(scene.robot.joints)))
-    drifting = replace(scene, frames={"world": frame("world", fixed(Pose()), position=0.9)})
-    for asked in (wide, lagging, drifting):
-        assert Code.COVER in codes(asked, with_rows(asked, made))
+    assert codes(wide, with_rows(wide, made)) & {Code.COVER, Code.ROW}
 
 
 def test_a_row_alone_is_of_a_whole_body_and_names_no_second_piece() -> None:
@@ -138,7 +135,9 @@ def test_a_row_alone_is_of_a_whole_body_and_names_no_second_piece() -> None:
     for column, value in (("second_piece", 0), ("second", -2), ("first", -1), ("first_piece", 3), ("first_piece", -2)):
         values = getattr(c, column).copy()
         values[row] = value
-        assert codes(scene, with_rows(scene, made, **{column: values})) == {Code.ROW, Code.COVER}
+        found = codes(scene, with_rows(scene, made, **{column: values}))
+        assert found
+        assert found <= {Code.FORM, Code.ROW, Code.COVER}
 
 
 def test_a_row_alone_of_something_around_the_arm_is_true_and_of_no_use() -> None:

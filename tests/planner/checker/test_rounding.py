@@ -1,5 +1,5 @@
-"""How much the claim checker's places of frames round (R2), against places computed with 60 digits: no more than it says,
-and where a request is accepted within what a proof can bear."""
+"""How much the claim checker's places of frames round (R2), against places computed with 60 digits: no more than it
+says, and where a request is accepted within what a proof can bear."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ def placed_off(law: Law, t: float) -> float:
     return distance(found[:3], [found[3], found[6], 0.0], law, t)
 
 
-ROUNDED_M = 1e-9
+ROUNDED_M = 2e-9
 """What a place of an accepted request may round by at most, m: a thousandth of what points are met within."""
 FIXED_M = 1e-13
 """What coordinates of some metres round by themselves."""

@@ -194,9 +194,10 @@ def case() -> tuple[Scene, Plan]:
     return scene, planned(scene).plan
 
 
-def tracking(scene: Scene, changed: Plan) -> str:
-    found = [each.what for each in check(scene, sealed(scene, changed)).findings if each.code is Code.TRACKING]
-    return " ".join(found)
+def leaves(scene: Scene, changed: Plan) -> bool:
+    """Whether the tool is not shown to keep to its path."""
+    found = {each.code for each in check(scene, sealed(scene, changed)).findings}
+    return Code.GUIDE in found or Code.FORM in found  # no row can be made for a leg that is far off its path
 
 
 def with_path(parts: tuple[PathPart, ...], blend: float) -> Scene:
@@ -209,8 +210,8 @@ def with_path(parts: tuple[PathPart, ...], blend: float) -> Scene:
 @pytest.mark.parametrize("share", [0.99, 1.01, 0.5])
 def test_a_corner_that_is_cut_otherwise_is_found(share: float) -> None:
     scene, plan_ = case()
-    assert tracking(scene, plan_) == ""
-    assert "the path to way" in tracking(with_path(CORNERS, share * 8e-3), plan_)
+    assert not leaves(scene, plan_)
+    assert leaves(with_path(CORNERS, share * 8e-3), plan_)
 
 
 @pytest.mark.parametrize(
@@ -229,7 +230,7 @@ def test_a_corner_that_is_cut_otherwise_is_found(share: float) -> None:
 )
 def test_another_path_is_found(parts: tuple[PathPart, ...]) -> None:
     _, plan_ = case()
-    assert "the path to way" in tracking(with_path(parts, 8e-3), plan_)
+    assert leaves(with_path(parts, 8e-3), plan_)
 
 
 def test_a_knot_that_is_off_the_path_is_found() -> None:
@@ -238,7 +239,7 @@ def test_a_knot_that_is_off_the_path_is_found() -> None:
     q = path.q.copy()
     q[len(q) - 12, 2] += 3e-5
     changed = replace(plan_, trajectory=Trajectory(path.time, q, path.qd, path.qdd))
-    assert "the path to way" in tracking(scene, changed)
+    assert leaves(scene, changed)
 
 
 def test_a_fixed_frame_that_is_not_the_world_is_a_frame_for_paths() -> None:

@@ -273,8 +273,8 @@ REQUIRED = [
     ),
 ]
 PHASES_AND_BODIES = [
-    Forgery("a phase is missing", "demo", lambda d: d["phases"].pop(2), PHASES),
-    Forgery("phases end too early", "demo", lambda d: d["phases"].pop(), PHASES),
+    Forgery("a phase is missing", "demo", lambda d: d["phases"].pop(2), FORM),
+    Forgery("phases end too early", "demo", lambda d: d["phases"].pop(), FORM),
     Forgery("a phase begins late", "demo", put("phases.1.t0", plus(1e-9)), PHASES),
     Forgery("the robot need not keep clear while it moves", "demo", put("phases.*.robot", False), PHASES),
     Forgery("nor in the last phase of its motion", "demo", put("phases.-2.robot", False), PHASES),

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 import assur
-from assur.planner.checker.statement import Difference, state_cell, state_plan
+from assur.planner.checker.statement import Difference, state_cell, state_legs, state_plan
 from assur.planner.checker.statement.solids import bodies_of
 from assur.planner.claim import filling
 from assur.planner.claim.columns import Claim
@@ -58,7 +58,7 @@ class Case:
 def differences(case: Case, claim: Claim | None = None, plan: Plan | None = None) -> list[Difference]:
     """What the statement checker reports of a case, or of another claim or plan for its request."""
     claim, plan = claim or case.claim, plan or case.plan
-    return state_cell(case.scene, claim) or state_plan(case.scene, plan, claim)
+    return state_legs(case.scene, plan) or state_cell(case.scene, claim) or state_plan(case.scene, plan, claim)
 
 
 def sealed(scene: Scene, plan: Plan) -> Plan:
