@@ -175,6 +175,8 @@ NAMED = {
     "DIRECTION": "axes",
 }
 """By a word before a number, or a code: the names that are numbered."""
+UNIT = 1e-9
+"""By how much the length of a normal may differ from 1: rounding."""
 PLANE = "what never moves"
 """In place of a second body: the row is about a plane."""
 
@@ -261,4 +263,7 @@ def _strange(scene: Scene, plan: Plan) -> list[Finding]:
     known = (found.first >= 0) & (found.first < many) & (found.second >= -1) & (found.second < many)
     for row in np.flatnonzero(~known)[:1].tolist():
         findings.append(Finding(Code.ROW, f"row {row} of the certificate is about a body that it does not name"))
+    units = np.abs(np.linalg.norm(found.normal, axis=1) - 1.0) <= UNIT
+    for row in np.flatnonzero(~units)[:1].tolist():
+        findings.append(Finding(Code.ROW, f"the normal of row {row} of the certificate is no unit vector"))
     return findings
