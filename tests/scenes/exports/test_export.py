@@ -120,7 +120,7 @@ def test_parabolic_blends_leave_as_knots_only() -> None:
         assert caught.value.field == "tick_s"
 
 
-@pytest.mark.parametrize(("jumps", "code"), [(True, Code.BLEND), (False, Code.FORM)])
+@pytest.mark.parametrize(("jumps", "code"), [(True, Code.START), (False, Code.FORM)])
 @pytest.mark.parametrize("tick", [0.001, 0.2])
 def test_blends_on_ticks_are_refused_because_the_checker_cannot_prove_them(
     *, jumps: bool, code: Code, tick: float
