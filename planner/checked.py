@@ -14,7 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.checker.claim.verdict import ClaimFinding, check_claim
-from assur.planner.checker.statement import Difference, state_answer, state_cell, state_legs, state_motion, state_plan
+from assur.planner.checker.statement import (
+    Difference,
+    Topic,
+    state_answer,
+    state_cell,
+    state_legs,
+    state_motion,
+    state_plan,
+)
 from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.claim.answer import with_answer
 from assur.planner.claim.columns import Claim
@@ -77,9 +85,9 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     strange = _strange(scene, plan)
     if strange:
         return Verdict.of(strange)
-    different = state_legs(scene, plan)
-    if different:  # who holds what follows from the legs: with others than the task's, nothing more can be shown
-        return Verdict.of(_found(different))
+    of_legs = state_legs(scene, plan)
+    if any(each.topic is not Topic.DIGEST for each in of_legs):
+        return Verdict.of(_found(of_legs))  # who holds what follows from the legs: with others, nothing can be shown
     between()
     of_plan = phases(scene, plan.legs, plan.arrivals)
 
@@ -91,7 +99,8 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
         different = state_plan(scene, plan, claim)
         return different if different or claims is NOTHING else state_answer(scene, plan, claims, claim)
 
-    return _judged(scene, plan, of_plan, claims, fill, compare, between)
+    judged = _judged(scene, plan, of_plan, claims, fill, compare, between)
+    return Verdict.of(_found(of_legs) + list(judged.findings))
 
 
 def check_motion(scene: Scene, plan: Plan, of_motion: tuple[Phase, ...]) -> Verdict:

@@ -14,10 +14,6 @@ import numpy as np
 import pytest
 from typing_extensions import get_type_hints, is_typeddict
 
-from assur.planner.checker.claims.tool import tool
-from assur.planner.checker.world import World
-from assur.planner.model.claims import Claims
-from assur.planner.model.outcome import ToolPeaks
 from assur.scenes.reading.cell import Cell
 from assur.scenes.requests import cell_of, check_document, check_plan, plan_cell, plan_document, read_plan
 from assur.scenes.scenarios import shipped
@@ -277,21 +273,13 @@ def test_how_far_a_point_is_along_its_conveyor_must_be_said() -> None:
         assert untrue(cell, forged) == [f"arrivals[{i}].along_m"]
 
 
-def acceleration(world: World, t: float) -> float:
-    """What the checker takes for the tool point's acceleration at an instant, m/s²: so much a claim of none is off."""
-    findings = tool(world, (), Claims(tool=ToolPeaks(0.0, t, 0.0, t)))
-    off = [each.amount for each in findings if each.what.startswith("the acceleration of the tool point is not")]
-    return off[0] if off and off[0] is not None else 0.0
-
-
 def test_an_acceleration_at_a_jump_may_be_told_a_digit_beside_its_knot() -> None:
     """The larger of both sides counts, and a time that is rounded is still that of the jump."""
     request = shipped("parabolic-blend").request
-    cell = cell_of(request)
-    world = World(cell.scene, read_plan(cell, plan_document(request))[0])
-    knots = np.unique(world.knots.time)[1:-1].tolist()
-    at = [acceleration(world, t) for t in knots]
-    between = [acceleration(world, t + 1e-6) for t in knots]
-    assert max(abs(one - other) for one, other in zip(at, between, strict=True)) > 1.0  # there are jumps
-    for beside in (-1e-12, 1e-12):
-        assert [acceleration(world, t + beside) for t in knots] == at
+    answer: Any = plan_document(request)
+    tool, knots = answer["margins"]["tool"], np.array(answer["trajectory"]["time_s"])
+    at = tool["acceleration_at_s"]
+    assert np.abs(knots - at).min() < 1e-9
+    for beside, right in ((0.0, True), (-1e-12, True), (1e-12, True), (-1e-2, False), (1e-2, False)):
+        tool["acceleration_at_s"] = at + beside
+        assert check_document(request, answer)["ok"] is right
