@@ -117,7 +117,7 @@ def phases_of(scene: Scene, carriers: Carriers, seats: Seats, phases: Sequence[P
         "shares": _shares(scene, carriers, phases),
         "contacts": c.table("contacts", contacts),
         "put_down": c.table("put_down", put_down),
-        "supports": np.array(supports).reshape(-1, many),
+        "supports": np.array(supports).reshape(len(supports), many),
     }
 
 

@@ -78,7 +78,7 @@ def _hanging(scene: Scene, arrangement: Arrangement, among: frozenset[str]) -> t
     """Which bodies (B,) hang on the flange, and which are of the surroundings and in `among`."""
     links = scene.robot.links
     hangs = np.array([*(link in ("flange", "quill") for link in links), *(False for _ in scene.frames)])
-    named = np.array([name in among for name in arrangement.names])
+    named = np.array([name in among for name in arrangement.names], dtype=bool)
     return hangs[arrangement.carrier[arrangement.roots]], named & ~arrangement.of_robot
 
 

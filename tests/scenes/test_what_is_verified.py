@@ -10,7 +10,6 @@ from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, NotRequired, Required, Union, get_args, get_origin
 
-import numpy as np
 import pytest
 from typing_extensions import get_type_hints, is_typeddict
 
@@ -18,7 +17,15 @@ from assur.scenes.reading.cell import Cell
 from assur.scenes.requests import cell_of, check_document, check_plan, plan_cell, plan_document, read_plan
 from assur.scenes.scenarios import shipped
 from assur.scenes.schema import answer as document
-from assur.scenes.schema.checked import NOT_CHECKED, ONE_SIDE, PLACES, RECOMPUTED, VERIFIED, not_checked
+from assur.scenes.schema.checked import (
+    NOT_CHECKED,
+    ONE_SIDE,
+    PLACES,
+    PROVED_AND_RECOMPUTED,
+    RECOMPUTED,
+    VERIFIED,
+    not_checked,
+)
 from tests.scenes.forged_cells import answered
 from tests.scenes.test_forged_answers import findings, sealed
 
@@ -145,7 +152,7 @@ def test_the_table_names_only_fields_that_there_are() -> None:
 @pytest.mark.parametrize("field", FIELDS)
 def test_the_checker_does_with_a_field_what_the_table_says(field: str) -> None:
     where, found = place(field), verdicts(field)
-    if where is VERIFIED:
+    if where in (VERIFIED, PROVED_AND_RECOMPUTED):
         assert all(found), "a changed value is not refused"
     elif where in (ONE_SIDE, RECOMPUTED):
         assert any(found), "no changed value is refused"
@@ -277,9 +284,8 @@ def test_an_acceleration_at_a_jump_may_be_told_a_digit_beside_its_knot() -> None
     """The larger of both sides counts, and a time that is rounded is still that of the jump."""
     request = shipped("parabolic-blend").request
     answer: Any = plan_document(request)
-    tool, knots = answer["margins"]["tool"], np.array(answer["trajectory"]["time_s"])
+    tool = answer["margins"]["tool"]
     at = tool["acceleration_at_s"]
-    assert np.abs(knots - at).min() < 1e-9
     for beside, right in ((0.0, True), (-1e-12, True), (1e-12, True), (-1e-2, False), (1e-2, False)):
         tool["acceleration_at_s"] = at + beside
         assert check_document(request, answer)["ok"] is right

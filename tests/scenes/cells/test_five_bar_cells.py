@@ -104,7 +104,7 @@ def test_a_plan_that_goes_straight_through_type_2_in_joint_space_is_refused_for_
     knots, ends = plan.trajectory, [0, -1]
     direct = Trajectory(knots.time[ends], knots.q[ends], knots.qd[ends], knots.qdd[ends])
     verdict = check(cell.scene, resealed(request, replace(plan, trajectory=direct)))
-    assert Code.LINK in {finding.code for finding in verdict.findings}
+    assert Code.ROW in {finding.code for finding in verdict.findings}
     assert Code.DIGEST not in {finding.code for finding in verdict.findings}
 
 
@@ -116,7 +116,7 @@ def test_a_robot_that_asks_for_more_margin_refuses_the_same_plan() -> None:
     cell = cell_of(strict)
     plan = resealed(strict, plan_of(found, cell.conventions)[0])
     findings = check(cell.scene, plan).findings
-    assert [finding.code for finding in findings] == [Code.LINK]
+    assert [finding.code for finding in findings] == [Code.ROW]
 
 
 def test_rows_of_a_coupler_that_look_elsewhere_are_refused() -> None:
