@@ -14,7 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.checker.claim.verdict import ClaimFinding, check_claim
-from assur.planner.checker.statement import Difference, state_answer, state_cell, state_legs, state_motion, state_plan
+from assur.planner.checker.statement import (
+    Difference,
+    Topic,
+    state_answer,
+    state_cell,
+    state_legs,
+    state_motion,
+    state_plan,
+)
 from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.claim.answer import with_answer
 from assur.planner.claim.columns import Claim
@@ -77,9 +85,9 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     strange = _strange(scene, plan)
     if strange:
         return Verdict.of(strange)
-    different = state_legs(scene, plan)
-    if different:  # who holds what follows from the legs: with others than the task's, nothing more can be shown
-        return Verdict.of(_found(different))
+    of_legs = state_legs(scene, plan)
+    if any(each.topic is not Topic.DIGEST for each in of_legs):
+        return Verdict.of(_found(of_legs))  # who holds what follows from the legs: with others, nothing can be shown
     between()
     of_plan = phases(scene, plan.legs, plan.arrivals)
 
@@ -91,7 +99,8 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
         different = state_plan(scene, plan, claim)
         return different if different or claims is NOTHING else state_answer(scene, plan, claims, claim)
 
-    return _judged(scene, plan, of_plan, claims, fill, compare, between)
+    judged = _judged(scene, plan, of_plan, claims, fill, compare, between)
+    return Verdict.of(_found(of_legs) + list(judged.findings))
 
 
 def check_motion(scene: Scene, plan: Plan, of_motion: tuple[Phase, ...]) -> Verdict:
@@ -175,6 +184,8 @@ NAMED = {
     "DIRECTION": "axes",
 }
 """By a word before a number, or a code: the names that are numbered."""
+UNIT = 1e-9
+"""By how much the length of a normal may differ from 1: rounding."""
 PLANE = "what never moves"
 """In place of a second body: the row is about a plane."""
 
@@ -261,4 +272,7 @@ def _strange(scene: Scene, plan: Plan) -> list[Finding]:
     known = (found.first >= 0) & (found.first < many) & (found.second >= -1) & (found.second < many)
     for row in np.flatnonzero(~known)[:1].tolist():
         findings.append(Finding(Code.ROW, f"row {row} of the certificate is about a body that it does not name"))
+    units = np.abs(np.linalg.norm(found.normal, axis=1) - 1.0) <= UNIT
+    for row in np.flatnonzero(~units)[:1].tolist():
+        findings.append(Finding(Code.ROW, f"the normal of row {row} of the certificate is no unit vector"))
     return findings

@@ -364,7 +364,8 @@ def check_plan(cell: Cell, made: Plan, told: tuple[Finding, ...] = (), claims: C
     claims = claims or NOTHING
     verdict = check(cell.scene, made, claims)
     told += verdict.findings + untrue_bound(claims.lower_bound, cell.scene, made.trajectory.duration)
-    told += untrue_errors(made, cell.scene)
+    if verdict.ok:  # errors are those of a motion and of legs that are right
+        told += untrue_errors(made, cell.scene)
     return _verdict(cell, told, claims.not_checked)
 
 

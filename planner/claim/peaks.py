@@ -140,10 +140,11 @@ def tool_peaks_of(scene: Scene, plan: Plan, phases: Sequence[Phase], claims: Cla
         spans = [(p.t0, p.t1) for p in phases if p.attached.held is not None and p.t1 > p.t0 and p.step >= 0] or whole
         most = size * (1.0 + BETWEEN) + LEAST
         found += [_rate(scene, *part, 2, 0.0, most) for span in spans for part in _between_jumps(path, *span)]
-        if size > LEAST:
+        least = size * (1.0 - REACHED) - OFF[1]
+        if least > 0.0:
             peak = carrying_peak(scene, path, tuple(phases)) or tool_peak(scene, path, path.start, path.end)
             at = _beside(scene, path, peak[1])
-            found.append(_rate(scene, at, at, 2, size * (1.0 - REACHED), most))
+            found.append(_rate(scene, at, at, 2, least, most))
     return found
 
 

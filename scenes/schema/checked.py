@@ -41,6 +41,8 @@ ONE_SIDE = (
     "arrivals.trace.slowest_m_s",
     "arrivals.trace.fastest_m_s",
     "arrivals.trace.error_m",
+    "arrivals.grip_m",
+    "arrivals.support_m",
     "margins.travel_pairs",
     "margins.near_pairs",
 )
@@ -48,6 +50,8 @@ ONE_SIDE = (
 bounds are bounds, and may be wider; pairs are so near, and may be nearer at another time."""
 RECOMPUTED = ("lower_bound_s",)
 """Computed again from the request by the same code (`planner.bound`), and not proved; a larger value is a finding."""
+PROVED_AND_RECOMPUTED = ("arrivals.error",)
+"""No smaller than what is proved, and computed again by the code that the planner uses; another value is a finding."""
 NOT_CHECKED = (
     "arrivals.window_left_s",
     "census",
@@ -63,7 +67,7 @@ NOT_CHECKED = (
 )
 """Notes, verified by nobody but for their form: what was tried, how long it took, and what the planner says of its plan
 (`planner.report.notes`)."""
-PLACES = (VERIFIED, ONE_SIDE, RECOMPUTED, NOT_CHECKED)
+PLACES = (VERIFIED, ONE_SIDE, RECOMPUTED, PROVED_AND_RECOMPUTED, NOT_CHECKED)
 
 
 def not_checked(answer: object) -> tuple[str, ...]:

@@ -328,7 +328,7 @@ OF_MARGINS = (
     Forgery("the arm is farther than it is", "put-down", add("margins", "nearest", "gap_m", 1e-3)),
     Forgery("something was put down", "demo", lambda a: a["margins"].update(placed=a["margins"]["nearest"])),
     Forgery("a pair that is not so near", "demo", add("margins", "travel_pairs", 1, "gap_m", -1e-3)),
-    Forgery("a pair that is nearer", "demo", add("margins", "near_pairs", 0, "gap_m", 1e-3)),
+    Forgery("a near pair that is not so near", "demo", add("margins", "near_pairs", 0, "gap_m", -1e-3)),
     Forgery("a slower joint", "demo", scale("margins", "peaks", 0, "velocity", 0.9)),
     Forgery("a faster joint", "demo", scale("margins", "peaks", 0, "velocity", 1.1)),
     Forgery("a gentler joint", "demo", scale("margins", "peaks", 0, "acceleration", 0.9)),

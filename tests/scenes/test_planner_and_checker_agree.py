@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assur.planner.checker.claims.options import BESIDE_S, WAY
+from assur.planner.checker.statement.joints import BESIDE_S, WAY
 from assur.scenes.requests import cell_of, check_document, plan_document
 from benchmarks.checker_refusals import codes_of
 

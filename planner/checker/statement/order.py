@@ -99,8 +99,8 @@ def _arrival_agrees(handling: Handling, number: int, own: list[Leg], *, is_last:
 def _may_turn(handling: Handling, step: Step, turn: float) -> bool:
     """Whether a step leaves this turn of the tool to choose: by the symmetry of the part, or by a yaw that is free."""
     if "yaw" not in handling.scene.robot.coordinates:
-        # the heading follows from the position; a hand that tilts has its roll in place of a turn
-        return turn == 0.0 if "pitch" in handling.scene.robot.coordinates else math.isfinite(turn)
+        # the heading follows from the position
+        return math.isfinite(turn) and abs(math.remainder(turn, math.tau)) <= SAME
     if isinstance(step, Pick):
         fold = handling.scene.index[step.part].yaw_symmetry
         return math.isfinite(turn) and (fold == 0 or abs(math.remainder(turn, math.tau / fold)) <= SAME)

@@ -109,9 +109,9 @@ def tool_agrees(handling: Handling, stages: list[Stage], claims: Claims, claim: 
         spans = held or [whole]
         if not all(_is_rate(handling, claim, 2, (-1.0, pull * (1.0 + BETWEEN) + STANDS), when) for when in spans):
             yield Difference(Topic.PEAK, "the tool may accelerate harder with a part than is stated")
-        bounds = (pull * (1.0 - REACHED), float("inf"))
+        bounds = (pull * (1.0 - REACHED) - OFF[1], float("inf"))
         once = any(_is_rate(handling, claim, 2, bounds, when, inside=True) for when in spans)
-        if not (pull <= STANDS or once):
+        if not (bounds[0] <= 0.0 or once):
             yield Difference(Topic.PEAK, "the tool never accelerates as hard with a part as is stated")
 
 

@@ -118,7 +118,7 @@ def test_beyond_the_elbow_arms_reach_nothing_is_planned() -> None:
 def test_a_proof_that_looks_elsewhere_or_too_shortly_is_none(name: str) -> None:
     honest = proof(name)[1].certificate
     assert forged(name) == set()
-    assert forged(name, normal=-honest.normal) == {Code.SEPARATION, Code.COVER}
+    assert forged(name, normal=-honest.normal) == {Code.ROW}
     assert forged(name, t1=(honest.t0 + honest.t1) / 2) == {Code.COVER}
 
 
@@ -137,4 +137,4 @@ def test_a_proof_for_smaller_links_is_none_for_these(name: str, link: int | None
     bodies[number] = replace(bodies[number], body=Body(bodies[number].body.name, (thick,)))
     robot: Any = scene.robot
     other = replace(scene, robot=replace(robot, bodies=tuple(bodies)))
-    assert Code.SEPARATION in {finding.code for finding in check(other, honest).findings}
+    assert Code.ROW in {finding.code for finding in check(other, honest).findings}

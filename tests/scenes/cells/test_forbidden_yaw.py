@@ -101,7 +101,7 @@ def test_the_tool_turns_the_other_way_round_a_forbidden_range(free: Document, ro
 
 
 def test_a_plan_that_was_made_without_the_range_is_refused_by_the_checker(free: Document, round_it: Document) -> None:
-    assert codes(cell(BAND), free) == [Code.YAW]
+    assert codes(cell(BAND), free) == [Code.DIRECTION]
     assert codes(cell(BAND), round_it) == []
 
 
@@ -109,7 +109,7 @@ def test_a_plan_that_was_made_without_the_range_is_refused_by_the_checker(free: 
 def test_a_range_holds_whatever_the_full_turns(free: Document, turn: int) -> None:
     ends = [end + turn for end in BAND]
     if all(-360 <= end <= 360 for end in ends):
-        assert codes(cell(ends), free) == [Code.YAW]
+        assert codes(cell(ends), free) == [Code.DIRECTION]
     else:
         with pytest.raises(InputError):
             cell_of(cell(ends))
@@ -118,12 +118,12 @@ def test_a_range_holds_whatever_the_full_turns(free: Document, turn: int) -> Non
 def test_a_range_goes_counter_clockwise_from_its_first_end(free: Document) -> None:
     """[240, 200] is all but the 40° between: the tool is in it from the start on."""
     assert refused(cell([240, 200]))["proved"]
-    assert codes(cell([240, 200]), free) == [Code.YAW]
+    assert codes(cell([240, 200]), free) == [Code.DIRECTION]
 
 
 def test_a_narrow_range_is_found_between_the_knots(free: Document) -> None:
     """0.2° are passed in a millisecond."""
-    assert codes(cell([219.9, 220.1]), free) == [Code.YAW]
+    assert codes(cell([219.9, 220.1]), free) == [Code.DIRECTION]
     assert codes(cell([300, 300.2], [100, 100.2]), free) == []
 
 
@@ -136,14 +136,14 @@ def test_a_start_in_a_forbidden_range_is_proved_before_any_search(free: Document
         "the yaw of the tool at the start is 140 deg, in the forbidden range from 130 deg to 150 deg"
         in answer["sentence"]
     )
-    assert codes(cell([130, 150]), free) == [Code.YAW]
+    assert codes(cell([130, 150]), free) == [Code.DIRECTION]
 
 
 def test_a_fixed_goal_with_a_forbidden_yaw_is_proved_before_any_search(free: Document) -> None:
     answer = refused(cell([-100, -80]))
     assert (answer["proved"], answer["census"]["candidates"], answer["refusal"]["step"]) == (True, 0, 1)
     assert "the yaw of the tool would be -90 deg, in the forbidden range from -100 deg to -80 deg" in answer["sentence"]
-    assert codes(cell([-100, -80]), free) == [Code.YAW]
+    assert codes(cell([-100, -80]), free) == [Code.DIRECTION]
 
 
 def test_a_yaw_between_two_ranges_that_cannot_be_left_is_refused() -> None:
@@ -167,10 +167,10 @@ def test_joints_that_lag_widen_a_range_by_their_sum() -> None:
     answer = refused(cell(near, second=160, execution=LAG))
     assert answer["proved"]
     assert "from 171.5 deg to 172.5 deg (2 deg wider at both ends, for joints that lag)" in answer["sentence"]
-    # an arrival's error, which the other request knows nothing of, is another finding
-    assert set(codes(cell(near, second=160, execution=LAG), without)) == {Code.YAW, Code.ERROR}
-    assert set(codes(cell([172.5, 173.5], second=160, execution=LAG), without)) == {Code.ERROR}
-    planned(cell([172.5, 173.5], second=160, execution=LAG))
+    # an arrival's error, which the other request knows nothing of, is a finding that comes first
+    assert set(codes(cell(near, second=160, execution=LAG), without)) == {Code.ARRIVAL}
+    late = planned(cell([172.5, 173.5], second=160, execution=LAG))
+    assert codes(cell(near, second=160, execution=LAG), late) == [Code.DIRECTION]
 
 
 @pytest.mark.parametrize(
@@ -234,7 +234,7 @@ def test_the_yaw_of_a_five_bar_is_proved_between_its_knots() -> None:
     # just beside what is passed: nothing changes; a part of what is passed: the plan is refused
     assert codes(five_bar([high + 0.5, high + 5.0]), without) == []
     middle = (low + high) / 2.0
-    assert codes(five_bar([middle - 0.1, middle + 0.1]), without) == [Code.YAW]
+    assert codes(five_bar([middle - 0.1, middle + 0.1]), without) == [Code.DIRECTION]
     assert planned(five_bar([high + 0.5, high + 5.0]))["duration_s"] <= without["duration_s"] * 1.1
 
 

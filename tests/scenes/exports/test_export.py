@@ -120,7 +120,7 @@ def test_parabolic_blends_leave_as_knots_only() -> None:
         assert caught.value.field == "tick_s"
 
 
-@pytest.mark.parametrize(("jumps", "code"), [(True, Code.BLEND), (False, Code.FORM)])
+@pytest.mark.parametrize(("jumps", "code"), [(True, Code.START), (False, Code.FORM)])
 @pytest.mark.parametrize("tick", [0.001, 0.2])
 def test_blends_on_ticks_are_refused_because_the_checker_cannot_prove_them(
     *, jumps: bool, code: Code, tick: float
@@ -181,7 +181,7 @@ def test_a_plan_that_is_not_right_does_not_leave() -> None:
 
 
 def test_ticks_that_are_too_long_to_track_a_point_are_refused_with_what_to_do() -> None:
-    with pytest.raises(InputError, match=r"the tool leaves its line or point .*; try a shorter tick, or none"):
+    with pytest.raises(InputError, match=r"the tool is not at its point, .*; try a shorter tick, or none"):
         export_document(request_of("demo"), planned("demo"), {"format": "csv", "tick_ms": 20, "jerk": "report"})
 
 

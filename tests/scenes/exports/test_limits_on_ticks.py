@@ -104,7 +104,7 @@ def test_what_the_part_bears_is_kept_and_where_it_cannot_be_the_export_is_refuse
     answer = plan(request)
     assert answer["status"] == "planned"
     if most == 8:  # states on ticks exceed it by some share
-        with pytest.raises(InputError, match="the tool accelerates too hard in MOVE"):
+        with pytest.raises(InputError, match="MOVE: the tool is faster or slower, or accelerates harder"):
             export_document(request, answer, {"format": "csv", "tick_ms": 2})
         return
     export = export_document(request, answer, {"format": "csv", "tick_ms": 2})
