@@ -41,13 +41,16 @@ ONE_SIDE = (
     "arrivals.trace.slowest_m_s",
     "arrivals.trace.fastest_m_s",
     "arrivals.trace.error_m",
+    "arrivals.grip_m",
+    "arrivals.support_m",
     "margins.travel_pairs",
     "margins.near_pairs",
 )
 """True, but another value might be, too: rows are a proof, and others may be one; an ARCH is one, and a MOVE as well;
-bounds are bounds, and may be wider; pairs are so near, and may be nearer at another time."""
-RECOMPUTED = ("lower_bound_s",)
-"""Computed again from the request by the same code (`planner.bound`), and not proved; a larger value is a finding."""
+bounds are bounds, and may be wider; pairs, a part and its tool or support are so near, and may be nearer."""
+RECOMPUTED = ("lower_bound_s", "arrivals.error")
+"""Computed again by the code that the planner uses (`planner.bound`, `planner.legs.accuracy`), and not proved: a larger
+bound, or another error, is a finding. That the tool is no farther off than an error states is proved."""
 NOT_CHECKED = (
     "arrivals.window_left_s",
     "census",
