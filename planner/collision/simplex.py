@@ -17,8 +17,9 @@ from assur.planner.kernels.links import POSE_COLUMNS
 from assur.planner.kernels.solids import BALL, place
 from assur.planner.tables.bodies import Arrangement
 
-TURNED = 1e-5 * np.array([0.61, -0.37, 0.7])
-"""Added to unit directions. So a checker chooses the same points for edges of 0.5 mm or more, whatever it rounds."""
+TURNS = 1e-5 * np.array([[0.61, -0.37, 0.7], [0.37, 0.7, -0.61], [-0.7, 0.61, 0.37], [0.28, 0.55, 0.79]])
+"""One of them is added to unit directions. So a checker chooses the same points for edges of 0.5 mm or more, whatever it
+rounds: the one that is farthest from being perpendicular to an axis of a piece."""
 ENOUGH_M = 2e-6
 """The search ends when the distance is known to this, m."""
 MEET_M = 1e-9
@@ -42,6 +43,8 @@ def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int) -> S
     placed = np.empty((1, len(rows), POSE_COLUMNS))
     for unit in (a, b):
         place(rows, unit, carriers, placed, 0)
+    axes = np.concatenate([placed[0, unit, 3:12].reshape(3, 3) for unit in (a, b)], axis=1)
+    turn = TURNS[np.argmax(np.abs(TURNS @ axes).min(axis=1))]
     balls, work = float(rows[a, BALL] + rows[b, BALL]), np.empty((3, 4))
     points, directions = np.zeros((4, 3)), np.zeros((4, 3))
     weights, count, between = np.zeros(4), 0, placed[0, b, :3] - placed[0, a, :3]
@@ -49,7 +52,7 @@ def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int) -> S
         length = float(np.linalg.norm(between))
         if count and not length > MEET_M:
             break
-        way = (between / length if length > MEET_M else np.zeros(3)) + TURNED
+        way = (between / length if length > MEET_M else np.zeros(3)) + turn
         way /= np.linalg.norm(way)
         point = np.zeros((1, 3))
         x, y, z = way.tolist()

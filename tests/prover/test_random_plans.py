@@ -11,13 +11,13 @@ from benchmarks.soak.random_cells import KINDS, random_cell
 
 
 def test_both_checkers_agree_on_a_plan_of_each_kind_of_cell(monkeypatch: pytest.MonkeyPatch) -> None:
-    def first_plan(request: dict[str, object]) -> dict[str, object]:
+    def first_plan(request: dict[str, object], certificate: str) -> dict[str, object]:
         own = dict(request["options"])  # type: ignore[call-overload]
         own |= {"stop": "first", "budget_s": 60.0}
         request["options"] = own
-        return plan_document(request)
+        return plan_document(request, certificate=certificate)
 
-    monkeypatch.setattr("assur.scenes.requests.plan_document", first_plan)
+    monkeypatch.setattr("benchmarks.oracle.asked.plan_document", first_plan)
     found = Agreement()
     for found in agreements(len(KINDS), 5):
         assert found.plans == found.shown
@@ -30,15 +30,18 @@ NO_LINES: dict[str, list[object]] = {"lines": []}
 def test_checkers_that_differ_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     kind = next(iter(KINDS))
     monkeypatch.setattr("assur.prover.prove.prove", lambda _: (False, ["a row of one and another"]))
-    monkeypatch.setattr("assur.scenes.requests.check_document", lambda *_: {"ok": True, "findings": []})
-    monkeypatch.setattr("assur.scenes.bundle.bundle_document", lambda *_: {})
-    monkeypatch.setattr("assur.scenes.requests.plan_document", lambda _: {"status": "planned", "census": NO_LINES})
+    monkeypatch.setattr("benchmarks.oracle.asked.check_document", lambda *_: {"ok": True, "findings": []})
+    monkeypatch.setattr("benchmarks.oracle.asked.bundle_document", lambda *_: {})
+    monkeypatch.setattr(
+        "benchmarks.oracle.asked.plan_document", lambda *_, **__: {"status": "planned", "census": NO_LINES}
+    )
     found = Agreement()
     judged(found, kind, 5)
     assert found.differ == [(kind, 5, f"{SECOND}; a row of one and another")]
     assert (found.shown, found.plans) == (0, 1)
     monkeypatch.setattr(
-        "assur.scenes.requests.plan_document", lambda _: {"status": "not_planned", "reason": "X", "census": NO_LINES}
+        "benchmarks.oracle.asked.plan_document",
+        lambda *_, **__: {"status": "not_planned", "reason": "X", "census": NO_LINES},
     )
     judged(found, kind, 5)
     assert (found.plans, dict(found.refused)) == (1, {"X": 1})

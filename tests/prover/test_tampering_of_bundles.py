@@ -29,6 +29,18 @@ def without_row(document: Document) -> None:
     document["rows"] = [row for row in document["rows"] if not (row in rows and row["bodies"] == bodies)]
 
 
+def without_phase(document: Document, number: int) -> None:
+    """A phase and the rows that are about it are left out; rows of later phases follow."""
+    document["phases"].pop(number)
+    for table in [each for each in document.values() if isinstance(each, list)]:
+        rows = [row for row in table if isinstance(row, dict) and "phase" in row]
+        for row in rows:
+            if row["phase"] == number:
+                table.remove(row)
+            elif row["phase"] > number:
+                row["phase"] -= 1
+
+
 def hole_in_time(document: Document) -> None:
     row = asked(document)[0]
     row["t1"] = math.nextafter(row["t1"], -math.inf)
@@ -130,8 +142,8 @@ CHANGES: dict[str, Change] = {
     "frames may be turned": lambda d: [frame.update(yaw=0.5) for frame in d["frames"]],
     "a frame may be late": lambda d: [frame.update(shift=[0.0, 0.1]) for frame in d["frames"]],
     "bodies may be off their places": lambda d: [p.update(unknown=[[0.1, 0.1]] * 10) for p in d["phases"]],
-    "a phase is missing": lambda d: d["phases"].pop(2),
-    "phases end too early": lambda d: d["phases"].pop(),
+    "a phase is missing": lambda d: without_phase(d, 2),
+    "phases end too early": lambda d: without_phase(d, len(d["phases"]) - 1),
     "it is asked for a second more": lambda d: d["required"].update(until=d["required"]["until"] + 1.0),
     "more pairs of links are asked to stay apart": lambda d: d["required"]["self_pairs"].append([0, 1]),
     "links are longer": lambda d: d["arms"][0]["links"][2]["offset"].__setitem__(0, 0.4),
