@@ -137,7 +137,7 @@ def shared_out(table: FloatArray, first: int, count: int, other: FloatArray, lea
 def counts_fit(k: Claim) -> bool:
     """Whether tables have the sizes that other tables need."""
     bodies, frames, phases = len(k.bodies), len(k.frames), len(k.phases)
-    fit = bool(len(k.arms) > 0 and len(k.required) == 1) and phases > 0 and bodies > 0
+    fit = bool(len(k.arms) > 0 and len(k.required) == 1) and phases > 0
     fit = fit and k.seated.shape == (phases, bodies) and k.off.shape == (phases, 2 * bodies)
     fit = fit and k.shares.shape == (phases, 2 * frames) and k.supports.shape == (len(k.put_down), bodies)
     fit = fit and k.rules.shape[1] == c.RULE_SIDE + 2 * bodies

@@ -122,12 +122,14 @@ def _required_seats(handling: Handling, stages: list[Stage], names: list[str]) -
         seats.append(seat(k, handling.place(body.name, ())))
         off.append(handling.displaced(body.name, ()))
     # parts that are handled have others, phase by phase
-    all_seats, all_off = np.array([seats] * len(stages)), np.array([off] * len(stages))
+    many = len(stages), len(seats)
+    all_seats = np.array([seats] * len(stages), dtype=float).reshape(*many, c.SEAT)
+    all_off = np.array([off] * len(stages), dtype=float).reshape(*many, 2)
     for k, part in [(names.index(part), part) for part in handling.parts]:
         for p, stage in enumerate(stages):
             all_seats[p, k] = seat(k, handling.place(part, stage.handed))
             all_off[p, k] = handling.displaced(part, stage.handed)
-    return all_seats, all_off.transpose(0, 2, 1).reshape(len(stages), -1)
+    return all_seats, all_off.transpose(0, 2, 1).reshape(len(stages), 2 * len(seats))
 
 
 def _contacts_agree(stages: list[Stage], claim: c.Claim, names: list[str]) -> Iterator[Difference]:
