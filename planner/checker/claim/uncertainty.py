@@ -9,7 +9,7 @@ from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.chain import chain
 from assur.planner.checker.claim.jets import turned
 from assur.planner.checker.claim.motion import joints_over, rounding
-from assur.planner.checker.claim.solids import derivative_bound
+from assur.planner.checker.claim.solids import derivative_bound, length
 from assur.planner.checker.claim.tables import BALL, F1, f8, i8
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
@@ -109,7 +109,9 @@ def correction_shift(k: Claim, p: int, t: float) -> float:
     shift = 0.0
     for i in range(len(k.displaced)):
         least, most = share_of(k, p, i)
-        shift += max(abs(least), abs(most)) * amount_of(k, i, t)
+        # a direction that is longer than 1 makes the displacement longer
+        far = max(1.0, length(k.displaced[i], c.DISPLACED_DIRECTION, c.DISPLACED_DIRECTION + 3))
+        shift += max(abs(least), abs(most)) * amount_of(k, i, t) * far
     return shift
 
 

@@ -11,7 +11,6 @@ import pytest
 
 from assur.planner.errors import FaultError, InputError
 from assur.planner.geometry.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
-from assur.planner.robots.chain import Chain
 from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.facts import Limits, RobotBody
 from assur.planner.robots.five_axis_arm import FiveAxisArm
