@@ -313,7 +313,6 @@ MOTION = [
     Forgery("a link has another parent", "demo", put("arms.0.links.3.parent", 1), ROW),
     Forgery("the lift goes down", "demo", put("arms.0.links.*.slide.axis", [0.0, 0.0, -1.0]), POINT),
     Forgery("a link tilts the other way", "rv-m1", put("arms.0.links.*.pitch.joints.1", -1.0), POINT),
-    Forgery("a hand rolls the other way", "rv-m1", put("arms.0.links.-1.roll.joints.4", -1.0), DIRECTION),
     Forgery("a loop has a greater margin", "five-bar", put("arms.0.loop.0.least", 0.99), POINT),
     Forgery("a loop meets on the other side", "five-bar", put("arms.0.loop.0.side", times(-1.0)), POINT),
     Forgery("a coupler is longer", "five-bar", put("arms.0.loop.0.couplers.0", plus(0.02)), POINT),
