@@ -156,7 +156,7 @@ def law(frame: Document) -> Curve:
     start = [(arb(x), arb(v)) for x, v in zip(frame["pose"], frame["rate"], strict=True)]
     pieces, state, edges, period = [], start, list(frame["edges"]), arb(frame["period"])
     if period > 0:
-        if not (edges and edges[-1] >= edges[0] + period):
+        if not (edges and edges[-1] >= edges[0] + frame["period"]):  # as doubles, in which a writer has the sum
             raise ValueError("the pieces of a frame that repeats last one period")
         edges[-1] = edges[0] + period
     for (t0, t1), accelerations in zip(pairwise(edges), frame["acceleration"], strict=True):

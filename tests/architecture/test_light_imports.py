@@ -32,7 +32,7 @@ r.scene_of(request)
     "every module of scenes": """
 import importlib, pkgutil
 from assur import scenes
-native = ('assur.scenes.identification', 'assur.scenes.meshes.', 'assur.scenes.view.distances')
+native = tuple('assur.scenes.' + name for name in ('identification', 'meshes.', 'resampling', 'view.distances'))
 for module in pkgutil.walk_packages(scenes.__path__, 'assur.scenes.'):
     if not module.name.startswith(native): importlib.import_module(module.name)
 """,

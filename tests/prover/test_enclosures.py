@@ -80,6 +80,8 @@ def test_frames_are_where_their_laws_have_them(case: Case, one: float, other: fl
     known = replace(case.law, valid=(max(-99.0, case.law.valid[0]), high)) if ends else case.law
     frame = law_document(known, begin)
     t0, t1 = sorted(begin + share * (until - begin) for share in (one, other))
+    if frame["period"] > 0.0:
+        t1 = min(t1, t0 + frame["period"])  # an interval of more periods is halved first
     t = np.linspace(t0, t1, 30)
     motion = case.law.motion(t)
     world = prover.World.__new__(prover.World)
