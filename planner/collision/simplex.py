@@ -18,7 +18,7 @@ from assur.planner.kernels.solids import BALL, place
 from assur.planner.tables.bodies import Arrangement
 
 TURNS = 1e-5 * np.array([[0.61, -0.37, 0.7], [0.37, 0.7, -0.61], [-0.7, 0.61, 0.37], [0.28, 0.55, 0.79]])
-"""One of them is added to unit directions: that which is farthest from being perpendicular to an axis of a piece. So a
+"""One of them is added to unit directions. So a checker chooses the same points for edges of 0.5 mm or more, however it
 checker chooses the same points for edges of 0.5 mm or more, whatever it rounds."""
 ENOUGH_M = 2e-6
 """The search ends when the distance is known to this, m."""
