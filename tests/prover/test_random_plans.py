@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from assur.scenes.requests import plan_document
+from assur.scenes.requests import Detail, plan_document
 from benchmarks.checker_refusals import SECOND
 from benchmarks.proofs import Agreement, agreements, judged
 from benchmarks.soak.random_cells import KINDS, random_cell
 
 
 def test_both_checkers_agree_on_a_plan_of_each_kind_of_cell(monkeypatch: pytest.MonkeyPatch) -> None:
-    def first_plan(request: dict[str, object], certificate: str) -> dict[str, object]:
+    def first_plan(request: dict[str, object], certificate: Detail) -> dict[str, object]:
         own = dict(request["options"])  # type: ignore[call-overload]
         own |= {"stop": "first", "budget_s": 60.0}
         request["options"] = own
