@@ -33,13 +33,17 @@ class StatedLaw(NamedTuple):
 def law_of(law: Law, early: float) -> StatedLaw:
     """A law from `early`, s, on at the latest, until the last time that a claim may have.
 
-    A first piece of constant speed begins at `early`, when the law is stated, or when the second one begins, whichever
-    is first. What repeats begins where its law does, or the whole periods before that are needed.
+    Pieces that end before `early` are left out: what they round would add up. A first piece of constant speed begins at
+    `early`, when the law is stated, or when the second one begins, whichever is first. What repeats begins where its
+    law does, or the whole periods before that are needed.
 
     Raises `InputError` for a law that begins too early or too late for any claim.
     """
     count, period = int(law.row[own.COUNT]), float(law.row[own.PERIOD])
     pieces, waves = law.side[:count], [tuple(each) for each in law.side[count:, : c.WAVE].tolist()]
+    # the first one that ends later; all of them if none does
+    left_out = 0 if period > 0.0 else int(np.argmax(pieces[:, own.PIECE_END] > early))
+    pieces = pieces[left_out:]
     pose, rate, powers = pieces[0, own.POSE : own.RATE], pieces[0, own.RATE : own.CORNER], pieces[:, own.POWER :]
     if law.is_fixed or waves:
         return StatedLaw([*pose.tolist(), 0.0, 0.0, 0.0, 0.0], c.table("laws", []), waves)
@@ -51,7 +55,7 @@ def law_of(law: Law, early: float) -> StatedLaw:
         starts, pose = starts + (start + whole * period), pose + whole * step
         ends = np.append(starts[1:], starts[0] + period)
         repeated = (period, *step.tolist())
-    elif not powers[0].any():
+    elif left_out == 0 and not powers[0].any():
         begin = max(min(early, law.stated_s, starts[0]), -c.LATEST_S)
         pose, starts[0] = pose - (starts[0] - begin) * rate, begin
     ends = np.minimum(ends, c.LATEST_S)

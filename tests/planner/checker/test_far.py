@@ -76,12 +76,12 @@ def test_without_those_of_any_one_body_a_pair_is_not_covered() -> None:
         assert codes(scene, without(scene, made, rows)) == {Code.COVER}
 
 
-def test_the_length_of_a_normal_of_a_body_alone_says_nothing() -> None:
+def test_a_normal_of_a_body_alone_is_a_unit_vector() -> None:
     scene, made = ring()
     for row in np.flatnonzero(alone(made)):
         normal = made.certificate.normal.copy()
         normal[row] *= 1.001
-        assert codes(scene, with_rows(scene, made, normal=normal)) == set()
+        assert codes(scene, with_rows(scene, made, normal=normal)) == {Code.ROW}
 
 
 def test_planes_that_look_elsewhere_part_less() -> None:

@@ -135,16 +135,19 @@ POSES = (Pose(), Pose(0.1), Pose(0.2))
 def test_a_law_that_begins_beyond_all_times_of_claims_is_refused() -> None:
     stop = Change(3e5, 0.0, 1.0, 1.0)
     assert len(law_of(conveyor(Pose(), 0.1, (stop,)), 0.0).pieces) == 1
-    for times in ((-2e5, 0.0, 3.0), (2e5, 2e5 + 1.0, 3e5)):
+    for times in ((-2e5, 0.5, 3.0), (2e5, 2e5 + 1.0, 3e5)):
         with pytest.raises(InputError, match="whose motion begins before -100000 s or after 100000 s"):
             law_of(keyframes(times, POSES), 0.0)
 
 
-def test_a_law_is_stated_from_its_own_begin_to_its_end_whatever_the_time_of_a_plan_is() -> None:
-    law = law_of(keyframes((0.0, 1.0, 3.0), POSES, valid=(1.5, 9.0)), 7.0)
+def test_a_law_is_stated_to_its_end_from_the_piece_on_that_lasts_when_a_plan_may_begin() -> None:
+    law = law_of(keyframes((0.0, 1.0, 3.0), POSES, valid=(1.5, 9.0)), 0.5)
     assert law.pieces[:, [c.LAW_BEGIN, c.LAW_END]].tolist() == [[0.0, 1.0], [1.0, 3.0]]
     assert law.waves == []
-    for early, stated, begin in ((-3.0, 5.0, -3.0), (0.0, -2.0, -2.0), (9.0, 9.0, 4.0), (-1e9, 0.0, -c.LATEST_S)):
+    later = law_of(keyframes((0.0, 1.0, 3.0), POSES), 1.5)
+    assert later.pieces[:, [c.LAW_BEGIN, c.LAW_END]].tolist() == [[1.0, 3.0]]
+    assert later.at[0] == pytest.approx(0.1)
+    for early, stated, begin in ((-3.0, 5.0, -3.0), (0.0, -2.0, -2.0), (4.1, 9.0, 4.0), (-1e9, 0.0, -c.LATEST_S)):
         at, pieces, _, period = law_of(conveyor(Pose(1.0), 0.5, (Change(4.0, 0.0, 1.0, 1.0),), stated), early)
         assert pieces[0, c.LAW_BEGIN] == begin
         assert pieces[-1, c.LAW_END] == c.LATEST_S

@@ -217,7 +217,7 @@ def test_a_later_meeting_is_later_and_a_wait_is_waited() -> None:
 def test_steps_to_one_point_of_an_indexer_that_hardly_stands_are_planned() -> None:
     """The arm has the state of the point already when the next leg begins, at rest but for rounding."""
     steps = [go(0.02, 0.0, 0.05, 0.0, "dial", name=name) for name in ("once", "again", "at last")]
-    dial = indexer(Pose(0.4, 0.0, 0.05), math.radians(1.0), 0.001, 0.0)
+    dial = indexer(Pose(0.4, 0.0, 0.05), math.radians(1.0), 0.002, 0.0)
     outcome = plan(cell(*steps, frames=(frame("dial", dial),), max_candidates=20))
     assert isinstance(outcome, Planned)
     moves = [leg for leg in outcome.plan.legs if leg.kind is LegKind.MOVE]
