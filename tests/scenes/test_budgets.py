@@ -18,7 +18,8 @@ from assur.scenes.requests import check_document, plan_document, validate, view_
 from assur.scenes.schema.read import check_sizes
 from assur.scenes.schema.request import RequestDocument
 
-LONG_S = 1e5
+LONG_S = 9e4
+"""Long, but a plan that ends so much later than it begins ends before 100,000 s, the greatest time of a claim."""
 MIB = 2**20
 ARM: dict[str, Any] = {
     "schema": "assur/1",

@@ -54,7 +54,7 @@ LOOKS: dict[str, dict[str, str | int]] = {
     "hose-on-gripper": {"planner.feasibility.forbidden_yaw.yaw_impossible": STEPS},
     "parabolic-blend": {"planner.search.beam._met": STEPS},
     "circular-legs": {"scenes.reading.task._parts": STEPS, "planner.model.path.at": STEPS},
-    "beside-a-neighbour": {"planner.checker.rows._judged": 2, "planner.checker.rows._uncovered": 4},
+    "beside-a-neighbour": {"planner.checked.check": 1, "planner.checked._judged": 2},
     "shut-gate": {"planner.collision.proof.over": 1},
 }
 
