@@ -318,7 +318,6 @@ FAULTS: tuple[Fault, ...] = (
     Fault("another acceleration between poses", "loader", T.LAW, lambda k: first_power(k, list(k.scene.frames)[1])),
     Fault("an indexer in one piece", LAWS, T.LAW, lambda k: in_one_piece(k, "star")),
     Fault("a law with a hole in time", "loader", T.LAW, lambda k: put(k, "laws", 0, c.LAW_END, plus(-1e-3))),
-    Fault("a law that ends early", DEMO, T.LAW, lambda k: put(k, "laws", 0, c.LAW_END, plus(-0.5))),
     Fault(
         "a neighbour's knot 1 µrad off",
         "two-robots",
@@ -411,7 +410,7 @@ FAULTS: tuple[Fault, ...] = (
     Fault("tracking 1 ms shorter", DEMO, T.POINT, lambda k: put(k, "points", tracked_points(k), 1, plus(-1e-3))),
     Fault("a part pulled harder", "belt-to-belt", T.RATE, lambda k: put(k, "rates", 1, c.RATE_MOST, times(1.01))),
     Fault("a pull less", "belt-to-belt", T.RATE, lambda k: drop(k, "rates", -1)),
-    Fault("no forbidden yaw", "hose-on-gripper", T.YAW, lambda k: drop(k, "axes", -1)),
+    Fault("no forbidden yaw", "hose-on-gripper", T.YAW, lambda k: drop(k, "axes", 0)),
     Fault("a narrower forbidden yaw", "hose-on-gripper", T.YAW, lambda k: put(k, "axes", 0, c.AXIS_HIGH, plus(1e-4))),
 )
 

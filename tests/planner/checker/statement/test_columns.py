@@ -51,6 +51,8 @@ def free_of(claim: Claim) -> list[Free]:
         Free("knots", range(1), longer, lambda k, row: not k.knots[row, c.KNOT_QD :].any()),
         Free("laws", range(c.LAW_END, c.LAW_POWER), longer, last_piece),
     ]
+    for bound in (c.AXIS_LOW, c.AXIS_HIGH):
+        found.append(Free("axes", range(bound, bound + 1), "no axis and no way is so long", partial(is_endless, bound)))
     for n in range(2, 6):
         for first in (c.KNOT_Q, c.KNOT_QD, c.KNOT_QDD):
             found.append(Free("knots", beyond(first, n), missing, partial(has_joints, n, c.ARM_KNOT)))
@@ -69,6 +71,11 @@ def has_joints(count: int, span: int, claim: Claim, row: int) -> bool:
 def has_edges(count: int, claim: Claim, row: int) -> bool:
     """Whether a piece has so many edges."""
     return bool(claim.pieces[row, c.PIECE_EDGES] == count)
+
+
+def is_endless(bound: int, claim: Claim, row: int) -> bool:
+    """Whether a row of axes has no bound on this side."""
+    return bool(abs(claim.axes[row, bound]) >= c.FARTHEST_M)
 
 
 def last_piece(claim: Claim, row: int) -> bool:
