@@ -12,7 +12,6 @@ from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.legs.accuracy import arrival_error, too_far
 from assur.planner.legs.control_point import WINDOW_S, ControlPoint
-from assur.planner.legs.correction import shifted_out
 from assur.planner.legs.forbidden_yaw import turns_into
 from assur.planner.legs.joint import JointMotion
 from assur.planner.legs.limits import beyond_limits, parts
@@ -46,6 +45,7 @@ from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.report.notes import window_left
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.robot import Robot
+from assur.planner.search.correction import shifted_out
 from assur.planner.search.flown_by import stops_at_via
 from assur.planner.search.late_end import ends_too_late, laws_over, tracked_too_long
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, paced
