@@ -74,7 +74,10 @@ def _rates(path: Trajectory, lift: int, sign: float, t0: float, t1: float) -> li
     edges = np.unique(np.concatenate([[t0], path.time[(path.time > t0) & (path.time < t1)], [t1]]))
     t = edges[:-1, None] + np.diff(edges)[:, None] * np.linspace(0.0, 1.0, SAMPLES + 1)
     t[:, -1] = edges[1:]
-    rate, jerk = (sign * path.evaluate(t.ravel(), order)[:, lift].reshape(t.shape) for order in (1, 3))
+    rim = 1e-6 * np.diff(edges)[:, None]
+    inside = np.clip(t, edges[:-1, None] + rim, edges[1:, None] - rim)
+    rate = sign * path.evaluate(t.ravel(), 1)[:, lift].reshape(t.shape)
+    jerk = path.evaluate(inside.ravel(), 3)[:, lift].reshape(t.shape)  # at its end a piece has the jerk of the next one
     # between two samples a rate leaves its chord by no more than its second derivative lets it
     least = rate.min(1) - 0.13 * np.abs(jerk).max(1) * (np.diff(edges) / SAMPLES) ** 2 - SLOW_M_S
     if float(-least.min()) * (t1 - t0) <= BACK_M:
