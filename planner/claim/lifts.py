@@ -78,8 +78,9 @@ def _rates(path: Trajectory, lift: int, sign: float, t0: float, t1: float) -> li
     inside = np.clip(t, edges[:-1, None] + rim, edges[1:, None] - rim)
     rate = sign * path.evaluate(t.ravel(), 1)[:, lift].reshape(t.shape)
     jerk = path.evaluate(inside.ravel(), 3)[:, lift].reshape(t.shape)  # at its end a piece has the jerk of the next one
+    slow = min(SLOW_M_S, 0.5 * BACK_M / (t1 - t0))  # so little in total, however long it lasts
     # between two samples a rate leaves its chord by no more than its second derivative lets it
-    least = rate.min(1) - 0.13 * np.abs(jerk).max(1) * (np.diff(edges) / SAMPLES) ** 2 - SLOW_M_S
+    least = rate.min(1) - 0.13 * np.abs(jerk).max(1) * (np.diff(edges) / SAMPLES) ** 2 - slow
     if float(-least.min()) * (t1 - t0) <= BACK_M:
         return [(t0, t1, float(least.min()))]
     found = []
