@@ -781,7 +781,9 @@ class World:
     def led(self, guide: Document, t0: float, t1: float, *_: float) -> int:
         """Whether the tool is at its guide, from a point of one frame to a point of another."""
         (first, last), h = map(arb, guide["shares"]), arb(guide["t1"]) - guide["t0"]
-        slope = (last - first) / h if first != last else arb(0)  # at an instant: not a number
+        if first != last and not guide["t0"] < guide["t1"]:
+            return WRONG  # two shares at an instant
+        slope = (last - first) / h if first != last else arb(0)
 
         def off(a: float, b: float) -> list[Vector]:
             share = arb_series([first + slope * (arb(a).union(arb(b)) - guide["t0"]), slope], TERMS)

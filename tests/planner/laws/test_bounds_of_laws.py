@@ -56,8 +56,12 @@ def test_a_bound_is_at_least_every_sample_and_hardly_more_than_the_greatest(kind
     truth[3] = math.hypot(np.abs(moved.yaw_dd).max(), np.abs(moved.yaw_d).max() ** 2)
     if np.abs(n).max() < 1.0:
         return  # the box of its coordinates (K44) is exact along an axis only
-    largest = rates(case.law.motion(samples(case, *case.window)), n).max(axis=1)
-    assert (found <= truth * (1 + 1e-4) + 1e-9 * (1 + largest)).all()
+    # what a bound is rounded up by is of the law, whatever the direction
+    moved = case.law.motion(samples(case, *case.window))
+    largest = np.max([rates(moved, axis).max(axis=1) for axis in np.eye(3)], axis=0)
+    # samples of 4 s are 2.7 ms apart, and miss the peak of an index of 0.2 s by less than 7e-4 of it
+    missed = 1e-3 if case.law.kind == "indexer" else 1e-4
+    assert (found <= truth * (1 + missed) + 1e-9 * (1 + largest)).all()
 
 
 @given(st.data())
