@@ -94,7 +94,7 @@ Couplers = tuple[Jet, Jet, Jet, Jet]
 
 @kernel(f"Tuple((boolean, UniTuple({JET}, 4)))(float64[::1], {CUBE}, {CUBE})")
 def _couplers(robot: FloatArray, turns: FloatArray, jets: FloatArray) -> tuple[bool, Couplers]:
-    """The couplers of a loop (K39 to K42), and whether it is shown to stay closed.
+    """The couplers of a loop (K39), and whether it is shown to stay closed.
 
     Of |s|² each crank occurs as seldom as possible: with d between both axes, u and v along the cranks and their
     lengths l and r, it is |d|² + l² + r² + 2 d·(r v − l u) − 2 l r cos(angle between the cranks).
