@@ -129,7 +129,8 @@ def tool_peaks_of(scene: Scene, plan: Plan, phases: Sequence[Phase], claims: Cla
     whole = [(path.start, path.end)]
     if claims.tool is not None:
         said = claims.tool
-        found.append(_rate(scene, path.start, path.end, 1, 0.0, said.speed * (1.0 + BETWEEN) + LEAST))
+        fastest = said.speed * (1.0 + BETWEEN) + LEAST
+        found += [_rate(scene, t0, t1, 1, 0.0, fastest) for t0, t1 in _between_jumps(path, *whole[0])]
         most = said.acceleration * (1.0 + BETWEEN) + LEAST
         found += [_rate(scene, t0, t1, 2, 0.0, most) for t0, t1 in _between_jumps(path, *whole[0])]
         for order, size, t in ((1, said.speed, said.speed_time), (2, said.acceleration, said.acceleration_time)):
@@ -148,9 +149,15 @@ def tool_peaks_of(scene: Scene, plan: Plan, phases: Sequence[Phase], claims: Cla
     return found
 
 
+LONG_S = 60.0
+"""A piece that lasts longer has rows of its own."""
+
+
 def _between_jumps(path: Trajectory, t0: float, t1: float) -> list[tuple[float, float]]:
     """[t0, t1] in parts within which no acceleration jumps: bounds over both sides of a jump are bounds of neither."""
-    inside = path.edges[(path.edges > t0) & (path.edges < t1)].tolist() if path.jumps else []
+    cut = np.diff(path.edges) > LONG_S  # halving a long piece never gets to the short ones beside it
+    cuts = path.edges if path.jumps else path.edges[np.append(cut, False) | np.append(False, cut)]
+    inside = cuts[(cuts > t0) & (cuts < t1)].tolist()
     return list(pairwise([t0, *inside, t1]))
 
 
