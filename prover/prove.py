@@ -781,8 +781,6 @@ class World:
     def led(self, guide: Document, t0: float, t1: float, *_: float) -> int:
         """Whether the tool is at its guide, from a point of one frame to a point of another."""
         (first, last), h = map(arb, guide["shares"]), arb(guide["t1"]) - guide["t0"]
-        if first != last and not guide["t0"] < guide["t1"]:
-            return WRONG  # two shares at an instant
         slope = (last - first) / h if first != last else arb(0)
 
         def off(a: float, b: float) -> list[Vector]:
@@ -792,7 +790,8 @@ class World:
             one, other = (self.carrier(-1, f, a, b).point(end) for f, end in ends)
             return [[w - x - share * (y - x) for w, x, y in zip(tool, one, other, strict=True)]]
 
-        return self.short(off, [guide["most"]], t0, t1)
+        # two shares at an instant are wrong
+        return self.short(off, [guide["most"]], t0, t1) if first == last or guide["t0"] < guide["t1"] else WRONG
 
     def close(self, row: Document, t: float, *_: float) -> int:
         """Whether two bodies are as near each other as is claimed: points of both are, which weights choose (N14)."""

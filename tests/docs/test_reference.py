@@ -215,8 +215,6 @@ def test_every_equation_that_the_code_cites_stands_on_a_page_once() -> None:
             assert cited(module.read_text(encoding="utf-8")) <= set(shown), module
     kinematics = re.findall(r"\(([A-Z]\d{1,2})\)(?: \|)?$", text("docs/kinematics.md"), re.MULTILINE)
     assert len(kinematics) == len(set(kinematics)) > 80
-    of_arms = re.findall(r"\(K(\d+)\)\s*$", text("docs/kinematics.md"), re.MULTILINE)
-    assert of_arms == [str(number + 1) for number in range(len(of_arms))]
 
 
 def test_an_equation_that_stands_nowhere_is_found() -> None:
