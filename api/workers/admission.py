@@ -295,5 +295,5 @@ class FairQueue:
         """Charges the client of a ticket what its request has cost, s, in place of what was expected."""
         name = ticket.demand.client.name
         self._paid[name] = self._paid.get(name, ticket.tag + ticket.expected_s) + cost_s - ticket.expected_s
-        # whoever is paid up is tagged with the present time, as one who is not known: nothing need be kept of them
+        # a client that owes nothing gets the present time as its tag, like an unknown client: nothing is kept of it
         self._paid = {name: paid for name, paid in self._paid.items() if paid > self._now}

@@ -155,7 +155,7 @@ LONG_S = 60.0
 
 def _between_jumps(path: Trajectory, t0: float, t1: float) -> list[tuple[float, float]]:
     """[t0, t1] in parts within which no acceleration jumps: bounds over both sides of a jump are bounds of neither."""
-    cut = np.diff(path.edges) > LONG_S  # halving a long piece never gets to the short ones beside it
+    cut = np.diff(path.edges) > LONG_S  # halving a long piece never reaches the short pieces next to it
     cuts = path.edges if path.jumps else path.edges[np.append(cut, False) | np.append(False, cut)]
     inside = cuts[(cuts > t0) & (cuts < t1)].tolist()
     return list(pairwise([t0, *inside, t1]))

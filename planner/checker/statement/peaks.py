@@ -24,7 +24,7 @@ AT_ITS_TIME, OFF, STANDS = 1e-4, (1e-6, 1e-3), 1e-6
 """A share by which a peak may be off at its instant, and m/s and m/s² in addition (bounds of a closed chain round the
 acceleration by 0.5 mm/s²); m/s or m/s²: what is no faster stands."""
 BESIDE_S = 2e-9
-"""A jump of the acceleration is evaluated so far beside it at most, s."""
+"""A jump of the acceleration is evaluated at most so far before and behind it, s."""
 ROUNDING = 1e-12
 """Of sums and products in another order, as a share."""
 
