@@ -8,21 +8,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from assur.planner.checker.claim.verdict import ClaimFinding, check_claim
-from assur.planner.checker.statement import (
-    Difference,
-    Topic,
-    state_answer,
-    state_cell,
-    state_legs,
-    state_motion,
-    state_plan,
-)
+from assur.planner.checker.statement import state_answer, state_cell, state_legs, state_motion, state_plan
+from assur.planner.checker.statement.differences import at
 from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.claim.answer import with_answer
 from assur.planner.claim.columns import Claim
@@ -86,8 +79,8 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     if strange:
         return Verdict.of(strange)
     of_legs = state_legs(scene, plan)
-    if any(each.topic is not Topic.DIGEST for each in of_legs):
-        return Verdict.of(_found(of_legs))  # who holds what follows from the legs: with others, nothing can be shown
+    if any(each.code is not Code.DIGEST for each in of_legs):
+        return Verdict.of(of_legs)  # who holds what follows from the legs: with others, nothing can be shown
     between()
     of_plan = phases(scene, plan.legs, plan.arrivals)
 
@@ -95,12 +88,12 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
         claim = with_plan(base, plan, of_plan)
         return claim if claims is NOTHING else with_answer(base, claim, plan, of_plan, claims)
 
-    def compare(claim: Claim) -> list[Difference]:
+    def compare(claim: Claim) -> list[Finding]:
         different = state_plan(scene, plan, claim)
         return different if different or claims is NOTHING else state_answer(scene, plan, claims, claim)
 
     judged = _judged(scene, plan, of_plan, claims, fill, compare, between)
-    return Verdict.of(_found(of_legs) + list(judged.findings))
+    return Verdict.of(of_legs + list(judged.findings))
 
 
 def check_motion(scene: Scene, plan: Plan, of_motion: tuple[Phase, ...]) -> Verdict:
@@ -123,7 +116,7 @@ def _judged(
     of_plan: tuple[Phase, ...],
     claims: Claims,
     fill: Callable[[SceneClaim], Claim],
-    compare: Callable[[Claim], list[Difference]],
+    compare: Callable[[Claim], list[Finding]],
     between: Callable[[], None],
 ) -> Verdict:
     """The verdict on a claim that `fill` makes, which is compared with the request by `state_cell` and `compare`."""
@@ -139,7 +132,7 @@ def _judged(
     between()
     different = [] if kept.is_stated else state_cell(scene, claim)
     kept.is_stated = not different
-    return Verdict.of(findings + _found(different or compare(claim)))
+    return Verdict.of(findings + (different or compare(claim)))
 
 
 def _unshown(base: SceneClaim, plan: Plan, of_plan: tuple[Phase, ...], claims: Claims, claim: Claim) -> list[Finding]:
@@ -202,39 +195,17 @@ def _named(finding: ClaimFinding, labels: Mapping[str, Sequence[str]]) -> Findin
         return f"{'' if word in ('number', 'body', 'bodies') else word + ' '}{' and '.join(known)}"
 
     about, words = NUMBERS.sub(named, finding.what), WORDS.get(finding.code, "")
-    where = "" if math.isnan(finding.when) else _at(finding.when)
+    where = "" if math.isnan(finding.when) else at(finding.when)
     return Finding(_code(finding.code), ": ".join(filter(None, (about, words))), where=where)
 
 
-def _found(differences: Iterable[Difference]) -> list[Finding]:
-    """What a claim does not state, as findings."""
-    found = []
-    for each in differences:
-        where = ""
-        if each.when is not None:
-            t0, t1 = each.when
-            where = _at(t0) if t0 == t1 else f"{_at(t0)} to {_at(t1)}"
-        found.append(Finding(_code(each.topic), each.what, where=where))
-    return found
-
-
-def _at(time: float) -> str:
-    return f"{time:.6g} s"
-
-
 RENAMED = {
-    "AXIS": Code.DIRECTION,
     "FAULT": Code.FORM,
     "KNOTS": Code.MOTION,
-    "MARGIN": Code.SINGULARITY,
-    "MODE": Code.ELBOW,
-    "NEARNESS": Code.NEAREST,
-    "PARABOLA": Code.BLEND,
     "PHASES": Code.PHASE,
-    "SUM": Code.JOINTS,
     "WITHIN": Code.CONTAINMENT,
 }
-"""What both checkers call otherwise than a verdict does."""
+"""What the claim checker calls otherwise than a verdict does."""
 
 
 def _code(name: str) -> Code:

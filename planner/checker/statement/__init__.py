@@ -8,109 +8,111 @@ with their formulas, links with the forward kinematics of textbooks, and solids 
 
 It computes no distance, and imports nothing from which the planner or the writer of the claim get the same facts
 (an import rule holds that). A claim may state more than the request asks: a larger distance, a smaller contact, a
-narrower limit. It may not state less. All entry points return differences as plain sentences; there is none if the
-claim states what is asked. The form of the claim must be right: the claim checker has to see to that first.
+narrower limit. It may not state less. All entry points return findings, which are plain sentences; there is none if the
+claim states what is required. The form of the claim must be right: the claim checker has to see to that first.
 """
 
 from __future__ import annotations
 
-from assur.planner.checker.statement.arches import arches_agree
-from assur.planner.checker.statement.arms import links_agree, motion_agrees
-from assur.planner.checker.statement.arrivals import arrivals_agree
-from assur.planner.checker.statement.differences import Difference, Topic
-from assur.planner.checker.statement.distances import distances_agree, execution_agrees
-from assur.planner.checker.statement.errors import errors_agree
-from assur.planner.checker.statement.frames import frames_agree, laws_known
-from assur.planner.checker.statement.guides import guides_agree
+from assur.planner.checker.statement.arches import require_arches
+from assur.planner.checker.statement.arms import require_knots, require_links
+from assur.planner.checker.statement.arrivals import require_arrivals
+from assur.planner.checker.statement.differences import Requirements
+from assur.planner.checker.statement.distances import require_distances, require_execution
+from assur.planner.checker.statement.frames import require_frames, require_known
+from assur.planner.checker.statement.guides import require_guides
 from assur.planner.checker.statement.holding import Handling
-from assur.planner.checker.statement.joints import hands_agree, joints_agree
-from assur.planner.checker.statement.limits import limits_agree, rates_agree, yaws_agree
-from assur.planner.checker.statement.loads import loads_agree, loads_of
-from assur.planner.checker.statement.nearness import Nearness
-from assur.planner.checker.statement.order import order_agrees
-from assur.planner.checker.statement.passed import parabolas_agree
-from assur.planner.checker.statement.peaks import peaks_agree, tool_agrees
-from assur.planner.checker.statement.phases import Stage, phases_agree, stages_of
-from assur.planner.checker.statement.points import points_agree
-from assur.planner.checker.statement.postures import margins_agree, modes_agree, postures_agree
-from assur.planner.checker.statement.solids import solids_agree
+from assur.planner.checker.statement.joints import require_hands, require_joints
+from assur.planner.checker.statement.limits import require_limits, require_rates, require_yaws
+from assur.planner.checker.statement.loads import require_loads
+from assur.planner.checker.statement.nearness import require_nearness, require_stated_contacts, require_touching
+from assur.planner.checker.statement.order import require_order
+from assur.planner.checker.statement.passed import require_parabolas
+from assur.planner.checker.statement.peaks import require_peaks, require_tool
+from assur.planner.checker.statement.phases import require_phases
+from assur.planner.checker.statement.points import require_points
+from assur.planner.checker.statement.postures import require_margins, require_modes, require_postures
+from assur.planner.checker.statement.solids import require_solids
+from assur.planner.checker.statement.statement import Statement
+from assur.planner.checker.verdict import Code, Finding
 from assur.planner.claim.columns import Claim
 from assur.planner.model.claims import Claims
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Plan
 from assur.planner.model.scene import Scene
 
-__all__ = ["Difference", "Topic", "state_answer", "state_cell", "state_legs", "state_motion", "state_plan"]
+__all__ = ["state_answer", "state_cell", "state_legs", "state_motion", "state_plan"]
+
+OF_MOTIONS = (require_execution, require_phases, require_known, require_limits, require_rates, require_yaws)
+"""What is required of every motion, with a task or without."""
+OF_TASKS = (
+    require_points,
+    require_arrivals,
+    require_hands,
+    require_joints,
+    require_arches,
+    require_guides,
+    require_parabolas,
+    require_modes,
+    require_margins,
+    require_touching,
+)
+"""What is required of a plan for a task in addition."""
 
 
-def state_cell(scene: Scene, claim: Claim) -> list[Difference]:
-    """Differences of what depends on the cell alone: motions of frames, links, solids and distances.
+def state_cell(scene: Scene, claim: Claim) -> list[Finding]:
+    """Findings about what depends on the cell alone: motions of frames, links, solids and distances.
 
     A kept cell needs this once. `claim`: the claim of the scene, with or without a plan.
     """
-    found = list(solids_agree(scene, claim))
-    found += frames_agree(scene.frames, claim)
-    if not found:  # else rows may be those of other bodies and frames
-        found += links_agree(scene, claim)
-        found += distances_agree(scene, claim)
-    return found
+    report = Requirements()
+    require_solids(report, scene, claim)
+    require_frames(report, scene.frames, claim)
+    if not report.findings:  # else rows may be those of other bodies and frames
+        require_links(report, scene, claim)
+        require_distances(report, scene, claim)
+    return report.findings
 
 
-def state_legs(scene: Scene, plan: Plan) -> list[Difference]:
-    """Differences of the digest, and of legs and arrivals, which need no claim."""
-    found = []
-    if plan.certificate.digest != digest(scene.digest, plan.trajectory, plan.legs, plan.arrivals, plan.certificate):
-        found.append(Difference(Topic.DIGEST, "request, plan and certificate do not belong together"))
-    return found + list(order_agrees(Handling(scene, plan)))
-
-
-def state_plan(scene: Scene, plan: Plan, claim: Claim) -> list[Difference]:
-    """Differences of what depends on the task and the plan, for a claim whose cell has no difference and a plan whose
-    legs have none."""
+def state_legs(scene: Scene, plan: Plan) -> list[Finding]:
+    """Findings about the digest, and about legs and arrivals, which need no claim."""
     handling = Handling(scene, plan)
-    stages = stages_of(handling)
-    found = _motion(handling, stages, claim)
-    found += points_agree(handling, claim)
-    found += arrivals_agree(handling, claim)
-    found += hands_agree(handling, claim)
-    found += joints_agree(handling, claim)
-    found += arches_agree(handling, claim)
-    found += guides_agree(handling, claim)
-    found += parabolas_agree(handling)
-    found += errors_agree(handling, claim)
-    found += modes_agree(handling, claim)
-    found += margins_agree(handling, claim)
-    found += Nearness(handling, stages, claim).touching_agrees()
-    return found
+    own = digest(scene.digest, plan.trajectory, plan.legs, plan.arrivals, plan.certificate)
+    what = "request, plan and certificate do not belong together"
+    handling.require(plan.certificate.digest == own, Code.DIGEST, what)
+    require_order(handling)
+    return handling.findings
 
 
-def state_motion(scene: Scene, plan: Plan, claim: Claim) -> list[Difference]:
-    """Differences of a motion that has no task: `plan` has one leg, in travel, and no arrivals."""
-    handling = Handling(scene, plan)
-    return _motion(handling, stages_of(handling), claim)
+def state_plan(scene: Scene, plan: Plan, claim: Claim) -> list[Finding]:
+    """Findings about what depends on the task and the plan, for a claim with whose cell nothing is wrong, and a plan
+    with whose legs nothing is wrong."""
+    statement = Statement(scene, plan, claim)
+    require_knots(statement, scene.robot, plan.trajectory, claim, 0)
+    for require in OF_MOTIONS + OF_TASKS:
+        require(statement)
+    return statement.findings
 
 
-def _motion(handling: Handling, stages: list[Stage], claim: Claim) -> list[Difference]:
-    """Differences of the motion, of what has to keep apart in which phase, and of limits."""
-    scene = handling.scene
-    found = list(motion_agrees(scene, handling.plan, claim))
-    found += execution_agrees(scene, claim, stages[-1].when[1])
-    found += phases_agree(handling, stages, claim)
-    found += laws_known(scene, claim)
-    found += limits_agree(handling, stages, claim)
-    found += rates_agree(handling, stages, claim)
-    found += yaws_agree(handling, claim)
-    return found
+def state_motion(scene: Scene, plan: Plan, claim: Claim) -> list[Finding]:
+    """Findings about a motion that has no task: `plan` has one leg, in travel, and no arrivals."""
+    statement = Statement(scene, plan, claim)
+    require_knots(statement, scene.robot, plan.trajectory, claim, 0)
+    for require in OF_MOTIONS:
+        require(statement)
+    return statement.findings
 
 
-def state_answer(scene: Scene, plan: Plan, claims: Claims, claim: Claim) -> list[Difference]:
-    """Differences of what an answer states beside its plan, for a claim whose cell and plan have none."""
-    handling = Handling(scene, plan)
-    stages = stages_of(handling)
-    loads, nearness = loads_of(handling, stages), Nearness(handling, stages, claim)
-    found = [*loads_agree(loads, claims.carried), *peaks_agree(handling, loads, claims.peaks, claim)]
-    found += tool_agrees(handling, stages, claims, claim)
-    found += postures_agree(handling, claims, claim)
-    found += nearness.stated_agrees(claims)
-    found += nearness.contacts_agree(claims.contacts)
-    return found
+def state_answer(scene: Scene, plan: Plan, claims: Claims, claim: Claim) -> list[Finding]:
+    """Findings about what an answer states in addition to its plan, for a claim with whose cell and plan nothing is
+    wrong."""
+    statement = Statement(scene, plan, claim)
+    require_loads(statement, claims.carried)
+    if claims.peaks is not None:
+        require_peaks(statement, claims.peaks)
+    require_tool(statement, claims)
+    require_postures(statement, claims)
+    require_nearness(statement, claims)
+    if claims.contacts is not None:
+        require_stated_contacts(statement, claims.contacts)
+    return statement.findings

@@ -8,7 +8,6 @@ of joint values. World frame, m and rad; (m, n) are m vectors of n joint values.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -16,10 +15,10 @@ from numpy.typing import NDArray
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import laws
-from assur.planner.checker.statement.differences import SAME, Difference, Four, Topic
+from assur.planner.checker.statement.differences import SAME, Four, Requirements
+from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.errors import FaultError
-from assur.planner.model.outcome import Plan
 from assur.planner.model.scene import Scene
 from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.five_axis_arm import FiveAxisArm
@@ -36,59 +35,49 @@ leave none of them free."""
 Complex = NDArray[np.complexfloating[Any, Any]]
 SHARES = np.arange(1.0, VECTORS + 1.0)[:, None] * np.sqrt(np.array([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0])) % 1.0
 """Points (VECTORS, 8) of a cube that is 1 wide: multiples of roots, less whole numbers, spread without any pattern."""
-FIVE_BAR = ("base", "proximal-left", "proximal-right", "distal-left", "distal-right", "quill", "flange")
 
 
 def link_names(robot: Robot) -> tuple[str, ...]:
-    """The links of an arm in the order of a claim, in which the outer links of a loop come after both cranks."""
-    return FIVE_BAR if isinstance(robot, FiveBar) else robot.links
-
-
-def link_row(robot: Robot, link: int) -> int:
-    """The number in a claim of a link that has this number in the robot's own order."""
-    return link_names(robot).index(robot.links[link])
+    """The links of an arm in the order of a claim: those of the robot."""
+    return robot.links
 
 
 def flange_row(robot: Robot) -> int:
     """The number in a claim of the flange, which carries tool and part."""
-    return link_names(robot).index("flange")
+    return robot.links.index("flange")
 
 
-def links_agree(scene: Scene, claim: c.Claim) -> Iterator[Difference]:
-    """Differences of the links of all arms, of the frames that are links of other arms than the robot, and of the
-    motions of these arms."""
+def require_links(report: Requirements, scene: Scene, claim: c.Claim) -> None:
+    """The links of all arms are those of the request, frames that are links of other arms than the robot are such links
+    in the claim, and these arms move as the request states it."""
     arms: dict[int, tuple[Robot, Trajectory]] = {}
-    for name, (robot, path, link), row in _links_of_others(scene, claim):
-        arm = int(row[c.FRAME_ARM])
-        if arm < 1:
-            yield Difference(Topic.LAW, f"{name} is a link of an arm in the request, and not in the claim")
-            continue
-        other = arms.setdefault(arm, (robot, path))
-        if other[0] is not robot or other[1] is not path:
-            yield Difference(Topic.LAW, f"{name} is a link of another arm")
-        elif row[c.FRAME_LINK] != claim.arms[arm, c.ARM_LINK] + link_row(robot, link):
-            yield Difference(Topic.LAW, f"{name} is another link of its arm")
-    if sorted(arms) != list(range(1, len(claim.arms))):
-        yield Difference(Topic.LINK, f"the claim has {len(claim.arms)} arms, not {1 + len(arms)}")
-        return
-    for arm, robot in [(0, scene.robot), *((arm, robot) for arm, (robot, _) in arms.items())]:
-        yield from _arm_agrees(robot, arm, claim)
-    for arm, (robot, path) in arms.items():
-        yield from _knots_agree(robot, path, claim, arm)
-
-
-def _links_of_others(scene: Scene, claim: c.Claim) -> Iterator[tuple[str, tuple[Robot, Trajectory, int], list[float]]]:
-    """The frames that are links of other arms: name; robot, motion and link; and the row of the claim."""
     for frame, row in zip(scene.frames.values(), claim.frames.tolist(), strict=False):
-        link = laws.link_of(frame.law)
-        if link is not None:
-            yield frame.name, link, row
+        of, arm = laws.link_of(frame.law), int(row[c.FRAME_ARM])
+        if of is None:
+            continue
+        robot, path, link = of
+        report.require(arm >= 1, Code.LAW, f"{frame.name} is a link of an arm in the request, and not in the claim")
+        if arm >= 1:
+            other = arms.setdefault(arm, (robot, path))
+            same_arm = other[0] is robot and other[1] is path
+            report.require(same_arm, Code.LAW, f"{frame.name} is a link of another arm")
+            same_link = row[c.FRAME_LINK] == claim.arms[arm, c.ARM_LINK] + link
+            report.require(same_link, Code.LAW, f"{frame.name} is another link of its arm")
+    if sorted(arms) != list(range(1, len(claim.arms))):
+        report.require(False, Code.LINK, f"the claim has {len(claim.arms)} arms, not {1 + len(arms)}")
+        return
+    _require_chain(report, scene.robot, 0, claim)
+    for arm, (robot, path) in arms.items():
+        _require_chain(report, robot, arm, claim)
+        require_knots(report, robot, path, claim, arm)
 
 
-def _arm_agrees(robot: Robot, arm: int, claim: c.Claim) -> Iterator[Difference]:
-    names, row = link_names(robot), claim.arms[arm]
+def _require_chain(report: Requirements, robot: Robot, arm: int, claim: c.Claim) -> None:
+    """The links of an arm are where the textbook has them, and its loop is as far from singular positions."""
+    names, row = robot.links, claim.arms[arm]
     if row[c.ARM_LINKS] != len(names) or row[c.ARM_JOINTS] != len(robot.joints):
-        yield Difference(Topic.LINK, f"{robot.name} has {len(names)} links and {len(robot.joints)} joints")
+        what = f"{robot.name} has {len(names)} links and {len(robot.joints)} joints"
+        report.require(False, Code.LINK, what)
         return
     lower, upper = robot.limits.lower, robot.limits.upper
     q = lower + SHARES[:, : len(lower)] * (upper - lower)
@@ -96,17 +85,16 @@ def _arm_agrees(robot: Robot, arm: int, claim: c.Claim) -> Iterator[Difference]:
     stated_places, stated_angles = _chain(claim, arm, q)
     closes = np.isfinite(places[-1]).all(axis=1)
     if not closes.sum() >= FEWEST:
-        yield Difference(Topic.LINK, f"{robot.name} closes at too few joint vectors to compare its links")
+        report.require(False, Code.LINK, f"{robot.name} closes at too few joint vectors to compare its links")
         return
     apart = np.abs(stated_places - places)[:, closes].max(axis=(1, 2))
     turned = np.abs(np.remainder(stated_angles - angles + math.pi, math.tau) - math.pi)[:, closes].max(axis=(1, 2))
     for name, off in zip(names, np.maximum(apart, turned).tolist(), strict=True):
-        if not off <= SAME:
-            yield Difference(Topic.LINK, f"{name} of {robot.name} is up to {off:.2g} m or rad from its place")
+        what = f"{name} of {robot.name} is up to {off:.2g} m or rad from its place"
+        report.require(off <= SAME, Code.LINK, what)
     if row[c.ARM_LOOP] >= 0.0:
-        loop = claim.loops[int(row[c.ARM_LOOP])]
-        if not loop[c.LOOP_LEAST] >= robot.parallel_least:
-            yield Difference(Topic.LINK, f"{robot.name} may come nearer to a singularity of its loop")
+        far = claim.loops[int(row[c.ARM_LOOP]), c.LOOP_LEAST] >= robot.parallel_least
+        report.require(far, Code.LINK, f"{robot.name} may come nearer to a singularity of its loop")
 
 
 def _chain(claim: c.Claim, arm: int, q: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -248,7 +236,7 @@ def states_at(path: Trajectory, time: float) -> FloatArray:
 
 def place_at(robot: Robot, path: Trajectory, link: int, time: float) -> Four:
     """Where link number `link` (in the robot's own order), which stays upright, is at a time."""
-    return link_at(robot, states_at(path, time)[0], link_row(robot, link))
+    return link_at(robot, states_at(path, time)[0], link)
 
 
 def link_at(robot: Robot, q: FloatArray, row: int) -> Four:
@@ -264,24 +252,21 @@ def hand_shares(robot: Robot) -> FloatArray:
     return np.asarray((angles[1:] - angles[0]).T)
 
 
-def motion_agrees(scene: Scene, plan: Plan, claim: c.Claim) -> Iterator[Difference]:
-    """Differences of the motion of the robot, which has the knots of the plan."""
-    yield from _knots_agree(scene.robot, plan.trajectory, claim, 0)
-
-
-def _knots_agree(robot: Robot, path: Trajectory, claim: c.Claim, arm: int) -> Iterator[Difference]:
+def require_knots(report: Requirements, robot: Robot, path: Trajectory, claim: c.Claim, arm: int) -> None:
     """The arm has the knots of the path, and one before and one behind at most, up to which it does not move."""
-    row, n = claim.arms[arm], len(robot.joints)
+    row, n, count = claim.arms[arm], path.n, len(path.time)
     knots = claim.knots[int(row[c.ARM_KNOT]) :][: int(row[c.ARM_KNOTS])]
     first = int(knots[0, 0] < path.time[0])
-    own = knots[first : first + len(path.time)]
-    same = len(own) == len(path.time) and len(knots) - first - len(own) <= 1
-    for column, values in ((c.KNOT_Q, path.q), (c.KNOT_QD, path.qd), (c.KNOT_QDD, path.qdd)):
-        same = same and np.array_equal(own[:, column : column + n], values)
-    same = same and np.array_equal(own[:, c.KNOT_TIME], path.time)
-    for k, beside in [(0, 1)] * first + [(-1, -2)] * (len(knots) - first - len(own)):
+    own, behind = knots[first : first + count], len(knots) - first - count
+    same = (
+        behind in (0, 1)
+        and np.array_equal(own[:, c.KNOT_TIME], path.time)
+        and np.array_equal(own[:, c.KNOT_Q : c.KNOT_Q + n], path.q)
+        and np.array_equal(own[:, c.KNOT_QD : c.KNOT_QD + n], path.qd)
+        and np.array_equal(own[:, c.KNOT_QDD : c.KNOT_QDD + n], path.qdd)
+    )
+    for k, beside in [(0, 1)] * first + [(-1, -2)] * behind:
         rests = not knots[[k, beside], c.KNOT_QD :].any()
         same = same and rests and np.array_equal(knots[k, c.KNOT_Q :], knots[beside, c.KNOT_Q :])
-    if not same:
-        whose = "plan" if arm == 0 else "request"
-        yield Difference(Topic.MOTION, f"the motion of {robot.name} is not that of the {whose}")
+    whose = "plan" if arm == 0 else "request"
+    report.require(same, Code.MOTION, f"the motion of {robot.name} is not that of the {whose}")

@@ -1,61 +1,110 @@
-"""Is what an arrival states of its control point so? Name, pose, way along a belt, velocity, a yaw that is kept."""
+"""Is what an arrival states of its control point so? Name, pose, way along a belt, velocity, a yaw that is kept, and
+how far the tool may be from the point, whatever is uncertain.
+
+The claim checker shows that no error is larger than a row states. Here the row is compared with the request, and the
+answer with the row. Errors follow from the task: the part as it is known before the step, and the phase in which the
+step is done.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
 from assur.planner.checker.statement import laws
-from assur.planner.checker.statement.arms import flange_row
-from assur.planner.checker.statement.differences import MEET, SAME, Difference, Topic
-from assur.planner.checker.statement.holding import Handling
+from assur.planner.checker.statement.differences import MEET, SAME, TRACKED_M, Four
+from assur.planner.checker.statement.poses import inverse, numbers, then
+from assur.planner.checker.statement.statement import Statement, at_least, at_most, same
+from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
-from assur.planner.model.outcome import Arrival
+from assur.planner.laws.law import EXACT
+from assur.planner.model.arrival_error import ArrivalError
+from assur.planner.model.outcome import Arrival, LegKind
+from assur.planner.model.scene import Pick, Trace
 
 AHEAD = 0.5
 """Of a row whose axis is stated to point roughly in a direction: a sine alone would allow the opposite one."""
+ROUNDED = 2e-8
+"""By which a row may be larger than the number of the answer, m or rad: what the claim checker keeps for rounding. A
+length may be larger, too, by what the tool may be off its point if nothing is uncertain."""
 
 
-def arrivals_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
-    """Differences of arrivals, of which the request does not leave a choice."""
-    for number, step in enumerate(handling.scene.task):
-        arrival = handling.arrivals[number]
-        when = (arrival.time, arrival.until)
-        if arrival.control_point != step.name:
-            yield Difference(Topic.ARRIVAL, f"the arrival at {step.name} has another name", when)
-        if step.match == "velocity" and not step.via and not arrival.matched:
-            yield Difference(Topic.ARRIVAL, f"the velocity of {step.name} is to be matched", when)
-        tool, pose = handling.tool_at(arrival.time), arrival.pose
-        off = max(math.dist(tool[:3], (pose.x, pose.y, pose.z)), abs(math.remainder(tool[3] - pose.yaw, math.tau)))
-        if not off <= MEET:
-            yield Difference(Topic.ARRIVAL, f"the tool is not at the pose that is stated at {step.name}", when)
-        if not _is_so_far_along(handling, number, arrival):
-            yield Difference(Topic.ARRIVAL, f"{step.name} is not so far along its belt", when)
-        if step.target is not None and step.target.yaw_keep and not _keeps_yaw(handling, number, claim):
-            yield Difference(Topic.AXIS, f"the tool is not stated to keep its yaw until {step.name}", when)
+def require_arrivals(statement: Statement) -> None:
+    """What arrivals state is so, where the request does not leave a choice."""
+    for number, step in enumerate(statement.scene.task):
+        arrival, name = statement.arrivals[number], step.name
+        when, left = (arrival.time, arrival.until), (arrival.until, arrival.until)
+        same_name = arrival.control_point == name
+        statement.require(same_name, Code.ARRIVAL, f"the arrival at {name} has another name", when)
+        matched = step.match != "velocity" or step.via or arrival.matched
+        statement.require(matched, Code.ARRIVAL, f"the velocity of {name} is to be matched", when)
+        tool, pose = statement.tool_at(arrival.time), numbers(arrival.pose)
+        off = max(math.dist(tool[:3], pose[:3]), abs(math.remainder(tool[3] - pose[3], math.tau)))
+        statement.require(off <= MEET, Code.ARRIVAL, f"the tool is not at the pose that is stated at {name}", when)
+        along = _is_so_far_along(statement, number, arrival)
+        statement.require(along, Code.ARRIVAL, f"{name} is not so far along its belt", when)
+        kept = step.target is None or not step.target.yaw_keep or _keeps_yaw(statement, number)
+        statement.require(kept, Code.DIRECTION, f"the tool is not stated to keep its yaw until {name}", when)
+        known = arrival.error is None or _is_error(statement, number, arrival.error)
+        statement.require(known, Code.ERROR, f"{name} may be missed by more", left)
 
 
-def _is_so_far_along(handling: Handling, number: int, arrival: Arrival) -> bool:
+def _is_so_far_along(statement: Statement, number: int, arrival: Arrival) -> bool:
     """How far the control point is along its belt when it is met, from the pose that the request has for it."""
-    frame, pose = handling.point(number)
-    measured = laws.measured_along(handling.scene.frames[frame].law)
+    frame, pose = statement.point(number)
+    measured = laws.measured_along(statement.scene.frames[frame].law)
     if arrival.along_m is None or measured is None:
         return arrival.along_m is None
-    way = np.array(handling.in_world((frame, pose), arrival.time)[:3]) - np.array(measured[1][:3])
+    way = np.array(statement.in_world((frame, pose), arrival.time)[:3]) - np.array(measured[1][:3])
     return abs(float(way @ np.array(measured[0])) - arrival.along_m) <= MEET
 
 
-def _keeps_yaw(handling: Handling, number: int, claim: c.Claim) -> bool:
+def _keeps_yaw(statement: Statement, number: int) -> bool:
     """When the step begins the tool has the yaw, in the world, with which its point row states that it is met."""
-    begin = next(leg.t0 for leg in handling.plan.legs if leg.step == number)
-    yaw, own = handling.in_world(handling.tool_point(number), handling.arrivals[number].time)[3], handling.tcp[3]
+    begin, time = statement.legs(number)[0].t0, statement.arrivals[number].time
+    yaw, own = statement.in_world(statement.tool_point(number), time)[3], statement.tcp[3]
     ahead, aside = (math.cos(own), math.sin(own), 0.0), (-math.sin(own), math.cos(own), 0.0)
-    same = [flange_row(handling.scene.robot), 0.0]
-    for axis, low, high in ((aside, -MEET, MEET), (ahead, AHEAD, math.inf)):
-        wanted = np.array([begin, begin, *same, *axis, -1.0, math.cos(yaw), math.sin(yaw), 0.0])
-        rows = claim.axes[(np.abs(claim.axes[:, : c.AXIS_LOW] - wanted) <= SAME).all(1)]
-        if not ((rows[:, c.AXIS_LOW] >= low) & (rows[:, c.AXIS_HIGH] <= high)).any():
-            return False
-    return True
+    world = (-1.0, math.cos(yaw), math.sin(yaw), 0.0)
+    return all(
+        statement.keeps("axes", (statement.flange, 0.0, *axis, *world), low, high, (begin, begin))
+        for axis, low, high in ((aside, -MEET, MEET), (ahead, AHEAD, math.inf))
+    )
+
+
+def _is_error(statement: Statement, number: int, error: ArrivalError) -> bool:
+    """Whether a row states no more than the error, for the place and with the uncertainty that the request has."""
+    step, arrival = statement.scene.task[number], statement.arrivals[number]
+    frame, tool, point = _place(statement, number)
+    known = EXACT
+    if step.part is not None:
+        known = statement.uncertainty(step.part, statement.handed_before(number)) or EXACT
+    arm = math.hypot(step.grasp.x, step.grasp.y) if isinstance(step, Pick) else 0.0
+    planned = TRACKED_M if isinstance(step, Trace) else MEET
+    if arrival.missed_by is not None:
+        planned += arrival.missed_by.distance_m
+    within, off = error.within, (known.position_m, known.vertical_m, known.yaw_rad, arm)
+    most = *(planned + each for each in (error.position_m, within.position_m, within.vertical_m)), within.yaw_rad
+    return any(
+        statement.states(
+            "errors",
+            (c.ERROR_TIME, (arrival.until, phase), (arrival.until, phase)),
+            same(c.ERROR_FRAME, statement.frames[frame], statement.flange, *tool, *point),
+            at_least(c.ERROR_OFF, *(x - SAME for x in off)),
+            at_most(c.ERROR_FAR, *(x + ROUNDED for x in most)),
+        )
+        for phase, leg in enumerate(statement.plan.legs)
+        if leg.step == number
+        and abs(leg.t1 - arrival.until) <= SAME
+        and (leg.kind is LegKind.FOLLOW or not step.tracks)
+    )
+
+
+def _place(statement: Statement, number: int) -> tuple[str, Four, Four]:
+    """The point whose error counts: its frame, its pose on the flange and its pose in the frame. It is the origin of
+    the part, or the target; of a trace the end of the path."""
+    step, (frame, at) = statement.scene.task[number], statement.tool_point(number)
+    if isinstance(step, Trace):
+        return frame, statement.tcp, (*step.path.end, at[3])
+    point = at if step.part is None else statement.point(number)[1]
+    return frame, then(statement.tcp, then(inverse(at), point)), point

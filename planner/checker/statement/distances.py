@@ -2,63 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
-from assur.planner.checker.statement.arms import link_names
-from assur.planner.checker.statement.differences import Difference, Topic
+from assur.planner.arrays import BoolArray
+from assur.planner.checker.statement.differences import Requirements
 from assur.planner.checker.statement.solids import bodies_of
+from assur.planner.checker.statement.statement import Statement
+from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.model.scene import Scene
 
 
-def distances_agree(scene: Scene, claim: c.Claim) -> Iterator[Difference]:
+def require_distances(report: Requirements, scene: Scene, claim: c.Claim) -> None:
     """Distances in travel and near a control point, with their exceptions, of which the last one that names a pair
     counts; and the pairs of the robot's links that are kept apart."""
     names, clearance, stated = [body.name for body in bodies_of(scene)], scene.options.clearance, claim.required[0]
     count = len(names)
-    for kind, column in (("travel", 0), ("near", 1)):
-        required = np.full((count, count), getattr(clearance, f"{kind}_m"))
-        for rule in clearance.exceptions:
-            sides = [np.array([not side or name in side for name in names]) for side in (rule.first, rule.second)]
-            required[_both_ways(*sides)] = getattr(rule, f"{kind}_m")
-        kept = np.full((count, count), stated[c.REQUIRED_TRAVEL + column])
-        for row in claim.rules:
-            first, second = row[c.RULE_SIDE : c.RULE_SIDE + count] == 1.0, row[c.RULE_SIDE + count :] == 1.0
-            kept[_both_ways(first, second)] = row[c.RULE_TRAVEL + column]
-        for i, k in np.argwhere(~(kept >= required)).tolist():
-            if i <= k:
-                what = f"{names[i]} and {names[k]} need {required[i, k]:g} m ({kind}), not {kept[i, k]:g} m"
-                yield Difference(Topic.DISTANCE, what)
-    links = link_names(scene.robot)
+    required = np.full((count, count, 2), (clearance.travel_m, clearance.near_m))
+    for rule in clearance.exceptions:
+        sides = [np.array([not side or name in side for name in names]) for side in (rule.first, rule.second)]
+        required[_both_ways(*sides)] = rule.travel_m, rule.near_m
+    kept = np.full((count, count, 2), stated[[c.REQUIRED_TRAVEL, c.REQUIRED_NEAR]])
+    for row in claim.rules:
+        first, second = (row[c.RULE_SIDE :] == 1.0).reshape(2, count)
+        kept[_both_ways(first, second)] = row[[c.RULE_TRAVEL, c.RULE_NEAR]]
+    for i, k, near in np.argwhere(~(kept >= required)).tolist():
+        if i <= k:
+            pair, kind = f"{names[i]} and {names[k]}", ("travel", "near")[near]
+            what = f"{pair} need {required[i, k, near]:g} m ({kind}), not {kept[i, k, near]:g} m"
+            report.require(False, Code.DISTANCE, what)
+    links = scene.robot.links
     for one, other in scene.robot.self_pairs:
         i, k = links.index(one), links.index(other)
-        if not (claim.self_pairs[i, k] == 1.0 and claim.self_pairs[k, i] == 1.0):
-            yield Difference(Topic.DISTANCE, f"links {one} and {other} are not kept apart")
+        apart = claim.self_pairs[i, k] == 1.0 and claim.self_pairs[k, i] == 1.0
+        report.require(apart, Code.DISTANCE, f"links {one} and {other} are not kept apart")
     # only the links that carry the tool share the errors of a belt that is corrected for
-    first = links.index("quill" if "quill" in links else "flange")
-    if stated[c.REQUIRED_TOOL] != first:
-        yield Difference(Topic.UNCERTAINTY, "other links than the tool's have a share in the errors of belts")
+    first_of_tool = links.index("quill" if "quill" in links else "flange")
+    what = "other links than the tool's have a share in the errors of belts"
+    report.require(stated[c.REQUIRED_TOOL] == first_of_tool, Code.UNCERTAINTY, what)
 
 
-def _both_ways(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+def _both_ways(first: BoolArray, second: BoolArray) -> BoolArray:
     """Which pairs (B, B) have one body on each of two sides (B,)."""
     pairs = np.outer(first, second)
-    return pairs | pairs.T
+    return np.asarray(pairs | pairs.T)
 
 
-def execution_agrees(scene: Scene, claim: c.Claim, until: float) -> Iterator[Difference]:
+def require_execution(statement: Statement) -> None:
     """Lag of the joints, lateness of the start, when errors begin to grow, and that distances are kept until the last
-    phase ends, at `until`."""
-    execution, stated = scene.execution, claim.required[0].tolist()
-    lag = stated[c.REQUIRED_LAG :]
-    if not all(x >= y for x, y in zip(lag, execution.lag, strict=False)):
-        yield Difference(Topic.UNCERTAINTY, "a joint may lag by more than the claim states")
-    if not stated[c.REQUIRED_LATE] >= execution.start_tolerance_s:
-        yield Difference(Topic.UNCERTAINTY, "the robot may start later than the claim states")
-    if not stated[c.REQUIRED_SINCE] <= scene.start.time:
-        yield Difference(Topic.UNCERTAINTY, "errors of frames grow from an earlier time on")
-    if not stated[c.REQUIRED_UNTIL] >= until:
-        when = (stated[c.REQUIRED_UNTIL], until)
-        yield Difference(Topic.DISTANCE, "distances are not kept until the end", when)
+    phase ends."""
+    execution, stated = statement.scene.execution, statement.claim.required[0].tolist()
+    until, end = stated[c.REQUIRED_UNTIL], statement.stages[-1].when[1]
+    lags = all(x >= y for x, y in zip(stated[c.REQUIRED_LAG :], execution.lag, strict=False))
+    for holds, what in (
+        (lags, "a joint may lag by more than the claim states"),
+        (stated[c.REQUIRED_LATE] >= execution.start_tolerance_s, "the robot may start later than the claim states"),
+        (stated[c.REQUIRED_SINCE] <= statement.scene.start.time, "errors of frames grow from an earlier time on"),
+    ):
+        statement.require(holds, Code.UNCERTAINTY, what)
+    statement.require(until >= end, Code.DISTANCE, "distances are not kept until the end", (until, end))

@@ -7,68 +7,65 @@ degree d are the same if they agree at d + 1 instants, so each piece is compared
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import islice
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import laws
-from assur.planner.checker.statement.differences import SAME, Difference, Interval, Topic, is_same
+from assur.planner.checker.statement.differences import SAME, Interval, Requirements, is_same
+from assur.planner.checker.statement.statement import Statement
+from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
-from assur.planner.laws.law import Frame, Uncertainty
-from assur.planner.model.scene import Scene
+from assur.planner.laws.law import Frame
 
-EXACT = Uncertainty()
-"""Of a frame of which nothing is uncertain."""
 PERIODS = (0, 1, 2, -1)
 """Periods over which a motion that repeats is compared with its formula."""
 
 
-def frames_agree(frames: Mapping[str, Frame], claim: c.Claim) -> Iterator[Difference]:
-    """Differences of the frames, which are in the order of the request. Links of other arms: see `arms`."""
-    if len(claim.frames) != len(frames):
-        yield Difference(Topic.LAW, f"the claim has {len(claim.frames)} frames, not {len(frames)}")
-        return
-    for number, (frame, row) in enumerate(zip(frames.values(), claim.frames.tolist(), strict=True)):
-        yield from _uncertainty_agrees(number, frame, row, claim)
+def require_frames(report: Requirements, frames: Mapping[str, Frame], claim: c.Claim) -> None:
+    """The frames are those of the request, in its order. Links of other arms: see `arms`."""
+    many = f"the claim has {len(claim.frames)} frames, not {len(frames)}"
+    report.require(len(claim.frames) == len(frames), Code.LAW, many)
+    for number, (frame, row) in enumerate(zip(frames.values(), claim.frames, strict=False)):
+        _require_uncertainty(report, number, frame, row.tolist(), claim)
         if laws.link_of(frame.law) is None:
-            yield from _motion_agrees(frame, row, claim)
+            _require_motion(report, frame, row, claim)
 
 
-def laws_known(scene: Scene, claim: c.Claim) -> Iterator[Difference]:
+def require_known(statement: Statement) -> None:
     """The motion of each frame is known while a body is on it, and where the tool has to be at a point of it; lateness
     and shifts included."""
-    late, seated = scene.execution.start_tolerance_s, claim.seats[claim.seated.astype(int), c.SEAT_FRAME]
-    for number, frame in enumerate(scene.frames.values()):
+    claim, late = statement.claim, statement.scene.execution.start_tolerance_s
+    seated = claim.seats[claim.seated.astype(int), c.SEAT_FRAME]
+    for number, frame in enumerate(statement.scene.frames.values()):
         earliest, latest = laws.known(frame.law)
         if (earliest, latest) == (-math.inf, math.inf) or laws.link_of(frame.law) is not None:
             continue
         spans = [claim.phases[(seated == number).any(axis=1), c.PHASE_T0 : c.PHASE_T1 + 1]]
-        for table, columns in (
-            (claim.points, (c.POINT_FRAME,)),
-            (claim.rates, (c.RATE_FRAME,)),
-            (claim.guides, (c.GUIDE_FRAME, c.GUIDE_FRAME + 1)),
+        for table, column in (
+            (claim.points, c.POINT_FRAME),
+            (claim.rates, c.RATE_FRAME),
+            (claim.guides, c.GUIDE_FRAME),
+            (claim.guides, c.GUIDE_FRAME + 1),
         ):
-            spans += [table[table[:, column] == number, :2] for column in columns]
+            spans.append(table[table[:, column] == number, :2])
         times, (least, most) = np.concatenate(spans), frame.uncertainty.shift_s
         known = (earliest <= times[:, 0] - most) & (times[:, 1] + late - least <= latest)
-        for t0, t1 in times[~known].tolist():
-            what = f"the motion of {frame.name} is known from {earliest:g} s to {latest:g} s only"
-            yield Difference(Topic.LAW, what, (t0, t1))
-            break
+        what = f"the motion of {frame.name} is known from {earliest:g} s to {latest:g} s only"
+        for t0, t1 in times[~known][:1].tolist():
+            statement.require(False, Code.LAW, what, (t0, t1))
 
 
-def _uncertainty_agrees(number: int, frame: Frame, row: list[float], claim: c.Claim) -> Iterator[Difference]:
+def _require_uncertainty(report: Requirements, number: int, frame: Frame, row: list[float], claim: c.Claim) -> None:
     """At least as much is uncertain of the frame: its time, its yaw, and displacements along some directions."""
     required, name = frame.uncertainty, frame.name
     least, most = required.shift_s
-    if not (row[c.FRAME_SHIFT] <= least and row[c.FRAME_SHIFT + 1] >= most):
-        yield Difference(Topic.UNCERTAINTY, f"the motion of {name} may be earlier or later than the claim states")
-    if not row[c.FRAME_YAW] >= required.yaw_rad:
-        yield Difference(Topic.UNCERTAINTY, f"{name} may be turned by more than the claim states")
-    if required == EXACT:
-        return
+    late = row[c.FRAME_SHIFT] <= least and row[c.FRAME_SHIFT + 1] >= most
+    report.require(late, Code.UNCERTAINTY, f"the motion of {name} may be earlier or later than the claim states")
+    turned = row[c.FRAME_YAW] >= required.yaw_rad
+    report.require(turned, Code.UNCERTAINTY, f"{name} may be turned by more than the claim states")
     line, side = laws.line_of(frame.law), None
     if line is not None and math.hypot(line[0], line[1]) > 0.0:
         length = math.hypot(line[0], line[1])
@@ -79,8 +76,6 @@ def _uncertainty_agrees(number: int, frame: Frame, row: list[float], claim: c.Cl
         ("the horizontal across it", side, required.lateral_m, 0.0, False),
         ("the vertical", (0.0, 0.0, 1.0), required.vertical_m, 0.0, False),
     ):
-        if amount == growth == 0.0:
-            continue
         fits = [
             each
             for each in stated
@@ -89,10 +84,11 @@ def _uncertainty_agrees(number: int, frame: Frame, row: list[float], claim: c.Cl
             and (shared or each[c.DISPLACED_SHARED] == 0.0)
             and _is_along(each, direction)
         ]
-        if fits:
-            stated.remove(fits[0])  # two displacements along one direction add up: each has a row of its own
-        else:
-            yield Difference(Topic.UNCERTAINTY, f"{name} may be displaced by more along {along} than the claim states")
+        if amount > 0.0 or growth > 0.0:
+            what = f"{name} may be displaced by more along {along} than the claim states"
+            report.require(fits, Code.UNCERTAINTY, what)
+            if fits:
+                stated.remove(fits[0])  # two displacements along one direction add up: each has a row of its own
 
 
 def _is_along(row: list[float], direction: tuple[float, ...] | None) -> bool:
@@ -103,34 +99,32 @@ def _is_along(row: list[float], direction: tuple[float, ...] | None) -> bool:
     return min(max(abs(x - s * y) for x, y in zip(stated, direction, strict=True)) for s in (1.0, -1.0)) <= SAME
 
 
-def _motion_agrees(frame: Frame, row: list[float], claim: c.Claim) -> Iterator[Difference]:
+def _require_motion(report: Requirements, frame: Frame, row: FloatArray, claim: c.Claim) -> None:
     """The frame is on no arm, and its polynomials and sines are those of its law."""
     name, law = frame.name, frame.law
     if row[c.FRAME_ARM] != -1.0 or row[c.FRAME_LINK] != -1.0:
-        yield Difference(Topic.LAW, f"{name} is a link of an arm in the claim, and not in the request")
+        report.require(False, Code.LAW, f"{name} is a link of an arm in the claim, and not in the request")
         return
     first, count = int(row[c.FRAME_PIECE]), int(row[c.FRAME_PIECES])
     sines = claim.waves[int(row[c.FRAME_WAVE]) :][: int(row[c.FRAME_WAVES])].tolist()
     pieces = claim.laws[first : first + count]
-    begin, end = (float(pieces[0, c.LAW_BEGIN]), float(pieces[-1, c.LAW_END])) if count else (-math.inf, math.inf)
-    formula = laws.formula_of(law, begin, end) if count else laws.formula_of(law, 0.0, 0.0)
-    if not _are_same_sines(sines, formula.sines):
-        yield Difference(Topic.LAW, f"the sines of {name} are others")
+    begin, end = (float(pieces[0, c.LAW_BEGIN]), float(pieces[-1, c.LAW_END])) if count else (0.0, 0.0)
+    formula = laws.formula_of(law, begin, end)
+    report.require(_are_same_sines(sines, formula.sines), Code.LAW, f"the sines of {name} are others")
     if not count:
-        if formula.degree > 0 or not is_same(np.array(row[c.FRAME_POSE : c.FRAME_RATE]), formula.place(np.zeros(1))[0]):
-            yield Difference(Topic.LAW, f"{name} is at another pose, or moves")
+        same = formula.degree == 0 and is_same(row[c.FRAME_POSE : c.FRAME_RATE], formula.place(np.zeros(1))[0])
+        report.require(same, Code.LAW, f"{name} is at another pose, or moves")
         return
-    period, step = row[c.FRAME_PERIOD], np.array(row[c.FRAME_STEP : c.FRAME])
+    period = row[c.FRAME_PERIOD]
     if period != 0.0:
         # so often at most: what the step is off adds up
-        off = np.abs(step - formula.step).max() * c.LATEST_S / period
+        off = np.abs(row[c.FRAME_STEP : c.FRAME] - formula.step).max() * c.LATEST_S / period
         if not (period == formula.period and abs(end - begin - period) <= SAME and off <= SAME):
-            yield Difference(Topic.LAW, f"{name} has another period, or goes on by another step")
+            report.require(False, Code.LAW, f"{name} has another period, or goes on by another step")
             return
-    when, most = _farthest_off(np.array(row), pieces, formula)
-    if not most <= SAME:
-        what = f"{name} is up to {most:.2g} m or rad from where its law has it"
-        yield Difference(Topic.LAW, what, when)
+    when, most = _farthest_off(row, pieces, formula)
+    what = f"{name} is up to {most:.2g} m or rad from where its law has it"
+    report.require(most <= SAME, Code.LAW, what, when)
 
 
 def _are_same_sines(stated: list[list[float]], required: Sequence[laws.Sine]) -> bool:

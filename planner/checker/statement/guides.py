@@ -8,16 +8,14 @@ leaves a chord is added to what the tool may be off.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.statement.arms import flange_row, states_at
 from assur.planner.checker.statement.curves import Curve, curve_of
-from assur.planner.checker.statement.differences import SAME, TRACKED_M, Difference, Interval, Topic
-from assur.planner.checker.statement.holding import Handling
+from assur.planner.checker.statement.differences import SAME, TRACKED_M, Interval
 from assur.planner.checker.statement.poses import IDENTITY, inverse, then
+from assur.planner.checker.statement.statement import Statement, same
+from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.model.outcome import LegKind, Traced
 from assur.planner.model.scene import WORLD, Move, Trace
@@ -32,51 +30,50 @@ NEAREST_M = 1e-6
 """So near the path the ends of a chord are, m: how far they are off is added to what the tool may be off."""
 
 
-def guides_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
-    """Differences of the guides, and of what arrivals state of traces."""
-    for number, step in enumerate(handling.scene.task):
-        stated = handling.arrivals[number].trace
-        if isinstance(step, Trace):
-            if stated is None:
-                yield Difference(Topic.ARRIVAL, f"nothing is stated of how {step.name} is traced")
-            else:
-                yield from _trace_agrees(handling, number, step, stated, claim)
-            continue
-        if stated is not None:
-            yield Difference(Topic.ARRIVAL, f"{step.name} is no trace")
+def require_guides(statement: Statement) -> None:
+    """The tool is guided on straight legs, paths and traces, and arrivals state of traces what is so."""
+    for number, step in enumerate(statement.scene.task):
+        stated = statement.arrivals[number].trace
+        if not isinstance(step, Trace):
+            statement.require(stated is None, Code.ARRIVAL, f"{step.name} is no trace")
+        elif stated is None:
+            statement.require(False, Code.ARRIVAL, f"nothing is stated of how {step.name} is traced")
+        else:
+            _require_trace(statement, number, step, stated)
         if isinstance(step, Move) and step.leg == "cartesian":
-            when = handling.way(number)
-            what = "along its path" if step.path else "straight"
-            agrees = _follows_path if step.path else _is_straight
-            if not agrees(handling, number, when, claim):
-                yield Difference(Topic.GUIDE, f"the tool is not stated to go {what} to {step.name}", when)
+            when = statement.way(number)
+            how = "along its path" if step.path else "straight"
+            agrees = (
+                _follows_path(statement, number, step, when) if step.path else _is_straight(statement, number, when)
+            )
+            statement.require(agrees, Code.GUIDE, f"the tool is not stated to go {how} to {step.name}", when)
 
 
-def _rows(handling: Handling, claim: c.Claim, first: str, last: str, when: Interval) -> FloatArray | None:
+def _rows(statement: Statement, first: str, last: str, when: Interval) -> FloatArray | None:
     """The guides of the tool from one frame to another over an interval, in order; None: they leave out a time."""
-    names = list(handling.scene.frames)
-    head = np.array([flange_row(handling.scene.robot), *handling.tcp[:3], names.index(first), names.index(last)])
-    own = (np.abs(claim.guides[:, c.GUIDE_LINK : c.GUIDE_FROM] - head) <= SAME).all(1)
-    rows = claim.guides[own & (claim.guides[:, c.GUIDE_T0] >= when[0]) & (claim.guides[:, c.GUIDE_T1] <= when[1])]
-    rows = rows[np.argsort(rows[:, c.GUIDE_T0], kind="stable")]
-    times = rows[:, [c.GUIDE_T0, c.GUIDE_T1]]
-    whole = len(rows) > 0 and (times[0, 0], times[-1, 1]) == when and (times[1:, 0] == times[:-1, 1]).all()
-    return rows if whole else None
+    frames = statement.frames[first], statement.frames[last]
+    return statement.chain("guides", when, same(c.GUIDE_LINK, statement.flange, *statement.tcp[:3], *frames))
 
 
-def _is_straight(handling: Handling, number: int, when: Interval, claim: c.Claim) -> bool:
+def _begin(statement: Statement, frame: str, time: float) -> FloatArray:
+    """Where the tool is in a frame at a time, (3,)."""
+    there = statement.in_world((frame, IDENTITY), time)
+    return np.array(then(inverse(there), statement.tool_at(time))[:3])
+
+
+def _is_straight(statement: Statement, number: int, when: Interval) -> bool:
     """The line begins where the arm rests; else in the frame of the point before."""
-    goal_frame, goal = handling.tool_point(number)
+    goal_frame, goal = statement.tool_point(number)
     first = WORLD
-    if not np.abs(states_at(handling.plan.trajectory, when[0])[1]).max() <= REST:
+    if not np.abs(statement.state_at(when[0])[1]).max() <= REST:
         if number == 0:
             return False  # it begins in motion, and in no frame
-        first, _ = handling.point(number - 1)
-    rows = _rows(handling, claim, first, goal_frame, when)
+        first, _ = statement.point(number - 1)
+    rows = _rows(statement, first, goal_frame, when)
     if rows is None:
         return False
-    left = then(inverse(handling.in_world((first, IDENTITY), when[0])), handling.tool_at(when[0]))
-    ends, shares = np.array([*left[:3], *goal[:3]]), rows[:, [c.GUIDE_SHARE, c.GUIDE_SHARE + 1]]
+    ends = np.array([*_begin(statement, first, when[0]), *goal[:3]])
+    shares = rows[:, c.GUIDE_SHARE : c.GUIDE_MOST]
     return bool(
         (np.abs(rows[:, c.GUIDE_FROM : c.GUIDE_SHARE] - ends) <= SAME).all()
         and (shares[0, 0], shares[-1, 1]) == (0.0, 1.0)
@@ -86,17 +83,17 @@ def _is_straight(handling: Handling, number: int, when: Interval, claim: c.Claim
     )
 
 
-def _follows_path(handling: Handling, number: int, when: Interval, claim: c.Claim) -> bool:
+def _follows_path(statement: Statement, number: int, step: Move, when: Interval) -> bool:
     """The path begins where the tool is then. Every point of it is near the way, and every point of the way near it."""
-    step, (frame, _) = handling.scene.task[number], handling.point(number)
-    rows = _rows(handling, claim, frame, frame, when)
-    if rows is None or not isinstance(step, Move):
+    frame, _ = statement.point(number)
+    rows = _rows(statement, frame, frame, when)
+    if rows is None:
         return False
-    left = then(inverse(handling.in_world((frame, IDENTITY), when[0])), handling.tool_at(when[0]))
     begins, ends = _chords(rows)
     points = np.concatenate([begins[:1], ends])
+    x, y, z = _begin(statement, frame, when[0]).tolist()
     try:
-        curve = curve_of(left[:3], step.path, step.blend_m)
+        curve = curve_of((x, y, z), step.path, step.blend_m)
     except np.linalg.LinAlgError:
         return False  # no circle goes through these points
     far = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
@@ -125,47 +122,36 @@ def _chords(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def _go_from_end_to_end(rows: FloatArray) -> bool:
     """Whether the tool goes along all of each chord."""
-    return bool((rows[:, [c.GUIDE_SHARE, c.GUIDE_SHARE + 1]] == (0.0, 1.0)).all())
+    return bool((rows[:, c.GUIDE_SHARE : c.GUIDE_MOST] == (0.0, 1.0)).all())
 
 
-def _trace_agrees(handling: Handling, number: int, step: Trace, stated: Traced, claim: c.Claim) -> Iterator[Difference]:
+def _require_trace(statement: Statement, number: int, step: Trace, stated: Traced) -> None:
     """What is stated of a trace is within what is promised, and the claim states as much."""
-    v, name, arrival = step.speed_m_s, step.name, handling.arrivals[number]
+    v, name, arrival = step.speed_m_s, step.name, statement.arrivals[number]
     curve = curve_of(step.path.begin, step.path.parts, step.path.blend_m)
-    if not (
+    promised = (
         abs(stated.length_m - curve.length) <= SAME
         and v - stated.slowest_m_s <= SPEED_SHARE * v
         and stated.fastest_m_s - v <= SPEED_SHARE * v
         and stated.error_m <= TRACKED_M
         and arrival.matched
-    ):
-        yield Difference(Topic.ARRIVAL, f"{name} may not be traced as its arrival states")
-    for leg in [leg for leg in handling.plan.legs if leg.step == number]:
+    )
+    statement.require(promised, Code.ARRIVAL, f"{name} may not be traced as its arrival states")
+    for leg in statement.legs(number, tracked=True):
         when, lead = (leg.t0, leg.t1), step.lead_in_m if leg.kind is LegKind.APPROACH else step.lead_out_m
-        if leg.kind not in (LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART):
-            continue
         follows = leg.kind is LegKind.FOLLOW
         lasts, most = (curve.length / v, stated.error_m) if follows else (2.0 * lead / v, TRACKED_M)
-        if not abs(leg.t1 - leg.t0 - lasts) <= SAME:
-            yield Difference(Topic.LEGS, f"{leg.kind} of {name} takes another time than its path", when)
-        rows = _rows(handling, claim, step.target.frame, step.target.frame, when)
-        if rows is None or not (
+        what = f"{leg.kind} of {name} takes another time than its path"
+        statement.require(abs(leg.t1 - leg.t0 - lasts) <= SAME, Code.LEGS, what, when)
+        rows = _rows(statement, step.target.frame, step.target.frame, when)
+        guided = rows is not None and (
             _go_from_end_to_end(rows) and (_off_trace(rows, curve, leg.kind, when, v, lead) <= most).all()
-        ):
-            yield Difference(Topic.GUIDE, f"the tool is not stated to be where {name} has it in its {leg.kind}", when)
-    frames = list(handling.scene.frames)
-    speed = [flange_row(handling.scene.robot), *handling.tcp[:3], frames.index(step.target.frame), 1.0]
-    rates = claim.rates
-    if not (
-        (rates[:, c.RATE_T0] <= arrival.time)
-        & (rates[:, c.RATE_T1] >= arrival.until)
-        & (np.abs(rates[:, c.RATE_LINK : c.RATE_LEAST] - np.array(speed)) <= SAME).all(1)
-        & (rates[:, c.RATE_LEAST] >= stated.slowest_m_s)
-        & (rates[:, c.RATE_MOST] <= stated.fastest_m_s)
-    ).any():
-        yield Difference(
-            Topic.RATE, f"the tool may have another speed on the path of {name}", (arrival.time, arrival.until)
         )
+        what = f"the tool is not stated to be where {name} has it in its {leg.kind}"
+        statement.require(guided, Code.GUIDE, what, when)
+    when, frame = (arrival.time, arrival.until), statement.frames[step.target.frame]
+    kept = statement.tool_keeps(frame, 1, stated.slowest_m_s, stated.fastest_m_s, when)
+    statement.require(kept, Code.RATE, f"the tool may have another speed on the path of {name}", when)
 
 
 def _off_trace(rows: FloatArray, curve: Curve, kind: LegKind, when: Interval, v: float, lead: float) -> FloatArray:

@@ -8,18 +8,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import arms, laws
-from assur.planner.checker.statement.differences import SAME, Four, Interval
+from assur.planner.checker.statement.differences import SAME, Four, Interval, Requirements
 from assur.planner.checker.statement.poses import inverse, numbers, then
 from assur.planner.errors import FaultError
-from assur.planner.geometry.shapes import Body, Hull
+from assur.planner.geometry.shapes import Body, Hull, Piece
 from assur.planner.laws.law import EXACT, PoseUncertainty, Uncertainty
-from assur.planner.model.outcome import TRACKING, LegKind, Plan
+from assur.planner.model.outcome import TRACKING, Leg, LegKind, Plan
 from assur.planner.model.scene import Pick, Place, Scene
 
 CONTACT_M = 1e-4
@@ -29,14 +30,38 @@ Where = tuple[str | None, Four]
 """The frame to which a body is fixed (None: the flange), and its pose there."""
 
 
-class Handling:
+@dataclass
+class Stage:
+    """A leg, or what comes behind the last one: what has to hold in it.
+
+    `near`: whether the distance near a control point counts. `robot`: whether the robot has to keep clear. `handed`:
+    the steps whose part has changed hands; `held`: the part in the gripper. `touching`, `depth`: the pairs that may
+    touch, and how deep, m. `supports`: by the parts that were put down, what they may touch. `shares`: those of the
+    tool in errors of frames.
+    """
+
+    when: Interval
+    handed: list[int]
+    held: str | None
+    near: bool = False
+    robot: bool = True
+    touching: set[frozenset[str]] = field(default_factory=set)
+    depth: float = 0.0
+    supports: dict[str, set[str]] = field(default_factory=dict)
+    shares: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+
+class Handling(Requirements):
     """What the steps of a task do with parts, in a plan. `steps` are numbers of steps in the task; steps whose part
     has changed hands before some time are the `handed` ones, in their order."""
 
     def __init__(self, scene: Scene, plan: Plan) -> None:
+        super().__init__()
         self.scene, self.plan = scene, plan
         self.arrivals = {arrival.step: arrival for arrival in plan.arrivals}
-        self.tcp = numbers(scene.tool.tcp)
+        self.tcp, self.flange = numbers(scene.tool.tcp), float(arms.flange_row(scene.robot))
+        self.frames = {name: number for number, name in enumerate(scene.frames)}
+        self.whole = (float(plan.trajectory.time[0]), float(plan.trajectory.time[-1]))
         self._places: dict[tuple[str, float], Four] = {}
         self._radius: dict[str, float] = {}
         self._supports: dict[int, set[str]] = {}
@@ -59,16 +84,50 @@ class Handling:
         return known and not any((*scene.execution.lag, scene.execution.start_tolerance_s))
 
     @cached_property
-    def tracks(self) -> list[bool]:
-        """Whether each leg of the plan tracks a control point."""
-        return [leg.kind in TRACKING for leg in self.plan.legs]
+    def stages(self) -> list[Stage]:
+        """What has to hold in each leg, while the arm is at rest behind the last one for as long as the request
+        requires, and then until a robot that starts late may be through, if a part was put down."""
+        legs, options, late = self.plan.legs, self.scene.options, self.scene.execution.start_tolerance_s
+        found = [self._stage(k, (leg.t0, leg.t1)) for k, leg in enumerate(legs)]
+        end = legs[-1].t1
+        if options.end == "rest" and options.stay_safe_s > 0.0:
+            found.append(self._stage(len(legs), (end, end + options.stay_safe_s)))
+            end += options.stay_safe_s
+        if late > 0.0:
+            last = self._stage(len(legs), (end, end + late))
+            if last.supports:
+                last.robot, last.shares = False, {}
+                found.append(last)
+        return found
 
-    def handed_before_leg(self, leg: int) -> list[int]:
-        """The steps whose part has changed hands before a leg of the plan: at the end of their FOLLOW."""
-        behind = (each.step for each in self.plan.legs[:leg] if each.kind is LegKind.FOLLOW)
-        return [step for step in behind if self.scene.task[step].part is not None]
+    def _stage(self, number: int, when: Interval) -> Stage:
+        """The stage of a leg, or of what comes behind the last one."""
+        behind = (leg.step for leg in self.plan.legs[:number] if leg.kind is LegKind.FOLLOW)
+        handed = [step for step in behind if self.scene.task[step].part is not None]
+        stage = Stage(when, handed, self.held(handed), shares=self._shares(number))
+        for k, own in enumerate(handed):
+            part = self.scene.task[own].part
+            if part is not None and part != stage.held:
+                # the last step that handled it counts; parts that were taken since do not support it
+                stage.supports[part] = self.supports(own) - {self.scene.task[k].part or "" for k in handed[k + 1 :]}
+        leg = self.plan.legs[number] if number < len(self.plan.legs) else None
+        if leg is not None and leg.kind in TRACKING:
+            step = self.scene.task[leg.step]
+            stage.near, stage.depth = True, CONTACT_M + step.contact_tolerance_m
+            if step.part is not None:
+                # while the part is held it may touch what it rests on; before it is taken, and after it was put down,
+                # the bodies of the tool
+                tool = {body.name for body in self.scene.tool.bodies}
+                others = self.supports(leg.step) if stage.held == step.part else tool
+                stage.touching = {frozenset((other, step.part)) for other in others}
+        return stage
 
-    def handed_before_step(self, number: int) -> list[int]:
+    def legs(self, number: int, *, tracked: bool = False) -> list[Leg]:
+        """The legs of a step; those that track its control point."""
+        own = (leg for leg in self.plan.legs if leg.step == number)
+        return [leg for leg in own if leg.kind in TRACKING or not tracked]
+
+    def handed_before(self, number: int) -> list[int]:
         """The steps before a step whose part has changed hands: all that have a part."""
         return [k for k, step in enumerate(self.scene.task[:number]) if step.part is not None]
 
@@ -105,7 +164,7 @@ class Handling:
         step = self.scene.task[number]
         if not isinstance(step, Pick):
             return step.target.frame, numbers(step.target.pose)
-        frame, pose = self.place(step.part, self.handed_before_step(number))
+        frame, pose = self.place(step.part, self.handed_before(number))
         if frame is None:
             raise FaultError(f"{step.name} takes a part that the gripper holds")
         return frame, pose
@@ -116,7 +175,7 @@ class Handling:
         if isinstance(step, Pick):
             return frame, then(at, self.grasp(number))
         if isinstance(step, Place):
-            _, in_flange = self.place(step.part, self.handed_before_step(number))
+            _, in_flange = self.place(step.part, self.handed_before(number))
             return frame, then(at, then(inverse(in_flange), self.tcp))
         return frame, (at[0], at[1], at[2], at[3] + self.arrivals[number].yaw_offset)
 
@@ -133,7 +192,7 @@ class Handling:
             return set()
         if step.contact_with is not None:
             return set(step.contact_with)
-        time, handed = self.arrivals[number].until, self.handed_before_step(number)
+        time, handed = self.arrivals[number].until, self.handed_before(number)
         there = self.in_world(self.point(number), time)
         bottom = there[2] - _reach(self.scene.index[step.part].body, -1.0)
         found = set()
@@ -160,31 +219,16 @@ class Handling:
     def way(self, number: int) -> Interval:
         """The time of all legs in which the arm moves to the control point of a step."""
         last = self.arrivals[number].time + SAME
-        legs = [leg for leg in self.plan.legs if leg.step == number and leg.kind is not LegKind.WAIT and leg.t1 <= last]
+        legs = [leg for leg in self.legs(number) if leg.kind is not LegKind.WAIT and leg.t1 <= last]
         return (legs[0].t0, legs[-1].t1)
+
+    def state_at(self, time: float) -> FloatArray:
+        """Position, velocity and acceleration (3, n) of the joints at a time."""
+        return arms.states_at(self.plan.trajectory, time)
 
     def tool_at(self, time: float) -> Four:
         """Place and yaw of the tool point in the world at a time; of a flange that tilts the heading of the arm."""
-        robot, q = self.scene.robot, arms.states_at(self.plan.trajectory, time)[0]
-        return then(arms.link_at(robot, q, arms.flange_row(robot)), self.tcp)
-
-    def kept_supports(self, part: str, handed: Sequence[int]) -> set[str]:
-        """What a part that was put down may touch: what it was put on, but for parts that were taken since."""
-        last = [k for k in handed if self.scene.task[k].part == part][-1]
-        return self.supports(last) - {self.scene.task[k].part or "" for k in handed if k > last}
-
-    def touching(self, leg: int) -> set[frozenset[str]]:
-        """The pairs that may touch in a leg that tracks the point of a pick or place. While the part is held, it may
-        touch what it rests on; before it is taken, and after it was put down, the bodies of the tool."""
-        each = self.plan.legs[leg]
-        part = self.scene.task[each.step].part
-        if each.kind not in TRACKING or part is None:
-            return set()
-        if self.held(self.handed_before_leg(leg)) == part:
-            others = self.supports(each.step)
-        else:
-            others = {body.name for body in self.scene.tool.bodies}
-        return {frozenset((other, part)) for other in others}
+        return then(arms.link_at(self.scene.robot, self.state_at(time)[0], int(self.flange)), self.tcp)
 
     def uncertainty(self, name: str, handed: Sequence[int]) -> PoseUncertainty | None:
         """How uncertain the pose of a body of the surroundings is after some steps; None: not at all.
@@ -209,59 +253,53 @@ class Handling:
         turned = within.yaw_rad * self.radius(name) if within.yaw_rad else 0.0
         return within.position_m + turned, within.vertical_m
 
-    def shares(self, leg: int) -> dict[str, tuple[float, float]]:
+    def _shares(self, leg: int) -> dict[str, tuple[float, float]]:
         """By frame, the least and the greatest share that the tool has in the frame's error along its line in a leg (or
-        behind the last one); frames of which it has none are left out.
+        behind the last one); frames in whose error it has none are left out.
 
         With belt correction it has all of it in legs that track a frame which an encoder counts, and any share on the
         way from and to such legs.
         """
         if not self.scene.execution.belt_correction:
             return {}
-        tracked = leg < len(self.tracks) and self.tracks[leg]
-        behind = [k for k in range(leg) if self.tracks[k]][-1:]
-        ahead = [k for k in range(leg, len(self.tracks)) if self.tracks[k]][:1]
+        tracks = [k for k, each in enumerate(self.plan.legs) if each.kind in TRACKING]
+        behind, ahead = [k for k in tracks if k < leg][-1:], [k for k in tracks if k >= leg][:1]
         found = {}
-        for k in [leg] if tracked else behind + ahead:
+        for k in [leg] if leg in tracks else behind + ahead:
             frame, _ = self.point(self.plan.legs[k].step)
             law = self.scene.frames[frame].law
             if laws.line_of(law) is not None:
-                found[frame] = (1.0 if tracked and laws.encoder_counts(law) else 0.0, 1.0)
+                found[frame] = (1.0 if leg in tracks and laws.encoder_counts(law) else 0.0, 1.0)
         return found
 
     def radius(self, name: str) -> float:
         """Horizontal distance of the points of a body of the surroundings from its origin at most, m."""
         if name not in self._radius:
-            self._radius[name] = _radius(self.scene.index[name].body)
+            pieces = self.scene.index[name].body.pieces
+            self._radius[name] = max(
+                float(np.hypot(*_corners(piece)[:, :2].T).max()) + _rounding(piece, 1.0) for piece in pieces
+            )
         return self._radius[name]
 
 
 def _reach(body: Body, up: float) -> float:
     """How far a body reaches upwards (1) or downwards (-1) from its origin, m (S1)."""
-    most = -math.inf
-    for piece in body.pieces:
-        local, shape = up * piece.rotation[2], piece.shape
-        if isinstance(shape, Hull):
-            far = float((shape.vertices @ local).max())
-        else:
-            flat = math.hypot(local[0], local[1])
-            far = float(np.abs(local) @ np.array(shape.half)) + shape.disc * flat + shape.ball
-        most = max(most, up * float(piece.position[2]) + far)
-    return most
+    tilted = (math.hypot(piece.rotation[2, 0], piece.rotation[2, 1]) for piece in body.pieces)
+    highest = (float((up * _corners(piece)[:, 2]).max()) for piece in body.pieces)
+    return max(high + _rounding(piece, flat) for high, piece, flat in zip(highest, body.pieces, tilted, strict=True))
 
 
-def _radius(body: Body) -> float:
-    """Horizontal distance of a body's points from its own origin at most, m."""
-    most = 0.0
-    for piece in body.pieces:
-        shape, more = piece.shape, 0.0
-        if isinstance(shape, Hull):
-            corners: FloatArray = shape.vertices
-        else:
-            corners, more = CUBE * np.array(shape.half), shape.disc + shape.ball
-        points = corners @ piece.rotation.T + piece.position
-        most = max(most, float(np.hypot(points[:, 0], points[:, 1]).max()) + more)
-    return most
+def _corners(piece: Piece) -> FloatArray:
+    """The corners of a piece (m, 3), less its disc and its ball, in the axes of its body."""
+    shape = piece.shape
+    local = shape.vertices if isinstance(shape, Hull) else CUBE * np.array(shape.half)
+    return np.asarray(local @ piece.rotation.T + piece.position)
+
+
+def _rounding(piece: Piece, flat: float) -> float:
+    """How far a piece reaches beyond its corners, m; `flat`: the share of its disc that does."""
+    shape = piece.shape
+    return 0.0 if isinstance(shape, Hull) else shape.disc * flat + shape.ball
 
 
 CUBE = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])

@@ -3,99 +3,75 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
-from assur.planner.checker.statement.arms import flange_row
-from assur.planner.checker.statement.differences import Difference, Interval, Topic
-from assur.planner.checker.statement.holding import Handling
+from assur.planner.checker.statement.differences import Interval
 from assur.planner.checker.statement.loads import loads_of
-from assur.planner.checker.statement.phases import Stage
-from assur.planner.checker.statement.points import is_axis_stated
-from assur.planner.checker.statement.poses import is_same_pose
+from assur.planner.checker.statement.statement import ROUNDING, Statement, all_of, at_least, at_most
+from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 
 SHARES = np.array([1e-9, 1e-9, 1e-9, 1e-6])
 """By which a position (of half its range), a velocity, an acceleration and a jerk may exceed its limit."""
 CARRY_SHARE = 1e-6
 """By which the acceleration of a part may exceed its limit."""
-ROUNDING = 1e-12
-"""Of a limit: a share of it that was computed in another order of operations."""
 
 
-def limits_agree(handling: Handling, stages: list[Stage], claim: c.Claim) -> Iterator[Difference]:
+def require_limits(statement: Statement) -> None:
     """The limits of the joints over all of the motion, and those that a load leaves while it is carried."""
-    known, whole = handling.scene.load_limits, (stages[0].when[0], stages[-1].when[1])
-    if not _is_limited(handling, claim, 1.0, whole):
-        yield Difference(Topic.LIMIT, "the limits of the joints are not kept", whole)
+    known, stages = statement.scene.load_limits, statement.stages
+    whole = (stages[0].when[0], stages[-1].when[1])
+    is_limited = _is_limited(statement, 1.0, whole)
+    statement.require(is_limited, Code.LIMIT, "the limits of the joints are not kept", whole)
     rows = [mass for mass, _ in known.shares[-1:]] + ([] if known.max_kg is None else [known.max_kg])
     heaviest = min(rows) if rows else known.rated_kg
-    for load in loads_of(handling, stages):
+    for load in loads_of(statement):
         carried, when = load.part or "the tool", (load.t0, load.t1)
         for what, amount, most in (
             ("kg", load.mass_kg, heaviest),
             ("kg·m²", load.inertia_kgm2, known.max_inertia_kgm2),
         ):
-            if most is not None and amount is not None and not amount <= most * (1.0 + ROUNDING):
-                yield Difference(Topic.LOAD, f"{amount:g} {what} with {carried} are too much", when)
-        if load.share != 1.0 and not _is_limited(handling, claim, load.share, when):
-            yield Difference(Topic.LIMIT, f"the limits with {carried} are not kept", when)
+            if most is not None and amount is not None:
+                fits = amount <= most * (1.0 + ROUNDING)
+                statement.require(fits, Code.LOAD, f"{amount:g} {what} with {carried} are too much", when)
+        is_limited = load.share == 1.0 or _is_limited(statement, load.share, when)
+        statement.require(is_limited, Code.LIMIT, f"the limits with {carried} are not kept", when)
 
 
-def _is_limited(handling: Handling, claim: c.Claim, share: float, when: Interval) -> bool:
+def _is_limited(statement: Statement, share: float, when: Interval) -> bool:
     """Whether a row of the claim has limits that are no wider, for as long, with this share of the accelerations and
-    jerks. Without a limit of the jerk only where the timing that is requested has none."""
-    scene, n = handling.scene, len(handling.scene.robot.joints)
-    own, unlimited = scene.robot.limits, not scene.options.jerk_limited
-    required = np.array([-own.lower, own.upper, own.velocity, share * own.acceleration, share * own.jerk])
-    for row in claim.limits:
-        if row[c.LIMIT_T0] <= when[0] and when[1] <= row[c.LIMIT_T1]:
-            stated: FloatArray = row[c.LIMIT_LOWER :].reshape(5, c.MOST_JOINTS)[:, :n] * SIGNS
-            kept = stated <= required + ROUNDING * np.abs(required)
-            jerk = row[c.LIMIT_JERKS] == 1.0
-            counts = slice(None) if jerk else slice(4)
-            if (jerk or unlimited) and kept[counts].all() and (row[c.LIMIT_SHARE : c.LIMIT_LOWER] <= SHARES).all():
-                return True
-    return False
+    jerks; of the jerk where the timing that is requested has such a limit."""
+    own = statement.scene.robot.limits
+    upper = {c.LIMIT_UPPER: own.upper, c.LIMIT_VELOCITY: own.velocity, c.LIMIT_ACCELERATION: share * own.acceleration}
+    bounds = [all_of(when), at_most(c.LIMIT_SHARE, *SHARES)]
+    bounds.append(at_least(c.LIMIT_LOWER, *(own.lower - ROUNDING * np.abs(own.lower))))
+    if statement.scene.options.jerk_limited:
+        upper[c.LIMIT_JERK] = share * own.jerk
+        bounds.append(at_least(c.LIMIT_JERKS, 1.0))
+    bounds += [at_most(column, *(most + ROUNDING * np.abs(most))) for column, most in upper.items()]
+    return statement.states("limits", *bounds)
 
 
-SIGNS = np.array([[-1.0], [1.0], [1.0], [1.0], [1.0]])
-"""Limits times these are no greater where they are narrower: of lower limits the opposite is compared."""
-
-
-def rates_agree(handling: Handling, stages: list[Stage], claim: c.Claim) -> Iterator[Difference]:
+def require_rates(statement: Statement) -> None:
     """How hard the tool point accelerates while a part is held."""
-    most, end = handling.scene.carry_acceleration, float(handling.plan.trajectory.time[-1])
-    if most is None:
-        return
-    for stage in stages:
+    most, end = statement.scene.carry_acceleration, statement.whole[1]
+    for stage in statement.stages if most is not None else []:
         first, last = stage.when
-        if stage.held is None or not first < end:
-            continue
-        covered = any(
-            row[c.RATE_T0] <= first
-            and row[c.RATE_T1] >= min(last, end)
-            and row[c.RATE_MOST] <= most * (1.0 + CARRY_SHARE)
-            and row[c.RATE_FRAME] == -1.0
-            and row[c.RATE_ORDER] == 2.0
-            and row[c.RATE_LINK] == flange_row(handling.scene.robot)
-            and is_same_pose([*row[c.RATE_POINT : c.RATE_FRAME], 0.0], [*handling.tcp[:3], 0.0])
-            for row in claim.rates.tolist()
-        )
-        if not covered:
-            yield Difference(Topic.RATE, f"{stage.held} may be accelerated too hard", stage.when)
+        if most is not None and stage.held is not None and first < end:
+            kept = statement.tool_keeps(-1.0, 2, 0.0, most * (1.0 + CARRY_SHARE), (first, min(last, end)))
+            statement.require(kept, Code.RATE, f"{stage.held} may be accelerated too hard", stage.when)
 
 
-def yaws_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
+def require_yaws(statement: Statement) -> None:
     """The yaw of the tool point is outside of each forbidden range, widened by what lag turns the tool."""
-    path, lag = handling.plan.trajectory, handling.scene.execution.lag
+    lag, tool = statement.scene.execution.lag, statement.tcp[3]
     late = lag[0] + lag[1] + lag[3] if len(lag) > 3 else 0.0
-    when, tool = (float(path.time[0]), float(path.time[-1])), handling.tcp[3]
-    for each in handling.scene.forbidden_yaw:
+    for each in statement.scene.forbidden_yaw:
         width = (each.last - each.first) % math.tau
         middle, half = each.first + width / 2.0, min(width / 2.0 + late, math.pi)
         axis, direction = (math.cos(tool), math.sin(tool), 0.0), (math.cos(middle), math.sin(middle), 0.0)
-        if not is_axis_stated(handling.scene, claim, axis, direction, (-math.inf, math.cos(half)), when):
-            yield Difference(Topic.YAW, f"the yaw of the tool may be from {each.first:g} to {each.last:g} rad", when)
+        about = (statement.flange, 0.0, *axis, -1.0, *direction)
+        kept = statement.keeps("axes", about, -math.inf, math.cos(half), statement.whole)
+        what = f"the yaw of the tool may be from {each.first:g} to {each.last:g} rad"
+        statement.require(kept, Code.YAW, what, statement.whole)

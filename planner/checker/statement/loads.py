@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from itertools import groupby
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.statement.differences import Difference, Four, Topic
-from assur.planner.checker.statement.holding import Handling
-from assur.planner.checker.statement.phases import Stage
+from assur.planner.checker.statement.differences import Four
+from assur.planner.checker.statement.holding import Handling, Stage
 from assur.planner.checker.statement.poses import inverse
+from assur.planner.checker.verdict import Code
 from assur.planner.geometry.shapes import Body, Hull
 from assur.planner.model.load import Carried
 from assur.planner.model.scene import Scene
@@ -21,7 +20,7 @@ ROUNDING = 1e-9
 """Relative: of masses, inertias and shares, which are sums and quotients; and s."""
 
 
-def loads_of(handling: Handling, stages: list[Stage]) -> list[Carried]:
+def loads_of(handling: Handling) -> list[Carried]:
     """What the flange carries, one entry for all legs one after the other in which it holds the same part in the same
     pose, or nothing. No inertia where the last joint does not turn the flange about the vertical."""
     scene, found = handling.scene, list[Carried]()
@@ -30,35 +29,29 @@ def loads_of(handling: Handling, stages: list[Stage]) -> list[Carried]:
     def carried(stage: Stage) -> tuple[str, Four] | None:
         return None if stage.held is None else (stage.held, handling.place(stage.held, stage.handed)[1])
 
-    for held, group in groupby(stages[: len(handling.plan.legs)], carried):
+    for held, group in groupby(handling.stages[: len(handling.plan.legs)], carried):
         own, part = list(group), None if held is None else scene.index[held[0]]
         mass = (scene.tool.mass_kg or 0.0) + (0.0 if part is None else part.mass_kg or 0.0)
         inertia = tool_inertia(scene) if turns else None
-        if inertia is not None and held is not None and part is not None:
+        if inertia is not None and held is not None:
             inertia += part_inertia(scene, *held)
         name = None if part is None else part.name
         found.append(Carried(name, mass, inertia, share_of(scene, mass), own[0].when[0], own[-1].when[1]))
     return found
 
 
-def loads_agree(loads: list[Carried], stated: tuple[Carried, ...] | None) -> Iterator[Difference]:
+def require_loads(handling: Handling, stated: tuple[Carried, ...] | None) -> None:
     """The loads are those that the answer states."""
-    if stated is None:
-        return
-    if [load.part for load in loads] != [load.part for load in stated]:
-        yield Difference(Topic.LOAD, "the parts in the gripper are not those that are stated")
-        return
-    for load, own in zip(loads, stated, strict=True):
+    loads = [] if stated is None else loads_of(handling)
+    same = stated is None or [load.part for load in loads] == [load.part for load in stated]
+    handling.require(same, Code.LOAD, "the parts in the gripper are not those that are stated")
+    for load, own in zip(loads, stated or (), strict=False):
         for name in ("mass_kg", "inertia_kgm2", "share", "t0", "t1"):
             one, other = getattr(load, name), getattr(own, name)
-            same = one is None and other is None
-            if not (same or _is_same(one, other)):
-                carried, when = load.part or "the tool", (load.t0, load.t1)
-                yield Difference(Topic.LOAD, f"{name} of {carried} is {one}, and {other} is stated", when)
-
-
-def _is_same(one: float | None, other: float | None) -> bool:
-    return one is not None and other is not None and abs(one - other) <= ROUNDING * max(abs(one), 1e-3)
+            known = one is not None and other is not None
+            same = abs(one - other) <= ROUNDING * max(abs(one), 1e-3) if known else one is other
+            what = f"{name} of {load.part or 'the tool'} is {one}, and {other} is stated"
+            handling.require(same, Code.LOAD, what, (load.t0, load.t1))
 
 
 def share_of(scene: Scene, mass: float) -> float:

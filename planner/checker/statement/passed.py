@@ -12,15 +12,15 @@ and the tool must be at the control point in B. Knots are compared, and no row o
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.checker.statement.arms import flange_row, hand_shares, link_at, states_at
-from assur.planner.checker.statement.differences import MEET, SAME, Difference, Topic
+from assur.planner.checker.statement.arms import hand_shares, link_at
+from assur.planner.checker.statement.differences import MEET, SAME
 from assur.planner.checker.statement.holding import Handling
 from assur.planner.checker.statement.poses import then
+from assur.planner.checker.verdict import Code
 from assur.planner.model.outcome import Arrival, Missed
 
 BENT = 1e-6
@@ -29,23 +29,24 @@ place of a position do to a short piece: an acceleration is 20 times a differenc
 UNITS = 64
 
 
-def parabolas_agree(handling: Handling) -> Iterator[Difference]:
-    """Differences of parabolas, acceleration times and missed vias; without blends, that none is missed."""
+def require_parabolas(handling: Handling) -> None:
+    """Parabolas, acceleration times and missed vias; without blends, that none is missed."""
     scene, path = handling.scene, handling.plan.trajectory
     blended = not scene.options.jerk_limited
     if path.jumps is not blended:
-        yield Difference(Topic.PARABOLA, "accelerations jump, or do not, against the timing that is requested")
+        what = "accelerations jump, or do not, against the timing that is requested"
+        handling.require(False, Code.BLEND, what)
         return
     pieces = _Pieces(handling) if blended else None
     if pieces is not None:
-        yield from pieces.agree(scene.options.acceleration_time_s)
+        pieces.require(handling, scene.options.acceleration_time_s)
     for number, step in enumerate(scene.task):
         arrival = handling.arrivals[number]
         missed = scene.options.vias_missed and step.via
-        if missed is (arrival.missed_by is None):
-            yield Difference(Topic.PARABOLA, f"{step.name} is missed, and it is not stated, or the opposite")
-        elif pieces is not None and arrival.missed_by is not None:
-            yield from _miss_agrees(handling, pieces, number, arrival, arrival.missed_by)
+        stated = missed is (arrival.missed_by is not None)
+        handling.require(stated, Code.BLEND, f"{step.name} is missed, and it is not stated, or the opposite")
+        if stated and pieces is not None and arrival.missed_by is not None:
+            _require_miss(handling, pieces, arrival, arrival.missed_by)
 
 
 class _Pieces:
@@ -67,41 +68,36 @@ class _Pieces:
         self.bent: FloatArray = (off / allowed).max(1)
         self.accelerates: BoolArray = np.asarray((np.maximum(np.abs(a), np.abs(b)) > allowed).any(1))
 
-    def agree(self, lasts: float | None) -> Iterator[Difference]:
+    def require(self, handling: Handling, lasts: float | None) -> None:
         """Each piece is a parabola, and if it accelerates it lasts as long as is required."""
-        for k in np.flatnonzero(~(self.bent <= 1.0)).tolist():
-            yield Difference(Topic.PARABOLA, "a piece is no parabola", self._when(k))
-        off = np.where(self.accelerates, np.abs(self.length - (lasts or 0.0)), 0.0)
-        for k in np.flatnonzero(~(off <= SAME)).tolist() if lasts is not None else ():
-            yield Difference(Topic.PARABOLA, f"a blend does not last {lasts:g} s", self._when(k))
+        off = np.where(self.accelerates, np.abs(self.length - (lasts or 0.0)), 0.0) * (lasts is not None)
+        for bad, what in (
+            (~(self.bent <= 1.0), "a piece is no parabola"),
+            (~(off <= SAME), f"a blend does not last {lasts or 0.0:g} s"),
+        ):
+            for k in np.flatnonzero(bad).tolist():
+                begin = float(self.begin[k])
+                handling.require(False, Code.BLEND, what, (begin, begin + float(self.length[k])))
 
-    def _when(self, k: int) -> tuple[float, float]:
-        return float(self.begin[k]), float(self.begin[k] + self.length[k])
 
-
-def _miss_agrees(
-    handling: Handling, pieces: _Pieces, number: int, arrival: Arrival, stated: Missed
-) -> Iterator[Difference]:
+def _require_miss(handling: Handling, pieces: _Pieces, arrival: Arrival, stated: Missed) -> None:
     """A via is missed by what its arrival states, and what is blended past is at the control point."""
     robot, t = handling.scene.robot, arrival.time
     k = int(np.clip(np.searchsorted(pieces.begin, t, side="right") - 1, 0, len(pieces.begin) - 1))
     tau = float(pieces.length[k]) / 2.0
     late = abs(t - float(pieces.begin[k]) - tau) if pieces.accelerates[k] else 0.0
     miss = tau * (pieces.rates[k, 1] - pieces.rates[k, 0]) / 4.0
-    past = states_at(handling.plan.trajectory, t)[0] - miss
-    tool = then(link_at(robot, past, flange_row(robot)), handling.tcp)
-    goal = handling.in_world(handling.tool_point(number), t)
+    past = handling.state_at(t)[0] - miss
+    tool = then(link_at(robot, past, int(handling.flange)), handling.tcp)
+    goal = handling.in_world(handling.tool_point(arrival.step), t)
     turned = abs(math.remainder(tool[3] - goal[3], math.tau)) if "yaw" in robot.coordinates else 0.0
     if "pitch" in robot.coordinates:
         pairs = zip(hand_shares(robot) @ past, (arrival.pitch, arrival.roll), strict=True)
         turned = max(math.inf if y is None else abs(math.remainder(x - y, math.tau)) for x, y in pairs)
     distance = math.dist(handling.tool_at(t)[:3], goal[:3])
     same = len(stated.joints) == len(miss) and bool((np.abs(np.array(stated.joints) - miss) <= SAME).all())
-    name = handling.scene.task[number].name
-    for what, right in (
-        (f"{name} is not due in the middle of its blend", late <= SAME),
-        (f"what is blended past is not {name}", math.dist(tool[:3], goal[:3]) <= MEET and turned <= MEET),
-        (f"{name} is missed by another amount", same and abs(stated.distance_m - distance) <= MEET),
-    ):
-        if not right:
-            yield Difference(Topic.PARABOLA, what, (t, t))
+    name, met = handling.scene.task[arrival.step].name, math.dist(tool[:3], goal[:3]) <= MEET and turned <= MEET
+    same = same and abs(stated.distance_m - distance) <= MEET
+    handling.require(late <= SAME, Code.BLEND, f"{name} is not due in the middle of its blend", (t, t))
+    handling.require(met, Code.BLEND, f"what is blended past is not {name}", (t, t))
+    handling.require(same, Code.BLEND, f"{name} is missed by another amount", (t, t))

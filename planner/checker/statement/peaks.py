@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import math
 
-from assur.planner.checker.statement.arms import flange_row
-from assur.planner.checker.statement.differences import SAME, Difference, Interval, Topic
-from assur.planner.checker.statement.holding import Handling
-from assur.planner.checker.statement.phases import Stage
-from assur.planner.claim import columns as c
+import numpy as np
+
+from assur.planner.checker.statement.differences import SAME, Interval
+from assur.planner.checker.statement.loads import loads_of
+from assur.planner.checker.statement.statement import Statement
+from assur.planner.checker.verdict import Code
 from assur.planner.model.claims import Claims
-from assur.planner.model.load import Carried
 from assur.planner.model.outcome import JointPeak
 from assur.planner.model.scene import WORLD
 
@@ -25,114 +25,74 @@ AT_ITS_TIME, OFF, STANDS = 1e-4, (1e-6, 1e-3), 1e-6
 acceleration by 0.5 mm/s²); m/s or m/s²: what is no faster stands."""
 BESIDE_S = 2e-9
 """A jump of the acceleration is evaluated at most so far before and behind it, s."""
-ROUNDING = 1e-12
-"""Of sums and products in another order, as a share."""
 
 
-def peaks_agree(
-    handling: Handling, loads: list[Carried], stated: tuple[JointPeak, ...] | None, claim: c.Claim
-) -> Iterator[Difference]:
+def require_peaks(statement: Statement, stated: tuple[JointPeak, ...]) -> None:
     """The peaks of the joints, and their shares of the limits that each load leaves."""
-    robot, path = handling.scene.robot, handling.plan.trajectory
-    if stated is None:
-        return
-    if [peak.joint for peak in stated] != [joint.name for joint in robot.joints]:
-        yield Difference(Topic.PEAK, "the peaks are not those of the joints, in their order")
-        return
-    whole = (float(path.time[0]), float(path.time[-1]))
-    spans = [((load.t0, load.t1), load.share) for load in loads if load.t1 > load.t0] or [(whole, 1.0)]
-    for order, kind in enumerate(KINDS, start=1):
-        is_limited = order < 3 or handling.scene.options.jerk_limited
-        for joint, peak in enumerate(stated):
+    robot, limited = statement.scene.robot, statement.scene.options.jerk_limited
+    same = [peak.joint for peak in stated] == [joint.name for joint in robot.joints]
+    statement.require(same, Code.PEAK, "the peaks are not those of the joints, in their order")
+    spans = [((load.t0, load.t1), load.share) for load in loads_of(statement) if load.t1 > load.t0]
+    spans = spans or [(statement.whole, 1.0)]
+    for joint, peak in enumerate(stated if same else ()):
+        for order, kind in enumerate(KINDS, start=1):
             size, ratio = getattr(peak, kind), getattr(peak, f"{kind}_ratio")
-            what = f"the peak {kind} of {peak.joint}"
+            what, is_limited = f"the peak {kind} of {peak.joint}", order < 3 or limited
             if size is None or ratio is None or not is_limited:
-                if is_limited or size is not None or ratio is not None:
-                    yield Difference(Topic.PEAK, f"whether there is {what} is stated wrongly")
+                none = size is None and ratio is None and not is_limited
+                statement.require(none, Code.PEAK, f"whether there is {what} is stated wrongly")
                 continue
             limit = float(getattr(robot.limits, kind)[joint])
             slack = WITHIN[order - 1] * limit
             shares = [(when, ratio * limit * (share if order > 1 else 1.0)) for when, share in spans]
-            for sizes, of in (([(whole, size)], what), (shares, f"the share of the limit that is {what}")):
-                if not all(_never_more(claim, order, joint, most + slack, when) for when, most in sizes):
-                    yield Difference(Topic.PEAK, f"{of} may be larger than is stated")
-                if not any(_as_much(claim, order, joint, most - slack, when) for when, most in sizes):
-                    yield Difference(Topic.PEAK, f"{of} is not reached")
+            _require_peak(statement, order, joint, [(statement.whole, size)], slack, what)
+            _require_peak(statement, order, joint, shares, slack, f"the share of the limit that is {what}")
 
 
-def _sums(claim: c.Claim, order: int, joint: int) -> Iterator[list[float]]:
-    """The rows about a derivative of one joint."""
-    shares = [float(k == joint) for k in range(c.MOST_JOINTS)]
-    for row in claim.sums.tolist():
-        if row[c.SUM_ORDER] == order and row[c.SUM_SHARE : c.SUM_LOW] == shares:
-            yield row
-
-
-def _never_more(claim: c.Claim, order: int, joint: int, most: float, when: Interval) -> bool:
-    most *= 1.0 + ROUNDING
-    return any(
-        row[c.SUM_T0] <= when[0] and when[1] <= row[c.SUM_T1] and -most <= row[c.SUM_LOW] and row[c.SUM_HIGH] <= most
-        for row in _sums(claim, order, joint)
+def _require_peak(
+    statement: Statement, order: int, joint: int, sizes: list[tuple[Interval, float]], slack: float, what: str
+) -> None:
+    """A derivative of a joint is never larger than the size over each interval, and once as large in one of them."""
+    one = np.eye(len(statement.scene.robot.joints))[joint]
+    never = all(statement.sum_keeps(order, one, -size - slack, size + slack, when) for when, size in sizes)
+    statement.require(never, Code.PEAK, f"{what} may be larger than is stated")
+    once = any(
+        size - slack <= 0.0
+        or statement.sum_keeps(order, one, size - slack, math.inf, when, once=True)
+        or statement.sum_keeps(order, one, -math.inf, slack - size, when, once=True)
+        for when, size in sizes
     )
+    statement.require(once, Code.PEAK, f"{what} is not reached")
 
 
-def _as_much(claim: c.Claim, order: int, joint: int, least: float, when: Interval) -> bool:
-    least *= 1.0 - ROUNDING
-    return least <= 0.0 or any(
-        when[0] - SAME <= row[c.SUM_T0] <= row[c.SUM_T1] <= when[1] + SAME
-        and (row[c.SUM_LOW] >= least or row[c.SUM_HIGH] <= -least)
-        for row in _sums(claim, order, joint)
-    )
-
-
-def tool_agrees(handling: Handling, stages: list[Stage], claims: Claims, claim: c.Claim) -> Iterator[Difference]:
+def require_tool(statement: Statement, claims: Claims) -> None:
     """The peaks of the tool point over all of the motion, and its largest acceleration while a part is held."""
-    path, said = handling.plan.trajectory, claims.tool
-    whole = (float(path.time[0]), float(path.time[-1]))
-    if said is not None:
+    stated, pull, whole = claims.tool, claims.tool_acceleration, statement.whole
+    if stated is not None:
         for order, name, size, time in (
-            (1, "speed", said.speed, said.speed_time),
-            (2, "acceleration", said.acceleration, said.acceleration_time),
+            (1, "speed", stated.speed, stated.speed_time),
+            (2, "acceleration", stated.acceleration, stated.acceleration_time),
         ):
             most, beside = size * (1.0 + BETWEEN) + STANDS, BESIDE_S if order == 2 else SAME
-            if not _is_rate(handling, claim, order, (-1.0, most), whole):
-                yield Difference(Topic.PEAK, f"the {name} of the tool may be larger than is stated")
+            kept = _is_rate(statement, order, -1.0, most, whole)
+            statement.require(kept, Code.PEAK, f"the {name} of the tool may be larger than is stated")
             off = AT_ITS_TIME * size + OFF[order - 1]
-            bounds = (size - off, size + off)
-            within = (max(time - beside, whole[0]), min(time + beside, whole[1]))
-            if not _is_rate(handling, claim, order, bounds, within, inside=True):
-                yield Difference(Topic.PEAK, f"the {name} of the tool is not what is stated then", (time, time))
-    pull = claims.tool_acceleration
+            when = (max(time - beside, whole[0]), min(time + beside, whole[1]))
+            reached = _is_rate(statement, order, size - off, size + off, when, once=True)
+            statement.require(reached, Code.PEAK, f"the {name} of the tool is not what is stated then", (time, time))
     if pull is not None:
-        legs = stages[: len(handling.plan.legs)]
+        legs = statement.stages[: len(statement.plan.legs)]
         held = [stage.when for stage in legs if stage.held is not None and stage.when[1] > stage.when[0]]
-        spans = held or [whole]
-        if not all(_is_rate(handling, claim, 2, (-1.0, pull * (1.0 + BETWEEN) + STANDS), when) for when in spans):
-            yield Difference(Topic.PEAK, "the tool may accelerate harder with a part than is stated")
-        bounds = (pull * (1.0 - REACHED) - OFF[1], float("inf"))
-        once = any(_is_rate(handling, claim, 2, bounds, when, inside=True) for when in spans)
-        if not (bounds[0] <= 0.0 or once):
-            yield Difference(Topic.PEAK, "the tool never accelerates as hard with a part as is stated")
+        spans, least = held or [whole], pull * (1.0 - REACHED) - OFF[1]
+        kept = all(_is_rate(statement, 2, -1.0, pull * (1.0 + BETWEEN) + STANDS, when) for when in spans)
+        statement.require(kept, Code.PEAK, "the tool may accelerate harder with a part than is stated")
+        once = least <= 0.0 or any(_is_rate(statement, 2, least, math.inf, when, once=True) for when in spans)
+        statement.require(once, Code.PEAK, "the tool never accelerates as hard with a part as is stated")
 
 
 def _is_rate(
-    handling: Handling, claim: c.Claim, order: int, bounds: Interval, when: Interval, *, inside: bool = False
+    statement: Statement, order: int, least: float, most: float, when: Interval, *, once: bool = False
 ) -> bool:
-    """Whether rows state that the tool point's speed or acceleration in the world is within bounds over an interval, or
-    a row that it is once within it (`inside`)."""
-    frames, flange = list(handling.scene.frames), flange_row(handling.scene.robot)
-    worlds: Iterable[float] = (-1.0, float(frames.index(WORLD))) if WORLD in frames else (-1.0,)
-    low, high = bounds[0] - ROUNDING * abs(bounds[0]), bounds[1] + ROUNDING * abs(bounds[1])
-    own = list[Interval]()
-    for row in claim.rates.tolist():
-        about = row[c.RATE_ORDER] == order and row[c.RATE_LINK] == flange and row[c.RATE_FRAME] in worlds
-        point = zip(row[c.RATE_POINT : c.RATE_FRAME], handling.tcp[:3], strict=True)
-        within = low <= row[c.RATE_LEAST] and row[c.RATE_MOST] <= high
-        if about and within and all(abs(x - y) <= SAME for x, y in point):
-            own.append((row[c.RATE_T0], row[c.RATE_T1]))
-    if inside:
-        return any(when[0] - SAME <= first <= last <= when[1] + SAME for first, last in own)
-    reached = when[0]
-    for first, last in sorted(own):
-        reached = max(reached, last) if first <= reached else reached
-    return bool(own) and min(own)[0] <= when[0] and reached >= when[1]
+    """Whether rows state the tool point's speed or acceleration in the world."""
+    worlds = [-1, statement.frames[WORLD]] if WORLD in statement.frames and order == 1 else [-1]
+    return any(statement.tool_keeps(world, order, least, most, when, once=once) for world in worlds)

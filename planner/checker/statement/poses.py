@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from assur.planner.checker.statement.differences import SAME, Four
+from assur.planner.checker.statement.differences import Four
 
 if TYPE_CHECKING:
     from assur.planner.frames.motion import Pose
@@ -30,9 +29,3 @@ def inverse(one: Four) -> Four:
     """The pose with which then(one, inverse(one)) is the identity."""
     c, s = math.cos(one[3]), math.sin(one[3])
     return (-c * one[0] - s * one[1], s * one[0] - c * one[1], -one[2], -one[3])
-
-
-def is_same_pose(one: Sequence[float], other: Sequence[float]) -> bool:
-    """Whether two poses are the same, whatever full turns their yaws differ by."""
-    turned = math.remainder(one[3] - other[3], math.tau)
-    return math.dist(one[:3], other[:3]) <= SAME and abs(turned) <= SAME

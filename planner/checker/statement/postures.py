@@ -8,19 +8,17 @@ at which links meet (K10), (K33), and of arms that tilt the share of the reach b
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.statement import arms
-from assur.planner.checker.statement.differences import SAME, Difference, Interval, Topic
-from assur.planner.checker.statement.holding import Handling
-from assur.planner.claim import columns as c
+from assur.planner.checker.statement import arms, laws
+from assur.planner.checker.statement.differences import Interval
+from assur.planner.checker.statement.statement import Statement
+from assur.planner.checker.verdict import Code
 from assur.planner.model.claims import Claims
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.scene import Move
 from assur.planner.robots.five_axis_arm import FiveAxisArm
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.polar_arm import PolarArm
@@ -31,7 +29,6 @@ MARGIN = 1e-3
 """By how much a margin may be missed between the instants at which a planner evaluates it, 1 ms apart."""
 AHEAD, LEFT, UP = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 LINK1, LINK2, LINK3, LINK4 = 1, 2, 3, 4
-Row = list[float]
 
 
 class Number(NamedTuple):
@@ -42,6 +39,17 @@ class Number(NamedTuple):
     other: int
     along: tuple[float, float, float]
     length: float = 0.0
+
+    @property
+    def about(self) -> tuple[float, ...]:
+        """The columns of a row of axes between times and bounds."""
+        on = (0.0, 0.0, 0.0) if self.length > 0.0 else AHEAD
+        return self.link, self.length > 0.0, *on, self.other, *self.along
+
+    @property
+    def size(self) -> float:
+        """What the number is multiplied by in a row."""
+        return self.length or 1.0
 
 
 def numbers_of(robot: Robot) -> list[Number]:
@@ -99,113 +107,86 @@ def mode_at(robot: Robot, q: FloatArray) -> str:
     return robot.modes[fits.index(True)]
 
 
-def modes_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
-    """Every control point is met in the working mode that is asked for; of a via that is missed, that of the pose that
+def require_modes(statement: Statement) -> None:
+    """Every control point is met in the working mode that is required; of a via that is missed, that of the pose that
     is missed."""
-    scene, asked = handling.scene, handling.scene.options.elbow
-    if asked == "auto":
+    robot, required = statement.scene.robot, statement.scene.options.elbow
+    if required == "auto":
         return
-    mode = mode_at(scene.robot, scene.start.q) if asked == "keep" else asked
-    for arrival in handling.plan.arrivals:
+    mode = mode_at(robot, statement.scene.start.q) if required == "keep" else required
+    for arrival in statement.plan.arrivals:
         when = (arrival.time, arrival.time)
         if arrival.missed_by is None:
-            stated = is_in_mode(scene.robot, mode, claim, when)
+            stated = _is_in_mode(statement, mode, when)
         else:
-            q = arms.states_at(handling.plan.trajectory, arrival.time)[0] - np.array(arrival.missed_by.joints)
-            stated = mode_at(scene.robot, q) == mode
-        if not stated:
-            what = f"{arrival.control_point} is not stated to be met in mode {mode or 'none'}, which is asked for"
-            yield Difference(Topic.MODE, what, when)
+            q = statement.state_at(arrival.time)[0] - np.array(arrival.missed_by.joints)
+            stated = mode_at(robot, q) == mode
+        what = f"{arrival.control_point} is not stated to be met in mode {mode or 'none'}, which is required"
+        statement.require(stated, Code.ELBOW, what, when)
 
 
-def is_in_mode(robot: Robot, mode: str, claim: c.Claim, when: Interval) -> bool:
-    """Whether the claim states that the arm is in a working mode."""
-    pairs = zip(numbers_of(robot), signs_of(robot, mode) if mode in robot.modes else [], strict=False)
-    own = [_keeps(claim, number, -SAME, when, sign) for number, sign in pairs if sign]
-    return bool(own) and all(own)
-
-
-def margins_agree(handling: Handling, claim: c.Claim) -> Iterator[Difference]:
+def require_margins(statement: Statement) -> None:
     """The margin is kept in legs that track a point or go along a line or a path, and where the velocity of a moving
     point is matched."""
-    scene, legs = handling.scene, handling.plan.legs
-    least = scene.options.singularity_margin - MARGIN
-    if not least > 0.0:
-        return
-    for number, step in enumerate(scene.task):
-        arrival = handling.arrivals[number]
-        own = [(leg, tracks) for leg, tracks in zip(legs, handling.tracks, strict=True) if leg.step == number]
-        if isinstance(step, Move) and step.leg == "cartesian":
-            guided = [leg for leg, _ in own if leg.kind is not LegKind.WAIT and leg.t1 <= arrival.time]
-        else:
-            guided = [leg for leg, tracks in own if tracks]
-        spans = [(leg.t0, leg.t1) for leg in guided]
-        if not spans and isinstance(step, Move) and step.match == "velocity" and not step.via:
-            moves = scene.frames[step.target.frame].law.kind != "fixed"
+    scene, least = statement.scene, statement.scene.options.singularity_margin - MARGIN
+    numbers = [*numbers_of(scene.robot), *couplers_of(scene.robot)]
+    for number, step in enumerate(scene.task) if least > 0.0 else ():
+        arrival, straight = statement.arrivals[number], step.leg == "cartesian"
+        legs = statement.legs(number, tracked=not straight)
+        if straight:
+            legs = [leg for leg in legs if leg.kind is not LegKind.WAIT and leg.t1 <= arrival.time]
+        spans = [(leg.t0, leg.t1) for leg in legs]
+        if not spans and step.target is not None and step.match == "velocity" and not step.via:
+            moves = not laws.stands(scene.frames[step.target.frame].law)
             spans += [(arrival.time, arrival.time)] * moves
         for when in spans:
-            for kept in (numbers_of(scene.robot), couplers_of(scene.robot)):
-                if not all(_keeps(claim, each, least, when) for each in kept):
-                    what = f"the arm may come nearer to a singular position at {step.name} than is asked for"
-                    yield Difference(Topic.MARGIN, what, when)
+            kept = all(_is_beyond(statement, each, least, when) for each in numbers)
+            what = f"the arm may come nearer to a singular position at {step.name} than is required"
+            statement.require(kept, Code.SINGULARITY, what, when)
 
 
-def postures_agree(handling: Handling, claims: Claims, claim: c.Claim) -> Iterator[Difference]:
+def require_postures(statement: Statement, claims: Claims) -> None:
     """Working modes of arrivals and least margins are what the answer states: the arm comes no nearer to a singular
     position, and once as near."""
-    robot, arrivals, path = handling.scene.robot, handling.plan.arrivals, handling.plan.trajectory
-    for arrival, mode in zip(arrivals, claims.modes or (), strict=False):
-        if mode is not None and not is_in_mode(robot, mode, claim, (arrival.time, arrival.time)):
-            what = f"{arrival.control_point} is not stated to be met in mode {mode:.40}"
-            yield Difference(Topic.MODE, what, (arrival.time, arrival.time))
-    whole = (float(path.time[0]), float(path.time[-1]))
+    robot, whole = statement.scene.robot, statement.whole
+    for arrival, mode in zip(statement.plan.arrivals, claims.modes or (), strict=False):
+        met = (arrival.time, arrival.time)
+        stated = mode is None or _is_in_mode(statement, mode, met)
+        what = f"{arrival.control_point} is not stated to be met in mode {mode or '':.40}"
+        statement.require(stated, Code.ELBOW, what, met)
     for name, said, numbers in (
         ("singularity", claims.singularity, numbers_of(robot)),
         ("parallel", claims.parallel, couplers_of(robot)),
     ):
-        if said is None:
-            continue
-        margin = said[0]
+        margin = None if said is None else said[0]
+        has_one = said is None or (margin is not None) is bool(numbers)
+        statement.require(has_one, Code.SINGULARITY, f"whether the arm has a {name} margin is stated wrongly")
         if margin is None or not numbers:
-            if (margin is not None) is not bool(numbers):
-                yield Difference(Topic.MARGIN, f"whether the arm has a {name} margin is stated wrongly")
             continue
         least = margin - MARGIN
-        if not (least <= 0.0 or all(_keeps(claim, each, least, whole) for each in numbers)):
-            yield Difference(Topic.MARGIN, f"the arm may come nearer to a singular position ({name}) than is stated")
-        if not any(_reaches(claim, each, margin + MARGIN, whole) for each in numbers):
-            yield Difference(
-                Topic.MARGIN, f"the arm does not come as near to a singular position ({name}) as is stated"
-            )
-
-
-def _rows(claim: c.Claim, number: Number) -> Iterator[tuple[Row, float]]:
-    """The rows about a number, and what it is multiplied by in them."""
-    on = (0.0, 0.0, 0.0) if number.length > 0.0 else AHEAD
-    own = [number.link, number.length > 0.0, *on, number.other, *number.along]
-    for row in claim.axes.tolist():
-        if all(abs(x - y) <= SAME for x, y in zip(row[c.AXIS_LINK : c.AXIS_LOW], own, strict=True)):
-            yield row, number.length or 1.0
-
-
-def _keeps(claim: c.Claim, number: Number, least: float, when: Interval, sign: float = 0.0) -> bool:
-    """Whether a row states that a number is no smaller in size than `least` all the time, with a sign (0: any)."""
-    return any(
-        row[c.AXIS_T0] <= when[0]
-        and when[1] <= row[c.AXIS_T1]
-        and (
-            (sign >= 0.0 and row[c.AXIS_LOW] >= (least - SAME) * size)
-            or (sign <= 0.0 and row[c.AXIS_HIGH] <= (SAME - least) * size)
+        kept = least <= 0.0 or all(_is_beyond(statement, each, least, whole) for each in numbers)
+        what = f"the arm may come nearer to a singular position ({name}) than is stated"
+        statement.require(kept, Code.SINGULARITY, what)
+        most = margin + MARGIN
+        reached = any(
+            statement.keeps("axes", each.about, -most * each.size, most * each.size, whole, once=True)
+            for each in numbers
         )
-        for row, size in _rows(claim, number)
-    )
+        what = f"the arm does not come as near to a singular position ({name}) as is stated"
+        statement.require(reached, Code.SINGULARITY, what)
 
 
-def _reaches(claim: c.Claim, number: Number, most: float, within: Interval) -> bool:
-    """Whether a row states that a number is once no larger in size than `most`."""
-    return any(
-        within[0] <= row[c.AXIS_T0] <= row[c.AXIS_T1] <= within[1]
-        and row[c.AXIS_LOW] >= -(most + SAME) * size
-        and row[c.AXIS_HIGH] <= (most + SAME) * size
-        for row, size in _rows(claim, number)
+def _is_in_mode(statement: Statement, mode: str, when: Interval) -> bool:
+    """Whether the claim states that the arm is in a working mode."""
+    robot = statement.scene.robot
+    pairs = zip(numbers_of(robot), signs_of(robot, mode) if mode in robot.modes else [], strict=False)
+    own = [_is_beyond(statement, number, 0.0, when, sign) for number, sign in pairs if sign]
+    return bool(own) and all(own)
+
+
+def _is_beyond(statement: Statement, number: Number, least: float, when: Interval, sign: float = 0.0) -> bool:
+    """Whether a number is no smaller in size than `least` all the time, with a sign (0: any)."""
+    size = least * number.size
+    return (sign >= 0.0 and statement.keeps("axes", number.about, size, math.inf, when)) or (
+        sign <= 0.0 and statement.keeps("axes", number.about, -math.inf, -size, when)
     )

@@ -14,12 +14,13 @@ areas it is one.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.checker.statement.differences import SAME, Difference, Topic, is_same
+from assur.planner.checker.statement.differences import SAME, Requirements, is_same
+from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.geometry.shapes import Body, Hull, Piece
 from assur.planner.model.scene import Scene
@@ -34,20 +35,19 @@ def bodies_of(scene: Scene) -> list[Body]:
     ]
 
 
-def solids_agree(scene: Scene, claim: c.Claim) -> Iterator[Difference]:
-    """Differences of the bodies."""
+def require_solids(report: Requirements, scene: Scene, claim: c.Claim) -> None:
+    """The bodies of the claim hold those of the request, in the same order."""
     bodies = bodies_of(scene)
-    if len(claim.bodies) != len(bodies):
-        yield Difference(Topic.SOLID, f"the claim has {len(claim.bodies)} bodies, not {len(bodies)}")
-        return
+    many = f"the claim has {len(claim.bodies)} bodies, not {len(bodies)}"
+    report.require(len(claim.bodies) == len(bodies), Code.SOLID, many)
     rows, pieces, known = list[int](), list[tuple[Body, Piece]](), dict[tuple[bytes, bytes], int]()
-    for body, (first, count, triangle, triangles) in zip(bodies, claim.bodies.astype(int).tolist(), strict=True):
+    for body, (first, count, triangle, triangles) in zip(bodies, claim.bodies.astype(int).tolist(), strict=False):
         if body.surface is not None:
             vertices, faces = body.surface
             own = claim.triangles[triangle : triangle + triangles]
-            yield from _surface_agrees(body.name, vertices[faces], claim, range(first, first + count), own, known)
+            _require_surface(report, body.name, vertices[faces], claim, range(first, first + count), own, known)
         elif count != len(body.pieces) or triangles:
-            yield Difference(Topic.SOLID, f"{body.name} has {len(body.pieces)} pieces, which fill it")
+            report.require(False, Code.SOLID, f"{body.name} has {len(body.pieces)} pieces, which fill it")
         else:
             rows += range(first, first + count)
             pieces += [(body, piece) for piece in body.pieces]
@@ -58,7 +58,7 @@ def solids_agree(scene: Scene, claim: c.Claim) -> Iterator[Difference]:
             if isinstance(piece.shape, Hull):
                 differs[k] = not _holds(claim, stated[k], piece.shape.vertices @ piece.rotation.T + piece.position)
         for k in np.flatnonzero(differs).tolist():
-            yield Difference(Topic.SOLID, f"a piece of {pieces[k][0].name} is not that of the request")
+            report.require(False, Code.SOLID, f"a piece of {pieces[k][0].name} is not that of the request")
 
 
 def _agree(stated: FloatArray, pieces: Sequence[Piece]) -> BoolArray:
@@ -96,29 +96,29 @@ def _holds(claim: c.Claim, piece: FloatArray, points: FloatArray) -> bool:
     return len(vertices) > 0 and all(np.abs(vertices - point).max(axis=1).min() <= SAME for point in points)
 
 
-def _surface_agrees(
+def _require_surface(
+    report: Requirements,
     name: str,
     mesh: FloatArray,
     claim: c.Claim,
     pieces: range,
     triangles: FloatArray,
     known: dict[tuple[bytes, bytes], int],
-) -> Iterator[Difference]:
+) -> None:
     """The triangles of a body of the claim are those (m, 3, 3) of the mesh, and each is in one of the body's pieces.
     `known`: how many are not, of meshes that were compared already."""
     piece, corners = triangles[:, c.TRIANGLE_PIECE].astype(int), triangles[:, : c.TRIANGLE_PIECE].astype(int)
     if not ((piece >= pieces.start) & (piece < pieces.stop)).all():
-        yield Difference(Topic.SOLID, f"a triangle of {name} is in a piece of another body")
+        report.require(False, Code.SOLID, f"a triangle of {name} is in a piece of another body")
         return
     first, count = claim.pieces[piece][:, [c.PIECE_VERTEX, c.PIECE_VERTICES]].T
-    if not ((corners >= first[:, None]) & (corners < (first + count)[:, None])).all():
-        yield Difference(Topic.SOLID, f"a triangle of {name} is not in its piece")
+    inside = ((corners >= first[:, None]) & (corners < (first + count)[:, None])).all()
+    report.require(inside, Code.SOLID, f"a triangle of {name} is not in its piece")
     stated = claim.vertices[corners]
     key = mesh.tobytes(), stated.tobytes()
     if key not in known:
         known[key] = _uncovered(mesh, stated)
-    if known[key]:
-        yield Difference(Topic.SOLID, f"{known[key]} triangles of {name} are not those of the mesh")
+    report.require(not known[key], Code.SOLID, f"{known[key]} triangles of {name} are not those of the mesh")
 
 
 def _uncovered(mesh: FloatArray, stated: FloatArray) -> int:

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 import assur
-from assur.planner.checker.statement import Difference, state_cell, state_legs, state_plan
+from assur.planner.checker.statement import state_cell, state_legs, state_plan
 from assur.planner.checker.statement.solids import bodies_of
+from assur.planner.checker.verdict import Finding
 from assur.planner.claim import filling
 from assur.planner.claim.columns import Claim
 from assur.planner.claim.filling import with_plan
@@ -55,7 +56,7 @@ class Case:
         return [k for k, leg in enumerate(self.plan.legs) if leg.kind == kind][which]
 
 
-def differences(case: Case, claim: Claim | None = None, plan: Plan | None = None) -> list[Difference]:
+def differences(case: Case, claim: Claim | None = None, plan: Plan | None = None) -> list[Finding]:
     """What the statement checker reports of a case, or of another claim or plan for its request."""
     claim, plan = claim or case.claim, plan or case.plan
     return state_legs(case.scene, plan) or state_cell(case.scene, claim) or state_plan(case.scene, plan, claim)

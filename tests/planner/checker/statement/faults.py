@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from assur.planner.checker.statement import Topic
+from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from tests.planner.checker.statement.cases import Case, copied
@@ -20,7 +20,7 @@ class Fault(NamedTuple):
 
     name: str
     case: str
-    topic: Topic
+    code: Code
     change: Change
 
 
@@ -206,7 +206,7 @@ def tracked_points(case: Case) -> Any:
 
 
 DEMO, FLOW, LAWS = "demo, more uncertain", "dense-flow, more uncertain", "demo, all laws"
-T = Topic
+T = Code
 RULE = c.RULE_SIDE
 
 FAULTS: tuple[Fault, ...] = (

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from assur.planner.checker.statement import Topic
+from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from tests.planner.checker.statement.cases import Case
 from tests.planner.checker.statement.faults import Fault, drop, plus, put, times
 
 WAYS, TILTS, FLOW = "demo, straight ways", "rv-m1, straight way", "dense-flow, more uncertain"
-T = Topic
+T = Code
 
 
 def outer_ends(case: Case) -> Any:
@@ -90,20 +90,20 @@ FAULTS_OF_ARRIVALS: tuple[Fault, ...] = (
     Fault("a shorter approach", WAYS, T.POINT, lambda k: put(k, "points", outer_ends(k), c.POINT_MIDDLE, plus(-1e-3))),
     Fault("no stop above", WAYS, T.POINT, lambda k: put(k, "points", outer_ends(k), slice(16, 18), -1.0)),
     # joints
-    Fault("a wait in motion", "shutter", T.SUM, lambda k: put(k, "sums", 2, c.SUM_HIGH, plus(1e-6))),
-    Fault("a wait that ends early", "shutter", T.SUM, lambda k: put(k, "sums", 2, c.SUM_T1, plus(-1e-3))),
-    Fault("no rest", WAYS, T.SUM, lambda k: put(k, "sums", 1, c.SUM_LOW, -1.0)),
-    Fault("no rest of a joint", WAYS, T.SUM, lambda k: drop(k, "sums", 1)),
-    Fault("a via at which it stops", WAYS, T.SUM, lambda k: put(k, "sums", -1, c.SUM_LOW, 0.0)),
+    Fault("a wait in motion", "shutter", T.JOINTS, lambda k: put(k, "sums", 2, c.SUM_HIGH, plus(1e-6))),
+    Fault("a wait that ends early", "shutter", T.JOINTS, lambda k: put(k, "sums", 2, c.SUM_T1, plus(-1e-3))),
+    Fault("no rest", WAYS, T.JOINTS, lambda k: put(k, "sums", 1, c.SUM_LOW, -1.0)),
+    Fault("no rest of a joint", WAYS, T.JOINTS, lambda k: drop(k, "sums", 1)),
+    Fault("a via at which it stops", WAYS, T.JOINTS, lambda k: put(k, "sums", -1, c.SUM_LOW, 0.0)),
     # pitch and roll
-    Fault("a pitch farther off", TILTS, T.SUM, lambda k: put(k, "sums", slice(None), c.SUM_HIGH, plus(1e-5))),
+    Fault("a pitch farther off", TILTS, T.JOINTS, lambda k: put(k, "sums", slice(None), c.SUM_HIGH, plus(1e-5))),
     Fault(
-        "another pitch", TILTS, T.SUM, lambda k: put(k, "sums", sums(k, 0, lasting=False), slice(11, 13), plus(1e-5))
+        "another pitch", TILTS, T.JOINTS, lambda k: put(k, "sums", sums(k, 0, lasting=False), slice(11, 13), plus(1e-5))
     ),
-    Fault("a pitch that changes", TILTS, T.SUM, lambda k: put(k, "sums", sums(k, 1, lasting=False), 12, 1e-5)),
-    Fault("a roll of other joints", TILTS, T.SUM, lambda k: put(k, "sums", slice(None), c.SUM_SHARE + 4, 0.5)),
-    Fault("a way that leaves its chord", TILTS, T.SUM, lambda k: drop(k, "sums", -1)),
-    Fault("a way beyond its end", TILTS, T.SUM, lambda k: put(k, "sums", -2, c.SUM_HIGH, plus(1e-5))),
+    Fault("a pitch that changes", TILTS, T.JOINTS, lambda k: put(k, "sums", sums(k, 1, lasting=False), 12, 1e-5)),
+    Fault("a roll of other joints", TILTS, T.JOINTS, lambda k: put(k, "sums", slice(None), c.SUM_SHARE + 4, 0.5)),
+    Fault("a way that leaves its chord", TILTS, T.JOINTS, lambda k: drop(k, "sums", -1)),
+    Fault("a way beyond its end", TILTS, T.JOINTS, lambda k: put(k, "sums", -2, c.SUM_HIGH, plus(1e-5))),
     # arches and a yaw that is kept
     Fault("a lower arch", "standard-cycle", T.ARCH, lambda k: put(k, "axes", 0, c.AXIS_LOW, plus(-1e-5))),
     Fault("an arch without height", "standard-cycle", T.ARCH, lambda k: drop(k, "axes", 1)),
@@ -115,9 +115,9 @@ FAULTS_OF_ARRIVALS: tuple[Fault, ...] = (
     ),
     Fault("an arch no way up", "standard-cycle", T.ARCH, lambda k: drop(k, "sums", 3)),
     Fault("no top", "standard-cycle", T.ARCH, lambda k: drop(k, "sums", sums(k, 0, lasting=False))),
-    Fault("a yaw that is not kept", WAYS, T.AXIS, lambda k: drop(k, "axes", 0)),
-    Fault("a yaw that may be opposite", WAYS, T.AXIS, lambda k: drop(k, "axes", 1)),
-    Fault("another yaw at first", WAYS, T.AXIS, lambda k: put(k, "axes", 0, c.AXIS_HIGH, 1e-5)),
+    Fault("a yaw that is not kept", WAYS, T.DIRECTION, lambda k: drop(k, "axes", 0)),
+    Fault("a yaw that may be opposite", WAYS, T.DIRECTION, lambda k: drop(k, "axes", 1)),
+    Fault("another yaw at first", WAYS, T.DIRECTION, lambda k: put(k, "axes", 0, c.AXIS_HIGH, 1e-5)),
     # errors
     Fault("an error less", FLOW, T.ERROR, lambda k: drop(k, "errors", 0)),
     Fault("a larger error", FLOW, T.ERROR, lambda k: put(k, "errors", 1, c.ERROR_FAR, plus(1e-6))),

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from assur.planner.checker.claim.verdict import check_claim
-from assur.planner.checker.statement import Difference, Topic, state_answer
+from assur.planner.checker.statement import state_answer
+from assur.planner.checker.verdict import Code, Finding
 from assur.planner.claim import columns as c
 from assur.planner.claim import filling
 from assur.planner.claim.answer import with_answer
@@ -24,7 +25,7 @@ from assur.scenes.scenarios import shipped_scenarios
 from tests.planner.checker.statement.cases import Case, case_of, differences
 from tests.planner.checker.statement.test_claims_of_plans import NOT_PLANNED
 
-T = Topic
+T = Code
 Said = Callable[[Claims], Claims]
 
 
@@ -38,7 +39,7 @@ def answered(name: str) -> tuple[Case, Claim]:
     return case, with_answer(base, case.claim, case.plan, of_plan, case.claims)
 
 
-def reported(name: str, claims: Claims | None = None, plan: Plan | None = None) -> list[Difference]:
+def reported(name: str, claims: Claims | None = None, plan: Plan | None = None) -> list[Finding]:
     """What is reported of other statements about a case, or of another plan, whose claim is that of the right one."""
     case, claim = answered(name)
     return state_answer(case.scene, plan or case.plan, claims or case.claims, claim)
@@ -121,24 +122,24 @@ class Wrong(NamedTuple):
     """An answer that states something else."""
 
     case: str
-    topic: Topic
+    code: Code
     change: Said
 
 
 WRONG: dict[str, Wrong] = {
-    "a larger clearance": Wrong("demo", T.NEARNESS, nearest("nearest", gap_m=1e-4)),
-    "a smaller clearance": Wrong("demo", T.NEARNESS, nearest("nearest", gap_m=-1e-4)),
-    "another time": Wrong("demo", T.NEARNESS, nearest("nearest", time=1e-6)),
-    "another phase": Wrong("demo", T.NEARNESS, nearest("nearest", phase="FOLLOW")),
-    "another pair": Wrong("demo", T.NEARNESS, nearest("nearest", bodies=("cup", "post"))),
-    "a body that there is not": Wrong("demo", T.NEARNESS, nearest("nearest", bodies=("cup", "nobody"))),
-    "a clearance that is no number": Wrong("demo", T.NEARNESS, nearest("nearest", gap_m=math.nan)),
-    "nothing to keep apart": Wrong("demo", T.NEARNESS, lambda k: replace(k, nearest=(None,))),
-    "a larger clearance of parts": Wrong("demo", T.NEARNESS, nearest("placed", gap_m=1e-4)),
-    "a smaller clearance of parts": Wrong("demo", T.NEARNESS, nearest("placed", gap_m=-1e-4)),
-    "the arm as a part": Wrong("demo", T.NEARNESS, lambda k: replace(k, placed=k.nearest)),
-    "a part as the arm": Wrong("demo", T.NEARNESS, lambda k: replace(k, nearest=k.placed)),
-    "a nearer pair": Wrong("demo", T.NEARNESS, nearest("pairs", gap_m=-1e-4)),
+    "a larger clearance": Wrong("demo", T.NEAREST, nearest("nearest", gap_m=1e-4)),
+    "a smaller clearance": Wrong("demo", T.NEAREST, nearest("nearest", gap_m=-1e-4)),
+    "another time": Wrong("demo", T.NEAREST, nearest("nearest", time=1e-6)),
+    "another phase": Wrong("demo", T.NEAREST, nearest("nearest", phase="FOLLOW")),
+    "another pair": Wrong("demo", T.NEAREST, nearest("nearest", bodies=("cup", "post"))),
+    "a body that there is not": Wrong("demo", T.NEAREST, nearest("nearest", bodies=("cup", "nobody"))),
+    "a clearance that is no number": Wrong("demo", T.NEAREST, nearest("nearest", gap_m=math.nan)),
+    "nothing to keep apart": Wrong("demo", T.NEAREST, lambda k: replace(k, nearest=(None,))),
+    "a larger clearance of parts": Wrong("demo", T.NEAREST, nearest("placed", gap_m=1e-4)),
+    "a smaller clearance of parts": Wrong("demo", T.NEAREST, nearest("placed", gap_m=-1e-4)),
+    "the arm as a part": Wrong("demo", T.NEAREST, lambda k: replace(k, placed=k.nearest)),
+    "a part as the arm": Wrong("demo", T.NEAREST, lambda k: replace(k, nearest=k.placed)),
+    "a nearer pair": Wrong("demo", T.NEAREST, nearest("pairs", gap_m=-1e-4)),
     "a heavier load": Wrong("demo", T.LOAD, load(1, mass_kg=1e-6)),
     "a larger inertia": Wrong("demo", T.LOAD, load(1, inertia_kgm2=1e-9)),
     "no inertia": Wrong("demo", T.LOAD, load(1, inertia_kgm2=None)),
@@ -167,17 +168,17 @@ WRONG: dict[str, Wrong] = {
                               lambda k: replace(k, tool_acceleration=0.98 * (k.tool_acceleration or 0.0))),
     "more with a part": Wrong("demo", T.PEAK,
                               lambda k: replace(k, tool_acceleration=1.01 * (k.tool_acceleration or 0.0))),
-    "a larger margin": Wrong("demo", T.MARGIN, margin("singularity", 2e-3)),
-    "a smaller margin": Wrong("demo", T.MARGIN, margin("singularity", -2e-3)),
-    "no margin": Wrong("demo", T.MARGIN, margin("singularity", None)),
-    "a margin that is no number": Wrong("demo", T.MARGIN, margin("singularity", math.nan)),
-    "a larger margin of a loop": Wrong("five-bar", T.MARGIN, margin("parallel", 2e-3)),
-    "a smaller margin of a loop": Wrong("five-bar", T.MARGIN, margin("parallel", -2e-3)),
-    "no loop": Wrong("five-bar", T.MARGIN, margin("parallel", None)),
-    "a loop that is none": Wrong("demo", T.MARGIN, margin("parallel", 0.5)),
-    "another mode": Wrong("five-bar", T.MODE, lambda k: replace(k, modes=("right-left",))),
-    "another mode of an arm that tilts": Wrong("elbow-arm", T.MODE, lambda k: replace(k, modes=("back-up",))),
-    "a mode that there is not": Wrong("demo", T.MODE, lambda k: replace(k, modes=("up",))),
+    "a larger margin": Wrong("demo", T.SINGULARITY, margin("singularity", 2e-3)),
+    "a smaller margin": Wrong("demo", T.SINGULARITY, margin("singularity", -2e-3)),
+    "no margin": Wrong("demo", T.SINGULARITY, margin("singularity", None)),
+    "a margin that is no number": Wrong("demo", T.SINGULARITY, margin("singularity", math.nan)),
+    "a larger margin of a loop": Wrong("five-bar", T.SINGULARITY, margin("parallel", 2e-3)),
+    "a smaller margin of a loop": Wrong("five-bar", T.SINGULARITY, margin("parallel", -2e-3)),
+    "no loop": Wrong("five-bar", T.SINGULARITY, margin("parallel", None)),
+    "a loop that is none": Wrong("demo", T.SINGULARITY, margin("parallel", 0.5)),
+    "another mode": Wrong("five-bar", T.ELBOW, lambda k: replace(k, modes=("right-left",))),
+    "another mode of an arm that tilts": Wrong("elbow-arm", T.ELBOW, lambda k: replace(k, modes=("back-up",))),
+    "a mode that there is not": Wrong("demo", T.ELBOW, lambda k: replace(k, modes=("up",))),
 }  # fmt: skip
 
 
@@ -188,7 +189,7 @@ def test_what_is_not_so_is_reported(name: str) -> None:
     assert reported(wrong.case) == []
     claims = wrong.change(case.claims)
     assert claims != case.claims
-    assert wrong.topic in {each.topic for each in reported(wrong.case, claims)}
+    assert wrong.code in {each.code for each in reported(wrong.case, claims)}
 
 
 @pytest.mark.parametrize(("number", "field"), [(0, "grip_m"), (1, "support_m")])
@@ -199,22 +200,22 @@ def test_a_part_that_is_not_as_near_is_reported(number: int, field: str, off: fl
     assert reported("demo", plan=replace(case.plan, arrivals=tuple(arrivals))) == []
     arrivals[number] = replace(arrivals[number])
     object.__setattr__(arrivals[number], field, getattr(arrivals[number], field) + off)
-    assert {each.topic for each in reported("demo", plan=replace(case.plan, arrivals=tuple(arrivals)))} == {T.NEARNESS}
+    assert {each.code for each in reported("demo", plan=replace(case.plan, arrivals=tuple(arrivals)))} == {T.NEAREST}
 
 
 def test_a_place_has_no_grip() -> None:
     case, _ = answered("demo")
     arrivals = (case.plan.arrivals[0], replace(case.plan.arrivals[1], grip_m=1.0), *case.plan.arrivals[2:])
-    assert {each.topic for each in reported("demo", plan=replace(case.plan, arrivals=arrivals))} == {T.NEARNESS}
+    assert {each.code for each in reported("demo", plan=replace(case.plan, arrivals=arrivals))} == {T.NEAREST}
 
 
-FAULTS: dict[str, tuple[str, Topic, str, int | slice, int, float]] = {
-    "a nearer second distance": ("demo", T.NEARNESS, "required", 0, c.REQUIRED_NEAREST, -1e-6),
-    "a nearer distance of parts": ("demo", T.NEARNESS, "required", 0, c.REQUIRED_PLACED, -1e-6),
-    "distances at another time": ("demo", T.NEARNESS, "distances", slice(None), c.DISTANCE_TIME, 1e-6),
-    "distances in another phase": ("demo", T.NEARNESS, "distances", slice(None), c.DISTANCE_PHASE, 1.0),
-    "distances of other bodies": ("demo", T.NEARNESS, "distances", slice(None), c.DISTANCE_BODY, 1.0),
-    "distances that are larger": ("demo", T.NEARNESS, "distances", slice(None), c.DISTANCE_MOST, 1e-6),
+FAULTS: dict[str, tuple[str, Code, str, int | slice, int, float]] = {
+    "a nearer second distance": ("demo", T.NEAREST, "required", 0, c.REQUIRED_NEAREST, -1e-6),
+    "a nearer distance of parts": ("demo", T.NEAREST, "required", 0, c.REQUIRED_PLACED, -1e-6),
+    "distances at another time": ("demo", T.NEAREST, "distances", slice(None), c.DISTANCE_TIME, 1e-6),
+    "distances in another phase": ("demo", T.NEAREST, "distances", slice(None), c.DISTANCE_PHASE, 1.0),
+    "distances of other bodies": ("demo", T.NEAREST, "distances", slice(None), c.DISTANCE_BODY, 1.0),
+    "distances that are larger": ("demo", T.NEAREST, "distances", slice(None), c.DISTANCE_MOST, 1e-6),
     "peaks from later on": ("demo", T.PEAK, "sums", slice(None), c.SUM_T0, 1e-3),
     "peaks of other joints": ("demo", T.PEAK, "sums", slice(None), c.SUM_SHARE, 0.5),
     "peaks of another order": ("demo", T.PEAK, "sums", slice(None), c.SUM_ORDER, 1.0),
@@ -223,9 +224,9 @@ FAULTS: dict[str, tuple[str, Topic, str, int | slice, int, float]] = {
     "another point of the tool": ("demo", T.PEAK, "rates", slice(None), c.RATE_POINT, 1e-6),
     "another link": ("demo", T.PEAK, "rates", slice(None), c.RATE_LINK, -1.0),
     "a faster point": ("demo", T.PEAK, "rates", slice(None), c.RATE_MOST, 1e-2),
-    "margins of another link": ("demo", T.MARGIN, "axes", slice(None), c.AXIS_LINK, -1.0),
-    "margins from later on": ("demo", T.MARGIN, "axes", slice(None), c.AXIS_T0, 1e-3),
-    "margins along another axis": ("demo", T.MARGIN, "axes", slice(None), c.AXIS_DIRECTION, 1e-3),
+    "margins of another link": ("demo", T.SINGULARITY, "axes", slice(None), c.AXIS_LINK, -1.0),
+    "margins from later on": ("demo", T.SINGULARITY, "axes", slice(None), c.AXIS_T0, 1e-3),
+    "margins along another axis": ("demo", T.SINGULARITY, "axes", slice(None), c.AXIS_DIRECTION, 1e-3),
 }
 """Case, topic, table, rows, column, and what is added to its numbers."""
 
@@ -238,7 +239,7 @@ def test_a_fault_in_the_claim_of_an_answer_is_reported(name: str) -> None:
     numbers[rows, column] += more
     bad = claim._replace(**{table: numbers})
     found = state_answer(case.scene, case.plan, case.claims, bad)
-    assert topic in {each.topic for each in found}
+    assert topic in {each.code for each in found}
 
 
 @pytest.mark.parametrize("table", ["sums", "axes", "distances"])
@@ -255,8 +256,8 @@ def test_no_row_of_an_answer_can_be_spared(table: str) -> None:
 def test_modes_margins_grips_and_supports_that_a_request_asks_for_are_stated() -> None:
     case = case_of("demo, near parts")
     assert differences(case) == []
-    for table, topic in (("distances", T.NEARNESS), ("axes", T.MODE)):
+    for table, topic in (("distances", T.NEAREST), ("axes", T.ELBOW)):
         for row in range(len(getattr(case.claim, table))):
             less = case.claim._replace(**{table: np.delete(getattr(case.claim, table), row, axis=0)})
-            assert {each.topic for each in differences(case, less)} <= {topic, T.MARGIN}
+            assert {each.code for each in differences(case, less)} <= {topic, T.SINGULARITY}
             assert differences(case, less)

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from assur.planner.checker.statement import Topic
+from assur.planner.checker.verdict import Code
 from assur.planner.frames.motion import Pose
 from assur.planner.model.arrival_error import ArrivalError
 from assur.planner.model.outcome import LegKind, Missed, Plan, Traced
@@ -20,7 +20,7 @@ from tests.planner.checker.statement.cases import Case, Document, case_of, diffe
 DEMO, FLOW = "demo, more uncertain", "dense-flow, more uncertain"
 TRACE, BLENDS, TILTS = "bead-on-belt", "parabolic-blend", "rv-m1, straight way"
 Edit = Callable[[Document], object]
-T = Topic
+T = Code
 
 
 def other(name: str, change: Edit) -> Case:
@@ -56,7 +56,7 @@ def other_path(request: Document) -> None:
 
 
 POST = {"name": "post", "shape": {"sphere": {"radius_mm": 10}}, "pose": {"at_mm": [0, -900, 0]}}
-REFUSED: tuple[tuple[str, str, Topic, Edit], ...] = (
+REFUSED: tuple[tuple[str, str, Code, Edit], ...] = (
     ("a window along the belt", DEMO, T.WINDOW, lambda r: step(r, 0).update(window_mm=[-300, -290])),
     ("a window in time", DEMO, T.WINDOW, lambda r: step(r, 1).update(window_s=[0.0, 0.1])),
     ("a longer dwell", DEMO, T.ARRIVAL, lambda r: step(r, 0).update(dwell_ms=90)),
@@ -86,24 +86,24 @@ REFUSED: tuple[tuple[str, str, Topic, Edit], ...] = (
     ("a stop above", DEMO, T.POINT, lambda r: step(r, 0)["approach"].update(stop=True)),
     ("a point to be flown by", "rv-m1", T.POINT, lambda r: step(r, 0)["to"].update(at_mm=[0, 0, 45.1])),
     ("another pitch", "rv-m1", T.ARRIVAL, lambda r: step(r, 0)["to"].update(pitch_deg=-89)),
-    ("a straight way of the hand", "rv-m1", T.SUM, lambda r: step(r, 1).update(leg="cartesian")),
+    ("a straight way of the hand", "rv-m1", T.JOINTS, lambda r: step(r, 1).update(leg="cartesian")),
     ("a higher arch", "standard-cycle", T.ARCH, higher_arch),
     ("an arch", DEMO, T.LEGS, lambda r: step(r, 2).update(arch={"top_mm": 150})),
     ("another path", "circular-legs", T.GUIDE, other_path),
     ("a faster trace", TRACE, T.ARRIVAL, lambda r: step(r, 0).update(speed_mm_s=153)),
     ("another trace", TRACE, T.ARRIVAL, lambda r: step(r, 0)["path"][1]["arc"]["via_mm"].__setitem__(0, 50.02)),
     ("a longer lead-in", TRACE, T.LEGS, lambda r: step(r, 0).update(lead_in_mm=9)),
-    ("a rest at the point", DEMO, T.SUM, lambda r: step(r, 2).update(match="position")),
-    ("a yaw that is kept", "round-the-base", T.AXIS, kept_yaw),
-    ("blends that last longer", BLENDS, T.PARABOLA, lambda r: r["options"].update(acceleration_time_ms=239)),
-    ("a via elsewhere", BLENDS, T.PARABOLA, lambda r: step(r, 0)["to"].update(at_mm=[200, 200.1, -200])),
+    ("a rest at the point", DEMO, T.JOINTS, lambda r: step(r, 2).update(match="position")),
+    ("a yaw that is kept", "round-the-base", T.DIRECTION, kept_yaw),
+    ("blends that last longer", BLENDS, T.BLEND, lambda r: r["options"].update(acceleration_time_ms=239)),
+    ("a via elsewhere", BLENDS, T.BLEND, lambda r: step(r, 0)["to"].update(at_mm=[200, 200.1, -200])),
     ("another support", DEMO, T.CONTACT, lambda r: step(r, 1).update(contact_with=["belt-bed"])),
 )
 
 
 @pytest.mark.parametrize(("name", "topic", "change"), [each[1:] for each in REFUSED], ids=[each[0] for each in REFUSED])
-def test_a_claim_of_another_request_is_refused(name: str, topic: Topic, change: Edit) -> None:
-    assert topic in {each.topic for each in differences(other(name, change))}
+def test_a_claim_of_another_request_is_refused(name: str, topic: Code, change: Edit) -> None:
+    assert topic in {each.code for each in differences(other(name, change))}
 
 
 def with_leg(plan: Plan, which: int, **changes: Any) -> Plan:
@@ -134,7 +134,7 @@ def other_pitch(plan: Plan) -> Plan:
     return with_arrival(plan, 1, pitch=pitch + 1e-4)
 
 
-PLANS: tuple[tuple[str, Topic, Callable[[Plan], Plan]], ...] = (
+PLANS: tuple[tuple[str, Code, Callable[[Plan], Plan]], ...] = (
     ("a leg of no step", T.LEGS, lambda p: with_leg(p, -1, step=99)),
     ("a leg of another step", T.LEGS, lambda p: with_leg(p, 0, step=1)),
     ("a leg of another kind", T.LEGS, lambda p: with_leg(p, 0, kind=LegKind.FOLLOW)),
@@ -157,7 +157,7 @@ PLANS: tuple[tuple[str, Topic, Callable[[Plan], Plan]], ...] = (
     ("a velocity that is not matched", T.ARRIVAL, lambda p: with_arrival(p, 0, matched=False)),
     ("an arrival with a pitch", T.ARRIVAL, lambda p: with_arrival(p, 0, pitch=0.0)),
     ("an arrival that is traced", T.ARRIVAL, lambda p: with_arrival(p, 0, trace=Traced(1.0, 0.1, 0.1, 0.0))),
-    ("a via that is met, and missed", T.PARABOLA, lambda p: with_arrival(p, 2, missed_by=Missed((0.0,) * 4, 0.0))),
+    ("a via that is met, and missed", T.BLEND, lambda p: with_arrival(p, 2, missed_by=Missed((0.0,) * 4, 0.0))),
     ("a smaller error", T.ERROR, lambda p: with_arrival(p, 1, error=smaller(p.arrivals[1].error))),
 )
 
@@ -203,11 +203,11 @@ def traced(plan: Plan, **changes: float) -> Plan:
     return with_arrival(plan, 0, trace=replace(trace, **changes))
 
 
-OTHER_PLANS: tuple[tuple[str, str, Topic, Callable[[Plan], Plan]], ...] = (
-    ("another miss of a joint", BLENDS, T.PARABOLA, missed_less),
-    ("a miss that is too small", BLENDS, T.PARABOLA, missed_nearer),
-    ("a via that is not missed", BLENDS, T.PARABOLA, lambda p: with_arrival(p, 0, missed_by=None)),
-    ("a piece that is no parabola", BLENDS, T.PARABOLA, no_parabola),
+OTHER_PLANS: tuple[tuple[str, str, Code, Callable[[Plan], Plan]], ...] = (
+    ("another miss of a joint", BLENDS, T.BLEND, missed_less),
+    ("a miss that is too small", BLENDS, T.BLEND, missed_nearer),
+    ("a via that is not missed", BLENDS, T.BLEND, lambda p: with_arrival(p, 0, missed_by=None)),
+    ("a piece that is no parabola", BLENDS, T.BLEND, no_parabola),
     ("a longer trace", TRACE, T.ARRIVAL, lambda p: traced(p, length_m=0.3)),
     ("a faster trace", TRACE, T.ARRIVAL, lambda p: traced(p, fastest_m_s=0.2)),
     ("a slower trace", TRACE, T.ARRIVAL, lambda p: traced(p, slowest_m_s=0.1)),
@@ -219,7 +219,7 @@ OTHER_PLANS: tuple[tuple[str, str, Topic, Callable[[Plan], Plan]], ...] = (
     (
         "another pitch that is free",
         TILTS,
-        T.SUM,
+        T.JOINTS,
         other_pitch,
     ),
     ("a move called arch", DEMO, T.ARCH, lambda p: with_leg(p, 0, kind=LegKind.ARCH)),
@@ -230,32 +230,32 @@ OTHER_PLANS: tuple[tuple[str, str, Topic, Callable[[Plan], Plan]], ...] = (
 @pytest.mark.parametrize(
     ("name", "topic", "change"), [each[1:] for each in OTHER_PLANS], ids=[each[0] for each in OTHER_PLANS]
 )
-def test_a_plan_that_states_what_is_not_so_is_refused(name: str, topic: Topic, change: Callable[[Plan], Plan]) -> None:
+def test_a_plan_that_states_what_is_not_so_is_refused(name: str, topic: Code, change: Callable[[Plan], Plan]) -> None:
     case = case_of(name)
-    assert topic in {each.topic for each in differences(case, plan=sealed(case.scene, change(case.plan)))}
+    assert topic in {each.code for each in differences(case, plan=sealed(case.scene, change(case.plan)))}
 
 
 @pytest.mark.parametrize(("topic", "change"), [each[1:] for each in PLANS], ids=[each[0] for each in PLANS])
-def test_a_plan_that_does_not_do_the_task_is_refused(topic: Topic, change: Callable[[Plan], Plan]) -> None:
+def test_a_plan_that_does_not_do_the_task_is_refused(topic: Code, change: Callable[[Plan], Plan]) -> None:
     case = case_of(FLOW)
-    assert topic in {each.topic for each in differences(case, plan=sealed(case.scene, change(case.plan)))}
+    assert topic in {each.code for each in differences(case, plan=sealed(case.scene, change(case.plan)))}
 
 
 def test_the_digests_of_request_and_plan_are_compared() -> None:
     case = case_of(DEMO)
     wrong = replace(case.plan, certificate=replace(case.plan.certificate, digest=64 * "0"))
-    assert {each.topic for each in differences(case, plan=wrong)} == {Topic.DIGEST}
+    assert {each.code for each in differences(case, plan=wrong)} == {Code.DIGEST}
     scene = replace(case.scene, digest="sha256:" + 64 * "0")
-    assert {each.topic for each in differences(replace(case, scene=scene))} == {Topic.DIGEST}
+    assert {each.code for each in differences(replace(case, scene=scene))} == {Code.DIGEST}
 
 
-ASKED: tuple[tuple[str, Topic, Edit], ...] = (
-    ("a larger margin to singular positions", Topic.MARGIN, lambda r: r["options"].update(singularity_margin=0.6)),
-    ("the other working mode", Topic.MODE, lambda r: r["options"].update(elbow="left")),
+ASKED: tuple[tuple[str, Code, Edit], ...] = (
+    ("a larger margin to singular positions", Code.SINGULARITY, lambda r: r["options"].update(singularity_margin=0.6)),
+    ("the other working mode", Code.ELBOW, lambda r: r["options"].update(elbow="left")),
 )
 """Other requests, which ask for more of the arm's posture."""
 
 
 @pytest.mark.parametrize(("topic", "change"), [each[1:] for each in ASKED], ids=[each[0] for each in ASKED])
-def test_another_posture_than_is_asked_for_is_reported(topic: Topic, change: Edit) -> None:
-    assert topic in {each.topic for each in differences(other(DEMO, change))}
+def test_another_posture_than_is_asked_for_is_reported(topic: Code, change: Edit) -> None:
+    assert topic in {each.code for each in differences(other(DEMO, change))}

@@ -111,9 +111,8 @@ def test_the_textbook_has_links_where_the_robot_has_them(name: str) -> None:
     assert closes.sum() > 10
     turned = np.stack([arms.rotated(angles, axis) for axis in np.eye(3)], axis=-1)
     for link in range(len(robot.links)):
-        row = arms.link_row(robot, link)
-        assert np.abs(places[row] - position[:, link])[closes].max() < 1e-12
-        assert np.abs(turned[row] - rotation[:, link])[closes].max() < 1e-12
+        assert np.abs(places[link] - position[:, link])[closes].max() < 1e-12
+        assert np.abs(turned[link] - rotation[:, link])[closes].max() < 1e-12
 
 
 def tetrahedron() -> FloatArray:
