@@ -1,21 +1,22 @@
-"""Are the links of a claim's arms where textbooks have them, and do the arms move as plan and request say?
+"""Are the links of a claim's arms those of textbooks, and do the arms move as plan and request state it?
 
-The forward kinematics of each family of arms is here a second time, with complex numbers for planes: (K9) a SCARA,
-(K32), (K34) a five-bar, (K25), (H1), (H2) arms that tilt, all of docs/kinematics.md. Both are compared at some vectors
-of joint values. World frame, m and rad; (m, n) are m vectors of n joint values.
+The chain of each family of arms is here a second time, by its lengths (docs/kinematics.md): the angles of links are
+sums of joint values. The rows of the claim are compared with it. World frame, m and rad; (m, n) are m vectors of n
+joint values.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from assur.planner.arrays import FloatArray
+from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker.statement import laws
-from assur.planner.checker.statement.differences import SAME, Four, Requirements
+from assur.planner.checker.statement.differences import Four, Requirements
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.errors import FaultError
@@ -28,13 +29,80 @@ from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
 from assur.planner.trajectory import Trajectory
 
-VECTORS, FEWEST = 24, 6
-"""Joint vectors at which links are compared, and how many of them a closed loop must reach. A place is a sum of sines
-and cosines of sums of joint values with a handful of coefficients, so six vectors that are in no special position
-leave none of them free."""
+COPIED = 1e-12
+"""m or rad. The numbers of an arm are copied from the request, so they differ by no more."""
 Complex = NDArray[np.complexfloating[Any, Any]]
-SHARES = np.arange(1.0, VECTORS + 1.0)[:, None] * np.sqrt(np.array([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0])) % 1.0
-"""Points (VECTORS, 8) of a cube that is 1 wide: multiples of roots, less whole numbers, spread without any pattern."""
+ORIGIN = (0.0, 0.0, 0.0)
+AHEAD, UP = 0, 2
+"""Axes of a link."""
+
+
+class Link(NamedTuple):
+    """A link: the number of its parent (-1: the world); its origin in the parent's axes, m, and the axis along which a
+    joint slides it; the joints whose sums are its yaw (from the base; None: from the world's x axis), its pitch and its
+    roll; and the coupler from whose direction its yaw counts (-1: none)."""
+
+    parent: int
+    offset: tuple[float, float, float] = ORIGIN
+    slide: tuple[int, int] | None = None
+    yaw: tuple[int, ...] | None = ()
+    pitch: tuple[int, ...] = ()
+    roll: tuple[int, ...] = ()
+    coupler: int = -1
+
+
+class Chain(NamedTuple):
+    """L links of an arm with n joints. `origins` in the axes of the parents, m, and `angles`, yaw, pitch and roll in
+    the world, rad, (L, 3, 1 + n): a constant, and the share of each joint. `loop`: the numbers of both cranks, their
+    lengths, those of both couplers, and the side on which these meet; () for none."""
+
+    parents: IntArray
+    couplers: IntArray
+    origins: FloatArray
+    angles: FloatArray
+    loop: tuple[float, ...]
+
+
+@lru_cache(maxsize=64)
+def chain_of(robot: Robot) -> Chain:
+    """The chain of an arm by the lengths of the request: (K9) a SCARA, (K32), (K34) a five-bar, (K25), (H1), (H2) arms
+    that tilt. Raises `FaultError` for an arm of another family."""
+    links, loop = [Link(-1, (robot.base.x, robot.base.y, robot.base.z))], ()
+    if isinstance(robot, Scara):
+        rise, lift = ((UP, 2), None) if robot.arms_rise else (None, (UP, 2))
+        end = (robot.l2, 0.0, 0.0)
+        links += [Link(0, slide=rise, yaw=(0,)), Link(1, (robot.l1, 0.0, 0.0), yaw=(0, 1))]
+        links += [Link(2, end, lift, None), Link(2, end, lift, (0, 1, 3)[: robot.axes - 1])]
+    elif isinstance(robot, FiveBar):
+        half, (left, right), end = robot.separation / 2.0, robot.proximal, (robot.distal[0], 0.0, 0.0)
+        lift = (UP, 2) if robot.axes > 2 else None
+        links += [Link(0, (0.0, half, 0.0), yaw=(0,)), Link(0, (0.0, -half, 0.0), yaw=(1,))]
+        links += [Link(1, (left, 0.0, 0.0), coupler=0), Link(2, (right, 0.0, 0.0), coupler=1)]
+        links += [Link(3, end, lift, None), Link(3, end, lift, (3,) if robot.axes > 3 else (), coupler=0)]
+        loop = (1.0, 2.0, *robot.proximal, *robot.distal, 1.0 if robot.assembly == "front" else -1.0)
+    elif isinstance(robot, PolarArm | ElbowArm):
+        links += [Link(0, (0.0, 0.0, robot.height), yaw=(0,)), Link(1, yaw=(0,), pitch=(1,))]
+        if isinstance(robot, PolarArm):
+            links += [Link(2, slide=(AHEAD, 2), yaw=(0,), pitch=(1,))] * 2
+        else:
+            links.append(Link(2, (robot.l1, 0.0, 0.0), yaw=(0,), pitch=(1, 2)))
+            wrist = (1, 2, 3) if isinstance(robot, FiveAxisArm) else (1, 2)
+            links.append(Link(3, (robot.l2, 0.0, 0.0), yaw=(0,), pitch=wrist))
+            if isinstance(robot, FiveAxisArm):
+                links.append(Link(4, (robot.l3, 0.0, 0.0), yaw=(0,), pitch=wrist, roll=(4,)))
+    else:
+        raise FaultError(f"no textbook has the arm {type(robot).__name__}")
+    origins, angles = np.zeros((2, len(links), 3, 1 + len(robot.joints)))
+    for k, link in enumerate(links):
+        origins[k, :, 0] = link.offset
+        if link.slide is not None:
+            axis, joint = link.slide
+            origins[k, axis, 1 + joint] = 1.0
+        angles[k, 0, 0] = 0.0 if link.yaw is None or link.coupler >= 0 else robot.base.yaw
+        for row, joints in enumerate((link.yaw or (), link.pitch, link.roll)):
+            angles[k, row, [1 + joint for joint in joints]] = 1.0
+    parents, couplers = (np.array([link[k] for link in links]) for k in (0, -1))
+    return Chain(parents, couplers, origins, angles, loop)
 
 
 def link_names(robot: Robot) -> tuple[str, ...]:
@@ -73,76 +141,63 @@ def require_links(report: Requirements, scene: Scene, claim: c.Claim) -> None:
 
 
 def _require_chain(report: Requirements, robot: Robot, arm: int, claim: c.Claim) -> None:
-    """The links of an arm are where the textbook has them, and its loop is as far from singular positions."""
-    names, row = robot.links, claim.arms[arm]
-    if row[c.ARM_LINKS] != len(names) or row[c.ARM_JOINTS] != len(robot.joints):
-        what = f"{robot.name} has {len(names)} links and {len(robot.joints)} joints"
+    """The links of an arm are those of its chain, and its loop is as far from singular positions."""
+    row, chain, n = claim.arms[arm].astype(int), chain_of(robot), len(robot.joints)
+    first, links = int(row[c.ARM_LINK]), claim.links[row[c.ARM_LINK] :][: row[c.ARM_LINKS]]
+    if len(links) != len(robot.links) or row[c.ARM_JOINTS] != n or (row[c.ARM_LOOP] >= 0) != bool(chain.loop):
+        what = f"{robot.name} has {len(robot.links)} links, {n} joints and {'a' if chain.loop else 'no'} loop"
         report.require(False, Code.LINK, what)
         return
-    lower, upper = robot.limits.lower, robot.limits.upper
-    q = lower + SHARES[:, : len(lower)] * (upper - lower)
-    places, angles = textbook(robot, q)
-    stated_places, stated_angles = _chain(claim, arm, q)
-    closes = np.isfinite(places[-1]).all(axis=1)
-    if not closes.sum() >= FEWEST:
-        report.require(False, Code.LINK, f"{robot.name} closes at too few joint vectors to compare its links")
-        return
-    apart = np.abs(stated_places - places)[:, closes].max(axis=(1, 2))
-    turned = np.abs(np.remainder(stated_angles - angles + math.pi, math.tau) - math.pi)[:, closes].max(axis=(1, 2))
-    for name, off in zip(names, np.maximum(apart, turned).tolist(), strict=True):
-        what = f"{name} of {robot.name} is up to {off:.2g} m or rad from its place"
-        report.require(off <= SAME, Code.LINK, what)
-    if row[c.ARM_LOOP] >= 0.0:
-        far = claim.loops[int(row[c.ARM_LOOP]), c.LOOP_LEAST] >= robot.parallel_least
+    origins, slides = np.zeros_like(chain.origins), links[:, c.LINK_SLIDE].astype(int)
+    origins[:, :, 0] = links[:, c.LINK_OFFSET : c.LINK_SLIDE]
+    for k in np.flatnonzero(slides >= 0):
+        origins[k, :, 1 + slides[k]] = links[k, c.LINK_AXIS : c.LINK_YAW]
+    sums = np.vstack([claim.angles[:, : 1 + n], np.zeros(1 + n)])  # a link that stays upright has no row, -1
+    angles = sums[links[:, c.LINK_YAW : c.LINK_COUPLER].astype(int)]
+    off = np.maximum(np.abs(origins - chain.origins), np.abs(angles - chain.angles)).max((1, 2))
+    same = off <= COPIED
+    same &= np.maximum(links[:, c.LINK_PARENT] - first, -1.0) == chain.parents
+    same &= links[:, c.LINK_COUPLER] == chain.couplers
+    for name, is_same in zip(robot.links, same.tolist(), strict=True):
+        report.require(is_same, Code.LINK, f"{name} of {robot.name} is not where the request has it")
+    if chain.loop:
+        loop = claim.loops[row[c.ARM_LOOP]]
+        off = np.abs(loop[: c.LOOP_LEAST] - chain.loop - np.array([first] * 2 + [0.0] * 5))
+        report.require((off <= COPIED).all(), Code.LINK, f"the loop of {robot.name} is another")
+        far = loop[c.LOOP_LEAST] >= robot.parallel_least
         report.require(far, Code.LINK, f"{robot.name} may come nearer to a singularity of its loop")
 
 
-def _chain(claim: c.Claim, arm: int, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Places and angles (L, m, 3) of the links of an arm of the claim; yaw, pitch and roll are sums of joint values."""
-    row = claim.arms[arm].astype(int)
-    first, loop = int(row[c.ARM_LINK]), int(row[c.ARM_LOOP])
-    links = claim.links[first : first + row[c.ARM_LINKS]]
-    sums = claim.angles[:, :1] + claim.angles[:, c.ANGLE_SHARE : c.ANGLE_SHARE + q.shape[1]] @ q.T
-    rows = links[:, [c.LINK_YAW, c.LINK_PITCH, c.LINK_ROLL]].astype(int)
-    angles = np.where(rows[:, :, None] >= 0, sums[rows], 0.0).transpose(0, 2, 1)
-    slides = links[:, c.LINK_SLIDE].astype(int)
-    travel = np.where(slides[:, None] >= 0, q.T[slides], 0.0)
-    local = (
-        links[:, None, c.LINK_OFFSET : c.LINK_SLIDE]
-        + travel[:, :, None] * links[:, None, c.LINK_AXIS : c.LINK_AXIS + 3]
-    )
-    parents = np.maximum(links[:, c.LINK_PARENT].astype(int) - first, -1)  # -1: none
-    places = _stacked(parents, local, angles)
-    if loop >= 0:
-        numbers = claim.loops[loop]
-        cranks = numbers[c.LOOP_CRANK : c.LOOP_CRANK + 2].astype(int) - first
-        lengths = numbers[c.LOOP_LENGTH : c.LOOP_LENGTH + 2]
-        ahead = np.array([1.0, 0.0, 0.0])
-        ends = [places[k] + rotated(angles[k], n * ahead) for k, n in zip(cranks, lengths, strict=True)]
-        one, two = (end[:, 0] + 1j * end[:, 1] for end in ends)
-        directions = _couplers(one, two, *numbers[c.LOOP_COUPLER : c.LOOP_SIDE + 1].tolist())
-        couplers = links[:, c.LINK_COUPLER].astype(int)
-        angles[:, :, 0] += np.where(couplers[:, None] >= 0, np.array(directions)[couplers], 0.0)
-        places = _stacked(parents, local, angles)
+def textbook(robot: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Places (L, m, 3), m, and yaw, pitch and roll (L, m, 3), rad, of the links of an arm in the world for joint values
+    q (m, n); NaN where its loop does not close. Raises `FaultError` for an arm of another family."""
+    chain, ones = chain_of(robot), np.column_stack([np.ones(len(q)), q]).T
+    local, angles = ((each @ ones).transpose(0, 2, 1) for each in (chain.origins, chain.angles))
+    places = _stacked(chain.parents, local, angles)
+    if chain.loop:
+        lengths = zip((int(crank) for crank in chain.loop[:2]), chain.loop[2:4], strict=True)
+        ends = (places[k] + rotated(angles[k], np.array([length, 0.0, 0.0])) for k, length in lengths)
+        directions = np.array(_couplers(*(end[:, 0] + 1j * end[:, 1] for end in ends), *chain.loop[4:]))
+        angles[:, :, 0] += np.where(chain.couplers[:, None] >= 0, directions[chain.couplers], 0.0)
+        places = _stacked(chain.parents, local, angles)
     return places, angles
 
 
-def _stacked(parents: FloatArray, local: FloatArray, angles: FloatArray) -> FloatArray:
+def _stacked(parents: IntArray, local: FloatArray, angles: FloatArray) -> FloatArray:
     """Places (L, m, 3) of links whose origins are at `local` in the axes of their parents."""
-    steps = rotated(angles[parents], local)
-    places = np.zeros_like(local)
-    for k, parent in enumerate(parents.tolist()):
-        places[k] = local[k] if parent < 0 else places[parent] + steps[k]
+    places = rotated(angles[parents], local)
+    places[0] = local[0]
+    for k, parent in enumerate(parents[1:].tolist(), start=1):
+        places[k] += places[parent]
     return places
 
 
 def rotated(angles: FloatArray, vectors: FloatArray) -> FloatArray:
     """Rz(yaw) Ry(-pitch) Rx(roll) times vectors (..., 3), for angles (..., 3)."""
-    (cy, cp, cr), (sy, sp, sr) = np.moveaxis(np.cos(angles), -1, 0), np.moveaxis(np.sin(angles), -1, 0)
-    x, y, z = np.moveaxis(vectors, -1, 0)
+    (cy, cp, cr), (sy, sp, sr), (x, y, z) = (each.T for each in (np.cos(angles), np.sin(angles), vectors))
     y, z = cr * y - sr * z, sr * y + cr * z
     x, z = cp * x - sp * z, sp * x + cp * z
-    return np.stack([cy * x - sy * y, sy * x + cy * y, z], axis=-1)
+    return np.array([cy * x - sy * y, sy * x + cy * y, z]).T
 
 
 def _couplers(one: Complex, two: Complex, a: float, b: float, side: float) -> tuple[FloatArray, FloatArray]:
@@ -155,76 +210,13 @@ def _couplers(one: Complex, two: Complex, a: float, b: float, side: float) -> tu
     return first, np.angle(one + a * np.exp(1j * first) - two)
 
 
-def textbook(robot: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Places (L, m, 3) and yaw, pitch and roll (L, m, 3) of the links, in the order of `link_names`.
-
-    Raises `FaultError` for an arm of another family.
-    """
-    zero, psi = np.zeros(len(q)), robot.base.yaw
-    foot, rows = complex(robot.base.x, robot.base.y) + zero, list[tuple[Any, ...]]()
-    z = robot.base.z + zero
-
-    def link(at: Complex, height: FloatArray, *angles: FloatArray) -> None:
-        rows.append((at.real, at.imag, height, *angles, *(zero,) * (3 - len(angles))))
-
-    def e(angle: FloatArray) -> Complex:
-        return np.asarray(np.exp(1j * angle))
-
-    link(foot, z, zero + psi)
-    if isinstance(robot, Scara):
-        one = psi + q[:, 0]
-        two = one + q[:, 1]
-        arms, hand = z + q[:, 2] * robot.arms_rise, foot + robot.l1 * e(one) + robot.l2 * e(two)
-        link(foot, arms, one)
-        link(foot + robot.l1 * e(one), arms, two)
-        link(hand, z + q[:, 2], zero)
-        link(hand, z + q[:, 2], two + q[:, 3] if robot.axes == 4 else two)
-    elif isinstance(robot, FiveBar):
-        (left, right), half = robot.proximal, 0.5j * robot.separation * e(zero + psi)
-        one, five = psi + q[:, 0], psi + q[:, 1]
-        elbows = foot + half + left * e(one), foot - half + right * e(five)
-        two, three = _couplers(*elbows, *robot.distal, 1.0 if robot.assembly == "front" else -1.0)
-        hand, height = elbows[0] + robot.distal[0] * e(two), z + q[:, 2] if robot.axes > 2 else z
-        link(foot + half, z, one)
-        link(foot - half, z, five)
-        link(elbows[0], z, two)
-        link(elbows[1], z, three)
-        link(hand, height, zero)
-        link(hand, height, two + q[:, 3] if robot.axes > 3 else two)
-    elif isinstance(robot, PolarArm | ElbowArm):
-        heading = psi + q[:, 0]
-
-        def tilted(zeta: Complex, *angles: FloatArray) -> None:  # a point ρ + i h of the arm's vertical plane
-            link(foot + zeta.real * e(heading), z + robot.height + zeta.imag, heading, *angles)
-
-        tilted(0j * zero, zero)
-        tilted(0j * zero, q[:, 1])
-        if isinstance(robot, PolarArm):
-            for _ in ("link3", "flange"):
-                tilted(q[:, 2] * e(q[:, 1]), q[:, 1])
-        else:
-            two, three = q[:, 1], q[:, 1] + q[:, 2]
-            elbow = robot.l1 * e(two)
-            tilted(elbow, three)
-            if isinstance(robot, FiveAxisArm):
-                four = three + q[:, 3]
-                tilted(elbow + robot.l2 * e(three), four)
-                tilted(elbow + robot.l2 * e(three) + robot.l3 * e(four), four, q[:, 4])
-            else:
-                tilted(elbow + robot.l2 * e(three), three)
-    else:
-        raise FaultError(f"no textbook has the arm {type(robot).__name__}")
-    table = np.array(rows).transpose(0, 2, 1)
-    return table[:, :, :3], table[:, :, 3:]
-
-
 def states_at(path: Trajectory, time: float) -> FloatArray:
     """Position, velocity and acceleration (3, n) of the joints at a time: by the quintic that has those of both knots
     (N5). A joint rests before the first knot and behind the last one."""
     within = min(max(time, float(path.time[0])), float(path.time[-1]))
-    i = min(int(np.searchsorted(path.time, within, side="right")), len(path.time) - 1) - 1
-    while not path.time[i + 1] > path.time[i]:
-        i -= 1  # the acceleration jumps at the last knot
+    i = int(np.searchsorted(path.time, within, side="right")) - 1
+    if path.time[i] == within:
+        return np.array([path.q[i], path.qd[i], path.qdd[i]])
     h, since = float(path.time[i + 1] - path.time[i]), within - float(path.time[i])
 
     def powers(t: float) -> FloatArray:
@@ -248,8 +240,7 @@ def link_at(robot: Robot, q: FloatArray, row: int) -> Four:
 
 def hand_shares(robot: Robot) -> FloatArray:
     """The shares (2, n) of the joints in pitch and roll of the flange, which are sums of joint values (H2)."""
-    angles = textbook(robot, np.vstack([np.zeros(len(robot.joints)), np.eye(len(robot.joints))]))[1][-1, :, 1:]
-    return np.asarray((angles[1:] - angles[0]).T)
+    return chain_of(robot).angles[-1, 1:, 1:]
 
 
 def require_knots(report: Requirements, robot: Robot, path: Trajectory, claim: c.Claim, arm: int) -> None:

@@ -137,46 +137,34 @@ def _are_same_sines(stated: list[list[float]], required: Sequence[laws.Sine]) ->
 def _farthest_off(frame: FloatArray, pieces: FloatArray, formula: laws.Formula) -> tuple[Interval, float]:
     """Where the motion of a frame differs most from the formula: a piece, and by how much, m or rad. What repeats is
     compared over several periods."""
-    starts, ends, place, rate, powers = _integrated(frame, pieces)
-    if not (starts[1:] == ends[:-1]).all():
-        return (float(starts[0]), float(ends[-1])), math.inf
-    degree = max(formula.degree, powers.shape[2] + 1)
+    starts, whole = pieces[:, c.LAW_BEGIN], (float(pieces[0, c.LAW_BEGIN]), float(pieces[-1, c.LAW_END]))
+    period = float(frame[c.FRAME_PERIOD])
+    stated = laws.polynomials(starts, _integrated(frame, pieces), whole, (), period, frame[c.FRAME_STEP :].tolist())
     # if the law has many more pieces than the claim, the claim is wrong, and the others need not be computed
     most = 2 * len(pieces) + 8
-    inside = list(islice((t for t in formula.ends if starts[0] < t < ends[-1]), most))
-    if len(inside) == most:
-        return (float(starts[0]), float(ends[-1])), math.inf
-    cuts = np.array(sorted({*starts.tolist(), float(ends[-1]), *inside}))
+    inside = list(islice((t for t in formula.ends if whole[0] < t < whole[1]), most))
+    if len(inside) == most or not (starts[1:] == pieces[:-1, c.LAW_END]).all():
+        return whole, math.inf
+    cuts = np.array(sorted({*starts.tolist(), *whole, *inside}))
+    degree = max(formula.degree, stated.degree)
     nodes = 0.5 - 0.5 * np.cos(math.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
-    times = (cuts[:-1, None] + np.diff(cuts)[:, None] * nodes).ravel()
-    i = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
-    since = (times - starts[i])[:, None]
-    stated = place[i] + since * rate[i]
-    for k in range(powers.shape[2]):
-        stated += powers[i, :, k] * since ** (k + 2) / ((k + 1) * (k + 2))
-    period, step, off = frame[c.FRAME_PERIOD], frame[c.FRAME_STEP :], np.zeros(len(cuts) - 1)
-    for whole in PERIODS if period != 0.0 else (0,):
-        apart = np.abs(stated + whole * step - formula.place(times + whole * period)).max(axis=1)
+    times, off = (cuts[:-1, None] + np.diff(cuts)[:, None] * nodes).ravel(), np.zeros(len(cuts) - 1)
+    for later in (period * k for k in PERIODS) if period != 0.0 else (0.0,):
+        apart = np.abs(stated.place(times + later) - formula.place(times + later)).max(axis=1)
         off = np.maximum(off, apart.reshape(len(off), -1).max(axis=1))
     worst = int(np.argmax(np.where(np.isnan(off), math.inf, off)))
     return (float(cuts[worst]), float(cuts[worst + 1])), float(off[worst])
 
 
-def _integrated(
-    frame: FloatArray, pieces: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-    """When each of K pieces begins and ends, place and rate (K, 4) when it begins, and powers (K, 4, P) of its
-    acceleration: accelerations are integrated twice from pose and rate when the first piece begins (N6)."""
-    starts, ends = pieces[:, c.LAW_BEGIN], pieces[:, c.LAW_END]
+def _integrated(frame: FloatArray, pieces: FloatArray) -> FloatArray:
+    """Powers (K, 4, D) of the place on each of K pieces: accelerations are integrated twice from pose and rate when the
+    first piece begins (N6)."""
     powers = pieces[:, c.LAW_POWER :].reshape(len(pieces), 4, c.MOST_POWERS)
-    used = np.flatnonzero(powers.any(axis=(0, 1)))
-    powers = powers[:, :, : used[-1] + 1 if len(used) else 0]
-    h = (ends - starts)[:, None]
-    faster, farther = np.zeros((2, len(pieces), 4))
-    for k in range(powers.shape[2]):
-        faster += powers[:, :, k] * h ** (k + 1) / (k + 1)
-        farther += powers[:, :, k] * h ** (k + 2) / ((k + 1) * (k + 2))
+    powers = powers[:, :, : 1 + max(np.flatnonzero(powers.any(axis=(0, 1))), default=-1)]
+    k, h = np.arange(powers.shape[2]), (pieces[:, c.LAW_END] - pieces[:, c.LAW_BEGIN])[:, None]
+    rates, places = powers / (k + 1.0), powers / ((k + 1.0) * (k + 2.0))
+    faster = (rates * h[:, :, None] ** (k + 1)).sum(2)
     rate = frame[c.FRAME_RATE : c.FRAME_PIECE] + np.cumsum(faster, axis=0) - faster
-    moved = h * rate + farther
+    moved = h * rate + (places * h[:, :, None] ** (k + 2)).sum(2)
     place = frame[c.FRAME_POSE : c.FRAME_RATE] + np.cumsum(moved, axis=0) - moved
-    return starts, ends, place, rate, powers
+    return np.concatenate([place[:, :, None], rate[:, :, None], places], axis=2)

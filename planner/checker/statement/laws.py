@@ -26,6 +26,8 @@ Place = Callable[[FloatArray], FloatArray]
 """Times (m,) to places (m, 4)."""
 Sine = tuple[int, float, float, float]
 """Coordinate (0 to 3), amplitude, rate in rad/s and phase in rad of amplitude * sin(rate * t + phase)."""
+AHEAD, CLIMB, TURN = np.eye(4)[[0, 2, 3]]
+"""Directions of places: along the x axis, up, and round the vertical."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,32 @@ class Formula:
     step: Sequence[float] = (0.0, 0.0, 0.0, 0.0)
 
 
+def polynomials(
+    begins: FloatArray,
+    powers: FloatArray,
+    when: Interval,
+    sines: Sequence[Sine] = (),
+    period: float = 0.0,
+    step: Sequence[float] = (0.0, 0.0, 0.0, 0.0),
+) -> Formula:
+    """The formula of polynomials with powers (K, 4, D) of the time since each begins, (K,); the first one holds before
+    it begins, too, if there is no period. Its pieces end within `when`."""
+    first, last = (math.floor((t - begins[0]) / period) if period > 0.0 else 0 for t in when)
+
+    def place(t: FloatArray) -> FloatArray:
+        whole = np.floor((t - begins[0]) / period) if period > 0.0 else np.zeros(len(t))
+        local = t - whole * period
+        i = np.maximum(np.searchsorted(begins, local, side="right") - 1, 0)
+        since = (local - begins[i])[:, None]
+        found = np.outer(whole, step)
+        for k in range(powers.shape[2]):
+            found += powers[i, :, k] * since**k
+        return found
+
+    ends = (float(t + k * period) for k in range(first, last + 2) for t in begins.tolist())
+    return Formula(powers.shape[2] - 1, ends if len(begins) > 1 or period > 0.0 else (), place, sines, period, step)
+
+
 def link_of(law: Law) -> tuple[Robot, Trajectory, int] | None:
     """The arm, its motion and the number of its link (in the arm's own order) that the frame is; None: it is none."""
     return None if law.link is None else (law.link.robot, law.link.trajectory, law.link.link)
@@ -49,26 +77,30 @@ def link_of(law: Law) -> tuple[Robot, Trajectory, int] | None:
 
 def formula_of(law: Law, begin: float, end: float) -> Formula:
     """The law over [begin, end]. Raises `FaultError` for a kind that this module does not know."""
-    kind, of = law.kind, law.numbers
+    kind, of, when = law.kind, law.numbers, (begin, end)
     if kind == "keyframes":
-        return _keyframes(of, begin, end)
+        return _keyframes(of, when)
     pose = np.array(numbers(of.pose))
     ahead = np.array([math.cos(pose[3]), math.sin(pose[3]), 0.0, 0.0])
-    turn, climb = np.array([0.0, 0.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0, 0.0])
     if kind in ("fixed", "swing", "oscillation"):
-        return Formula(0, (), lambda t: np.tile(pose, (len(t), 1)), _sines(law))
+        return polynomials(np.zeros(1), pose[None, :, None], when, _sines(law))
     if kind == "linear":
-        velocity = np.array([*of.velocity, 0.0])
-        return Formula(1, (), lambda t: pose + np.outer(t - of.at_time, velocity))
-    if kind == "conveyor":
-        ends, travel = _travel(of.speed, of.changes, of.at_time)
-        return Formula(3, ends, lambda t: pose + np.outer(travel(t), ahead))
-    if kind == "turntable":
-        ends, angle = _travel(of.rate, of.changes, of.at_time)
-        rise = of.rise * climb
-        return Formula(3, ends, lambda t: pose + np.outer(angle(t), turn) + np.outer(t - of.at_time, rise))
+        return polynomials(np.array([of.at_time]), np.array([[*zip(pose, (*of.velocity, 0.0), strict=True)]]), when)
+    if kind in ("conveyor", "turntable"):
+        belt = kind == "conveyor"
+        begins, ways = _travel(of.speed if belt else of.rate, of.changes, of.at_time)
+        powers = ways[:, None, :] * (ahead if belt else TURN)[:, None]
+        powers[:, :, 0] += pose + np.outer(begins - of.at_time, of.rise * CLIMB)
+        powers[:, :, 1] += of.rise * CLIMB
+        return polynomials(begins, powers, when)
     if kind == "indexer":
-        return _indexer(of, pose, turn if of.turns else ahead, begin, end)
+        # steps by the polynomial without velocity, acceleration and jerk at both ends (F3), and dwells between them
+        way = of.step * (TURN if of.turns else ahead)
+        powers = np.zeros((2, 4, 8))
+        powers[0, :, 4:] = np.outer(way, np.array([35.0, -84.0, 70.0, -20.0]) / of.move_s ** np.arange(4.0, 8.0))
+        powers[:, :, 0] = pose, pose + way
+        begins = of.start + np.array([0.0, of.move_s])
+        return polynomials(begins, powers, when, period=of.move_s + of.dwell_s, step=way.tolist())
     raise FaultError(f"no formula for the motion {kind}")
 
 
@@ -145,9 +177,9 @@ def _sines(law: Law) -> list[Sine]:
     return []
 
 
-def _travel(speed: float, changes: Iterable[Change], zero: float) -> tuple[list[float], Place]:
-    """The times at which the acceleration of something jumps that has a speed and changes it by S-curves (F7), and how
-    far it has come since the time `zero`."""
+def _travel(speed: float, changes: Iterable[Change], zero: float) -> tuple[FloatArray, FloatArray]:
+    """The times (K,) at which the acceleration of something jumps that has a speed and changes it by S-curves (F7), and
+    how far it has come since the time `zero`: powers (K, 4) of the time since each."""
     rows: list[tuple[float, float, float, float, float]] = []  # begin, way, speed, acceleration, jerk
     way = now = 0.0
     for change in changes:
@@ -169,37 +201,16 @@ def _travel(speed: float, changes: Iterable[Change], zero: float) -> tuple[list[
         speed = change.speed
         rows.append((now, way, speed, 0.0, 0.0))
     table = np.array(rows or [(0.0, 0.0, speed, 0.0, 0.0)])
-
-    def distance(t: FloatArray) -> FloatArray:
-        # before the first change the speed is that of the first row, which has no acceleration
-        i = np.maximum(np.searchsorted(table[:, 0], t, side="right") - 1, 0)
-        begin, s, v, a, j = table[i].T
-        since = t - begin
-        return np.asarray(s + since * (v + since * (a / 2.0 + since * j / 6.0)))
-
-    start = float(distance(np.array([zero]))[0])
-    return [row[0] for row in rows], lambda t: distance(t) - start
+    begins, ways = table[:, 0], table[:, 1:] / (1.0, 1.0, 2.0, 6.0)
+    i = max(int(np.searchsorted(begins, zero, side="right")) - 1, 0)
+    ways[:, 0] -= ways[i] @ (zero - begins[i]) ** np.arange(4.0)
+    return begins, ways
 
 
-def _indexer(of: Numbers, pose: FloatArray, along: FloatArray, begin: float, end: float) -> Formula:
-    """Steps by the polynomial without velocity, acceleration and jerk at both ends (F3), and dwells between them."""
-    period = of.move_s + of.dwell_s
-    numbers_of_steps = range(math.floor((begin - of.start) / period), math.ceil((end - of.start) / period) + 1)
-    ends = (of.start + k * period + more for k in numbers_of_steps for more in (0.0, of.move_s))
-
-    def place(t: FloatArray) -> FloatArray:
-        whole = np.floor((t - of.start) / period)
-        u = np.minimum((t - of.start - whole * period) / of.move_s, 1.0)
-        step = u**4 * (35.0 + u * (-84.0 + u * (70.0 - 20.0 * u)))
-        return np.asarray(pose + np.outer(of.step * (whole + step), along))
-
-    return Formula(7, ends, place, period=period, step=(of.step * along).tolist())
-
-
-def _keyframes(of: Numbers, begin: float, end: float) -> Formula:
+def _keyframes(of: Numbers, when: Interval) -> Formula:
     """The cubic spline through poses (F5, F9), by its moments: the second derivatives at the poses."""
     times, values = np.array(of.times, dtype=float), np.array([numbers(pose) for pose in of.poses])
-    h, n, repeats = np.diff(times), len(times), of.ends == "periodic"
+    h, n = np.diff(times), len(times)
     slopes = np.diff(values, axis=0) / h[:, None]
     a, b = np.zeros((n, n)), np.zeros((n, 4))
     for i in range(1, n - 1):
@@ -215,19 +226,10 @@ def _keyframes(of: Numbers, begin: float, end: float) -> Formula:
         a[-1, :2] += 2.0 * h[0], h[0]
         a[-1, -2:] += h[-1], 2.0 * h[-1]
         b[-1] = 6.0 * (slopes[0] - slopes[-1])
-    moments, period = np.linalg.solve(a, b), float(times[-1] - times[0])
+    m, span = np.linalg.solve(a, b), h[:, None]
+    rates, jerks = slopes - span * (2.0 * m[:-1] + m[1:]) / 6.0, np.diff(m, axis=0) / span
+    powers = np.stack([values[:-1], rates, m[:-1] / 2.0, jerks / 6.0], axis=2)
     turn = math.tau * round((of.poses[-1].yaw - of.poses[0].yaw) / math.tau)
-    step = (0.0, 0.0, 0.0, turn)  # what repeats is where it was, but for whole turns
-    whole = range(math.floor((begin - times[0]) / period), math.ceil((end - times[0]) / period) + 1)
-
-    def place(t: FloatArray) -> FloatArray:
-        turns = np.floor((t - times[0]) / period) if repeats else np.zeros(len(t))
-        local = t - turns * period
-        i = np.clip(np.searchsorted(times, local, side="right") - 1, 0, n - 2)
-        one, two, span = (times[i + 1] - local)[:, None], (local - times[i])[:, None], h[i][:, None]
-        low, high = values[i] / span - moments[i] * span / 6.0, values[i + 1] / span - moments[i + 1] * span / 6.0
-        cubic = (moments[i] * one**3 + moments[i + 1] * two**3) / (6.0 * span)
-        return np.asarray(cubic + low * one + high * two + np.outer(turns, step))
-
-    ends = (float(t + k * period) for k in (whole if repeats else range(1)) for t in times)
-    return Formula(3, ends, place, period=period if repeats else 0.0, step=step)
+    # what repeats is where it was, but for whole turns
+    period = float(times[-1] - times[0]) if of.ends == "periodic" else 0.0
+    return polynomials(times[:-1], powers, when, period=period, step=(0.0, 0.0, 0.0, turn))
