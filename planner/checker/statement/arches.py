@@ -5,10 +5,10 @@ The lift is a joint, so rows of sums state it: at the begin, the top and the end
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
 from assur.planner.checker.statement.differences import MEET, Interval
-from assur.planner.checker.statement.statement import Statement, same, within
+from assur.planner.checker.statement.statement import Statement
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.model.outcome import LegKind
@@ -31,7 +31,7 @@ def require_arches(statement: Statement) -> None:
         spans = [leg for leg in legs if leg.step == number]
         if step.arch is not None and spans:
             about, when = (statement.flange, 1.0, *statement.tcp[:3], -1.0, *UP), (spans[0].t0, spans[-1].t1)
-            high = statement.keeps("axes", about, step.arch.top_m - MEET, np.inf, when, once=True)
+            high = statement.keeps("axes", about, step.arch.top_m - MEET, math.inf, when, once=True)
             statement.require(high, Code.ARCH, f"the arch to {step.name} may be too low", when)
 
 
@@ -40,22 +40,21 @@ def _goes_over(statement: Statement, when: Interval) -> bool:
     robot, (t0, t1) = statement.scene.robot, when
     if robot.lift is None:
         return False
-    lift = np.eye(c.MOST_JOINTS)[robot.lift]
-    heights = statement.rows("sums", same(c.SUM_ORDER, 0.0, *lift), within(when))
-    heights = heights[heights[:, c.SUM_T0] == heights[:, c.SUM_T1]]
-    ends = [heights[heights[:, c.SUM_T0] == t, c.SUM_HIGH].tolist() for t in when]
+    lift = [float(joint == robot.lift) for joint in range(c.MOST_JOINTS)]
+    heights = [(t, low, high) for t, until, low, high in statement.bounds("sums", 0.0, *lift) if t == until]
+    ends = [[high for t, _, high in heights if t == end] for end in when]
     if not all(ends):
         return False
     highest = max(min(end) for end in ends)
-    turn, low = heights[np.argmax(heights[:, c.SUM_LOW])][[c.SUM_T0, c.SUM_LOW]].tolist()
+    low, turn = max((low, t) for t, low, _ in heights if t0 <= t <= t1)
     if not low >= min(highest + RISE_M, float(robot.limits.upper[robot.lift]) - RISE_M) - MEET:
         return False
     back = 0.0
-    for first, last, sign, column in ((t0, turn, -1.0, c.SUM_LOW), (turn, t1, 1.0, c.SUM_HIGH)):
-        if first < last:
-            bounds = same(c.SUM_ORDER, 1.0, *lift), (column, (-c.FASTEST,), (c.FASTEST,))
-            rates = statement.chain("sums", (first, last), *bounds)
-            if rates is None:
-                return False
-            back += float((np.maximum(sign * rates[:, column], 0.0) * (rates[:, c.SUM_T1] - rates[:, c.SUM_T0])).sum())
-    return bool(back <= BACK_M + BACK * (low - highest))
+    for first, last, is_up in ((t0, turn, True), (turn, t1, False)):
+        # how fast the lift may go back: down on the way up, and up on the way down
+        own = ((a, b, -least if is_up else most) for a, b, least, most in statement.bounds("sums", 1.0, *lift))
+        rates = sorted((a, b, rate) for a, b, rate in own if first <= a < b <= last and rate < c.GREATEST)
+        if [first, *(b for _, b, _ in rates)] != [*(a for a, _, _ in rates), last]:
+            return False
+        back += sum(max(rate, 0.0) * (b - a) for a, b, rate in rates)
+    return back <= BACK_M + BACK * (low - highest)

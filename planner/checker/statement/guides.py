@@ -14,7 +14,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement.curves import Curve, curve_of
 from assur.planner.checker.statement.differences import SAME, TRACKED_M, Interval
 from assur.planner.checker.statement.poses import IDENTITY, inverse, then
-from assur.planner.checker.statement.statement import Statement, same
+from assur.planner.checker.statement.statement import Statement, same, within
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.model.outcome import LegKind, Traced
@@ -52,7 +52,10 @@ def require_guides(statement: Statement) -> None:
 def _rows(statement: Statement, first: str, last: str, when: Interval) -> FloatArray | None:
     """The guides of the tool from one frame to another over an interval, in order; None: they leave out a time."""
     frames = statement.frames[first], statement.frames[last]
-    return statement.chain("guides", when, same(c.GUIDE_LINK, statement.flange, *statement.tcp[:3], *frames))
+    rows = statement.rows("guides", within(when), same(c.GUIDE_LINK, statement.flange, *statement.tcp[:3], *frames))
+    rows = rows[np.argsort(rows[:, c.GUIDE_T0], kind="stable")]
+    whole = len(rows) > 0 and (rows[0, 0], rows[-1, 1]) == when and (rows[1:, 0] == rows[:-1, 1]).all()
+    return rows if whole else None
 
 
 def _begin(statement: Statement, frame: str, time: float) -> FloatArray:
@@ -89,8 +92,8 @@ def _follows_path(statement: Statement, number: int, step: Move, when: Interval)
     rows = _rows(statement, frame, frame, when)
     if rows is None:
         return False
-    begins, ends = _chords(rows)
-    points = np.concatenate([begins[:1], ends])
+    chords = _chords(rows)
+    points = chords.reshape(-1, 3)
     x, y, z = _begin(statement, frame, when[0]).tolist()
     try:
         curve = curve_of((x, y, z), step.path, step.blend_m)
@@ -104,20 +107,27 @@ def _follows_path(statement: Statement, number: int, step: Move, when: Interval)
         place, tangent = curve.state(s)
         s = np.clip(s + ((points - place) * tangent).sum(1), 0.0, curve.length)
     s[0], s[-1] = 0.0, curve.length
-    off = np.linalg.norm(points - curve.state(s)[0], axis=1)
-    bound = rows[:, c.GUIDE_MOST] + np.maximum(off[:-1], off[1:]) + curve.bow(s[:-1], s[1:])
+    places = curve.state(s)[0]
     return bool(
-        (begins[1:] == ends[:-1]).all()
-        and (off <= NEAREST_M).all()
+        (chords[1:, 0] == chords[:-1, 1]).all()
+        and (np.linalg.norm(points - places, axis=1) <= NEAREST_M).all()
         and (np.diff(s) >= 0.0).all()
         and _go_from_end_to_end(rows)
-        and (bound <= TRACKED_M).all()
+        and (_off(rows, places, curve.bow(*s.reshape(-1, 2).T)) <= TRACKED_M).all()
     )
 
 
-def _chords(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Where chords of a path begin and end, (N, 3) each."""
-    return rows[:, c.GUIDE_FROM : c.GUIDE_TO], rows[:, c.GUIDE_TO : c.GUIDE_SHARE]
+def _chords(rows: FloatArray) -> FloatArray:
+    """Where chords of a path begin and end, (N, 2, 3)."""
+    return rows[:, c.GUIDE_FROM : c.GUIDE_SHARE].reshape(-1, 2, 3)
+
+
+def _off(rows: FloatArray, places: FloatArray, bow: FloatArray) -> FloatArray:
+    """How far the tool may be from where it should be while each row lasts, (N,) m: the ends of the chords are compared
+    with `places`, and a place leaves a chord by `bow` (N,)."""
+    chords = _chords(rows)
+    apart = np.linalg.norm(chords - places.reshape(chords.shape), axis=2).max(1)
+    return np.asarray(rows[:, c.GUIDE_MOST] + apart + bow)
 
 
 def _go_from_end_to_end(rows: FloatArray) -> bool:
@@ -155,17 +165,15 @@ def _require_trace(statement: Statement, number: int, step: Trace, stated: Trace
 
 
 def _off_trace(rows: FloatArray, curve: Curve, kind: LegKind, when: Interval, v: float, lead: float) -> FloatArray:
-    """How far the tool may be from where it should be on a trace while each row lasts, (N,) m: the ends of a chord are
-    compared with the places at its times, and the place leaves a chord by its acceleration times h²/8."""
-    times, chords = rows[:, [c.GUIDE_T0, c.GUIDE_T1]], np.stack(_chords(rows), 1)
+    """`_off` for a trace: the places are those at the times of the rows, and a place leaves a chord by its acceleration
+    times h²/8."""
+    times = rows[:, c.GUIDE_T0 : c.GUIDE_LINK]
     if kind is LegKind.FOLLOW:
         s = np.clip(v * (times - when[0]), 0.0, curve.length)
-        places, bow = curve.state(s.ravel())[0].reshape(chords.shape), curve.bow(s[:, 0], s[:, 1])
-    else:
-        # a lead goes on along the tangent of the path's end, x the share of its time from where the tool rests
-        before = kind is LegKind.APPROACH
-        edge, tangent = (each[0] for each in curve.state(np.array([0.0 if before else curve.length])))
-        x = np.clip((times - when[0] if before else when[1] - times) * v / (2.0 * lead), 0.0, 1.0)
-        gone = lead * (1.0 - x**3 * (2.0 - x)) * (-1.0 if before else 1.0)
-        places, bow = edge + gone[:, :, None] * tangent, 0.75 * v * v / lead * np.diff(times, axis=1)[:, 0] ** 2 / 8.0
-    return np.asarray(rows[:, c.GUIDE_MOST] + np.linalg.norm(chords - places, axis=2).max(1) + bow)
+        return _off(rows, curve.state(s.ravel())[0], curve.bow(s[:, 0], s[:, 1]))
+    # a lead goes on along the tangent of the path's end, x the share of its time from where the tool rests
+    before = kind is LegKind.APPROACH
+    edge, tangent = (each[0] for each in curve.state(np.array([0.0 if before else curve.length])))
+    x = np.clip((times - when[0] if before else when[1] - times) * v / (2.0 * lead), 0.0, 1.0)
+    gone = lead * (1.0 - x**3 * (2.0 - x)) * (-1.0 if before else 1.0)
+    return _off(rows, edge + gone[:, :, None] * tangent, 0.75 * v * v / lead * np.diff(times, axis=1)[:, 0] ** 2 / 8.0)

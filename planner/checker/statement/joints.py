@@ -53,10 +53,9 @@ def _is_flown_by(statement: Statement, time: float) -> bool:
     if any(leg.kind is LegKind.WAIT and abs(leg.t0 - time) <= SAME for leg in statement.plan.legs):
         return False
     least = MEET + 2.0 * SAME  # what is slower may rest
-    for joint in np.eye(statement.plan.trajectory.n):
-        for sign in (1.0, -1.0):
-            if statement.sum_keeps(1, sign * joint, least, math.inf, (time, time)):
-                return True
+    signed = np.concatenate([sign * np.eye(statement.plan.trajectory.n) for sign in (1.0, -1.0)]).tolist()
+    if any(statement.sum_keeps(1, joint, least, math.inf, (time, time)) for joint in signed):
+        return True
     if not statement.whole[0] < time < statement.whole[1]:
         return True
     before, there, behind = (statement.state_at(time + off)[0] for off in (-BESIDE_S, 0.0, BESIDE_S))

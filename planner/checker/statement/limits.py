@@ -12,7 +12,7 @@ from assur.planner.checker.statement.statement import ROUNDING, Statement, all_o
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 
-SHARES = np.array([1e-9, 1e-9, 1e-9, 1e-6])
+SHARES = (1e-9, 1e-9, 1e-9, 1e-6)
 """By which a position (of half its range), a velocity, an acceleration and a jerk may exceed its limit."""
 CARRY_SHARE = 1e-6
 """By which the acceleration of a part may exceed its limit."""
@@ -45,11 +45,11 @@ def _is_limited(statement: Statement, share: float, when: Interval) -> bool:
     own = statement.scene.robot.limits
     upper = {c.LIMIT_UPPER: own.upper, c.LIMIT_VELOCITY: own.velocity, c.LIMIT_ACCELERATION: share * own.acceleration}
     bounds = [all_of(when), at_most(c.LIMIT_SHARE, *SHARES)]
-    bounds.append(at_least(c.LIMIT_LOWER, *(own.lower - ROUNDING * np.abs(own.lower))))
+    bounds.append(at_least(c.LIMIT_LOWER, *(own.lower - ROUNDING * np.abs(own.lower)).tolist()))
     if statement.scene.options.jerk_limited:
         upper[c.LIMIT_JERK] = share * own.jerk
         bounds.append(at_least(c.LIMIT_JERKS, 1.0))
-    bounds += [at_most(column, *(most + ROUNDING * np.abs(most))) for column, most in upper.items()]
+    bounds += [at_most(column, *(most + ROUNDING * np.abs(most)).tolist()) for column, most in upper.items()]
     return statement.states("limits", *bounds)
 
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from assur.planner.checker.statement.differences import SAME, Interval
 from assur.planner.checker.statement.loads import loads_of
 from assur.planner.checker.statement.statement import Statement
@@ -53,7 +51,7 @@ def _require_peak(
     statement: Statement, order: int, joint: int, sizes: list[tuple[Interval, float]], slack: float, what: str
 ) -> None:
     """A derivative of a joint is never larger than the size over each interval, and once as large in one of them."""
-    one = np.eye(len(statement.scene.robot.joints))[joint]
+    one = [float(k == joint) for k in range(len(statement.scene.robot.joints))]
     never = all(statement.sum_keeps(order, one, -size - slack, size + slack, when) for when, size in sizes)
     statement.require(never, Code.PEAK, f"{what} may be larger than is stated")
     once = any(

@@ -52,8 +52,7 @@ def _require_seats(statement: Statement, names: list[str]) -> None:
     stages, stated = statement.stages, statement.claim.seats[statement.claim.seated.astype(int)]
     apart = np.abs(stated - seats)
     apart[:, :, -1] = np.abs(np.remainder(apart[:, :, -1] + math.pi, math.tau) - math.pi)
-    same = (apart[:, :, : c.SEAT_POSE] == 0.0).all(2) & (apart[:, :, c.SEAT_POSE :] <= SAME).all(2)
-    for phase, body in np.argwhere(~same).tolist():
+    for phase, body in np.argwhere(~(apart.max(2) <= SAME)).tolist():
         what = f"{names[body]} is fixed to something else, or at another pose"
         statement.require(False, Code.SEAT, what, stages[phase].when)
     for phase, column in np.argwhere(~(statement.claim.off >= off - SAME)).tolist():
@@ -75,7 +74,7 @@ def _required_seats(statement: Statement, names: list[str]) -> tuple[FloatArray,
     seats += [seat(k, statement.place(body.name, ())) for k, body in enumerate(scene.bodies, start=len(links))]
     off = [(0.0, 0.0)] * len(links) + [statement.displaced(body.name, ()) for body in scene.bodies]
     # parts that are handled have others, phase by phase
-    all_seats, all_off = np.array([seats] * len(stages)), np.array([off] * len(stages))
+    all_seats, all_off = (np.array([each]).repeat(len(stages), 0) for each in (seats, off))
     for k, part in [(names.index(part), part) for part in statement.parts]:
         for p, stage in enumerate(stages):
             all_seats[p, k] = seat(k, statement.place(part, stage.handed))

@@ -14,11 +14,10 @@ areas it is one.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
-from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker.statement.differences import SAME, Requirements, is_same
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
@@ -51,41 +50,27 @@ def require_solids(report: Requirements, scene: Scene, claim: c.Claim) -> None:
         else:
             rows += range(first, first + count)
             pieces += [(body, piece) for piece in body.pieces]
-    if rows:
-        stated = claim.pieces[rows]
-        differs = ~_agree(stated, [piece for _, piece in pieces])
-        for k, (_, piece) in enumerate(pieces):
-            if isinstance(piece.shape, Hull):
-                differs[k] = not _holds(claim, stated[k], piece.shape.vertices @ piece.rotation.T + piece.position)
-        for k in np.flatnonzero(differs).tolist():
-            report.require(False, Code.SOLID, f"a piece of {pieces[k][0].name} is not that of the request")
+    stated = claim.pieces[rows]
+    required = np.array([_row(piece) for _, piece in pieces]).reshape(-1, c.PIECE)
+    off = np.abs(stated - required)
+    off[:, c.PIECE_DISC : c.PIECE_VERTEX] = (required - stated)[:, c.PIECE_DISC : c.PIECE_VERTEX]  # more may be stated
+    off[required[:, c.PIECE_DISC] == 0.0, c.PIECE_AXIS : c.PIECE_DISC] = 0.0
+    same = (off[:, : c.PIECE_VERTEX] <= SAME).all(1) & (off[:, c.PIECE_VERTICES :] <= SAME).all(1)
+    for (body, piece), row, holds in zip(pieces, stated, same.tolist(), strict=True):
+        shape = piece.shape
+        if isinstance(shape, Hull):
+            holds = _holds(claim, row, shape.vertices @ piece.rotation.T + piece.position)
+        report.require(holds, Code.SOLID, f"a piece of {body.name} is not that of the request")
 
 
-def _agree(stated: FloatArray, pieces: Sequence[Piece]) -> BoolArray:
-    """Whether pieces with edges, discs and balls are those of the request; the answer for hulls means nothing."""
-    count = len(pieces)
-    half, more = np.zeros((count, 3)), np.zeros((count, 2))
-    for k, piece in enumerate(pieces):
-        if not isinstance(piece.shape, Hull):
-            half[k], more[k] = piece.shape.half, (piece.shape.disc, piece.shape.ball)
-    axes = np.array([piece.rotation for piece in pieces]).transpose(0, 2, 1)  # (S, axis, 3)
-    centre = np.array([piece.position for piece in pieces])
-    edges = axes * half[:, :, None]
-    # edges of no length are left out, so the others move up
-    edges = np.take_along_axis(edges, np.argsort(half == 0.0, axis=1, kind="stable")[:, :, None], axis=1)
-    given = np.arange(3) < stated[:, c.PIECE_EDGES, None]
-    own = stated[:, c.PIECE_EDGE : c.PIECE_EDGE + 9].reshape(count, 3, 3) * given[:, :, None]
-    apart = np.minimum(np.abs(own - edges).max(2), np.abs(own + edges).max(2))
-    apart = np.where(edges.any(2), apart, 0.0).max(1)
-    across = np.abs(stated[:, c.PIECE_AXIS : c.PIECE_AXIS + 3] - axes[:, 2]).max(1)
-    return np.asarray(
-        (stated[:, c.PIECE_VERTICES] == 0.0)
-        & (np.abs(stated[:, : c.PIECE_AXIS] - centre).max(1) <= SAME)
-        & (apart <= SAME)
-        & ((more[:, 0] == 0.0) | (across <= SAME))
-        & (stated[:, c.PIECE_DISC] >= more[:, 0] - SAME)
-        & (stated[:, c.PIECE_BALL] >= more[:, 1] - SAME)
-    )
+def _row(piece: Piece) -> list[float]:
+    """The row of a piece that has edges; edges of no length are left out. That of a hull means nothing."""
+    shape, axes, row = piece.shape, piece.rotation.T.tolist(), [0.0] * c.PIECE
+    if not isinstance(shape, Hull):
+        edges = [[half * x for x in axis] for half, axis in zip(shape.half, axes, strict=True) if half != 0.0]
+        row[: c.PIECE_VERTEX] = *piece.position.tolist(), *axes[2], shape.disc, shape.ball
+        row[c.PIECE_EDGES : c.PIECE_EDGE + 3 * len(edges)] = len(edges), *(x for edge in edges for x in edge)
+    return row
 
 
 def _holds(claim: c.Claim, piece: FloatArray, points: FloatArray) -> bool:
@@ -135,12 +120,13 @@ def _uncovered(mesh: FloatArray, stated: FloatArray) -> int:
     (normal, area), (part_normal, part_area) = _normals(whole), _normals(rest)
     thin = part_area <= SAME * math.sqrt(area.max())  # too thin to have a direction
     covered, homes = np.zeros(len(whole)), np.zeros(len(rest), dtype=int)
-    for face, (corners, n) in enumerate(zip(whole, normal, strict=True)):
+    sides = np.cross(normal[:, None], np.roll(whole, -1, axis=1) - whole)
+    sides /= np.maximum(np.linalg.norm(sides, axis=2), 1e-300)[:, :, None]
+    for face, (corners, n, inwards) in enumerate(zip(whole, normal, sides, strict=True)):
         # in the plane of the triangle, and to the left of its three edges
         off = np.abs((rest - corners[0]) @ n).max(1)
-        for a, b in ((0, 1), (1, 2), (2, 0)):
-            side = np.cross(n, corners[b] - corners[a])
-            off = np.maximum(off, -((rest - corners[a]) @ side).min(1) / max(np.linalg.norm(side), 1e-300))
+        for corner, side in zip(corners, inwards, strict=True):
+            off = np.maximum(off, -((rest - corner) @ side).min(1))
         inside = (off <= SAME) & (thin | (part_normal @ n > 0.0))
         homes += inside
         covered[face] = part_area[inside & ~thin].sum()

@@ -59,7 +59,7 @@ class Statement(Handling):
     def __init__(self, scene: Scene, plan: Plan, claim: c.Claim) -> None:
         super().__init__(scene, plan)
         self.claim = claim
-        self._kept: dict[tuple[str, tuple[float, ...]], list[list[float]]] = {}
+        self._numbers: dict[str, dict[tuple[float, ...], list[tuple[float, ...]]]] = {}
 
     def rows(self, table: str, *bounds: Bound) -> FloatArray:
         """The rows of a table whose numbers are within bounds; NaN is not."""
@@ -70,33 +70,23 @@ class Statement(Handling):
         numbers, yaws = stated, YAWS.get(table)
         if yaws is not None:
             numbers = stated.copy()
-            middle = [(low[yaw] + high[yaw]) / 2.0 for yaw in yaws]
-            numbers[:, yaws] -= math.tau * np.round((stated[:, yaws] - middle) / math.tau)
-        return np.asarray(stated[((low <= numbers) & (numbers <= high)).all(1)])
+            for yaw in yaws:
+                middle = (low[yaw] + high[yaw]) / 2.0
+                numbers[:, yaw] -= math.tau * np.rint((stated[:, yaw] - middle) / math.tau)
+        box = np.array((low, high))
+        return np.asarray(stated[((box[0] <= numbers) & (numbers <= box[1])).all(1)])
 
     def states(self, table: str, *bounds: Bound) -> bool:
         """Whether a row of a table has numbers within bounds."""
         return len(self.rows(table, *bounds)) > 0
 
-    def chain(self, table: str, when: Interval, *bounds: Bound) -> FloatArray | None:
-        """The rows that last for a part of an interval and have numbers within bounds, in order; None: they leave out a
-        time of it."""
-        rows = self.rows(table, within(when), *bounds)
-        rows = rows[np.argsort(rows[:, 0], kind="stable")]
-        rows = rows[rows[:, 1] > rows[:, 0]]
-        times = rows[:, :2]
-        whole = len(rows) > 0 and (times[0, 0], times[-1, 1]) == when and (times[1:, 0] == times[:-1, 1]).all()
-        return rows if whole else None
-
     def keeps(
         self, table: str, about: Sequence[float], least: float, most: float, when: Interval, *, once: bool = False
     ) -> bool:
         """Whether rows of `rates`, `axes` or `sums` state that a number is from `least` to `most` over all of an
-        interval, or (`once`) for a part of it. `about`: the columns between times and bounds."""
+        interval, or (`once`) for a part of it."""
         low, high = least - SAME - ROUNDING * abs(least), most + SAME + ROUNDING * abs(most)
-        spans = [
-            (t0, t1) for t0, t1, lower, upper in self._bounds(table, tuple(about)) if low <= lower and upper <= high
-        ]
+        spans = [(t0, t1) for t0, t1, lower, upper in self.bounds(table, *about) if low <= lower and upper <= high]
         if once:
             return any(when[0] - SAME <= t0 and t1 <= when[1] + SAME for t0, t1 in spans)
         reached = -math.inf
@@ -105,13 +95,17 @@ class Statement(Handling):
                 reached = max(reached, t1)
         return reached >= when[1]
 
-    def _bounds(self, table: str, about: tuple[float, ...]) -> list[list[float]]:
-        """Times and bounds of the rows about a number."""
-        if (table, about) not in self._kept:
-            stated: FloatArray = getattr(self.claim, table)
-            own = stated[(np.abs(stated[:, 2:-2] - about) <= SAME).all(1)]
-            self._kept[table, about] = own[:, [0, 1, -2, -1]].tolist()
-        return self._kept[table, about]
+    def bounds(self, table: str, *about: float) -> list[tuple[float, ...]]:
+        """Times and bounds of the rows of `rates`, `axes` or `sums` about a number: the columns between both."""
+        if table not in self._numbers:
+            self._numbers[table] = {}
+            for t0, t1, *numbers, low, high in getattr(self.claim, table).tolist():
+                self._numbers[table].setdefault(tuple(numbers), []).append((t0, t1, low, high))
+        known = self._numbers[table]
+        if about in known:
+            return known[about]
+        near = [key for key in known if all(abs(x - y) <= SAME for x, y in zip(key, about, strict=True))]
+        return [row for key in near for row in known[key]]
 
     def sum_keeps(
         self, order: int, shares: Iterable[float], least: float, most: float, when: Interval, *, once: bool = False
