@@ -53,7 +53,7 @@ scenes/urdf: arm_text carriers families importing
 """
 DISTANCES = """
 planner/checker/refusals: meetings
-planner/checker/statement: points
+planner/checker/statement: distances points
 planner/claim: obligations
 planner/collision: at_rest screening
 planner/model: clearance options scene

@@ -19,7 +19,6 @@ NAMED = {
 }
 """The modules of the planner that name the wing, at most four, and why."""
 CODES = {
-    "planner/checked.py": "parabolas that differ are a finding of this code",
     "planner/checker/verdict.py": "the code",
 }
 """Modules that name the code `BLEND` of a finding, and nothing else of the wing."""

@@ -1,18 +1,20 @@
-"""The statement checker: does a claim state what the request asks?
+"""The statement checker: does a claim state what the request requires?
 
-The claim checker shows that what a claim states is true. It cannot know whether that is what was asked. This program
+The claim checker shows that what a claim states is true. It cannot know whether that is what is required. This program
 reads the facts of the request (robot, frames with the numbers of their laws, bodies, task, options) and the legs, the
 arrivals and the knots of the plan. From them it derives a second time what the claim has to state: who holds what, what
 may touch, which distance each pair needs, what is uncertain, order, windows, limits, loads and points. It compares laws
-with their formulas, links with the forward kinematics of textbooks, and solids with the numbers of the request.
+with their formulas, arms with the chains of textbooks, and solids with the numbers of the request.
 
 It computes no distance, and imports nothing from which the planner or the writer of the claim get the same facts
-(an import rule holds that). A claim may state more than the request asks: a larger distance, a smaller contact, a
+(an import rule holds that). A claim may state more than the request requires: a larger distance, a smaller contact, a
 narrower limit. It may not state less. All entry points return findings, which are plain sentences; there is none if the
 claim states what is required. The form of the claim must be right: the claim checker has to see to that first.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable, Iterable
 
 from assur.planner.checker.statement.arches import require_arches
 from assur.planner.checker.statement.arms import require_knots, require_links
@@ -87,18 +89,17 @@ def state_legs(scene: Scene, plan: Plan) -> list[Finding]:
 def state_plan(scene: Scene, plan: Plan, claim: Claim) -> list[Finding]:
     """Findings about what depends on the task and the plan, for a claim with whose cell nothing is wrong, and a plan
     with whose legs nothing is wrong."""
-    statement = Statement(scene, plan, claim)
-    require_knots(statement, scene.robot, plan.trajectory, claim, 0)
-    for require in OF_MOTIONS + OF_TASKS:
-        require(statement)
-    return statement.findings
+    return _stated(Statement(scene, plan, claim), OF_MOTIONS + OF_TASKS)
 
 
 def state_motion(scene: Scene, plan: Plan, claim: Claim) -> list[Finding]:
     """Findings about a motion that has no task: `plan` has one leg, in travel, and no arrivals."""
-    statement = Statement(scene, plan, claim)
-    require_knots(statement, scene.robot, plan.trajectory, claim, 0)
-    for require in OF_MOTIONS:
+    return _stated(Statement(scene, plan, claim), OF_MOTIONS)
+
+
+def _stated(statement: Statement, requirements: Iterable[Callable[[Statement], None]]) -> list[Finding]:
+    require_knots(statement, statement.scene.robot, statement.plan.trajectory, statement.claim, 0)
+    for require in requirements:
         require(statement)
     return statement.findings
 

@@ -67,7 +67,7 @@ class Chain(NamedTuple):
 def chain_of(robot: Robot) -> Chain:
     """The chain of an arm by the lengths of the request: (K9) a SCARA, (K32), (K34) a five-bar, (K25), (H1), (H2) arms
     that tilt. Raises `FaultError` for an arm of another family."""
-    links, loop = [Link(-1, (robot.base.x, robot.base.y, robot.base.z))], ()
+    links, loop = [Link(-1, (robot.base.x, robot.base.y, robot.base.z))], tuple[float, ...]()
     if isinstance(robot, Scara):
         rise, lift = ((UP, 2), None) if robot.arms_rise else (None, (UP, 2))
         end = (robot.l2, 0.0, 0.0)

@@ -10,9 +10,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.differences import MEET, SAME, TRACKED_M, Four
 from assur.planner.checker.statement.poses import inverse, numbers, then
 from assur.planner.checker.statement.statement import Statement, at_least, at_most, same
@@ -20,7 +17,7 @@ from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.laws.law import EXACT
 from assur.planner.model.arrival_error import ArrivalError
-from assur.planner.model.outcome import Arrival, LegKind
+from assur.planner.model.outcome import LegKind
 from assur.planner.model.scene import Pick, Trace
 
 AHEAD = 0.5
@@ -42,22 +39,13 @@ def require_arrivals(statement: Statement) -> None:
         tool, pose = statement.tool_at(arrival.time), numbers(arrival.pose)
         off = max(math.dist(tool[:3], pose[:3]), abs(math.remainder(tool[3] - pose[3], math.tau)))
         statement.require(off <= MEET, Code.ARRIVAL, f"the tool is not at the pose that is stated at {name}", when)
-        along = _is_so_far_along(statement, number, arrival)
-        statement.require(along, Code.ARRIVAL, f"{name} is not so far along its belt", when)
+        way = None if arrival.along_m is None else statement.along(number, arrival.time)
+        so_far = arrival.along_m is None if way is None else abs(way - (arrival.along_m or 0.0)) <= MEET
+        statement.require(so_far, Code.ARRIVAL, f"{name} is not so far along its belt", when)
         kept = step.target is None or not step.target.yaw_keep or _keeps_yaw(statement, number)
         statement.require(kept, Code.DIRECTION, f"the tool is not stated to keep its yaw until {name}", when)
         known = arrival.error is None or _is_error(statement, number, arrival.error)
         statement.require(known, Code.ERROR, f"{name} may be missed by more", left)
-
-
-def _is_so_far_along(statement: Statement, number: int, arrival: Arrival) -> bool:
-    """How far the control point is along its belt when it is met, from the pose that the request has for it."""
-    frame, pose = statement.point(number)
-    measured = laws.measured_along(statement.scene.frames[frame].law)
-    if arrival.along_m is None or measured is None:
-        return arrival.along_m is None
-    way = np.array(statement.in_world((frame, pose), arrival.time)[:3]) - np.array(measured[1][:3])
-    return abs(float(way @ np.array(measured[0])) - arrival.along_m) <= MEET
 
 
 def _keeps_yaw(statement: Statement, number: int) -> bool:

@@ -17,6 +17,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import arms, laws
 from assur.planner.checker.statement.differences import SAME, Four, Interval, Requirements
 from assur.planner.checker.statement.poses import inverse, numbers, then
+from assur.planner.checker.statement.solids import bodies_of
 from assur.planner.errors import FaultError
 from assur.planner.geometry.shapes import Body, Hull, Piece
 from assur.planner.laws.law import EXACT, PoseUncertainty, Uncertainty
@@ -61,6 +62,7 @@ class Handling(Requirements):
         self.arrivals = {arrival.step: arrival for arrival in plan.arrivals}
         self.tcp, self.flange = numbers(scene.tool.tcp), float(arms.flange_row(scene.robot))
         self.frames = {name: number for number, name in enumerate(scene.frames)}
+        self.bodies = {body.name: number for number, body in enumerate(bodies_of(scene))}
         self.whole = (float(plan.trajectory.time[0]), float(plan.trajectory.time[-1]))
         self._places: dict[tuple[str, float], Four] = {}
         self._radius: dict[str, float] = {}
@@ -204,6 +206,16 @@ class Handling(Requirements):
             if near and abs(here[2] + _reach(body.body, 1.0) - bottom) <= CONTACT_M + SAME:
                 found.add(body.name)
         return found
+
+    def along(self, number: int, time: float) -> float | None:
+        """How far, m, the control point of a step is along its belt at a time, from the pose that the request has for
+        the belt; None: it is on no belt."""
+        frame, pose = self.point(number)
+        measured = laws.measured_along(self.scene.frames[frame].law)
+        if measured is None:
+            return None
+        direction, zero = measured
+        return float((np.array(self.in_world((frame, pose), time)[:3]) - zero[:3]) @ np.array(direction))
 
     def in_world(self, where: Where, time: float) -> Four:
         """The pose in the world of what is fixed to a frame, at a time."""

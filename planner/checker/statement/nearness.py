@@ -6,7 +6,6 @@ import math
 
 from assur.planner.checker.statement.differences import SAME
 from assur.planner.checker.statement.holding import Stage
-from assur.planner.checker.statement.solids import bodies_of
 from assur.planner.checker.statement.statement import Statement, at_most, same
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
@@ -128,8 +127,7 @@ def _links(statement: Statement, stage: Stage) -> dict[str, str | None]:
 
 def _is_near(statement: Statement, phase: int, time: float, names: tuple[str, str], most: float) -> bool:
     """Whether two bodies are stated to be no farther apart than `most`, m, at a time in a phase."""
-    bodies = [body.name for body in bodies_of(statement.scene)]
-    numbers = [bodies.index(name) for name in names]
+    numbers = [statement.bodies[name] for name in names]
     return any(
         statement.states(
             "distances",

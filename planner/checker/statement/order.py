@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from itertools import pairwise
 
 import numpy as np
@@ -12,7 +13,6 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.differences import MEET, SAME, is_same
 from assur.planner.checker.statement.holding import Handling
-from assur.planner.checker.statement.poses import then
 from assur.planner.checker.verdict import Code
 from assur.planner.model.outcome import Arrival, Leg, LegKind
 from assur.planner.model.scene import Move, Pick, Step, Trace
@@ -117,24 +117,22 @@ def _require_window(handling: Handling, number: int, arrival: Arrival) -> None:
     first, last = step.window.time or (-math.inf, math.inf)
     inside = first - SAME <= arrival.time and arrival.until <= last + SAME
     handling.require(inside, Code.WINDOW, f"{step.name} is met outside of its window in time", when)
-    if step.window.along is not None:
-        frame, pose = handling.point(number)
-        law = handling.scene.frames[frame].law
-        measured = laws.measured_along(law)
-        if measured is None:
-            handling.require(False, Code.WINDOW, f"{step.name} has a window in metres, and is on no belt", when)
-            return
-        direction, zero = np.array(measured[0]), np.array(measured[1][:3])
-        formula = laws.formula_of(law, *when)
+    if step.window.along is None:
+        return
+    frame, _ = handling.point(number)
+    if handling.along(number, arrival.time) is None:
+        handling.require(False, Code.WINDOW, f"{step.name} has a window in metres, and is on no belt", when)
+        return
 
-        def way(times: FloatArray) -> FloatArray:
-            places = formula.place(times).tolist()
-            return np.asarray([np.array(then(tuple(place), pose)[:3]) - zero for place in places] @ direction)
+    def way(times: Iterable[float]) -> FloatArray:
+        return np.array([handling.along(number, time) for time in times], dtype=float)
 
-        times = [arrival.time, *(t for t in formula.ends if arrival.time < t < arrival.until), arrival.until]
-        for a, b in pairwise(list(times)):  # between two of them the way is a cubic, which may turn round
-            cubic = np.polyfit(np.arange(4.0), way(np.linspace(a, b, 4)), 3)
-            times += [a + (b - a) * u / 3.0 for u in np.roots(np.polyder(cubic)).real if 0.0 < u < 3.0]
-        ways, (low, high) = way(np.array(times)), step.window.along
-        inside = low - MEET <= ways.min() and ways.max() <= high + MEET
-        handling.require(inside, Code.WINDOW, f"{step.name} is met outside of its window along the belt", when)
+    formula = laws.formula_of(handling.scene.frames[frame].law, *when)
+    times = edges = [arrival.time, *(t for t in formula.ends if arrival.time < t < arrival.until), arrival.until]
+    for a, b in pairwise(edges):  # between two of them the way is a cubic, which may turn round
+        cubic = np.polyfit(np.arange(4.0), way(np.linspace(a, b, 4).tolist()), 3)
+        turns = (u for u in np.roots(np.polyder(cubic)).real.tolist() if 0.0 < u < 3.0)
+        times = [*times, *(a + (b - a) * u / 3.0 for u in turns)]
+    ways, (low, high) = way(times), step.window.along
+    inside = low - MEET <= ways.min() and ways.max() <= high + MEET
+    handling.require(inside, Code.WINDOW, f"{step.name} is met outside of its window along the belt", when)

@@ -13,7 +13,6 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement.differences import SAME
 from assur.planner.checker.statement.holding import Where
 from assur.planner.checker.statement.poses import IDENTITY
-from assur.planner.checker.statement.solids import bodies_of
 from assur.planner.checker.statement.statement import Statement
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
@@ -25,7 +24,7 @@ def require_phases(statement: Statement) -> None:
     if phases[:, c.PHASE_T0 : c.PHASE_T1 + 1].tolist() != [list(stage.when) for stage in stages]:
         statement.require(False, Code.PHASE, "the phases are not the legs of the plan and what comes behind them")
         return
-    names = [body.name for body in bodies_of(statement.scene)]
+    names = list(statement.bodies)
     _require_seats(statement, names)
     _require_contacts(statement, names)
     count = len(statement.frames)
@@ -48,7 +47,7 @@ def require_phases(statement: Statement) -> None:
 
 def _require_seats(statement: Statement, names: list[str]) -> None:
     """Each body is fixed to its link or frame, at its pose, and as much of it is uncertain as is required."""
-    seats, off = _required_seats(statement, names)
+    seats, off = _required_seats(statement)
     stages, stated = statement.stages, statement.claim.seats[statement.claim.seated.astype(int)]
     apart = np.abs(stated - seats)
     apart[:, :, -1] = np.abs(np.remainder(apart[:, :, -1] + math.pi, math.tau) - math.pi)
@@ -60,7 +59,7 @@ def _require_seats(statement: Statement, names: list[str]) -> None:
         statement.require(False, Code.UNCERTAINTY, what, stages[phase].when)
 
 
-def _required_seats(statement: Statement, names: list[str]) -> tuple[FloatArray, FloatArray]:
+def _required_seats(statement: Statement) -> tuple[FloatArray, FloatArray]:
     """The seat of each body in each stage, (P, B, 7), and by how much each may be off it: (P, 2 B), horizontally, and
     then up or down, m."""
     scene, stages, flange = statement.scene, statement.stages, statement.flange
@@ -75,7 +74,8 @@ def _required_seats(statement: Statement, names: list[str]) -> tuple[FloatArray,
     off = [(0.0, 0.0)] * len(links) + [statement.displaced(body.name, ()) for body in scene.bodies]
     # parts that are handled have others, phase by phase
     all_seats, all_off = (np.array([each]).repeat(len(stages), 0) for each in (seats, off))
-    for k, part in [(names.index(part), part) for part in statement.parts]:
+    for part in statement.parts:
+        k = statement.bodies[part]
         for p, stage in enumerate(stages):
             all_seats[p, k] = seat(k, statement.place(part, stage.handed))
             all_off[p, k] = statement.displaced(part, stage.handed)
