@@ -73,7 +73,8 @@ def _required_seats(statement: Statement) -> tuple[FloatArray, FloatArray]:
     seats += [seat(k, statement.place(body.name, ())) for k, body in enumerate(scene.bodies, start=len(links))]
     off = [(0.0, 0.0)] * len(links) + [statement.displaced(body.name, ()) for body in scene.bodies]
     # parts that are handled have others, phase by phase
-    all_seats, all_off = (np.array([each]).repeat(len(stages), 0) for each in (seats, off))
+    all_seats = np.array(seats, dtype=float).reshape(1, -1, c.SEAT).repeat(len(stages), 0)
+    all_off = np.array(off, dtype=float).reshape(1, -1, 2).repeat(len(stages), 0)
     for part in statement.parts:
         k = statement.bodies[part]
         for p, stage in enumerate(stages):
