@@ -8,6 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from assur.planner.checker.refusals.standing import allowed_modes
+from assur.planner.checker.refusals.ways import ways
+from assur.planner.feasibility.hits import point_of
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.legs.control_point import ControlPoint
@@ -24,8 +27,6 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import Code
-from assur.planner.robots.five_axis_arm import FiveAxisArm
-from assur.planner.robots.scara import Scara
 from assur.planner.robots.turns import beyond_range, equivalents
 
 EDGE_M = 1e-9
@@ -35,12 +36,20 @@ PARTS = 512
 """Parts of a period over each of which the way of a point is bounded."""
 
 
-def out_of_range(scene: Scene, point: ControlPoint) -> Refusal | None:
-    """Why no joint position meets `point`, or what is asked above it; None: one does, or nobody knows, for it moves."""
-    if not point.still:
-        return _never_near(scene, point)
+def out_of_range(scene: Scene, number: int) -> Refusal | None:
+    """Why no joint position meets the control point of a step, or what is required above it, however the part is held;
+    None: one does, or nobody knows, for it moves."""
+    found = [point_of(scene, way) for way in ways(scene, number)]
+    if not found[0].still:
+        return _never_near(scene, found[0])
+    beyond = [_in_no_mode(scene, point) for point in found]
+    return None if None in beyond else beyond[0]
+
+
+def _in_no_mode(scene: Scene, point: ControlPoint) -> Refusal | None:
+    """Why a point is met in no working mode that is allowed; None: it is in one."""
     refusals = []
-    for mode in _allowed(scene):
+    for mode in map(scene.robot.modes.index, allowed_modes(scene)):
         heights = dict.fromkeys((0.0, point.approach, point.depart))
         here = [_refused(scene, point, above, mode) for above in heights]
         refused = [refusal for refusal in here if refusal is not None]
@@ -53,30 +62,6 @@ def out_of_range(scene: Scene, point: ControlPoint) -> Refusal | None:
 
 def _amount(refusal: Refusal) -> float:
     return 0.0 if refusal.amount is None else refusal.amount.value
-
-
-def beyond_every_pitch(scene: Scene, point: ControlPoint) -> Refusal | None:
-    """Why `point` is met at no pitch of the tool, joint limits left aside; None: it is, or moves, or is not known."""
-    if not point.still or not isinstance(scene.robot, FiveAxisArm):
-        return None
-    short = float(scene.robot.out_of_reach(point.flange(np.array([scene.start.time])).p)[0])
-    if not short > EDGE_M:
-        return None
-    return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=short, facts=OutOfReach(every_pitch=True))
-
-
-def whatever_the_yaw(scene: Scene, refusal: Refusal) -> bool:
-    """Whether the refusal of one yaw holds for all: the tool point is on the wrist's axis; it is not the wrist's."""
-    tcp = scene.tool.tcp
-    return tcp.x == 0.0 and tcp.y == 0.0 and refusal.joint != scene.robot.joints[-1].name
-
-
-def _allowed(scene: Scene) -> list[int]:
-    """Working modes that the request allows."""
-    robot, elbow = scene.robot, scene.options.elbow
-    if elbow == "auto":
-        return list(range(len(robot.modes)))
-    return [int(robot.mode_of(scene.start.q))] if elbow == "keep" else [robot.modes.index(elbow)]
 
 
 def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refusal | None:
@@ -120,20 +105,20 @@ def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusa
 
 
 def _never_near(scene: Scene, point: ControlPoint) -> Refusal | None:
-    """Why a SCARA reaches a point on a frame that repeats its motion at no time. In the middle of each part of a period
-    the flange is so far from the arm's axis, and in half a part it comes no nearer than its greatest speed takes it
-    (equation F11)."""
+    """Why an arm with a lift reaches a point on a frame that repeats its motion at no time. In the middle of each part
+    of a period the flange is so far out of reach, and in half a part it comes no nearer than its greatest speed across
+    takes it (equation F11)."""
     law, robot = scene.frames[point.frame].law, scene.robot
     period = law.cycle_s
-    if period is None or not isinstance(robot, Scara):
+    if period is None or robot.lift is None:
         return None
     edges = scene.start.time + period * np.arange(PARTS + 1) / PARTS
-    middle = point.flange((edges[:-1] + edges[1:]) / 2).p
-    away = np.hypot(middle[:, 0] - robot.base.x, middle[:, 1] - robot.base.y)
+    middle = point.flange((edges[:-1] + edges[1:]) / 2)
+    short = -np.max([robot.reach_margin(middle, mode) for mode in range(len(robot.modes))], axis=0)
     for i in range(PARTS):
         x, y, _ = law.sweep(edges[i], edges[i + 1]).point(1, point.pose.x, point.pose.y, 0.0)
-        away[i] -= math.hypot(x, y) * (edges[i + 1] - edges[i]) / 2
-    short = float(away.min()) - robot.l1 - robot.l2
-    if not short > EDGE_M:  # nor where the law is not known for a whole period
+        short[i] -= math.hypot(x, y) * (edges[i + 1] - edges[i]) / 2
+    least = float(short.min())
+    if not least > EDGE_M:  # nor where the law is not known for a whole period
         return None
-    return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=short, facts=OutOfReach())
+    return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=least, facts=OutOfReach())

@@ -16,12 +16,13 @@ from assur.planner.checker.statement.poses import inverse, numbers, then
 from assur.planner.model.attachments import at_start
 from assur.planner.model.joint_range import beyond
 from assur.planner.model.phases import yaw_offsets
-from assur.planner.model.proofs.witness import PROVED_RAD, PROVED_S, PROVED_SHARE
+from assur.planner.model.proofs.witness import PROVED_S, PROVED_SHARE
 from assur.planner.model.refusal import (
     RATES,
     Bodies,
-    Facts,
+    FrameName,
     JointName,
+    LawEnds,
     MotionLimit,
     Obstacle,
     Overload,
@@ -30,10 +31,8 @@ from assur.planner.model.refusal import (
     Refusal,
     Singular,
     Stage,
-    Subject,
     Unit,
     finite,
-    law_ends,
     of_joint,
 )
 from assur.planner.model.scene import Pick, Scene
@@ -45,65 +44,59 @@ MARGIN = 1e-6
 """By how much a margin that is stated may be off: the square root of what sums round."""
 
 
-def _here(scene: Scene, reason: Reason, amount: Quantity | None, facts: Facts, subject: Subject | None) -> Refusal:
-    """A refusal of the start."""
-    t = scene.start.time
-    return Refusal(
-        stage=Stage.START, reason=reason, step=0, interval=(t, t), subject=subject, amount=amount, facts=facts
-    )
-
-
-def beyond_range(scene: Scene, _: Refusal) -> Iterator[Shown]:
-    """Joints that are beyond their range."""
+def beyond_range(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iterator[Shown]:
+    """Joints that are beyond their range, by more than a share `least` of it."""
+    limits = scene.robot.limits
     for k, joint in enumerate(scene.robot.joints):
-        low, high, q = (float(each[k]) for each in (scene.robot.limits.lower, scene.robot.limits.upper, scene.start.q))
+        low, high, q = (float(each[k]) for each in (limits.lower, limits.upper, scene.start.q))
         over = max(low - q, q - high)
-        if over > PROVED_SHARE * (high - low):
-            facts = beyond(scene, k, q)
+        if over > least * (high - low):
             amount, subject = of_joint(joint.kind, over), JointName(joint.name)
-            yield Shown(_here(scene, Reason.JOINT_LIMIT, amount, facts, subject))
+            yield Shown(Reason.JOINT_LIMIT, beyond(scene, k, q), amount, subject)
 
 
-def too_fast(scene: Scene, _: Refusal) -> Iterator[Shown]:
-    """Joints that are faster, or accelerate more, than they may."""
+def too_fast(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iterator[Shown]:
+    """Joints that are faster, or accelerate more, than they may, by more than a share `least` of the limit."""
     limits, start, held = scene.robot.limits, scene.start, at_start(scene).held
     share = share_of(scene, _mass(scene, None if held is None else held.part))
+    rows = (start.qd, limits.velocity), (start.qdd, share * limits.acceleration)
     for k, joint in enumerate(scene.robot.joints):
-        rows = (start.qd[k], limits.velocity[k]), (start.qdd[k], share * limits.acceleration[k])
-        for order, rate, row in zip((1, 2), RATES, rows, strict=False):
-            value, limit = abs(float(row[0])), float(row[1])
-            if value > limit * (1.0 + PROVED_SHARE):
-                facts = MotionLimit(obstacle=Obstacle.RATE, rate=rate, value=value, limit=limit)
+        for order, (values, most) in enumerate(rows, start=1):
+            value, limit = abs(float(values[k])), float(most[k])
+            if value > limit * (1.0 + least):
+                facts = MotionLimit(obstacle=Obstacle.RATE, rate=RATES[order - 1], value=value, limit=limit)
                 amount, subject = of_joint(joint.kind, value - limit, order), JointName(joint.name)
-                yield Shown(_here(scene, Reason.MOTION_LIMIT, amount, facts, subject))
+                yield Shown(Reason.MOTION_LIMIT, facts, amount, subject)
 
 
-def unassembled(scene: Scene, _: Refusal) -> Iterator[Shown]:
+def unassembled(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iterator[Shown]:
     """A closed chain that is too near a type 2 singularity, where its couplers are parallel, or does not close."""
-    need, names = scene.robot.parallel_least, link_names(scene.robot)
+    need, names, t = scene.robot.parallel_least, link_names(scene.robot), scene.start.time
     if not set(COUPLERS) <= set(names):
         return
     links = links_at(scene, scene.start.q)
     one, other = (links[names.index(name)].angles[0] for name in COUPLERS)
     margin = finite(abs(math.sin(other - one)))
-    if (margin or 0.0) < need * (1.0 - PROVED_SHARE):
+    if (margin or 0.0) < need * (1.0 - least):
         facts, amount = Singular(margin=margin, required=need), Quantity(need - (margin or 0.0), "1")
-        yield Shown(_here(scene, Reason.NEAR_PARALLEL_SINGULARITY, amount, facts, None), MARGIN)
+        yield Shown(Reason.NEAR_PARALLEL_SINGULARITY, facts, amount, within=MARGIN, interval=(t, t))
 
 
-def law_over(scene: Scene, _: Refusal) -> Iterator[Shown]:
-    """Frames that bear a body and whose motion is not known at the start."""
+def law_over(scene: Scene, _: int = 0, least: float = PROVED_S) -> Iterator[Shown]:
+    """Frames that bear a body and whose motion is not known at the start, by more than `least`, s."""
     t = scene.start.time
-    for name in sorted({body.frame for body in scene.bodies}):
-        low, high = laws.known(scene.frames[name].law)
-        if max(low - t, t - high) > PROVED_S:
-            yield Shown(law_ends(Stage.START, 0, name, (low, high), t, interval=(low, high)))
+    for name in dict.fromkeys(body.frame for body in scene.bodies):
+        known = laws.known(scene.frames[name].law)
+        over = max(known[0] - t, t - known[1])
+        if over > least:
+            facts = LawEnds(known_s=(finite(known[0]), finite(known[1])), needed_s=t)
+            yield Shown(Reason.LAW_ENDS, facts, Quantity(over, "s"), FrameName(name), interval=known)
 
 
-def turned_into_range(scene: Scene, _: Refusal) -> Iterator[Shown]:
+def turned_into_range(scene: Scene, _: int = 0) -> Iterator[Shown]:
     """Forbidden ranges that the yaw of the tool is in."""
-    for depth, facts in forbidden(scene, yaw_at(scene, scene.start.q)):
-        yield Shown(_here(scene, Reason.FORBIDDEN_YAW, Quantity(depth, "rad"), facts, None), PROVED_RAD)
+    t = scene.start.time
+    return (each._replace(interval=(t, t)) for each in forbidden(scene, yaw_at(scene, scene.start.q)))
 
 
 def _mass(scene: Scene, part: str | None) -> float:
@@ -133,10 +126,8 @@ def overload(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
         for of, unit, value, limit, tool in rows:
             if limit is not None and value > limit * (1.0 + PROVED_SHARE):
                 facts = Overload(of=of, value=value, limit=limit, tool=tool, part=part, part_value=value - tool)
-                true = Refusal(stage=refusal.stage, reason=Reason.LOAD_LIMIT, step=refusal.step,
-                               subject=None if part is None else Bodies((part,)),
-                               amount=Quantity(value - limit, unit), facts=facts)  # fmt: skip
-                yield Shown(true)
+                subject = None if part is None else Bodies((part,))
+                yield Shown(Reason.LOAD_LIMIT, facts, Quantity(value - limit, unit), subject)
 
 
 def _inertia(scene: Scene, refusal: Refusal, part: str | None) -> float:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 from assur.planner.checker.refusals.spans import Span, beyond
 from assur.planner.checker.refusals.standing import yaw_at
-from assur.planner.model.forbidden_yaw import slack_of
+from assur.planner.checker.refusals.stated import Shown
+from assur.planner.model.forbidden_yaw import YawRange, slack_of
 from assur.planner.model.proofs.witness import PROVED_RAD
-from assur.planner.model.refusal import ForbiddenYaw
+from assur.planner.model.refusal import ForbiddenYaw, Quantity, Reason
 from assur.planner.model.scene import Scene
 from assur.planner.robots.scara import Scara
 
@@ -17,32 +17,31 @@ MOST_TURNS = 64
 """Full turns, either way, by which a yaw that is stated may differ."""
 
 
-def forbidden(scene: Scene, yaw: float, mode: str | None = None) -> Iterator[tuple[float, ForbiddenYaw]]:
-    """The ranges that a yaw of the tool, rad, is in by more than a plan may be off it, and how deep it is in each."""
+def forbidden(scene: Scene, yaw: float, mode: str | None = None) -> list[Shown]:
+    """The ranges that a yaw of the tool, rad, is in by more than a plan may be off it, with how deep it is in each, the
+    deepest first."""
     slack = slack_of(scene.execution.lag)
-    for each in scene.forbidden_yaw:
-        depth = each.depth(yaw, slack)
-        if depth > PROVED_RAD:
-            facts = ForbiddenYaw(first_rad=each.first, last_rad=each.last, yaw_rad=yaw, lag_rad=slack, mode=mode)
-            yield depth, facts
+    inside = [(depth, each) for each in scene.forbidden_yaw if (depth := each.depth(yaw, slack)) > PROVED_RAD]
+    inside.sort(key=lambda found: -found[0])
+    return [_in_range(each, depth, yaw, slack, mode, on_the_way=False) for depth, each in inside]
 
 
-def unreachable(
-    scene: Scene, yaw: float, joints: tuple[Span, ...], mode: str
-) -> tuple[float, Iterator[tuple[float, ForbiddenYaw]]] | None:
+def unreachable(scene: Scene, yaw: float, joints: tuple[Span, ...], mode: str) -> list[Shown]:
     """Whether the tool of a SCARA would have to turn through a forbidden range to a yaw, rad, with joints within spans:
-    by how much less the nearest yaw would have to be turned, and the same for each full turn that may be stated."""
-    room = _room(scene)
+    by how much less it would have to be turned, for each full turn that may be stated, nearest first; or nothing."""
+    room, slack = _room(scene), slack_of(scene.execution.lag)
     if room is None or not _beyond_room(scene, room, yaw, joints):
-        return None
-    over = [max(room.low - y, y - room.high) for y in (yaw + math.tau * k for k in range(-MOST_TURNS, MOST_TURNS + 1))]
-    slack = slack_of(scene.execution.lag)
-    stated = (
-        (by, ForbiddenYaw(first_rad=each.first, last_rad=each.last, yaw_rad=yaw, lag_rad=slack, on_the_way=True,
-                          mode=mode))
-        for each in scene.forbidden_yaw for by in over
-    )  # fmt: skip
-    return min(by for by in over if by > 0.0), stated
+        return []
+    turned = (yaw + math.tau * k for k in range(-MOST_TURNS, MOST_TURNS + 1))
+    over = sorted(by for by in (max(room.low - each, each - room.high) for each in turned) if by > 0.0)
+    return [_in_range(each, by, yaw, slack, mode, on_the_way=True) for by in over for each in scene.forbidden_yaw]
+
+
+def _in_range(each: YawRange, by: float, yaw: float, slack: float, mode: str | None, *, on_the_way: bool) -> Shown:
+    facts = ForbiddenYaw(
+        first_rad=each.first, last_rad=each.last, yaw_rad=yaw, lag_rad=slack, on_the_way=on_the_way, mode=mode
+    )
+    return Shown(Reason.FORBIDDEN_YAW, facts, Quantity(by, "rad"), within=PROVED_RAD)
 
 
 def _room(scene: Scene) -> Span | None:

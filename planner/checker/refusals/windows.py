@@ -23,7 +23,7 @@ from assur.planner.checker.statement.poses import numbers, then
 from assur.planner.laws import Law
 from assur.planner.model.attachments import at_start
 from assur.planner.model.proofs.witness import PROVED_M, PROVED_S, Openings
-from assur.planner.model.refusal import LawEnds, Quantity, Refusal, Stage, law_ends, window_missed
+from assur.planner.model.refusal import FrameName, LawEnds, Quantity, Reason, Refusal, finite
 from assur.planner.model.scene import Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
 
@@ -152,20 +152,22 @@ def missed(scene: Scene, refusal: Refusal, witness: Openings) -> Iterator[Shown]
     if not _are_alike(spans, list(witness.spans_s)):
         raise NotShownError("the point can be met at other times than the witness says")
     if isinstance(refusal.facts, LawEnds):
-        yield Shown(_by_law(scene, number, of), STATED)
+        yield _by_law(scene, number, of)
         return
-    misses: list[tuple[WindowMissed, float, Times | None]] = [
-        (WindowMissed(miss=miss), amount, None) for miss, amount in _misses(of)
-    ]
     longest = max((b - a for a, b in spans), default=-math.inf)
+    for miss, amount in _misses(of):
+        yield from _miss(WindowMissed(miss=miss), amount)
     for a, b in (each for each in spans if same(each[1] - each[0], longest, STATED)):
         gone = _gone(of, b, b + of.needed - longest)
         short = WindowMissed(miss=Miss.TOO_SHORT, open_s=longest, needed_s=of.needed, belt_m=gone)
-        misses.append((short, of.needed - longest, (a, b)))
-    for facts, by, interval in misses:
-        if by > 0.0:
-            amount = Quantity(by, "m" if facts.miss is Miss.NEVER_INSIDE else "s")
-            yield Shown(window_missed(Stage.WINDOW, number, facts, amount=amount, interval=interval), STATED)
+        yield from _miss(short, of.needed - longest, (a, b))
+
+
+def _miss(facts: WindowMissed, by: float, when: Times | None = None) -> Iterator[Shown]:
+    """A window that is missed by more than nothing, s or m."""
+    if by > 0.0:
+        amount = Quantity(by, "m" if facts.miss is Miss.NEVER_INSIDE else "s")
+        yield Shown(Reason.WINDOW_MISSED, facts, amount, within=STATED, interval=when)
 
 
 def _are_alike(spans: list[Times], stated: list[Times]) -> bool:
@@ -177,7 +179,7 @@ def _are_alike(spans: list[Times], stated: list[Times]) -> bool:
     return all(has(stated, *each) for each in spans) and all(has(spans, *each) for each in stated)
 
 
-def _by_law(scene: Scene, number: int, of: Tracking) -> Refusal:
+def _by_law(scene: Scene, number: int, of: Tracking) -> Shown:
     """Because the law of its frame ends: the point could be met if the motion went on."""
     needed = of.start
     if not of.known[1] < of.start:
@@ -186,7 +188,9 @@ def _by_law(scene: Scene, number: int, of: Tracking) -> Refusal:
         if not long_enough:
             raise NotShownError("if the motion were known for longer, the point could not be met either")
         needed = min(long_enough) + of.needed
-    return law_ends(Stage.WINDOW, number, of.frame, of.known, needed, tracked=of.needed)
+    facts = LawEnds(known_s=(finite(of.known[0]), finite(of.known[1])), needed_s=needed, tracked_s=of.needed)
+    over = Quantity(max(of.known[0] - needed, needed - of.known[1]), "s")
+    return Shown(Reason.LAW_ENDS, facts, over, FrameName(of.frame), STATED)
 
 
 def _misses(of: Tracking) -> Iterator[tuple[Miss, float]]:
