@@ -49,7 +49,7 @@ LOOKS: dict[str, dict[str, str | int]] = {
         "planner.legs.tracking._spline": STEPS,
         "planner.feasibility.odd_places.odd_places": STEPS,
     },
-    "crowded": {"scenes.reading.cell._surroundings": BODIES, "planner.feasibility.posed_bodies._table": BODIES},
+    "crowded": {"scenes.reading.cell._surroundings": BODIES, "planner.feasibility.posed_bodies._row": BODIES},
     "carton": {"planner.feasibility.hits.hits": STEPS},
     "hose-on-gripper": {"planner.feasibility.necessary.yaw_impossible": STEPS},
     "parabolic-blend": {"planner.search.beam._met": STEPS},

@@ -7,11 +7,11 @@ import math
 from assur.planner.checker.refusals.spans import Span, beyond
 from assur.planner.checker.refusals.standing import yaw_at
 from assur.planner.checker.refusals.stated import Shown
+from assur.planner.checker.statement.arms import limbs
 from assur.planner.model.forbidden_yaw import YawRange, slack_of
 from assur.planner.model.proofs.witness import PROVED_RAD
 from assur.planner.model.refusal import ForbiddenYaw, Quantity, Reason
 from assur.planner.model.scene import Scene
-from assur.planner.robots.scara import Scara
 
 MOST_TURNS = 64
 """Full turns, either way, by which a yaw that is stated may differ."""
@@ -27,8 +27,9 @@ def forbidden(scene: Scene, yaw: float, mode: str | None = None) -> list[Shown]:
 
 
 def unreachable(scene: Scene, yaw: float, joints: tuple[Span, ...], mode: str) -> list[Shown]:
-    """Whether the tool of a SCARA would have to turn through a forbidden range to a yaw, rad, with joints within spans:
-    by how much less it would have to be turned, for each full turn that may be stated, nearest first; or nothing."""
+    """Whether the tool of an arm with one limb would have to turn through a forbidden range to a yaw, rad, with joints
+    within spans: by how much less it would have to be turned, for each full turn that may be stated, nearest first; or
+    nothing."""
     room, slack = _room(scene), slack_of(scene.execution.lag)
     if room is None or not _beyond_room(scene, room, yaw, joints):
         return []
@@ -45,9 +46,9 @@ def _in_range(each: YawRange, by: float, yaw: float, slack: float, mode: str | N
 
 
 def _room(scene: Scene) -> Span | None:
-    """Between which yaws, full turns counted as the sum of its joints has them, the tool of a SCARA stays for ever;
-    None: it is in a range at the start, or the arm is no SCARA with a wrist."""
-    if not isinstance(scene.robot, Scara) or scene.robot.axes != 4:
+    """Between which yaws, full turns counted as the sum of its joints has them, the tool of an arm with one limb
+    stays for ever; None: it is in a range at the start, or the yaw of the arm is no such sum."""
+    if not scene.robot.turns_load or len(limbs(scene.robot, scene.robot.modes[0])) != 1:
         return None
     own, slack, room = yaw_at(scene, scene.start.q), slack_of(scene.execution.lag), Span(-math.inf, math.inf)
     for each in scene.forbidden_yaw:
@@ -59,7 +60,7 @@ def _room(scene: Scene) -> Span | None:
 
 
 def _beyond_room(scene: Scene, room: Span, yaw: float, joints: tuple[Span, ...]) -> bool:
-    """Whether a SCARA that never leaves the room has no joint position, within its ranges, for a yaw: with θ1 and θ2 in
+    """Whether an arm that never leaves the room has no joint position, within its ranges, for a yaw: with θ1 and θ2 in
     each of their turns, θ4 would have to be what is left of the yaw."""
     lower, upper = scene.robot.limits.lower.tolist(), scene.robot.limits.upper.tolist()
     own = scene.robot.base.yaw + scene.tool.tcp.yaw
