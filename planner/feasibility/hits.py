@@ -12,6 +12,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.refusals.nearest import points_between
 from assur.planner.checker.refusals.places import Spot, spots
+from assur.planner.checker.refusals.stated import Shown
 from assur.planner.checker.refusals.ways import Way, each_way
 from assur.planner.collision.at_rest import TooNear, Within, closest, enclosed
 from assur.planner.collision.proof import Prover
@@ -105,18 +106,10 @@ def refusal_of(scene: Scene, prover: Prover, hit: Hit) -> Refusal:
     if isinstance(facts, Separation) and facts.gap_m is not None and facts.required_m is not None:
         short = Quantity.of(facts.required_m - facts.gap_m, "m")
         facts = _of_straight_part(scene, prover, hit, facts, facts.required_m - max(facts.gap_m, 0.0))
-    stage, reason, interval = Stage.CONTROL_POINT, Reason.CONTROL_POINT_IN_COLLISION, None
+    subject, t = Bodies(hit.found.names), hit.phase.t0
     if hit.way is None:
-        stage, reason, interval = Stage.START, Reason.START_IN_COLLISION, (hit.phase.t0, hit.phase.t0)
-    return Refusal(
-        stage=stage,
-        reason=reason,
-        step=hit.phase.step,
-        subject=Bodies(hit.found.names),
-        interval=interval,
-        amount=short,
-        facts=facts,
-    )
+        return Shown(Reason.START_IN_COLLISION, facts, short, subject, interval=(t, t)).refusal(Stage.START, 0)
+    return Shown(Reason.CONTROL_POINT_IN_COLLISION, facts, short, subject).refusal(Stage.CONTROL_POINT, hit.way.number)
 
 
 def _of_straight_part(scene: Scene, prover: Prover, hit: Hit, facts: Separation, missing: float) -> Separation:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from itertools import chain
 
@@ -19,13 +18,14 @@ from assur.planner.legs.missed import never_in_window
 from assur.planner.legs.tilt import pitch_free, tilts
 from assur.planner.model.attachments import at_start
 from assur.planner.model.deadline import look
-from assur.planner.model.load import SUMS
-from assur.planner.model.refusal import Bodies, Overload, Quantity, Reason, Refusal, Stage
+from assur.planner.model.refusal import Refusal, Stage
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import RANGE_SLACK
 
 HEIGHT_M = 1e-9
 """An arch is proved to be above the range of the lift from this much on, m: rounding of heights."""
+SUMS = 1e-12
+"""By this share a load may exceed its limit: two masses whose sum is the limit may round to more."""
 
 
 def start_impossible(scene: Scene, prover: Prover) -> Refusal | None:
@@ -57,38 +57,16 @@ def _stated(found: Iterator[Stated], stage: Stage, step: int) -> Refusal | None:
 def overloaded(scene: Scene) -> Refusal | None:
     """The first load of the task that the robot may not carry: too heavy, or of too much inertia about the wrist."""
     limits, tool = scene.load_limits, scene.loads[0]
-    most = math.inf if limits.most_kg is None else limits.most_kg
-    most_inertia = math.inf if limits.max_inertia_kgm2 is None else limits.max_inertia_kgm2
-    own = tool.inertia_kgm2 or 0.0
+    most, own = limits.most_kg, tool.inertia_kgm2 or 0.0
+    by_table = limits.shares and most is not None and (limits.max_kg is None or most < limits.max_kg)
     for load in scene.loads:
-        inertia = load.inertia_kgm2 or 0.0
-        over: Quantity | None
-        if not load.mass_kg <= SUMS * most:
-            by_table = bool(limits.shares) and (limits.max_kg is None or most < limits.max_kg)
-            facts = Overload(
-                of="table" if by_table else "max_load",
-                value=load.mass_kg,
-                limit=most,
-                tool=tool.mass_kg,
-                part=load.part,
-                part_value=load.mass_kg - tool.mass_kg,
-            )
-            over = Quantity.of(load.mass_kg - most, "kg")
-        elif not inertia <= SUMS * most_inertia:
-            facts = Overload(
-                of="max_inertia",
-                value=inertia,
-                limit=most_inertia,
-                tool=own,
-                part=load.part,
-                part_value=inertia - own,
-            )
-            over = Quantity.of(inertia - most_inertia, "kg·m²")
-        else:
-            continue
         stage, step = (Stage.START, 0) if load.step < 0 else (Stage.CONTROL_POINT, load.step)
-        subject = None if load.part is None else Bodies((load.part,))
-        return Refusal(stage=stage, reason=Reason.LOAD_LIMIT, step=step, subject=subject, amount=over, facts=facts)
+        heavy = start.too_much(load.part, "table" if by_table else "max_load", load.mass_kg, most, tool.mass_kg, SUMS)
+        inertia = load.inertia_kgm2 or 0.0
+        wide = start.too_much(load.part, "max_inertia", inertia, limits.max_inertia_kgm2, own, SUMS)
+        found = _stated(chain(heavy, wide), stage, step)
+        if found is not None:
+            return found
     return None
 
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from assur.planner.checker.refusals.standing import allowed_modes
+from assur.planner.checker.refusals.stated import Shown
 from assur.planner.checker.refusals.ways import ways
 from assur.planner.feasibility.hits import point_of
 from assur.planner.frames.motion import Motion
@@ -74,33 +75,25 @@ def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refu
     limits = robot.limits
     if not np.isfinite(q).all() or len(equivalents(robot, q, limits.lower - limits.slack, limits.upper + limits.slack)):
         return None
-    over = beyond_range(robot, q)
+    over, lead_in = beyond_range(robot, q), lead_in_begin(point)
     worst = int(np.argmax(over))
-    return Refusal(
-        stage=Stage.CONTROL_POINT,
-        reason=Reason.JOINT_LIMIT,
-        step=point.step,
-        subject=JointName(robot.joints[worst].name),
-        amount=of_joint(robot.joints[worst].kind, float(over[worst])),
-        facts=replace(
-            beyond_at_nearest_turn(scene, worst, q), mode=robot.modes[mode], above_m=above, **lead_in_begin(point)
-        ),
-    )
+    facts = replace(beyond_at_nearest_turn(scene, worst, q), mode=robot.modes[mode], above_m=above, **lead_in)
+    amount, joint = of_joint(robot.joints[worst].kind, float(over[worst])), JointName(robot.joints[worst].name)
+    return Shown(Reason.JOINT_LIMIT, facts, amount, joint).refusal(Stage.CONTROL_POINT, point.step)
 
 
 def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusal:
     """By how much a point is out of reach."""
-    robot, target = scene.robot, motion.p[0]
-    if "z" not in robot.coordinates:
-        has = float(robot.forward(scene.start.q)[0][2])
-        off = abs(float(target[2]) - has)
-        if off > EDGE_M:
-            facts = OutOfReach(heights_m=(float(target[2]), has), **lead_in_begin(point))
-            return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=off, facts=facts)
-    distance = float(np.hypot(target[0] - robot.base.x, target[1] - robot.base.y))
-    short = float(np.maximum(-robot.reach_margin(motion, mode)[0], 0.0))
-    pitch = float(motion.tilt[0, 0]) if isinstance(motion, TiltedMotion) else None
-    facts = OutOfReach(from_axis_m=distance, pitch_rad=pitch, **lead_in_begin(point))
+    robot, target, lead_in = scene.robot, motion.p[0], lead_in_begin(point)
+    has = float(target[2]) if "z" in robot.coordinates else float(robot.forward(scene.start.q)[0][2])
+    short = abs(float(target[2]) - has)
+    if short > EDGE_M:
+        facts = OutOfReach(heights_m=(float(target[2]), has), **lead_in)
+    else:
+        distance = float(np.hypot(target[0] - robot.base.x, target[1] - robot.base.y))
+        short = float(np.maximum(-robot.reach_margin(motion, mode)[0], 0.0))
+        pitch = float(motion.tilt[0, 0]) if isinstance(motion, TiltedMotion) else None
+        facts = OutOfReach(from_axis_m=distance, pitch_rad=pitch, **lead_in)
     return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=short, facts=facts)
 
 

@@ -76,14 +76,9 @@ def _is_same(one: Hindrance, other: Hindrance) -> bool:
     return alike and same(one.above_m, other.above_m) and same(one.by, other.by, STATED)
 
 
-def heights(scene: Scene, way: Way) -> tuple[float, ...]:
-    """How far above a point, m, the arm must be as well as at it."""
-    return tuple(dict.fromkeys((0.0, *scene.straight(scene.task[way.number]))))
-
-
 def obstructions(scene: Scene, way: Way, mode: str) -> Iterator[Obstruction]:
     """Everything that prevents the arm from meeting the point of a way that stands still; nothing: perhaps it can."""
-    for above in heights(scene, way):
+    for above in dict.fromkeys((0.0, *scene.straight(scene.task[way.number]))):
         for stated in _at_height(scene, way, mode, above):
             # the first has the amount
             reason, _, amount, subject, *_ = stated[0]

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Literal
 
 from assur.planner.checker.refusals.standing import links_at, yaw_at
-from assur.planner.checker.refusals.stated import Shown
+from assur.planner.checker.refusals.stated import Shown, law_ends
 from assur.planner.checker.refusals.turning import forbidden
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.arms import link_names
@@ -20,9 +20,7 @@ from assur.planner.model.proofs.witness import PROVED_S, PROVED_SHARE
 from assur.planner.model.refusal import (
     RATES,
     Bodies,
-    FrameName,
     JointName,
-    LawEnds,
     MotionLimit,
     Obstacle,
     Overload,
@@ -31,7 +29,6 @@ from assur.planner.model.refusal import (
     Refusal,
     Singular,
     Stage,
-    Unit,
     finite,
     of_joint,
 )
@@ -87,10 +84,8 @@ def law_over(scene: Scene, _: int = 0, least: float = PROVED_S) -> Iterator[Show
     t = scene.start.time
     for name in dict.fromkeys(body.frame for body in scene.bodies):
         known = laws.known(scene.frames[name].law)
-        over = max(known[0] - t, t - known[1])
-        if over > least:
-            facts = LawEnds(known_s=(finite(known[0]), finite(known[1])), needed_s=t)
-            yield Shown(Reason.LAW_ENDS, facts, Quantity(over, "s"), FrameName(name), interval=known)
+        if max(known[0] - t, t - known[1]) > least:
+            yield law_ends(name, known, t, interval=known)
 
 
 def turned_into_range(scene: Scene, _: int = 0) -> Iterator[Shown]:
@@ -117,17 +112,22 @@ def overload(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
     if most is None and table is None:
         most = limits.rated_kg  # beyond which nothing is known
     for part in parts:
-        mass = _mass(scene, part)
-        rows: list[tuple[Load, Unit, float, float | None, float]] = [
-            ("max_load", "kg", mass, most, _mass(scene, None)),
-            ("table", "kg", mass, table, _mass(scene, None)),
-            ("max_inertia", "kg·m²", _inertia(scene, refusal, part), limits.max_inertia_kgm2, tool_inertia(scene)),
-        ]
-        for of, unit, value, limit, tool in rows:
-            if limit is not None and value > limit * (1.0 + PROVED_SHARE):
-                facts = Overload(of=of, value=value, limit=limit, tool=tool, part=part, part_value=value - tool)
-                subject = None if part is None else Bodies((part,))
-                yield Shown(Reason.LOAD_LIMIT, facts, Quantity(value - limit, unit), subject)
+        mass, tool = _mass(scene, part), _mass(scene, None)
+        inertia = _inertia(scene, refusal, part)
+        yield from too_much(part, "max_load", mass, most, tool)
+        yield from too_much(part, "table", mass, table, tool)
+        yield from too_much(part, "max_inertia", inertia, limits.max_inertia_kgm2, tool_inertia(scene))
+
+
+def too_much(
+    part: str | None, of: Load, value: float, limit: float | None, tool: float, least: float = PROVED_SHARE
+) -> Iterator[Shown]:
+    """A load of tool and part, kg or kg·m², that is beyond its limit by more than a share `least` of it. None: no part,
+    or no limit."""
+    if limit is not None and value > limit * (1.0 + least):
+        facts = Overload(of=of, value=value, limit=limit, tool=tool, part=part, part_value=value - tool)
+        amount = Quantity(value - limit, "kg·m²" if of == "max_inertia" else "kg")
+        yield Shown(Reason.LOAD_LIMIT, facts, amount, None if part is None else Bodies((part,)))
 
 
 def _inertia(scene: Scene, refusal: Refusal, part: str | None) -> float:

@@ -6,8 +6,9 @@ import math
 from dataclasses import fields
 from typing import NamedTuple
 
-from assur.planner.model.refusal import Facts, Quantity, Reason, Refusal, Stage, Subject
+from assur.planner.model.refusal import Facts, FrameName, LawEnds, Quantity, Reason, Refusal, Stage, Subject, finite
 
+Span = tuple[float, float]
 SAME = 1e-9
 """Two numbers that differ by no more than this share of them, or this, are the same: sums of a few terms."""
 OPTIONAL = frozenset({"mode", "from_axis_m", "heights_m", "pitch_rad", "path_m", "path_part", "path_at_m"})
@@ -33,6 +34,15 @@ class Shown(NamedTuple):
         return Refusal(
             stage=stage, reason=reason, step=step, subject=subject, interval=interval, amount=amount, facts=facts
         )
+
+
+def law_ends(
+    frame: str, known: Span, needed: float, tracked: float | None = None, interval: Span | None = None, by: float = SAME
+) -> Shown:
+    """The motion of a frame is known on `known`, s, and not at `needed`; `tracked`: as in `LawEnds`."""
+    facts = LawEnds(known_s=(finite(known[0]), finite(known[1])), needed_s=needed, tracked_s=tracked)
+    over = Quantity(max(known[0] - needed, needed - known[1]), "s")
+    return Shown(Reason.LAW_ENDS, facts, over, FrameName(frame), by, interval)
 
 
 class NotShownError(Exception):
