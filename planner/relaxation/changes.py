@@ -11,9 +11,8 @@ from functools import partial
 
 from assur.planner.errors import InputError
 from assur.planner.laws import slowed
-from assur.planner.model.easier_path import rounder, slower
 from assur.planner.model.refusal import Refusal, Separation
-from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step, Window
+from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step, Trace, Window
 from assur.planner.relaxation.by_cause import kinds_about
 from assur.planner.relaxation.change import Change, frame_of, of_options, of_step, with_step
 from assur.planner.relaxation.smaller_clearances import smaller_clearances
@@ -23,6 +22,10 @@ MORE = 4
 """How much more the change of the budget allows."""
 FAR = 1e6
 """An end of a window, s or m, that is as good as none."""
+SPEEDS = (0.8, 0.5, 0.2, 0.1)
+"""Shares of a process speed, from the weakest change to the strongest."""
+BLENDS = (1.5, 2.0, 4.0)
+"""Multiples of a blend, likewise."""
 DWELLS, BELTS = (0.8, 0.6, 0.4, 0.2, 0.1), (0.8, 0.5)
 """Shares of a dwell, and of the speed of a belt, that are tried."""
 
@@ -62,7 +65,7 @@ def _listed(scene: Scene, step: int, blocker: str | None, refusal: Refusal | Non
         yield on_step("pitch", "free", target=replace(what.target, pitch=None))
     if isinstance(what, Move) and what.match == "velocity":
         yield on_step("match", "position", match="position")
-    for kind, steps in (("process speed", slower(what)), ("blend", rounder(what))):
+    for kind, steps in (("process speed", _slower(what)), ("blend", _rounder(what))):
         yield from ((kind, value, with_step(scene, step, changed)) for value, changed in steps)
     yield from heights(scene, step, what)
     if refusal is not None and isinstance(refusal.facts, Separation) and refusal.step == step:
@@ -89,6 +92,26 @@ def _listed(scene: Scene, step: int, blocker: str | None, refusal: Refusal | Non
         except InputError:
             # a step names the body (contact_with): without it the task would be another one
             return
+
+
+def _slower(step: Step) -> Iterator[tuple[str, Step]]:
+    """A trace at lower process speeds, each with the speed in words; nothing for other steps."""
+    if isinstance(step, Trace):
+        for share in SPEEDS:
+            speed = share * step.speed_m_s
+            yield f"{1e3 * speed:g} mm/s", replace(step, speed_m_s=speed)
+
+
+def _rounder(step: Step) -> Iterator[tuple[str, Step]]:
+    """A path with larger blends, each with the blend in words; nothing where a larger blend changes no corner."""
+    for factor in BLENDS:
+        if isinstance(step, Trace):
+            path = replace(step.path, blend_m=factor * step.path.blend_m)
+            if path.length != step.path.length:
+                yield f"{1e3 * path.blend_m:g} mm", replace(step, path=path)
+        elif isinstance(step, Move) and len(step.path) > 1 and step.blend_m > 0.0:
+            blend = factor * step.blend_m
+            yield f"{1e3 * blend:g} mm", replace(step, blend_m=blend)
 
 
 def _belts(scene: Scene, what: Step) -> Iterator[Change]:

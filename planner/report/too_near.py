@@ -84,9 +84,8 @@ def _apart(first: str, second: str, facts: Separation) -> str:
         return what
     deep = gap < -LEAST_M
     there, asked = (amount(-gap, "m"), amount(required, "m")) if deep else apart(max(gap, 0.0), required)
-    what += f": overlap up to {there}, required {asked}" if deep else f": gap {there}, required {asked}"
-    if not deep and there == asked:
-        what += BY_ROUNDING
+    same = BY_ROUNDING if not deep and there == asked else ""
+    what += f": {'overlap up to' if deep else 'gap'} {there}, required {asked}{same}"
     if facts.rule is None or facts.rule == "contact" or facts.clearance_m is None:
         return what
     unknown = required - facts.clearance_m

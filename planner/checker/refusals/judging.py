@@ -47,8 +47,8 @@ OBSTRUCTED = frozenset(
 )
 """Reasons of which there must be one for each way to a control point."""
 BY_STEP: dict[tuple[Stage, type], Callable[[Scene, int], Iterator[Shown]]] = {
-    (Stage.START, BeyondRange): start.beyond_range,
-    (Stage.START, MotionLimit): start.too_fast,
+    (Stage.START, BeyondRange): start.beyond_limits,
+    (Stage.START, MotionLimit): start.beyond_limits,
     (Stage.START, Overshoot): overshoots,
     (Stage.START, Singular): start.unassembled,
     (Stage.START, LawEnds): start.law_over,

@@ -20,6 +20,7 @@ from assur.planner.model.proofs.witness import PROVED_S, PROVED_SHARE
 from assur.planner.model.refusal import (
     RATES,
     Bodies,
+    Facts,
     JointName,
     MotionLimit,
     Obstacle,
@@ -41,29 +42,22 @@ MARGIN = 1e-6
 """By how much a margin that is stated may be off: the square root of what sums round."""
 
 
-def beyond_range(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iterator[Shown]:
-    """Joints that are beyond their range, by more than a share `least` of it."""
-    limits = scene.robot.limits
-    for k, joint in enumerate(scene.robot.joints):
-        low, high, q = (float(each[k]) for each in (limits.lower, limits.upper, scene.start.q))
-        over = max(low - q, q - high)
-        if over > least * (high - low):
-            amount, subject = of_joint(joint.kind, over), JointName(joint.name)
-            yield Shown(Reason.JOINT_LIMIT, beyond(scene, k, q), amount, subject)
-
-
-def too_fast(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iterator[Shown]:
-    """Joints that are faster, or accelerate more, than they may, by more than a share `least` of the limit."""
+def beyond_limits(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iterator[Shown]:
+    """Joints that are beyond their range, faster than they may be, or accelerate more, by more than a share `least` of
+    range or limit."""
     limits, start, held = scene.robot.limits, scene.start, at_start(scene).held
-    share = share_of(scene, _mass(scene, None if held is None else held.part))
-    rows = (start.qd, limits.velocity), (start.qdd, share * limits.acceleration)
-    for k, joint in enumerate(scene.robot.joints):
-        for order, (values, most) in enumerate(rows, start=1):
-            value, limit = abs(float(values[k])), float(most[k])
-            if value > limit * (1.0 + least):
-                facts = MotionLimit(obstacle=Obstacle.RATE, rate=RATES[order - 1], value=value, limit=limit)
-                amount, subject = of_joint(joint.kind, value - limit, order), JointName(joint.name)
-                yield Shown(Reason.MOTION_LIMIT, facts, amount, subject)
+    accelerations = share_of(scene, _mass(scene, None if held is None else held.part)) * limits.acceleration
+    rows = zip(limits.lower, limits.upper, start.q, start.qd, limits.velocity, start.qdd, accelerations, strict=True)
+    for k, (joint, row) in enumerate(zip(scene.robot.joints, rows, strict=True)):
+        low, high, q, *rates = map(float, row)
+        found: list[tuple[float, float, Facts]] = [(max(low - q, q - high), high - low, beyond(scene, k, q))]
+        for rate, value, limit in zip(RATES, map(abs, rates[::2]), rates[1::2], strict=False):
+            facts = MotionLimit(obstacle=Obstacle.RATE, rate=rate, value=value, limit=limit)
+            found.append((value - limit, limit, facts))
+        for order, (over, of, each) in enumerate(found):
+            if over > least * of:
+                reason = Reason.MOTION_LIMIT if order else Reason.JOINT_LIMIT
+                yield Shown(reason, each, of_joint(joint.kind, over, order), JointName(joint.name))
 
 
 def unassembled(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iterator[Shown]:
