@@ -58,9 +58,9 @@ def hit_at_start(scene: Scene, prover: Prover, *, hollow: bool = False) -> Hit |
 def hits(scene: Scene, prover: Prover, number: int) -> list[Hit] | None:
     """What is in the way on each way to the control point of a step in each working mode that is allowed; None: on one
     of them nothing is, or it is not known, as the point may be met at another time."""
-    look()
     found = list[Hit]()
     for way, mode, _ in each_way(scene, number, ()):
+        look()
         at = (_in_the_way(scene, prover, way, mode, spot) for spot in spots(scene, number, way.before, way.after))
         hit = next((each for each in at if each is not None), None)
         if hit is None:

@@ -8,14 +8,15 @@ from itertools import chain
 from assur.planner.checker.refusals import points, start
 from assur.planner.checker.refusals.overshoot import overshoots
 from assur.planner.checker.refusals.stated import Shown as Stated
-from assur.planner.checker.refusals.ways import ways
 from assur.planner.collision.proof import Prover
-from assur.planner.feasibility.hits import hit_at_start, hits, point_of, refusal_of
+from assur.planner.feasibility.hits import hit_at_start, hits, refusal_of
 from assur.planner.feasibility.reach import out_of_range
 from assur.planner.feasibility.witnesses import shown
 from assur.planner.legs.arched import too_high
+from assur.planner.legs.control_point import control_point
 from assur.planner.legs.missed import never_in_window
-from assur.planner.legs.tilt import pitch_free
+from assur.planner.legs.tilt import pitch_free, tilts
+from assur.planner.model.attachments import at_start
 from assur.planner.model.deadline import look
 from assur.planner.model.refusal import Refusal, Stage
 from assur.planner.model.scene import Scene
@@ -132,5 +133,11 @@ def windows_impossible(scene: Scene) -> Refusal | None:
 
     Where along its frame a point is does not depend on how the tool is turned: one way to hold the parts is looked at.
     """
-    found = (point_of(scene, ways(scene, number)[0]) for number in range(len(scene.task)))
-    return next((never for point in found if (never := never_in_window(scene, point)) is not None), None)
+    attached = at_start(scene)
+    for number, step in enumerate(scene.task):
+        tilt = tilts(scene, step, scene.start.q)[0]
+        never = never_in_window(scene, control_point(scene, number, attached, 0.0, tilt))
+        if never is not None:
+            return never
+        attached = attached.after(scene, step)
+    return None

@@ -10,8 +10,8 @@ import numpy as np
 
 from assur.planner.collision.fcl_door import Posed
 from assur.planner.collision.proof import Prover
-from assur.planner.feasibility.posed_bodies import AtStart, touch
-from assur.planner.model.attachments import AT_START, at_start
+from assur.planner.feasibility.posed_bodies import AtStart, posed, touch
+from assur.planner.model.attachments import at_start
 from assur.planner.model.input_warning import InputWarning, Odd
 from assur.planner.model.phases import CONTACT_M, resting_on
 from assur.planner.model.scene import Pick, Scene
@@ -39,19 +39,14 @@ def _tools_in_the_arm(scene: Scene, prover: Prover) -> list[InputWarning]:
     flange = robot.links.index("flange")
     mounts = {flange, flange - 1}
     apart = {frozenset(map(robot.links.index, links)) for links in robot.self_pairs}
-    arrangement = prover.arrangement(AT_START)
-    links = [each for each in robot.bodies if frozenset((each.link, flange)) not in apart]
     axis = prover.carriers(q, t)[flange, 3:].reshape(3, 3)[:, 2]
-    names = [body.name for body in (*scene.tool.bodies, *(each.body for each in links))]
-    units = [unit for name in names for unit in arrangement.pieces(arrangement.number[name])]
-    posed: dict[str, list[Posed]] = {name: [] for name in names}
-    for piece in prover.posed(arrangement, q, t, np.array(units)):
-        posed[piece.name].append(piece)
+    links = [each for each in robot.bodies if frozenset((each.link, flange)) not in apart]
+    shapes = [(each, MOUNT_M if each.link in mounts else 0.0, posed(prover, each.body.name)) for each in links]
     found = []
     for body in scene.tool.bodies:
-        for each in links:
-            allowed = MOUNT_M if each.link in mounts else 0.0
-            if touch(prover, posed[body.name], posed[each.body.name], allowed * axis, -allowed * axis):
+        own = posed(prover, body.name)
+        for each, allowed, others in shapes:
+            if touch(prover, own, others, allowed * axis, -allowed * axis):
                 found.append(InputWarning(Odd.TOOL_IN_ARM, (body.name, each.body.name), allowed))
     return found
 
@@ -71,13 +66,13 @@ def _floating_parts(scene: Scene, at: AtStart) -> list[InputWarning]:
 def _just_below(scene: Scene, at: AtStart, part: str) -> list[tuple[str, float]]:
     """The first body that a part would touch if it sank, and how far it would sink, m; nothing: it touches one already,
     or none within `FLOAT_M`."""
-    bottom, posed = float(at.place(part)[2]) + scene.index[part].body.heights[0], at.shapes(part)
+    bottom, own = float(at.place(part)[2]) + scene.index[part].body.heights[0], at.shapes(part)
     found = []
     for other in at.near(part, bottom - FLOAT_M, bottom):
         below = at.shapes(other)
 
         def sunk(by: float, below: list[Posed] = below) -> bool:
-            return touch(at.prover, posed, below, np.array([0.0, 0.0, -by]))
+            return touch(at.prover, own, below, np.array([0.0, 0.0, -by]))
 
         if sunk(CONTACT_M):
             return []

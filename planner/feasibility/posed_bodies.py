@@ -38,9 +38,7 @@ class AtStart:
         """The shapes of a body."""
         at = (name, *attached.pose_of(self.scene, name))
         if at not in self._posed:
-            arrangement, start = self.prover.arrangement(attached), self.scene.start
-            units = np.array(arrangement.pieces(arrangement.number[name]))
-            self._posed[at] = self.prover.posed(arrangement, start.q, start.time, units)
+            self._posed[at] = posed(self.prover, name, attached)
         return self._posed[at]
 
     def near(self, name: str, lowest: float, highest: float) -> list[str]:
@@ -58,6 +56,12 @@ class AtStart:
         look()
         (x, y, z), body = self.place(name).tolist(), self.scene.index[name].body
         return [x, y, body.radius, z + body.heights[0], z + body.heights[1]]
+
+
+def posed(prover: Prover, name: str, attached: Attachments = AT_START) -> list[Posed]:
+    """The shapes of any body as they are at the start, or would be then if it were so attached."""
+    arrangement, start = prover.arrangement(attached), prover.scene.start
+    return prover.posed(arrangement, start.q, start.time, np.array(arrangement.pieces(arrangement.number[name])))
 
 
 def moved(posed: Iterable[Posed], by: FloatArray) -> list[Posed]:

@@ -40,11 +40,15 @@ PARTS = 512
 def out_of_range(scene: Scene, number: int) -> Refusal | None:
     """Why no joint position meets the control point of a step, or what is required above it, however the part is held;
     None: one does, or nobody knows, for it moves."""
-    found = [point_of(scene, way) for way in ways(scene, number)]
-    if not found[0].still:
-        return _never_near(scene, found[0])
-    beyond = [_in_no_mode(scene, point) for point in found]
-    return None if None in beyond else beyond[0]
+    first, refusal = point_of(scene, ways(scene, number)[0]), None
+    if not first.still:
+        return _never_near(scene, first)
+    for way in ways(scene, number):
+        beyond = _in_no_mode(scene, point_of(scene, way))
+        if beyond is None:
+            return None
+        refusal = refusal or beyond
+    return refusal
 
 
 def _in_no_mode(scene: Scene, point: ControlPoint) -> Refusal | None:

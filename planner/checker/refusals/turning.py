@@ -23,24 +23,29 @@ def forbidden(scene: Scene, yaw: float, mode: str | None = None) -> list[Shown]:
     slack = slack_of(scene.execution.lag)
     inside = [(depth, each) for each in scene.forbidden_yaw if (depth := each.depth(yaw, slack)) > PROVED_RAD]
     inside.sort(key=lambda found: -found[0])
-    return [_in_range(each, depth, yaw, slack, mode, on_the_way=False) for depth, each in inside]
+    return [_in_range(scene, each, depth, yaw, mode, way=False) for depth, each in inside]
 
 
 def unreachable(scene: Scene, yaw: float, joints: tuple[Span, ...], mode: str) -> list[Shown]:
     """Whether the tool of an arm with one limb would have to turn through a forbidden range to a yaw, rad, with joints
     within spans: by how much less it would have to be turned, for each full turn that may be stated, nearest first; or
     nothing."""
-    room, slack = _room(scene), slack_of(scene.execution.lag)
+    room = _room(scene)
     if room is None or not _beyond_room(scene, room, yaw, joints):
         return []
     turned = (yaw + math.tau * k for k in range(-MOST_TURNS, MOST_TURNS + 1))
     over = sorted(by for by in (max(room.low - each, each - room.high) for each in turned) if by > 0.0)
-    return [_in_range(each, by, yaw, slack, mode, on_the_way=True) for by in over for each in scene.forbidden_yaw]
+    return [_in_range(scene, each, by, yaw, mode, way=True) for by in over for each in scene.forbidden_yaw]
 
 
-def _in_range(each: YawRange, by: float, yaw: float, slack: float, mode: str | None, *, on_the_way: bool) -> Shown:
+def _in_range(scene: Scene, each: YawRange, by: float, yaw: float, mode: str | None, *, way: bool) -> Shown:
     facts = ForbiddenYaw(
-        first_rad=each.first, last_rad=each.last, yaw_rad=yaw, lag_rad=slack, on_the_way=on_the_way, mode=mode
+        first_rad=each.first,
+        last_rad=each.last,
+        yaw_rad=yaw if way else each.beside(yaw),
+        lag_rad=slack_of(scene.execution.lag),
+        on_the_way=way,
+        mode=mode,
     )
     return Shown(Reason.FORBIDDEN_YAW, facts, Quantity(by, "rad"), within=PROVED_RAD)
 
