@@ -99,19 +99,15 @@ def _attempt(
     """
     what, value, scene = change
     options, left = scene.options, deadline - time.perf_counter()
-    if options.max_candidates is not None:
-        # the count ends each attempt, so what is found does not depend on the machine; the clock only keeps half of
-        # the time for the changes that follow
+    if options.max_candidates is not None or what == "budget":
+        # a count ends each attempt, so what is found does not depend on the machine; the clock only keeps half of the
+        # time for the changes that follow
         longest = left / 2
-    elif what == "budget":
-        longest = left / 2
-        if longest * MORE <= options.budget_s:
+        if options.max_candidates is None and longest * MORE <= options.budget_s:
             return None
     else:
         # the first is what the cause asks for
-        longest = min(ATTEMPT_S, (SHARE if tried else FIRST_SHARE) * left)
-    if what != "budget" and options.max_candidates is None:
-        longest = min(longest, options.budget_s)
+        longest = min(ATTEMPT_S, (SHARE if tried else FIRST_SHARE) * left, options.budget_s)
     tried.append(f"{what}: {value}")
     changed = replace(scene, options=replace(options, budget_s=longest))
     told: Watch | None = None if watch is None else lambda progress: watch(replace(progress, stage="relaxation"))
