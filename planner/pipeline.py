@@ -13,8 +13,13 @@ from assur.planner.blends import BlendSearch
 from assur.planner.bound.duration import least_duration
 from assur.planner.collision.proof import Prover
 from assur.planner.compiled import load_defined
-from assur.planner.feasibility.forbidden_yaw import yaw_impossible
-from assur.planner.feasibility.necessary import arches_impossible, start_collides, start_impossible, windows_impossible
+from assur.planner.feasibility.necessary import (
+    arches_impossible,
+    start_collides,
+    start_impossible,
+    windows_impossible,
+    yaw_impossible,
+)
 from assur.planner.feasibility.odd_arrivals import odd_arrivals
 from assur.planner.feasibility.odd_input import odd_input
 from assur.planner.feasibility.odd_places import odd_places

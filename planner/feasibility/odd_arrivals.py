@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from assur.planner.checker.refusals.ways import ways
 from assur.planner.geometry.shapes import Body, support
 from assur.planner.model.arrival_error import Cause
-from assur.planner.model.attachments import at_start
 from assur.planner.model.deadline import look
 from assur.planner.model.input_warning import InputWarning, Odd
 from assur.planner.model.outcome import Arrival
@@ -22,17 +22,16 @@ DIRECTIONS = 180
 def odd_arrivals(scene: Scene, arrivals: Sequence[Arrival]) -> tuple[InputWarning, ...]:
     """A warning for each pick without a tolerance of its position where the tool may be farther from the part than half
     of the part's smallest horizontal extent. Raises `OutOfTimeError` where the deadline in force passes."""
-    attached, found = at_start(scene), list[InputWarning]()
-    errors = {arrival.step: arrival.error for arrival in arrivals}
-    for number, step in enumerate(scene.task):
-        error = errors.get(number)
+    found = []
+    for arrival in arrivals:
+        step, error = scene.task[arrival.step], arrival.error
         if isinstance(step, Pick) and error is not None and _may_miss(scene, step, error.position_m):
-            frame = attached.pose_of(scene, step.part)[0]
             most = max(error.shares, key=lambda share: share.position_m, default=None)
-            cause = "" if most is None else f"frame {frame}" if most.cause is Cause.FRAME else str(most.cause)
+            cause = "" if most is None else str(most.cause)
+            if most is not None and most.cause is Cause.FRAME:
+                cause = f"frame {ways(scene, arrival.step)[0].frame}"
             bodies = scene.tool.bodies[0].name if scene.tool.bodies else scene.robot.links[-1], step.part
             found.append(InputWarning(Odd.MAY_MISS, bodies, error.position_m, step.name, cause))
-        attached = attached.after(scene, step)
     return tuple(found)
 
 

@@ -8,17 +8,14 @@ between. FCL decides, on the true shapes; how far a tool is from its part is mea
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from operator import itemgetter
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
-from assur.planner.collision.fcl_door import Posed
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.touching import Nearest, grip
-from assur.planner.feasibility.posed_bodies import AtStart, moved, touch
-from assur.planner.frames.motion import Pose
-from assur.planner.model.attachments import AT_START, Attachments, at_start
+from assur.planner.collision.touching import grip
+from assur.planner.feasibility.posed_bodies import AtStart, touch
+from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.deadline import look
 from assur.planner.model.input_warning import InputWarning, Odd
 from assur.planner.model.phases import yaw_offsets
@@ -42,94 +39,60 @@ def odd_places(scene: Scene, at: AtStart) -> tuple[InputWarning, ...]:
     attached, found = at_start(scene), dict[InputWarning, None]()
     for step in scene.task:
         look()
-        off = _off_part(scene, at.prover, step, attached) if isinstance(step, Pick) else None
-        if off is not None:
-            found[InputWarning(Odd.TOOL_OFF_PART, off.bodies, off.distance_m)] = None
-        if isinstance(step, Place):
-            below = _air_below(scene, at, step, attached)
-            if below is not None:
-                found[InputWarning(Odd.RELEASED_IN_AIR, (step.part, below[0]), below[1])] = None
-        attached = attached.after(scene, step)
+        before, attached = attached, attached.after(scene, step)
+        if isinstance(step, Pick):
+            found |= dict.fromkeys(_off_part(scene, at.prover, step, before))
+        elif isinstance(step, Place):
+            found |= dict.fromkeys(_air_below(scene, at, step, attached))
     return (*found, *_overlaps(scene, at))
 
 
-def _off_part(scene: Scene, prover: Prover, step: Pick, attached: Attachments) -> Nearest | None:
+def _off_part(scene: Scene, prover: Prover, step: Pick, attached: Attachments) -> list[InputWarning]:
     """The body of the tool that is nearest to a part, in the turn in which it is nearest, if that is too far to grip
     it."""
-    turns = yaw_offsets(scene, step) or (0.0,)
-    found = [grip(prover, step, attached, turn) for turn in turns]
-    nearest = min((each for each in found if each is not None), key=lambda each: each.distance_m, default=None)
-    return nearest if nearest is not None and nearest.distance_m > GRIP_M else None
+    grips = [grip(prover, step, attached, turn) for turn in yaw_offsets(scene, step) or (0.0,)]
+    nearest = min((each for each in grips if each is not None), key=lambda each: each.distance_m, default=None)
+    if nearest is None or not nearest.distance_m > GRIP_M:
+        return []
+    return [InputWarning(Odd.TOOL_OFF_PART, nearest.bodies, nearest.distance_m)]
 
 
-def _air_below(scene: Scene, at: AtStart, step: Place, attached: Attachments) -> tuple[str, float] | None:
-    """The highest body below a part that is released in the air, and how far below it is, m; None: the part is put down
-    on something, or it is not known what is there when it is.
+def _air_below(scene: Scene, at: AtStart, step: Place, attached: Attachments) -> list[InputWarning]:
+    """The highest body below a part that is released in the air, `attached` being so then; nothing: the part is put
+    down on something, or it is not known what is there when it is.
 
-    Not looked at: places that name what the part rests on, or on frames that move, or beside bodies that move."""
-    if step.contact_with is not None or not scene.frames[step.target.frame].law.is_fixed:
-        return None
-    others = [body.name for body in scene.bodies if body.name != step.part]
-    if not all(scene.frames[attached.pose_of(scene, name)[0]].law.is_fixed for name in others):
-        return None
-    here, there = at.pose(step.part), at.pose(step.part, (step.target.frame, step.target.pose))
-    if here is None or there is None:
-        return None
-    part = _carried(at.shapes(step.part), _matrix(there) @ np.linalg.inv(_matrix(here)))
-    sunk, body = moved(part, np.array([0.0, 0.0, -DROP_M])), scene.index[step.part].body
-    bottom, highest = there.z + body.heights[0], None
-    for name in others:
-        old, now = at.pose(name), at.pose(name, attached.pose_of(scene, name))
-        if old is None or now is None or name not in at.prover.arrangement(AT_START).number:
-            return None
-        other = scene.index[name].body
-        if math.hypot(now.x - there.x, now.y - there.y) > body.radius + other.radius:
+    Not evaluated: places that name what the part rests on, or on frames that move, or among bodies that move."""
+    frames = {attached.pose_of(scene, body.name)[0] for body in scene.bodies}
+    if step.contact_with is not None or not all(scene.frames[name].law.is_fixed for name in frames):
+        return []
+    part, body, there = at.shapes(step.part, attached), scene.index[step.part].body, at.place(step.part, attached)
+    below = list[tuple[float, str]]()
+    for name in (name for name in scene.index if name != step.part):
+        other, now = scene.index[name].body, at.place(name, attached)
+        if not math.dist(now[:2], there[:2]) <= body.radius + other.radius:
             continue
-        if touch(at.prover, sunk, _carried(at.shapes(name), _matrix(now) @ np.linalg.inv(_matrix(old)))):
-            return None
-        gap = bottom - (now.z + other.heights[1])
-        if gap > 0.0 and (highest is None or gap < highest[1]):
-            highest = name, gap
-    return highest
+        if touch(at.prover, part, at.shapes(name, attached), np.array([0.0, 0.0, -DROP_M])):
+            return []
+        below.append((float(there[2] + body.heights[0] - now[2] - other.heights[1]), name))
+    under = sorted((each for each in below if each[0] > 0.0), key=itemgetter(0))[:1]
+    return [InputWarning(Odd.RELEASED_IN_AIR, (step.part, name), gap) for gap, name in under]
 
 
 def _overlaps(scene: Scene, at: AtStart) -> list[InputWarning]:
-    """Parts that stand, and are inside a body that stands, or inside another such part: the first `MOST_OVERLAPS`."""
-    found, parts = list[InputWarning](), dict[str, None]()
-    held = at_start(scene).held
-    for step in scene.task:
-        if isinstance(step, Pick) and (held is None or held.part != step.part):
-            parts[step.part] = None
-    if not parts:
-        return []
-    numbers = at.prover.arrangement(AT_START).number
-    standing = [body for body in scene.bodies if scene.frames[body.frame].law.is_fixed]
-    standing = [body for body in standing if body.name in numbers and (held is None or held.part != body.name)]
-    order = {body.name: i for i, body in enumerate(standing)}
-    pairs = set[tuple[int, int]]()
-    for name in parts:
-        here = at.pose(name)
-        if name in order and here is not None:
-            low, high = (here.z + height for height in scene.index[name].body.heights)
-            others = [order[other] for other in at.near(name, low, high) if other in order]
-            pairs |= {(min(order[name], other), max(order[name], other)) for other in others}
+    """Parts that never move by themselves, and are inside a body that never does, or inside another such part: the
+    first `MOST_OVERLAPS`."""
+    held, found = at_start(scene).held, list[InputWarning]()
+    still = [body.name for body in scene.bodies if scene.frames[body.frame].law.is_fixed]
+    order = {name: i for i, name in enumerate(name for name in still if held is None or held.part != name)}
+    pairs = dict[tuple[str, str], tuple[int, int]]()
+    for name in {step.part: None for step in scene.task if isinstance(step, Pick) and step.part in order}:
+        z, heights = float(at.place(name)[2]), scene.index[name].body.heights
+        for other in at.near(name, z + heights[0], z + heights[1]):
+            if other in order:
+                one, two = sorted((name, other), key=order.__getitem__)
+                pairs[one, two] = order[one], order[two]
     # fixtures, which are no parts, are often made of shapes that overlap
-    for i, j in sorted(pairs):
-        one, other = standing[i].name, standing[j].name
-        ones, theirs = at.shapes(one), at.shapes(other)
-        if all(touch(at.prover, moved(ones, OVERLAP_M * axis), theirs) for axis in AXES):
-            found.append(InputWarning(Odd.BODIES_OVERLAP, (one, other), OVERLAP_M))
-            if len(found) == MOST_OVERLAPS:
-                break
+    for one, two in sorted(pairs, key=pairs.__getitem__):
+        if len(found) < MOST_OVERLAPS and touch(at.prover, at.shapes(one), at.shapes(two), *(OVERLAP_M * AXES)):
+            found.append(InputWarning(Odd.BODIES_OVERLAP, (one, two), OVERLAP_M))
     return found
-
-
-def _carried(posed: list[Posed], by: FloatArray) -> list[Posed]:
-    """Shapes after a rigid motion `by` (4, 4) in the world."""
-    turn, shift = by[:3, :3], by[:3, 3]
-    return [replace(each, position=turn @ each.position + shift, axes=turn @ each.axes) for each in posed]
-
-
-def _matrix(pose: Pose) -> FloatArray:
-    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-    return np.array([[c, -s, 0, pose.x], [s, c, 0, pose.y], [0, 0, 1, pose.z], [0, 0, 0, 1.0]])

@@ -8,6 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from assur.planner.checker.refusals.standing import allowed_modes
+from assur.planner.checker.refusals.stated import Shown
+from assur.planner.checker.refusals.ways import ways
+from assur.planner.feasibility.hits import point_of
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.legs.control_point import ControlPoint
@@ -24,8 +28,6 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import Code
-from assur.planner.robots.five_axis_arm import FiveAxisArm
-from assur.planner.robots.scara import Scara
 from assur.planner.robots.turns import beyond_range, equivalents
 
 EDGE_M = 1e-9
@@ -35,12 +37,24 @@ PARTS = 512
 """Parts of a period over each of which the way of a point is bounded."""
 
 
-def out_of_range(scene: Scene, point: ControlPoint) -> Refusal | None:
-    """Why no joint position meets `point`, or what is asked above it; None: one does, or nobody knows, for it moves."""
-    if not point.still:
-        return _never_near(scene, point)
+def out_of_range(scene: Scene, number: int) -> Refusal | None:
+    """Why no joint position meets the control point of a step, or what is required above it, however the part is held;
+    None: one does, or nobody knows, for it moves."""
+    first, refusal = point_of(scene, ways(scene, number)[0]), None
+    if not first.still:
+        return _never_near(scene, first)
+    for way in ways(scene, number):
+        beyond = _in_no_mode(scene, point_of(scene, way))
+        if beyond is None:
+            return None
+        refusal = refusal or beyond
+    return refusal
+
+
+def _in_no_mode(scene: Scene, point: ControlPoint) -> Refusal | None:
+    """Why a point is met in no working mode that is allowed; None: it is in one."""
     refusals = []
-    for mode in _allowed(scene):
+    for mode in map(scene.robot.modes.index, allowed_modes(scene)):
         heights = dict.fromkeys((0.0, point.approach, point.depart))
         here = [_refused(scene, point, above, mode) for above in heights]
         refused = [refusal for refusal in here if refusal is not None]
@@ -55,30 +69,6 @@ def _amount(refusal: Refusal) -> float:
     return 0.0 if refusal.amount is None else refusal.amount.value
 
 
-def beyond_every_pitch(scene: Scene, point: ControlPoint) -> Refusal | None:
-    """Why `point` is met at no pitch of the tool, joint limits left aside; None: it is, or moves, or is not known."""
-    if not point.still or not isinstance(scene.robot, FiveAxisArm):
-        return None
-    short = float(scene.robot.out_of_reach(point.flange(np.array([scene.start.time])).p)[0])
-    if not short > EDGE_M:
-        return None
-    return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=short, facts=OutOfReach(every_pitch=True))
-
-
-def whatever_the_yaw(scene: Scene, refusal: Refusal) -> bool:
-    """Whether the refusal of one yaw holds for all: the tool point is on the wrist's axis; it is not the wrist's."""
-    tcp = scene.tool.tcp
-    return tcp.x == 0.0 and tcp.y == 0.0 and refusal.joint != scene.robot.joints[-1].name
-
-
-def _allowed(scene: Scene) -> list[int]:
-    """Working modes that the request allows."""
-    robot, elbow = scene.robot, scene.options.elbow
-    if elbow == "auto":
-        return list(range(len(robot.modes)))
-    return [int(robot.mode_of(scene.start.q))] if elbow == "keep" else [robot.modes.index(elbow)]
-
-
 def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refusal | None:
     robot = scene.robot
     motion = point.flange(np.array([scene.start.time]), above).at_rest()
@@ -89,51 +79,43 @@ def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refu
     limits = robot.limits
     if not np.isfinite(q).all() or len(equivalents(robot, q, limits.lower - limits.slack, limits.upper + limits.slack)):
         return None
-    over = beyond_range(robot, q)
+    over, lead_in = beyond_range(robot, q), lead_in_begin(point)
     worst = int(np.argmax(over))
-    return Refusal(
-        stage=Stage.CONTROL_POINT,
-        reason=Reason.JOINT_LIMIT,
-        step=point.step,
-        subject=JointName(robot.joints[worst].name),
-        amount=of_joint(robot.joints[worst].kind, float(over[worst])),
-        facts=replace(
-            beyond_at_nearest_turn(scene, worst, q), mode=robot.modes[mode], above_m=above, **lead_in_begin(point)
-        ),
-    )
+    facts = replace(beyond_at_nearest_turn(scene, worst, q), mode=robot.modes[mode], above_m=above, **lead_in)
+    amount, joint = of_joint(robot.joints[worst].kind, float(over[worst])), JointName(robot.joints[worst].name)
+    return Shown(Reason.JOINT_LIMIT, facts, amount, joint).refusal(Stage.CONTROL_POINT, point.step)
 
 
 def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusal:
     """By how much a point is out of reach."""
-    robot, target = scene.robot, motion.p[0]
-    if "z" not in robot.coordinates:
-        has = float(robot.forward(scene.start.q)[0][2])
-        off = abs(float(target[2]) - has)
-        if off > EDGE_M:
-            facts = OutOfReach(heights_m=(float(target[2]), has), **lead_in_begin(point))
-            return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=off, facts=facts)
-    distance = float(np.hypot(target[0] - robot.base.x, target[1] - robot.base.y))
-    short = float(np.maximum(-robot.reach_margin(motion, mode)[0], 0.0))
-    pitch = float(motion.tilt[0, 0]) if isinstance(motion, TiltedMotion) else None
-    facts = OutOfReach(from_axis_m=distance, pitch_rad=pitch, **lead_in_begin(point))
+    robot, target, lead_in = scene.robot, motion.p[0], lead_in_begin(point)
+    has = float(target[2]) if "z" in robot.coordinates else float(robot.forward(scene.start.q)[0][2])
+    short = abs(float(target[2]) - has)
+    if short > EDGE_M:
+        facts = OutOfReach(heights_m=(float(target[2]), has), **lead_in)
+    else:
+        distance = float(np.hypot(target[0] - robot.base.x, target[1] - robot.base.y))
+        short = float(np.maximum(-robot.reach_margin(motion, mode)[0], 0.0))
+        pitch = float(motion.tilt[0, 0]) if isinstance(motion, TiltedMotion) else None
+        facts = OutOfReach(from_axis_m=distance, pitch_rad=pitch, **lead_in)
     return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=short, facts=facts)
 
 
 def _never_near(scene: Scene, point: ControlPoint) -> Refusal | None:
-    """Why a SCARA reaches a point on a frame that repeats its motion at no time. In the middle of each part of a period
-    the flange is so far from the arm's axis, and in half a part it comes no nearer than its greatest speed takes it
-    (equation F11)."""
+    """Why an arm with a lift reaches a point on a frame that repeats its motion at no time. In the middle of each part
+    of a period the flange is so far out of reach, and in half a part it comes no nearer than its greatest speed across
+    takes it (equation F11)."""
     law, robot = scene.frames[point.frame].law, scene.robot
     period = law.cycle_s
-    if period is None or not isinstance(robot, Scara):
+    if period is None or robot.lift is None:
         return None
     edges = scene.start.time + period * np.arange(PARTS + 1) / PARTS
-    middle = point.flange((edges[:-1] + edges[1:]) / 2).p
-    away = np.hypot(middle[:, 0] - robot.base.x, middle[:, 1] - robot.base.y)
+    middle = point.flange((edges[:-1] + edges[1:]) / 2)
+    short = -np.max([robot.reach_margin(middle, mode) for mode in range(len(robot.modes))], axis=0)
     for i in range(PARTS):
         x, y, _ = law.sweep(edges[i], edges[i + 1]).point(1, point.pose.x, point.pose.y, 0.0)
-        away[i] -= math.hypot(x, y) * (edges[i + 1] - edges[i]) / 2
-    short = float(away.min()) - robot.l1 - robot.l2
-    if not short > EDGE_M:  # nor where the law is not known for a whole period
+        short[i] -= math.hypot(x, y) * (edges[i + 1] - edges[i]) / 2
+    least = float(short.min())
+    if not least > EDGE_M:  # nor where the law is not known for a whole period
         return None
-    return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=short, facts=OutOfReach())
+    return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=least, facts=OutOfReach())

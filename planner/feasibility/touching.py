@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
+from assur.planner.checker.refusals.ways import ways
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.touching import asked, too_far
-from assur.planner.model.attachments import Attachments, at_start
+from assur.planner.model.attachments import Attachments
 from assur.planner.model.deadline import look
-from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Pick, Place, Scene, Step
 
@@ -17,17 +17,17 @@ def never_touching(scene: Scene, prover: Prover) -> Refusal | None:
     """The first pick or place whose part is too far from the tool, in all turns in which it may be gripped, or from
     what it is put down on, whenever; or None. Not known here: where any turn will do, and what rests on frames that
     move against each other. Raises `OutOfTimeError` where the deadline in force passes."""
-    attached = at_start(scene)
     for number, step in enumerate(scene.task):
         look()
-        if isinstance(step, Pick | Place) and math.isfinite(asked(step)):
-            turns = yaw_offsets(scene, step) if isinstance(step, Pick) else (0.0,)
-            if turns is not None and (isinstance(step, Pick) or always(scene, step, attached)):
-                found = [too_far(prover, number, attached, turn, scene.start.time) for turn in turns]
-                refusals = [refusal for refusal in found if refusal is not None]
-                if len(refusals) == len(turns):
-                    return min(refusals, key=_amount)
-        attached = attached.after(scene, step)
+        found = ways(scene, number) if math.isfinite(asked(step)) else ()
+        if isinstance(step, Pick):
+            found = () if found and found[0].turn is None else found
+        else:
+            found = found[:1] if found and always(scene, step, found[0].before) else ()
+        far = [too_far(prover, number, way.before, way.turn or 0.0, scene.start.time) for way in found]
+        refusals = [refusal for refusal in far if refusal is not None]
+        if refusals and len(refusals) == len(far):
+            return min(refusals, key=_amount)
     return None
 
 

@@ -4,13 +4,14 @@ docs/bundle.md)."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.model.phases import CONTACT_M, Phase, pair
 from assur.planner.model.refusal import Rule
-from assur.planner.model.scene import Scene
+from assur.planner.model.scene import ClearanceException, Scene
 
 
 def clearances(scene: Scene, near: bool, ones: Sequence[str], others: Sequence[str]) -> FloatArray:
@@ -38,6 +39,24 @@ def rule_of(scene: Scene, phase: Phase, first: str, second: str) -> tuple[Rule, 
             if (not one or first in one) and (not other or second in other):
                 return "exception", rule.near_m if phase.near else rule.travel_m
     return ("near", asked.near_m) if phase.near else ("travel", asked.travel_m)
+
+
+def distances_of(scene: Scene, bodies: tuple[str, ...]) -> tuple[float, float]:
+    """What is required in travel and near a point, m, of two bodies; of none: of all that no exception names."""
+    if not bodies:
+        return scene.options.clearance.travel_m, scene.options.clearance.near_m
+    travel, near = (float(clearances(scene, near, bodies[:1], bodies[1:])[0, 0]) for near in (False, True))
+    return travel, near
+
+
+def with_distances(scene: Scene, bodies: tuple[str, ...], travel: float, near: float) -> Scene:
+    """The scene with other distances, m, of two bodies, or of all that no exception names."""
+    clearance = replace(scene.options.clearance, travel_m=travel, near_m=near)
+    if bodies:
+        first, second = (frozenset((name,)) for name in bodies)
+        rule, asked = ClearanceException(first, second, travel, near), scene.options.clearance
+        clearance = replace(asked, exceptions=(*asked.exceptions, rule))
+    return replace(scene, options=replace(scene.options, clearance=clearance))
 
 
 def contact_gap(phase: Phase) -> float:

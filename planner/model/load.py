@@ -17,9 +17,6 @@ from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body
 
-SUMS = 1.0 + 1e-12
-"""By this a mass or an inertia may exceed what is allowed: two masses whose sum is the limit may round to more."""
-
 
 @dataclass(frozen=True, eq=False)
 class Tool:

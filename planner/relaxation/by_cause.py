@@ -5,13 +5,18 @@ from __future__ import annotations
 from assur.planner.model.phases import CONTACT_M
 from assur.planner.model.refusal import LawEnds, NotTouching, Overshoot, Reason, Refusal, Separation, Stage
 
-GEOMETRIC = frozenset({Reason.OUT_OF_REACH, Reason.JOINT_LIMIT})
 OF_GEOMETRY = frozenset({"elbow", "pitch", "heights"})
 """Where a point cannot be reached, only another posture or another height can help."""
 OF_LAW = frozenset({"window", "latest end", "dwell"})
 """Where it is proved that the motion of a frame is known for too short a time, only what needs less of it can help."""
 OF_START = frozenset({"pair clearance", "clearance", "without"})
 """Where the arm starts too near a body, only what asks for less distance can help."""
+ONLY = {
+    Reason.OUT_OF_REACH: OF_GEOMETRY,
+    Reason.JOINT_LIMIT: OF_GEOMETRY,
+    Reason.START_IN_COLLISION: OF_START,
+}
+"""Kinds of change that alone can help."""
 IN_THE_WAY = ("pair clearance", "clearance", "heights", "point height", "without")
 ABOUT: dict[Reason, tuple[str, ...]] = {
     Reason.WINDOW_MISSED: ("window", "latest end", "dwell", "belt speed"),
@@ -59,13 +64,9 @@ def allowed(refusal: Refusal | None, what: str, *, proved: bool) -> bool:
     """Whether a kind of change may help at all."""
     if proved and what == "budget":
         return False
-    if refusal is None:
-        return True
-    if refusal.reason in GEOMETRIC:
-        return what in OF_GEOMETRY
-    if refusal.reason is Reason.LAW_ENDS and proved:
+    if refusal is not None and refusal.reason is Reason.LAW_ENDS and proved:
         return what in OF_LAW
-    return refusal.reason is not Reason.START_IN_COLLISION or what in OF_START
+    return refusal is None or what in ONLY.get(refusal.reason, (what,))
 
 
 def worth_trying(refusal: Refusal | None) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from assur.planner.model.scene import Pick, Place, Scene, Step
 
@@ -19,3 +20,13 @@ def frame_of(scene: Scene, what: Step) -> str:
 
 def with_step(scene: Scene, number: int, step: Step) -> Scene:
     return replace(scene, task=(*scene.task[:number], step, *scene.task[number + 1 :]))
+
+
+def of_step(scene: Scene, number: int, kind: str, value: str, **changed: Any) -> Change:
+    """A change of these fields of a step."""
+    return kind, value, with_step(scene, number, replace(scene.task[number], **changed))
+
+
+def of_options(scene: Scene, kind: str, value: str, **changed: Any) -> Change:
+    """A change of these options."""
+    return kind, value, replace(scene, options=replace(scene.options, **changed))

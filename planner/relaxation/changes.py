@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 from assur.planner.errors import InputError
 from assur.planner.laws import slowed
-from assur.planner.model.easier_path import rounder, slower
 from assur.planner.model.refusal import Refusal, Separation
-from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step, Window
+from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step, Trace, Window
 from assur.planner.relaxation.by_cause import kinds_about
-from assur.planner.relaxation.change import Change, frame_of, with_step
+from assur.planner.relaxation.change import Change, frame_of, of_options, of_step, with_step
 from assur.planner.relaxation.smaller_clearances import smaller_clearances
 from assur.planner.relaxation.straight_parts import contact_tolerances, heights, higher_points, longer_straight_part
 
@@ -22,6 +22,12 @@ MORE = 4
 """How much more the change of the budget allows."""
 FAR = 1e6
 """An end of a window, s or m, that is as good as none."""
+SPEEDS = (0.8, 0.5, 0.2, 0.1)
+"""Shares of a process speed, from the weakest change to the strongest."""
+BLENDS = (1.5, 2.0, 4.0)
+"""Multiples of a blend, likewise."""
+DWELLS, BELTS = (0.8, 0.6, 0.4, 0.2, 0.1), (0.8, 0.5)
+"""Shares of a dwell, and of the speed of a belt, that are tried."""
 
 
 def changes(scene: Scene, step: int, blocker: str | None, refusal: Refusal | None = None) -> Iterator[Change]:
@@ -39,38 +45,40 @@ def _listed(scene: Scene, step: int, blocker: str | None, refusal: Refusal | Non
     speed, blend, heights of approach and depart, height of the point, contact tolerance, dwell, belt speed, clearance
     of a pair or of all, margin, a body or another robot left out."""
     what, options = scene.task[step], scene.options
+    on_step, option = partial(of_step, scene, step), partial(of_options, scene)
     if what.window != Window():
         span, along = what.window.time, what.window.along
         later = Window(None if span is None else (span[0], FAR), None if along is None else (along[0], FAR))
-        yield "window", "open at its end", with_step(scene, step, replace(what, window=later))
-        yield "window", "open", with_step(scene, step, replace(what, window=Window()))
+        yield on_step("window", "open at its end", window=later)
+        yield on_step("window", "open", window=Window())
     if options.latest_end_s is not None:
-        yield "latest end", "none", replace(scene, options=replace(options, latest_end_s=None))
+        yield option("latest end", "none", latest_end_s=None)
     if options.acceleration_time_s is not None:
-        yield (
-            "acceleration time",
-            "left to the planner",
-            replace(scene, options=replace(options, acceleration_time_s=None)),
-        )
-    yield _budget(scene)
+        yield option("acceleration time", "left to the planner", acceleration_time_s=None)
+    # a longer search: of more time and, where the request counts them, more candidates
+    seconds, count = MORE * options.budget_s, options.max_candidates and MORE * options.max_candidates
+    counted = f"{count} candidates in " if count else ""
+    yield option("budget", f"{counted}{seconds:g} s", budget_s=seconds, max_candidates=count)
     if options.elbow != "auto" and len(scene.robot.modes) > 1:
-        yield "elbow", "auto", replace(scene, options=replace(options, elbow="auto"))
+        yield option("elbow", "auto", elbow="auto")
     if isinstance(what, Move | Follow) and what.target.pitch is not None:
-        yield "pitch", "free", with_step(scene, step, replace(what, target=replace(what.target, pitch=None)))
+        yield on_step("pitch", "free", target=replace(what.target, pitch=None))
     if isinstance(what, Move) and what.match == "velocity":
-        yield "match", "position", with_step(scene, step, replace(what, match="position"))
-    for kind, steps in (("process speed", slower(what)), ("blend", rounder(what))):
+        yield on_step("match", "position", match="position")
+    for kind, steps in (("process speed", _slower(what)), ("blend", _rounder(what))):
         yield from ((kind, value, with_step(scene, step, changed)) for value, changed in steps)
     yield from heights(scene, step, what)
     if refusal is not None and isinstance(refusal.facts, Separation) and refusal.step == step:
         yield from longer_straight_part(scene, step, refusal.facts)
         yield from higher_points(scene, step, refusal)
         yield from contact_tolerances(scene, step, refusal.facts)
-    yield from _dwells(scene, step, what)
+    time, lasts = ("duration_s" if isinstance(what, Follow) else "dwell_s"), what.dwell_s
+    if isinstance(what, Follow | Pick | Place) and lasts > 0.0:
+        yield from (on_step("dwell", f"{1e3 * s * lasts:.0f} ms", **{time: s * lasts}) for s in DWELLS)
     yield from _belts(scene, what)
     yield from smaller_clearances(scene, refusal)
     if options.singularity_margin > 0:
-        yield "singularity margin", "0", replace(scene, options=replace(options, singularity_margin=0.0))
+        yield option("singularity margin", "0", singularity_margin=0.0)
     if blocker is not None and blocker in scene.index and not _is_part(scene, blocker):
         # the bodies of another robot have its name before theirs
         robot, of_robot, _ = blocker.partition("/")
@@ -86,35 +94,33 @@ def _listed(scene: Scene, step: int, blocker: str | None, refusal: Refusal | Non
             return
 
 
-def _budget(scene: Scene) -> Change:
-    """A longer search: of more time and, where the request counts them, more candidates."""
-    options, seconds = scene.options, MORE * scene.options.budget_s
-    if options.max_candidates is None:
-        return "budget", f"{seconds:g} s", replace(scene, options=replace(options, budget_s=seconds))
-    count = MORE * options.max_candidates
-    longer = replace(options, budget_s=seconds, max_candidates=count)
-    return "budget", f"{count} candidates in {seconds:g} s", replace(scene, options=longer)
+def _slower(step: Step) -> Iterator[tuple[str, Step]]:
+    """A trace at lower process speeds, each with the speed in words; nothing for other steps."""
+    if isinstance(step, Trace):
+        for share in SPEEDS:
+            speed = share * step.speed_m_s
+            yield f"{1e3 * speed:g} mm/s", replace(step, speed_m_s=speed)
 
 
-def _dwells(scene: Scene, step: int, what: Step) -> Iterator[Change]:
-    for share in (0.8, 0.6, 0.4, 0.2, 0.1):
-        if isinstance(what, Follow):
-            duration = share * what.duration_s
-            yield "dwell", f"{1e3 * duration:.0f} ms", with_step(scene, step, replace(what, duration_s=duration))
-        elif isinstance(what, Pick | Place) and what.dwell_s > 0:
-            dwell = share * what.dwell_s
-            yield "dwell", f"{1e3 * dwell:.0f} ms", with_step(scene, step, replace(what, dwell_s=dwell))
+def _rounder(step: Step) -> Iterator[tuple[str, Step]]:
+    """A path with larger blends, each with the blend in words; nothing where a larger blend changes no corner."""
+    for factor in BLENDS:
+        if isinstance(step, Trace):
+            path = replace(step.path, blend_m=factor * step.path.blend_m)
+            if path.length != step.path.length:
+                yield f"{1e3 * path.blend_m:g} mm", replace(step, path=path)
+        elif isinstance(step, Move) and len(step.path) > 1 and step.blend_m > 0.0:
+            blend = factor * step.blend_m
+            yield f"{1e3 * blend:g} mm", replace(step, blend_m=blend)
 
 
 def _belts(scene: Scene, what: Step) -> Iterator[Change]:
     name = frame_of(scene, what)
     frame = scene.frames[name]
-    for share in (0.8, 0.5):
-        law = slowed(frame.law, share)
-        if law is None:
-            return
-        frames = {**scene.frames, name: replace(frame, law=law)}
-        yield "belt speed", f"{1e3 * law.numbers.speed:.0f} mm/s", replace(scene, frames=frames)
+    for law in (slowed(frame.law, share) for share in BELTS):
+        if law is not None:
+            frames = {**scene.frames, name: replace(frame, law=law)}
+            yield "belt speed", f"{1e3 * law.numbers.speed:.0f} mm/s", replace(scene, frames=frames)
 
 
 def _is_part(scene: Scene, name: str) -> bool:

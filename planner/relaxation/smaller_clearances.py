@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
-from assur.planner.model.clearance import clearances
+from assur.planner.model.clearance import distances_of, with_distances
 from assur.planner.model.refusal import Refusal, Separation
-from assur.planner.model.scene import Clearance, ClearanceException, Scene
+from assur.planner.model.scene import Scene
 from assur.planner.relaxation.change import Change
 from assur.planner.relaxation.rounded import SHOWN_M, down
 
@@ -15,23 +14,17 @@ from assur.planner.relaxation.rounded import SHOWN_M, down
 def smaller_clearances(scene: Scene, refusal: Refusal | None) -> Iterator[Change]:
     """Smaller distances of the pair that the refusal is about, by what is missing, by half and none; then of all pairs
     for which no exception is made."""
-    clearance = scene.options.clearance
-
-    def with_clearance(changed: Clearance) -> Scene:
-        return replace(scene, options=replace(scene.options, clearance=changed))
-
+    pairs: list[tuple[str, ...]] = [()]
+    short = None
     if refusal is not None and isinstance(refusal.facts, Separation) and len(refusal.bodies) == 2:
-        first, second = refusal.bodies
-        near, travel = (float(clearances(scene, of, [first], [second])[0, 0]) for of in (True, False))
         gap, required = refusal.facts.gap_m, refusal.facts.required_m
         short = None if gap is None or required is None else required - gap
-        for travel_m, near_m in _smaller(travel, near, short):
-            rule = ClearanceException(frozenset((first,)), frozenset((second,)), travel_m, near_m)
-            changed = replace(clearance, exceptions=(*clearance.exceptions, rule))
-            yield "pair clearance", f"{first} and {second}: {_distances(travel_m, near_m)}", with_clearance(changed)
-    for travel_m, near_m in _smaller(clearance.travel_m, clearance.near_m, None):
-        changed = replace(clearance, travel_m=travel_m, near_m=near_m)
-        yield "clearance", _distances(travel_m, near_m), with_clearance(changed)
+        pairs = [refusal.bodies, ()]
+    for bodies in pairs:
+        kind, named = ("pair clearance", f"{' and '.join(bodies)}: ") if bodies else ("clearance", "")
+        for travel, near in _smaller(*distances_of(scene, bodies), short if bodies else None):
+            value = f"{named}travel {1e3 * travel:g} mm, near {1e3 * near:g} mm"
+            yield kind, value, with_distances(scene, bodies, travel, near)
 
 
 def _smaller(travel: float, near: float, short: float | None) -> Iterator[tuple[float, float]]:
@@ -51,7 +44,3 @@ def _smaller(travel: float, near: float, short: float | None) -> Iterator[tuple[
 def _less(distance: float, short: float) -> float:
     """What is left, a hundredth of a millimetre less at least: the proof keeps a reserve."""
     return max(0.0, down(distance - short - 0.1 * SHOWN_M, SHOWN_M))
-
-
-def _distances(travel: float, near: float) -> str:
-    return f"travel {1e3 * travel:g} mm, near {1e3 * near:g} mm"

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from assur.planner.model.refusal import Refusal, Separation, Stage
 from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step
-from assur.planner.relaxation.change import Change, with_step
+from assur.planner.relaxation.change import Change, of_step, with_step
 from assur.planner.relaxation.rounded import SHOWN_M, up
 
 TIMES = (1, 2, 5)
@@ -18,29 +18,23 @@ def heights(scene: Scene, step: int, what: Step) -> Iterator[Change]:
     """Shorter straight parts of the ways to and from the point: of one of both alone, then of both."""
     if not isinstance(what, Pick | Place):
         return
+    lengths = {"approach": what.approach_m, "depart": what.depart_m}
     for share in (0.5, 0.2):
-        approach, depart = share * what.approach_m, share * what.depart_m
-        shorter = {"approach": approach} if approach > 0 else {}
-        shorter |= {"depart": depart} if depart > 0 else {}
-        alone = [{name: height} for name, height in shorter.items()] if len(shorter) == 2 else []
-        for heights in (*alone, shorter) if shorter else ():
-            lower = replace(
-                what,
-                approach_m=heights.get("approach", what.approach_m),
-                depart_m=heights.get("depart", what.depart_m),
-            )
-            value = ", ".join(f"{name} {1e3 * height:g} mm" for name, height in heights.items())
-            yield "heights", value, with_step(scene, step, lower)
+        shorter = {name: share * length for name, length in lengths.items() if length > 0.0}
+        alone = [{name: length} for name, length in shorter.items()] if len(shorter) == 2 else []
+        yield from (_straight(scene, step, "heights", each) for each in (*alone, shorter) if each)
+
+
+def _straight(scene: Scene, step: int, kind: str, lengths: dict[str, float]) -> Change:
+    """A change of the lengths of straight parts, m."""
+    value = ", ".join(f"{name} {1e3 * length:g} mm" for name, length in lengths.items())
+    return of_step(scene, step, kind, value, **{f"{name}_m": length for name, length in lengths.items()})
 
 
 def longer_straight_part(scene: Scene, step: int, facts: Separation) -> Iterator[Change]:
     """An approach or a depart that is as long as the refusal says that it must be."""
-    what = scene.task[step]
-    if not isinstance(what, Pick | Place) or facts.end is None or facts.least_m is None:
-        return
-    length = up(facts.least_m, SHOWN_M)
-    longer = replace(what, approach_m=length) if facts.end == "approach" else replace(what, depart_m=length)
-    yield "straight part", f"{facts.end} {1e3 * length:g} mm", with_step(scene, step, longer)
+    if isinstance(scene.task[step], Pick | Place) and facts.end is not None and facts.least_m is not None:
+        yield _straight(scene, step, "straight part", {facts.end: up(facts.least_m, SHOWN_M)})
 
 
 def higher_points(scene: Scene, step: int, refusal: Refusal) -> Iterator[Change]:
@@ -54,20 +48,18 @@ def higher_points(scene: Scene, step: int, refusal: Refusal) -> Iterator[Change]
     # a tenth of what is shown more: the proof keeps a reserve
     for rise in (up(-facts.gap_m, SHOWN_M), up(facts.required_m - facts.gap_m + 0.1 * SHOWN_M, SHOWN_M)):
         higher = _higher(scene.task[step], rise)
-        if higher is not None and rise > 0.0:
-            yield "point height", f"{1e3 * rise:g} mm higher", with_step(scene, step, higher)
+        if higher and rise > 0.0:
+            yield of_step(scene, step, "point height", f"{1e3 * rise:g} mm higher", **higher)
 
 
-def _higher(what: Step, rise: float) -> Step | None:
-    """The step with its point higher; None: it has more than one."""
+def _higher(what: Step, rise: float) -> dict[str, object]:
+    """What changes of a step with its point higher; nothing: it has more than one."""
     if isinstance(what, Pick):
-        return replace(what, grasp=replace(what.grasp, z=what.grasp.z + rise))
-    if isinstance(what, Place):
-        return replace(what, to=replace(what.to, pose=replace(what.to.pose, z=what.to.pose.z + rise)))
-    if isinstance(what, Follow) or (isinstance(what, Move) and not what.path):
-        target = what.target
-        return replace(what, target=replace(target, pose=replace(target.pose, z=target.pose.z + rise)))
-    return None
+        return {"grasp": replace(what.grasp, z=what.grasp.z + rise)}
+    if isinstance(what, Follow | Place) or (isinstance(what, Move) and not what.path):
+        at, name = what.target, "to" if isinstance(what, Place) else "target"
+        return {name: replace(at, pose=replace(at.pose, z=at.pose.z + rise))}
+    return {}
 
 
 def contact_tolerances(scene: Scene, step: int, facts: Separation) -> Iterator[Change]:

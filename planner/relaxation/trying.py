@@ -23,7 +23,7 @@ from assur.planner.model.progress import Watch
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene, Window
 from assur.planner.relaxation.by_cause import allowed
-from assur.planner.relaxation.change import Change, frame_of, with_step
+from assur.planner.relaxation.change import Change, frame_of, of_options, of_step
 from assur.planner.relaxation.changes import MORE, changes
 from assur.planner.relaxation.rounded import ROUNDING, WHOLE, down, up
 from assur.planner.search.beam import Search
@@ -61,49 +61,33 @@ def relax(
         if not allowed(refusal, what, proved=proved):
             continue
         family = list(members)
-        left = deadline - time.perf_counter()
-        if left < FEWEST_S:
+        works, spent = _first(family[-1:], deadline, attempt)
+        if spent:
             return None, tuple(tried), True
-        strongest = attempt(family[-1])
-        if strongest is None:
+        if works is None:
             continue
-        relaxation, spent = _weakest(scene, step, family, strongest, deadline, attempt)
-        return relaxation, tuple(tried), spent
+        weaker, spent = _first(family[:-1], deadline, attempt)
+        works = weaker or works
+        if what in NARROWED and not spent:
+            # what was opened altogether is closed again behind the plan, and that is tried, too
+            narrower, spent = _first(_narrowed(scene, step, *works), deadline, attempt)
+            works = narrower or works
+        (_, value, _), made = works
+        return Relaxation(what, value, made.trajectory.end - scene.start.time), tuple(tried), spent
     return None, tuple(tried), False
 
 
-def _weakest(
-    scene: Scene,
-    step: int,
-    family: list[Change],
-    strongest: Plan,
-    deadline: float,
-    attempt: Callable[[Change], Plan | None],
-) -> tuple[Relaxation, bool]:
-    """The weakest member of a family whose strongest has the plan `strongest`; whether the time was spent before it was
-    known to be the weakest."""
-    change, made = family[-1], strongest
-    for weaker in family[:-1]:
+def _first(
+    changes: list[Change], deadline: float, attempt: Callable[[Change], Plan | None]
+) -> tuple[tuple[Change, Plan] | None, bool]:
+    """The first change that has a plan, and the plan; and whether the time was spent before one was found."""
+    for change in changes:
         if deadline - time.perf_counter() < FEWEST_S:
-            return _told(scene, change, made), True
-        found = attempt(weaker)
-        if found is not None:
-            change, made = weaker, found
-            break
-    if change[0] in NARROWED:
-        # what was opened altogether is closed again behind the plan, and that is tried, too
-        narrow = _narrowed(scene, step, change, made)
-        if narrow is not None:
-            if deadline - time.perf_counter() < FEWEST_S:
-                return _told(scene, change, made), True
-            found = attempt(narrow)
-            if found is not None:
-                change, made = narrow, found
-    return _told(scene, change, made), False
-
-
-def _told(scene: Scene, change: Change, made: Plan) -> Relaxation:
-    return Relaxation(change[0], change[1], made.trajectory.end - scene.start.time)
+            return None, True
+        made = attempt(change)
+        if made is not None:
+            return (change, made), False
+    return None, False
 
 
 def _attempt(
@@ -115,19 +99,15 @@ def _attempt(
     """
     what, value, scene = change
     options, left = scene.options, deadline - time.perf_counter()
-    if options.max_candidates is not None:
-        # the count ends each attempt, so what is found does not depend on the machine; the clock only keeps half of
-        # the time for the changes that follow
+    if options.max_candidates is not None or what == "budget":
+        # a count ends each attempt, so what is found does not depend on the machine; the clock only keeps half of the
+        # time for the changes that follow
         longest = left / 2
-    elif what == "budget":
-        longest = left / 2
-        if longest * MORE <= options.budget_s:
+        if options.max_candidates is None and longest * MORE <= options.budget_s:
             return None
     else:
         # the first is what the cause asks for
-        longest = min(ATTEMPT_S, (SHARE if tried else FIRST_SHARE) * left)
-    if what != "budget" and options.max_candidates is None:
-        longest = min(longest, options.budget_s)
+        longest = min(ATTEMPT_S, (SHARE if tried else FIRST_SHARE) * left, options.budget_s)
     tried.append(f"{what}: {value}")
     changed = replace(scene, options=replace(options, budget_s=longest))
     told: Watch | None = None if watch is None else lambda progress: watch(replace(progress, stage="relaxation"))
@@ -136,32 +116,42 @@ def _attempt(
     return first.run().plan
 
 
-def _narrowed(scene: Scene, step: int, change: Change, made: Plan) -> Change | None:
-    """The window, or the latest end, just as wide as the plan uses it, in round numbers; None if it uses no more than
-    the request allows."""
+def _narrowed(scene: Scene, step: int, change: Change, made: Plan) -> list[Change]:
+    """The window, or the latest end, just as wide as the plan uses it, in round numbers; nothing if it uses no more
+    than the request allows."""
     if change[0] == "latest end":
         latest = scene.options.latest_end_s
         ends = up(made.trajectory.end, WHOLE)
         if latest is None or not ends > latest + ROUNDING:
-            return None
-        options = replace(scene.options, latest_end_s=ends)
-        return "latest end", f"{ends:.3f} s, {1e3 * (ends - latest):.0f} ms later", replace(scene, options=options)
-    window = scene.task[step].window
+            return []
+        value = f"{ends:.3f} s, {1e3 * (ends - latest):.0f} ms later"
+        return [of_options(scene, "latest end", value, latest_end_s=ends)]
+    span, along = scene.task[step].window.time, scene.task[step].window.along
     arrival = next(each for each in made.arrivals if each.step == step)
-    texts, span, along = [], window.time, window.along
+    texts = list[str]()
     if span is not None:
-        low, high = min(span[0], down(arrival.time, WHOLE)), max(span[1], up(arrival.until, WHOLE))
-        texts += [f"from {low:.3f} s, {1e3 * (span[0] - low):.0f} ms earlier"] * (low < span[0] - ROUNDING)
-        texts += [f"until {high:.3f} s, {1e3 * (high - span[1]):.0f} ms later"] * (high > span[1] + ROUNDING)
-        span = (low, high)
+        span, texts = _used(span, (arrival.time, arrival.until), "s", 1.0, "from until earlier later")
     law = scene.frames[frame_of(scene, scene.task[step])].law
     if along is not None and arrival.along_m is not None and law.way is not None:
         ways = travelled(law, Pose(), np.array([arrival.time, arrival.until]))
-        begin, end = arrival.along_m, arrival.along_m + float(ways[1] - ways[0])
-        low, high = min(along[0], down(min(begin, end), WHOLE)), max(along[1], up(max(begin, end), WHOLE))
-        texts += [f"from {1e3 * low:.0f} mm, {1e3 * (along[0] - low):.0f} mm sooner"] * (low < along[0] - ROUNDING)
-        texts += [f"to {1e3 * high:.0f} mm, {1e3 * (high - along[1]):.0f} mm farther"] * (high > along[1] + ROUNDING)
-        along = (low, high)
-    if not texts:
-        return None
-    return "window", " and ".join(texts), with_step(scene, step, replace(scene.task[step], window=Window(span, along)))
+        end = arrival.along_m + float(ways[1] - ways[0])
+        along, more = _used(along, (arrival.along_m, end), "mm", 1e3, "from to sooner farther")
+        texts += more
+    value = " and ".join(texts)
+    return [of_step(scene, step, "window", value, window=Window(span, along))] if texts else []
+
+
+def _used(
+    window: tuple[float, float], used: tuple[float, float], unit: str, factor: float, words: str
+) -> tuple[tuple[float, float], list[str]]:
+    """A window, s or m, that is as much wider as it is used, and how much wider in words: `words` are those before both
+    ends and behind both differences, `unit` and `factor` are of the ends."""
+    low, high = min(window[0], down(min(used), WHOLE)), max(window[1], up(max(used), WHOLE))
+    first, last, sooner, later = words.split()
+    digits, small = (3, "ms") if factor == 1.0 else (0, unit)
+    rows = (first, low, window[0] - low, sooner), (last, high, high - window[1], later)
+    return (low, high), [
+        f"{word} {factor * end:.{digits}f} {unit}, {1e3 * by:.0f} {small} {behind}"
+        for word, end, by, behind in rows
+        if by > ROUNDING
+    ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -66,15 +67,9 @@ def _peaks(scene: Scene, trajectory: Trajectory, phases: tuple[Phase, ...]) -> t
         for kind, of_kind in zip(kinds, ratios.tolist(), strict=True)
         for ratio, joint in zip(of_kind, joints, strict=True)
     )
-    return tuple(
-        _peak(joint.name, tops[:, i].tolist(), ratios[:, i].tolist()) for i, joint in enumerate(joints)
-    ), MostUsed(*binding)
-
-
-def _peak(joint: str, top: list[float], ratio: list[float]) -> JointPeak:
-    """Velocity, acceleration and, if it has a limit, jerk."""
-    (v, a, *j), (v_ratio, a_ratio, *j_ratio) = top, ratio
-    return JointPeak(joint, v, a, j[0] if j else None, v_ratio, a_ratio, j_ratio[0] if j_ratio else None)
+    none: list[Any] = [None] * (3 - len(kinds))
+    rows = zip(joints, tops.T.tolist(), ratios.T.tolist(), strict=True)
+    return tuple(JointPeak(joint.name, *top, *none, *ratio, *none) for joint, top, ratio in rows), MostUsed(*binding)
 
 
 def contacts(phases: tuple[Phase, ...]) -> tuple[Contact, ...]:

@@ -62,14 +62,12 @@ def busiest(
 
 def _longest(phases: tuple[Phase, ...], t: FloatArray, lasts: FloatArray, at_peak: BoolArray) -> Busiest | None:
     """The phase in which `at_peak` (T,) holds longest."""
-    longest: tuple[float, Phase] | None = None
-    for phase in phases:
-        time = float(lasts[at_peak & (t >= phase.t0) & (t < phase.t1)].sum())
-        if phase.step >= 0 and phase.t1 > phase.t0 and time > (0.0 if longest is None else longest[0]):
-            longest = time, phase
-    if longest is None:
+    moving = [phase for phase in phases if phase.step >= 0 and phase.t1 > phase.t0]
+    times = [float(lasts[at_peak & (t >= phase.t0) & (t < phase.t1)].sum()) for phase in moving]
+    time = max(times, default=0.0)
+    if not time > 0.0:
         return None
-    time, phase = longest
+    phase = moving[times.index(time)]
     return Busiest(str(phase.kind), phase.step, phase.t0, phase.t1, min(time, phase.t1 - phase.t0))
 
 
@@ -81,29 +79,25 @@ def window_left(point: ControlPoint, begin: float) -> float | None:
     return next((max(high - begin, 0.0) for _, high in spans), None)
 
 
+WARNINGS = {
+    Odd.PART_FLOATS: "{0} is {by} above {1} and rests on nothing",
+    Odd.TOOL_OFF_PART: "no body of the tool touches {1} where it is picked: {0}, the nearest, is {by} away; check "
+    "grasp and tcp",
+    Odd.RELEASED_IN_AIR: "{0} is released {by} above {1} and rests on nothing there",
+    Odd.SUPPORT_OFF_PART: "{0} should touch {1} in step {step}, as contact_with says, but is {by} away from it",
+    Odd.BODIES_OVERLAP: "{0} and {1} overlap by more than {by} where they are at the start",
+    Odd.MAY_MISS: "the tool may miss {1} by {by}{cause}; state tolerance_mm for step {step} to have it refused",
+    Odd.TOOL_IN_ARM: "{0}, a body of the tool, overlaps {1} of the arm{mount}, and nothing keeps the two apart",
+}
+"""What is probably not meant, by its kind, with the names of the two bodies."""
+
+
 def warned(warning: InputWarning) -> str:
     """What is probably not meant."""
-    first, second = warning.bodies
-    if warning.kind is Odd.PART_FLOATS:
-        return f"{first} is {amount(warning.amount_m, 'm')} above {second} and rests on nothing"
-    if warning.kind is Odd.TOOL_OFF_PART:
-        off = f"{first}, the nearest, is {amount(warning.amount_m, 'm')} away"
-        return f"no body of the tool touches {second} where it is picked: {off}; check grasp and tcp"
-    if warning.kind is Odd.RELEASED_IN_AIR:
-        return f"{first} is released {amount(warning.amount_m, 'm')} above {second} and rests on nothing there"
-    if warning.kind is Odd.SUPPORT_OFF_PART:
-        away = amount(warning.amount_m, "m")
-        return f"{first} should touch {second} in step {warning.step}, as contact_with says, but is {away} away from it"
-    if warning.kind is Odd.BODIES_OVERLAP:
-        return f"{first} and {second} overlap by more than {amount(warning.amount_m, 'm')} where they are at the start"
-    if warning.kind is Odd.MAY_MISS:
-        most = f", mainly due to: {warning.cause}" if warning.cause else ""
-        return (
-            f"the tool may miss {second} by {amount(warning.amount_m, 'm')}{most}; state tolerance_mm for step "
-            f"{warning.step} to have it refused"
-        )
-    by = f" by more than {amount(warning.amount_m, 'm')} along the flange's axis" if warning.amount_m else ""
-    return f"{first}, a body of the tool, overlaps {second} of the arm{by}, and nothing keeps the two apart"
+    by = amount(warning.amount_m, "m")
+    cause = f", mainly due to: {warning.cause}" if warning.cause else ""
+    mount = f" by more than {by} along the flange's axis" if warning.amount_m else ""
+    return WARNINGS[warning.kind].format(*warning.bodies, by=by, step=warning.step, cause=cause, mount=mount)
 
 
 COURSES = {

@@ -11,52 +11,43 @@ ON_ARRIVAL = frozenset({Miss.CLOSED_ON_ARRIVAL, Miss.NO_MEETING_LEFT, Miss.OUTSI
 """Misses of what ends the time for a meeting: the window, or the latest end where there is no window."""
 
 
+MISSES = {
+    Miss.TOO_SHORT: "the {what} must be tracked for {needed}, but its window is open for only {open}{when} "
+    "({short} short{belt})",
+    Miss.OVER_BEFORE_START: "the window closes {short} before the start",
+    Miss.OPENS_AFTER_LATEST_END: "the window opens {short} after latest_end_s",
+    Miss.LATEST_END_BEFORE_START: "latest_end_s is {short} before the start",
+    Miss.ENTERS_AFTER_LATEST_END: "the point enters its window {short} after latest_end_s",
+    Miss.NEVER_INSIDE: "the point never enters its window along the conveyor: it stays {short} away",
+    Miss.NO_COMMON_INSTANT: "the window in time and the window along the conveyor never overlap: they are {short} "
+    "apart",
+    Miss.OPENS_AFTER_LAW: "the window opens when the motion of the frame is no longer known",
+    Miss.NOT_INSIDE_WHILE_KNOWN: "the point does not enter its window while the motion of its frame is known",
+    Miss.NOT_INSIDE_SOON: "the point does not enter its window{when}",
+    Miss.CLOSED_ON_ARRIVAL: "the arm comes at least {short} after the window has closed{belt}",
+    Miss.LATEST_END_ON_ARRIVAL: "the arm comes at least {short} too late to end by latest_end_s{belt}",
+    Miss.ENDS_TOO_LATE: "the motion ends at least {short} after latest_end_s",
+    Miss.NO_MEETING_LEFT: "the arm comes at least {short} too late {end}",
+    Miss.OUTSIDE: "the point would be met {short} outside its window",
+    Miss.NO_COMMON_BEGIN: "no start of the motion was found from which all windows are met",
+}
+"""Why a control point is not met, by the kind of the miss."""
+
+
 def window_missed(scene: Scene, refusal: Refusal, facts: WindowMissed, short: str) -> str:
     """Why a control point is not met in its window, and by how much (`short`)."""
-    step = scene.task[refusal.step]
-    belt = "" if facts.belt_m is None else f", {amount(facts.belt_m, 'm')} of belt"
-    if facts.miss in ON_ARRIVAL and step.window == Window() and scene.options.latest_end_s is not None:
+    step, closed = scene.task[refusal.step], scene.task[refusal.step].window != Window()
+    if facts.miss in ON_ARRIVAL and not closed and scene.options.latest_end_s is not None:
         return f"the arm comes at least {short} too late for latest_end_s"
-    match facts.miss:
-        case Miss.TOO_SHORT:
-            what = "part" if isinstance(step, Pick | Place) else "point"
-            needed, is_open = amount(facts.needed_s, "s"), amount(facts.open_s, "s")
-            when = "" if facts.searched_s is None else f" in the next {facts.searched_s:g} s"
-            return (
-                f"the {what} must be tracked for {needed}, but its window is open for only {is_open}{when} "
-                f"({short} short{belt})"
-            )
-        case Miss.OVER_BEFORE_START:
-            return f"the window closes {short} before the start"
-        case Miss.OPENS_AFTER_LATEST_END:
-            return f"the window opens {short} after latest_end_s"
-        case Miss.LATEST_END_BEFORE_START:
-            return f"latest_end_s is {short} before the start"
-        case Miss.ENTERS_AFTER_LATEST_END:
-            return f"the point enters its window {short} after latest_end_s"
-        case Miss.NEVER_INSIDE:
-            return f"the point never enters its window along the conveyor: it stays {short} away"
-        case Miss.NO_COMMON_INSTANT:
-            return f"the window in time and the window along the conveyor never overlap: they are {short} apart"
-        case Miss.OPENS_AFTER_LAW:
-            return "the window opens when the motion of the frame is no longer known"
-        case Miss.NOT_INSIDE_WHILE_KNOWN:
-            return "the point does not enter its window while the motion of its frame is known"
-        case Miss.NOT_INSIDE_SOON:
-            return f"the point does not enter its window in the next {facts.searched_s:g} s"
-        case Miss.CLOSED_ON_ARRIVAL:
-            return f"the arm comes at least {short} after the window has closed{belt}"
-        case Miss.LATEST_END_ON_ARRIVAL:
-            return f"the arm comes at least {short} too late to end by latest_end_s{belt}"
-        case Miss.ENDS_TOO_LATE:
-            return f"the motion ends at least {short} after latest_end_s"
-        case Miss.NO_MEETING_LEFT:
-            end = "to meet the point while it can be met" if step.window == Window() else "for the window"
-            return f"the arm comes at least {short} too late {end}"
-        case Miss.OUTSIDE:
-            return f"the point would be met {short} outside its window"
-        case Miss.NO_COMMON_BEGIN:
-            return "no start of the motion was found from which all windows are met"
+    return MISSES[facts.miss].format(
+        short=short,
+        what="part" if isinstance(step, Pick | Place) else "point",
+        needed=amount(facts.needed_s, "s"),
+        open=amount(facts.open_s, "s"),
+        when="" if facts.searched_s is None else f" in the next {facts.searched_s:g} s",
+        belt="" if facts.belt_m is None else f", {amount(facts.belt_m, 'm')} of belt",
+        end="for the window" if closed else "to meet the point while it can be met",
+    )
 
 
 def law_ended(refusal: Refusal, facts: LawEnds) -> str:

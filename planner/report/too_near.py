@@ -11,6 +11,12 @@ from assur.planner.report.number_format import amount, apart
 
 RULES = {"near": "clearance near a point", "travel": "clearance in travel", "exception": "clearance of the exception"}
 """What a required distance is made of, without what is not known."""
+WHERE = {
+    Reason.SELF_COLLISION: "the arm would hit itself: ",
+    Reason.START_IN_COLLISION: "the arm collides at the start: ",
+    Reason.CONTROL_POINT_IN_COLLISION: "the control point cannot be met without a collision: ",
+}
+"""How sentences about collisions begin."""
 LEAST_M = 1e-7
 """Less than this of a distance is rounding, m."""
 BY_ROUNDING = ", which differ by rounding only"
@@ -37,20 +43,16 @@ def too_near(scene: Scene, refusal: Refusal, facts: Separation | Enclosed) -> st
             if facts.least_m is not None:
                 enough = f"; it must be at least {math.ceil(facts.least_m * 1e4 - 1e-6) / 10:g} mm"
             return f"{facts.end} is too short: {amount(facts.straight_m, 'm')} above the point {what}{enough}"
-    if refusal.reason is Reason.SELF_COLLISION:
-        return f"the arm would hit itself: {what}"
-    if refusal.reason is Reason.START_IN_COLLISION:
-        return f"the arm collides at the start: {what}"
-    if refusal.reason is Reason.CONTROL_POINT_IN_COLLISION:
-        return f"the control point cannot be met without a collision: {what}{_may_touch(scene, refusal, facts)}"
-    return what
+    return f"{WHERE.get(refusal.reason, '')}{what}{_may_touch(scene, refusal, facts)}"
 
 
 def _may_touch(scene: Scene, refusal: Refusal, facts: Separation | Enclosed) -> str:
     """What to do where a part is to rest on the body that is in its way. A body that may be touched may not be pressed:
     where the part is in it, that would not help."""
     step = scene.task[refusal.step]
-    if not isinstance(step, Pick | Place) or step.part not in refusal.bodies or isinstance(facts, Enclosed):
+    if refusal.reason is not Reason.CONTROL_POINT_IN_COLLISION or isinstance(facts, Enclosed):
+        return ""
+    if not isinstance(step, Pick | Place) or step.part not in refusal.bodies:
         return ""
     other = next(name for name in refusal.bodies if name != step.part)
     if other not in scene.index or (facts.gap_m is not None and facts.gap_m < -CONTACT_M - step.contact_tolerance_m):
@@ -82,9 +84,8 @@ def _apart(first: str, second: str, facts: Separation) -> str:
         return what
     deep = gap < -LEAST_M
     there, asked = (amount(-gap, "m"), amount(required, "m")) if deep else apart(max(gap, 0.0), required)
-    what += f": overlap up to {there}, required {asked}" if deep else f": gap {there}, required {asked}"
-    if not deep and there == asked:
-        what += BY_ROUNDING
+    same = BY_ROUNDING if not deep and there == asked else ""
+    what += f": {'overlap up to' if deep else 'gap'} {there}, required {asked}{same}"
     if facts.rule is None or facts.rule == "contact" or facts.clearance_m is None:
         return what
     unknown = required - facts.clearance_m

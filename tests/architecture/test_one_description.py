@@ -38,9 +38,7 @@ scenes/schema: frames
 FAMILIES = """
 api/cli: robots_group
 planner/bound: duration guided places
-planner/checker/refusals: postures turning
 planner/checker/statement: arms postures
-planner/feasibility: reach
 planner/kernels: inverse links motion uncertainty
 planner/legs: accuracy forbidden_yaw
 planner/model: execution forbidden_yaw
@@ -52,13 +50,10 @@ scenes/schema: robots
 scenes/urdf: arm_text carriers families importing
 """
 DISTANCES = """
-planner/checker/refusals: meetings
 planner/checker/statement: distances points
 planner/claim: obligations
 planner/collision: at_rest screening
 planner/model: clearance options scene
-planner/relaxation: smaller_clearances
-planner/report: straight_parts
 planner/search: beam
 planner/tables: pairs
 scenes/view: distances

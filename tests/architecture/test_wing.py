@@ -25,7 +25,6 @@ CODES = {
 CORNERS = {
     "planner/checker/statement/curves.py",
     "planner/checker/statement/guides.py",
-    "planner/model/easier_path.py",
     "planner/model/path.py",
     "planner/model/task.py",
     "planner/relaxation/by_cause.py",

@@ -39,6 +39,7 @@ from tests.planner.cells import (
     stands,
     table_to_table,
 )
+from tests.planner.robots.five_bars import five_bar
 
 
 def found(scene: Scene) -> Refusal | None:
@@ -232,6 +233,18 @@ def test_a_point_that_repeats_its_way_out_of_reach_is_never_met(law: Law, offset
     outcome = plan(scene)
     assert isinstance(outcome, NotPlanned)
     assert outcome.proved
+
+
+def test_a_point_that_repeats_its_way_out_of_reach_of_both_limbs_of_a_five_bar_is_never_met() -> None:
+    """Its limbs are 0.46 m long, from 0.0425 m beside the axis; along x the point is 0.6 m away at the nearest."""
+    law, robot = oscillation(Pose(0.7, 0.0), (1.0, 0.0, 0.0), 0.1, 1.5), five_bar("even")
+    scene = cell(go(0.0, 0.0, 0.2, frame="it"), robot=robot, q=(0.9, -0.9, 0.2, 0.0), frames=(frame("it", law),))
+    outcome = plan(scene)
+    assert isinstance(outcome, NotPlanned)
+    assert (outcome.reason, outcome.proved) == (Reason.OUT_OF_REACH, True)
+    assert outcome.refusal is not None
+    truth = math.hypot(0.6, 0.0425) - 0.46
+    assert truth - 0.01 < amount_of(outcome.refusal) <= truth + 1e-9
 
 
 @pytest.mark.parametrize(

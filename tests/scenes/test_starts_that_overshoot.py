@@ -17,7 +17,8 @@ import ruckig
 from assur.planner.checker.refusals.judging import check_refusal
 from assur.planner.checker.refusals.overshoot import farthest_position, highest_velocity, overshoots
 from assur.planner.errors import InputError
-from assur.planner.model.refusal import Overshoot, Quantity
+from assur.planner.model.refusal import Overshoot, Quantity, Refusal, Stage
+from assur.planner.model.scene import Scene
 from assur.scenes.requests import cell_of, check_document, plan_document
 from tests.scenes.refused_cells import moving
 
@@ -55,11 +56,16 @@ def test_the_closed_forms_are_those_of_ruckig() -> None:
         )
 
 
+def refused(scene: Scene) -> list[Refusal]:
+    """All refusals of a start that must exceed a limit."""
+    return [each.refusal(Stage.START, 0) for each in overshoots(scene)]
+
+
 def claims(request: Document) -> set[tuple[str | None, str | None]]:
     """Joint and rate of all refusals of a start, each of which the checker confirms."""
     scene = cell_of(request).scene
     found: set[tuple[str | None, str | None]] = set()
-    for refusal in overshoots(scene):
+    for refusal in refused(scene):
         assert isinstance(refusal.facts, Overshoot)
         assert check_refusal(scene, refusal, None).ok
         found.add((refusal.joint, refusal.facts.rate))
@@ -171,18 +177,18 @@ def test_a_crank_of_a_five_bar_and_an_arm_that_tilts_are_proved_as_well() -> Non
 
 def test_nothing_is_claimed_of_a_plan_that_may_end_in_motion() -> None:
     request = moving({"j1_deg": 169}, {"j1_rad_s": 3}, {})
-    proved = next(iter(overshoots(cell_of(request).scene)))
+    proved = refused(cell_of(request).scene)[0]
     assert check_refusal(cell_of(request).scene, proved, None).ok
     request["options"]["end"] = "moving"
     scene = cell_of(request).scene
-    assert not list(overshoots(scene))
+    assert not refused(scene)
     assert not check_refusal(scene, proved, None).ok
 
 
 @pytest.mark.parametrize("other", ["value", "limit", "after_s", "rate", "amount"])
 def test_another_number_is_not_believed(other: str) -> None:
     scene = cell_of(moving({"j1_deg": 169}, {"j1_rad_s": 3}, {})).scene
-    true = next(iter(overshoots(scene)))
+    true = refused(scene)[0]
     assert isinstance(true.facts, Overshoot)
     if other == "amount":
         assert true.amount is not None

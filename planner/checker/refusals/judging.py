@@ -14,7 +14,7 @@ import numpy as np
 from assur.planner.checker.refusals import points, start
 from assur.planner.checker.refusals.meetings import met
 from assur.planner.checker.refusals.obstructions import obstructed
-from assur.planner.checker.refusals.overshoot import overshoot
+from assur.planner.checker.refusals.overshoot import overshoots
 from assur.planner.checker.refusals.stated import NotShownError, Shown, states
 from assur.planner.checker.refusals.touching import never_touching
 from assur.planner.checker.refusals.windows import missed
@@ -46,23 +46,25 @@ OBSTRUCTED = frozenset(
     }
 )
 """Reasons of which there must be one for each way to a control point."""
-ByFacts = Callable[[Scene, Refusal], Iterator[Shown]]
-BY_FACTS: dict[tuple[Stage, type], ByFacts] = {
-    (Stage.START, BeyondRange): start.beyond_range,
-    (Stage.START, MotionLimit): start.too_fast,
-    (Stage.START, Overshoot): overshoot,
+BY_STEP: dict[tuple[Stage, type], Callable[[Scene, int], Iterator[Shown]]] = {
+    (Stage.START, BeyondRange): start.beyond_limits,
+    (Stage.START, MotionLimit): start.beyond_limits,
+    (Stage.START, Overshoot): overshoots,
     (Stage.START, Singular): start.unassembled,
     (Stage.START, LawEnds): start.law_over,
     (Stage.START, ForbiddenYaw): start.turned_into_range,
-    (Stage.START, Overload): start.overload,
-    (Stage.CONTROL_POINT, Overload): start.overload,
-    (Stage.CONTROL_POINT, NotTouching): never_touching,
     (Stage.CONTROL_POINT, ForbiddenYaw): points.yaws_forbidden,
     (Stage.CONTROL_POINT, OutOfReach): points.every_pitch,
     (Stage.INVERSE, BeyondRange): points.arch,
     (Stage.STRAIGHT, MotionLimit): points.no_path,
 }
 """What shows refusals that need no witness, by their stage and their facts."""
+BY_FACTS: dict[tuple[Stage, type], Callable[[Scene, Refusal], Iterator[Shown]]] = {
+    (Stage.START, Overload): start.overload,
+    (Stage.CONTROL_POINT, Overload): start.overload,
+    (Stage.CONTROL_POINT, NotTouching): never_touching,
+}
+"""The same where a number of the refusal may be any of a range."""
 
 
 @np.errstate(all="ignore")
@@ -103,9 +105,12 @@ def _shown(scene: Scene, refusal: Refusal, witness: Witness | None) -> Iterator[
         case Orbit() if refusal.stage is Stage.CONTROL_POINT and refusal.facts == OutOfReach():
             yield from points.orbit(scene, refusal, witness)
         case None:
-            by_facts = BY_FACTS.get((refusal.stage, type(refusal.facts)))
-            if by_facts is None:
+            kind = refusal.stage, type(refusal.facts)
+            if kind in BY_STEP:
+                yield from BY_STEP[kind](scene, refusal.step)
+            elif kind in BY_FACTS:
+                yield from BY_FACTS[kind](scene, refusal)
+            else:
                 raise NotShownError("it has no witness")
-            yield from by_facts(scene, refusal)
         case _:
             raise NotShownError("its witness proves nothing of it")

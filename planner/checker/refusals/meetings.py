@@ -22,18 +22,18 @@ from assur.planner.checker.refusals.places import Spot, spots
 from assur.planner.checker.refusals.postures import posture
 from assur.planner.checker.refusals.solids import deepest, is_within
 from assur.planner.checker.refusals.spans import around
-from assur.planner.checker.refusals.standing import allowed_modes, frame_at, links_at, still
+from assur.planner.checker.refusals.standing import frame_at, links_at, still
 from assur.planner.checker.refusals.stated import NotShownError, Shown
-from assur.planner.checker.refusals.ways import Way, is_turn, ways
+from assur.planner.checker.refusals.ways import Way, each_way
 from assur.planner.checker.statement.arms import link_names
 from assur.planner.checker.statement.differences import TRACKED_RAD
+from assur.planner.checker.statement.distances import required_between
 from assur.planner.checker.statement.solids import bodies_of
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Hull, Piece
 from assur.planner.model.attachments import Attachments, at_start
-from assur.planner.model.clearance import rule_of
-from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import Phase, pair
+from assur.planner.model.outcome import TRACKING, LegKind
+from assur.planner.model.phases import pair
 from assur.planner.model.proofs.witness import PROVED_M, PROVED_RAD, PROVED_TRACKED_M, Meeting, Met
 from assur.planner.model.refusal import Bodies, Enclosed, Facts, Quantity, Reason, Refusal, Separation, Stage
 from assur.planner.model.scene import Scene
@@ -62,27 +62,25 @@ class Solid:
 
 
 def met(scene: Scene, refusal: Refusal, witness: Met) -> Iterator[Shown]:
-    """Refusals by bodies that are in the way as a witness says: in each way to a control point, or at the start. Raises
-    `NotShownError` where they are not."""
+    """What is in the way as a witness says: in each way to a control point, or at the start. Raises `NotShownError`
+    where it is not."""
     if len(witness.ways) > MOST:
         raise NotShownError("its witness has more meetings than there are")
     if refusal.stage is Stage.START:
         first = witness.ways[0] if len(witness.ways) == 1 else None
         if first is None or (first.place, first.mode, first.turn_rad) != ("start", None, None):
             raise NotShownError("one pair must be named, at the start")
-        yield Shown(_at_the_start(scene, refusal, first), STATED)
+        yield _at_the_start(scene, refusal, first)
         return
-    found = list[Refusal]()
-    for way in ways(scene, refusal.step):
-        for mode in allowed_modes(scene):
-            here = [each for each in witness.ways if each.mode == mode and is_turn(each.turn_rad, way.turn)]
-            if not here:
-                raise NotShownError(f"the witness has nothing that is in the way in mode {mode}")
-            found += [_at_a_point(scene, refusal, way, mode, each) for each in here]
-    yield from (Shown(each, STATED) for each in found)
+    found = list[Shown]()
+    for way, mode, here in each_way(scene, refusal.step, witness.ways):
+        if not here:
+            raise NotShownError(f"the witness has nothing that is in the way in mode {mode}")
+        found += [_at_a_point(scene, refusal, way, mode, each) for each in here]
+    yield from found
 
 
-def _at_the_start(scene: Scene, refusal: Refusal, meeting: Meeting) -> Refusal:
+def _at_the_start(scene: Scene, refusal: Refusal, meeting: Meeting) -> Shown:
     t, attached = scene.start.time, at_start(scene)
     first, second = _solids(scene, scene.start.q, attached, meeting.bodies)
     links = pair(first.link or "", second.link or "")
@@ -90,11 +88,11 @@ def _at_the_start(scene: Scene, refusal: Refusal, meeting: Meeting) -> Refusal:
     if not apart or first.link == second.link:
         raise NotShownError(f"{' and '.join(meeting.bodies)} need not keep apart at the start")
     spot = Spot(attached, LegKind.WAIT, frozenset(), "start")
-    true = _refusal(scene, refusal, spot, first, second, meeting, 0.0)
-    return replace(true, reason=Reason.START_IN_COLLISION, interval=(t, t))
+    true = _too_near(scene, refusal, spot, first, second, meeting, 0.0)
+    return true._replace(reason=Reason.START_IN_COLLISION, interval=(t, t))
 
 
-def _at_a_point(scene: Scene, refusal: Refusal, way: Way, mode: str, meeting: Meeting) -> Refusal:
+def _at_a_point(scene: Scene, refusal: Refusal, way: Way, mode: str, meeting: Meeting) -> Shown:
     t, robot, step = scene.start.time, scene.robot, scene.task[way.number]
     if scene.options.vias_missed and step.via:
         raise NotShownError("the via is missed")
@@ -124,7 +122,7 @@ def _at_a_point(scene: Scene, refusal: Refusal, way: Way, mode: str, meeting: Me
     if way.turn is not None:
         angle = TRACKED_RAD if spot.above > 0.0 else PROVED_RAD
         turned = 2.0 * angle * math.dist(meeting.points_m[0][:2], wanted[:2])
-    return _refusal(scene, refusal, spot, first, second, meeting, turned)
+    return _too_near(scene, refusal, spot, first, second, meeting, turned)
 
 
 def _check_constant(scene: Scene, way: Way, first: Solid, second: Solid, attached: Attachments) -> None:
@@ -191,25 +189,23 @@ def about_vertical(yaw: float) -> FloatArray:
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def _refusal(
+def _too_near(
     scene: Scene, given: Refusal, spot: Spot, first: Solid, second: Solid, meeting: Meeting, turned: float
-) -> Refusal:
-    """The refusal by a pair at a spot, if both points of a meeting show that its bodies are nearer than required by
-    more than a plan may be off its place, `turned`, m, of it by its yaw."""
+) -> Shown:
+    """What both points of a meeting at a spot show, if its bodies are nearer than required by more than a plan may be
+    off its place, `turned`, m, of it by its yaw."""
     near = turned + (PROVED_TRACKED_M if spot.above > 0.0 else PROVED_M)
     x, y = (np.array(point) for point in meeting.points_m)
     depths = [deepest(first.body, first.local(x)), deepest(second.body, second.local(y))]
     reason, subject = Reason.CONTROL_POINT_IN_COLLISION, Bodies(meeting.bodies)
-    true = Refusal(stage=given.stage, reason=reason, step=given.step, subject=subject, facts=Enclosed())
     if not all(each >= -OUTSIDE_M for each in (depths[:1] if meeting.inside else depths)):
         raise NotShownError(f"a point is not inside {first.body.name}, or the other one not inside {second.body.name}")
     if meeting.inside:
         surface = second.body.surface
         if surface is None or not (x == y).all() or not is_within(surface, second.local(y), near):
             raise NotShownError(f"the point is not inside the surface of {second.body.name}")
-        return true
-    phase = Phase(scene.start.time, scene.start.time, spot.kind, given.step, spot.attached)
-    rule, required = rule_of(scene, phase, first.body.name, second.body.name)
+        return Shown(reason, Enclosed(), None, subject, STATED)
+    rule, required = required_between(scene, spot.kind in TRACKING, first.body.name, second.body.name)
     distance = float(np.linalg.norm(x - y)) - sum(depths)
     if not distance <= required - near - 2.0 * OUTSIDE_M:
         raise NotShownError(f"{first.body.name} and {second.body.name} are not shown to be nearer than they may be")
@@ -223,7 +219,7 @@ def _refusal(
         straight_m=None if spot.end is None else spot.above,
     )
     facts = _as_given(facts, distance, given.facts)
-    return replace(true, amount=Quantity.of(required - (facts.gap_m or 0.0), "m"), facts=facts)
+    return Shown(reason, facts, Quantity(required - (facts.gap_m or 0.0), "m"), subject, STATED)
 
 
 def _as_given(true: Separation, distance: float, given: Facts) -> Separation:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from operator import itemgetter
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from assur.planner.geometry.shapes import Hull, Piece, corners
 
 ROUNDS, STEPS = 64, 200
 """How often the nearest points are improved, and how often a common point is moved to where it is deeper."""
+SMALLER = 0.95
+"""Each of these moves is so many times as long as the one before."""
 NEAR_M = 1e-12
 """Points nearer than this are one, m: rounding."""
 
@@ -33,7 +36,7 @@ def distance(ones: Sequence[Piece], others: Sequence[Piece]) -> tuple[float, flo
     low, high = math.inf, math.inf
     balls = [[(*_ball(piece), piece) for piece in pieces] for pieces in (ones, others)]
     apart = ((float(np.linalg.norm(p - q)) - r - s, a, b) for p, r, a in balls[0] for q, s, b in balls[1])
-    for least, one, other in sorted(apart, key=_first):
+    for least, one, other in sorted(apart, key=itemgetter(0)):
         if least >= high:
             break
         x, y = _nearest(one, other)
@@ -43,10 +46,6 @@ def distance(ones: Sequence[Piece], others: Sequence[Piece]) -> tuple[float, flo
         between = float(way @ (farthest(other, -way) - farthest(one, way))) / far if far > NEAR_M else 0.0
         low = min(low, max(between, 0.0))
     return min(low, high), high
-
-
-def _first(each: tuple[float, Piece, Piece]) -> float:
-    return each[0]
 
 
 def _ball(piece: Piece) -> tuple[FloatArray, float]:
@@ -101,27 +100,14 @@ def _least(
 
 
 def _deeper(first: Piece, second: Piece, point: FloatArray) -> FloatArray:
-    """A point of two pieces that overlap where the sum of both depths is about the largest: it goes away from the
-    nearest faces, by less and less."""
-    step = 0.25 * min(_extent(first), _extent(second))
-    best, most = point, -np.inf
+    """A point of two pieces that overlap where the lesser of both depths is about the largest: it goes into the piece
+    in which it is less deep, by less and less."""
+    step, found = 0.25 * min(_extent(first), _extent(second)), list[tuple[float, FloatArray]]()
     for _ in range(STEPS):
-        found = 0.0
-        away = np.zeros(3)
-        for piece in (first, second):
-            deep, inward = depth(piece, point)
-            found += min(deep, 0.0) * 10.0 + max(deep, 0.0)
-            away += inward * (10.0 if deep < 0.0 else 1.0)
-        if found > most:
-            best, most = point, found
-        else:
-            step *= 0.9
-            point = best if step > 0.0 and found < most - 4.0 * step else point
-        size = float(np.linalg.norm(away))
-        if size <= NEAR_M:
-            break
-        point = point + step * away / size
-    return best
+        deep, inward = min((depth(piece, point) for piece in (first, second)), key=itemgetter(0))
+        found.append((deep, point))
+        point, step = point + step * inward, SMALLER * step
+    return max(found, key=itemgetter(0))[1]
 
 
 def _extent(piece: Piece) -> float:

@@ -15,17 +15,12 @@ from assur.planner.checker.statement.limits import SHARES
 from assur.planner.checker.statement.loads import share_of
 from assur.planner.model.attachments import at_start
 from assur.planner.model.proofs.witness import PROVED_SHARE
-from assur.planner.model.refusal import JointName, Overshoot, Reason, Refusal, Stage, of_joint
+from assur.planner.model.refusal import JointName, Overshoot, Reason, of_joint
 from assur.planner.model.scene import Place, Scene
 
 
-def overshoot(scene: Scene, _: Refusal) -> Iterator[Shown]:
-    """What `overshoots` finds, for a check."""
-    return (Shown(each) for each in overshoots(scene))
-
-
-def overshoots(scene: Scene) -> Iterator[Refusal]:
-    """A refusal for each limit of a joint that is exceeded after the start by all motions that end at rest. It is also
+def overshoots(scene: Scene, _: int = 0) -> Iterator[Shown]:
+    """Each limit of a joint that is exceeded after the start by all motions that end at rest. It is also
     exceeded from each state that a plan may have in place of the start (its first knot may differ, and a motion is at
     rest up to `SAME`), with limits that are exceeded as far as a plan may."""
     if not scene.options.jerk_limited or scene.options.end != "rest" or not scene.start.moving:
@@ -44,19 +39,18 @@ def overshoots(scene: Scene) -> Iterator[Refusal]:
                 least = highest_velocity(*worse[1:], harder[1])[1]
                 if after <= until and least - fastest > PROVED_SHARE * fastest:
                     facts = Overshoot(rate="velocity", value=value, limit=fastest, after_s=after)
-                    yield _refusal(scene, Reason.MOTION_LIMIT, k, value - fastest, facts)
+                    yield _shown(scene, Reason.MOTION_LIMIT, k, value - fastest, facts)
                 after, value = farthest_position(q, v, a, *hard)
                 least = farthest_position(*worse, *harder)[1]
                 if after <= until and least - end > PROVED_SHARE * (high - low):
                     reached, limit = scene.counted(k, sign * value), scene.counted(k, sign * end)
                     facts = Overshoot(rate=None, value=reached, limit=limit, after_s=after)
-                    yield _refusal(scene, Reason.JOINT_LIMIT, k, value - end, facts)
+                    yield _shown(scene, Reason.JOINT_LIMIT, k, value - end, facts)
 
 
-def _refusal(scene: Scene, reason: Reason, k: int, over: float, facts: Overshoot) -> Refusal:
+def _shown(scene: Scene, reason: Reason, k: int, over: float, facts: Overshoot) -> Shown:
     joint = scene.robot.joints[k]
-    amount, subject = of_joint(joint.kind, over, 0 if facts.rate is None else 1), JointName(joint.name)
-    return Refusal(stage=Stage.START, reason=reason, step=0, subject=subject, amount=amount, facts=facts)
+    return Shown(reason, facts, of_joint(joint.kind, over, 0 if facts.rate is None else 1), JointName(joint.name))
 
 
 def _shares(scene: Scene) -> list[tuple[float, float]]:

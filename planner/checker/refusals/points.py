@@ -23,18 +23,15 @@ from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import Law
 from assur.planner.model.joint_range import beyond
-from assur.planner.model.proofs.witness import PROVED_M, PROVED_RAD, Orbit
+from assur.planner.model.proofs.witness import PROVED_M, Orbit
 from assur.planner.model.refusal import (
     JointName,
+    MotionLimit,
     Obstacle,
     OutOfReach,
     Quantity,
     Reason,
     Refusal,
-    Stage,
-    of_joint,
-    out_of_reach,
-    unmoved,
 )
 from assur.planner.model.scene import Move, Scene
 
@@ -42,38 +39,37 @@ PARTS, DEEPEST = 64, 12
 """Into so many parts a period is cut, and each is halved so often at most."""
 
 
-def every_pitch(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
+def _out_of_reach(short: float, facts: OutOfReach) -> Shown:
+    return Shown(Reason.OUT_OF_REACH, facts, Quantity(short, "m"))
+
+
+def every_pitch(scene: Scene, number: int) -> Iterator[Shown]:
     """A point that a hand reaches at no pitch."""
-    found = ways(scene, refusal.step)
-    at = found[0].still(scene)
+    way = ways(scene, number)[0]
+    at = way.still(scene)
     if at is None:
         return
-    point = at.then(found[0].flange)
+    point = at.then(way.flange)
     short = beyond_every_pitch(scene.robot, point.x, point.y, point.z)
     if short is not None and short > PROVED_M:
-        facts = OutOfReach(every_pitch=True)
-        yield Shown(out_of_reach(Stage.CONTROL_POINT, refusal.step, short_m=short, facts=facts))
+        yield _out_of_reach(short, OutOfReach(every_pitch=True))
 
 
-def arch(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
+def arch(scene: Scene, number: int) -> Iterator[Shown]:
     """An arch that is above the range of the lift: the flange is as high above the base as the lift is extended."""
-    robot, of = scene.robot, scene.task[refusal.step].arch
+    robot, of = scene.robot, scene.task[number].arch
     if robot.lift is None or of is None:
         return
     top, high = of.top_m - scene.tool.tcp.z - robot.base.z, float(robot.limits.upper[robot.lift])
     if top - high > PROVED_M:
-        joint, facts = robot.joints[robot.lift], replace(beyond(scene, robot.lift, top), arch_top_m=of.top_m)
-        about = JointName(joint.name)
-        yield Shown(
-            Refusal(stage=Stage.INVERSE, reason=Reason.JOINT_LIMIT, step=refusal.step, subject=about,
-                    amount=of_joint(joint.kind, top - high), facts=facts)
-        )  # fmt: skip
+        facts = replace(beyond(scene, robot.lift, top), arch_top_m=of.top_m)
+        yield Shown(Reason.JOINT_LIMIT, facts, Quantity(top - high, "m"), JointName(robot.joints[robot.lift].name))
 
 
-def no_path(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
+def no_path(scene: Scene, number: int = 0) -> Iterator[Shown]:
     """A path of the first step that cannot begin where the tool is."""
     move = scene.task[0]
-    if refusal.step != 0 or not isinstance(move, Move) or not move.path:
+    if number != 0 or not isinstance(move, Move) or not move.path:
         return
     frame = still(scene, move.target.frame)
     if frame is None:
@@ -83,7 +79,7 @@ def no_path(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
     at = frame.inverse().then(tool).position
     near = np.array([np.zeros(3), *(PROVED_M * np.eye(3)), *(-PROVED_M * np.eye(3))])
     if not any(_begins(move, (x, y, z)) for x, y, z in (at + near).tolist()):
-        yield Shown(unmoved(Stage.STRAIGHT, 0, Obstacle.NO_PATH))
+        yield Shown(Reason.MOTION_LIMIT, MotionLimit(obstacle=Obstacle.NO_PATH))
 
 
 def _begins(move: Move, point: tuple[float, float, float]) -> bool:
@@ -95,21 +91,18 @@ def _begins(move: Move, point: tuple[float, float, float]) -> bool:
     return True
 
 
-def yaws_forbidden(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
+def yaws_forbidden(scene: Scene, number: int) -> Iterator[Shown]:
     """A forbidden range in which the tool is at a control point, however the part is turned."""
-    if scene.options.vias_missed and scene.task[refusal.step].via:
+    if scene.options.vias_missed and scene.task[number].via:
         return
     inside = []
-    for way in ways(scene, refusal.step):
+    for way in ways(scene, number):
         law = scene.frames[way.frame].law
         if way.turn is None or not laws.keeps_yaw(law):
             return
         yaw = laws.place_at(law, scene.start.time)[3] + way.flange.yaw + scene.tool.tcp.yaw
-        inside.append(list(forbidden(scene, yaw)))
-    for depth, facts in (each for found in inside for each in found if all(inside)):
-        true = Refusal(stage=Stage.CONTROL_POINT, reason=Reason.FORBIDDEN_YAW, step=refusal.step,
-                       amount=Quantity(depth, "rad"), facts=facts)  # fmt: skip
-        yield Shown(true, PROVED_RAD)
+        inside.append(forbidden(scene, yaw))
+    yield from (each for found in inside for each in found if all(inside))
 
 
 def orbit(scene: Scene, refusal: Refusal, witness: Orbit) -> Iterator[Shown]:
@@ -127,7 +120,7 @@ def orbit(scene: Scene, refusal: Refusal, witness: Orbit) -> Iterator[Shown]:
         for mode in allowed_modes(scene):
             if not all(_is_far(scene, way, mode, (a, b), short, 0) for a, b in pairwise(edges)):
                 raise NotShownError("the point is not shown to stay so far out of reach")
-    yield Shown(out_of_reach(Stage.CONTROL_POINT, number, short_m=short))
+    yield _out_of_reach(short, OutOfReach())
 
 
 def _is_far(scene: Scene, way: Way, mode: str, when: tuple[float, float], short: float, depth: int) -> bool:

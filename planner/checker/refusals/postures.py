@@ -7,7 +7,7 @@ A planar arm of two links of lengths a and b that reaches a point at the distanc
     cos β = (D² - a² - b²) / (2ab)      the angle β between its links, 0 where it is stretched
     cos α = (D² + a² - b²) / (2aD)      the angle α between its first link and the point
 
-and D is not below |a - b| nor above a + b. All five families are made of it. A mode is a choice of signs.
+and D is not below |a - b| nor above a + b. All arms are made of such limbs, or have a ram. A mode is a choice of signs.
 """
 
 from __future__ import annotations
@@ -16,13 +16,9 @@ import math
 from dataclasses import dataclass
 
 from assur.planner.checker.refusals.spans import ANY, Span, arc_cosine, direction, length, pick, sine
-from assur.planner.errors import FaultError
-from assur.planner.robots.elbow_arm import ElbowArm
-from assur.planner.robots.five_axis_arm import FiveAxisArm
-from assur.planner.robots.five_bar import FiveBar
-from assur.planner.robots.polar_arm import PolarArm
+from assur.planner.checker.statement.arms import Limb, limbs
 from assur.planner.robots.robot import Robot
-from assur.planner.robots.scara import Scara
+from assur.planner.robots.tilting import TiltingArm
 
 AT = Span(0.0, 0.0)
 
@@ -56,102 +52,71 @@ class Posture:
 
 def posture(robot: Robot, mode: str, goal: Goal) -> Posture:
     """The posture of an arm in the working mode of this name. Raises `FaultError` for an arm that is not known."""
-    base = robot.base
-    own = Goal(goal.x - base.x, goal.y - base.y, goal.z - base.z, goal.yaw - base.yaw, goal.pitch, goal.roll)
-    if isinstance(robot, Scara):
-        return _scara(robot, mode, own)
-    if isinstance(robot, FiveBar):
-        return _five_bar(robot, mode, own)
-    if isinstance(robot, ElbowArm | PolarArm):
-        return _tilting(robot, mode, own)
-    raise FaultError(f"the checker does not know the kinematics of {robot.name}")
+    own, base = limbs(robot, mode), robot.base
+    local = Goal(goal.x - base.x, goal.y - base.y, goal.z - base.z, goal.yaw - base.yaw, goal.pitch, goal.roll)
+    if isinstance(robot, TiltingArm):
+        return _upright(robot, own, local, back=mode.startswith("back"))
+    return _level(robot, own, local)
 
 
 def reaches_by_joint(robot: Robot) -> bool:
-    """Whether an arm is out of reach exactly where a joint is beyond its range: the ram of a polar arm."""
-    return isinstance(robot, PolarArm)
+    """Whether an arm is out of reach exactly where a joint is beyond its range: its ram."""
+    return not limbs(robot, robot.modes[0])
 
 
 def beyond_every_pitch(robot: Robot, x: float, y: float, z: float) -> float | None:
     """By how much, m, a hand reaches a point of the world at no pitch (less than 0: at some); None: the arm has no
-    pitch. Its wrist is l3 from the point, so the point is from |d - l3| to d + l3 away from the shoulder, d being a
-    distance that the two links reach."""
-    if not isinstance(robot, FiveAxisArm):
-        return None
-    away = math.dist((x, y, z), (robot.base.x, robot.base.y, robot.base.z + robot.height))
-    least, most = abs(robot.l1 - robot.l2), robot.l1 + robot.l2
-    return max(abs(away - robot.l3) - most, least - away - robot.l3)
+    hand. Its wrist is as far from the point as the hand is long, so the point is from |d - hand| to d + hand away from
+    the shoulder, d being a distance that the two links reach."""
+    for limb in limbs(robot, robot.modes[0]):
+        if limb.hand > 0.0 and isinstance(robot, TiltingArm):
+            away = math.dist((x, y, z), (robot.base.x, robot.base.y, robot.base.z + robot.height))
+            least, most = abs(limb.first - limb.second), limb.first + limb.second
+            return max(abs(away - limb.hand) - most, least - away - limb.hand)
+    return None
 
 
-@dataclass(frozen=True, slots=True)
-class _Links:
-    """Two links to a point: by how much it is out of reach, the angle of the first link from the way to the point, and
-    that of the second from the first, both without a sign."""
-
-    short: Span
-    first: Span
-    second: Span
-
-
-def _links(a: float, b: float, distance: Span) -> _Links:
+def _to(limb: Limb, x: Span, y: Span) -> tuple[Span, Span, Span]:
+    """A limb to a point of its plane: by how much it is out of reach, the direction of its first link, and the angle of
+    its second link from that, which is known better than the difference of both directions."""
+    a, b, distance = limb.first, limb.second, length(x, y)
     away = distance.squared()
-    bend = (away - (a * a + b * b)) / (2.0 * a * b)
+    bend = arc_cosine((away - (a * a + b * b)) / (2.0 * a * b))
     turn = (away + (a * a - b * b)) / (distance * (2.0 * a))
-    known = math.isfinite(turn.low) and math.isfinite(turn.high)
+    first = arc_cosine(turn) if math.isfinite(turn.low) and math.isfinite(turn.high) else Span(0.0, math.pi)
     short = pick(max, distance - (a + b), -distance + abs(a - b))
-    return _Links(short, arc_cosine(turn) if known else Span(0.0, math.pi), arc_cosine(bend))
+    return short, direction(x, y) + first * limb.turn, bend * -limb.turn
 
 
-def _scara(robot: Scara, mode: str, goal: Goal) -> Posture:
-    found = _links(robot.l1, robot.l2, length(goal.x, goal.y))
-    side = {"left": -1.0, "right": 1.0}[mode]
-    first, second = direction(goal.x, goal.y) - robot.base.yaw - found.first * side, found.second * side
-    joints = [first, second, goal.z]
-    if robot.axes == 4:
-        # θ1 and θ2 are both known up to what is not known of the distance
-        joints.append(goal.yaw - (first + second))
-    return Posture(found.short, AT, tuple(joints), abs(sine(found.second)))
-
-
-def _five_bar(robot: FiveBar, mode: str, goal: Goal) -> Posture:
+def _level(robot: Robot, own: list[Limb], goal: Goal) -> Posture:
+    """The posture of an arm whose limbs, one or two, are horizontal."""
     c, s = math.cos(robot.base.yaw), math.sin(robot.base.yaw)
     x, y = goal.x * c + goal.y * s, goal.x * -s + goal.y * c
-    cranks, couplers, found = [], [], []
-    for side, word in enumerate(mode.split("-")):
-        across = y + robot.separation * (side - 0.5)
-        one = _links(robot.proximal[side], robot.distal[side], length(x, across))
-        # an elbow to the left has its crank turned counter-clockwise from the way to the tool axis
-        turn = 1.0 if word == "left" else -1.0
-        cranks.append(direction(x, across) + one.first * turn)
-        couplers.append(cranks[-1] - one.second * turn)
-        found.append(one)
-    joints = [cranks[0], cranks[1], goal.z, goal.yaw - couplers[0]][: robot.axes]
-    front = 1.0 if robot.assembly == "front" else -1.0
+    short, cranks, bends = zip(*(_to(limb, x, y - limb.across) for limb in own), strict=True)
+    couplers = [crank + bend for crank, bend in zip(cranks, bends, strict=True)]
+    joints = (cranks[0], *(cranks[1:] or bends), goal.z, goal.yaw - couplers[0])
     return Posture(
-        pick(max, *(one.short for one in found)),
-        AT if robot.axes > 2 else goal.z,
-        tuple(joints),
-        pick(min, *(abs(sine(one.second)) for one in found)),
-        sine(couplers[1] - couplers[0]) * front,
+        pick(max, *short),
+        goal.z if robot.lift is None else AT,
+        joints[: len(robot.joints)],
+        pick(min, *(abs(sine(bend)) for bend in bends)),
+        sine(couplers[1] - couplers[0]) * own[0].front if len(own) > 1 else None,
     )
 
 
-def _tilting(robot: ElbowArm | PolarArm, mode: str, goal: Goal) -> Posture:
-    back = mode.startswith("back")
+def _upright(robot: TiltingArm, own: list[Limb], goal: Goal, *, back: bool) -> Posture:
+    """The posture of an arm whose limb, or ram, is in a vertical plane through the base's axis."""
     radius, height = length(goal.x, goal.y), goal.z - robot.height
-    heading = direction(goal.x, goal.y) + ((math.pi if back else 0.0) - robot.base.yaw)
-    out, aligned = -radius if back else radius, radius / robot.longest
-    if isinstance(robot, FiveAxisArm):
-        out, height = out - sine(goal.pitch + math.pi / 2) * robot.l3, height - sine(goal.pitch) * robot.l3
-    distance, up = length(out, height), direction(out, height)
-    if isinstance(robot, PolarArm):
-        low, high = float(robot.limits.lower[2]), float(robot.limits.upper[2])
-        short, reach = pick(max, distance - high, -distance + low), distance / robot.longest
-        return Posture(short, AT, (heading, up, distance), pick(min, reach, aligned, Span(1.0, 1.0)))
-    found = _links(robot.l1, robot.l2, distance)
-    side = 1.0 if mode.endswith("up") is not back else -1.0
-    first, second = up + found.first * side, found.second * -side
-    joints: tuple[Span, ...] = (heading, first, second)
-    if isinstance(robot, FiveAxisArm):
-        joints = (*joints, goal.pitch - (first + second), goal.roll)
-    return Posture(found.short, AT, joints, pick(min, abs(sine(found.second)), aligned))
+    heading, out = direction(goal.x, goal.y) - robot.base.yaw, radius
+    if back:
+        heading, out = heading + math.pi, -radius
+    for limb in own:
+        if limb.hand > 0.0:
+            out, height = out - sine(goal.pitch + math.pi / 2) * limb.hand, height - sine(goal.pitch) * limb.hand
+        short, first, second = _to(limb, out, height)
+        joints = (heading, first, second, goal.pitch - (first + second), goal.roll)[: len(robot.joints)]
+        aligned = radius / (limb.first + limb.second + limb.hand)
+        return Posture(short, AT, joints, pick(min, abs(sine(second)), aligned))
+    low, high, ram = float(robot.limits.lower[2]), float(robot.limits.upper[2]), length(out, height)
+    short, margin = pick(max, ram - high, -ram + low), pick(min, ram / high, radius / high, Span(1.0, 1.0))
+    return Posture(short, AT, (heading, direction(out, height), ram), margin)

@@ -7,14 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.refusals.postures import Goal, posture
-from assur.planner.checker.refusals.spans import ANY, around, beyond
 from assur.planner.checker.statement import arms, laws
+from assur.planner.checker.statement.postures import mode_at
 from assur.planner.frames.motion import Pose
 from assur.planner.model.scene import Scene
-
-SAME = 1e-6
-"""Two joint positions nearer than this, rad or m, are one: what a posture of the arm's own flange may be off."""
 
 
 class Link(NamedTuple):
@@ -58,24 +54,8 @@ def still(scene: Scene, name: str) -> Pose | None:
     return frame_at(scene, name, scene.start.time) if laws.stands(scene.frames[name].law) else None
 
 
-def modes_at_start(scene: Scene) -> tuple[str, ...]:
-    """Names of the working modes that the start is in: one, or more where it is singular."""
-    robot, at = scene.robot, flange_at(scene, scene.start.q)
-    yaw, pitch, roll = (around(angle, 0.0) for angle in at.angles)
-    x, y, z = (around(float(value), 0.0) for value in at.place)
-    tilts = "pitch" in robot.coordinates
-    goal = Goal(x, y, z, yaw if robot.turns_load else ANY, pitch if tilts else ANY, roll if tilts else ANY)
-    found = []
-    for mode in robot.modes:
-        joints = zip(robot.joints, scene.start.q.tolist(), posture(robot, mode, goal).joints, strict=True)
-        if not any(beyond(s, q - SAME, q + SAME, turns=joint.kind == "revolute") for joint, q, s in joints):
-            found.append(mode)
-    return tuple(found)
-
-
 def allowed_modes(scene: Scene) -> tuple[str, ...]:
-    """Names of the working modes that the request allows."""
-    modes, elbow = scene.robot.modes, scene.options.elbow
-    if elbow == "auto":
-        return tuple(modes)
-    return (modes_at_start(scene) or tuple(modes)) if elbow == "keep" else (elbow,)
+    """Names of the working modes that the request allows: where the arm has to keep its own, that of the start."""
+    robot, elbow = scene.robot, scene.options.elbow
+    mode = mode_at(robot, scene.start.q) if elbow == "keep" else elbow
+    return (mode,) if mode in robot.modes else tuple(robot.modes)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Literal
 
 from assur.planner.checker.refusals.standing import links_at, yaw_at
-from assur.planner.checker.refusals.stated import Shown
+from assur.planner.checker.refusals.stated import Shown, law_ends
 from assur.planner.checker.refusals.turning import forbidden
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.arms import link_names
@@ -16,7 +16,7 @@ from assur.planner.checker.statement.poses import inverse, numbers, then
 from assur.planner.model.attachments import at_start
 from assur.planner.model.joint_range import beyond
 from assur.planner.model.phases import yaw_offsets
-from assur.planner.model.proofs.witness import PROVED_RAD, PROVED_S, PROVED_SHARE
+from assur.planner.model.proofs.witness import PROVED_S, PROVED_SHARE
 from assur.planner.model.refusal import (
     RATES,
     Bodies,
@@ -30,10 +30,7 @@ from assur.planner.model.refusal import (
     Refusal,
     Singular,
     Stage,
-    Subject,
-    Unit,
     finite,
-    law_ends,
     of_joint,
 )
 from assur.planner.model.scene import Pick, Scene
@@ -45,65 +42,50 @@ MARGIN = 1e-6
 """By how much a margin that is stated may be off: the square root of what sums round."""
 
 
-def _here(scene: Scene, reason: Reason, amount: Quantity | None, facts: Facts, subject: Subject | None) -> Refusal:
-    """A refusal of the start."""
-    t = scene.start.time
-    return Refusal(
-        stage=Stage.START, reason=reason, step=0, interval=(t, t), subject=subject, amount=amount, facts=facts
-    )
-
-
-def beyond_range(scene: Scene, _: Refusal) -> Iterator[Shown]:
-    """Joints that are beyond their range."""
-    for k, joint in enumerate(scene.robot.joints):
-        low, high, q = (float(each[k]) for each in (scene.robot.limits.lower, scene.robot.limits.upper, scene.start.q))
-        over = max(low - q, q - high)
-        if over > PROVED_SHARE * (high - low):
-            facts = beyond(scene, k, q)
-            amount, subject = of_joint(joint.kind, over), JointName(joint.name)
-            yield Shown(_here(scene, Reason.JOINT_LIMIT, amount, facts, subject))
-
-
-def too_fast(scene: Scene, _: Refusal) -> Iterator[Shown]:
-    """Joints that are faster, or accelerate more, than they may."""
+def beyond_limits(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iterator[Shown]:
+    """Joints that are beyond their range, faster than they may be, or accelerate more, by more than a share `least` of
+    range or limit."""
     limits, start, held = scene.robot.limits, scene.start, at_start(scene).held
-    share = share_of(scene, _mass(scene, None if held is None else held.part))
-    for k, joint in enumerate(scene.robot.joints):
-        rows = (start.qd[k], limits.velocity[k]), (start.qdd[k], share * limits.acceleration[k])
-        for order, rate, row in zip((1, 2), RATES, rows, strict=False):
-            value, limit = abs(float(row[0])), float(row[1])
-            if value > limit * (1.0 + PROVED_SHARE):
-                facts = MotionLimit(obstacle=Obstacle.RATE, rate=rate, value=value, limit=limit)
-                amount, subject = of_joint(joint.kind, value - limit, order), JointName(joint.name)
-                yield Shown(_here(scene, Reason.MOTION_LIMIT, amount, facts, subject))
+    accelerations = share_of(scene, _mass(scene, None if held is None else held.part)) * limits.acceleration
+    rows = zip(limits.lower, limits.upper, start.q, start.qd, limits.velocity, start.qdd, accelerations, strict=True)
+    for k, (joint, row) in enumerate(zip(scene.robot.joints, rows, strict=True)):
+        low, high, q, *rates = map(float, row)
+        found: list[tuple[float, float, Facts]] = [(max(low - q, q - high), high - low, beyond(scene, k, q))]
+        for rate, value, limit in zip(RATES, map(abs, rates[::2]), rates[1::2], strict=False):
+            facts = MotionLimit(obstacle=Obstacle.RATE, rate=rate, value=value, limit=limit)
+            found.append((value - limit, limit, facts))
+        for order, (over, of, each) in enumerate(found):
+            if over > least * of:
+                reason = Reason.MOTION_LIMIT if order else Reason.JOINT_LIMIT
+                yield Shown(reason, each, of_joint(joint.kind, over, order), JointName(joint.name))
 
 
-def unassembled(scene: Scene, _: Refusal) -> Iterator[Shown]:
+def unassembled(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iterator[Shown]:
     """A closed chain that is too near a type 2 singularity, where its couplers are parallel, or does not close."""
-    need, names = scene.robot.parallel_least, link_names(scene.robot)
+    need, names, t = scene.robot.parallel_least, link_names(scene.robot), scene.start.time
     if not set(COUPLERS) <= set(names):
         return
     links = links_at(scene, scene.start.q)
     one, other = (links[names.index(name)].angles[0] for name in COUPLERS)
     margin = finite(abs(math.sin(other - one)))
-    if (margin or 0.0) < need * (1.0 - PROVED_SHARE):
+    if (margin or 0.0) < need * (1.0 - least):
         facts, amount = Singular(margin=margin, required=need), Quantity(need - (margin or 0.0), "1")
-        yield Shown(_here(scene, Reason.NEAR_PARALLEL_SINGULARITY, amount, facts, None), MARGIN)
+        yield Shown(Reason.NEAR_PARALLEL_SINGULARITY, facts, amount, within=MARGIN, interval=(t, t))
 
 
-def law_over(scene: Scene, _: Refusal) -> Iterator[Shown]:
-    """Frames that bear a body and whose motion is not known at the start."""
+def law_over(scene: Scene, _: int = 0, least: float = PROVED_S) -> Iterator[Shown]:
+    """Frames that bear a body and whose motion is not known at the start, by more than `least`, s."""
     t = scene.start.time
-    for name in sorted({body.frame for body in scene.bodies}):
-        low, high = laws.known(scene.frames[name].law)
-        if max(low - t, t - high) > PROVED_S:
-            yield Shown(law_ends(Stage.START, 0, name, (low, high), t, interval=(low, high)))
+    for name in dict.fromkeys(body.frame for body in scene.bodies):
+        known = laws.known(scene.frames[name].law)
+        if max(known[0] - t, t - known[1]) > least:
+            yield law_ends(name, known, t, interval=known)
 
 
-def turned_into_range(scene: Scene, _: Refusal) -> Iterator[Shown]:
+def turned_into_range(scene: Scene, _: int = 0) -> Iterator[Shown]:
     """Forbidden ranges that the yaw of the tool is in."""
-    for depth, facts in forbidden(scene, yaw_at(scene, scene.start.q)):
-        yield Shown(_here(scene, Reason.FORBIDDEN_YAW, Quantity(depth, "rad"), facts, None), PROVED_RAD)
+    t = scene.start.time
+    return (each._replace(interval=(t, t)) for each in forbidden(scene, yaw_at(scene, scene.start.q)))
 
 
 def _mass(scene: Scene, part: str | None) -> float:
@@ -124,19 +106,22 @@ def overload(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
     if most is None and table is None:
         most = limits.rated_kg  # beyond which nothing is known
     for part in parts:
-        mass = _mass(scene, part)
-        rows: list[tuple[Load, Unit, float, float | None, float]] = [
-            ("max_load", "kg", mass, most, _mass(scene, None)),
-            ("table", "kg", mass, table, _mass(scene, None)),
-            ("max_inertia", "kg·m²", _inertia(scene, refusal, part), limits.max_inertia_kgm2, tool_inertia(scene)),
-        ]
-        for of, unit, value, limit, tool in rows:
-            if limit is not None and value > limit * (1.0 + PROVED_SHARE):
-                facts = Overload(of=of, value=value, limit=limit, tool=tool, part=part, part_value=value - tool)
-                true = Refusal(stage=refusal.stage, reason=Reason.LOAD_LIMIT, step=refusal.step,
-                               subject=None if part is None else Bodies((part,)),
-                               amount=Quantity(value - limit, unit), facts=facts)  # fmt: skip
-                yield Shown(true)
+        mass, tool = _mass(scene, part), _mass(scene, None)
+        inertia = _inertia(scene, refusal, part)
+        yield from too_much(part, "max_load", mass, most, tool)
+        yield from too_much(part, "table", mass, table, tool)
+        yield from too_much(part, "max_inertia", inertia, limits.max_inertia_kgm2, tool_inertia(scene))
+
+
+def too_much(
+    part: str | None, of: Load, value: float, limit: float | None, tool: float, least: float = PROVED_SHARE
+) -> Iterator[Shown]:
+    """A load of tool and part, kg or kg·m², that is beyond its limit by more than a share `least` of it. None: no part,
+    or no limit."""
+    if limit is not None and value > limit * (1.0 + least):
+        facts = Overload(of=of, value=value, limit=limit, tool=tool, part=part, part_value=value - tool)
+        amount = Quantity(value - limit, "kg·m²" if of == "max_inertia" else "kg")
+        yield Shown(Reason.LOAD_LIMIT, facts, amount, None if part is None else Bodies((part,)))
 
 
 def _inertia(scene: Scene, refusal: Refusal, part: str | None) -> float:

@@ -1,4 +1,4 @@
-"""Whether a refusal states what was shown: the checker makes the refusal itself, and compares all that both state."""
+"""Whether a refusal states what was shown: the checker says itself what is right, and compares all that both state."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import math
 from dataclasses import fields
 from typing import NamedTuple
 
-from assur.planner.model.refusal import Facts, Refusal
+from assur.planner.model.refusal import Facts, FrameName, LawEnds, Quantity, Reason, Refusal, Stage, Subject, finite
 
+Span = tuple[float, float]
 SAME = 1e-9
 """Two numbers that differ by no more than this share of them, or this, are the same: sums of a few terms."""
 OPTIONAL = frozenset({"mode", "from_axis_m", "heights_m", "pitch_rad", "path_m", "path_part", "path_at_m"})
@@ -17,10 +18,31 @@ ANGLES = frozenset({"yaw_rad"})
 
 
 class Shown(NamedTuple):
-    """A refusal that is right, and by how much the numbers of one that states it may differ (as `same` has it)."""
+    """What is right of a stage and a step, and by how much the numbers of a refusal that states it may differ (as
+    `same` has it)."""
 
-    refusal: Refusal
+    reason: Reason
+    facts: Facts
+    amount: Quantity | None = None
+    subject: Subject | None = None
     within: float = SAME
+    interval: tuple[float, float] | None = None
+
+    def refusal(self, stage: Stage, step: int) -> Refusal:
+        """The refusal of this stage and step that states it."""
+        reason, facts, amount, subject, _, interval = self
+        return Refusal(
+            stage=stage, reason=reason, step=step, subject=subject, interval=interval, amount=amount, facts=facts
+        )
+
+
+def law_ends(
+    frame: str, known: Span, needed: float, tracked: float | None = None, interval: Span | None = None, by: float = SAME
+) -> Shown:
+    """The motion of a frame is known on `known`, s, and not at `needed`; `tracked`: as in `LawEnds`."""
+    facts = LawEnds(known_s=(finite(known[0]), finite(known[1])), needed_s=needed, tracked_s=tracked)
+    over = Quantity(max(known[0] - needed, needed - known[1]), "s")
+    return Shown(Reason.LAW_ENDS, facts, over, FrameName(frame), by, interval)
 
 
 class NotShownError(Exception):
@@ -35,31 +57,18 @@ def same(one: float | None, other: float | None, by: float = SAME) -> bool:
 
 
 def states(given: Refusal, shown: Shown) -> bool:
-    """Whether a given refusal states what is shown. It may leave out its interval and the facts in `OPTIONAL`."""
-    true, by = shown
-    if (given.stage, given.reason, given.step, given.subject) != (true.stage, true.reason, true.step, true.subject):
+    """Whether a given refusal states what is shown of its stage and step. It may leave out its interval and the facts
+    in `OPTIONAL`."""
+    if (given.reason, given.subject, type(given.facts)) != (shown.reason, shown.subject, type(shown.facts)):
         return False
-    one, other = given.amount, true.amount
-    if one is None or other is None:
-        alike = one is other
-    else:
-        alike = one.unit == other.unit and same(one.value, other.value, by)
-    alike = alike and (given.interval is None or _is_alike(given.interval, true.interval, by))
-    return alike and _are_alike(given.facts, true.facts, by)
-
-
-def _are_alike(given: Facts, true: Facts, by: float) -> bool:
-    if type(given) is not type(true):
-        return False
-    for each in fields(given):
-        one, other = getattr(given, each.name), getattr(true, each.name)
-        if one is None and each.name in OPTIONAL:
-            continue
-        if each.name in ANGLES:
+    amount, true = (None if each is None else (each.value, each.unit) for each in (given.amount, shown.amount))
+    pairs: list[tuple[object, object]] = [(amount, true), (given.interval or shown.interval, shown.interval)]
+    for name in (each.name for each in fields(given.facts)):
+        one, other = getattr(given.facts, name), getattr(shown.facts, name)
+        if name in ANGLES:
             one, other = math.remainder(one - other, math.tau), 0.0
-        if not _is_alike(one, other, by):
-            return False
-    return True
+        pairs += [(one, other)] * (one is not None or name not in OPTIONAL)
+    return all(_is_alike(one, other, shown.within) for one, other in pairs)
 
 
 def _is_alike(one: object, other: object, by: float) -> bool:

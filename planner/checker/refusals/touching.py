@@ -14,7 +14,7 @@ from assur.planner.checker.refusals.ways import Way, ways
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece
 from assur.planner.model.proofs.witness import PROVED_M
-from assur.planner.model.refusal import Bodies, NotTouching, Quantity, Reason, Refusal, Stage
+from assur.planner.model.refusal import Bodies, NotTouching, Quantity, Reason, Refusal
 from assur.planner.model.scene import Pick, Place, Scene
 
 WITHIN_M = 5e-5
@@ -46,9 +46,7 @@ def never_touching(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
     facts = NotTouching(of=of, distance_m=least, allowed_m=allowed)
     for name in (name for name, high in found.items() if high <= least + WITHIN_M):
         for bodies in ((name, step.part), (step.part, name)):
-            true = Refusal(stage=Stage.CONTROL_POINT, reason=Reason.TOLERANCE, step=refusal.step,
-                           subject=Bodies(bodies), amount=Quantity(least - allowed, "m"), facts=facts)  # fmt: skip
-            yield Shown(true)
+            yield Shown(Reason.TOLERANCE, facts, Quantity(least - allowed, "m"), Bodies(bodies))
 
 
 def _others(scene: Scene, step: Pick | Place, way: Way) -> list[tuple[Body, Pose]]:

@@ -3,52 +3,57 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 from assur.planner.checker.refusals.spans import Span, beyond
 from assur.planner.checker.refusals.standing import yaw_at
-from assur.planner.model.forbidden_yaw import slack_of
+from assur.planner.checker.refusals.stated import Shown
+from assur.planner.checker.statement.arms import limbs
+from assur.planner.model.forbidden_yaw import YawRange, slack_of
 from assur.planner.model.proofs.witness import PROVED_RAD
-from assur.planner.model.refusal import ForbiddenYaw
+from assur.planner.model.refusal import ForbiddenYaw, Quantity, Reason
 from assur.planner.model.scene import Scene
-from assur.planner.robots.scara import Scara
 
 MOST_TURNS = 64
 """Full turns, either way, by which a yaw that is stated may differ."""
 
 
-def forbidden(scene: Scene, yaw: float, mode: str | None = None) -> Iterator[tuple[float, ForbiddenYaw]]:
-    """The ranges that a yaw of the tool, rad, is in by more than a plan may be off it, and how deep it is in each."""
+def forbidden(scene: Scene, yaw: float, mode: str | None = None) -> list[Shown]:
+    """The ranges that a yaw of the tool, rad, is in by more than a plan may be off it, with how deep it is in each, the
+    deepest first."""
     slack = slack_of(scene.execution.lag)
-    for each in scene.forbidden_yaw:
-        depth = each.depth(yaw, slack)
-        if depth > PROVED_RAD:
-            facts = ForbiddenYaw(first_rad=each.first, last_rad=each.last, yaw_rad=yaw, lag_rad=slack, mode=mode)
-            yield depth, facts
+    inside = [(depth, each) for each in scene.forbidden_yaw if (depth := each.depth(yaw, slack)) > PROVED_RAD]
+    inside.sort(key=lambda found: -found[0])
+    return [_in_range(scene, each, depth, yaw, mode, way=False) for depth, each in inside]
 
 
-def unreachable(
-    scene: Scene, yaw: float, joints: tuple[Span, ...], mode: str
-) -> tuple[float, Iterator[tuple[float, ForbiddenYaw]]] | None:
-    """Whether the tool of a SCARA would have to turn through a forbidden range to a yaw, rad, with joints within spans:
-    by how much less the nearest yaw would have to be turned, and the same for each full turn that may be stated."""
+def unreachable(scene: Scene, yaw: float, joints: tuple[Span, ...], mode: str) -> list[Shown]:
+    """Whether the tool of an arm with one limb would have to turn through a forbidden range to a yaw, rad, with joints
+    within spans: by how much less it would have to be turned, for each full turn that may be stated, nearest first; or
+    nothing."""
     room = _room(scene)
     if room is None or not _beyond_room(scene, room, yaw, joints):
-        return None
-    over = [max(room.low - y, y - room.high) for y in (yaw + math.tau * k for k in range(-MOST_TURNS, MOST_TURNS + 1))]
-    slack = slack_of(scene.execution.lag)
-    stated = (
-        (by, ForbiddenYaw(first_rad=each.first, last_rad=each.last, yaw_rad=yaw, lag_rad=slack, on_the_way=True,
-                          mode=mode))
-        for each in scene.forbidden_yaw for by in over
-    )  # fmt: skip
-    return min(by for by in over if by > 0.0), stated
+        return []
+    turned = (yaw + math.tau * k for k in range(-MOST_TURNS, MOST_TURNS + 1))
+    over = sorted(by for by in (max(room.low - each, each - room.high) for each in turned) if by > 0.0)
+    return [_in_range(scene, each, by, yaw, mode, way=True) for by in over for each in scene.forbidden_yaw]
+
+
+def _in_range(scene: Scene, each: YawRange, by: float, yaw: float, mode: str | None, *, way: bool) -> Shown:
+    facts = ForbiddenYaw(
+        first_rad=each.first,
+        last_rad=each.last,
+        yaw_rad=yaw if way else each.beside(yaw),
+        lag_rad=slack_of(scene.execution.lag),
+        on_the_way=way,
+        mode=mode,
+    )
+    return Shown(Reason.FORBIDDEN_YAW, facts, Quantity(by, "rad"), within=PROVED_RAD)
 
 
 def _room(scene: Scene) -> Span | None:
-    """Between which yaws, full turns counted as the sum of its joints has them, the tool of a SCARA stays for ever;
-    None: it is in a range at the start, or the arm is no SCARA with a wrist."""
-    if not isinstance(scene.robot, Scara) or scene.robot.axes != 4:
+    """Between which yaws, full turns counted as the sum of its joints has them, the tool of an arm with one limb
+    stays for ever; None: it is in a range at the start, or the yaw of the arm is no such sum."""
+    if not scene.robot.turns_load or len(limbs(scene.robot, scene.robot.modes[0])) != 1:
         return None
     own, slack, room = yaw_at(scene, scene.start.q), slack_of(scene.execution.lag), Span(-math.inf, math.inf)
     for each in scene.forbidden_yaw:
@@ -60,7 +65,7 @@ def _room(scene: Scene) -> Span | None:
 
 
 def _beyond_room(scene: Scene, room: Span, yaw: float, joints: tuple[Span, ...]) -> bool:
-    """Whether a SCARA that never leaves the room has no joint position, within its ranges, for a yaw: with θ1 and θ2 in
+    """Whether an arm that never leaves the room has no joint position, within its ranges, for a yaw: with θ1 and θ2 in
     each of their turns, θ4 would have to be what is left of the yaw."""
     lower, upper = scene.robot.limits.lower.tolist(), scene.robot.limits.upper.tolist()
     own = scene.robot.base.yaw + scene.tool.tcp.yaw

@@ -6,22 +6,26 @@ All of it follows from the request, as the phases of a plan do.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
 from assur.planner.checker.refusals.postures import Goal
 from assur.planner.checker.refusals.spans import ANY, around
-from assur.planner.checker.refusals.standing import still
+from assur.planner.checker.refusals.standing import allowed_modes, still
 from assur.planner.frames.motion import Pose
 from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.phases import yaw_offsets
+from assur.planner.model.proofs.witness import Hindrance, Meeting
 from assur.planner.model.refusal import Spot
 from assur.planner.model.scene import Pick, Place, Scene, Step, Trace
 
 TURN_RAD = 1e-9
 """Turns of a part that differ by no more are one, rad."""
 Turns = tuple[float | None, ...]
+Stated = TypeVar("Stated", Hindrance, Meeting)
 NOT_TURNED: Turns = (0.0,)
 ANY_TURN: Turns = (None,)
 
@@ -118,6 +122,14 @@ def ways(scene: Scene, number: int) -> tuple[Way, ...]:
 def _own(step: Step, turn: float | None) -> float:
     """By how much the tool is turned at a step by the turn of a part; a part that is held already turns with it."""
     return turn or 0.0 if isinstance(step, Pick) else 0.0
+
+
+def each_way(scene: Scene, number: int, stated: Sequence[Stated]) -> Iterator[tuple[Way, str, list[Stated]]]:
+    """All ways to the control point of a step in all working modes that are allowed, with what a witness states of
+    each."""
+    for way in ways(scene, number):
+        for mode in allowed_modes(scene):
+            yield way, mode, [each for each in stated if each.mode == mode and is_turn(each.turn_rad, way.turn)]
 
 
 def is_turn(one: float | None, other: float | None) -> bool:

@@ -9,21 +9,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import Chebyshev
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.refusals.stated import NotShownError, Shown, same
+from assur.planner.checker.refusals.stated import NotShownError, Shown, law_ends, same
+from assur.planner.checker.refusals.ways import ways
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.differences import Four
 from assur.planner.checker.statement.poses import numbers, then
 from assur.planner.laws import Law
-from assur.planner.model.attachments import at_start
 from assur.planner.model.proofs.witness import PROVED_M, PROVED_S, Openings
-from assur.planner.model.refusal import LawEnds, Quantity, Refusal, Stage, law_ends, window_missed
+from assur.planner.model.refusal import LawEnds, Quantity, Reason, Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
 
@@ -113,24 +113,18 @@ class Tracking:
         return min((max(low - x, x - high) for x in ways), default=-math.inf)
 
 
-def tracking(scene: Scene, number: int, *, wider: float = 0.0, lawless: bool = False) -> Tracking:
-    """What is required of the control point of a step, with a window that is `wider`, m, at both ends. `lawless`: as if
-    the law of its frame were known for ever after its begin. Which part is where follows from the steps before."""
-    attached = at_start(scene)
-    for earlier in scene.task[:number]:
-        attached = attached.after(scene, earlier)
-    step = scene.task[number]
-    frame, point = attached.point(scene, step)
-    law, window, latest = scene.frames[frame].law, step.window, scene.options.latest_end_s
-    along = window.along if laws.measured_along(law) is not None else None
-    first, last = laws.known(law)
+def tracking(scene: Scene, number: int) -> Tracking:
+    """What is required of the control point of a step. Which part is where follows from the steps before."""
+    step, latest = scene.task[number], scene.options.latest_end_s
+    frame, point = ways(scene, number)[0].before.point(scene, step)
+    law = scene.frames[frame].law
     return Tracking(
         frame=frame,
         law=law,
         point=numbers(point),
-        along=None if along is None else (along[0] - wider, along[1] + wider),
-        in_time=window.time or (-math.inf, math.inf),
-        known=(first, math.inf if lawless else last),
+        along=step.window.along if laws.measured_along(law) is not None else None,
+        in_time=step.window.time or (-math.inf, math.inf),
+        known=laws.known(law),
         needed=step.dwell_s,
         start=scene.start.time,
         latest=math.inf if latest is None else latest,
@@ -144,28 +138,31 @@ def witness_of(scene: Scene, number: int) -> Openings:
 
 def missed(scene: Scene, refusal: Refusal, witness: Openings) -> Iterator[Shown]:
     """Refusals of a point that can never be tracked for long enough. Raises `NotShownError` where it may be."""
-    of, number = tracking(scene, refusal.step), refusal.step
-    wide = tracking(scene, number, wider=PROVED_M).open_spans(PROVED_S)
+    of = tracking(scene, refusal.step)
+    along = None if of.along is None else (of.along[0] - PROVED_M, of.along[1] + PROVED_M)
+    wide = replace(of, along=along).open_spans(PROVED_S)
     if not max((b - a for a, b in wide), default=-math.inf) < of.needed - PROVED_S:
         raise NotShownError("the point can be tracked for long enough")
     spans = of.open_spans()
     if not _are_alike(spans, list(witness.spans_s)):
         raise NotShownError("the point can be met at other times than the witness says")
     if isinstance(refusal.facts, LawEnds):
-        yield Shown(_by_law(scene, number, of), STATED)
+        yield _by_law(of)
         return
-    misses: list[tuple[WindowMissed, float, Times | None]] = [
-        (WindowMissed(miss=miss), amount, None) for miss, amount in _misses(of)
-    ]
     longest = max((b - a for a, b in spans), default=-math.inf)
+    for miss, amount in _misses(of):
+        yield from _miss(WindowMissed(miss=miss), amount)
     for a, b in (each for each in spans if same(each[1] - each[0], longest, STATED)):
         gone = _gone(of, b, b + of.needed - longest)
         short = WindowMissed(miss=Miss.TOO_SHORT, open_s=longest, needed_s=of.needed, belt_m=gone)
-        misses.append((short, of.needed - longest, (a, b)))
-    for facts, by, interval in misses:
-        if by > 0.0:
-            amount = Quantity(by, "m" if facts.miss is Miss.NEVER_INSIDE else "s")
-            yield Shown(window_missed(Stage.WINDOW, number, facts, amount=amount, interval=interval), STATED)
+        yield from _miss(short, of.needed - longest, (a, b))
+
+
+def _miss(facts: WindowMissed, by: float, when: Times | None = None) -> Iterator[Shown]:
+    """A window that is missed by more than nothing, s or m."""
+    if by > 0.0:
+        amount = Quantity(by, "m" if facts.miss is Miss.NEVER_INSIDE else "s")
+        yield Shown(Reason.WINDOW_MISSED, facts, amount, within=STATED, interval=when)
 
 
 def _are_alike(spans: list[Times], stated: list[Times]) -> bool:
@@ -177,16 +174,16 @@ def _are_alike(spans: list[Times], stated: list[Times]) -> bool:
     return all(has(stated, *each) for each in spans) and all(has(spans, *each) for each in stated)
 
 
-def _by_law(scene: Scene, number: int, of: Tracking) -> Refusal:
+def _by_law(of: Tracking) -> Shown:
     """Because the law of its frame ends: the point could be met if the motion went on."""
     needed = of.start
     if not of.known[1] < of.start:
-        going_on = tracking(scene, number, lawless=True).open_spans()
+        going_on = replace(of, known=(of.known[0], math.inf)).open_spans()
         long_enough = [a for a, b in going_on if b - a >= of.needed - PROVED_S]
         if not long_enough:
             raise NotShownError("if the motion were known for longer, the point could not be met either")
         needed = min(long_enough) + of.needed
-    return law_ends(Stage.WINDOW, number, of.frame, of.known, needed, tracked=of.needed)
+    return law_ends(of.frame, of.known, needed, of.needed, by=STATED)
 
 
 def _misses(of: Tracking) -> Iterator[tuple[Miss, float]]:

@@ -210,6 +210,40 @@ def _couplers(one: Complex, two: Complex, a: float, b: float, side: float) -> tu
     return first, np.angle(one + a * np.exp(1j * first) - two)
 
 
+class Limb(NamedTuple):
+    """Two links of an arm from its base to one point, in a plane: how far their foot is `across` the base's axis, and
+    their lengths, all m; `turn`: 1 where the first is turned counter-clockwise from the way to the point, else -1.
+    `hand`: how far behind the point the flange is, m. `front`: -1 for a loop that is assembled at the back, else 1."""
+
+    across: float
+    first: float
+    second: float
+    turn: float
+    hand: float = 0.0
+    front: float = 1.0
+
+
+def limbs(robot: Robot, mode: str) -> list[Limb]:
+    """The limbs of an arm in a working mode; none of an arm that has a ram in their place.
+
+    Raises `FaultError` for an arm of another family.
+    """
+    words = mode.split("-")
+    if isinstance(robot, Scara):
+        return [Limb(0.0, robot.l1, robot.l2, 1.0 if mode == "left" else -1.0)]
+    if isinstance(robot, FiveBar):
+        turns, front = [1.0 if word == "left" else -1.0 for word in words], 1.0 if robot.assembly == "front" else -1.0
+        feet = (robot.separation / 2.0, -robot.separation / 2.0)
+        lengths = zip(robot.proximal, robot.distal, strict=True)
+        return [Limb(at, *each, turn, 0.0, front) for at, each, turn in zip(feet, lengths, turns, strict=True)]
+    if isinstance(robot, PolarArm):
+        return []
+    if not isinstance(robot, ElbowArm):
+        raise FaultError(f"no textbook has the arm {type(robot).__name__}")
+    turn = 1.0 if (words[-1] == "up") is not (words[0] == "back") else -1.0
+    return [Limb(0.0, robot.l1, robot.l2, turn, robot.l3 if isinstance(robot, FiveAxisArm) else 0.0)]
+
+
 def states_at(path: Trajectory, time: float) -> FloatArray:
     """Position, velocity and acceleration (3, n) of the joints at a time: by the quintic that has those of both knots
     (N5). A joint rests before the first knot and behind the last one."""

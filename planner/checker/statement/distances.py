@@ -10,6 +10,7 @@ from assur.planner.checker.statement.solids import bodies_of
 from assur.planner.checker.statement.statement import Statement
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
+from assur.planner.model.refusal import Rule
 from assur.planner.model.scene import Scene
 
 
@@ -46,6 +47,17 @@ def _both_ways(first: BoolArray, second: BoolArray) -> BoolArray:
     """Which pairs (B, B) have one body on each of two sides (B,)."""
     pairs = np.outer(first, second)
     return np.asarray(pairs | pairs.T)
+
+
+def required_between(scene: Scene, near: bool, one: str, other: str) -> tuple[Rule, float]:
+    """Which rule says how far two bodies that may not touch must stay apart, near a control point or in travel, and how
+    far, m."""
+    kind: Rule = "near" if near else "travel"
+    for rule in reversed(scene.options.clearance.exceptions):
+        for first, second in ((one, other), (other, one)):
+            if first in (rule.first or {first}) and second in (rule.second or {second}):
+                return "exception", float(getattr(rule, f"{kind}_m"))
+    return kind, float(getattr(scene.options.clearance, f"{kind}_m"))
 
 
 def require_execution(statement: Statement) -> None:

@@ -21,29 +21,22 @@ from assur.planner.model.refusal import (
 )
 
 FACTS = BeyondRange(mode="left", above_m=0.05, value=0.3, limit=0.25, path_at_m=(0.1, 0.2, 0.3))
-TRUE = Refusal(
-    stage=Stage.CONTROL_POINT,
-    reason=Reason.JOINT_LIMIT,
-    step=2,
-    subject=JointName("j3"),
-    amount=Quantity(0.05, "m"),
-    facts=FACTS,
-)
+SHOWN = Shown(Reason.JOINT_LIMIT, FACTS, Quantity(0.05, "m"), JointName("j3"))
+TRUE = SHOWN.refusal(Stage.CONTROL_POINT, 2)
 
 
 def test_a_refusal_states_itself_and_may_leave_out_what_is_optional() -> None:
     for given in (TRUE, replace(TRUE, facts=replace(FACTS, mode=None, path_at_m=None))):
-        assert states(given, Shown(TRUE))
-    assert states(TRUE, Shown(replace(TRUE, interval=(1.0, 2.0))))
-    assert states(replace(TRUE, amount=Quantity(0.05 + 1e-6, "m")), Shown(TRUE, 5e-6))
+        assert states(given, SHOWN)
+    assert (TRUE.stage, TRUE.step) == (Stage.CONTROL_POINT, 2)
+    assert states(TRUE, SHOWN._replace(interval=(1.0, 2.0)))
+    assert states(replace(TRUE, amount=Quantity(0.05 + 1e-6, "m")), SHOWN._replace(within=5e-6))
 
 
 @pytest.mark.parametrize(
     "lie",
     [
-        replace(TRUE, stage=Stage.INVERSE),
         replace(TRUE, reason=Reason.OUT_OF_REACH),
-        replace(TRUE, step=1),
         replace(TRUE, subject=JointName("j2")),
         replace(TRUE, subject=Bodies(("j3",))),
         replace(TRUE, subject=None),
@@ -63,15 +56,15 @@ def test_a_refusal_states_itself_and_may_leave_out_what_is_optional() -> None:
     ],
 )
 def test_no_refusal_states_what_is_shown_with_one_thing_that_differs(lie: Refusal) -> None:
-    assert not states(lie, Shown(TRUE))
+    assert not states(lie, SHOWN)
 
 
 def test_full_turns_of_a_yaw_do_not_count_and_those_of_a_range_do() -> None:
     facts = ForbiddenYaw(first_rad=0.0, last_rad=1.0, yaw_rad=0.5)
-    true = replace(TRUE, facts=facts)
-    assert states(replace(TRUE, facts=replace(facts, yaw_rad=0.5 - math.tau)), Shown(true))
-    assert not states(replace(TRUE, facts=replace(facts, first_rad=math.tau)), Shown(true))
-    assert not states(replace(TRUE, facts=replace(facts, on_the_way=True)), Shown(true))
+    true = SHOWN._replace(facts=facts)
+    assert states(replace(TRUE, facts=replace(facts, yaw_rad=0.5 - math.tau)), true)
+    assert not states(replace(TRUE, facts=replace(facts, first_rad=math.tau)), true)
+    assert not states(replace(TRUE, facts=replace(facts, on_the_way=True)), true)
 
 
 def test_nothing_is_the_same_as_no_number() -> None:
