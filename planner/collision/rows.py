@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.collision.bodies import Arrangement
 from assur.planner.kernels.proof import ALONG, FROM, OTHER, T0, T1, TO, UNIT
 from assur.planner.kernels.solids import BODY, PIECE
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Arrival, Certificate, Leg, covered
 from assur.planner.model.scene import Scene
-from assur.planner.tables.bodies import Arrangement
 from assur.planner.trajectory import Trajectory
 
 

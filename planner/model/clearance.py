@@ -3,28 +3,9 @@ docs/bundle.md)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-import numpy as np
-
-from assur.planner.arrays import FloatArray
 from assur.planner.model.phases import CONTACT_M, Phase, pair
 from assur.planner.model.refusal import Rule
 from assur.planner.model.scene import Scene
-
-
-def clearances(scene: Scene, near: bool, ones: Sequence[str], others: Sequence[str]) -> FloatArray:
-    """The distance asked of each body of `ones` from each of `others`, (A, B) m, in approach, follow and depart
-    (`near`) or elsewhere. Of the exceptions that name a pair the last one counts."""
-    asked = scene.options.clearance
-    found = np.full((len(ones), len(others)), asked.near_m if near else asked.travel_m)
-    for rule in asked.exceptions:
-        distance = rule.near_m if near else rule.travel_m
-        for first, second in ((rule.first, rule.second), (rule.second, rule.first)):
-            one = np.array([not first or name in first for name in ones], dtype=bool)
-            other = np.array([not second or name in second for name in others], dtype=bool)
-            found[np.ix_(one, other)] = distance
-    return found
 
 
 def rule_of(scene: Scene, phase: Phase, first: str, second: str) -> tuple[Rule, float]:
@@ -32,12 +13,11 @@ def rule_of(scene: Scene, phase: Phase, first: str, second: str) -> tuple[Rule, 
     less than 0 for a pair that may touch."""
     if pair(first, second) in phase.contacts:
         return "contact", contact_gap(phase)
-    asked = scene.options.clearance
-    for rule in reversed(asked.exceptions):
-        for one, other in ((rule.first, rule.second), (rule.second, rule.first)):
-            if (not one or first in one) and (not other or second in other):
-                return "exception", rule.near_m if phase.near else rule.travel_m
-    return ("near", asked.near_m) if phase.near else ("travel", asked.travel_m)
+    required = scene.options.clearance
+    distance = required.distances(first, second)[phase.near]
+    if required.exception(first, second) is not None:
+        return "exception", distance
+    return "near" if phase.near else "travel", distance
 
 
 def contact_gap(phase: Phase) -> float:

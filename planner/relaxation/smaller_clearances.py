@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from assur.planner.model.clearance import clearances
 from assur.planner.model.refusal import Refusal, Separation
-from assur.planner.model.scene import Clearance, ClearanceException, Scene
+from assur.planner.model.scene import Scene
 from assur.planner.relaxation.change import Change
 from assur.planner.relaxation.rounded import SHOWN_M, down
 
@@ -15,23 +14,23 @@ from assur.planner.relaxation.rounded import SHOWN_M, down
 def smaller_clearances(scene: Scene, refusal: Refusal | None) -> Iterator[Change]:
     """Smaller distances of the pair that the refusal is about, by what is missing, by half and none; then of all pairs
     for which no exception is made."""
-    clearance = scene.options.clearance
-
-    def with_clearance(changed: Clearance) -> Scene:
-        return replace(scene, options=replace(scene.options, clearance=changed))
-
     if refusal is not None and isinstance(refusal.facts, Separation) and len(refusal.bodies) == 2:
-        first, second = refusal.bodies
-        near, travel = (float(clearances(scene, of, [first], [second])[0, 0]) for of in (True, False))
         gap, required = refusal.facts.gap_m, refusal.facts.required_m
         short = None if gap is None or required is None else required - gap
-        for travel_m, near_m in _smaller(travel, near, short):
-            rule = ClearanceException(frozenset((first,)), frozenset((second,)), travel_m, near_m)
-            changed = replace(clearance, exceptions=(*clearance.exceptions, rule))
-            yield "pair clearance", f"{first} and {second}: {_distances(travel_m, near_m)}", with_clearance(changed)
-    for travel_m, near_m in _smaller(clearance.travel_m, clearance.near_m, None):
-        changed = replace(clearance, travel_m=travel_m, near_m=near_m)
-        yield "clearance", _distances(travel_m, near_m), with_clearance(changed)
+        first, second = refusal.bodies
+        for text, changed in _changed(scene, short, first, second):
+            yield "pair clearance", f"{first} and {second}: {text}", changed
+    for text, changed in _changed(scene, None):
+        yield "clearance", text, changed
+
+
+def _changed(scene: Scene, short: float | None, *names: str) -> Iterator[tuple[str, Scene]]:
+    """The scene with smaller distances of two bodies, or of all, in words and as a scene. `short`: by how much they are
+    missed, m."""
+    options = scene.options
+    for travel, near in _smaller(*options.clearance.distances(*names), short):
+        clearance = options.clearance.lowered(travel, near, names)
+        yield _distances(travel, near), replace(scene, options=replace(options, clearance=clearance))
 
 
 def _smaller(travel: float, near: float, short: float | None) -> Iterator[tuple[float, float]]:

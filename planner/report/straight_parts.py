@@ -18,7 +18,7 @@ def lengthened(scene: Scene) -> tuple[str, ...]:
         asked = (("approach", step.approach_m), ("depart", step.depart_m))
         for (name, wanted), length in zip(asked, scene.straight(step), strict=True):
             if length > wanted:
-                travel, made = amount(scene.options.clearance.travel_m, "m"), amount(length, "m")
+                travel, made = amount(length / STRAIGHT, "m"), amount(length, "m")
                 found.append(
                     f"{step.name}: the straight part of {name} is {made} long, not {amount(wanted, 'm')}: "
                     f"at least {STRAIGHT:g} times the clearance of travel, {travel}, unless it has stop: true"

@@ -37,7 +37,6 @@ scenes/schema: frames
 """
 FAMILIES = """
 api/cli: robots_group
-planner/bound: duration guided places
 planner/checker/refusals: postures turning
 planner/checker/statement: arms postures
 planner/feasibility: reach
@@ -55,13 +54,7 @@ DISTANCES = """
 planner/checker/refusals: meetings
 planner/checker/statement: points
 planner/claim: obligations
-planner/collision: at_rest screening
 planner/model: clearance options scene
-planner/relaxation: smaller_clearances
-planner/report: straight_parts
-planner/search: beam
-planner/tables: pairs
-scenes/view: distances
 """
 MOST_CHECKS, MOST_FILES = 153, 52
 """Calls of `isinstance` on a step, and files that have one."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.collision.bodies import Arrangement
 from assur.planner.collision.fcl_door import Posed
 from assur.planner.geometry.shapes import Hull
 from assur.planner.kernels.gjk import separate
@@ -14,7 +15,6 @@ from assur.planner.kernels.solids import CENTRE, ROTATION
 from assur.planner.kernels.solids import gap as kernel_gap
 from assur.planner.kernels.solids import likely as kernel_likely
 from assur.planner.model.scene import Scene
-from assur.planner.tables.bodies import Arrangement
 from assur.planner.trajectory import Trajectory
 
 

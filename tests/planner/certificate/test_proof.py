@@ -13,6 +13,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import assur.planner.collision.proof
+from assur.planner.collision.bodies import COVER
 from assur.planner.collision.fcl_door import Collider
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved
@@ -25,7 +26,6 @@ from assur.planner.model.phases import CONTACT_M, Phase
 from assur.planner.model.refusal import Stage
 from assur.planner.model.scene import Clearance, Execution, Scene, Tool
 from assur.planner.pipeline import plan
-from assur.planner.tables.bodies import COVER
 from assur.planner.trajectory import Trajectory
 from assur.scenes.requests import scene_of
 from tests.planner.cells import CUP, Around, arm, cell, go, mesh_box, solid, stands
@@ -320,7 +320,7 @@ def test_an_arm_that_fcl_sees_touching_a_mesh_is_never_certified(seed: int) -> N
     t = np.linspace(path.start, path.end, 150)
     where = carriers(scene, path.evaluate(t), t)
     units, row = [], []
-    a, b = (prover.pairs(solids, phase).every[:, k].astype(np.int64) for k in (0, 1))
+    a, b = (prover.pairs(solids, phase).rows[:, k].astype(np.int64) for k in (0, 1))
     pairs = [
         (x, y)
         for i in range(len(a))
