@@ -188,10 +188,7 @@ class Prover:
 
     def prove(self, phase: Phase, trajectory: Trajectory) -> Rows | Unproved:
         """Rows that cover every asked pair over the whole phase, or the first pair that resists."""
-        arrangement = self.of(phase)
-        if not phase.t1 > phase.t0:
-            return Rows(arrangement, np.zeros((0, ROW_COLUMNS)))
-        spline, pairs = self.spline(trajectory), self.pairs(arrangement, phase)
+        spline, pairs = self.spline(trajectory), self.pairs(self.of(phase), phase)
         known = self._rows.get(phase)
         if known is None:
             known, asked = self._planes(phase, spline, pairs)
@@ -202,10 +199,7 @@ class Prover:
     def prove_gaps(self, phase: Phase, trajectory: Trajectory, arm: float, placed: float) -> Rows | Unproved:
         """The same for other distances, m, where all is where it is planned: `arm` for pairs with a body of the robot,
         `placed` for those of parts that were put down; less than 0: none is required. Pairs in contact do not count."""
-        arrangement = self.of(phase)
-        if not phase.t1 > phase.t0:
-            return Rows(arrangement, np.zeros((0, ROW_COLUMNS)))
-        pairs = self.pairs(arrangement, phase).exactly(arm, placed)
+        pairs = self.pairs(self.of(phase), phase).exactly(arm, placed)
         return self._shown(phase, self.spline(trajectory), np.zeros((0, ROW_COLUMNS)), pairs, self.exact)
 
     def _shown(
@@ -213,7 +207,7 @@ class Prover:
     ) -> Rows | Unproved:
         """The rows that are `known`, and those that show all pairs that are left, or the first pair that resists."""
         arrangement = self.of(phase)
-        if not len(asked):
+        if not (len(asked) and phase.t1 > phase.t0):
             return Rows(arrangement, known)
         search = Search(self, phase, spline, asked, doubt)
         while True:
@@ -282,7 +276,7 @@ class Prover:
 
     def _planes(self, phase: Phase, spline: Spline, pairs: Pairs) -> tuple[FloatArray, FloatArray]:
         """Rows of single units of the robot, and the pairs that they do not keep apart."""
-        if not pairs.many:
+        if not (pairs.many and phase.t1 > phase.t0):
             return np.zeros((0, ROW_COLUMNS)), pairs.rows
         edges = _parts(phase)
         least = self.behind(phase, spline, pairs, edges)
