@@ -23,8 +23,6 @@ from assur.planner.bound.rates import climbs, known, rates
 from assur.planner.frames.motion import Pose
 from assur.planner.laws.belt_window import travelled
 from assur.planner.model.scene import Scene
-from assur.planner.robots.five_bar import FiveBar
-from assur.planner.robots.scara import Scara
 
 RESERVE = 1e-6
 """Share of the bound that is not claimed: limits are kept up to as much (of the jerk), and times round."""
@@ -144,7 +142,7 @@ class _Way:
         modes = modes_asked(scene.robot, scene.options.elbow, scene.start.q)
         if still(scene, event):
             return self._met_still(modes)
-        bounded = isinstance(scene.robot, Scara | FiveBar) and known(scene.frames[event.frame].law)
+        bounded = scene.robot.dyads > 0 and known(scene.frames[event.frame].law)
         if not bounded or not event.poses:
             return None
         met = min(self._hit(pose, modes) for pose in event.poses)

@@ -1,6 +1,6 @@
 """The joints of an arm whose flange is guided along a point that moves, and when they can be there first.
 
-For arms that are one or two dyads in a horizontal plane, with a lift and a wrist: SCARAs and five-bars. With the
+For arms whose flange is carried by one or two dyads in a horizontal plane, with a lift and a wrist. With the
 absolute angles φ1, φ2 of a dyad, e its unit vectors, s = sin(φ2 − φ1) and b = a + l1 φ̇1² e1 + l2 φ̇2² e2,
 
     l1 φ̇1 = v·e2 / s        l2 φ̇2 = −v·e1 / s        l1 φ̈1 = b·e2 / s        l2 φ̈2 = −b·e1 / s
@@ -25,9 +25,7 @@ from assur.planner.kernels.links import (
     BASE_Y,
     BASE_YAW,
     BASE_Z,
-    FIVE_BAR,
     HEIGHT,
-    KIND,
     L1,
     L2,
     L3,
@@ -117,7 +115,7 @@ def guided(
     dx, dy = point[0, 0] - arm[BASE_X], point[0, 1] - arm[BASE_Y]
     off, turning = rates[0] * before, 1
     left, right = work[:DYAD], work[DYAD : 2 * DYAD]
-    if arm[KIND] == FIVE_BAR:
+    if arm[L3] > 0.0:  # two dyads
         x, y = 0.5 * arm[HEIGHT] * arm[BASE_SIN], 0.5 * arm[HEIGHT] * arm[BASE_COS]
         bend, other_bend = 1.0 if mode // 2 == 1 else -1.0, 1.0 if mode % 2 == 1 else -1.0
         found = dyad(arm[L1], arm[L2], bend, point, dx + x, dy - y, rates, before, off, left)

@@ -15,7 +15,6 @@ from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.robots.codes import Code
 from assur.planner.robots.robot import Robot
-from assur.planner.robots.scara import Scara
 
 LEAST_MARGIN = 1e-3
 """An arm with a smaller singularity margin has no known angles: 1 µm at its end moves them by 0.001 rad."""
@@ -62,7 +61,7 @@ def places(
 
 def modes_asked(robot: Robot, elbow: str, q: FloatArray) -> tuple[int, ...]:
     """Numbers of the working modes in which an arm that starts at q (n,) may meet its points."""
-    if elbow == "keep" and isinstance(robot, Scara):
+    if elbow == "keep" and robot.dyads == 1:
         return (int(robot.mode_of(q)),)
     return tuple(range(len(robot.modes))) if elbow in ("auto", "keep") else (robot.modes.index(elbow),)
 

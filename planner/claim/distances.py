@@ -6,10 +6,11 @@ import math
 from collections.abc import Iterable, Sequence
 
 from assur.planner.claim import columns as c
+from assur.planner.collision.nearest import nearest_at, pairs_of_pieces
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, written
 from assur.planner.collision.simplex import simplex
-from assur.planner.collision.touching import asked, nearest_pieces, supports
+from assur.planner.collision.touching import asked, supports
 from assur.planner.model.claims import Claims
 from assur.planner.model.outcome import Arrival, Certificate, LegKind, Nearest, Plan
 from assur.planner.model.phases import Phase, pair
@@ -86,21 +87,27 @@ def _row(
     pairs: Iterable[tuple[str, str]], most: float,
 ) -> list[Row]:  # fmt: skip
     """The row of the nearest of some pairs at an instant of phase number `p`; none where it is not so near."""
-    arrangement, found = prover.of(phase), []
-    carriers = prover.carriers(path.evaluate(min(max(t, path.start), path.end)), t)
-    for names in pairs:
-        bodies = [arrangement.number[name] for name in names]
-        distance, units = nearest_pieces(arrangement, carriers, *bodies)
-        if not math.isnan(distance):
-            found.append((distance, names, units))
-    if not found:
-        return []
-    _, names, units = min(found)
-    shown = simplex(arrangement, carriers, *units)
+    arrangement, q = prover.of(phase), path.evaluate(min(max(t, path.start), path.end))
+    bodies = [(arrangement.number[one], arrangement.number[other]) for one, other in pairs]
+    _, units = nearest_at(prover, arrangement, q, t, pairs_of_pieces(arrangement, bodies))
+    if units == (0, 0):
+        return []  # there is no pair, or its places are not known
+    shown = simplex(arrangement, prover.carriers(q, t), *units)
     if not shown.distance_m <= most:
         return []
-    bodies, pieces = [number[name] for name in names], arrangement.piece[list(units)].tolist()
-    return [(t, p, *bodies, *pieces, most, *shown.weights.tolist(), *shown.directions.ravel().tolist())]
+    names = [arrangement.names[body] for body in arrangement.body[list(units)]]
+    pieces = arrangement.piece[list(units)].tolist()
+    return [
+        (
+            t,
+            p,
+            *(number[name] for name in names),
+            *pieces,
+            most,
+            *shown.weights.tolist(),
+            *shown.directions.ravel().tolist(),
+        )
+    ]
 
 
 def proofs_of(prover: Prover, plan: Plan, phases: Sequence[Phase], least: tuple[float, float]) -> Certificate | None:

@@ -70,7 +70,6 @@ def frames_of(scene: Scene) -> Frames:
         laws.append(law.pieces)
         pieces += len(law.pieces)
         waves += law.waves
-    displaced = [each for row, frame in enumerate(scene.frames.values()) for each in _displaced(row, frame)]
     tables = arms.tables()
     knots = [knots_at_rest(path) for _, path in followed]
     counts = np.array([0, *map(len, knots)], dtype=float)
@@ -79,10 +78,17 @@ def frames_of(scene: Scene) -> Frames:
         "frames": c.table("frames", rows),
         "laws": np.concatenate(laws),
         "waves": c.table("waves", waves),
-        "displaced": c.table("displaced", displaced),
+        "displaced": displaced_of(scene),
         "knots": np.concatenate((c.table("knots", []), *knots)),
     }
     return Frames(tables, tuple(followed), early)
+
+
+def displaced_of(scene: Scene) -> FloatArray:
+    """What is uncertain of where frames are."""
+    return c.table(
+        "displaced", [each for row, frame in enumerate(scene.frames.values()) for each in _displaced(row, frame)]
+    )
 
 
 def _displaced(row: int, frame: Frame) -> list[tuple[float, ...]]:

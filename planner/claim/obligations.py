@@ -14,7 +14,6 @@ from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.clearance import contact_gap
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
-from assur.planner.tables.uncertainty import tool_shares
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +59,7 @@ def seats_of(scene: Scene, carriers: Carriers) -> Seats:
     robot, attached = scene.robot, at_start(scene)
     links = [item.link for item in robot.bodies] + [carriers.flange] * len(scene.tool.bodies)
     rows: list[tuple[float, ...]] = [(k, link, -1, 0.0, 0.0, 0.0, 0.0) for k, link in enumerate(links)]
-    rows += [(carriers.body[item.name], *_place(scene, carriers, attached, item.name)) for item in scene.bodies]
+    rows += [seat_of(scene, carriers, attached, item.name) for item in scene.bodies]
     parts = {step.part for step in scene.task if step.part is not None}
     if attached.held is not None:
         parts.add(attached.held.part)
@@ -68,14 +67,14 @@ def seats_of(scene: Scene, carriers: Carriers) -> Seats:
     return Seats(c.table("seats", rows), tuple((part, k) for k, part in moved))
 
 
-def _place(scene: Scene, carriers: Carriers, attached: Attachments, name: str) -> tuple[float, ...]:
-    """Link, frame and pose of a body around the robot, or in its gripper."""
+def seat_of(scene: Scene, carriers: Carriers, attached: Attachments, name: str) -> tuple[float, ...]:
+    """The seat of a body around the robot, or in its gripper."""
     if attached.held is not None and attached.held.part == name:
         link, frame, pose = carriers.flange, -1, attached.held.in_flange
     else:
         on, pose = attached.pose_of(scene, name)
         link, frame = -1, carriers.frame[on]
-    return link, frame, pose.x, pose.y, pose.z, pose.yaw
+    return carriers.body[name], link, frame, pose.x, pose.y, pose.z, pose.yaw
 
 
 def phases_of(scene: Scene, carriers: Carriers, seats: Seats, phases: Sequence[Phase]) -> dict[str, FloatArray]:
@@ -91,9 +90,8 @@ def phases_of(scene: Scene, carriers: Carriers, seats: Seats, phases: Sequence[P
     for p, phase in enumerate(phases):
         if phase.attached is not attached:
             attached, now = phase.attached, []
-            for name, k in seats.moved:
-                key = (float(k), *_place(scene, carriers, attached, name))
-                now.append(rows.setdefault(key, begin + len(rows)))
+            for name, _ in seats.moved:
+                now.append(rows.setdefault(seat_of(scene, carriers, attached, name), begin + len(rows)))
         for (_, k), row in zip(seats.moved, now, strict=True):
             seated[p, k] = row
         held = None if attached.held is None else attached.held.part
@@ -114,21 +112,24 @@ def phases_of(scene: Scene, carriers: Carriers, seats: Seats, phases: Sequence[P
         "seats": np.concatenate((seats.rows, added)) if added else seats.rows,
         "seated": seated,
         "off": off,
-        "shares": _shares(scene, carriers, phases),
+        "shares": shares_of(scene, phases),
         "contacts": c.table("contacts", contacts),
         "put_down": c.table("put_down", put_down),
         "supports": np.array(supports, dtype=float).reshape(len(supports), many),
     }
 
 
-def _shares(scene: Scene, carriers: Carriers, phases: Sequence[Phase]) -> FloatArray:
+def shares_of(scene: Scene, phases: Sequence[Phase]) -> FloatArray:
     """The share (phases, 2 F) that the tool has in the displacement of each frame along its line: at least, at most."""
-    many = len(carriers.frame)
+    many, number = len(scene.frames), {name: k for k, name in enumerate(scene.frames)}
     found = np.zeros((len(phases), 2 * many))
     for p, phase in enumerate(phases if scene.execution.belt_correction else ()):
-        for name, (least, most) in tool_shares(scene, phase).items():
-            k = carriers.frame[name]
-            found[p, k], found[p, many + k] = least, most
+        shares = dict.fromkeys(phase.corrected, (0.0, 1.0))
+        if phase.tracked is not None:
+            always = 1.0 if scene.corrects_all(phase.tracked) else 0.0
+            shares = {phase.tracked: (always, 1.0)} if scene.corrects(phase.tracked) else {}
+        for name, (least, most) in shares.items():
+            found[p, number[name]], found[p, many + number[name]] = least, most
     return found
 
 

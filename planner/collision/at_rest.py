@@ -8,18 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.collision.bodies import Arrangement
+from assur.planner.collision.pairs import certain
 from assur.planner.collision.proof import Prover
 from assur.planner.geometry.containment import inside
 from assur.planner.kernels.intervals import RESERVE_M
 from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_GAP, HIT_NEED, HIT_PAIR
-from assur.planner.kernels.solids import EARLY, FIRST, LATE, SECOND, SET
+from assur.planner.kernels.solids import FIRST, SECOND
 from assur.planner.model.attachments import Attachments
-from assur.planner.model.clearance import rule_of
 from assur.planner.model.deadline import look
 from assur.planner.model.phases import Contacts, Phase, pair
 from assur.planner.model.refusal import Separation
 from assur.planner.model.scene import Scene
-from assur.planner.tables.bodies import Arrangement
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +51,7 @@ def closest(
     only these bodies of the surroundings, against what hangs on the flange."""
     arrangement = prover.of(phase)
     stands = prover.standing(q, phase.t0)
-    pairs = prover.near(phase, stands).copy()
-    pairs[:, SET], pairs[:, EARLY : LATE + 1] = -1.0, 0.0
+    pairs = certain(prover.near(phase, stands))
     one, other = (arrangement.body[pairs[:, column].astype(np.int64)] for column in (FIRST, SECOND))
     names = [pair(arrangement.names[a], arrangement.names[b]) for a, b in zip(one, other, strict=True)]
     wanted = np.array([each not in contacts for each in names], dtype=bool)
@@ -69,7 +68,7 @@ def closest(
     first, second = (arrangement.names[arrangement.body[unit]] for unit in units)
     touching = bool(prover.touch(arrangement, stands, phase.t0, *units))
     apart = min(gap if touching else max(0.0, gap), need)
-    rule, clearance = rule_of(scene, phase, first, second)
+    rule, clearance = prover.rule(phase, first, second)
     facts = Separation(touching=touching, gap_m=apart, required_m=need, rule=rule, clearance_m=clearance)
     return TooNear((first, second), facts, units)
 

@@ -20,9 +20,9 @@ def deepest(prover: Prover, phase: Phase, trajectory: Trajectory, unproved: Unpr
     """A pair that may touch and was not proved in a phase, where it is deepest: there, or at an end of the phase."""
     arrangement, spline = prover.of(phase), prover.spline(trajectory)
     pairs = prover.pairs(arrangement, phase)
-    body = arrangement.body[pairs.every[:, [FIRST, SECOND]].astype(np.int64)]
+    body = arrangement.body[pairs.rows[:, [FIRST, SECOND]].astype(np.int64)]
     ours = [arrangement.number[name] for name in unproved.bodies]
-    touching = pairs.every[(body == ours).all(1) & (pairs.every[:, REQUIRED] < 0.0)]
+    touching = pairs.rows[(body == ours).all(1) & (pairs.rows[:, REQUIRED] < 0.0)]
     for t in (phase.t0, phase.t1) if len(touching) else ():
         search = Search(prover, replace(phase, t0=t, t1=t), spline, touching, pairs.doubt, most_hits=len(touching))
         while search.go_on(SCREEN) not in (DONE, HIT, RESISTED) and not search.over:

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from itertools import product
 from typing import Literal
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
+from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.collision.bodies import Arrangement
+from assur.planner.collision.pairs import Pairs, certain
 from assur.planner.collision.proof import Prover, Search
 from assur.planner.kernels.intervals import DONE, STATE_COLUMNS
 from assur.planner.kernels.nearest import LOWER, NEAREST_A, NEAREST_B, NEAREST_T, UPPER, sample_distance
 from assur.planner.kernels.planes import SIDES
-from assur.planner.kernels.solids import EARLY, FIRST, LATE, REQUIRED, SECOND, SET
+from assur.planner.kernels.solids import FIRST, PAIR_COLUMNS, REQUIRED, SECOND, SET
 from assur.planner.kernels.walk import NEAREST
 from assur.planner.model.deadline import out_of_time
 from assur.planner.model.outcome import Nearest
 from assur.planner.model.phases import Phase, pair
-from assur.planner.tables.bodies import Arrangement
 from assur.planner.trajectory import Trajectory
 
 Kind = Literal["all", "arm", "placed"]
@@ -74,18 +77,39 @@ def nearest(
     return Nearest(lower, time, (first, second), where.kind, upper)
 
 
-def _others(arrangement: Arrangement, pairs: FloatArray, without: frozenset[tuple[str, str]], of: Kind) -> FloatArray:
-    """The rows of pairs of a kind whose bodies are not in `without`."""
+def pairs_of_pieces(arrangement: Arrangement, bodies: Iterable[tuple[int, int]]) -> FloatArray:
+    """The pairs (P, PAIR_COLUMNS) of all pieces of pairs of bodies, of which a gap of 0 is required."""
+    units = [two for one, other in bodies for two in product(arrangement.pieces(one), arrangement.pieces(other))]
+    found = np.zeros((len(units), PAIR_COLUMNS))
+    found[:, FIRST : SECOND + 1], found[:, SET] = np.array(units).reshape(-1, 2), -1.0
+    return found
+
+
+def nearest_at(
+    prover: Prover, arrangement: Arrangement, q: FloatArray, t: float, pairs: FloatArray
+) -> tuple[float, tuple[int, int]]:
+    """The smallest distance, m, of pairs of pieces (P, PAIR_COLUMNS) at time t with joints q (n,), and the two units
+    that have it; infinite: the place of none is known."""
+    state = np.zeros(STATE_COLUMNS)
+    state[UPPER] = np.inf
+    sample_distance(prover.motion(prover.standing(q, t)), arrangement.cell, pairs, t, t, 1, state)
+    return float(state[UPPER]), (int(state[NEAREST_A]), int(state[NEAREST_B]))
+
+
+def _counted(
+    arrangement: Arrangement, asked: Pairs, without: frozenset[tuple[str, str]], of: Kind
+) -> FloatArray:  # fmt: skip
+    """The rows of pairs of a kind that may not touch and whose bodies are not in `without`, where all is where it is
+    planned."""
+    pairs = certain(asked.rows[asked.rows[:, REQUIRED] >= 0.0])
+    units = pairs[:, FIRST : SECOND + 1].astype(np.int64)
+    counted: BoolArray = np.ones(len(pairs), dtype=np.bool_)
     if of != "all":
-        carriers = arrangement.carrier[pairs[:, [FIRST, SECOND]].astype(np.int64)]
-        placed = (carriers >= arrangement.links).all(axis=1)
-        pairs = np.ascontiguousarray(pairs[placed if of == "placed" else ~placed])
-    if not without:
-        return pairs
-    names, body = arrangement.names, arrangement.body
-    units = pairs[:, [FIRST, SECOND]].astype(np.int64).tolist()
-    kept = [pair(names[body[a]], names[body[b]]) not in without for a, b in units]
-    return np.ascontiguousarray(pairs[np.array(kept, dtype=bool)])
+        counted = (arrangement.carrier[units] >= arrangement.links).all(axis=1) == (of == "placed")
+    if without:
+        names = [[arrangement.names[body] for body in two] for two in arrangement.body[units].tolist()]
+        counted &= np.array([pair(*two) not in without for two in names], dtype=np.bool_)
+    return pairs[counted]
 
 
 def _search(
@@ -98,30 +122,23 @@ def _search(
 ) -> None:
     """Goes on with the search over one phase."""
     arrangement, spline = prover.of(phase), prover.spline(trajectory)
-    motion, asked = prover.motion(spline), prover.pairs(arrangement, phase)
-    within, pairs, many = NEARBY_M, asked.every, asked.many
-    if not len(_others(arrangement, pairs, without, of)):
+    motion, asked, within = prover.motion(spline), prover.pairs(arrangement, phase), NEARBY_M
+    pairs = counted = _counted(arrangement, asked, without, of)
+    if not len(counted):
         return
-    least = prover.behind(phase, spline, asked) if many else np.zeros((0, SIDES))
-    while many:
+    least = prover.behind(phase, spline, asked) if asked.many else np.zeros((0, SIDES))
+    while True:
         # what planes keep further apart than `within` cannot be nearest, if anything is found that is nearer
         within = min(within, float(state[UPPER]))
-        others = asked.others.copy()
-        others[:, REQUIRED - 1], others[:, SET - 1] = within, -1.0
-        close = prover.not_behind(phase, asked, others, least)
-        pairs = _others(arrangement, close, without, of)
+        if asked.many:
+            counted[:, REQUIRED] = within
+            pairs = prover.not_behind(phase, asked, counted, least)
         sample_distance(motion, arrangement.cell, pairs, phase.t0, phase.t1, INSTANTS, state)
-        if state[UPPER] <= within or len(close) == len(asked):
+        if len(pairs) == len(counted) or state[UPPER] <= within:
             break
         within *= 2
-    if not many:
-        pairs = _others(arrangement, pairs, without, of)
-        sample_distance(motion, arrangement.cell, pairs, phase.t0, phase.t1, INSTANTS, state)
-    pairs = pairs[pairs[:, REQUIRED] >= 0.0]
     if not len(pairs):
         return
-    # where all is where it is planned
-    pairs[:, SET], pairs[:, EARLY : LATE + 1] = -1.0, 0.0
     search = Search(prover, phase, spline, pairs, prover.exact)
     search.state[1:] = state[1:]
     for _ in range(MOST_CALLS):

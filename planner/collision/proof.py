@@ -8,7 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.collision.bodies import Arrangement, Bodies
 from assur.planner.collision.fcl_door import Collider, Posed
+from assur.planner.collision.pairs import Pairs, PairTables
 from assur.planner.collision.rows import Rows, Unproved
 from assur.planner.kernels.carriers import place_carriers
 from assur.planner.kernels.intervals import (
@@ -42,18 +44,16 @@ from assur.planner.kernels.proof import (
     UNIT,
 )
 from assur.planner.kernels.screening import HIT_COLUMNS, HIT_GAP, HITS, depths, sampled_behind
-from assur.planner.kernels.solids import BODY, EARLY, FIRST, LATE, PAIR_COLUMNS, REQUIRED, SECOND, SET
+from assur.planner.kernels.solids import EARLY, FIRST, LATE, PAIR_COLUMNS, REQUIRED, SECOND, SET
 from assur.planner.kernels.spline import spline_state
 from assur.planner.kernels.uncertainty import SET_COLUMNS, Doubt, growing_for
-from assur.planner.kernels.units import pose_shapes
 from assur.planner.kernels.walk import PROVE, SCREEN, walk
 from assur.planner.laws import law_tables
 from assur.planner.model.assembly_mode import has_loop
 from assur.planner.model.deadline import out_of_time
 from assur.planner.model.phases import Phase
+from assur.planner.model.refusal import Rule
 from assur.planner.model.scene import Scene
-from assur.planner.tables.bodies import Arrangement, Bodies
-from assur.planner.tables.pairs import Pairs, PairTables
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import Spline, spline_table
 
@@ -145,7 +145,7 @@ class Prover:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.arrangement = Bodies(scene)
-        self.pairs = PairTables(scene)
+        self.pairs = PairTables(scene, self.arrangement)
         self.laws, self.side = law_tables([frame.law for frame in scene.frames.values()])
         self.carried_by = scene.robot.row, self.laws, self.side
         """What says where the carriers are: robot, laws of frames and their side table."""
@@ -162,6 +162,13 @@ class Prover:
     def of(self, phase: Phase) -> Arrangement:
         """The arrangement of a phase."""
         return self.arrangement(phase.attached)
+
+    def rule(self, phase: Phase, *names: str) -> tuple[Rule, float]:
+        """What says how far two bodies must stay apart in a phase, before what is uncertain of them, and how far, m:
+        less than 0 for a pair that may touch."""
+        arrangement = self.of(phase)
+        one, other = (int(arrangement.roots[arrangement.number[name]]) for name in names)
+        return self.pairs(arrangement, phase).rule(one, other)
 
     def spline(self, trajectory: Trajectory) -> Spline:
         """The tables of a trajectory; those of the last one are kept, for its phases are proved one after the other."""
@@ -181,24 +188,18 @@ class Prover:
 
     def prove(self, phase: Phase, trajectory: Trajectory) -> Rows | Unproved:
         """Rows that cover every asked pair over the whole phase, or the first pair that resists."""
-        arrangement = self.of(phase)
-        if not phase.t1 > phase.t0:
-            return Rows(arrangement, np.zeros((0, ROW_COLUMNS)))
-        spline, pairs = self.spline(trajectory), self.pairs(arrangement, phase)
+        spline, pairs = self.spline(trajectory), self.pairs(self.of(phase), phase)
         known = self._rows.get(phase)
         if known is None:
             known, asked = self._planes(phase, spline, pairs)
         else:
-            asked = pairs.every[pairs.every[:, REQUIRED] < 0.0]
+            asked = pairs.rows[pairs.rows[:, REQUIRED] < 0.0]
         return self._shown(phase, spline, known, asked, pairs.doubt)
 
     def prove_gaps(self, phase: Phase, trajectory: Trajectory, arm: float, placed: float) -> Rows | Unproved:
         """The same for other distances, m, where all is where it is planned: `arm` for pairs with a body of the robot,
         `placed` for those of parts that were put down; less than 0: none is required. Pairs in contact do not count."""
-        arrangement = self.of(phase)
-        if not phase.t1 > phase.t0:
-            return Rows(arrangement, np.zeros((0, ROW_COLUMNS)))
-        pairs = self.pairs(arrangement, phase).exactly(arm, placed)
+        pairs = self.pairs(self.of(phase), phase).exactly(arm, placed)
         return self._shown(phase, self.spline(trajectory), np.zeros((0, ROW_COLUMNS)), pairs, self.exact)
 
     def _shown(
@@ -206,7 +207,7 @@ class Prover:
     ) -> Rows | Unproved:
         """The rows that are `known`, and those that show all pairs that are left, or the first pair that resists."""
         arrangement = self.of(phase)
-        if not len(asked):
+        if not (len(asked) and phase.t1 > phase.t0):
             return Rows(arrangement, known)
         search = Search(self, phase, spline, asked, doubt)
         while True:
@@ -245,8 +246,8 @@ class Prover:
         """The pairs (P, PAIR_COLUMNS) of a phase that are not kept apart by planes, if there are many."""
         pairs = self.pairs(self.of(phase), phase)
         if not pairs.many:
-            return pairs.every
-        return self.not_behind(phase, pairs, pairs.others, self.behind(phase, spline, pairs))
+            return pairs.rows
+        return self.not_behind(phase, pairs, pairs.rows, self.behind(phase, spline, pairs))
 
     def behind(self, phase: Phase, spline: Spline, pairs: Pairs, edges: FloatArray | None = None) -> FloatArray:
         """How far behind planes the robot's units are proved to stay (R, 6), interval by interval between `edges`."""
@@ -262,28 +263,27 @@ class Prover:
         return least
 
     def not_behind(
-        self, phase: Phase, pairs: Pairs, others: FloatArray, least: FloatArray, used: FloatArray | None = None
+        self, phase: Phase, pairs: Pairs, rows: FloatArray, least: FloatArray, used: FloatArray | None = None
     ) -> FloatArray:
-        """The pairs (P, PAIR_COLUMNS) of a phase that no plane of `least` keeps as far apart as `others` says; `used`
-        (R, 6) becomes 1 for planes that are needed for the others."""
-        left = np.empty((len(pairs.mine) * len(others), PAIR_COLUMNS))
-        used = np.zeros_like(least) if used is None else used
-        sets, lasts = pairs.doubt[0], growing_for(pairs.doubt[2], phase.t1)
+        """Those of `rows` (P, PAIR_COLUMNS) of a phase that no plane of `least` keeps as far apart as is required;
+        `used` (R, 6) becomes 1 for planes that are needed for the others."""
+        left, used = np.empty_like(rows), np.zeros_like(least) if used is None else used
+        arrangement, lasts = self.of(phase), growing_for(pairs.doubt[2], phase.t1)
         many = not_behind(
-            self.of(phase).boxes, pairs.mine, pairs.kinds, least, others, pairs.special, sets, lasts, used, left
-        )
-        return np.concatenate([left[:many], pairs.own])
+            arrangement.boxes, rows, pairs.number(arrangement), least, pairs.doubt[0], lasts, used, left
+        )  # fmt: skip
+        return left[:many]
 
     def _planes(self, phase: Phase, spline: Spline, pairs: Pairs) -> tuple[FloatArray, FloatArray]:
         """Rows of single units of the robot, and the pairs that they do not keep apart."""
-        if not pairs.many:
-            return np.zeros((0, ROW_COLUMNS)), pairs.every
+        if not (pairs.many and phase.t1 > phase.t0):
+            return np.zeros((0, ROW_COLUMNS)), pairs.rows
         edges = _parts(phase)
         least = self.behind(phase, spline, pairs, edges)
         used = np.zeros_like(least)
-        left = self.not_behind(phase, pairs, pairs.others, least, used)
-        sets, lasts = pairs.doubt[0], growing_for(pairs.doubt[2], phase.t1)
-        drop_spare(self.of(phase).boxes, pairs.mine, pairs.kinds, least, pairs.others, sets, lasts, used)
+        left = self.not_behind(phase, pairs, pairs.rows, least, used)
+        arrangement, lasts = self.of(phase), growing_for(pairs.doubt[2], phase.t1)
+        drop_spare(arrangement.boxes, pairs.rows, pairs.number(arrangement), least, pairs.doubt[0], lasts, used)
         # what does not move needs no parts
         ends = edges[[0, -1]]
         whole: BoolArray = np.all(self.behind(phase, spline, pairs, ends) >= least, axis=1)
@@ -318,12 +318,12 @@ class Prover:
         (`kernels.screening.depths`)."""
         arrangement, found = self.of(phase), np.empty(len(t))
         pairs = self.pairs(arrangement, phase)
-        asked = pairs.every
+        asked = pairs.rows
         if pairs.many:
             least = np.empty((len(pairs.mine), SIDES))
             flat = q.reshape(-1, q.shape[-1]), t.reshape(-1)
             sampled_behind(*self.carried_by, *flat, arrangement.cell, pairs.mine, least)
-            asked = self.not_behind(phase, pairs, pairs.others, least)
+            asked = self.not_behind(phase, pairs, pairs.rows, least)
         depths(
             *self.carried_by, self.scene.robot.limits.table, q, t, arrangement.cell, asked, pairs.doubt[0],
             growing_for(pairs.doubt[2], phase.t1), deepest, most, found,
@@ -355,14 +355,16 @@ class Prover:
 
     def posed(self, arrangement: Arrangement, q: FloatArray, t: float, units: IntArray) -> list[Posed]:
         """The shapes of units (N,), which are pieces, where they are at time t with joints q."""
-        rows, own = arrangement.rows, arrangement.bodies.own
-        carriers = np.empty((len(arrangement.bodies.still), POSE_COLUMNS))
-        placed = np.empty((1, len(rows), POSE_COLUMNS))
-        pose_shapes(*self.carried_by, np.array(q), t, rows, own, units, carriers, placed)
-        names, body = arrangement.names, rows[units, BODY].astype(np.int64).tolist()
+        placed, names = arrangement.placed(self.carriers(q, t), units), arrangement.names
+        axes = placed[0, :, 3:].reshape(-1, 3, 3)
         return [
-            Posed(names[b], arrangement.shape(i), placed[0, i, :3], placed[0, i, 3:].reshape(3, 3))
-            for i, b in zip(units.tolist(), body, strict=True)
+            Posed(
+                names[arrangement.body[i]],
+                arrangement.shape(i),
+                placed[0, i, :3] - axes[i] @ arrangement.offset(i),
+                axes[i],
+            )
+            for i in units.tolist()
         ]
 
 

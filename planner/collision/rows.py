@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.arrays import FloatArray
+from assur.planner.collision.bodies import Arrangement
 from assur.planner.kernels.proof import ALONG, FROM, OTHER, T0, T1, TO, UNIT
 from assur.planner.kernels.solids import BODY, PIECE
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Arrival, Certificate, Leg, covered
 from assur.planner.model.scene import Scene
-from assur.planner.tables.bodies import Arrangement
 from assur.planner.trajectory import Trajectory
 
 
@@ -40,16 +40,6 @@ class Rows:
 
     def __len__(self) -> int:
         return len(self.table)
-
-    @property
-    def first(self) -> IntArray:
-        """(N,) first units."""
-        return self.table[:, UNIT].astype(np.int64)
-
-    @property
-    def second(self) -> IntArray:
-        """(N,) second units, -1 for none."""
-        return self.table[:, OTHER].astype(np.int64)
 
 
 def written(

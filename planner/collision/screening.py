@@ -20,7 +20,6 @@ from assur.planner.kernels.intervals import RESERVE_M
 from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_GAP, HIT_NEED, HIT_S, HIT_T
 from assur.planner.kernels.spline import spline_state
 from assur.planner.model.assembly_mode import leaves_assembly
-from assur.planner.model.clearance import rule_of
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Separation, Stage
 from assur.planner.trajectory import Trajectory
@@ -117,7 +116,7 @@ def _encounter(prover: Prover, phase: Phase, hit: list[float], q: FloatArray) ->
     step = phase.step if phase.step >= 0 else len(prover.scene.task) - 1
     gap, required = hit[HIT_GAP], hit[HIT_NEED] - RESERVE_M
     names = arrangement.names[first], arrangement.names[second]
-    rule, clearance = rule_of(prover.scene, phase, *names)
+    rule, clearance = prover.rule(phase, *names)
     refusal = Refusal(
         stage=Stage.SCREENING,
         reason=Reason.SELF_COLLISION if arrangement.of_robot[second] else Reason.BODY_COLLISION,

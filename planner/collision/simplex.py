@@ -12,15 +12,14 @@ from typing import NamedTuple
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.collision.bodies import Arrangement
 from assur.planner.kernels.gjk import add_farthest, nearest_to_origin
-from assur.planner.kernels.links import POSE_COLUMNS
-from assur.planner.kernels.solids import BALL, place
-from assur.planner.tables.bodies import Arrangement
+from assur.planner.kernels.solids import BALL
 
 TURNS = 1e-5 * np.array([[0.61, -0.37, 0.7], [0.37, 0.7, -0.61], [-0.7, 0.61, 0.37], [0.28, 0.55, 0.79]])
-"""One of them is added to unit directions. So a checker chooses the same points for edges of 0.5 mm or more, however it
-checker chooses the same points for edges of 0.5 mm or more, whatever it rounds."""
-ENOUGH_M = 2e-6
+"""One of them is added to unit directions. So a checker chooses the same points for edges of 0.5 mm or more,
+whatever it rounds."""
+ENOUGH_M = 5e-7
 """The search ends when the distance is known to this, m."""
 MEET_M = 1e-9
 """Points this near have no direction, m."""
@@ -40,9 +39,7 @@ class Simplex(NamedTuple):
 def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int) -> Simplex:
     """That of units a and b, which are pieces, with their carriers (K, 12) where they are."""
     rows, vertices = arrangement.rows, arrangement.bodies.vertices
-    placed = np.empty((1, len(rows), POSE_COLUMNS))
-    for unit in (a, b):
-        place(rows, unit, carriers, placed, 0)
+    placed = arrangement.placed(carriers, (a, b))
     axes = np.concatenate([placed[0, unit, 3:12].reshape(3, 3) for unit in (a, b)], axis=1)
     turn = TURNS[np.argmax(np.abs(TURNS @ axes).min(axis=1))]
     balls, work = float(rows[a, BALL] + rows[b, BALL]), np.empty((3, 4))

@@ -8,21 +8,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from itertools import product
 
-import numpy as np
-
-from assur.planner.arrays import FloatArray
+from assur.planner.collision.nearest import nearest_at, pairs_of_pieces
 from assur.planner.collision.proof import Prover
-from assur.planner.kernels.gjk import separate
-from assur.planner.kernels.links import POSE_COLUMNS
-from assur.planner.kernels.solids import RADIUS, place
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.outcome import Arrival
 from assur.planner.model.phases import contacts_of
 from assur.planner.model.refusal import Bodies, NotTouching, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Step
-from assur.planner.tables.bodies import Arrangement
 
 TOUCH_M = 1e-6
 """Bodies this near, m, count as touching where that is asked: faces that lie on each other are computed some roundings
@@ -125,34 +118,9 @@ def _measured(
 def _nearest(prover: Prover, attached: Attachments, t: float, pairs: list[tuple[str, str]]) -> Nearest | None:
     """The nearest of pairs of bodies."""
     arrangement = prover.arrangement(attached)
-    carriers, found = prover.carriers(prover.scene.start.q, t), None
-    for names in pairs:
-        distance, _ = nearest_pieces(arrangement, carriers, *(arrangement.number[name] for name in names))
-        if not math.isnan(distance) and (found is None or distance < found.distance_m):
-            found = Nearest(distance, names)
-    return found
-
-
-def nearest_pieces(
-    arrangement: Arrangement, carriers: FloatArray, one: int, other: int
-) -> tuple[float, tuple[int, int]]:
-    """How far two bodies are apart at most, m (NaN: where they are is not known), and the units of theirs that are."""
-    rows, vertices = arrangement.rows, arrangement.bodies.vertices
-    units = [*arrangement.pieces(one), *arrangement.pieces(other)]
-    placed, count = np.empty((1, len(rows), POSE_COLUMNS)), len(arrangement.pieces(one))
-    for unit in units:
-        place(rows, unit, carriers, placed, 0)
-    if not np.isfinite(placed[0, units]).all():
-        return math.nan, (units[0], units[count])
-    pairs = np.array(list(product(units[:count], units[count:])))
-    centres, radii = placed[0, :, :3], rows[:, RADIUS]
-    least = np.linalg.norm(centres[pairs[:, 0]] - centres[pairs[:, 1]], axis=1) - radii[pairs].sum(axis=1)
-    points, work, found, both = np.empty((4, 3)), np.empty((3, 4)), math.inf, (units[0], units[count])
-    for k in np.argsort(least, kind="stable").tolist():
-        if not least[k] < found:
-            break
-        a, b = pairs[k].tolist()
-        above = separate(rows, vertices, placed, 0, a, b, math.inf, points, -1, 0.0, points, work)[4]
-        if above < found:
-            found, both = above, (a, b)
-    return found, both
+    bodies = [(arrangement.number[one], arrangement.number[other]) for one, other in pairs]
+    found, units = nearest_at(prover, arrangement, prover.scene.start.q, t, pairs_of_pieces(arrangement, bodies))
+    if not math.isfinite(found):
+        return None
+    first, second = (arrangement.names[arrangement.body[unit]] for unit in units)
+    return Nearest(found, (first, second))

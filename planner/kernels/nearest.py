@@ -100,14 +100,14 @@ def bounded(
 def sample_distance(
     motion: Motion, cell: Cell, pairs: FloatArray, t0: float, t1: float, many: int, state: FloatArray
 ) -> None:
-    """Lowers the smallest distance found, at `many` > 1 instants of [t0, t1]; bodies of several pieces are left out."""
+    """Lowers the smallest distance found, at `many` instants of [t0, t1]; bodies of several pieces are left out."""
     robot, laws, side, tk, c, _ = motion
     bodies, vertices, still = cell
     carriers, placed = np.empty((1, len(still), POSE_COLUMNS)), np.empty((1, len(bodies), POSE_COLUMNS))
     stamp, q = np.zeros(len(bodies), dtype=np.int64), np.empty(c.shape[1])
     points, work = np.empty((4, 3)), np.empty((3, 4))
     for i in range(many):
-        t = t0 + (t1 - t0) * i / (many - 1)
+        t = t0 + (t1 - t0) * i / max(many - 1, 1)
         spline_state(tk, c, t, q)
         place_carriers(robot, laws, side, q, t, carriers[0])
         for p in range(len(pairs)):
@@ -118,7 +118,8 @@ def sample_distance(
             fetch(bodies, b, carriers, placed, stamp, i + 1, still)
             if spheres_apart(bodies, placed, 0, a, b, state[UPPER]):
                 continue
-            if likely(bodies, vertices, placed, 0, a, b, state[UPPER])[0] > state[UPPER]:
+            found = likely(bodies, vertices, placed, 0, a, b, state[UPPER])[0]
+            if found > state[UPPER] or not found > -math.inf:
                 continue
             _, _, _, _, above = separate(bodies, vertices, placed, 0, a, b, state[UPPER], points, -1, 0.0, points, work)
             if above < state[UPPER]:

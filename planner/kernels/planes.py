@@ -2,8 +2,7 @@
 
 In a large cell most of what stands around is far from the arm, and a few rows of single units of the robot do for all
 of it. The six sides are the normals +x, +y, +z, −x, −y, −z of the world. `boxes` (U, 6): least and greatest coordinates
-of units, m; `others` (O, PAIR_COLUMNS - 1): bodies of the surroundings and what is required of them, the columns of a
-pair without its first unit. The set of a pair is that number plus the `kind` of the robot's unit, where there are sets.
+of units, m.
 """
 
 from __future__ import annotations
@@ -102,114 +101,78 @@ def behind(motion: Motion, cell: Cell, doubt: Doubt, units: IntArray, edges: Flo
                 least[r, k] = min(least[r, k], shown) if shown > -math.inf else -math.inf
 
 
-@kernel(f"float64({TABLE}, int64, int64, {TABLE}, float64, int64)")
-def wanted_beyond(others: FloatArray, o: int, kind: int, sets: FloatArray, lasts: float, side: int) -> float:
-    """The distance, m, that body number o must be from a plane of a side for a unit of the robot of a kind behind
-    it."""
-    found, k = others[o, REQUIRED - 1] + RESERVE_M, int(others[o, SET - 1])
-    if k < 0:
-        return float(found)
+@kernel(f"float64({TABLE}, {TABLE}, int64, {TABLE}, int64, {TABLE}, float64, int64)")
+def spare_beyond(
+    boxes: FloatArray, pairs: FloatArray, p: int, least: FloatArray, r: int, sets: FloatArray, lasts: float, side: int
+) -> float:
+    """How much farther than required the second unit of pair p is from the plane of a side that unit number r of the
+    robot stays behind, m; NaN for what does not stand still."""
+    b = int(pairs[p, SECOND])
     nx, ny, nz = side_normal(side)
-    return float(found + spread(sets, k + kind, lasts, nx, ny, nz))
+    found = least[r, side] + (boxes[b, side] if side < 3 else -boxes[b, side]) - pairs[p, REQUIRED] - RESERVE_M
+    return float(found - spread(sets, int(pairs[p, SET]), lasts, nx, ny, nz))
 
 
-@kernel(
-    f"int64({TABLE}, {NUMBERS}, {NUMBERS}, {TABLE}, {TABLE}, {TABLE}, {TABLE}, float64, {TABLE}, {TABLE})",
-    allocates=True,
-)
+@kernel(f"int64({TABLE}, {TABLE}, {NUMBERS}, {TABLE}, {TABLE}, float64, {TABLE}, {TABLE})")
 def not_behind(
     boxes: FloatArray,
-    units: IntArray,
-    kinds: IntArray,
+    pairs: FloatArray,
+    number: IntArray,
     least: FloatArray,
-    others: FloatArray,
-    special: FloatArray,
     sets: FloatArray,
     lasts: float,
     used: FloatArray,
-    pairs: FloatArray,
+    left: FloatArray,
 ) -> int:
-    """Writes the pairs of `units` (R,) and `others` that no plane keeps apart to `pairs`; returns how many they are.
+    """Writes the `pairs` (P, PAIR_COLUMNS) that no plane keeps apart to `left` (P, PAIR_COLUMNS); returns how many they
+    are.
 
-    `least` (R, 6) is what `behind` found; `used` (R, 6) becomes 1 where it is needed. `boxes` are NaN for what does not
-    stand still. `special` (A, PAIR_COLUMNS): pairs with what is required of them instead of what `others` says, which
-    is never more. `sets`: by how much more they must be apart, where errors have grown for `lasts` seconds. -1: `pairs`
-    is too short.
+    `number` (U,): the row of `least` (R, 6) of each unit of the robot, -1 for all others. `least` is the result of
+    `behind`; `used` (R, 6) becomes 1 where it is needed. `boxes` are NaN for what does not stand still. `sets`: by how
+    much more pairs must be apart, where errors have grown for `lasts` seconds.
     """
-    together, count = np.empty(SIDES), 0
-    for k in range(SIDES):
-        together[k] = math.inf
-        for r in range(len(units)):
-            together[k] = min(together[k], least[r, k])
-    for o in range(len(others)):
-        b, unsure = int(others[o, 0]), others[o, SET - 1] >= 0.0
-        best, side = -math.inf, 0
-        for k in range(0 if unsure else SIDES):  # sets are asked unit by unit
-            beyond = together[k] + (boxes[b, k] if k < 3 else -boxes[b, k])
-            if beyond > best:
-                best, side = beyond, k
-        if best >= others[o, REQUIRED - 1] + RESERVE_M:
-            for r in range(len(units)):
-                used[r, side] = 1.0
+    count = 0
+    for p in range(len(pairs)):
+        r, best, side, apart = number[int(pairs[p, FIRST])], -math.inf, 0, False
+        for k in range(SIDES if r >= 0 else 0):
+            spare = spare_beyond(boxes, pairs, p, least, r, sets, lasts, k)
+            apart = apart or (used[r, k] > 0.0 and spare >= 0.0)
+            if spare > best:
+                best, side = spare, k
+        if apart:
             continue
-        for r in range(len(units)):
-            best, side, apart = -math.inf, 0, False
-            for k in range(SIDES):
-                beyond = least[r, k] + (boxes[b, k] if k < 3 else -boxes[b, k])
-                beyond -= wanted_beyond(others, o, kinds[r], sets, lasts, k)
-                apart = apart or (used[r, k] > 0.0 and beyond >= 0.0)
-                if beyond > best:
-                    best, side = beyond, k
-            if apart:
-                continue
-            if best >= 0.0:
-                used[r, side] = 1.0
-                continue
-            if count == len(pairs):
-                return -1
-            pairs[count, FIRST], pairs[count, SECOND] = units[r], b
-            for column in range(REQUIRED, PAIR_COLUMNS):
-                pairs[count, column] = others[o, column - 1]
-            if unsure:
-                pairs[count, SET] += kinds[r]
-            for k in range(len(special)):
-                if special[k, FIRST] == units[r] and special[k, SECOND] == b:
-                    for column in range(REQUIRED, PAIR_COLUMNS):
-                        pairs[count, column] = special[k, column]
-            count += 1
+        if best >= 0.0:
+            used[r, side] = 1.0
+            continue
+        for column in range(PAIR_COLUMNS):
+            left[count, column] = pairs[p, column]
+        count += 1
     return count
 
 
-@kernel(f"void({TABLE}, {NUMBERS}, {NUMBERS}, {TABLE}, {TABLE}, {TABLE}, float64, {TABLE})")
+@kernel(f"void({TABLE}, {TABLE}, {NUMBERS}, {TABLE}, {TABLE}, float64, {TABLE})")
 def drop_spare(
     boxes: FloatArray,
-    units: IntArray,
-    kinds: IntArray,
+    pairs: FloatArray,
+    number: IntArray,
     least: FloatArray,
-    others: FloatArray,
     sets: FloatArray,
     lasts: float,
     used: FloatArray,
 ) -> None:
     """Sets `used` (R, 6) to 0 for planes that do nothing which another one does not do: a certificate stays small."""
-    for r in range(len(units)):
-        for spare in range(SIDES):
-            if used[r, spare] == 0.0:
-                continue
-            does = False
-            for o in range(len(others)):
-                b = int(others[o, 0])
-                need = wanted_beyond(others, o, kinds[r], sets, lasts, spare)
-                if not least[r, spare] + (boxes[b, spare] if spare < 3 else -boxes[b, spare]) >= need:
+    for r in range(len(least)):
+        for plane in range(SIDES):
+            needed = False
+            for p in range(len(pairs) if used[r, plane] > 0.0 else 0):
+                if number[int(pairs[p, FIRST])] != r:
                     continue
-                alone = True
-                for k in range(SIDES):
-                    beyond = least[r, k] + (boxes[b, k] if k < 3 else -boxes[b, k])
-                    if k != spare and used[r, k] > 0.0 and beyond >= wanted_beyond(others, o, kinds[r], sets, lasts, k):
-                        alone = False
+                if spare_beyond(boxes, pairs, p, least, r, sets, lasts, plane) >= 0.0:
+                    needed = True
+                    for k in range(SIDES):
+                        if k != plane and used[r, k] > 0.0:
+                            needed = needed and not spare_beyond(boxes, pairs, p, least, r, sets, lasts, k) >= 0.0
+                    if needed:
                         break
-                if alone:
-                    does = True
-                    break
-            if not does:
-                used[r, spare] = 0.0
+            if not needed:
+                used[r, plane] = 0.0

@@ -64,16 +64,6 @@ def piece_motion(tk: FloatArray, c: FloatArray, t: float, state: FloatArray) -> 
     piece_state(c, p, held - tk[p], state)
 
 
-@kernel("void(float64[::1], float64[:, :, ::1], float64, float64[:, ::1])")
-def spline_motion(tk: FloatArray, c: FloatArray, t: float, state: FloatArray) -> None:
-    """The same for an arm that stands still before the first knot and from the last one on."""
-    piece_motion(tk, c, t, state)
-    if not tk[0] <= t < tk[len(tk) - 1]:
-        for order in range(1, 4):
-            for i in range(state.shape[1]):
-                state[order, i] = 0.0
-
-
 @kernel("void(float64[:, ::1], float64[::1], float64[:, :, ::1], float64[::1], float64[:, :, ::1])")
 def spline_states(knots: FloatArray, tk: FloatArray, c: FloatArray, t: FloatArray, found: FloatArray) -> None:
     """Fills `found` (T, 4, n) with q and its first three derivatives at times `t` (T,); NaN for those outside.

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.claim import columns as c
 from assur.planner.compiled import kernel
-from assur.planner.kernels.carriers import place_carriers
 from assur.planner.kernels.solids import (
     BALL,
     BODY,
@@ -31,7 +31,6 @@ from assur.planner.kernels.solids import (
     TABLE,
     VERTEX,
     VERTICES,
-    place,
 )
 
 AT, AXES, OFFSET = 0, 3, 12
@@ -164,92 +163,64 @@ def reach_of(rows: FloatArray, vertices: FloatArray, u: int) -> float:
     return float(reach + rows[u, DISC] + rows[u, BALL])
 
 
-@kernel(f"void({TABLE}, {TABLE}, int64, int64, int64, {ROW}, {TABLE}, {TABLE}, {TABLE})")
-def seat_units(
+@kernel(f"void({TABLE}, {TABLE}, int64, int64, {ROW}, {ROW}, {TABLE}, {TABLE})")
+def seat_unit(
     own: FloatArray,
     vertices: FloatArray,
-    begin: int,
-    end: int,
+    u: int,
     carrier: int,
     pose: FloatArray,
-    places: FloatArray,
+    at: FloatArray,
     rows: FloatArray,
     boxes: FloatArray,
 ) -> None:
-    """Writes where the units from `begin` to `end` of a body are whose `pose` (4,), x, y, z, yaw, is in a carrier.
-
-    `places` (K, 4): the poses of carriers that stand still, NaN for the others; `boxes` (U, 6): what stands still, in
-    the world.
-    """
-    c, s = math.cos(pose[3]), math.sin(pose[3])
-    for u in range(begin, end):
-        rows[u, CARRIER] = carrier
-        rows[u, CENTRE] = pose[0] + c * own[u, AT] - s * own[u, AT + 1]
-        rows[u, CENTRE + 1] = pose[1] + s * own[u, AT] + c * own[u, AT + 1]
-        rows[u, CENTRE + 2] = pose[2] + own[u, AT + 2]
+    """Puts unit u of a body where its `pose` (4,), x, y, z, yaw, in a carrier is, which is `at` (4,) for ever: NaN
+    where it moves."""
+    co, si = math.cos(pose[3]), math.sin(pose[3])
+    rows[u, CARRIER] = carrier
+    rows[u, CENTRE] = pose[0] + co * own[u, AT] - si * own[u, AT + 1]
+    rows[u, CENTRE + 1] = pose[1] + si * own[u, AT] + co * own[u, AT + 1]
+    rows[u, CENTRE + 2] = pose[2] + own[u, AT + 2]
+    for j in range(3):
+        a, b = own[u, AXES + j], own[u, AXES + 3 + j]
+        rows[u, ROTATION + j], rows[u, ROTATION + 3 + j] = co * a - si * b, si * a + co * b
+        rows[u, ROTATION + 6 + j] = own[u, AXES + 6 + j]
+    rows[u, REACH] = reach_of(rows, vertices, u)
+    co, si = math.cos(at[3]), math.sin(at[3])
+    for axis in range(3):
+        # rows of the axes in the world: those of the carrier's x and y are turned
+        one, other, up = (co, -si, 0.0) if axis == 0 else ((si, co, 0.0) if axis == 1 else (0.0, 0.0, 1.0))
+        middle = at[axis] + one * rows[u, CENTRE] + other * rows[u, CENTRE + 1] + up * rows[u, CENTRE + 2]
+        size, square = rows[u, BALL], 0.0
         for j in range(3):
-            a, b = own[u, AXES + j], own[u, AXES + 3 + j]
-            rows[u, ROTATION + j], rows[u, ROTATION + 3 + j] = c * a - s * b, s * a + c * b
-            rows[u, ROTATION + 6 + j] = own[u, AXES + 6 + j]
-        rows[u, REACH] = reach_of(rows, vertices, u)
-        co, si = math.cos(places[carrier, 3]), math.sin(places[carrier, 3])
-        for axis in range(3):
-            size = rows[u, BALL]
-            # rows of the axes in the world: those of the carrier's x and y are turned
-            one, other = (co if axis == 0 else si), (-si if axis == 0 else co)
-            middle = places[carrier, axis]
-            if axis == 2:
-                middle += rows[u, CENTRE + 2]
-            else:
-                middle += one * rows[u, CENTRE] + other * rows[u, CENTRE + 1]
-            square = 0.0
-            for j in range(3):
-                if axis == 2:
-                    along = rows[u, ROTATION + 6 + j]
-                else:
-                    along = one * rows[u, ROTATION + j] + other * rows[u, ROTATION + 3 + j]
-                size += abs(along) * rows[u, HALF + j]
-                square += along * along if j < 2 else 0.0
-            size += rows[u, DISC] * math.sqrt(square)
-            boxes[u, axis], boxes[u, 3 + axis] = middle - size, middle + size
+            along = one * rows[u, ROTATION + j] + other * rows[u, ROTATION + 3 + j] + up * rows[u, ROTATION + 6 + j]
+            size += abs(along) * rows[u, HALF + j]
+            square += along * along if j < 2 else 0.0
+        size += rows[u, DISC] * math.sqrt(square)
+        boxes[u, axis], boxes[u, 3 + axis] = middle - size, middle + size
 
 
-@kernel(f"void({TABLE}, {TABLE}, {NUMBERS}, {NUMBERS}, {TABLE}, {TABLE}, {TABLE}, {TABLE})")
+@kernel(f"void({TABLE}, {TABLE}, {NUMBERS}, {TABLE}, {NUMBERS}, int64, {TABLE}, {TABLE}, {TABLE})")
 def seat_bodies(
     own: FloatArray,
     vertices: FloatArray,
     roots: IntArray,
-    carriers: IntArray,
-    poses: FloatArray,
+    seats: FloatArray,
+    chosen: IntArray,
+    links: int,
     places: FloatArray,
     rows: FloatArray,
     boxes: FloatArray,
 ) -> None:
-    """`seat_units` for all bodies, at `poses` (B, 4) of `carriers` (B,)."""
-    for b in range(len(roots)):
+    """Puts the units of the `chosen` bodies on their seats (B, c.SEAT).
+
+    `links`: how many carriers are links; `places` (K, 4): the poses of carriers that stand still, NaN for the others;
+    `boxes` (U, 6): what stands still, in the world.
+    """
+    for number in range(len(chosen)):
+        b = chosen[number]
+        seat = seats[b]
+        carrier = int(seat[c.SEAT_LINK]) if seat[c.SEAT_LINK] >= 0.0 else links + int(seat[c.SEAT_FRAME])
         end = roots[b + 1] if b + 1 < len(roots) else len(rows)
-        seat_units(own, vertices, roots[b], end, carriers[b], poses[b], places, rows, boxes)
-
-
-@kernel(f"void({ROW}, {TABLE}, {TABLE}, {ROW}, float64, {TABLE}, {TABLE}, {NUMBERS}, {TABLE}, {CUBE})")
-def pose_shapes(
-    robot: FloatArray,
-    laws: FloatArray,
-    side: FloatArray,
-    q: FloatArray,
-    t: float,
-    rows: FloatArray,
-    own: FloatArray,
-    units: IntArray,
-    carriers: FloatArray,
-    placed: FloatArray,
-) -> None:
-    """Fills `carriers` (K, 12), and `placed` (1, U, 12) for `units` (N,): poses of their shapes, not of their centres,
-    at time t with joints q (n,)."""
-    place_carriers(robot, laws, side, q, t, carriers)
-    for k in range(len(units)):
-        u = units[k]
-        place(rows, u, carriers, placed, 0)
-        for i in range(3):
-            for j in range(3):
-                placed[0, u, i] -= placed[0, u, 3 + 3 * i + j] * own[u, OFFSET + j]
+        for u in range(roots[b], end):
+            seat_unit(own, vertices, u, carrier, seat[c.SEAT_POSE :], places[carrier], rows, boxes)

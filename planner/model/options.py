@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from assur.planner.errors import InputError
@@ -37,6 +37,28 @@ class Clearance:
     travel_m: float = 0.0
     near_m: float = 0.0
     exceptions: tuple[ClearanceException, ...] = ()
+
+    def exception(self, first: str, second: str) -> ClearanceException | None:
+        """The exception that counts for two bodies; None: there is none."""
+        for rule in reversed(self.exceptions):
+            for one, other in ((rule.first, rule.second), (rule.second, rule.first)):
+                if (not one or first in one) and (not other or second in other):
+                    return rule
+        return None
+
+    def lowered(self, travel_m: float, near_m: float, names: tuple[str, ...]) -> Clearance:
+        """The same with other distances of two bodies, or, without names, of all for which no exception is made."""
+        if not names:
+            return replace(self, travel_m=travel_m, near_m=near_m)
+        one, other = (frozenset((name,)) for name in names)
+        rule = ClearanceException(one, other, travel_m, near_m)
+        return replace(self, exceptions=(*self.exceptions, rule))
+
+    def distances(self, *names: str) -> tuple[float, float]:
+        """The distances in travel and near a control point of two bodies, or, without names, of all for which no
+        exception is made, m."""
+        rule = self.exception(*names) if names else None
+        return (self.travel_m, self.near_m) if rule is None else (rule.travel_m, rule.near_m)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
-from assur.planner.model.clearance import distances_of, with_distances
 from assur.planner.model.refusal import Refusal, Separation
 from assur.planner.model.scene import Scene
 from assur.planner.relaxation.change import Change
@@ -14,17 +14,23 @@ from assur.planner.relaxation.rounded import SHOWN_M, down
 def smaller_clearances(scene: Scene, refusal: Refusal | None) -> Iterator[Change]:
     """Smaller distances of the pair that the refusal is about, by what is missing, by half and none; then of all pairs
     for which no exception is made."""
-    pairs: list[tuple[str, ...]] = [()]
-    short = None
     if refusal is not None and isinstance(refusal.facts, Separation) and len(refusal.bodies) == 2:
         gap, required = refusal.facts.gap_m, refusal.facts.required_m
         short = None if gap is None or required is None else required - gap
-        pairs = [refusal.bodies, ()]
-    for bodies in pairs:
-        kind, named = ("pair clearance", f"{' and '.join(bodies)}: ") if bodies else ("clearance", "")
-        for travel, near in _smaller(*distances_of(scene, bodies), short if bodies else None):
-            value = f"{named}travel {1e3 * travel:g} mm, near {1e3 * near:g} mm"
-            yield kind, value, with_distances(scene, bodies, travel, near)
+        first, second = refusal.bodies
+        for text, changed in _changed(scene, short, first, second):
+            yield "pair clearance", f"{first} and {second}: {text}", changed
+    for text, changed in _changed(scene, None):
+        yield "clearance", text, changed
+
+
+def _changed(scene: Scene, short: float | None, *names: str) -> Iterator[tuple[str, Scene]]:
+    """The scene with smaller distances of two bodies, or of all, in words and as a scene. `short`: by how much they are
+    missed, m."""
+    options = scene.options
+    for travel, near in _smaller(*options.clearance.distances(*names), short):
+        clearance = options.clearance.lowered(travel, near, names)
+        yield _distances(travel, near), replace(scene, options=replace(options, clearance=clearance))
 
 
 def _smaller(travel: float, near: float, short: float | None) -> Iterator[tuple[float, float]]:
@@ -44,3 +50,7 @@ def _smaller(travel: float, near: float, short: float | None) -> Iterator[tuple[
 def _less(distance: float, short: float) -> float:
     """What is left, a hundredth of a millimetre less at least: the proof keeps a reserve."""
     return max(0.0, down(distance - short - 0.1 * SHOWN_M, SHOWN_M))
+
+
+def _distances(travel: float, near: float) -> str:
+    return f"travel {1e3 * travel:g} mm, near {1e3 * near:g} mm"

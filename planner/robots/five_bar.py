@@ -74,6 +74,7 @@ class FiveBar(Robot):
     coordinates: tuple[str, ...] = field(init=False, repr=False)
     joints: tuple[Joint, ...] = field(init=False, repr=False)
     lift: int | None = field(init=False, repr=False)
+    dyads = 2
 
     def __post_init__(self) -> None:
         if self.axes not in (2, 3, 4):

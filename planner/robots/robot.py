@@ -38,6 +38,8 @@ class Robot(ABC):
     """Names of links between which self-collision is asked: bodies on the one against bodies on the other."""
     lift: int | None
     """The joint that moves the flange along the vertical and does nothing else, if there is one."""
+    dyads: int = 0
+    """How many dyads in a horizontal plane carry the flange; 0: its links move otherwise."""
     parallel_least: float
     """The parallel margin below which the arm may never be; 0 without a loop."""
 

@@ -56,6 +56,7 @@ class Scara(Robot):
     arms_rise: bool = False
     modes: tuple[str, ...] = field(default=MODES, init=False, repr=False)
     lift: int | None = field(default=2, init=False, repr=False)
+    dyads = 1
     parallel_least: float = field(default=0.0, init=False, repr=False)
     links: tuple[str, ...] = field(default=LINKS, init=False, repr=False)
     coordinates: tuple[str, ...] = field(init=False, repr=False)

@@ -20,7 +20,6 @@ from assur.planner.collision.touching import too_far, touching
 from assur.planner.feasibility.necessary import points_impossible
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
-from assur.planner.model.clearance import rule_of
 from assur.planner.model.deadline import Deadline, OutOfTimeError, look, out_of_time
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import yaw_offsets
@@ -332,7 +331,7 @@ class Search:
             rows = self.prover.prove(phase, made.trajectory)
             if isinstance(rows, Unproved):
                 rows = deepest(self.prover, phase, made.trajectory, rows)
-                why = refused_proof(rows, made.before.step, rule_of(self.scene, phase, *rows.bodies))
+                why = refused_proof(rows, made.before.step, self.prover.rule(phase, *rows.bodies))
                 unfinished = why.amount is None and self._late()
                 return (Encounter(why),) if unfinished else self.found.refused(made, (Encounter(why),))
             proofs.append(rows)

@@ -94,7 +94,7 @@ class Counter:
 
 
 def refused_proof(unproved: Unproved, step: int, rule: tuple[Rule, float]) -> Refusal:
-    """A failed proof as a refusal. `rule`: what says how far apart the two must stay, and how far, m (`rule_of`)."""
+    """A failed proof as a refusal. `rule`: what requires a distance of the two, and how far, m (`Prover.rule`)."""
     reason = Reason.NOT_CERTIFIED
     if unproved.touching or unproved.gap <= unproved.required:
         reason = Reason.SELF_COLLISION if unproved.of_robot else Reason.BODY_COLLISION

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from assur.planner.claim.frames import displaced_of
+from assur.planner.claim.obligations import shares_of
+from assur.planner.collision.pairs import shift_of
 from assur.planner.kernels.postures import FITS, SINGULAR, correction_fits
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import Corrected, JointName, Quantity, Reason, Refusal, Stage, of_joint
 from assur.planner.model.scene import Scene
-from assur.planner.tables.uncertainty import Displacements
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import spline_table
 
@@ -22,8 +24,9 @@ def shifted_out(scene: Scene, step: int, trajectory: Trajectory, phases: list[Ph
     if execution.lags:
         lag[:] = execution.lag
     motion = (robot.row, np.zeros((0, 1)), np.zeros((0, 1)), spline.tk, spline.c, spline.whole)
-    for phase in phases:
-        shift = Displacements(scene, phase).shift
+    displaced = displaced_of(scene)
+    for phase, shares in zip(phases, shares_of(scene, phases), strict=True):
+        shift = shift_of(displaced, shares)
         if not any(shift) or not phase.robot:
             continue
         clock = np.array([scene.start.time, execution.start_tolerance_s, *shift])

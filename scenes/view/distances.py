@@ -8,15 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.collision.bodies import Arrangement
+from assur.planner.collision.nearest import nearest_at, pairs_of_pieces
 from assur.planner.collision.proof import Prover
-from assur.planner.kernels import gjk, nearest
+from assur.planner.collision.simplex import MEET_M, simplex
 from assur.planner.kernels import solids as c
-from assur.planner.kernels.intervals import STATE_COLUMNS
-from assur.planner.kernels.links import POSE_COLUMNS
-from assur.planner.model.clearance import rule_of
+from assur.planner.kernels.gjk import add_farthest
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
-from assur.planner.tables.bodies import Arrangement
 from assur.planner.trajectory import Trajectory
 from assur.scenes.view.poses import joints_at
 
@@ -24,9 +23,6 @@ STEP_S = 0.005
 """Time between the instants, s; ..."""
 FEWEST, MOST = 48, 400
 """... but at least and at most this many steps for a motion."""
-BATCH = 32
-"""Number of pairs of one kernel call. Pairs come in the order of the distance of their bounding spheres, and calls end
-where that distance exceeds the smallest one that occurs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,106 +58,38 @@ def distances(
 
 def _in_phase(prover: Prover, trajectory: Trajectory, phase: Phase, times: list[float]) -> list[ClosestPair]:
     arrangement = prover.of(phase)
-    pairs = _pairs_of_pieces(arrangement, prover.pairs(arrangement, phase).every, prover.scene)
-    if not len(pairs):
-        return []
+    pairs = pairs_of_pieces(arrangement, _pairs_that_move(arrangement, prover.pairs(arrangement, phase).rows, prover))
     closest = list[ClosestPair]()
     for t in times:
         q = joints_at(trajectory, np.array([t]))[0]
-        carriers = prover.carriers(q, t)
-        state = np.zeros(STATE_COLUMNS)
-        state[nearest.UPPER] = np.inf
-        motion = prover.motion(prover.standing(q, t))
-        in_order, apart = _by_spheres(arrangement, carriers, pairs)
-        for begin in range(0, len(in_order), BATCH):
-            if apart[begin] > state[nearest.UPPER]:
-                break
-            batch = np.ascontiguousarray(in_order[begin : begin + BATCH])
-            nearest.sample_distance(motion, arrangement.cell, batch, t, t, 2, state)
-        gap = float(state[nearest.UPPER])
+        gap, units = nearest_at(prover, arrangement, q, t, pairs)
         if math.isfinite(gap):
-            a, b = int(state[nearest.NEAREST_A]), int(state[nearest.NEAREST_B])
-            first, second = (arrangement.names[arrangement.body[unit]] for unit in (a, b))
-            _, required = rule_of(prover.scene, phase, first, second)
-            points = _closest_points(arrangement, carriers, a, b)
+            first, second = (arrangement.names[arrangement.body[unit]] for unit in units)
+            _, required = prover.rule(phase, first, second)
+            points = _closest_points(arrangement, prover.carriers(q, t), *units)
             closest.append(ClosestPair(t, (first, second), gap, required, points))
     return closest
 
 
-def _pairs_of_pieces(arrangement: Arrangement, pairs: FloatArray, scene: Scene) -> FloatArray:
-    """The pairs of which at least one body moves and which may not touch; bodies of several pieces are replaced by
-    their pieces."""
+def _pairs_that_move(arrangement: Arrangement, pairs: FloatArray, prover: Prover) -> list[tuple[int, int]]:
+    """The pairs of bodies of which at least one moves and which may not touch."""
     at_rest = arrangement.bodies.still.astype(bool)
-    at_rest[scene.robot.links.index("base")] = True
+    at_rest[prover.scene.robot.links.index("base")] = True
     units = pairs[:, c.FIRST : c.SECOND + 1].astype(np.int64)
     counts = (pairs[:, c.REQUIRED] >= 0.0) & ~at_rest[arrangement.carrier[units]].all(1)
-    rows = list[tuple[float, ...]]()
-    for row, (one, other) in zip(pairs[counts], arrangement.body[units[counts]].tolist(), strict=True):
-        of_other = arrangement.pieces(other)
-        rows += [(a, b, *row[c.SECOND + 1 :]) for a in arrangement.pieces(one) for b in of_other]
-    return np.array(rows, dtype=np.float64).reshape(-1, c.PAIR_COLUMNS)
-
-
-def _by_spheres(arrangement: Arrangement, carriers: FloatArray, pairs: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The pairs in the order of the distance of their bounding spheres, and that distance, m (P,). A pair is left out
-    where a pose is not known."""
-    rows = arrangement.rows
-    turn = carriers[:, 3:].reshape(-1, 3, 3)[arrangement.carrier]
-    middle = carriers[:, :3][arrangement.carrier] + np.einsum("uij,uj->ui", turn, rows[:, c.CENTRE : c.CENTRE + 3])
-    a, b = pairs[:, c.FIRST].astype(np.int64), pairs[:, c.SECOND].astype(np.int64)
-    apart = np.linalg.norm(middle[a] - middle[b], axis=1) - rows[a, c.RADIUS] - rows[b, c.RADIUS]
-    known = np.isfinite(apart) & (rows[a, c.PIECES] == 0.0) & (rows[b, c.PIECES] == 0.0)
-    pairs, apart = pairs[known], apart[known]
-    order = np.argsort(apart)
-    return pairs[order], apart[order]
+    return [(one, other) for one, other in arrangement.body[units[counts]].tolist()]
 
 
 def _closest_points(arrangement: Arrangement, carriers: FloatArray, a: int, b: int) -> tuple[FloatArray, FloatArray]:
     """A point of unit a and a point of unit b, each (3,) in the world, whose distance is that of the units; the same
-    point for units that overlap.
-
-    This is the search of `kernels.gjk`; here the points of both units are kept for each corner of the simplex.
-    """
-    bodies, vertices = arrangement.rows, arrangement.bodies.vertices
-    placed = np.empty((1, len(bodies), POSE_COLUMNS))
-    for unit in (a, b):
-        c.place(bodies, unit, carriers, placed, 0)
-    ones, others, points, work = np.zeros((4, 3)), np.zeros((4, 3)), np.zeros((4, 3)), np.zeros((3, 4))
-    v = placed[0, b, :3] - placed[0, a, :3]
-    count, weights = 0, np.zeros(4)
-    for _ in range(gjk.ITERATIONS):
-        length = float(np.linalg.norm(v))
-        if not length > gjk.POINT_M:
-            break
-        n = v / length
-        ones[count], others[count] = 0.0, 0.0
-        x, y, z = n.tolist()
-        gjk.add_farthest(bodies, vertices, placed, 0, b, -x, -y, -z, 1.0, others, count)
-        gjk.add_farthest(bodies, vertices, placed, 0, a, x, y, z, 1.0, ones, count)
-        new = others[count] - ones[count]
-        if count and length - float(n @ new) <= gjk.RELATIVE * length + gjk.ABSOLUTE_M:
-            break
-        if count and (points[:count] == new).all(-1).any():
-            break
-        points[count] = new
-        count += 1
-        if not gjk.nearest_to_origin(points, count, work):
-            break
-        weights = work[0, :count].copy()
-        keep = weights > 0.0
-        kept = int(keep.sum())
-        for table in (ones, others, points):
-            table[:kept] = table[:count][keep]
-        weights, count = weights[keep], kept
-        v = weights @ points[:count]
-        if count == 4:
-            break
-    count = min(count, len(weights))
-    one, other = weights[:count] @ ones[:count], weights[:count] @ others[:count]
-    apart = other - one
-    length = float(np.linalg.norm(apart))
-    if length <= max(float(bodies[a, c.BALL] + bodies[b, c.BALL]), gjk.POINT_M):
-        middle = (one + other) / 2.0
-        return middle, middle
-    n = apart / length
-    return one + bodies[a, c.BALL] * n, other - bodies[b, c.BALL] * n
+    point for units that overlap."""
+    shown, rows, vertices = simplex(arrangement, carriers, a, b), arrangement.rows, arrangement.bodies.vertices
+    placed, points = arrangement.placed(carriers, (a, b)), np.zeros((2, 3))
+    for weight, way in zip(shown.weights.tolist(), shown.directions, strict=True):
+        for k, (unit, along) in enumerate(((a, way), (b, -way))):
+            x, y, z = along.tolist()
+            add_farthest(rows, vertices, placed, 0, unit, x, y, z, weight, points, k)
+            points[k] += weight * rows[unit, c.BALL] * along
+    if shown.distance_m <= MEET_M:
+        points[:] = points.mean(0)
+    return points[0], points[1]

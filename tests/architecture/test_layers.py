@@ -32,7 +32,10 @@ def wrong_arrows(modules: tuple[Source, ...]) -> list[str]:
         for source in modules
         for name, line in imports(source.tree)
         if _outwards(source.name.split("."), name.split("."))
-        and not any(source.name == here and name in (there, there.rpartition(".")[0]) for here, there in IGNORED)
+        and not any(
+            source.name == here and (name == there.rpartition(".")[0] or f"{name}.".startswith(f"{there}."))
+            for here, there in IGNORED
+        )
     ]
 
 

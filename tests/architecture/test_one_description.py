@@ -37,7 +37,6 @@ scenes/schema: frames
 """
 FAMILIES = """
 api/cli: robots_group
-planner/bound: duration guided places
 planner/checker/statement: arms postures
 planner/kernels: inverse links motion uncertainty
 planner/legs: accuracy forbidden_yaw
@@ -52,11 +51,7 @@ scenes/urdf: arm_text carriers families importing
 DISTANCES = """
 planner/checker/statement: distances points
 planner/claim: obligations
-planner/collision: at_rest screening
 planner/model: clearance options scene
-planner/search: beam
-planner/tables: pairs
-scenes/view: distances
 """
 MOST_CHECKS, MOST_FILES = 153, 52
 """Calls of `isinstance` on a step, and files that have one."""

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.collision.bodies import Bodies
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere
 from assur.planner.laws import Frame, Law, Uncertainty, conveyor, fixed, linear, swing, turntable
@@ -34,7 +35,6 @@ from assur.planner.model.scene import WorldBody as Around
 from assur.planner.robots.facts import Limits, RobotBody
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import BASE, LINK1, LINK2, QUILL, Scara
-from assur.planner.tables.bodies import Bodies
 from tests.planner.second_solids import Placed, carriers, place
 
 WORLD = Frame("world", fixed(Pose()))

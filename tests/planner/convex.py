@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from assur.planner.arrays import FloatArray
+from assur.planner.collision.bodies import Bodies
 from assur.planner.geometry.shapes import Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere
 from assur.planner.kernels.solids import REACH
 from assur.planner.model.attachments import AT_START
-from assur.planner.tables.bodies import Bodies
 from tests.planner.cells import Around, arm, block, cell, go, rotation
 
 KINDS = ("box", "sphere", "cylinder", "capsule", "hull")

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.collision.bodies import Arrangement
 from assur.planner.collision.fcl_door import Posed
+from assur.planner.collision.rows import Rows
 from assur.planner.geometry.shapes import Hull
 from assur.planner.kernels.gjk import separate
 from assur.planner.kernels.solids import CENTRE, ROTATION
 from assur.planner.kernels.solids import gap as kernel_gap
 from assur.planner.kernels.solids import likely as kernel_likely
 from assur.planner.model.scene import Scene
-from assur.planner.tables.bodies import Arrangement
 from assur.planner.trajectory import Trajectory
 
 
@@ -44,6 +45,11 @@ def carriers(scene: Scene, q: FloatArray, t: FloatArray) -> Carriers:
 def standing(trajectory: Trajectory, t: FloatArray) -> FloatArray:
     """q (T, n) at times t, the arm standing still before the first knot and after the last."""
     return trajectory.evaluate(np.clip(t, trajectory.start, trajectory.end))
+
+
+def units_of(rows: Rows, column: int) -> IntArray:
+    """(N,) the first units of rows (`UNIT`), or the second ones (`OTHER`), -1 for none."""
+    return rows.table[:, column].astype(np.int64)
 
 
 @dataclass(frozen=True)

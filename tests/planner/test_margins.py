@@ -176,7 +176,7 @@ def test_the_nearest_pairs_are_those_of_dense_samples_pair_by_pair() -> None:
         least: dict[tuple[str, ...], float] = {}
         for phase in (each for each in of_plan if each.near is near):
             arrangement = prover.of(phase)
-            rows = prover.pairs(arrangement, phase).every
+            rows = prover.pairs(arrangement, phase).rows
             t = np.linspace(phase.t0, phase.t1, 400)
             where = carriers(scene, path.evaluate(t), t)
             for row in rows[rows[:, REQUIRED] >= 0.0]:
@@ -323,7 +323,7 @@ def test_no_pair_is_nearer_at_any_of_many_instants(posts: int) -> None:
         found = nearest(prover, path, (phase,))
         assert found is not None
         solids = prover.of(phase)
-        a, b = prover.pairs(solids, phase).every[:, :2].astype(np.int64).T
+        a, b = prover.pairs(solids, phase).rows[:, :2].astype(np.int64).T
         t = np.append(np.linspace(0.0, 1.0, 11), found.time)
         where = carriers(scene, path.evaluate(t), t)
         names = [(solids.names[solids.body[x]], solids.names[solids.body[y]]) for x, y in zip(a, b, strict=True)]

@@ -14,6 +14,7 @@ from assur.planner.collision.rows import Rows, Unproved
 from assur.planner.collision.screening import screen
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
+from assur.planner.kernels.proof import OTHER, UNIT
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import Reason, Separation
@@ -21,6 +22,7 @@ from assur.planner.model.scene import Clearance
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CUP, Around, amount_of, arm, block, cell, go, mesh_box, solid, stands
 from tests.planner.certificate.moving_ball import LAWS, SHAPES, encounter
+from tests.planner.second_solids import units_of
 
 
 @dataclass(frozen=True)
@@ -172,5 +174,5 @@ def test_pairs_that_may_touch_are_proved_after_screening() -> None:
         if isinstance(found, Rows):
             solids = found.arrangement
             names = {(solids.names[solids.body[a]], solids.names[solids.body[b]]) for a, b in
-                     zip(found.first, found.second, strict=True)}  # fmt: skip
+                     zip(units_of(found, UNIT), units_of(found, OTHER), strict=True)}  # fmt: skip
             assert {("cup", "plate"), ("quill", "plate")} <= names

@@ -10,6 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.collision.bodies import COVER, Arrangement, Bodies
+from assur.planner.collision.pairs import PairTables
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Hull, Piece, box, corners, cylinder, sphere, support
 from assur.planner.kernels.solids import CENTRE, FIRST, HALF, REACH, ROTATION, SECOND
@@ -19,8 +21,6 @@ from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.planner.robots.scara import FLANGE
-from assur.planner.tables.bodies import COVER, Arrangement, Bodies
-from assur.planner.tables.pairs import PairTables
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CUP, Around, arm, block, cell, frame, go, mesh_box, solid, stands, table_to_table
 from tests.planner.convex import anywhere, grid_aligned
@@ -30,7 +30,7 @@ from tests.planner.second_solids import carriers, standing
 def asked_pairs(scene: Scene, solids: Arrangement) -> tuple[IntArray, IntArray]:
     """The pairs of units that are asked on a way between two points."""
     way = Phase(0.0, 1.0, LegKind.MOVE, 0)
-    pairs = PairTables(scene)(solids, way).every
+    pairs = PairTables(scene, solids.bodies)(solids, way).rows
     return pairs[:, FIRST].astype(np.int64), pairs[:, SECOND].astype(np.int64)
 
 

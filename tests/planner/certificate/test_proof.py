@@ -13,24 +13,24 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import assur.planner.collision.proof
+from assur.planner.collision.bodies import COVER
 from assur.planner.collision.fcl_door import Collider
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, box, cylinder, sphere
-from assur.planner.kernels.proof import ALONG, T0, T1
+from assur.planner.kernels.proof import ALONG, OTHER, T0, T1, UNIT
 from assur.planner.laws import Change, Frame, Uncertainty, conveyor
 from assur.planner.model.outcome import LegKind, Planned
 from assur.planner.model.phases import CONTACT_M, Phase
 from assur.planner.model.refusal import Stage
 from assur.planner.model.scene import Clearance, Execution, Scene, Tool
 from assur.planner.pipeline import plan
-from assur.planner.tables.bodies import COVER
 from assur.planner.trajectory import Trajectory
 from assur.scenes.requests import scene_of
 from tests.planner.cells import CUP, Around, arm, cell, go, mesh_box, solid, stands
 from tests.planner.certificate.moving_ball import LAWS, SHAPES, Encounter, encounter, motion, true_gap
-from tests.planner.second_solids import carriers, place
+from tests.planner.second_solids import carriers, place, units_of
 
 CLEARANCES = (0.0002, 0.001, 0.005, 0.02)
 SMALLEST_BALL = 0.002
@@ -50,11 +50,11 @@ def covered(rows: Rows, phase: Phase, scene: Scene) -> bool:
             if links[0] != links[1] and frozenset(names[k] for k in links) in wanted:
                 asked.append((a, b))
     for a, b in asked:
-        of_pair = (solids.body[rows.first] == a) & (solids.body[rows.second] == b)
+        of_pair = (solids.body[units_of(rows, UNIT)] == a) & (solids.body[units_of(rows, OTHER)] == b)
         for x in solids.pieces(a):
             for y in solids.pieces(b):
-                for_x = (rows.first == x) | (solids.piece[rows.first] == COVER)
-                for_y = (rows.second == y) | (solids.piece[rows.second] == COVER)
+                for_x = (units_of(rows, UNIT) == x) | (solids.piece[units_of(rows, UNIT)] == COVER)
+                for_y = (units_of(rows, OTHER) == y) | (solids.piece[units_of(rows, OTHER)] == COVER)
                 spans = sorted(zip(t_0[of_pair & for_x & for_y], t_1[of_pair & for_x & for_y], strict=True))
                 reached = phase.t0
                 for t0, t1 in spans:
@@ -142,7 +142,7 @@ def test_the_sampled_gap_of_every_row_is_the_clearance_and_the_reserve_or_more(
     assert np.abs(np.linalg.norm(normals, axis=1) - 1.0).max() <= 1e-12
     for i in np.random.default_rng(seed).permutation(len(rows))[:40]:
         t = np.linspace(rows.table[i, T0], rows.table[i, T1], 21)
-        of = (solids.names[solids.body[rows.second[i]]], int(solids.piece[rows.second[i]]))
+        of = (solids.names[solids.body[units_of(rows, OTHER)[i]]], int(solids.piece[units_of(rows, OTHER)[i]]))
         # the reserve of 1 µm is kept above the clearance
         assert true_gap(scene, case.path, normals[i], t, of).min() >= 0.001 + 1e-6 - 1e-11
 
@@ -181,7 +181,7 @@ def test_rows_keep_the_order_of_their_pair_and_lie_in_the_phase(seed: int, how: 
     assert (rows.table[:, T0] >= part.t0).all()
     assert (rows.table[:, T1] <= part.t1).all()
     assert (rows.table[:, T1] > rows.table[:, T0]).all()
-    assert rows.arrangement.of_robot[rows.arrangement.body[rows.first]].all()
+    assert rows.arrangement.of_robot[rows.arrangement.body[units_of(rows, UNIT)]].all()
     assert covered(rows, part, scene)
 
 
@@ -320,7 +320,7 @@ def test_an_arm_that_fcl_sees_touching_a_mesh_is_never_certified(seed: int) -> N
     t = np.linspace(path.start, path.end, 150)
     where = carriers(scene, path.evaluate(t), t)
     units, row = [], []
-    a, b = (prover.pairs(solids, phase).every[:, k].astype(np.int64) for k in (0, 1))
+    a, b = (prover.pairs(solids, phase).rows[:, k].astype(np.int64) for k in (0, 1))
     pairs = [
         (x, y)
         for i in range(len(a))
@@ -350,7 +350,7 @@ def test_a_body_that_holds_the_arm_inside_its_box_but_touches_nothing_is_certifi
     scene = cell(go(0.3, 0.0), bodies=(bin_,), robot=arm(bare=True), tool=tool)
     rows = Prover(scene).prove(Phase(0.0, 1.0, LegKind.MOVE, 0), path)
     assert isinstance(rows, Rows)
-    assert set(rows.arrangement.piece[rows.second]) == set(range(6))
+    assert set(rows.arrangement.piece[units_of(rows, OTHER)]) == set(range(6))
 
 
 def test_unknown_laws_are_never_certified() -> None:

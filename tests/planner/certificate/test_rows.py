@@ -6,13 +6,13 @@ import numpy as np
 
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, written
-from assur.planner.kernels.proof import ALONG, T0, T1
+from assur.planner.kernels.proof import ALONG, OTHER, T0, T1, UNIT
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Planned
 from assur.planner.model.phases import phases
 from assur.planner.pipeline import plan
 from tests.planner.cells import belt_and_dial, go
-from tests.planner.second_solids import carriers, gaps, place, standing
+from tests.planner.second_solids import carriers, gaps, place, standing, units_of
 
 
 def test_rows_of_all_phases_are_written_with_the_names_and_pieces_of_their_bodies() -> None:
@@ -35,13 +35,15 @@ def test_rows_of_all_phases_are_written_with_the_names_and_pieces_of_their_bodie
         part = slice(first, first + len(rows))
         first += len(rows)
         named = [certificate.names[i] for i in certificate.first[part]]
-        assert named == [rows.arrangement.names[rows.arrangement.body[unit]] for unit in rows.first]
-        assert np.array_equal(certificate.second_piece[part], rows.arrangement.piece[rows.second])
+        assert named == [rows.arrangement.names[rows.arrangement.body[unit]] for unit in units_of(rows, UNIT)]
+        assert np.array_equal(certificate.second_piece[part], rows.arrangement.piece[units_of(rows, OTHER)])
         normal = rows.table[:, None, ALONG : ALONG + 3]
         for t in (rows.table[:, T0], rows.table[:, T1]):
             where = carriers(scene, standing(made.trajectory, t), t)
             row = np.arange(len(t))
-            one, other = (place(rows.arrangement, where, row, unit) for unit in (rows.first, rows.second))
+            one, other = (
+                place(rows.arrangement, where, row, unit) for unit in (units_of(rows, UNIT), units_of(rows, OTHER))
+            )
             # parts that are picked and placed may touch what they rest on, by a tenth of a millimetre
             assert gaps(one, other, normal).min() >= -1e-4
 

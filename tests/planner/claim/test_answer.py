@@ -156,7 +156,7 @@ def test_rows_of_the_second_distance_cover_all_pairs_and_hold(name: str) -> None
     arm, placed = claim.required[0, c.REQUIRED_NEAREST :]
     for p, phase in enumerate(of_plan):
         arrangement = base.prover.of(phase)
-        pairs = base.prover.pairs(arrangement, phase).every
+        pairs = base.prover.pairs(arrangement, phase).rows
         within = (claim.gap_rows[:, 0] >= phase.t0) & (claim.gap_rows[:, 1] <= phase.t1)
         rows = claim.gap_rows[within]
         for pair in pairs[pairs[:, REQUIRED] >= 0.0]:

@@ -16,7 +16,7 @@ from assur.planner.kernels.inverse import POSTURE_COLUMNS, joint_motions, postur
 from assur.planner.kernels.links import ANGLE_COUNT, ranges_assembled
 from assur.planner.kernels.motion import link_motions
 from assur.planner.kernels.solids import CARRIER, CENTRE, COLUMNS, HALF, ROTATION
-from assur.planner.kernels.spline import spline_motion, spline_state, sweep_joints
+from assur.planner.kernels.spline import piece_motion, spline_state, sweep_joints
 from assur.planner.kernels.sweeps.chain import JETS
 from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 from assur.planner.laws import (
@@ -113,7 +113,7 @@ def of_splines() -> dict[str, FloatArray]:
         for i in range(SIZE):
             sweep_joints(table.tk, table.c, table.whole, times[i], times[i + 1], out[i])
             spline_state(table.tk, table.c, times[i], q[i])
-            spline_motion(table.tk, table.c, times[i], motion[i])
+            piece_motion(table.tk, table.c, times[i], motion[i])
         found |= {f"{regime}: swept": out, f"{regime}: state": q, f"{regime}: motion": motion, f"{regime}": table.whole}
     return found
 

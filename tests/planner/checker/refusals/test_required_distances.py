@@ -6,7 +6,7 @@ from itertools import product
 
 from assur.planner.checker.statement.distances import required_between
 from assur.planner.model.attachments import AT_START
-from assur.planner.model.clearance import distances_of, rule_of, with_distances
+from assur.planner.model.clearance import rule_of
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Clearance, ClearanceException
@@ -31,8 +31,8 @@ def test_both_read_the_same_rule_and_distance_for_all_pairs() -> None:
 
 
 def test_other_distances_of_a_pair_are_those_of_no_other_pair() -> None:
-    scene = table_to_table(clearance=Clearance(0.006, 0.005))
-    changed = with_distances(scene, ("cup", "part"), 0.002, 0.001)
-    assert distances_of(changed, ("part", "cup")) == (0.002, 0.001)
-    assert distances_of(changed, ("part", "quill")) == distances_of(changed, ()) == (0.006, 0.005)
-    assert distances_of(with_distances(scene, (), 0.002, 0.001), ("part", "quill")) == (0.002, 0.001)
+    clearance = Clearance(0.006, 0.005)
+    changed = clearance.lowered(0.002, 0.001, ("cup", "part"))
+    assert changed.distances("part", "cup") == (0.002, 0.001)
+    assert changed.distances("part", "quill") == changed.distances() == (0.006, 0.005)
+    assert clearance.lowered(0.002, 0.001, ()).distances("part", "quill") == (0.002, 0.001)

@@ -1,25 +1,28 @@
 """The bodies of a cell as rows of numbers: one *unit* per convex piece, and one per bounding box of a body of several.
 
-A unit is carried by a link of the robot (0..L-1) or a frame of the cell (L..L+F-1). Which part is carried by what
-depends on the phase: an `Arrangement` is one such state. All are made from one table of the scene, in which an
-attachment (a part that is held, or was placed elsewhere) rewrites the rows of that part and no others. The columns are
-those of `assur.planner.kernels.solids`.
+A unit is carried by a link of the robot (0..L-1) or a frame of the cell (L..L+F-1). Which body is carried by what
+depends on the phase: the seats of a claim say so, and an `Arrangement` is the units on one set of seats. The columns of
+units are those of `assur.planner.kernels.solids`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.frames.motion import Pose
+from assur.planner.claim import columns as c
+from assur.planner.claim.obligations import carriers_of, seat_of, seats_of
+from assur.planner.claim.solids import bodies_in
 from assur.planner.geometry.shapes import Hull, Primitive
-from assur.planner.kernels.solids import BODY, CARRIER, COLUMNS, COVER, PIECE, PIECES
-from assur.planner.kernels.units import OFFSET, OWN_COLUMNS, seat_bodies, seat_units, write_units
+from assur.planner.kernels.links import POSE_COLUMNS
+from assur.planner.kernels.solids import BODY, CARRIER, COLUMNS, COVER, PIECE, PIECES, place
+from assur.planner.kernels.units import OFFSET, OWN_COLUMNS, seat_bodies, write_units
 from assur.planner.laws import Law
-from assur.planner.model.attachments import AT_START, Attachments
+from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.scene import Scene
 
 __all__ = ["COVER", "Arrangement", "Bodies"]
@@ -27,13 +30,14 @@ __all__ = ["COVER", "Arrangement", "Bodies"]
 
 @dataclass(frozen=True, eq=False)
 class Arrangement:
-    """The units (U,) of a cell while parts are carried by certain links and frames.
+    """The units (U,) of a cell while bodies are on certain `seats` (B, c.SEAT).
 
     `rows` (U, COLUMNS) are the table of the kernels; `boxes` (U, 6) are the least and greatest coordinates of what
     stands still, in the world, NaN for what does not.
     """
 
     bodies: Bodies
+    seats: FloatArray
     rows: FloatArray
     boxes: FloatArray
 
@@ -45,7 +49,7 @@ class Arrangement:
     @property
     def number(self) -> dict[str, int]:
         """Number of each body by its name."""
-        return self.bodies.number
+        return self.bodies.carriers.body
 
     @property
     def links(self) -> int:
@@ -80,7 +84,7 @@ class Arrangement:
     @cached_property
     def of_robot(self) -> BoolArray:
         """(B,) whether a body is the robot's, its tool's, or the part that it holds."""
-        return np.asarray(self.rows[self.roots, CARRIER] < self.links)
+        return np.asarray(self.seats[:, c.SEAT_LINK] >= 0.0)
 
     def pieces(self, body: int) -> range:
         """The units of the convex pieces of a body."""
@@ -97,24 +101,23 @@ class Arrangement:
         """(3,) where the centre of a unit is in the axes of its shape."""
         return self.bodies.own[unit, OFFSET : OFFSET + 3]
 
+    def placed(self, carriers: FloatArray, units: Iterable[int]) -> FloatArray:
+        """(1, U, POSE_COLUMNS) centre and axes in the world of `units`, with their carriers (K, 12) where they are."""
+        placed = np.empty((1, len(self.rows), POSE_COLUMNS))
+        for unit in units:
+            place(self.rows, unit, carriers, placed, 0)
+        return placed
+
 
 class Bodies:
-    """The bodies of a scene, and the arrangements that were asked for."""
+    """The bodies of a scene, and the arrangements that were required."""
 
     def __init__(self, scene: Scene) -> None:
-        robot, table, tool = scene.robot, scene.pieces, scene.tool.bodies
-        self.links, self._flange = len(robot.links), robot.links.index("flange")
-        self._frames = {name: self.links + k for k, name in enumerate(scene.frames)}
-        self.names = (*(each.body.name for each in robot.bodies), *(body.name for body in tool), *scene.index)
-        self.number = {name: k for k, name in enumerate(self.names)}
-        self.pieces = table
-        carriers = [each.link for each in robot.bodies] + [self._flange] * len(tool)
-        poses = [(0.0, 0.0, 0.0, 0.0)] * len(carriers)
-        frames = self._frames
-        for body in scene.bodies:
-            pose = body.pose
-            carriers.append(frames[body.frame])
-            poses.append((pose.x, pose.y, pose.z, pose.yaw))
+        self.scene, table = scene, scene.pieces
+        self.names = tuple(body.name for body in bodies_in(scene))
+        self.carriers = carriers_of(scene, self.names)
+        self.seats = seats_of(scene, self.carriers)
+        self.links, self.pieces = len(scene.robot.links), table
         places = [NOWHERE] * self.links + [_place(frame.law) for frame in scene.frames.values()]
         self.still = np.array([int(place is not NOWHERE) for place in places], dtype=np.int64)
         self._places = np.array(places)
@@ -122,36 +125,39 @@ class Bodies:
         begins = np.cumsum([0, *(len(hull.vertices) for hull in table.hulls)])
         many, core = len(table.shapes) + len(self.names), np.empty((len(table.shapes), 5))
         core[:, :3], core[:, 3], core[:, 4] = table.half, table.disc, table.ball
-        rows, own, self.roots = np.zeros((many, COLUMNS)), np.zeros((many, OWN_COLUMNS)), np.empty_like(table.count)
-        place, turn = np.array(table.position), np.array(table.rotation)
+        rows, own = np.zeros((many, COLUMNS)), np.zeros((many, OWN_COLUMNS))
+        self.roots = np.empty_like(table.count)
+        position, rotation = np.array(table.position), np.array(table.rotation)
         units = write_units(
-            np.array(table.count), place, turn, core, np.array(table.hull), begins, self.vertices, rows, own, self.roots
-        )
-        rows, self.own, boxes = rows[:units], own[:units], np.empty((units, 6))
-        numbers = np.array(poses).reshape(-1, 4)
-        seat_bodies(
-            self.own, self.vertices, self.roots, np.array(carriers, dtype=np.int64), numbers, self._places, rows, boxes
-        )
-        self._made = {AT_START: Arrangement(self, rows, boxes)}
+            np.array(table.count), position, rotation, core, np.array(table.hull), begins, self.vertices, rows, own,
+            self.roots,
+        )  # fmt: skip
+        self.own = own[:units]
+        start = Arrangement(self, self.seats.rows, rows[:units], np.empty((units, 6)))
+        self._seat(start, range(len(self.names)))
+        self._made = {at_start(scene): start}
 
     def __call__(self, attached: Attachments) -> Arrangement:
         """The arrangement in which the held part is carried by the flange and each placed part by its frame."""
         found = self._made.get(attached)
         if found is None:
-            found = self._made[attached] = self._arranged(attached)
+            first = at_start(self.scene)
+            start, moved = self._made[first], {part for part, _, _ in attached.placed}
+            moved |= {each.held.part for each in (first, attached) if each.held is not None}
+            found = Arrangement(self, start.seats.copy(), start.rows.copy(), start.boxes.copy())
+            numbers = [self.carriers.body[part] for part in sorted(moved)]
+            for number in numbers:
+                found.seats[number] = seat_of(self.scene, self.carriers, attached, self.names[number])
+            self._seat(found, numbers)
+            self._made[attached] = found
         return found
 
-    def _arranged(self, attached: Attachments) -> Arrangement:
-        start = self._made[AT_START]
-        rows, boxes = start.rows.copy(), start.boxes.copy()
-        moved = [(part, self._frames[frame], pose) for part, frame, pose in attached.placed]
-        if attached.held is not None:
-            moved.append((attached.held.part, self._flange, attached.held.in_flange))
-        for part, carrier, pose in moved:
-            units = start.pieces(self.number[part])
-            root, end = int(self.roots[self.number[part]]), units.stop
-            seat_units(self.own, self.vertices, root, end, carrier, np.array(_numbers(pose)), self._places, rows, boxes)
-        return Arrangement(self, rows, boxes)
+    def _seat(self, made: Arrangement, numbers: Iterable[int]) -> None:
+        """Puts the units of some bodies on their seats."""
+        chosen = np.array(numbers, dtype=np.int64)
+        seat_bodies(
+            self.own, self.vertices, self.roots, made.seats, chosen, self.links, self._places, made.rows, made.boxes
+        )
 
 
 NOWHERE = (np.nan, np.nan, np.nan, np.nan)
@@ -159,9 +165,8 @@ NOWHERE = (np.nan, np.nan, np.nan, np.nan)
 
 
 def _place(law: Law) -> tuple[float, float, float, float]:
-    """Where a frame stands that stands still and is known for ever."""
-    return _numbers(law.numbers.pose) if law.is_fixed and law.valid == (-np.inf, np.inf) else NOWHERE
-
-
-def _numbers(pose: Pose) -> tuple[float, float, float, float]:
+    """The pose of a frame that stands still and is known for ever."""
+    if not (law.is_fixed and law.valid == (-np.inf, np.inf)):
+        return NOWHERE
+    pose = law.numbers.pose
     return pose.x, pose.y, pose.z, pose.yaw
