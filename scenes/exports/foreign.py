@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from assur.scenes.conventions import Conventions
     from assur.scenes.reading.cell import Cell
     from assur.scenes.resampling.foreign import First
-    from assur.scenes.schema import answer as written
     from assur.scenes.schema.export import FirstViolation, ForeignTrajectoryDocument
 
 SAME = 1e-6
@@ -46,7 +45,8 @@ def verdict(
     """Whether the trajectory in a file keeps the limits and keeps everything apart. `request`: that of the cell, with
     what files hold in it; `plan`: whose legs it has, and whose promises it must keep. Raises `InputError`."""
     from assur.planner.model.phases import phases
-    from assur.scenes.answer import NOTICE, nearest_document
+    from assur.scenes.answer import NOTICE
+    from assur.scenes.answer_facts import written
     from assur.scenes.resampling.certifying import kept_legs
     from assur.scenes.resampling.foreign import ends_at_rest, judged, travel
     from assur.scenes.resampling.measured import ratios
@@ -84,25 +84,15 @@ def verdict(
         }
         for joint, i in zip(cell.conventions, places(cell.conventions).tolist(), strict=True)
     ]
-    findings: list[written.Finding] = [
-        {
-            "code": str(each.code),
-            "what": each.what,
-            "amount": optional(each.amount),
-            "unit": each.unit,
-            "where": each.where,
-        }
-        for each in found.findings
-    ]
     return {
         "schema": "assur/1",
-        "ok": not findings,
+        "ok": not found.findings,
         "judged_as": "travel" if plan is None else "plan",
-        "findings": findings,
+        "findings": written(found.findings),
         "begins_off": list(_begins_off(scene, cell.conventions, trajectory)),
         "notes": list(notes),
         "first": None if found.first is None else _first(found.first),
-        "clearance": None if found.clearance is None else nearest_document(found.clearance),
+        "clearance": written(found.clearance),
         "jerk": jerk,
         "points": len(trajectory.time),
         "start_s": number(trajectory.start),

@@ -26,10 +26,10 @@ from assur.planner.model.refusal import (
 from assur.planner.model.scene import Scene
 from assur.planner.report.checker_first import beginning
 from assur.planner.report.sentence import sentence
+from assur.scenes.answer_facts import refusal_document
 from assur.scenes.faults import Refused, located, within
 from assur.scenes.reading.claims import check_notes, untrue_repeats
 from assur.scenes.reading.plan import PLAN
-from assur.scenes.refusals import refusal_document
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.checked import present
 from assur.scenes.schema.read import TYPES, read_normal
