@@ -37,8 +37,9 @@ class Simplex(NamedTuple):
     directions: FloatArray
 
 
-def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int) -> Simplex:
-    """That of units a and b, which are pieces, with their carriers (K, 12) where they are."""
+def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int, enough_m: float = ENOUGH_M) -> Simplex:
+    """That of units a and b, which are pieces, with their carriers (K, 12) where they are, when the distance is known
+    to `enough_m`."""
     rows, vertices = arrangement.rows, arrangement.bodies.vertices
     placed = np.empty((1, len(rows), POSE_COLUMNS))
     for unit in (a, b):
@@ -60,7 +61,7 @@ def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int) -> S
         add_farthest(rows, vertices, placed, 0, a, x, y, z, -1.0, point, 0)
         point[0] -= balls * way
         # no direction brings the pieces nearer than this, and the point is none that is known
-        if count and (length - float(way @ point[0]) <= ENOUGH_M or (points[:count] == point[0]).all(axis=1).any()):
+        if count and (length - float(way @ point[0]) <= enough_m or (points[:count] == point[0]).all(axis=1).any()):
             break
         points[count], directions[count] = point[0], way
         count += 1

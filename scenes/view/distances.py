@@ -9,11 +9,11 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.proof import Prover
+from assur.planner.collision.simplex import simplex
 from assur.planner.kernels import gjk, nearest
 from assur.planner.kernels import solids as c
 from assur.planner.kernels.intervals import STATE_COLUMNS
 from assur.planner.kernels.links import POSE_COLUMNS
-from assur.planner.model.clearance import rule_of
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.planner.tables.bodies import Arrangement
@@ -24,6 +24,8 @@ STEP_S = 0.005
 """Time between the instants, s; ..."""
 FEWEST, MOST = 48, 400
 """... but at least and at most this many steps for a motion."""
+POINTS_M = 1e-8
+"""The closest points are known to this, m."""
 BATCH = 32
 """Number of pairs of one kernel call. Pairs come in the order of the distance of their bounding spheres, and calls end
 where that distance exceeds the smallest one that occurs."""
@@ -82,9 +84,9 @@ def _in_phase(prover: Prover, trajectory: Trajectory, phase: Phase, times: list[
         if math.isfinite(gap):
             a, b = int(state[nearest.NEAREST_A]), int(state[nearest.NEAREST_B])
             first, second = (arrangement.names[arrangement.body[unit]] for unit in (a, b))
-            _, required = rule_of(prover.scene, phase, first, second)
+            (row,) = pairs[(pairs[:, c.FIRST] == a) & (pairs[:, c.SECOND] == b)]
             points = _closest_points(arrangement, carriers, a, b)
-            closest.append(ClosestPair(t, (first, second), gap, required, points))
+            closest.append(ClosestPair(t, (first, second), gap, float(row[c.REQUIRED]), points))
     return closest
 
 
@@ -118,50 +120,20 @@ def _by_spheres(arrangement: Arrangement, carriers: FloatArray, pairs: FloatArra
 
 def _closest_points(arrangement: Arrangement, carriers: FloatArray, a: int, b: int) -> tuple[FloatArray, FloatArray]:
     """A point of unit a and a point of unit b, each (3,) in the world, whose distance is that of the units; the same
-    point for units that overlap.
-
-    This is the search of `kernels.gjk`; here the points of both units are kept for each corner of the simplex.
-    """
+    point for units that overlap."""
     bodies, vertices = arrangement.rows, arrangement.bodies.vertices
-    placed = np.empty((1, len(bodies), POSE_COLUMNS))
-    for unit in (a, b):
+    placed, found = np.empty((1, len(bodies), POSE_COLUMNS)), simplex(arrangement, carriers, a, b, POINTS_M)
+    ends = np.zeros((2, 3))
+    for end, unit, side in zip(ends, (a, b), (1.0, -1.0), strict=True):
         c.place(bodies, unit, carriers, placed, 0)
-    ones, others, points, work = np.zeros((4, 3)), np.zeros((4, 3)), np.zeros((4, 3)), np.zeros((3, 4))
-    v = placed[0, b, :3] - placed[0, a, :3]
-    count, weights = 0, np.zeros(4)
-    for _ in range(gjk.ITERATIONS):
-        length = float(np.linalg.norm(v))
-        if not length > gjk.POINT_M:
-            break
-        n = v / length
-        ones[count], others[count] = 0.0, 0.0
-        x, y, z = n.tolist()
-        gjk.add_farthest(bodies, vertices, placed, 0, b, -x, -y, -z, 1.0, others, count)
-        gjk.add_farthest(bodies, vertices, placed, 0, a, x, y, z, 1.0, ones, count)
-        new = others[count] - ones[count]
-        if count and length - float(n @ new) <= gjk.RELATIVE * length + gjk.ABSOLUTE_M:
-            break
-        if count and (points[:count] == new).all(-1).any():
-            break
-        points[count] = new
-        count += 1
-        if not gjk.nearest_to_origin(points, count, work):
-            break
-        weights = work[0, :count].copy()
-        keep = weights > 0.0
-        kept = int(keep.sum())
-        for table in (ones, others, points):
-            table[:kept] = table[:count][keep]
-        weights, count = weights[keep], kept
-        v = weights @ points[:count]
-        if count == 4:
-            break
-    count = min(count, len(weights))
-    one, other = weights[:count] @ ones[:count], weights[:count] @ others[:count]
-    apart = other - one
+        for weight, way in zip(found.weights.tolist(), side * found.directions, strict=True):
+            if weight > 0.0:
+                point = np.zeros((1, 3))
+                x, y, z = way.tolist()
+                gjk.add_farthest(bodies, vertices, placed, 0, unit, x, y, z, 1.0, point, 0)
+                end += weight * point[0]
+    apart, balls = ends[1] - ends[0], bodies[[a, b], c.BALL]
     length = float(np.linalg.norm(apart))
-    if length <= max(float(bodies[a, c.BALL] + bodies[b, c.BALL]), gjk.POINT_M):
-        middle = (one + other) / 2.0
-        return middle, middle
-    n = apart / length
-    return one + bodies[a, c.BALL] * n, other - bodies[b, c.BALL] * n
+    if length <= max(float(balls.sum()), gjk.POINT_M):
+        return ends.mean(0), ends.mean(0)
+    return ends[0] + balls[0] / length * apart, ends[1] - balls[1] / length * apart

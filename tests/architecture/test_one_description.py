@@ -45,9 +45,7 @@ planner/kernels: inverse links motion uncertainty
 planner/legs: accuracy forbidden_yaw
 planner/model: execution forbidden_yaw
 planner/robots: elbow_arm five_axis_arm five_bar kinematics polar_arm scara
-scenes: robot_facts
-scenes/exports: recipe
-scenes/reading: arms loads start
+scenes/reading: arms start
 scenes/schema: robots
 scenes/urdf: arm_text carriers families importing
 """
@@ -61,7 +59,6 @@ planner/relaxation: smaller_clearances
 planner/report: straight_parts
 planner/search: beam
 planner/tables: pairs
-scenes/view: distances
 """
 MOST_CHECKS, MOST_FILES = 153, 52
 """Calls of `isinstance` on a step, and files that have one."""
