@@ -11,7 +11,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_KNOTS, SHORTEST_STEP_S
 from assur.scenes.conventions import Conventions, converted, converted_rates, places
-from assur.scenes.exports.export import SPARE, cell_in
+from assur.scenes.exports.export import SPARE, cell_in, jerk_proved
 from assur.scenes.exports.raised import raised
 from assur.scenes.faults import NOTHING, DocumentError
 from assur.scenes.motions.csv_motion import csv_motion
@@ -19,7 +19,7 @@ from assur.scenes.motions.motion import STATES, TIME, Motion, Track, largest, li
 from assur.scenes.motions.ros_motion import ros_motion
 from assur.scenes.numbers import number, optional
 from assur.scenes.reading.neighbours import crowded
-from assur.scenes.schema.export import BeginsOff, JerkProved, StateName, TrajectoryVerdict
+from assur.scenes.schema.export import BeginsOff, StateName, TrajectoryVerdict
 from assur.scenes.schema.robots import MOST_JERK
 from assur.scenes.units import twin_of
 
@@ -73,17 +73,6 @@ def verdict(
         factor = min(float(share.max()) * (1.0 + SPARE), most)
         cell = cell_in(raised(request, factor)) if factor > 1.0 else cell
     found = judged(cell.scene, trajectory, plan)
-    limits = cell.scene.robot.limits.jerk
-    jerk: list[JerkProved] = [
-        {
-            "joint": joint.name,
-            "unit": "rad/s³" if joint.unit == "rad" else "m/s³",
-            "highest": None if trajectory.jumps else optional(abs(share[i] * own[i])),
-            "limit": number(limits[i]),
-            "of_request": number(own[i]),
-        }
-        for joint, i in zip(cell.conventions, places(cell.conventions).tolist(), strict=True)
-    ]
     return {
         "schema": "assur/1",
         "ok": not found.findings,
@@ -93,7 +82,7 @@ def verdict(
         "notes": list(notes),
         "first": None if found.first is None else _first(found.first),
         "clearance": written(found.clearance),
-        "jerk": jerk,
+        "jerk": jerk_proved(cell, np.abs(share * own), own, jumps=trajectory.jumps),
         "points": len(trajectory.time),
         "start_s": number(trajectory.start),
         "duration_s": number(trajectory.duration),

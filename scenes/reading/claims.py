@@ -7,11 +7,7 @@ only the form is checked (`scenes.schema.checked`). A field that no answer has i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
 from typing import Any, TypeVar
-
-from pydantic import with_config
-from typing_extensions import TypedDict, get_type_hints
 
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.model.attachments import at_start
@@ -23,7 +19,6 @@ from assur.planner.model.scene import Scene
 from assur.scenes.answer_facts import fact_of
 from assur.scenes.reading.plan import PLAN
 from assur.scenes.schema import answer as document
-from assur.scenes.schema.answer import CLOSED
 from assur.scenes.schema.checked import NOT_CHECKED, not_checked
 from assur.scenes.schema.read import read_normal, read_written
 
@@ -50,7 +45,7 @@ def claimed_in(plan: object) -> dict[str, Any]:
     if not isinstance(plan, dict):
         return {}  # no answer, which who reads the plan says
     check_notes(plan, document.PlannedAnswer, NOT_CHECKED)
-    form = _partial(document.PlannedAnswer, CLAIMED, ("margins", _partial(document.Margins)))
+    form = document.partial(document.PlannedAnswer, CLAIMED, (), (("margins", document.partial(document.Margins)),))
     given = {key: value for key, value in plan.items() if key in CLAIMED}
     claimed: dict[str, Any] = read_normal(form, given, given, (PLAN,))
     return claimed
@@ -60,15 +55,7 @@ def check_notes(answer: dict[str, Any], form: Any, keys: tuple[str, ...]) -> Non
     """Raises `DocumentError` below "plan" for one of the fields `keys` of an answer that is not as its form has it.
     What they say is not evaluated."""
     notes = {key: value for key, value in answer.items() if key in keys}
-    read_written(_partial(form, keys), notes, notes, (PLAN,))
-
-
-@cache
-def _partial(form: Any, keys: tuple[str, ...] | None = None, *others: tuple[str, Any]) -> Any:
-    """Those fields of a form (None: all), or `others` in their place, any of which may be left out."""
-    hints = get_type_hints(form, include_extras=True) | dict(others)
-    fields = {key: hint for key, hint in hints.items() if keys is None or key in keys}
-    return with_config(CLOSED)(TypedDict(form.__name__, fields, total=False))  # type: ignore[operator]
+    read_written(document.partial(form, keys), notes, notes, (PLAN,))
 
 
 def claims_of(answer: dict[str, Any], claimed: dict[str, Any]) -> Claims:

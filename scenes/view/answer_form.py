@@ -14,7 +14,13 @@ from assur.scenes.reading.plan import CERTIFICATE_DIGEST, PLAN
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.normal import plain
 
-FORMS = {"planned": document.PlannedAnswer, "not_planned": document.NotPlannedAnswer, "proved": document.ProvedPlan}
+PROOF = ("certificate", document.Certificate | document.CertificateDigest)
+FORMS = {
+    "planned": document.PlannedAnswer,
+    "not_planned": document.NotPlannedAnswer,
+    "proved": document.partial(document.CheckedPlan, None, tuple(document.CheckedPlan.__required_keys__), (PROOF,)),
+}
+"""What an answer may be, and a plan with its proof and nothing of a search, as an export writes it."""
 ANSWERS = ("planned", "not_planned")
 """Each status of an answer."""
 
@@ -56,4 +62,4 @@ def answer_in(given: object, scene: Scene) -> dict[str, Any]:
 def _name(answer: dict[str, Any]) -> str:
     """Of the form that a document must have. A planned one is a whole answer if it says anything of the search."""
     planned = answer["status"] == "planned"
-    return "proved" if planned and answer.keys() <= document.ProvedPlan.__annotations__.keys() else answer["status"]
+    return "proved" if planned and answer.keys() <= document.CheckedPlan.__annotations__.keys() else answer["status"]
