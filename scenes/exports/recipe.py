@@ -105,7 +105,7 @@ def melfa(motion: Motion) -> str:
 
 def _recipe(motion: Motion, dialect: Dialect, form: str) -> str:
     scene = motion.cell.scene
-    if set(scene.robot.modes) != set(dialect.hands) or "yaw" not in scene.robot.coordinates:
+    if not scene.robot.sums_yaw:
         raise InputError("format", form, f"csv, ros2 or ros2-json: {scene.robot.name} is no SCARA with a wrist")
     legs, facts = motion.plan.legs, motion.facts
     notes = [*NOTES, f"{scene.robot.name}; request {facts['request_digest']}"]
