@@ -26,6 +26,7 @@ from assur.planner.model.scene import Scene
 from assur.planner.report.sentence import because
 from assur.scenes.numbers import interval, number, optional
 from assur.scenes.schema import answer as document
+from assur.scenes.schema.normal import LEAVES
 from assur.scenes.schema.read import options_of
 
 Fact = TypeVar("Fact")
@@ -73,6 +74,8 @@ NAMES = {
     "yaw_offset_rad": "yaw_offset",
 }
 """Keys of documents, and what the facts call the same."""
+PLAIN = LEAVES - {float}
+"""Types of what is written as it is."""
 
 
 @cache
@@ -87,6 +90,8 @@ def _columns(kind: Any) -> tuple[tuple[str, str, bool], ...]:
 def written(value: object) -> Any:
     """A fact, or what is in one, as plain data that JSON can hold. Raises `FaultError` for a number that is not finite
     where there must be one."""
+    if type(value) in PLAIN:
+        return value
     if isinstance(value, StrEnum):
         return value.value
     if isinstance(value, float):
@@ -139,6 +144,11 @@ def fact_of(kind: type[Fact], item: Any, **own: Any) -> Fact:
         if key in item and name in hints
     }
     return kind(**{**given, **own})
+
+
+@cache
+def _hints(kind: Any) -> dict[str, Any]:
+    return get_type_hints(kind)
 
 
 def _fact(hint: Any, value: Any) -> Any:

@@ -1,8 +1,8 @@
 """The answer and the verdict as documents. One description: what is written, what is read again, and the schema.
 
-Writing one is building its dictionaries, which mypy holds to these types. Numbers are SI, poses are in the world, joint
-values are in the maker's convention, and null stands for a number that there is not. Of an answer that is read again
-only `CheckedPlan` is judged: what the checker does not look at may be left out.
+`assur.scenes.answer_facts` writes and reads the planner's facts by these forms. Numbers are SI, poses are in the world,
+joint values are in the maker's convention, and null stands for a number that there is not. Of an answer that is read
+again only `CheckedPlan` is judged: what the checker does not evaluate may be left out (`partial`).
 """
 
 from __future__ import annotations

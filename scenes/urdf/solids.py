@@ -13,6 +13,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.geometry.shapes import Hull
+from assur.scenes.robot_facts import SIZES
 from assur.scenes.urdf.mesh_files import mesh_triangles
 from assur.scenes.urdf.refusals import Unsuitable
 from assur.scenes.urdf.tree import Solid
@@ -92,16 +93,10 @@ def revolved(
 
 
 def _primitive(solid: Solid) -> dict[str, Any]:
-    sizes = list(solid.sizes)
-    match solid.kind:
-        case "box":
-            return {"box": {"size_m": sizes}}
-        case "sphere":
-            return {"sphere": {"radius_m": sizes[0]}}
-        case "cylinder":
-            return {"cylinder": {"radius_m": sizes[0], "height_m": sizes[1]}}
-        case _:
-            return {"capsule": {"radius_m": sizes[0], "length_m": sizes[1]}}
+    """The shape in our document; a box has one list of sizes, other primitives a number for each."""
+    fields = SIZES[solid.kind]
+    sizes = [list(solid.sizes)] if len(fields) == 1 and len(solid.sizes) > 1 else solid.sizes
+    return {solid.kind: dict(zip(fields, sizes, strict=True))}
 
 
 def _around_primitive(solid: Solid) -> FloatArray:
