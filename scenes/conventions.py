@@ -47,10 +47,8 @@ def places(conventions: Conventions) -> IntArray:
 
 def converted(values: FloatArray, conventions: Conventions) -> FloatArray:
     """Joint positions (..., n) of the maker in the planner's order and convention."""
-    turned = np.empty(values.shape)
     # + 0.0, which a zero is as well: no negative zeros
-    turned[..., places(conventions)] = values * _signs(conventions) + _zeros(conventions)
-    return turned
+    return _in_order(values * _signs(conventions) + _zeros(conventions), conventions)
 
 
 def as_maker(values: FloatArray, conventions: Conventions) -> FloatArray:
@@ -62,9 +60,7 @@ def as_maker(values: FloatArray, conventions: Conventions) -> FloatArray:
 
 def converted_rates(values: FloatArray, conventions: Conventions) -> FloatArray:
     """Joint rates, or differences of positions, (..., n) of the maker in the planner's order and convention."""
-    turned = np.empty(values.shape)
-    turned[..., places(conventions)] = values * _signs(conventions) + 0.0
-    return turned
+    return _in_order(values * _signs(conventions) + 0.0, conventions)
 
 
 def rates_as_maker(values: FloatArray, conventions: Conventions) -> FloatArray:
@@ -81,16 +77,19 @@ def last_joint(conventions: Conventions) -> int:
 
 def signs(conventions: Conventions) -> tuple[float, ...]:
     """What the planner's value of each joint, in its order, is multiplied by to be the maker's."""
-    found = np.empty(len(conventions))
-    found[places(conventions)] = _signs(conventions)
-    return tuple(found.tolist())
+    return tuple(_in_order(_signs(conventions), conventions).tolist())
 
 
 def zeros(conventions: Conventions) -> tuple[float, ...]:
     """The planner's value at the maker's zero of each joint, in the planner's order."""
-    found = np.empty(len(conventions))
-    found[places(conventions)] = _zeros(conventions)
-    return tuple(found.tolist())
+    return tuple(_in_order(_zeros(conventions), conventions).tolist())
+
+
+def _in_order(values: FloatArray, conventions: Conventions) -> FloatArray:
+    """Values (..., n) in the maker's order, in the planner's."""
+    found = np.empty(values.shape)
+    found[..., places(conventions)] = values
+    return found
 
 
 def as_counted(signs: tuple[tuple[str, float], ...], conventions: Conventions) -> tuple[tuple[str, float], ...]:

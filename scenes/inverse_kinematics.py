@@ -19,6 +19,7 @@ from assur.planner.model.refusal import Bodies, Enclosed, Reason, Refusal, Separ
 from assur.planner.model.scene import Scene, check_tool_point
 from assur.planner.robots.codes import Code
 from assur.planner.robots.solutions import ModeSolutions, solutions
+from assur.scenes.answer_facts import refused_document
 from assur.scenes.conventions import as_maker
 from assur.scenes.faults import NOTHING, Gathered, Refused, located, within
 from assur.scenes.numbers import number, optional
@@ -26,7 +27,6 @@ from assur.scenes.reading import frames, robots
 from assur.scenes.reading.bodies import Places
 from assur.scenes.reading.start import position
 from assur.scenes.reading.tool_pose import flange_of, known_from, knows, lacks, wrist_turns
-from assur.scenes.refusals import refused_document, word
 from assur.scenes.schema import ik as written
 from assur.scenes.schema.read import read
 
@@ -180,7 +180,7 @@ def _unreached(mode: ModeSolutions, given: robots.Equipped) -> written.Unreached
     beyond = _named(mode.beyond, given) if mode.code is Code.ASSEMBLED else {}
     return {
         "mode": given.robot.modes[mode.mode],
-        "reason": word(REASONS.get(mode.code, Reason.NEAR_SINGULARITY)),
+        "reason": REASONS.get(mode.code, Reason.NEAR_SINGULARITY),
         "short_m": optional(mode.short_m) if mode.code is Code.OUT_OF_REACH else None,
         "beyond": {key: abs(over) for key, over in beyond.items() if over},
         "detail": lacks(mode, given),

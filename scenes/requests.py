@@ -20,9 +20,8 @@ from assur.scenes.catalogue import RobotFile, load_robot, models, robots, shippe
 from assur.scenes.faults import located, written_key
 from assur.scenes.files import with_meshes, with_plans
 from assur.scenes.not_requests import refuse_other
-from assur.scenes.numbers import optional
 from assur.scenes.scenarios import Scenario, ScenarioDocument, load_scenario, shipped, shipped_scenarios, unmet
-from assur.scenes.schema import answer as written
+from assur.scenes.schema.answer import Verdict
 from assur.scenes.schema.ik import IkDocument
 from assur.scenes.schema.normal import plain
 from assur.scenes.schema.read import read
@@ -343,15 +342,15 @@ def read_plan(cell: Cell, plan: object, *, proved_anew: bool = False) -> tuple[P
 
     Raises `InputError` naming the field.
     """
-    from assur.scenes.reading.claims import check_beside, claims_of, untrue_arrivals, untrue_repeats
+    from assur.scenes.reading.claims import claimed_in, claims_of, untrue_arrivals, untrue_repeats
     from assur.scenes.reading.plan import check_lengths, plan_of
 
     answer = plain(plan)
-    check_beside(answer)
+    claimed = claimed_in(answer)
     made, told = plan_of(answer, cell.conventions, proved_anew=proved_anew)
     check_lengths(answer, made, cell.scene)
-    told += untrue_repeats(answer, cell.scene) + untrue_arrivals(made.arrivals, cell.scene)
-    return made, told, claims_of(answer)
+    told += untrue_repeats(claimed, cell.scene) + untrue_arrivals(made.arrivals, cell.scene)
+    return made, told, claims_of(answer, claimed)
 
 
 def check_plan(cell: Cell, made: Plan, told: tuple[Finding, ...] = (), claims: Claims | None = None) -> dict[str, Any]:
@@ -372,21 +371,12 @@ def check_plan(cell: Cell, made: Plan, told: tuple[Finding, ...] = (), claims: C
 def _verdict(cell: Cell, found: tuple[Finding, ...], not_checked: Iterable[str]) -> dict[str, Any]:
     """A verdict with these findings, and the fields of the answer that were not checked."""
     from assur.scenes.answer import NOTICE
+    from assur.scenes.answer_facts import written
 
-    findings: list[written.Finding] = [
-        {
-            "code": str(finding.code),
-            "what": finding.what,
-            "amount": optional(finding.amount),
-            "unit": finding.unit,
-            "where": finding.where,
-        }
-        for finding in found
-    ]
-    verdict: written.Verdict = {
+    verdict: Verdict = {
         "schema": "assur/1",
-        "ok": not findings,
-        "findings": findings,
+        "ok": not found,
+        "findings": written(found),
         "not_checked": list(not_checked),
         "request_digest": cell.scene.digest,
         "notice": NOTICE,

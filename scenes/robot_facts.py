@@ -69,7 +69,7 @@ def assumptions(family: Family, arm: Written) -> tuple[str, ...]:
     if not any(isinstance(value, dict) for mapping in (arm, *arm["joints"]) for value in mapping.values()):
         return (OWN,)  # the mappings of an arm and its joints are the facts that are stated; here is none
     name = name_of(family, arm)
-    numbers = list(_numbers(family, arm))
+    numbers = list(_numbers(arm))
     found = [
         f"{name}: {what} {_plainly(number.value)} {_plain_unit(number.unit)}, {number.status}: {number.source}"
         for what, number in numbers
@@ -144,11 +144,11 @@ def _lengths(arm: Written) -> Iterator[tuple[str, Quantity]]:
     return ((field, quantity(arm, field)) for field in LENGTHS if written_key(arm, field) is not None)
 
 
-def _numbers(family: Family, arm: Written) -> Iterator[tuple[str, Quantity]]:
+def _numbers(arm: Written) -> Iterator[tuple[str, Quantity]]:
     """Every number that a plan depends on, with what it is of, in words."""
     for field, number in _lengths(arm):
-        flange = family == "five_bar" and field == "height_m"
-        yield "height of the flange" if flange else LENGTHS[field], number
+        planar = field == "height_m" and written_key(arm, "separation_m") is not None
+        yield "height of the flange" if planar else LENGTHS[field], number
     for field, word in LOADS.items():
         if field in arm:
             yield word, quantity(arm, field)

@@ -4,17 +4,22 @@ arrivals."""
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
 from assur.planner.errors import FaultError
 from assur.planner.model.arrival_error import ArrivalError
-from assur.planner.model.outcome import Arrival, Plan, Traced
+from assur.planner.model.outcome import Arrival, Plan
 from assur.planner.trajectory import Trajectory
+from assur.scenes.answer_facts import document_of, written
 from assur.scenes.conventions import Conventions, as_counted, as_maker, converted, rates_as_maker, zeros
 from assur.scenes.numbers import number
 from assur.scenes.reading.cell import Cell
 from assur.scenes.schema import answer as document
+
+BRIEF = ("pitch_rad", "roll_rad", "grip_m", "support_m")
+"""Fields of an arrival that are left out where there is nothing to state."""
 
 
 def settled(cell: Cell, plan: Plan) -> Plan:
@@ -57,49 +62,21 @@ def trajectory_document(cell: Cell, trajectory: Trajectory) -> document.Trajecto
 
 def arrival_document(cell: Cell, trajectory: Trajectory, arrival: Arrival) -> document.Arrival:
     """An arrival of a motion."""
-    missed, robot = arrival.missed_by, cell.scene.robot
+    missed, error, conventions = arrival.missed_by, arrival.error, cell.conventions
     q = trajectory.evaluate(arrival.time)
-    mode = int(robot.mode_of(q))
-    written: document.Arrival = {
-        "control_point": arrival.control_point,
-        "step": int(arrival.step),
-        "time_s": number(arrival.time),
-        "until_s": number(arrival.until),
-        "at_m": [number(x) for x in (arrival.pose.x, arrival.pose.y, arrival.pose.z)],
-        "yaw_rad": number(arrival.pose.yaw),
-        "yaw_offset_rad": number(arrival.yaw_offset),
-        "matched": bool(arrival.matched),
-        "along_m": None if arrival.along_m is None else number(arrival.along_m),
-        "window_left_s": None if arrival.window_left_s is None else number(arrival.window_left_s),
-        "missed_by": None
+    mode = int(cell.scene.robot.mode_of(q))
+    found = document_of(
+        arrival,
+        at_m=[number(x) for x in (arrival.pose.x, arrival.pose.y, arrival.pose.z)],
+        yaw_rad=number(arrival.pose.yaw),
+        missed_by=None
         if missed is None
-        else {
-            "joints": [number(x) for x in rates_as_maker(np.array(missed.joints), cell.conventions).tolist()],
-            "distance_m": number(missed.distance_m),
-        },
-        "error": None if arrival.error is None else _error(arrival.error, cell.conventions),
-        "joints": [number(x) for x in as_maker(q, cell.conventions).tolist()],
-        "mode": robot.modes[mode] if mode >= 0 else None,
-        "trace": None if arrival.trace is None else _traced(arrival.trace),
-    }
-    if arrival.pitch is not None:
-        written["pitch_rad"] = number(arrival.pitch)
-    if arrival.roll is not None:
-        written["roll_rad"] = number(arrival.roll)
-    if arrival.grip_m is not None:
-        written["grip_m"] = number(arrival.grip_m)
-    if arrival.support_m is not None:
-        written["support_m"] = number(arrival.support_m)
-    return written
-
-
-def _traced(trace: Traced) -> document.Traced:
-    return {
-        "length_m": number(trace.length_m),
-        "slowest_m_s": number(trace.slowest_m_s),
-        "fastest_m_s": number(trace.fastest_m_s),
-        "error_m": number(trace.error_m),
-    }
+        else document_of(missed, joints=tuple(rates_as_maker(np.array(missed.joints), conventions).tolist())),
+        error=None if error is None else _error(error, conventions),
+        joints=tuple(as_maker(q, conventions).tolist()),
+        mode=cell.scene.robot.modes[mode] if mode >= 0 else None,
+    )
+    return cast(document.Arrival, {key: value for key, value in found.items() if value is not None or key not in BRIEF})
 
 
 def _error(error: ArrivalError, conventions: Conventions) -> document.ArrivalError:
@@ -109,9 +86,6 @@ def _error(error: ArrivalError, conventions: Conventions) -> document.ArrivalErr
         "horizontal_m": number(within.position_m),
         "vertical_m": number(within.vertical_m),
         "yaw_rad": number(within.yaw_rad),
-        "causes": [
-            {"cause": share.cause, "position_m": number(share.position_m), "yaw_rad": number(share.yaw_rad)}
-            for share in error.shares
-        ],
+        "causes": written(error.shares),
         "worst": [{"what": what, "value": number(value)} for what, value in counted],
     }

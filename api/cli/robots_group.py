@@ -230,13 +230,13 @@ def _reach(robot: dict[str, Any]) -> str:
     return f"{number(sum(_shop(link)[0] for link in links), 4)} mm{marks}"
 
 
-CALLED = {"scara": "SCARA", "elbow_arm": "elbow arm", "five_axis_arm": "five-axis arm"}
-
-
 def everything(report: dict[str, Any]) -> Iterator[Table | str]:
     """The robot, its joints, its covers, and what is to be known of them."""
+    from assur.scenes.reading.arms import CALLED
+
     order = f", axis order {report['axis_order']}" if report["axis_order"] else ""
-    yield f"{report['name']}: {CALLED[report['family']]}{order}, from link {report['base']} to link {report['flange']}"
+    family = CALLED[report["family"]].partition(" ")[2]
+    yield f"{report['name']}: {family}{order}, from link {report['base']} to link {report['flange']}"
     yield ""
     made = table("joint", "in the URDF", ">sign", ">zero", "unit")
     for joint in report["joints"]:

@@ -39,7 +39,7 @@ SHORTEST_S = 1e-7
 
 def tool_yaw(scene: Scene, q: FloatArray) -> FloatArray:
     """The yaw (...) of the tool point in the world for joints (..., n), rad; of a SCARA full turns count."""
-    if scene.robot.facts[0] == "scara":
+    if scene.robot.sums_yaw:
         return np.asarray(scene.robot.base.yaw + q[..., SUMMED].sum(-1) + scene.tool.tcp.yaw)
     return np.asarray(scene.robot.forward(q)[1] + scene.tool.tcp.yaw)
 
@@ -56,7 +56,7 @@ def free_yaws_between(scene: Scene) -> list[float]:
 
 def start_room(scene: Scene) -> Room:
     """The room about the yaw at the start, which no motion of a SCARA can leave; without ends for other arms."""
-    if scene.robot.facts[0] != "scara":
+    if not scene.robot.sums_yaw:
         return Room()
     return room(scene.forbidden_yaw, float(tool_yaw(scene, scene.start.q)), _slack(scene))
 
@@ -122,7 +122,7 @@ def turns_into(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | Non
     """Why a motion is refused: at some time the tool is in a forbidden range of yaw, or is not shown not to be."""
     if not scene.forbidden_yaw:
         return None
-    if scene.robot.facts[0] != "scara":
+    if not scene.robot.sums_yaw:
         return _bounded(scene, step, trajectory)
     parts = (part[:, SUMMED].sum(-1, keepdims=True) for part in (trajectory.q, trajectory.qd, trajectory.qdd))
     turn = scene.robot.base.yaw + scene.tool.tcp.yaw

@@ -87,6 +87,12 @@ class Robot(ABC):
         return "yaw" in self.coordinates and "pitch" not in self.coordinates
 
     @cached_property
+    def sums_yaw(self) -> bool:
+        """Whether it has a wrist, and the yaw of its flange is the sum of the joints that turn, but for that of its
+        base."""
+        return self.turns_load and self.chain.loop is None
+
+    @cached_property
     def revolute(self) -> FloatArray:
         """1 for joints (n,) that turn, 0 for those that slide; not to be written to."""
         return np.array([float(joint.kind == "revolute") for joint in self.joints])

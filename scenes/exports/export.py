@@ -16,7 +16,7 @@ from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_JSON_BYTES
 from assur.scenes.conventions import as_maker, places, rates_as_maker
 from assur.scenes.exports.raised import raised, scale_of
-from assur.scenes.numbers import number
+from assur.scenes.numbers import number, optional
 from assur.scenes.schema.export import Deviation, ExportAnswer, ExportDocument, JerkProved, JerkRule
 
 if TYPE_CHECKING:
@@ -158,20 +158,8 @@ def _motion(
     from assur.scenes.resampling.measured import deviation
 
     trajectory, own = proved.trajectory, (given or cell).scene.robot.limits.jerk
-    limits = cell.scene.robot.limits.jerk
     low, high = trajectory.extrema(3)
-    highest = np.maximum(high, -low)
     off, of_maker = deviation(made.trajectory, trajectory), places(cell.conventions)
-    peaks: list[JerkProved] = [
-        {
-            "joint": joint.name,
-            "unit": "rad/s³" if joint.unit == "rad" else "m/s³",
-            "highest": None if trajectory.jumps else number(highest[i] + 0.0),
-            "limit": number(limits[i]),
-            "of_request": number(own[i]),
-        }
-        for joint, i in zip(cell.conventions, of_maker.tolist(), strict=True)
-    ]
     offs: list[Deviation] = [
         {"joint": joint.name, "at_most": number(x)}
         for joint, x in zip(cell.conventions, off[of_maker].tolist(), strict=True)
@@ -183,7 +171,7 @@ def _motion(
         "tick_s": tick_s,
         "shortest_step_s": number((trajectory.time[1:] - trajectory.time[:-1]).min()),
         "deviation": offs,
-        "jerk": peaks,
+        "jerk": jerk_proved(cell, np.maximum(high, -low), own, jumps=trajectory.jumps),
         "jerk_raised": number(factor),
         "ends_moving": not trajectory.rest_at_end,
         "warnings": [] if given is None or factor == 1.0 else _exceeding(given, made, trajectory),
@@ -191,6 +179,22 @@ def _motion(
         "certificate_digest": proved.certificate.digest,
     }
     return Motion(cell, request, proved, facts)
+
+
+def jerk_proved(cell: Cell, highest: FloatArray, own: FloatArray, *, jumps: bool) -> list[JerkProved]:
+    """The `highest` jerk of each joint (n,), the limit of the cell, against which it is proved, and `own`, that of the
+    request. `jumps`: the acceleration may jump, and the jerk has no bound."""
+    limits = cell.scene.robot.limits.jerk
+    return [
+        {
+            "joint": joint.name,
+            "unit": "rad/s³" if joint.unit == "rad" else "m/s³",
+            "highest": None if jumps else optional(highest[i] + 0.0),
+            "limit": number(limits[i]),
+            "of_request": number(own[i]),
+        }
+        for joint, i in zip(cell.conventions, places(cell.conventions).tolist(), strict=True)
+    ]
 
 
 def _exceeding(cell: Cell, made: Plan, trajectory: Trajectory) -> list[str]:

@@ -11,7 +11,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_KNOTS, SHORTEST_STEP_S
 from assur.scenes.conventions import Conventions, converted, converted_rates, places
-from assur.scenes.exports.export import SPARE, cell_in
+from assur.scenes.exports.export import SPARE, cell_in, jerk_proved
 from assur.scenes.exports.raised import raised
 from assur.scenes.faults import NOTHING, DocumentError
 from assur.scenes.motions.csv_motion import csv_motion
@@ -19,7 +19,7 @@ from assur.scenes.motions.motion import STATES, TIME, Motion, Track, largest, li
 from assur.scenes.motions.ros_motion import ros_motion
 from assur.scenes.numbers import number, optional
 from assur.scenes.reading.neighbours import crowded
-from assur.scenes.schema.export import BeginsOff, JerkProved, StateName, TrajectoryVerdict
+from assur.scenes.schema.export import BeginsOff, StateName, TrajectoryVerdict
 from assur.scenes.schema.robots import MOST_JERK
 from assur.scenes.units import twin_of
 
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from assur.scenes.conventions import Conventions
     from assur.scenes.reading.cell import Cell
     from assur.scenes.resampling.foreign import First
-    from assur.scenes.schema import answer as written
     from assur.scenes.schema.export import FirstViolation, ForeignTrajectoryDocument
 
 SAME = 1e-6
@@ -46,7 +45,8 @@ def verdict(
     """Whether the trajectory in a file keeps the limits and keeps everything apart. `request`: that of the cell, with
     what files hold in it; `plan`: whose legs it has, and whose promises it must keep. Raises `InputError`."""
     from assur.planner.model.phases import phases
-    from assur.scenes.answer import NOTICE, nearest_document
+    from assur.scenes.answer import NOTICE
+    from assur.scenes.answer_facts import written
     from assur.scenes.resampling.certifying import kept_legs
     from assur.scenes.resampling.foreign import ends_at_rest, judged, travel
     from assur.scenes.resampling.measured import ratios
@@ -73,37 +73,16 @@ def verdict(
         factor = min(float(share.max()) * (1.0 + SPARE), most)
         cell = cell_in(raised(request, factor)) if factor > 1.0 else cell
     found = judged(cell.scene, trajectory, plan)
-    limits = cell.scene.robot.limits.jerk
-    jerk: list[JerkProved] = [
-        {
-            "joint": joint.name,
-            "unit": "rad/s³" if joint.unit == "rad" else "m/s³",
-            "highest": None if trajectory.jumps else optional(abs(share[i] * own[i])),
-            "limit": number(limits[i]),
-            "of_request": number(own[i]),
-        }
-        for joint, i in zip(cell.conventions, places(cell.conventions).tolist(), strict=True)
-    ]
-    findings: list[written.Finding] = [
-        {
-            "code": str(each.code),
-            "what": each.what,
-            "amount": optional(each.amount),
-            "unit": each.unit,
-            "where": each.where,
-        }
-        for each in found.findings
-    ]
     return {
         "schema": "assur/1",
-        "ok": not findings,
+        "ok": not found.findings,
         "judged_as": "travel" if plan is None else "plan",
-        "findings": findings,
+        "findings": written(found.findings),
         "begins_off": list(_begins_off(scene, cell.conventions, trajectory)),
         "notes": list(notes),
         "first": None if found.first is None else _first(found.first),
-        "clearance": None if found.clearance is None else nearest_document(found.clearance),
-        "jerk": jerk,
+        "clearance": written(found.clearance),
+        "jerk": jerk_proved(cell, np.abs(share * own), own, jumps=trajectory.jumps),
         "points": len(trajectory.time),
         "start_s": number(trajectory.start),
         "duration_s": number(trajectory.duration),

@@ -39,12 +39,13 @@ MOVING = 1e-3
 
 @dataclass(frozen=True)
 class Dialect:
-    """How a controller writes comments, points (name, x, y, z, yaw, whether right-handed, turns) and motions. `most`:
+    """How a controller writes comments, points (name, x, y, z, yaw, hand, turns) and motions. `hands`: by
+    working mode; `most`:
     the highest speed and acceleration, mm/s and mm/s², that it takes for straight lines."""
 
     comment: str
     point: str
-    hands: tuple[str, str]
+    hands: dict[str, str]
     joint_rates: str
     line_rates: str
     arch: str
@@ -61,7 +62,7 @@ class Dialect:
 SPEL = Dialect(
     comment="' ",
     point="P{n} = XY({x:.3f}, {y:.3f}, {z:.3f}, {u:.3f}) {hand}",
-    hands=("/L", "/R"),
+    hands={"left": "/L", "right": "/R"},
     joint_rates="Speed {speed}: Accel {accel}, {accel}",
     line_rates="SpeedS {mm_s}: AccelS {mm_s2}, {mm_s2}",
     arch="Arch 0, {up:.1f}, {down:.1f}",
@@ -77,7 +78,7 @@ SPEL = Dialect(
 MELFA = Dialect(
     comment="' ",
     point="P{n}=({x:.3f},{y:.3f},{z:.3f},0,0,{u:.3f})({hand},{turns})",
-    hands=("0", "4"),
+    hands={"left": "0", "right": "4"},
     joint_rates="JOvrd {speed}\nAccel {accel},{accel}",
     line_rates="Spd {mm_s}\nAccel {accel},{accel}",
     arch="' arch: straight up {up:.1f} mm, straight down {down:.1f} mm (Mva with Def Arch, if the controller has it)",
@@ -104,7 +105,7 @@ def melfa(motion: Motion) -> str:
 
 def _recipe(motion: Motion, dialect: Dialect, form: str) -> str:
     scene = motion.cell.scene
-    if scene.robot.facts[0] != "scara" or "yaw" not in scene.robot.coordinates:
+    if not scene.robot.sums_yaw:
         raise InputError("format", form, f"csv, ros2 or ros2-json: {scene.robot.name} is no SCARA with a wrist")
     legs, facts = motion.plan.legs, motion.facts
     notes = [*NOTES, f"{scene.robot.name}; request {facts['request_digest']}"]
@@ -142,7 +143,7 @@ def _point(motion: Motion, dialect: Dialect, number: int, t: float) -> list[str]
         f"{joint.name} {math.degrees(value):.3f} deg" if joint.unit == "rad" else f"{joint.name} {1e3 * value:.3f} mm"
         for joint, value in zip(motion.cell.conventions, own.tolist(), strict=True)
     )
-    hand = dialect.hands[name == "right"]
+    hand = dialect.hands.get(name, dialect.hands["left"])
     if dialect is SPEL:
         yaw = _unwound(motion, q, yaw)
     height, turns = 1e3 * (tool.z - base.z), _turns(motion, own)

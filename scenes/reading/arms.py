@@ -43,7 +43,7 @@ from assur.scenes.schema.stated import Stated, value_of
 T = TypeVar("T")
 
 WITH_QUILL: tuple[Family, ...] = ("scara", "five_bar")
-"""Families whose flange is lifted by a quill, or by nothing."""
+"""Families whose flange is lifted by a quill, or by nothing, and turned about the vertical by the fourth joint."""
 LINKS: dict[Family, tuple[str, ...]] = {
     "scara": scara.LINKS,
     "elbow_arm": tilting.LINKS,
@@ -140,8 +140,9 @@ def built(family: Family, arm: Arm) -> BuiltArm:
         self_pairs=_pairs(family, arm),
         joint_names=tuple(conventions[int(i)].name for i in planners),
     )
+    load = load_limits(arm, wrist=family in WITH_QUILL and len(joints) == 4)
     x, y = [0.0, 0.0] if arm.base_offset_m is None else value_of(arm.base_offset_m)
-    return BuiltArm(name, conventions, limits, Pose(x, y, zero), z_down, load_limits(family, arm), make)
+    return BuiltArm(name, conventions, limits, Pose(x, y, zero), z_down, load, make)
 
 
 def _maker(arm: Arm, **shared: Any) -> Callable[..., Robot]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
 from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Pose
-from assur.planner.geometry.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
+from assur.planner.geometry.shapes import AXES, Body, Piece, Primitive, box, capsule, cylinder, sphere
 from assur.planner.model.deadline import OutOfTimeError
 from assur.planner.model.scene import WORLD, WorldBody
 from assur.scenes.faults import DocumentError, FollowsError, Refused, as_written, choices, dotted, fault, within
@@ -27,21 +28,22 @@ def solid(name: str, shape: ShapeDocument) -> Body:
     return Body(name, (_piece(shape),))
 
 
+PRIMITIVES: dict[str, Callable[[Any], Primitive]] = {
+    "box": lambda shape: box(*shape.size_m),
+    "sphere": lambda shape: sphere(shape.radius_m),
+    "cylinder": lambda shape: cylinder(shape.radius_m, shape.height_m),
+    "capsule": lambda shape: capsule(shape.radius_m, shape.length_m),
+}
+"""Key of a solid of one piece in a document → the piece, upright where it has an axis."""
+
+
 def _piece(shape: ShapeDocument) -> Piece:
-    if shape.box is not None:
-        with within("box"):
-            return Piece(box(*shape.box.size_m))
-    if shape.sphere is not None:
-        with within("sphere"):
-            return Piece(sphere(shape.sphere.radius_m))
-    if shape.cylinder is not None:
-        with within("cylinder"):
-            primitive = cylinder(shape.cylinder.radius_m, shape.cylinder.height_m)
-        return Piece(primitive, rotation=AXES[shape.cylinder.axis])
-    if shape.capsule is not None:
-        with within("capsule"):
-            primitive = capsule(shape.capsule.radius_m, shape.capsule.length_m)
-        return Piece(primitive, rotation=AXES[shape.capsule.axis])
+    for key, made in PRIMITIVES.items():
+        item = getattr(shape, key)
+        if item is not None:
+            with within(key):
+                primitive = made(item)
+            return Piece(primitive, rotation=AXES[getattr(item, "axis", "z")])
     raise FaultError("a shape of no kind passed its model")
 
 

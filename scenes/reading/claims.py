@@ -6,11 +6,8 @@ only the form is checked (`scenes.schema.checked`). A field that no answer has i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
-from functools import cache
-from typing import Any, NotRequired, TypeVar, get_args, get_origin
-
-from typing_extensions import get_type_hints
+from collections.abc import Sequence
+from typing import Any, TypeVar
 
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.model.attachments import at_start
@@ -19,14 +16,19 @@ from assur.planner.model.load import Carried
 from assur.planner.model.outcome import Arrival, Contact, JointPeak, Nearest, Plan, ToolPeaks
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
-from assur.planner.report.straight_parts import assumed
-from assur.scenes.faults import fault
-from assur.scenes.reading.plan import BESIDE, PLAN
+from assur.scenes.answer_facts import fact_of
+from assur.scenes.reading.plan import PLAN
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.checked import NOT_CHECKED, not_checked
 from assur.scenes.schema.read import read_normal, read_written
 
-Stated = TypeVar("Stated")
+Fact = TypeVar("Fact")
+CLAIMED = tuple(
+    key
+    for key in document.PlannedAnswer.__annotations__
+    if key not in {*document.ShownMotion.__annotations__, "schema", "status", "certificate", *NOT_CHECKED}
+)
+"""Fields of a planned answer that state something in addition to its plan, and are no notes."""
 BOUND_S = 1e-9
 """A stated lower bound may exceed the computed one by this, s: rounding of what is written."""
 SAME_ERROR = 1e-7
@@ -37,105 +39,67 @@ WITHIN = ("position_m", "vertical_m", "yaw_rad")
 """The parts of an error."""
 
 
-def check_beside(plan: object) -> None:
-    """Raises `DocumentError` below "plan" for a field beside the plan that no answer has, or of another kind."""
+def claimed_in(plan: object) -> dict[str, Any]:
+    """The fields of an answer that state something of its plan or of the request, and are no notes. Raises
+    `DocumentError` below "plan" for a field that no answer has, or of another kind; of notes, too."""
     if not isinstance(plan, dict):
-        return  # no answer, which who reads the plan says
+        return {}  # no answer, which who reads the plan says
     check_notes(plan, document.PlannedAnswer, NOT_CHECKED)
-    for key, model in _fields(document.PlannedAnswer).items():
-        if key in BESIDE - {"margins", *NOT_CHECKED} and key in plan:
-            read_normal(model, plan[key], plan[key], (PLAN, key))
-    margins, known = _below(plan, "margins"), _fields(document.Margins)
-    for key in margins:
-        if key not in known:
-            raise fault({PLAN: plan}, (PLAN, "margins", key), f"one of {', '.join(known)}")
-        read_normal(known[key], margins[key], margins[key], (PLAN, "margins", key))
+    form = document.partial(document.PlannedAnswer, CLAIMED, (), (("margins", document.partial(document.Margins)),))
+    given = {key: value for key, value in plan.items() if key in CLAIMED}
+    claimed: dict[str, Any] = read_normal(form, given, given, (PLAN,))
+    return claimed
 
 
-def check_notes(answer: dict[str, Any], form: Any, keys: Collection[str]) -> None:
+def check_notes(answer: dict[str, Any], form: Any, keys: tuple[str, ...]) -> None:
     """Raises `DocumentError` below "plan" for one of the fields `keys` of an answer that is not as its form has it.
-    What they say is not looked at."""
-    for key, model in _fields(form).items():
-        if key in keys and key in answer:
-            read_written(model, answer[key], answer[key], (PLAN, key))
+    What they say is not evaluated."""
+    notes = {key: value for key, value in answer.items() if key in keys}
+    read_written(document.partial(form, keys), notes, notes, (PLAN,))
 
 
-@cache
-def _fields(kind: Any) -> dict[str, Any]:
-    """The kinds of the fields of a TypedDict."""
-    optional: Any = NotRequired
-    hints = get_type_hints(kind, include_extras=True)
-    return {key: get_args(hint)[0] if get_origin(hint) is optional else hint for key, hint in hints.items()}
-
-
-def claims_of(plan: object) -> Claims:
-    """What a planned answer claims of its plan. Raises `DocumentError` below "plan"."""
-    margins, lasting = _below(plan, "margins"), _below(plan, "load")
-    pairs = [
-        _nearest(each, "margins", key, i)
-        for key in ("travel_pairs", "near_pairs")
-        for i, each in enumerate(_items(margins.get(key), "margins", key))
-    ]
-    peaks, contacts = margins.get("peaks"), plan.get("contacts") if isinstance(plan, dict) else None
-    arrivals = plan.get("arrivals") if isinstance(plan, dict) else None
-    bound = plan.get("lower_bound_s") if isinstance(plan, dict) else None
-    tool, pull = margins.get("tool"), margins.get("tool_acceleration_m_s2")
+def claims_of(answer: dict[str, Any], claimed: dict[str, Any]) -> Claims:
+    """What a planned answer claims of its plan. `claimed`: as `claimed_in` reads it."""
+    margins, contacts = claimed.get("margins", {}), claimed.get("contacts")
+    near = {key: _nearest(margins[key]) for key in ("nearest", "placed") if key in margins}
+    pairs = [_nearest(each) for key in ("travel_pairs", "near_pairs") for each in margins.get(key, ())]
+    tool, arrivals = margins.get("tool"), answer.get("arrivals")
     return Claims(
-        nearest=_stated(margins, "nearest", lambda item: _nearest(item, "margins", "nearest")),
-        placed=_stated(margins, "placed", lambda item: _nearest(item, "margins", "placed")),
-        pairs=tuple(pairs),
-        carried=_carried(lasting) if lasting else None,
-        contacts=None
-        if contacts is None
-        else tuple(_contact(i, each) for i, each in enumerate(_items(contacts, "contacts"))),
-        peaks=None
-        if peaks is None
-        else tuple(_peak(i, each) for i, each in enumerate(_items(peaks, "margins", "peaks"))),
-        tool=None if tool is None else _tool(tool),
-        tool_acceleration=_read(document.Number, pull, "margins", "tool_acceleration_m_s2"),
-        singularity=_stated(margins, "singularity", float),
-        parallel=_stated(margins, "parallel", float),
-        modes=tuple(each.get("mode") for each in arrivals if isinstance(each, dict)) if arrivals else None,
-        not_checked=not_checked(plan),
-        lower_bound=_read(document.Number, bound, "lower_bound_s"),
+        nearest=(near["nearest"],) if "nearest" in near else None,
+        placed=(near["placed"],) if "placed" in near else None,
+        pairs=tuple(filter(None, pairs)),
+        carried=_facts(Carried, claimed["load"]["carried"]) if "load" in claimed else None,
+        contacts=None if contacts is None else _facts(Contact, contacts),
+        peaks=_facts(JointPeak, margins["peaks"]) if "peaks" in margins else None,
+        tool=None if tool is None else fact_of(ToolPeaks, tool),
+        tool_acceleration=margins.get("tool_acceleration_m_s2"),
+        singularity=(margins["singularity"],) if "singularity" in margins else None,
+        parallel=(margins["parallel"],) if "parallel" in margins else None,
+        modes=tuple(each.get("mode") for each in arrivals) if arrivals else None,
+        not_checked=not_checked(answer),
+        lower_bound=claimed.get("lower_bound_s"),
     )
 
 
-def _stated(margins: dict[str, Any], key: str, made: Callable[[Any], Stated]) -> tuple[Stated | None] | None:
-    """What is said of a margin, (None,) being that there is none; None: nothing is said."""
-    if key not in margins:
-        return None
-    return (None if margins[key] is None else made(margins[key]),)
+def _facts(kind: type[Fact], items: list[Any]) -> tuple[Fact, ...]:
+    return tuple(fact_of(kind, item) for item in items)
 
 
-def untrue_repeats(plan: object, scene: Scene) -> tuple[Finding, ...]:
-    """What an answer repeats of its request and is not so there: digest, seed, assumptions, what the robot may carry,
-    the limit of the tool's acceleration, whether jerk is limited; and the notice."""
-    from assur.scenes.answer import NOTICE
+def _nearest(item: Any) -> Nearest | None:
+    return None if item is None else fact_of(Nearest, item, distance_m=item["gap_m"])
 
-    if not isinstance(plan, dict):
-        return ()
-    known, margins, lasting = scene.load_limits, _below(plan, "margins"), _below(plan, "load")
-    by_table = "table" if known.shares else "rated_load"
-    law = "none" if known.rated_kg is None and not known.shares else by_table
-    repeated: list[tuple[dict[str, Any], str, str, object]] = [
-        (plan, "", "request_digest", scene.digest),
-        (plan, "", "seed", scene.options.seed),
-        (plan, "", "assumptions", list(assumed(scene))),
-        (plan, "", "notice", NOTICE),
-        (lasting, "load.", "rated_kg", known.rated_kg),
-        (lasting, "load.", "max_kg", known.max_kg),
-        (lasting, "load.", "max_inertia_kgm2", known.max_inertia_kgm2),
-        (lasting, "load.", "law", law),
-        (margins, "margins.", "tool_acceleration_limit_m_s2", scene.carry_acceleration),
-        (margins, "margins.", "jerk", "limited" if scene.options.jerk_limited else "unbounded"),
-    ]
-    found = [
-        Finding(Code.CLAIM, f"{above}{key} is {_short(inside[key])}, but of this request it is {_short(true)}",
-                where=f"{above}{key}")
-        for inside, above, key, true in repeated
-        if key in inside and not (inside[key] == true and isinstance(inside[key], bool) is isinstance(true, bool))
-    ]  # fmt: skip
+
+def untrue_repeats(answer: dict[str, Any], scene: Scene) -> tuple[Finding, ...]:
+    """What an answer whose form is right repeats of its request and is not so there."""
+    from assur.scenes.answer import repeated
+
+    found = list[Finding]()
+    for path, true in repeated(scene).items():
+        *above, key = path.split(".")
+        inside = answer.get(above[0], {}) if above else answer
+        if key in inside and not (inside[key] == true and isinstance(inside[key], bool) is isinstance(true, bool)):
+            what = f"{path} is {_short(inside[key])}, but of this request it is {_short(true)}"
+            found.append(Finding(Code.CLAIM, what, where=path))
     return tuple(found)
 
 
@@ -223,61 +187,3 @@ def untrue_bound(stated: float | None, scene: Scene, lasts: float) -> tuple[Find
 def _short(value: object) -> str:
     """A value as it is told, no longer than a line bears."""
     return f"{value!r:.60}"
-
-
-def _below(plan: object, key: str) -> dict[str, Any]:
-    """An object within the answer; empty where there is none. Raises `DocumentError` where something else is there."""
-    inside: dict[str, Any] = _read(dict[str, Any], plan.get(key) if isinstance(plan, dict) else None, key)
-    return inside or {}
-
-
-def _items(value: object, *path: str) -> list[Any]:
-    """A list within the answer; empty where there is none. Raises `DocumentError` where something else is there."""
-    items: list[Any] = _read(list[Any], value, *path)
-    return items or []
-
-
-def _read(model: Any, value: Any, *path: str | int) -> Any:
-    return None if value is None else read_normal(model, value, value, (PLAN, *path))
-
-
-def _item(model: Any, value: object, *path: str | int) -> Any:
-    """An object within the answer. Raises `DocumentError` where something else is there, null as well."""
-    return read_normal(model, value, value, (PLAN, *path))
-
-
-def _nearest(value: object, *path: str | int) -> Nearest:
-    item: document.Nearest = _item(document.Nearest, value, *path)
-    one, other = item["bodies"]
-    return Nearest(item["gap_m"], item["time_s"], (one, other), item["phase"], item["gap_m"])
-
-
-def _carried(value: dict[str, Any]) -> tuple[Carried, ...]:
-    item: document.LoadApplied = _read(document.LoadApplied, value, "load")
-    return tuple(
-        Carried(
-            part=load["part"],
-            mass_kg=load["mass_kg"],
-            inertia_kgm2=load["inertia_kgm2"],
-            share=load["acceleration_share"],
-            t0=load["from_s"],
-            t1=load["to_s"],
-        )
-        for load in item["carried"]
-    )
-
-
-def _contact(i: int, value: object) -> Contact:
-    item: document.Contact = _item(document.Contact, value, "contacts", i)
-    one, other = item["bodies"]
-    return Contact((one, other), item["from_s"], item["to_s"])
-
-
-def _peak(i: int, value: object) -> JointPeak:
-    item: document.Peak = _item(document.Peak, value, "margins", "peaks", i)
-    return JointPeak(**item)
-
-
-def _tool(value: object) -> ToolPeaks:
-    item: document.ToolPeaks = _read(document.ToolPeaks, value, "margins", "tool")
-    return ToolPeaks(item["speed_m_s"], item["speed_at_s"], item["acceleration_m_s2"], item["acceleration_at_s"])

@@ -14,18 +14,13 @@ from assur.planner.model.deadline import look
 from assur.planner.model.scene import WORLD
 from assur.scenes.faults import FollowsError, Gathered, Refused, choices, within
 from assur.scenes.schema.frames import (
-    ConveyorDocument,
-    FixedDocument,
     FrameDocument,
     IndexerDocument,
     KeyframesDocument,
-    LinearDocument,
-    OscillationDocument,
     SwingDocument,
-    TurntableDocument,
     UncertaintyDocument,
 )
-from assur.scenes.schema.model import PoseDocument, PoseUncertaintyDocument
+from assur.scenes.schema.model import Document, PoseDocument, PoseUncertaintyDocument
 
 Valid = tuple[float, float]
 
@@ -54,22 +49,23 @@ def uncertainty(document: UncertaintyDocument, law: Law) -> Uncertainty:
     return Uncertainty(d.position_m, d.speed_m_s, d.lateral_m, d.vertical_m, d.yaw_rad)
 
 
-def _fixed(d: FixedDocument, valid: Valid) -> Law:
-    return laws.fixed(pose_of(d), valid=valid)
+def _posed(make: Callable[..., Law], *fields: str) -> Callable[[Any, Valid], Law]:
+    """The law that `make` makes of the pose of a document and these fields of it."""
+
+    def law(d: Any, valid: Valid) -> Law:
+        return make(pose_of(d), *(_plain(getattr(d, name)) for name in fields), valid=valid)
+
+    return law
 
 
-def _linear(d: LinearDocument, valid: Valid) -> Law:
-    return laws.linear(pose_of(d), d.velocity_m_s, d.at_s, valid=valid)  # type: ignore[arg-type]
-
-
-def _conveyor(d: ConveyorDocument, valid: Valid) -> Law:
-    changes = tuple(Change(c.at_s, c.speed_m_s, c.acceleration_m_s2, c.jerk_m_s3) for c in d.changes)
-    return laws.conveyor(pose_of(d), d.speed_m_s, changes, d.at_s, valid=valid)
-
-
-def _turntable(d: TurntableDocument, valid: Valid) -> Law:
-    changes = tuple(Change(c.at_s, c.rate_rad_s, c.acceleration_rad_s2, c.jerk_rad_s3) for c in d.changes)
-    return laws.turntable(pose_of(d), d.rate_rad_s, d.rise_m_s, changes, d.at_s, valid=valid)
+def _plain(value: Any) -> Any:
+    """A list of numbers, or of changes of a speed, as the planner has it; a number as it is."""
+    if not isinstance(value, list):
+        return value
+    return tuple(
+        Change(*(getattr(each, name) for name in type(each).model_fields)) if isinstance(each, Document) else each
+        for each in value
+    )
 
 
 def _indexer(d: IndexerDocument, valid: Valid) -> Law:
@@ -84,11 +80,6 @@ def _swing(d: SwingDocument, valid: Valid) -> Law:
     return laws.swing(placed(d.pivot_m, d.yaw_rad), d.amplitude_rad, d.period_s, d.phase_rad, valid=valid)
 
 
-def _oscillation(d: OscillationDocument, valid: Valid) -> Law:
-    direction: Any = tuple(d.direction)
-    return laws.oscillation(pose_of(d), direction, d.amplitude_m, d.period_s, d.phase_rad, valid=valid)
-
-
 def _keyframes(d: KeyframesDocument, valid: Valid) -> Law:
     if d.repeat != (d.ends == "periodic"):
         raise Refused("periodic with repeat: true, which implies it, and else clamped or natural", "ends")
@@ -96,13 +87,13 @@ def _keyframes(d: KeyframesDocument, valid: Valid) -> Law:
 
 
 LAWS: dict[str, Callable[[Any, Valid], Law]] = {
-    "fixed": _fixed,
-    "linear": _linear,
-    "conveyor": _conveyor,
-    "turntable": _turntable,
+    "fixed": _posed(laws.fixed),
+    "linear": _posed(laws.linear, "velocity_m_s", "at_s"),
+    "conveyor": _posed(laws.conveyor, "speed_m_s", "changes", "at_s"),
+    "turntable": _posed(laws.turntable, "rate_rad_s", "rise_m_s", "changes", "at_s"),
     "indexer": _indexer,
     "swing": _swing,
-    "oscillation": _oscillation,
+    "oscillation": _posed(laws.oscillation, "direction", "amplitude_m", "period_s", "phase_rad"),
     "keyframes": _keyframes,
 }
 """Key of a frame's law in a document → the law."""

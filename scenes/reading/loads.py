@@ -9,16 +9,15 @@ from assur.planner.model.load import LoadLimits, Tool
 from assur.planner.model.scene import WorldBody
 from assur.planner.robots.robot import Robot
 from assur.scenes.faults import Refused, within
-from assur.scenes.schema.robots import Arm, Family, LoadShare
+from assur.scenes.schema.robots import Arm, LoadShare
 from assur.scenes.schema.stated import Stated, value_of
 
-WRISTS: tuple[Family, ...] = ("scara", "five_bar")
-"""Families whose fourth joint turns the flange about the vertical."""
 Shares = tuple[tuple[float, float], ...]
 
 
-def load_limits(family: Family, arm: Arm) -> LoadLimits:
-    """What an arm may carry. Raises `Refused` at the field at fault."""
+def load_limits(arm: Arm, *, wrist: bool) -> LoadLimits:
+    """What an arm may carry. `wrist`: its last joint turns the flange about the vertical. Raises `Refused` at the field
+    at fault."""
     rated, maximum, inertia = (
         None if fact is None else value_of(fact) for fact in (arm.rated_load_kg, arm.max_load_kg, arm.max_inertia_kgm2)
     )
@@ -26,7 +25,7 @@ def load_limits(family: Family, arm: Arm) -> LoadLimits:
         raise Refused(f"a rated load up to max_load_kg, {maximum:g} kg", *_at("rated_load_kg", arm.rated_load_kg))
     if inertia is not None:
         at = _at("max_inertia_kgm2", arm.max_inertia_kgm2)
-        if not (family in WRISTS and len(arm.joints) == 4):
+        if not wrist:
             raise Refused("no maximum inertia: this arm has no fourth joint that turns the flange", *at)
         if not inertia > 0.0:
             raise Refused("a positive number", *at)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.laws.law import PoseUncertainty
 from assur.planner.model.arrival_error import ArrivalError, Share
@@ -16,12 +15,11 @@ from assur.planner.model.outcome import (
     LegKind,
     Missed,
     Plan,
-    Route,
-    Traced,
 )
 from assur.planner.model.path import LONGEST_S
 from assur.planner.model.scene import Move, Scene, Trace
 from assur.planner.trajectory import Trajectory
+from assur.scenes.answer_facts import fact_of
 from assur.scenes.conventions import Conventions, as_counted, converted, converted_rates
 from assur.scenes.faults import Refused, fault, located, within
 from assur.scenes.reading.frames import placed
@@ -115,43 +113,20 @@ def _made(item: document.CheckedPlan, conventions: Conventions) -> Plan:
 
 
 def _legs(item: document.ShownMotion | document.CheckedPlan) -> tuple[Leg, ...]:
-    return tuple(
-        Leg(LegKind(leg["kind"]), leg["step"], leg["from_s"], leg["to_s"], _route(leg.get("route")))
-        for leg in item["legs"]
-    )
+    return tuple(fact_of(Leg, leg) for leg in item["legs"])
 
 
 def _arrivals(item: document.ShownMotion | document.CheckedPlan, conventions: Conventions) -> tuple[Arrival, ...]:
-    return tuple(_arrival(i, arrival, conventions) for i, arrival in enumerate(item["arrivals"]))
-
-
-def _route(item: document.Route | None) -> Route | None:
-    return None if item is None else Route(item["course"], item["vias"], item["after_wait"], item["later"])
-
-
-def _arrival(i: int, item: document.Arrival, conventions: Conventions) -> Arrival:
-    return Arrival(
-        step=item["step"],
-        control_point=item["control_point"],
-        time=item["time_s"],
-        until=item["until_s"],
-        pose=placed(item["at_m"], item["yaw_rad"]),
-        matched=item["matched"],
-        yaw_offset=item["yaw_offset_rad"],
-        along_m=item["along_m"],
-        window_left_s=item["window_left_s"],
-        pitch=item.get("pitch_rad"),
-        roll=item.get("roll_rad"),
-        missed_by=_missed(i, item.get("missed_by"), conventions),
-        error=_error(item.get("error"), conventions),
-        trace=_traced(item.get("trace")),
-        grip_m=item.get("grip_m"),
-        support_m=item.get("support_m"),
+    return tuple(
+        fact_of(
+            Arrival,
+            each,
+            pose=placed(each["at_m"], each["yaw_rad"]),
+            missed_by=_missed(i, each.get("missed_by"), conventions),
+            error=_error(each.get("error"), conventions),
+        )
+        for i, each in enumerate(item["arrivals"])
     )
-
-
-def _traced(item: document.Traced | None) -> Traced | None:
-    return None if item is None else Traced(**item)
 
 
 def _error(item: document.ArrivalError | None, conventions: Conventions) -> ArrivalError | None:
@@ -160,7 +135,7 @@ def _error(item: document.ArrivalError | None, conventions: Conventions) -> Arri
     return ArrivalError(
         position_m=item["position_m"],
         within=PoseUncertainty(item["horizontal_m"], item["vertical_m"], item["yaw_rad"]),
-        shares=tuple(Share(each["cause"], each["position_m"], each["yaw_rad"]) for each in item["causes"]),
+        shares=tuple(fact_of(Share, each) for each in item["causes"]),
         worst=as_counted(tuple((each["what"], each["value"]) for each in item["worst"]), conventions),
     )
 
@@ -219,29 +194,5 @@ def _certificate(item: document.Certificate) -> Certificate:
     for key, column in item.items():
         if key not in CERTIFICATE_DIGEST | {"names"} and column is not None and len(column) != item["rows"]:  # type: ignore[arg-type]
             raise Refused(f"{item['rows']} rows, as many as it says", "certificate", key)
-    return Certificate(
-        names=tuple(item["names"]),
-        digest=item["digest"],
-        covers=tuple(item["covers"]),
-        t0=_reals(item["t0_s"]),
-        t1=_reals(item["t1_s"]),
-        first=_indices(item["first"]),
-        first_piece=_indices(item["first_piece"]),
-        second=_indices(item["second"]),
-        second_piece=_indices(item["second_piece"]),
-        normal=np.array(item["normal"], dtype=np.float64).reshape(-1, 3),
-        shift0=_shift(item.get("shift0_s")),
-        shift1=_shift(item.get("shift1_s")),
-    )
-
-
-def _shift(column: list[float] | None) -> FloatArray | None:
-    return None if column is None else _reals(column)
-
-
-def _reals(column: list[float]) -> FloatArray:
-    return np.array(column, dtype=np.float64)
-
-
-def _indices(column: list[int]) -> IntArray:
-    return np.array(column, dtype=np.int64)
+    normal = np.array(item["normal"], dtype=np.float64).reshape(-1, 3)
+    return fact_of(Certificate, item, normal=normal)

@@ -26,13 +26,13 @@ from assur.planner.model.refusal import (
 from assur.planner.model.scene import Scene
 from assur.planner.report.checker_first import beginning
 from assur.planner.report.sentence import sentence
+from assur.scenes.answer_facts import refusal_document
 from assur.scenes.faults import Refused, located, within
 from assur.scenes.reading.claims import check_notes, untrue_repeats
 from assur.scenes.reading.plan import PLAN
-from assur.scenes.refusals import refusal_document
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.checked import present
-from assur.scenes.schema.read import TYPES, read_normal
+from assur.scenes.schema.read import TYPES, read_written
 
 SEARCH = (
     "best_candidate",
@@ -48,6 +48,8 @@ SEARCH = (
 looks at them but for their form."""
 REPEATED = ("assumptions", "notice", "request_digest", "seed")
 """... and those that repeat the request."""
+CHECKED = ("schema", "status", "reason", "proved", "sentence", "refusal")
+"""... and those that the checker evaluates, all of which but the first must be there."""
 NOT_PROVED = ("reason", "refusal", "sentence")
 """What a refusal that is not proved tells of the search."""
 
@@ -69,12 +71,12 @@ def refusal_of(answer: object, scene: Scene) -> Told:
     with located({PLAN: answer}), within(PLAN):
         if not isinstance(answer, dict):
             raise Refused("an answer")
-        known = document.CheckedRefusal.__annotations__.keys() | {*SEARCH, *REPEATED}
+        known = {*CHECKED, *SEARCH, *REPEATED}
         for key in answer:
             if key not in known:
                 raise Refused("no such field: an answer without a plan has none of this name", key)
-        kept = {key: value for key, value in answer.items() if key in document.CheckedRefusal.__annotations__}
-        item: document.CheckedRefusal = read_normal(document.CheckedRefusal, kept, kept, (PLAN,))
+        kept = {key: value for key, value in answer.items() if key in CHECKED}
+        item: dict[str, Any] = read_written(_checked(), kept, kept, (PLAN,))
         check_notes(answer, document.NotPlannedAnswer, SEARCH)
         found = untrue_repeats(answer, scene)
         reason = item["refusal"]
@@ -86,6 +88,16 @@ def refusal_of(answer: object, scene: Scene) -> Told:
         untold = _untold(answer, refusal, proved=item["proved"])
         found += _untrue(item, reason, refusal, witness, scene, _checker_first(answer))
         return Told(item["proved"], refusal, witness, found, untold)
+
+
+@cache
+def _checked() -> Any:
+    """The form of the fields `CHECKED`; facts and witness of the refusal are read apart."""
+    keys = tuple(key for key in document.Refusal.__annotations__ if key != "witness")
+    bodies = Annotated[list[document.Text], Field(max_length=2)]
+    apart = ("bodies", bodies), ("facts", dict[str, Any]), ("witness", dict[str, Any] | None)
+    refusal = document.partial(document.Refusal, None, keys, apart)
+    return document.partial(document.NotPlannedAnswer, CHECKED, CHECKED[1:], (("refusal", refusal | None),))
 
 
 def _untold(answer: dict[str, Any], refusal: Refusal | None, *, proved: bool) -> tuple[str, ...]:
@@ -100,15 +112,15 @@ def _untold(answer: dict[str, Any], refusal: Refusal | None, *, proved: bool) ->
     return present(answer, sorted(fields))
 
 
-def _without(item: document.CheckedRefusal) -> tuple[Finding, ...]:
+def _without(item: dict[str, Any]) -> tuple[Finding, ...]:
     if not item["proved"]:
         return ()
     return (Finding(Code.REFUSAL, "the answer says that it is proved, and not what", where="proved"),)
 
 
 def _untrue(
-    item: document.CheckedRefusal,
-    given: document.CheckedReason,
+    item: dict[str, Any],
+    given: dict[str, Any],
     refusal: Refusal,
     witness: Witness | None,
     scene: Scene,
@@ -147,7 +159,7 @@ def _checker_first(answer: dict[str, Any]) -> str:
     return beginning(sum(line["count"] for line in lines), found[0]["code"], found[0]["what"]) if found else ""
 
 
-def _refusal(given: document.CheckedReason, scene: Scene) -> Refusal:
+def _refusal(given: dict[str, Any], scene: Scene) -> Refusal:
     if not 0 <= given["step"] < len(scene.task):
         raise Refused(f"a step of the task, from 0 to {len(scene.task) - 1}", "step")
     subjects: list[Subject] = []

@@ -187,16 +187,8 @@ class _Task:
             name,
             item.part,
             placed(item.grasp_m, item.grasp_yaw_rad),
-            item.approach.m,
-            item.dwell_s,
-            item.depart.m,
-            item.match,
-            self._window(item, self.places[item.part][0]),
-            contacts,
-            _tolerance(item),
-            item.contact_tolerance_m,
-            None if item.held_within is None else pose_uncertainty(item.held_within),
-            **_corners(item),
+            **self._handling(item, self.places[item.part][0], contacts),
+            held_within=None if item.held_within is None else pose_uncertainty(item.held_within),
             grip_within_m=math.inf if item.grip_within_m is None else item.grip_within_m,
         )
 
@@ -218,21 +210,27 @@ class _Task:
         faults.settle()
         self.held, self.lost = None, False
         self.places[item.part] = (target.frame, target.pose)
-        return Place(
-            name,
-            item.part,
-            target,
-            item.approach.m,
-            item.dwell_s,
-            item.depart.m,
-            item.match,
-            self._window(item, target.frame),
-            contacts,
-            _tolerance(item),
-            item.contact_tolerance_m,
-            **_corners(item),
-            support_within_m=math.inf if item.support_within_m is None else item.support_within_m,
-        )
+        within_m = math.inf if item.support_within_m is None else item.support_within_m
+        handling = self._handling(item, target.frame, contacts)
+        return Place(name, item.part, target, **handling, support_within_m=within_m)
+
+    def _handling(
+        self, item: PickDocument | PlaceDocument, frame: str, contacts: tuple[str, ...] | None
+    ) -> dict[str, Any]:
+        """What a pick and a place have in common, of a control point in a frame."""
+        return {
+            "approach_m": item.approach.m,
+            "dwell_s": item.dwell_s,
+            "depart_m": item.depart.m,
+            "match": item.match,
+            "window": self._window(item, frame),
+            "contact_with": contacts,
+            "tolerance": _tolerance(item),
+            "contact_tolerance_m": item.contact_tolerance_m,
+            "approach_stop": item.approach.stop,
+            "depart_stop": item.depart.stop,
+            "arch": None if item.arch is None else Arch(item.arch.top_m),
+        }
 
     def _target(self, item: TargetDocument, free: bool = False, part: bool = False) -> Target:
         """`free`: whether a target that says nothing of the yaw leaves it free; `part`: whether a part is put there."""
@@ -292,12 +290,6 @@ class _Task:
                     raise Refused(f"the name of a body that is not the part: {there}", "contact_with", i)
         faults.settle()
         return tuple(names)
-
-
-def _corners(item: PickDocument | PlaceDocument) -> dict[str, Any]:
-    """How the straight parts of a pick or place go over into the travel."""
-    arch = None if item.arch is None else Arch(item.arch.top_m)
-    return {"approach_stop": item.approach.stop, "depart_stop": item.depart.stop, "arch": arch}
 
 
 def _where(step: Step) -> tuple[str, Point] | None:

@@ -1,16 +1,17 @@
 """The answer and the verdict as documents. One description: what is written, what is read again, and the schema.
 
-Writing one is building its dictionaries, which mypy holds to these types. Numbers are SI, poses are in the world, joint
-values are in the maker's convention, and null stands for a number that there is not. Of an answer that is read again
-only `CheckedPlan` is judged: what the checker does not look at may be left out.
+`assur.scenes.answer_facts` writes and reads the planner's facts by these forms. Numbers are SI, poses are in the world,
+joint values are in the maker's convention, and null stands for a number that there is not. Of an answer that is read
+again only `CheckedPlan` is judged: what the checker does not evaluate may be left out (`partial`).
 """
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Annotated, Any, Literal, NotRequired, Required, get_args
 
 from pydantic import ConfigDict, Field, with_config
-from typing_extensions import TypedDict
+from typing_extensions import TypedDict, get_type_hints
 
 from assur.planner.model.arrival_error import Cause
 from assur.planner.model.input_warning import Odd
@@ -319,24 +320,6 @@ class Refusal(Refused):
 
 
 @with_config(CLOSED)
-class CheckedReason(TypedDict):
-    """As `Refusal`, with any facts and any witness."""
-
-    stage: Annotated[Stage, Field(strict=False)]
-    reason: Annotated[Reason, Field(strict=False)]
-    step: Step
-    bodies: Annotated[list[Text], Field(max_length=2)]
-    joint: Text | None
-    frame: Text | None
-    interval_s: Interval | None
-    unit: Unit | None
-    facts: dict[str, Any]
-    detail: Text
-    amount: Number | None
-    witness: NotRequired[dict[str, Any] | None]
-
-
-@with_config(CLOSED)
 class Relaxation(TypedDict):
     """The first change of the request that was tried and works."""
 
@@ -426,18 +409,6 @@ class NotPlannedAnswer(_Common):
     best_candidate: NotRequired[BestCandidate | None]
 
 
-@with_config(CLOSED)
-class CheckedRefusal(TypedDict, total=False):
-    """What the checker judges of an answer without a plan; the facts and the witness of the refusal are read apart."""
-
-    schema: Schema
-    status: Required[Literal["not_planned"]]
-    reason: Required[Annotated[Reason, Field(strict=False)]]
-    proved: Required[bool]
-    sentence: Required[Text]
-    refusal: Required[CheckedReason | None]
-
-
 Answer = Annotated[PlannedAnswer | NotPlannedAnswer, Field(discriminator="status")]
 
 
@@ -446,18 +417,6 @@ class CheckedPlan(_Motion, total=False):
     """What the checker judges of a planned answer; the durations may be left out."""
 
     certificate: Required[Certificate]
-    duration_s: Number
-    start_s: Number
-    lower_bound_s: Number | None
-    load: LoadApplied
-    request_digest: Text
-
-
-@with_config(CLOSED)
-class ProvedPlan(_Motion, total=False):
-    """A plan with its proof and nothing of a search, as an export writes it, for those who show it."""
-
-    certificate: Required[Certificate | CertificateDigest]
     duration_s: Number
     start_s: Number
     lower_bound_s: Number | None
@@ -486,6 +445,22 @@ class Verdict(TypedDict):
     not_checked: list[Text]
     request_digest: Text
     notice: Text
+
+
+@cache
+def partial(
+    form: Any,
+    keys: tuple[str, ...] | None = None,
+    required: tuple[str, ...] = (),
+    others: tuple[tuple[str, Any], ...] = (),
+) -> Any:
+    """The fields `keys` of a form (None: all), and `others` in place of its own, of which only those `required` must be
+    there."""
+    hints = get_type_hints(form, include_extras=True) | dict(others)
+    fields = {
+        key: Required[hint] if key in required else hint for key, hint in hints.items() if keys is None or key in keys
+    }
+    return with_config(CLOSED)(TypedDict(form.__name__, fields, total=False))  # type: ignore[operator]
 
 
 def facts_described(models: dict[str, Any]) -> None:

@@ -107,11 +107,11 @@ def _location(model: Any, document: object, parts: Path) -> Path | None:
     found: Path = ()
     seen: Path | None = None
     for part in parts:
-        if part in (PLAIN, STATED) and found != seen and len(_options(_annotation(model, found))) > 1:
+        if part in (PLAIN, STATED) and found != seen and len(options_of(_annotation(model, found))) > 1:
             if isinstance(as_written(document, found)[1], dict) != (part == STATED):
                 return None
             seen = found
-        elif not (part == "[key]" and get_origin(_options(_annotation(model, found[:-1]))[0]) is dict):
+        elif not (part == "[key]" and get_origin(options_of(_annotation(model, found[:-1]))[0]) is dict):
             found += (part,)
     return found
 
@@ -215,8 +215,8 @@ def _stem(key: str) -> str:
 
 def _takes(annotation: Any, value: object) -> bool:
     """Whether a field of this type could hold `value`, judged by what it is: a list, a mapping, or neither."""
-    lists = any(get_origin(option) is list for option in _options(annotation))
-    mappings = any(get_origin(option) is dict or _is_model(option) for option in _options(annotation))
+    lists = any(get_origin(option) is list for option in options_of(annotation))
+    mappings = any(get_origin(option) is dict or _is_model(option) for option in options_of(annotation))
     return lists if isinstance(value, list) else mappings if isinstance(value, dict) else not (lists or mappings)
 
 
@@ -224,7 +224,7 @@ def _annotation(model: Any, location: Path) -> Any:
     """The type at `location` of a document of `model`, inside optionals, lists and mappings; None: nothing is there."""
     here: Any = model
     for part in location:
-        here = next((found for option in _options(here) if (found := _below(option, part)) is not None), None)
+        here = next((found for option in options_of(here) if (found := _below(option, part)) is not None), None)
     return here
 
 
@@ -234,12 +234,12 @@ def _below(option: Any, part: str | int) -> Any:
     return get_args(option)[-1] if get_origin(option) is (list if isinstance(part, int) else dict) else None
 
 
-def _options(annotation: Any) -> tuple[Any, ...]:
+def options_of(annotation: Any) -> tuple[Any, ...]:
     """The types that an annotation stands for: each of a union, without what Annotated adds."""
     if get_origin(annotation) is Annotated:
-        return _options(get_args(annotation)[0])
+        return options_of(get_args(annotation)[0])
     if get_origin(annotation) in (Union, UnionType):
-        return tuple(option for part in get_args(annotation) for option in _options(part))
+        return tuple(option for part in get_args(annotation) for option in options_of(part))
     return (annotation,)
 
 
@@ -262,12 +262,14 @@ def _required(model: Any) -> list[str]:
 
 
 def _model_in(annotation: Any) -> Any:
-    return next((option for option in _options(annotation) if _is_model(option)), None)
+    return next((option for option in options_of(annotation) if _is_model(option)), None)
 
 
 def _words_of(annotation: Any) -> str:
     """The words that a field is one of, where it is."""
-    words = [str(word) for option in _options(annotation) if get_origin(option) is Literal for word in get_args(option)]
+    words = [
+        str(word) for option in options_of(annotation) if get_origin(option) is Literal for word in get_args(option)
+    ]
     return f"one of {', '.join(words)}" if len(words) > 1 else "".join(words)
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.scenes.reading.arms import CALLED
 from assur.scenes.schema.robots import Family
 from assur.scenes.urdf.chain import Chain, chain_to, flanges
 from assur.scenes.urdf.reader import ROUND_RAD
@@ -263,7 +264,6 @@ NEARLY_RAD = 5e-3
 """An angle this near to a multiple of a right angle was probably meant to be one: 1.57, 3.14, 4.71."""
 MOST_AXES = 5
 """No arm of ours has more."""
-WORDS = {"scara": "a SCARA", "elbow_arm": "an elbow arm", "five_axis_arm": "a five-axis arm"}
 
 
 # Which chain of a tree is the arm: of the links that may be its flange the first with which it is of a family of ours.
@@ -338,7 +338,7 @@ def _or_without_gripper(chain: Chain, lack: Lack) -> Lack | None:
             if any(joint.mimics is not None for joint in arm.joints):
                 return None
             hold = " ".join(f"--hold {joint.name}=POSITION" for joint in moving if joint.mimics is None)
-            what = f"{lack.what}; without a gripper, up to link {tip}, it is {WORDS[kinematics.family]}"
+            what = f"{lack.what}; without a gripper, up to link {tip}, it is {CALLED[kinematics.family]}"
             return Lack(lack.where, what, f"say --tip {tip} {hold}")
     return None
 

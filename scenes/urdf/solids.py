@@ -6,16 +6,20 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.geometry.shapes import Hull
+from assur.scenes.robot_facts import SIZES
 from assur.scenes.urdf.mesh_files import mesh_triangles
 from assur.scenes.urdf.refusals import Unsuitable
 from assur.scenes.urdf.tree import Solid
+
+if TYPE_CHECKING:
+    from assur.scenes.meshes.surface import Surface
 
 WELD_M = 1e-5
 """Vertices of a mesh that are this near may be one, where it is not closed otherwise."""
@@ -71,7 +75,10 @@ def revolved(
     that contain a solid at every angle about it. Raises `Unsuitable`."""
     packages, covering = more
     if solid.kind == "mesh":
-        triangles = _closed_or_hull(solid.where, mesh_triangles(solid, urdf, packages), covering)
+        triangles = mesh_triangles(solid, urdf, packages)
+        hull = _closed_or_hull(solid.where, triangles, covering)
+        if isinstance(hull, Hull):
+            triangles = hull.vertices[hull.faces]
     else:
         triangles = _around_primitive(solid)
     moved = triangles @ frame[:3, :3].T + frame[:3, 3]
@@ -86,16 +93,10 @@ def revolved(
 
 
 def _primitive(solid: Solid) -> dict[str, Any]:
-    sizes = list(solid.sizes)
-    match solid.kind:
-        case "box":
-            return {"box": {"size_m": sizes}}
-        case "sphere":
-            return {"sphere": {"radius_m": sizes[0]}}
-        case "cylinder":
-            return {"cylinder": {"radius_m": sizes[0], "height_m": sizes[1]}}
-        case _:
-            return {"capsule": {"radius_m": sizes[0], "length_m": sizes[1]}}
+    """The shape in our document; a box has one list of sizes, other primitives a number for each."""
+    fields = SIZES[solid.kind]
+    sizes = [list(solid.sizes)] if len(fields) == 1 and len(solid.sizes) > 1 else solid.sizes
+    return {solid.kind: dict(zip(fields, sizes, strict=True))}
 
 
 def _around_primitive(solid: Solid) -> FloatArray:
@@ -117,7 +118,7 @@ def _around_primitive(solid: Solid) -> FloatArray:
     return hull.vertices[hull.faces]
 
 
-def closed(where: str, triangles: FloatArray) -> tuple[Any, FloatArray]:
+def closed(where: str, triangles: FloatArray) -> tuple[Surface, FloatArray]:
     """The closed surface of triangles (f, 3, 3), and the triangles that it does not have exactly. Vertices that are
     almost equal are made one if that closes it. Raises `Unsuitable` for a mesh that stays open."""
     from assur.scenes.meshes.surface import INSIDE_OUT, closed_surface
@@ -160,32 +161,26 @@ def _welded(triangles: FloatArray) -> FloatArray:
 
 
 def _hulls(where: str, triangles: FloatArray, covering: Covering) -> tuple[list[Hull], float]:
-    from assur.scenes.meshes.hull import hull_of
     from assur.scenes.meshes.solid_cover import solid_cover
 
-    try:
-        surface, further = closed(where, triangles)
-    except Unsuitable:
-        if not covering.open_hull:
-            raise
-        return [hull_of(triangles.reshape(-1, 3))], 0.0
-    cover = solid_cover(surface, further, covering.tight_m, covering.most)
+    found = _closed_or_hull(where, triangles, covering)
+    if isinstance(found, Hull):
+        return [found], 0.0
+    cover = solid_cover(*found, covering.tight_m, covering.most)
     return list(cover.hulls), cover.excess_m
 
 
-def _closed_or_hull(where: str, triangles: FloatArray, covering: Covering) -> FloatArray:
-    """Triangles (f, 3, 3) as they are if they are closed, else those of their convex hull, if that is allowed: without
-    it nothing says what is between them. Raises `Unsuitable`."""
+def _closed_or_hull(where: str, triangles: FloatArray, covering: Covering) -> tuple[Surface, FloatArray] | Hull:
+    """The surface of triangles (f, 3, 3) if they are closed, and those that it does not have exactly; else their convex
+    hull, if that is allowed: without it nothing says what is between them. Raises `Unsuitable`."""
     from assur.scenes.meshes.hull import hull_of
 
     try:
-        closed(where, triangles)
+        return closed(where, triangles)
     except Unsuitable:
         if not covering.open_hull:
             raise
-        hull = hull_of(triangles.reshape(-1, 3))
-        return hull.vertices[hull.faces]
-    return triangles
+        return hull_of(triangles.reshape(-1, 3))
 
 
 def _slices(triangles: FloatArray, tight: float) -> list[tuple[float, float, float]]:

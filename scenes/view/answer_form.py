@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-import json
-from functools import cache
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
-
 from assur.planner.model.scene import Scene
-from assur.scenes.faults import NOTHING, DocumentError, Refused, dotted, located, within
+from assur.scenes.faults import Refused, located, within
 from assur.scenes.reading.plan import CERTIFICATE_DIGEST, PLAN
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.normal import plain
+from assur.scenes.schema.read import read_written
 
-FORMS = {"planned": document.PlannedAnswer, "not_planned": document.NotPlannedAnswer, "proved": document.ProvedPlan}
+PROOF = ("certificate", document.Certificate | document.CertificateDigest)
+FORMS: dict[str, Any] = {
+    "planned": document.PlannedAnswer,
+    "not_planned": document.NotPlannedAnswer,
+    "proved": document.partial(document.CheckedPlan, None, tuple(document.CheckedPlan.__required_keys__), (PROOF,)),
+}
+"""What an answer may be, and a plan with its proof and nothing of a search, as an export writes it."""
 ANSWERS = ("planned", "not_planned")
 """Each status of an answer."""
-
-
-@cache
-def _form(name: str) -> TypeAdapter[Any]:
-    return TypeAdapter(FORMS[name])
 
 
 def answer_in(given: object, scene: Scene) -> dict[str, Any]:
@@ -43,17 +41,11 @@ def answer_in(given: object, scene: Scene) -> dict[str, Any]:
     if isinstance(certificate, dict):
         brief = {key: value for key, value in certificate.items() if key in CERTIFICATE_DIGEST}
         answer = {**answer, "certificate": brief}
-    try:
-        # by way of JSON: in it enumerations and facts are text and mappings, as they are here
-        _form(_name(answer)).validate_json(json.dumps(answer))
-    except ValidationError as error:
-        first = error.errors(include_url=False, include_input=False)[0]
-        where = dotted((PLAN, *first["loc"]))
-        raise DocumentError(where, NOTHING, f"what an answer has there ({first['msg']})") from None
+    read_written(FORMS[_name(answer)], answer, answer, (PLAN,))
     return dict(answer)
 
 
 def _name(answer: dict[str, Any]) -> str:
     """Of the form that a document must have. A planned one is a whole answer if it says anything of the search."""
     planned = answer["status"] == "planned"
-    return "proved" if planned and answer.keys() <= document.ProvedPlan.__annotations__.keys() else answer["status"]
+    return "proved" if planned and answer.keys() <= document.CheckedPlan.__annotations__.keys() else answer["status"]

@@ -36,15 +36,10 @@ scenes/reading: frames
 scenes/schema: frames
 """
 FAMILIES = """
-api/cli: robots_group
 planner/checker/statement: arms postures
 planner/kernels: inverse links motion uncertainty
-planner/legs: accuracy forbidden_yaw
-planner/model: execution forbidden_yaw
 planner/robots: elbow_arm five_axis_arm five_bar kinematics polar_arm scara
-scenes: robot_facts
-scenes/exports: recipe
-scenes/reading: arms loads start
+scenes/reading: arms start
 scenes/schema: robots
 scenes/urdf: arm_text carriers families importing
 """

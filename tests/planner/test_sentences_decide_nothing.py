@@ -19,7 +19,7 @@ from assur.planner.model.outcome import NotPlanned, Outcome
 from assur.planner.model.scene import Scene
 from assur.planner.pipeline import plan
 from assur.planner.report import notes, sentence
-from assur.scenes import refusals
+from assur.scenes import answer_facts
 from assur.scenes.reading import plan as read_plans
 from assur.scenes.reading import refusal as read_refusals
 from assur.scenes.requests import check_document, plan_document, shipped, shipped_scenarios
@@ -46,7 +46,7 @@ def nonsense(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
         ]
         assert {"sentence", "because", "note", "warned"} <= set(makers)
         # those that are imported in the course of a check, too, so that none keeps nonsense
-        assert {read_plans.__name__, read_refusals.__name__, refusals.__name__} <= sys.modules.keys()
+        assert {read_plans.__name__, read_refusals.__name__, answer_facts.__name__} <= sys.modules.keys()
         originals = {id(getattr(texts, name)) for texts in (sentence, notes) for name in makers if hasattr(texts, name)}
         for module in [each for key, each in sys.modules.items() if key.startswith("assur.")]:
             for name in [name for name, item in vars(module).items() if id(item) in originals]:

@@ -13,8 +13,8 @@ import pytest
 from assur.planner.errors import InputError
 from assur.planner.model.outcome import Census
 from assur.planner.report.sentence import sentence
+from assur.scenes.answer_facts import refusal_document
 from assur.scenes.reading.refusal import NOT_PROVED, SEARCH, refusal_of
-from assur.scenes.refusals import refusal_document
 from assur.scenes.requests import cell_of, check_cell, check_document, plan_document
 from tests.scenes.refused_cells import PROVED, cell, follow, go, options
 

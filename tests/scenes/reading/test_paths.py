@@ -228,7 +228,7 @@ def test_a_first_leg_whose_points_are_on_a_line_is_refused_without_a_search() ->
         made["start"] = {"tool": {"at_mm": [300, 0, 100], "yaw_deg": 0}, "elbow": "right"}
         to = {"at_mm": [300, 100, 100], "yaw_deg": 0}
         made["task"] = [{"move": {"leg": "cartesian", "to": to, "path": [{"arc": {"via_mm": via}}]}}]
-        made["options"] = {"stop": "first", "max_candidates": 50}
+        made["options"] = {"stop": "first", "max_candidates": 50, "budget_s": 60}
         answer: Any = plan_document(made)
         assert answer.get("proved") is proved
         assert answer["census"]["candidates"] == 0 or not proved

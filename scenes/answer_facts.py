@@ -1,0 +1,165 @@
+"""The planner's facts as the documents of `schema.answer` describe them: written by their fields, and read again.
+
+A field has one name in the facts and one in documents, which bears its unit; `NAMES` has those that differ. Facts of a
+kind without a form of its own are described by their own fields (`schema.answer.FACTS`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import fields, is_dataclass
+from enum import StrEnum
+from functools import cache
+from types import NoneType
+from typing import Any, TypeVar, cast, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from assur.planner.checker.verdict import Finding
+from assur.planner.model import outcome
+from assur.planner.model.arrival_error import Share
+from assur.planner.model.input_warning import InputWarning
+from assur.planner.model.load import Carried
+from assur.planner.model.proofs.witness import Witness
+from assur.planner.model.refusal import Refusal
+from assur.planner.model.scene import Scene
+from assur.planner.report.sentence import because
+from assur.scenes.numbers import interval, number, optional
+from assur.scenes.schema import answer as document
+from assur.scenes.schema.normal import LEAVES
+from assur.scenes.schema.read import options_of
+
+Fact = TypeVar("Fact")
+
+FORMS: dict[Any, Any] = {
+    outcome.Arrival: document.Arrival,
+    outcome.BestCandidate: document.BestCandidate,
+    outcome.Busiest: document.Busiest,
+    outcome.Certificate: document.Certificate,
+    outcome.Contact: document.Contact,
+    outcome.JointPeak: document.Peak,
+    outcome.Leg: document.Leg,
+    outcome.Margins: document.Margins,
+    outcome.Missed: document.Missed,
+    outcome.Nearest: document.Nearest,
+    outcome.Relaxation: document.Relaxation,
+    outcome.Route: document.Route,
+    outcome.ToolPeaks: document.ToolPeaks,
+    outcome.Traced: document.Traced,
+    Carried: document.Carried,
+    Finding: document.Finding,
+    InputWarning: document.InputWarning,
+    Share: document.ErrorShare,
+}
+"""Kinds of facts, and the form of each in an answer."""
+NAMES = {
+    "acceleration_at_s": "acceleration_time",
+    "acceleration_m_s2": "acceleration",
+    "acceleration_share": "share",
+    "at_s": "at",
+    "from_s": "t0",
+    "pitch_rad": "pitch",
+    "roll_rad": "roll",
+    "shift0_s": "shift0",
+    "shift1_s": "shift1",
+    "speed_at_s": "speed_time",
+    "speed_m_s": "speed",
+    "t0_s": "t0",
+    "t1_s": "t1",
+    "time_s": "time",
+    "to_s": "t1",
+    "tool_acceleration_limit_m_s2": "tool_acceleration_limit",
+    "tool_acceleration_m_s2": "tool_acceleration",
+    "until_s": "until",
+    "yaw_offset_rad": "yaw_offset",
+}
+"""Keys of documents, and what the facts call the same."""
+PLAIN = LEAVES - {float}
+"""Types of what is written as it is."""
+
+
+@cache
+def _columns(kind: Any) -> tuple[tuple[str, str, bool], ...]:
+    """The keys that a fact of this kind has in a document, its own name of each, and whether null is allowed there."""
+    if kind not in FORMS:
+        return tuple((each.name, each.name, False) for each in fields(kind))
+    hints = get_type_hints(FORMS[kind])
+    return tuple((key, NAMES.get(key, key), NoneType in options_of(hint)) for key, hint in hints.items())
+
+
+def written(value: object) -> Any:
+    """A fact, or what is in one, as plain data that JSON can hold. Raises `FaultError` for a number that is not finite
+    where there must be one."""
+    if type(value) in PLAIN:
+        return value
+    if isinstance(value, StrEnum):
+        return value.value
+    if isinstance(value, float):
+        return number(value)
+    if isinstance(value, tuple | list):
+        return [written(item) for item in value]
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    return document_of(value) if is_dataclass(value) else value
+
+
+def document_of(fact: object, **own: object) -> Any:
+    """A fact in its form. `own`: by their keys, fields that the fact has not, or has in another frame or convention."""
+    found = {}
+    for key, name, null in _columns(cast(Hashable, type(fact))):
+        value = own[key] if key in own else getattr(fact, name)
+        found[key] = optional(value) if null and isinstance(value, float) else written(value)
+    return found
+
+
+def refusal_document(scene: Scene, refusal: Refusal, witness: Witness | None) -> document.Refusal:
+    """The leading refusal, with what proves it."""
+    amount = None if refusal.amount is None else refusal.amount.value
+    return {**refused_document(scene, refusal), "amount": amount, "witness": written(witness)}
+
+
+def refused_document(scene: Scene, refusal: Refusal) -> document.Refused:
+    """What a refusal is about, its facts, and the same for people."""
+    return {
+        "stage": written(refusal.stage),
+        "reason": written(refusal.reason),
+        "step": int(refusal.step),
+        "bodies": list(refusal.bodies),
+        "joint": refusal.joint,
+        "frame": refusal.frame,
+        "interval_s": interval(refusal.interval),
+        "unit": None if refusal.amount is None else refusal.amount.unit,
+        "facts": written(refusal.facts),
+        "detail": because(scene, refusal),
+    }
+
+
+def fact_of(kind: type[Fact], item: Any, **own: Any) -> Fact:
+    """The fact that a document states, whose form was read before; `own`: what of it is read apart, by its own names.
+    What the document leaves out is what the fact has then."""
+    hints = get_type_hints(kind)
+    given = {
+        name: _fact(hints[name], item[key])
+        for key, name, _ in _columns(cast(Hashable, kind))
+        if key in item and name in hints
+    }
+    return kind(**{**given, **own})
+
+
+@cache
+def _hints(kind: Any) -> dict[str, Any]:
+    return get_type_hints(kind)
+
+
+def _fact(hint: Any, value: Any) -> Any:
+    """A value of a document as what is in facts at this type."""
+    if isinstance(value, dict):
+        return next((fact_of(kind, value) for kind in options_of(hint) if kind in FORMS), value)
+    if isinstance(value, list):
+        listed = next(each for each in options_of(hint) if get_args(each))
+        first, *others = get_args(listed)
+        if get_origin(listed) is np.ndarray:
+            return np.array(value, dtype=get_args(others[0])[0])
+        return tuple(_fact(first, item) for item in value)
+    word = next((each for each in options_of(hint) if isinstance(each, type) and issubclass(each, StrEnum)), None)
+    return value if word is None or value is None else word(value)
