@@ -22,11 +22,10 @@ from rich.progress import track
 from rich.table import Table
 
 from benchmarks.checker_refusals import SECOND, codes_of, keep, said
-from benchmarks.oracle.arms import arm_of
 from benchmarks.oracle.asked import checked, planned, shown
 from benchmarks.oracle.kinds import ELBOW, FIVE_AXES, KINDS, POLAR, TILTING, random_cell
 from benchmarks.oracle.points import Points
-from benchmarks.soak.arms import robot_file
+from benchmarks.soak.arms import Arm, robot_file
 from benchmarks.soak.drafts import FIVE_BAR, SCARAS, THREE_AXES, neighbour_of
 from benchmarks.soak.poses import Document, Floats, si
 from benchmarks.soak.random_cells import surround
@@ -129,7 +128,7 @@ def points_of(rng: np.random.Generator, *models: str, cell: type[Points] = Point
     robot = points.draft.request["robot"]
     if not points.turns:
         robot["tool"]["tcp_m"][:2] = 0.0, 0.0
-        points.arm = arm_of(robot)
+        points.arm = Arm.of(robot)
     return points
 
 

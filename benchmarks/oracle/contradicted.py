@@ -10,7 +10,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.oracle.arms import world_links
 from benchmarks.oracle.faults import Broken
 from benchmarks.oracle.inverse import TURNS
 from benchmarks.oracle.motion import robots_in
@@ -67,7 +66,7 @@ def _arch(reach: Reach, refusal: Document, top: float) -> list[Broken]:
     lift = int(np.argmin(reach.arm.upper - reach.arm.lower))
     q = np.repeat(reach.start_joints(), 2, axis=0)
     q[:, lift] = reach.arm.lower[lift], reach.arm.upper[lift]
-    missing = top - float(world_links(reach.arm, q)["flange"].then(Places.upright(reach.arm.tcp)).p[:, 2].max())
+    missing = top - float(reach.arm.places(q)["flange"].then(Places.upright(reach.arm.tcp)).p[:, 2].max())
     return [] if missing > MISSING else [_wrong(refusal, missing, "the lift goes so high")]
 
 
@@ -98,7 +97,7 @@ def _yaw(reach: Reach, refusal: Document) -> list[Broken] | None:
     if refusal["facts"].get("on_the_way"):
         return _way_round(reach, refusal)
     if refusal["stage"] == "start":
-        yaws = world_links(reach.arm, reach.start_joints())["flange"].then(Places.upright(reach.arm.tcp)).yaw.tolist()
+        yaws = reach.arm.places(reach.start_joints())["flange"].then(Places.upright(reach.arm.tcp)).yaw.tolist()
     else:
         point = reach.point(refusal["step"])
         if point is None or point.yaws is None:
@@ -117,7 +116,7 @@ def _way_round(reach: Reach, refusal: Document) -> list[Broken] | None:
     """Of ranges between the yaw of the start and those of a point: the turns of all joints in which there is none."""
     point = reach.point(refusal["step"])
     arm, start = reach.arm, reach.start_joints()
-    if point is None or point.yaws is None or not isinstance(arm, Arm) or reach.frames[point.frame].moves:
+    if point is None or point.yaws is None or arm.tilts or reach.frames[point.frame].moves:
         return None
     low, high, begin = -np.inf, np.inf, float(_total(arm, start)[0])
     for first, last in reach.request["robot"]["limits"]["forbidden_yaw_rad"]:
@@ -175,7 +174,7 @@ def _hits(reach: Reach, refusal: Document) -> list[Broken] | None:
     bodies = Bodies(reach)
     if refusal["stage"] == "start":
         one, other = refusal["bodies"]
-        links = world_links(reach.arm, reach.start_joints())
+        links = reach.arm.places(reach.start_joints())
         gap = bodies.gap(one, other, links, {})
         if bodies.meshes(one, other):
             return None
@@ -255,7 +254,7 @@ class Bodies:
         ((_, given),) = self.reach.request["task"][number].items()
         part, held = given.get("part"), dict[str, Places]()
         q = postures[0].q
-        links = world_links(self.reach.arm, q)
+        links = self.reach.arm.places(q)
         # the wrist has the yaw that is tried, in whatever turn that is
         links["flange"] = raised.then(Places.upright(self.reach.arm.tcp.inverse()))
         if not all(np.isfinite(each.p).all() for each in links.values()):

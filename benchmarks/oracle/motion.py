@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
-from benchmarks.oracle.arms import TiltingArm, arm_of, world_links
 from benchmarks.oracle.places import Places
 from benchmarks.oracle.shapes import shapes_of
 from benchmarks.recheck.spline import Spline
@@ -41,8 +39,8 @@ class Motion:
 
     def __init__(self, request: Document, answer: Document) -> None:
         self.request, self.answer = request, answer
-        self.arm: Arm | TiltingArm = arm_of(request["robot"])
-        self.cell = Cell.of(request, cast(Arm, self.arm))
+        self.arm = Arm.of(request["robot"])
+        self.cell = Cell.of(request, self.arm)
         self.spline = spline_of(answer["trajectory"])
         self.shapes: dict[str, Shape] = shapes_of(request, robots_in(request))
         self._extremes: dict[int, tuple[Floats, Floats]] = {}
@@ -67,7 +65,7 @@ class Motion:
         return self.spline.evaluate(np.clip(t, self.start_s, self.end_s))
 
     def links(self, t: Floats) -> dict[str, Places]:
-        return world_links(self.arm, self.joints(t))
+        return self.arm.places(self.joints(t))
 
     def tool(self, t: Floats) -> Places:
         """The tool point in the world at times (N,)."""

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from benchmarks.oracle.places import short
 from benchmarks.recheck.spline import Spline
 from benchmarks.soak.allowed import Pair, Stage, many, stages
 from benchmarks.soak.cell import Cell
@@ -242,7 +243,7 @@ class Run:
             if kind != "place":
                 wanted = wanted.then(offset)
             at_grasp = np.zeros(self.real.count)
-        delta, turn = (real.p - wanted.p)[:, 0], _short(real.yaw - wanted.yaw)[:, 0]
+        delta, turn = (real.p - wanted.p)[:, 0], short(real.yaw - wanted.yaw)[:, 0]
         if kind not in ("pick", "place") and (
             len(self.cell.arm.names) < 4 or not given["to"].get("yaw_rad") is not None
         ):
@@ -326,8 +327,3 @@ def _ramp(way: Floats, between: Floats) -> Floats:
     """From 0 to 1 between two shares of a way, (R, 2, 1)."""
     begin, end = between[:, 0], between[:, 1]
     return np.asarray(np.clip((way - begin) / np.maximum(end - begin, 1e-9), 0.0, 1.0))
-
-
-def _short(angle: Floats) -> Floats:
-    """The same angle from −π to π."""
-    return np.asarray((angle + np.pi) % (2.0 * np.pi) - np.pi)
