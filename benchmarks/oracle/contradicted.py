@@ -66,7 +66,7 @@ def _arch(reach: Reach, refusal: Document, top: float) -> list[Broken]:
     lift = int(np.argmin(reach.arm.upper - reach.arm.lower))
     q = np.repeat(reach.start_joints(), 2, axis=0)
     q[:, lift] = reach.arm.lower[lift], reach.arm.upper[lift]
-    missing = top - float(reach.arm.places(q)["flange"].then(Places.upright(reach.arm.tcp)).p[:, 2].max())
+    missing = top - float(reach.arm.tool(q).p[:, 2].max())
     return [] if missing > MISSING else [_wrong(refusal, missing, "the lift goes so high")]
 
 
@@ -97,7 +97,7 @@ def _yaw(reach: Reach, refusal: Document) -> list[Broken] | None:
     if refusal["facts"].get("on_the_way"):
         return _way_round(reach, refusal)
     if refusal["stage"] == "start":
-        yaws = reach.arm.places(reach.start_joints())["flange"].then(Places.upright(reach.arm.tcp)).yaw.tolist()
+        yaws = reach.arm.tool(reach.start_joints()).yaw.tolist()
     else:
         point = reach.point(refusal["step"])
         if point is None or point.yaws is None:

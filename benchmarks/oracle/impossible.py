@@ -88,7 +88,7 @@ class Small:
         return {f"{name}_{'m' if slide else 'rad'}": float(value) for name, slide, value in names}
 
     def tool(self, q: Floats) -> Places:
-        return self.arm.places(q)["flange"].then(Places.upright(self.arm.tcp))
+        return self.arm.tool(q)
 
     @property
     def turns(self) -> bool:

@@ -69,7 +69,7 @@ class Motion:
 
     def tool(self, t: Floats) -> Places:
         """The tool point in the world at times (N,)."""
-        return self.links(t)["flange"].then(Places.upright(self.arm.tcp))
+        return self.arm.tool(self.joints(t))
 
     def frame(self, name: str, t: Floats) -> Places:
         return Places.upright(self.cell.frames[name].at(t))

@@ -33,7 +33,7 @@ class Points:
         self.draft.request["start"]["joints"] = self._named(self.q, ("rad", "m"))
 
     def tool(self, q: Floats) -> Places:
-        return self.arm.places(q)["flange"].then(Places.upright(self.arm.tcp))
+        return self.arm.tool(q)
 
     @property
     def turns(self) -> bool:

@@ -87,17 +87,18 @@ class Arm:
     @property
     def lengths(self) -> list[float]:
         """Of the links of an arm that tilts, m; a polar arm has none."""
-        return [
-            float(si(self.numbers, key))
-            for key in ("l1", "l2", "l3")
-            if {f"{key}_m", f"{key}_mm"} & self.numbers.keys()
-        ]
+        of_family = {"elbow_arm": ("l1", "l2"), "polar_arm": (), "five_axis_arm": ("l1", "l2", "l3")}[self.family]
+        return [float(si(self.numbers, key)) for key in of_family]
 
     def places(self, q: Floats) -> dict[str, Places]:
         """Every link's frame in the world, of an arm of any family, at joints (..., n)."""
         if self.tilts:
             return self._tilting(q * self.signs)
         return {name: Places.upright(pose) for name, pose in self.links(q).items()}
+
+    def tool(self, q: Floats) -> Places:
+        """The tool point in the world, of an arm of any family, at joints (..., n)."""
+        return self.places(q)["flange"].then(Places.upright(self.tcp))
 
     def links(self, q: Floats) -> dict[str, Poses]:
         """Every link's frame in the world. Raises `ValueError` for an arm that tilts."""
