@@ -66,7 +66,7 @@ async def start(request: Request) -> Response:
     body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
 
     async def begun() -> Response:
-        job = _store(request).start(await service_of(request).job_order(body, certificate, client_of(request)))
+        job = _store(request).start(await service_of(request).order(body, certificate, client_of(request), parsed=True))
         # relative to this address, whatever prefix a proxy has put before it
         return _told(job, 202, {"Location": f"jobs/{job.id}"})
 
@@ -94,7 +94,7 @@ async def answer(request: Request, name: str) -> Response:
     if job.state == "cancelled":
         raise Problem("job-not-done", "The job was called off, so it has no answer. Send its request again.")
     if job.answer is None:
-        raise Problem("job-not-done", f"The job is {job.state}.", headers={"Retry-After": "1"})
+        raise Problem("job-not-done", f"The job is {job.state}.", again_s=1)
     return json_response(job.answer.body)
 
 

@@ -181,5 +181,5 @@ async def ready(request: Request) -> Response:
         detail = f"{workers.warmed} of {workers.total} workers have planned."
         if workers.trouble:
             detail += f" The last one that was started did not plan: {workers.trouble}"
-        raise Problem("not-ready", detail, headers={"Retry-After": "1"})
+        raise Problem("not-ready", detail, again_s=1)
     return json_response(to_json({"ready": True, "workers": workers.total}))

@@ -12,12 +12,11 @@ import numpy as np
 
 from benchmarks.oracle.faults import Broken
 from benchmarks.oracle.inverse import TURNS
-from benchmarks.oracle.motion import robots_in
 from benchmarks.oracle.places import Places
-from benchmarks.oracle.shapes import shapes_of
 from benchmarks.oracle.when_met import Point, Reach
 from benchmarks.soak.allowed import CONTACT_M, clearance
 from benchmarks.soak.arms import Arm, robot_file
+from benchmarks.soak.cell import Cell
 from benchmarks.soak.laws import seat
 from benchmarks.soak.poses import Document, Floats, Poses
 from benchmarks.soak.solids import Gap
@@ -209,7 +208,7 @@ class Bodies:
 
     def __init__(self, reach: Reach) -> None:
         self.reach = reach
-        self.shapes = shapes_of(reach.request, robots_in(reach.request))
+        self.shapes = Cell.of(reach.request, reach.arm).shapes
         self.carried = {each.name: each for each in reach.arm.bodies}
         self.tool = {body["name"] for body in reach.request["robot"]["tool"].get("bodies", [])}
         self.seats: dict[str, tuple[str, Poses]] = {}

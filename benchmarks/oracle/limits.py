@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.soak.arms import robot_file
-from benchmarks.soak.poses import Document, Floats
+from benchmarks.soak.poses import Document, Floats, si
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,20 +24,17 @@ def limits_of(document: Document) -> Limits:
     ((_, given),) = robot_file(document["model"]).items()
     scales = document.get("limits", {})
     found = [
-        np.array([float(_rate(joint, kind)) for joint in given["joints"]]) * float(scales.get(kind, 1.0))
+        np.array([rate(joint, kind) for joint in given["joints"]]) * float(scales.get(kind, 1.0))
         for kind in ("velocity", "acceleration", "jerk")
     ]
     return Limits(*found)
 
 
-RATES = {"velocity": "s", "acceleration": "s2", "jerk": "s3"}
-UNITS = {"rad": 1.0, "deg": np.pi / 180.0, "m": 1.0, "mm": 1e-3}
+RATES = {"velocity": "_s", "acceleration": "_s2", "jerk": "_s3"}
+"""Ends of the keys of rates, behind the unit of the joint's position."""
 
 
-def _rate(joint: Document, kind: str) -> float:
-    for unit, factor in UNITS.items():
-        key = f"{kind}_{unit}_{RATES[kind]}"
-        if key in joint:
-            value = joint[key]
-            return float(value["value"] if isinstance(value, dict) else value) * factor
-    raise KeyError(kind)
+def rate(joint: Document, kind: str) -> float:
+    """The velocity, acceleration or jerk that a joint in a robot's file may have, in SI."""
+    end = RATES[kind]
+    return float(si({key.removesuffix(end): value for key, value in joint.items() if key.endswith(end)}, kind))

@@ -13,7 +13,7 @@ import numpy as np
 from benchmarks.oracle.limits import limits_of
 from benchmarks.oracle.places import Places
 from benchmarks.soak.arms import Arm
-from benchmarks.soak.drafts import Draft, drafted, options_of
+from benchmarks.soak.drafts import Draft, drafted
 from benchmarks.soak.poses import Document, Floats, Poses
 from benchmarks.soak.random_cells import surround
 
@@ -205,21 +205,7 @@ def _draft(rng: np.random.Generator, model: str) -> Draft:
     if draft.chance(0.4):
         shape: Document = {"sphere": {"radius_m": draft.between(0.008, 0.02)}}
         tool["bodies"] = [{"name": "tip", "shape": shape, "at_m": [0.0, 0.0, 0.0]}]
-    draft.request.update(
-        {
-            "schema": "assur/1",
-            "robot": {
-                "model": model,
-                "tool": tool,
-                "base": {"at_m": [float(x) for x in draft.base.p], "yaw_rad": float(draft.base.yaw)},
-            },
-            "start": {},
-            "frames": {},
-            "bodies": [],
-            "task": [],
-            "options": options_of(draft),
-        }
-    )
+    draft.begin(tool)
     if draft.chance(0.3):
         draft.request["robot"]["limits"] = {"acceleration": draft.between(0.4, 1.0)}
     return draft

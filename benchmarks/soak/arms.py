@@ -125,7 +125,7 @@ class Arm:
         tip = np.stack([tip_x, tip_y, flange_z], axis=-1)
         shoulder = np.stack(np.broadcast_arrays(base[0], base[1], base[2] + raised), axis=-1)
         return {
-            "base": Poses(np.broadcast_to(base, tip.shape), np.broadcast_to(self.base.yaw, first.shape)),
+            "base": self.base.still(first.shape),
             "link1": Poses(np.broadcast_to(shoulder, tip.shape), first),
             "link2": Poses(np.stack([x, y, base[2] + raised], axis=-1), second),
             "quill": Poses(tip, np.zeros_like(first)),
@@ -159,13 +159,11 @@ class Arm:
             found[f"distal-{name}"] = Poses(elbows[side], np.arctan2(way[..., 1], way[..., 0]))
         flange = np.concatenate([tip[..., :2], flange_z[..., None]], axis=-1)
         turn = found["distal-left"].yaw + (q[..., 3] if q.shape[-1] > 3 else 0.0)
-        found["base"] = Poses(np.broadcast_to(self.base.p, shape), np.broadcast_to(psi, length.shape))
+        found["base"] = self.base.still(length.shape)
         return {**found, "quill": Poses(flange, np.zeros_like(length)), "flange": Poses(flange, turn)}
 
     def _tilting(self, q: Floats) -> dict[str, Places]:
-        base = Places.upright(
-            Poses(np.broadcast_to(self.base.p, (*q.shape[:-1], 3)), np.full(q.shape[:-1], self.base.yaw))
-        )
+        base = Places.upright(self.base.still(q.shape[:-1]))
         turret = base.then(Places.at([0.0, 0.0, self.height])).then(Places.turned(2, q[..., 0]))
         second = turret.then(Places.turned(1, -q[..., 1]))
         found = {"base": base, "link1": turret, "link2": second}

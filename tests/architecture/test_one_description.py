@@ -36,7 +36,6 @@ scenes/reading: frames
 scenes/schema: frames
 """
 FAMILIES = """
-api/cli: robots_group
 planner/bound: duration guided places
 planner/checker/refusals: postures turning
 planner/checker/statement: arms postures
