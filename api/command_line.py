@@ -7,8 +7,9 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -24,8 +25,21 @@ from assur.api.cli import (
     trajectories,
     verdict_report,
 )
-from assur.api.cli.border import RIGHT, WRONG, AsJson, bordered, say, show, show_json, telling, within_memory, writable
-from assur.api.cli.cell_reading import announce_compilation, read_cell
+from assur.api.cli.border import (
+    RIGHT,
+    WRONG,
+    AsJson,
+    answered,
+    bordered,
+    say,
+    show,
+    show_json,
+    telling,
+    within_memory,
+    writable,
+)
+from assur.api.cli.cell_reading import announce_compilation, compiled_work, read_cell
+from assur.api.cli.console_report import rows
 from assur.api.cli.inputs import (
     STANDARD,
     given_options,
@@ -42,9 +56,6 @@ from assur.planner.errors import FaultError, InputError
 from assur.scenes import fitted_limits, requests
 from assur.scenes import kernels as compiled_kernels
 from assur.scenes.faults import NOTHING
-
-if TYPE_CHECKING:
-    pass
 
 app = typer.Typer(
     name="assur",
@@ -98,8 +109,7 @@ def plan(
     given = target(file)
     writable(out, file)
     read_cell(given)
-    announce_compilation()
-    with console_report.working(f"planning {given.name}"):
+    with compiled_work(f"planning {given.name}"):
         answer = given.plan()
         checked = answer["status"] == "planned"
         verdict = _held_to_checker(requests.verdict_on(given.cell, answer))
@@ -135,14 +145,10 @@ def check(
     given = target(file)
     cell, answer = read_cell(given), plan_files.answer_for(given, plan)
     read = None if requests.refused(answer) else requests.read_plan(cell, answer)
-    announce_compilation()
-    with console_report.working(f"checking {given.name if plan is None else plan.name}"):
+    with compiled_work(f"checking {given.name if plan is None else plan.name}"):
         verdict = requests.check_cell(cell, answer) if read is None else requests.check_plan(cell, *read)
-    if as_json:
-        show_json(verdict)
-    else:
-        show(*verdict_report.everything(verdict, answer))
-    return RIGHT if verdict["ok"] else WRONG
+    words = partial(verdict_report.everything, verdict, answer)
+    return answered(verdict, words, as_json=as_json, right=verdict["ok"])
 
 
 @app.command()
@@ -158,8 +164,7 @@ def report(
     given = target(file)
     writable(out, file, plan)
     read = plan_files.answer_if_any(given, plan)
-    announce_compilation()
-    with console_report.working(f"planning {given.name}" if read is None else f"reading {given.name}"):
+    with compiled_work(f"planning {given.name}" if read is None else f"reading {given.name}"):
         page, right = report_file.made(given, given.plan() if read is None else read)
     out.write_bytes(page)
     show(f"report of {given.title}: {out}, {len(page) / 1000:.0f} kB, opens in a browser without network")
@@ -199,11 +204,8 @@ def ik(
     announce_compilation()
     with told_as_options():
         answer = requests.ik_cell(None if robot is not None else cell, given_options(question))
-    if as_json:
-        show_json(answer)
-    else:
-        show(*ik_report.everything(answer))
-    return RIGHT if answer["status"] == "reached" else WRONG
+    words = partial(ik_report.everything, answer)
+    return answered(answer, words, as_json=as_json, right=answer["status"] == "reached")
 
 
 @app.command()
@@ -211,14 +213,8 @@ def ik(
 def scenes(as_json: AsJson = False) -> int:
     """List the shipped scenarios and why each exists."""
     shipped = requests.shipped_scenarios()
-    if as_json:
-        show_json({"scenes": [{"name": name, "about": about} for name, about in shipped.items()]})
-        return RIGHT
-    made = console_report.table("scene", "about")
-    for name, about in shipped.items():
-        console_report.row(made, name, about)
-    show(made)
-    return RIGHT
+    listed = [{"name": name, "about": about} for name, about in shipped.items()]
+    return answered({"scenes": listed}, lambda: [rows(("scene", "about"), shipped.items())], as_json=as_json)
 
 
 @app.command()
@@ -279,12 +275,8 @@ def fit_limits(
         found = fitted_limits.fit_limits(given, commanded=commanded, robot=of)
     if out is not None:
         out.write_text(fitted_limits.part(found), encoding="utf-8")
-    if as_json:
-        show_json(found)
-    else:
-        show(*limits_report.fitted(found))
     identified = any(joint[rate]["status"] == "identified" for joint in found["joints"] for rate in fitted_limits.RATES)
-    return RIGHT if identified else WRONG
+    return answered(found, partial(limits_report.fitted, found), as_json=as_json, right=identified)
 
 
 app.command()(bordered(within_memory(trajectories.export)))

@@ -75,7 +75,7 @@ class FieldError:
 
 class Problem(Exception):
     """A request that ends with a problem of a `kind` listed in `STATUS`; `detail` is a sentence of our own; `left_out`:
-    the number of errors beyond those in `errors`."""
+    the number of errors beyond those in `errors`; `again_s`: it may be sent again after so long, s."""
 
     def __init__(
         self,
@@ -84,12 +84,13 @@ class Problem(Exception):
         errors: Sequence[FieldError] = (),
         headers: Mapping[str, str] | None = None,
         left_out: int = 0,
+        again_s: int | None = None,
     ) -> None:
         super().__init__(f"{kind}: {detail}")
         self.kind = kind
         self.detail = detail
         self.errors = tuple(errors)
-        self.headers = dict(headers or {})
+        self.headers = dict(headers or {}) | ({} if again_s is None else {"Retry-After": str(again_s)})
         self.left_out = left_out
 
     @property

@@ -105,6 +105,11 @@ def quantile(values: Iterable[float], share: float) -> float | None:
     return float(np.quantile(there, share)) if there else None
 
 
+def of_planned(key: str, share: float, scale: float = 1e3) -> Callable[[list[Document]], float | None]:
+    """The quantile of what planned answers have under a key, a time in s, in ms."""
+    return lambda rows: quantile([scale * row[key] for row in rows if row["status"] == "planned"], share)
+
+
 def finish(
     script: str, about: str, quick: bool, parameters: Document, records: Records, figures: Sequence[Figure]
 ) -> None:

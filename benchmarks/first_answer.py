@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.progress import track
 
 from benchmarks.commits import ask, planning, sources
-from benchmarks.figures import Document, Figure, Records, figure, finish, quantile
+from benchmarks.figures import Document, Figure, Records, figure, finish, of_planned
 from benchmarks.judged import SETS, judged, label, problem_set
 from benchmarks.machine import ROOT, pin
 from benchmarks.translation import Terms, request
@@ -61,20 +61,17 @@ def figures_of(records: Records, by: str) -> list[Figure]:
     labels = [label(*pair) for pair in SETS]
     groups = [{item: r for item, r in records.items() if item.startswith(f"{by}/{name}/")} for name in labels]
 
-    def at(key: str, share: float) -> Any:
-        return lambda rows: quantile([1e3 * row[key] for row in rows if row["status"] == "planned"], share)
-
     def within(limit: float) -> Any:
         return lambda rows: 100 * sum(r["status"] == "planned" and r["first_s"] <= limit for r in rows) / len(rows)
 
     everything = {item: record for group in groups for item, record in group.items()}
     return [
-        figure("first answer, median", groups, at("wall_s", 0.5), "ms", (1.5,) * 4, decimals=2),
-        figure("first answer, 95 %, process CPU time", groups, at("cpu_s", 0.95), "ms", (5, 20, 20, 12)),
-        figure("first answer, 95 %, wall time", groups, at("wall_s", 0.95), "ms"),
+        figure("first answer, median", groups, of_planned("wall_s", 0.5), "ms", (1.5,) * 4, decimals=2),
+        figure("first answer, 95 %, process CPU time", groups, of_planned("cpu_s", 0.95), "ms", (5, 20, 20, 12)),
+        figure("first answer, 95 %, wall time", groups, of_planned("wall_s", 0.95), "ms"),
         figure("solved within 0.1 s", groups, within(0.1), "%", (93, 95, 96, 95), at_least=True, note=_late(groups)),
         figure("solved within 1 s", groups, within(1.0), "%", (94, 96, 97, 97), at_least=True),
-        figure("check of an answer, median", [everything], at("check_s", 0.5), "ms", (0.5,), decimals=2),
+        figure("check of an answer, median", [everything], of_planned("check_s", 0.5), "ms", (0.5,), decimals=2),
         *refusals(everything),
     ]
 

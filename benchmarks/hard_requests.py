@@ -22,11 +22,11 @@ from rich.progress import track
 from rich.table import Table
 
 from benchmarks.checker_refusals import SECOND, codes_of, keep, said
-from benchmarks.oracle.arms import arm_of
 from benchmarks.oracle.asked import checked, planned, shown
 from benchmarks.oracle.kinds import ELBOW, FIVE_AXES, KINDS, POLAR, TILTING, random_cell
+from benchmarks.oracle.limits import rate
 from benchmarks.oracle.points import Points
-from benchmarks.soak.arms import robot_file
+from benchmarks.soak.arms import Arm, robot_file
 from benchmarks.soak.drafts import FIVE_BAR, SCARAS, THREE_AXES, neighbour_of
 from benchmarks.soak.poses import Document, Floats, si
 from benchmarks.soak.random_cells import surround
@@ -93,7 +93,7 @@ def joints_of(model: str) -> list[Document]:
         unit = "rad" if any(key in each for key in ("range_deg", "range_rad")) else "m"
         joint: Document = {"name": each["name"], f"range_{unit}": si(each, "range").tolist()}
         for kind, per in (("velocity", "s"), ("acceleration", "s2"), ("jerk", "s3")):
-            joint[f"{kind}_{unit}_{per}"] = rate(each, f"{kind}_", f"_{per}")
+            joint[f"{kind}_{unit}_{per}"] = rate(each, kind)
         if "sign" in each:
             joint["sign"] = each["sign"]
         for zero in ("zero_m", "zero_rad"):
@@ -101,13 +101,6 @@ def joints_of(model: str) -> list[Document]:
                 joint[zero] = float(si(each, "zero"))
         joints.append(joint)
     return joints
-
-
-def rate(joint: Document, kind: str, per: str) -> float:
-    """A rate of a joint in a robot's file, per s, s² or s³ as `per` says, in SI."""
-    (key,) = [key for key in joint if key.startswith(kind) and key.endswith(per)]
-    value = joint[key]["value"] if isinstance(joint[key], dict) else joint[key]
-    return float(value) * {"deg": np.pi / 180.0, "mm": 1e-3}.get(key.removeprefix(kind).removesuffix(per), 1.0)
 
 
 def later(document: Any, by_s: float) -> Any:
@@ -129,7 +122,7 @@ def points_of(rng: np.random.Generator, *models: str, cell: type[Points] = Point
     robot = points.draft.request["robot"]
     if not points.turns:
         robot["tool"]["tcp_m"][:2] = 0.0, 0.0
-        points.arm = arm_of(robot)
+        points.arm = Arm.of(robot)
     return points
 
 

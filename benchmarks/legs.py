@@ -87,8 +87,8 @@ def ends(number: int, limits: Any) -> tuple[list[float], list[float]]:
 
 def bent(knots: Document, start: list[float], end: list[float]) -> list[str]:
     """Whether the tool leaves the line between its ends, or does not end there, and by how much."""
-    time_s, *columns = (np.array(knots[name]) for name in ("time_s", "position", "velocity", "acceleration"))
-    q = Spline.through(time_s, *columns).evaluate(np.linspace(time_s[0], time_s[-1], CHECKED))
+    spline = Spline.of(knots)
+    q = spline.evaluate(np.linspace(spline.time[0], spline.time[-1], CHECKED))
     p = tool(q, np.zeros_like(q)).position
     a, way = np.array(start), np.array(end) - np.array(start)
     s = np.clip((p - a) @ way / (way @ way), 0.0, 1.0)

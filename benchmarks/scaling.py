@@ -20,8 +20,8 @@ from benchmarks.figures import Document, Figure, Records, figure, finish
 from benchmarks.first_answer import refusals
 from benchmarks.judged import judged, problem_set
 from benchmarks.machine import ROOT, pin
+from benchmarks.peers.arm import along
 from benchmarks.problem_set import Problem
-from benchmarks.recheck.arm import A1_M, A2_M
 from benchmarks.translation import Terms, request
 
 SIZES = {"distant": (10, 30, 100, 300, 1000), "aside": (10, 1000)}
@@ -103,22 +103,18 @@ SMALL_M = 0.004
 """Edge of a body of which a thousand stand there and apart."""
 
 
-def state(r: float, angle: float, z: float) -> list[float]:
-    """q that puts the tool at r, angle, z with yaw 0, the elbow on the right."""
-    q2 = float(np.arccos((r * r - A1_M**2 - A2_M**2) / (2 * A1_M * A2_M)))
-    q1 = angle - float(np.arctan2(A2_M * np.sin(q2), A1_M + A2_M * np.cos(q2)))
-    return [q1, q2, z, -q1 - q2]
+def _point(r: float, angle: float) -> list[float]:
+    """A place of the tool, m."""
+    return [float(r * np.cos(angle)), float(r * np.sin(angle)), 0.12]
 
 
 def crowd(seed: int, bodies: int) -> Problem:
     """A static problem with this many bodies. Those of a smaller crowd are in every larger one: they fill the floor
     from the middle outwards, evenly, so what the arm can reach is the same whatever their number."""
     random = np.random.default_rng([11, seed])
-    start = state(0.42, random.uniform(-1.2, -0.6), 0.12)
-    goal_at = (random.uniform(0.3, 0.5), random.uniform(0.6, 1.2), 0.12)
-    goal = [goal_at[0] * np.cos(goal_at[1]), goal_at[0] * np.sin(goal_at[1]), goal_at[2]]
-    begin = A1_M * np.array([np.cos(start[0]), np.sin(start[0])])
-    begin = begin + A2_M * np.array([np.cos(start[0] + start[1]), np.sin(start[0] + start[1])])
+    begin = _point(0.42, random.uniform(-1.2, -0.6))
+    goal = _point(random.uniform(0.3, 0.5), random.uniform(0.6, 1.2))
+    start = along(begin, begin, (0.0, 0.0), 1.0, 1)[0].tolist()  # yaw 0, the elbow on the right
     obstacles: list[Document] = []
     area = np.pi * INNER_M**2
     while len(obstacles) < bodies:
@@ -127,7 +123,7 @@ def crowd(seed: int, bodies: int) -> Problem:
         edge, height, yaw = random.uniform(0.04, 0.1), random.uniform(0.05, 0.24), random.uniform(-1.0, 1.0)
         upright_box = bool(random.integers(2))
         at = np.array([r * np.cos(angle), r * np.sin(angle)])
-        if min(np.linalg.norm(at - begin), np.linalg.norm(at - np.array(goal[:2]))) < CLEAR_M + edge:
+        if min(np.linalg.norm(at - np.array(each[:2])) for each in (begin, goal)) < CLEAR_M + edge:
             continue
         pos = [float(at[0]), float(at[1]), height / 2]
         if upright_box:
@@ -137,7 +133,7 @@ def crowd(seed: int, bodies: int) -> Problem:
     return {
         "id": f"crowd-{seed}-{bodies}",
         "start": start,
-        "goal": {"pos": [float(x) for x in goal], "yaw": 0.0},
+        "goal": {"pos": goal, "yaw": 0.0},
         "obstacles": obstacles,
     }
 

@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.progress import track
 
 from assur.scenes import plan
-from benchmarks.figures import Document, figure, finish, quantile
+from benchmarks.figures import Document, figure, finish, of_planned
 from benchmarks.judged import problem_set
 from benchmarks.machine import pin
 from benchmarks.recheck.spline import Spline
@@ -54,23 +54,19 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few motions.")] = 
             # a plan that is not found is told as such below; no answer is wrong for that
             records[f"{problem['id']} at {now:.2f} s"] = record | {"status": answer["status"], "findings": []}
 
-    def at(key: str, share: float) -> Any:
-        return lambda rows: quantile([1e3 * row[key] for row in rows if row["status"] == "planned"], share)
-
     unplanned = sum(record["status"] != "planned" for record in records.values())
     note = f"{len(records)} plans, {unplanned} not found"
     figures = [
-        figure("replanning, median", [records], at("wall_s", 0.5), "ms", (0.4,), decimals=2, note=note),
-        figure("replanning, 99 %", [records], at("wall_s", 0.99), "ms", (2.0,), decimals=2),
-        figure("replanning, 99 %, process CPU time", [records], at("cpu_s", 0.99), "ms", decimals=2),
+        figure("replanning, median", [records], of_planned("wall_s", 0.5), "ms", (0.4,), decimals=2, note=note),
+        figure("replanning, 99 %", [records], of_planned("wall_s", 0.99), "ms", (2.0,), decimals=2),
+        figure("replanning, 99 %, process CPU time", [records], of_planned("cpu_s", 0.99), "ms", decimals=2),
     ]
     finish("session", "replanning while the arm moves", quick, parameters, records, figures)
 
 
 def moved(document: Document, knots: Document, now: float, off: Any) -> Document:
     """The request from the state at a time of a plan; the goal is where it is then, its speed measured anew."""
-    columns = [np.array(knots[name]) for name in ("time_s", "position", "velocity", "acceleration")]
-    spline = Spline.through(*columns)
+    spline = Spline.of(knots)
     start: Document = {"at_s": now}
     for key, derivative, suffix in (("joints", 0, ""), ("velocity", 1, "_s"), ("acceleration", 2, "_s2")):
         values = spline.evaluate(np.array([now]), derivative)[0]

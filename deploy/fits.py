@@ -28,13 +28,8 @@ def mebibytes(quantity: str) -> float:
 
 
 def processors(quantity: str) -> float:
-    """A quantity of processors of Kubernetes."""
+    """A quantity of processors, or of a metric, of Kubernetes."""
     return float(quantity[:-1]) / 1000 if quantity.endswith("m") else float(quantity)
-
-
-def number(text: str) -> float:
-    """A quantity of a metric."""
-    return processors(text)
 
 
 def _within_s(probe: Mapping[str, Any]) -> float:
@@ -124,7 +119,7 @@ def _names(container: Document, manifests: Manifests, adapter: Document, version
     wanted = metric["pods"]["metric"]["name"]
     if rule["name"] != {"matches": f"^{wanted}$", "as": wanted} or not rule["seriesQuery"].startswith(wanted + "{"):
         yield f"the autoscaler asks for {wanted}, and the rule for prometheus-adapter gives {rule['name']}"
-    if number(metric["pods"]["target"]["averageValue"]) <= 0:
+    if processors(metric["pods"]["target"]["averageValue"]) <= 0:
         yield "averageValue must be positive"
     (image,) = manifests.kustomization["images"]
     if image["name"] != container["image"] or ("digest" not in image and image.get("newTag") != version):

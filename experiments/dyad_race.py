@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -41,14 +41,12 @@ def dyads(count: int) -> FloatArray:
 
 def single(given: FloatArray, i: int) -> forms.Given[float]:
     """Dyad number i as plain floats."""
-    a, b, c, d, e, f, g, h, k, m, n, o = (float(x) for x in given[:, i])
-    return a, b, c, d, e, f, g, h, k, m, n, o
+    return cast("forms.Given[float]", tuple(given[:, i].tolist()))
 
 
 def columns(given: FloatArray) -> forms.Given[FloatArray]:
     """All dyads as arrays."""
-    a, b, c, d, e, f, g, h, k, m, n, o = given
-    return a, b, c, d, e, f, g, h, k, m, n, o
+    return cast("forms.Given[FloatArray]", tuple(given))
 
 
 def starts(

@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
@@ -128,3 +128,12 @@ def show(*parts: Any) -> None:
 
 def show_json(document: Any) -> None:
     sys.stdout.buffer.write(to_json(document) + b"\n")
+
+
+def answered(document: Any, words: Callable[[], Iterable[Any]], *, as_json: bool, right: bool = True) -> int:
+    """Prints an answer as its document, or in `words`; the exit code of an answer that is `right` or not."""
+    if as_json:
+        show_json(document)
+    else:
+        show(*words())
+    return RIGHT if right else WRONG

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from typing import TYPE_CHECKING
 
+from assur.api.cli import console_report
 from assur.api.cli.border import say
 from assur.api.cli.inputs import Target
 from assur.scenes import kernels as compiled_kernels
@@ -18,6 +21,14 @@ def read_cell(given: Target) -> Cell:
     if given.starts_at_a_pose:
         announce_compilation()
     return given.cell
+
+
+@contextmanager
+def compiled_work(what: str) -> Iterator[None]:
+    """Within it something that needs the kernels is going on; a terminal shows `what`."""
+    announce_compilation()
+    with console_report.working(what):
+        yield
 
 
 @cache

@@ -6,7 +6,7 @@ Lengths in millimetres, times in seconds. Texts that came from a request are pri
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -70,15 +70,28 @@ def row(made: Table, *cells: object) -> None:
     made.add_row(*(Text(printable(str(cell), 400)) for cell in cells))
 
 
+def rows(columns: Iterable[str], cells: Iterable[Iterable[object]]) -> Table:
+    """A table with its rows."""
+    made = table(*columns)
+    for each in cells:
+        row(made, *each)
+    return made
+
+
+def findings(verdict: dict[str, Any]) -> Table:
+    """What a checker has found wrong."""
+    found = ((each["what"], amount(each["amount"], each["unit"]), each["where"]) for each in verdict["findings"])
+    return rows(("what is wrong", ">by", "where"), found)
+
+
 def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
     """What a planned answer says."""
     names = {arrival["step"]: arrival["control_point"] for arrival in answer["arrivals"]}
-    legs = table("leg", ">from s", ">to s", "for", "")
-    for leg in answer["legs"]:
-        times = (f"{leg['from_s']:.3f}", f"{leg['to_s']:.3f}")
-        row(legs, leg["kind"], *times, names.get(leg["step"], ""), leg["note"])
-    yield legs
-    yield ""
+    legs = (
+        (leg["kind"], f"{leg['from_s']:.3f}", f"{leg['to_s']:.3f}", names.get(leg["step"], ""), leg["note"])
+        for leg in answer["legs"]
+    )
+    yield from (rows(("leg", ">from s", ">to s", "for", ""), legs), "")
     angles = ("yaw_rad", *(key for key in ("pitch_rad", "roll_rad") if key in answer["arrivals"][0]))
     wrist = answer["trajectory"]["joint_names"][-1] if answer["trajectory"]["joint_units"][-1] == "rad" else None
     head = ("arrival", ">at s", ">x mm", ">y mm", ">z mm", *(f">{key.removesuffix('_rad')} deg" for key in angles))
@@ -158,10 +171,8 @@ def _apart(arrivals: list[dict[str, Any]]) -> Iterator[Table | str]:
     said = {"grip_m": "the tool and the part that it takes", "support_m": "the part and what it is put down on"}
     far = [(each, key) for each in arrivals for key in said if each.get(key, 0.0) > APART_M]
     if far:
-        found = table("distance at", ">mm", "between")
-        for each, key in far:
-            row(found, each["control_point"], f"{1e3 * each[key]:.2f}", said[key])
-        yield from (found, "")
+        cells = ((each["control_point"], f"{1e3 * each[key]:.2f}", said[key]) for each, key in far)
+        yield from (rows(("distance at", ">mm", "between"), cells), "")
 
 
 def _met(trajectory: dict[str, Any], arrival: dict[str, Any]) -> str:

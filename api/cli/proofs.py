@@ -9,8 +9,8 @@ from typing import Annotated, Any
 import typer
 
 from assur.api.cli import console_report
-from assur.api.cli.border import BAD_INPUT, RIGHT, WRONG, say, show, show_json, writable
-from assur.api.cli.cell_reading import announce_compilation, read_cell
+from assur.api.cli.border import BAD_INPUT, RIGHT, answered, say, show, writable
+from assur.api.cli.cell_reading import compiled_work, read_cell
 from assur.api.cli.inputs import target
 from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for
 from assur.api.documents import to_json
@@ -34,8 +34,7 @@ def bundle(
     given = target(file)
     answer = answer_for(given, plan)
     cell = read_cell(given)
-    announce_compilation()
-    with console_report.working(f"writing the bundle of {given.name if plan is None else plan.name}"):
+    with compiled_work(f"writing the bundle of {given.name if plan is None else plan.name}"):
         data = to_json(bundle_cell(cell, answer)) + b"\n"
     out.write_bytes(data)
     show(f"proof bundle of {given.title}: {out}, {len(data) / 1000:.0f} kB; assur prove {out}")
@@ -64,13 +63,13 @@ def prove(
         raise DocumentError(file.name, found, f"a proof bundle, as JSON; {allowed}") from error
     except ValueError as error:
         raise InputError("BUNDLE", file.name, f"a proof bundle, as assur bundle writes it: {error}") from error
-    if as_json:
-        show_json({"shown": shown, "claims" if shown else "not_shown": told})
-    elif shown:
-        show("bundle shown", NAMES_ONLY, *(f"{words}: {_plain(value)}" for words, value in told.items()))
-    else:
-        show("bundle not shown", *told)
-    return RIGHT if shown else WRONG
+
+    def words() -> list[str]:
+        if not shown:
+            return ["bundle not shown", *told]
+        return ["bundle shown", NAMES_ONLY, *(f"{name}: {_plain(value)}" for name, value in told.items())]
+
+    return answered({"shown": shown, "claims" if shown else "not_shown": told}, words, as_json=as_json, right=shown)
 
 
 def _plain(value: Any) -> str:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
 from rich.table import Table
 
-from assur.api.cli.border import BAD_INPUT, RIGHT, AsJson, bordered, say, show, show_json, writable
-from assur.api.cli.console_report import row, table, working
+from assur.api.cli.border import BAD_INPUT, RIGHT, AsJson, answered, bordered, say, show, writable
+from assur.api.cli.console_report import row, rows, table, working
 from assur.api.cli.inputs import pairs_in, robot_named
 from assur.planner.errors import InputError
 from assur.planner.report.number_format import SHOWN_AS, number
@@ -46,13 +46,13 @@ Robot = Annotated[str | None, typer.Argument(help="A shipped robot's name, or a 
 def robots(robot: Robot = None, as_json: AsJson = False) -> int:
     """List the shipped robots, or show every number of one ROBOT with its status and source."""
     listed = requests.robots() if robot is None else [robot_named(robot).listed()]
-    if as_json:
-        show_json({"robots": listed})
-        return RIGHT
-    show(catalogue(listed), "", LEGEND)
-    if robot is not None:
-        show("", sources(listed[0]))
-    return RIGHT
+
+    def words() -> Iterator[Table | str]:
+        yield from (catalogue(listed), "", LEGEND)
+        if robot is not None:
+            yield from ("", sources(listed[0]))
+
+    return answered({"robots": listed}, words, as_json=as_json)
 
 
 @app.command("import")
@@ -115,11 +115,7 @@ def import_(
             say(f"{error.name}: {lack}")
         return say("nothing was written", BAD_INPUT)
     report: dict[str, Any] = {"file": str(path), **found.report}
-    if as_json:
-        show_json(report)
-    else:
-        show(*everything(report))
-    return RIGHT
+    return answered(report, partial(everything, report), as_json=as_json)
 
 
 @app.command("show")
@@ -238,13 +234,11 @@ def everything(report: dict[str, Any]) -> Iterator[Table | str]:
     family = CALLED[report["family"]].partition(" ")[2]
     yield f"{report['name']}: {family}{order}, from link {report['base']} to link {report['flange']}"
     yield ""
-    made = table("joint", "in the URDF", ">sign", ">zero", "unit")
+    joints = []
     for joint in report["joints"]:
-        turns = joint["unit"] == "rad"
-        zero = math.degrees(joint["zero"]) if turns else 1e3 * joint["zero"]
-        unit = "deg" if turns else "mm"
-        row(made, joint["name"], joint["urdf"], f"{joint['sign']:+d}", f"{zero:.6g}", unit)
-    yield from (made, "")
+        unit, factor = SHOWN_AS[joint["unit"]]
+        joints.append((joint["name"], joint["urdf"], f"{joint['sign']:+d}", f"{joint['zero'] * factor:.6g}", unit))
+    yield from (rows(("joint", "in the URDF", ">sign", ">zero", "unit"), joints), "")
     yield (
         f"flange at {report['states']} random states: at most {1e6 * report['apart_m']:.2g} um and "
         f"{1e6 * report['apart_rad']:.2g} urad from the URDF's"
@@ -253,10 +247,8 @@ def everything(report: dict[str, Any]) -> Iterator[Table | str]:
         roll, pitch, yaw = report["flange_turn_deg"]
         yield f"the URDF's flange frame is turned in ours by roll {roll:g}, pitch {pitch:g}, yaw {yaw:g} deg"
     if report["covers"]:
-        covers = table("mesh of", ">hulls", ">furthest out of the mesh")
-        for cover in report["covers"]:
-            row(covers, cover["of"], cover["hulls"], f"{1e3 * cover['excess_m']:.1f} mm")
-        yield from ("", covers)
+        covers = ((each["of"], each["hulls"], f"{1e3 * each['excess_m']:.1f} mm") for each in report["covers"])
+        yield from ("", rows(("mesh of", ">hulls", ">furthest out of the mesh"), covers))
     pairs = ", ".join("-".join(pair) for pair in report["self_pairs"])
     yield from ("", f"{report['bodies']} bodies; pairs of links that are kept apart: {pairs or 'none'}")
     yield from (f"warning: {warning}" for warning in report["warnings"])

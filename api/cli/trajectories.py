@@ -9,13 +9,11 @@ from typing import Annotated, Any, Literal
 import typer
 from rich.table import Table
 
-from assur.api.cli import console_report
-from assur.api.cli.border import writable
-from assur.api.cli.cell_reading import announce_compilation, read_cell
-from assur.api.cli.console_report import row, table
-from assur.api.cli.inputs import json_file, target, text_file
+from assur.api.cli.border import RIGHT, AsJson, answered, show, writable
+from assur.api.cli.cell_reading import compiled_work, read_cell
+from assur.api.cli.console_report import findings
+from assur.api.cli.inputs import given_options, json_file, target, text_file
 from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for, in_bytes
-from assur.api.documents import to_json
 from assur.planner.report.number_format import amount
 from assur.scenes.exports.doors import check_trajectory_cell, export_cell
 from assur.scenes.exports.export import file_bytes
@@ -59,17 +57,12 @@ def export(
     writable(out, file, plan, after)
     writable(plan_out, file, plan, after, out, option="--plan-out")
     given = target(file)
-    asked: dict[str, Any] = {"format": form, "jerk": jerk}
-    if tick_ms is not None:
-        asked["tick_ms"] = tick_ms
-    if lead_ms is not None:
-        asked["lead_ms"] = lead_ms
+    asked: dict[str, Any] = given_options({"format": form, "jerk": jerk, "tick_ms": tick_ms, "lead_ms": lead_ms})
     if after is not None:
         asked["after"] = json_file(after, "--after", "a plan file")
     answer = answer_for(given, plan)
     cell = read_cell(given)
-    announce_compilation()
-    with console_report.working(f"exporting {given.name if plan is None else plan.name}"):
+    with compiled_work(f"exporting {given.name if plan is None else plan.name}"):
         made = export_cell(cell, given.whole, answer, asked)
     if plan_out is not None:  # files first: who reads the output may close it
         plan_out.write_bytes(in_bytes(PlanFile(made["request"], made["plan"], given.title, given.about)))
@@ -77,12 +70,10 @@ def export(
         for line in made["warnings"]:
             typer.echo(f"assur: {line}", err=True)
         typer.echo(file_bytes(made), nl=False)
-        return 0
+        return RIGHT
     out.write_bytes(file_bytes(made))
-    console = console_report.console()
-    for line in (f"{out}: {form}", *made["statement"]):
-        console.print(line, soft_wrap=True)
-    return 0
+    show(f"{out}: {form}", *made["statement"])
+    return RIGHT
 
 
 def check_trajectory(
@@ -103,28 +94,19 @@ def check_trajectory(
     start_tolerance_ms: Annotated[
         float | None, typer.Option(help="By how much it may start late, in place of what the cell says.")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the verdict as JSON.")] = False,
+    as_json: AsJson = False,
 ) -> int:
     """Prove or refute a TRAJECTORY that was made elsewhere: limits of the joints, and distances in the cell of FILE."""
     given = target(file)
-    asked: dict[str, Any] = {"file": text_file(trajectory, "TRAJECTORY"), "jerk": jerk}
-    asked["format"] = "ros2" if is_message(asked["file"].encode()) else "csv"
-    if start_s is not None:
-        asked["start_s"] = start_s
-    if start_tolerance_ms is not None:
-        asked["start_tolerance_ms"] = start_tolerance_ms
+    text = text_file(trajectory, "TRAJECTORY")
+    form = "ros2" if is_message(text.encode()) else "csv"
+    late = {"start_s": start_s, "start_tolerance_ms": start_tolerance_ms}
+    asked = given_options({"file": text, "jerk": jerk, "format": form, **late})
     answer = None if plan is None else answer_for(given, plan)
     cell = read_cell(given)
-    announce_compilation()
-    with console_report.working(f"checking {trajectory.name}"):
+    with compiled_work(f"checking {trajectory.name}"):
         verdict = check_trajectory_cell(cell, given.whole, asked, answer)
-    if as_json:
-        typer.echo(to_json(verdict).decode("ascii"))
-        return 0 if verdict["ok"] else 1
-    console = console_report.console()
-    for line in lines(trajectory.name, verdict):
-        console.print(line, soft_wrap=isinstance(line, str))
-    return 0 if verdict["ok"] else 1
+    return answered(verdict, lambda: lines(trajectory.name, verdict), as_json=as_json, right=verdict["ok"])
 
 
 PLAN_HINT = (
@@ -168,9 +150,5 @@ def lines(name: str, verdict: dict[str, Any]) -> Iterator[Table | str]:
     ]
     yield f"highest jerk        {'; '.join(jerks) or 'no bound'}"
     if verdict["findings"]:
-        found = table("what is wrong", ">by", "where")
-        for finding in verdict["findings"]:
-            row(found, finding["what"], amount(finding["amount"], finding["unit"]), finding["where"])
-        yield ""
-        yield found
+        yield from ("", findings(verdict))
     yield verdict["notice"]

@@ -7,8 +7,7 @@ from typing import Any
 
 from rich.table import Table
 
-from assur.api.cli import console_report
-from assur.planner.report.number_format import amount
+from assur.api.cli.console_report import findings, rows
 
 NOTES = {
     "best_candidate": "the motion that came furthest; it is no plan",
@@ -37,18 +36,10 @@ def everything(verdict: dict[str, Any], answer: dict[str, Any]) -> Iterator[Tabl
     else:
         yield "refusal wrong" if refused else "plan wrong"
         yield ""
-        findings = console_report.table("what is wrong", ">by", "where")
-        for finding in verdict["findings"]:
-            by = amount(finding["amount"], finding["unit"])
-            console_report.row(findings, finding["what"], by, finding["where"])
-        yield findings
+        yield findings(verdict)
     if refused and verdict["not_checked"]:
-        yield ""
-        unseen = console_report.table("not checked", "")
-        for field in verdict["not_checked"]:
-            console_report.row(unseen, field, NOTES[field])
-        yield unseen
-        yield ""
+        unseen = rows(("not checked", ""), ((field, NOTES[field]) for field in verdict["not_checked"]))
+        yield from ("", unseen, "")
     if verdict["ok"]:
         yield verdict["notice"]
 

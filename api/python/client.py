@@ -37,7 +37,9 @@ TIMEOUT_S = 120.0
 
 
 class _Door:
-    """Where the service is, and how long to wait for it."""
+    """Where the service is, and how long to wait for it. `_library`: the class of the connections."""
+
+    _library: Any
 
     def __init__(
         self, url: str, *, timeout: float = TIMEOUT_S, key: str | None = None, headers: Mapping[str, str] | None = None
@@ -61,30 +63,27 @@ class _Door:
         own = {} if key is None else {"Authorization": f"Bearer {key}"}
         self.url = url
         self._timeout = timeout
-        self._settings: dict[str, Any] = {"base_url": url, "timeout": timeout, "headers": {**own, **(headers or {})}}
+        self._http = self._library(base_url=url, timeout=timeout, headers={**own, **(headers or {})})
 
     def _result(self, asked: Exchange[T], response: httpx.Response) -> T:
         return asked.result(self.url, response.status_code, response.headers, response.content)
 
-    def _open(self, *, closed: bool) -> None:
-        """Raises `ServiceError` for a client that is closed: its connections are gone."""
-        if closed:
+    def _sent(self, asked: Exchange[T]) -> dict[str, Any]:
+        """The request as the library has it. Raises `ServiceError` for a client that is closed."""
+        if self._http.is_closed:
             raise ServiceError(self.url, "this client is closed; make another one")
+        return {
+            "method": asked.method,
+            "url": asked.path,
+            "params": dict(asked.parameters),
+            "content": asked.body,
+            "headers": asked.headers,
+        }
 
     def _lost(self, error: httpx.RequestError) -> ServiceError:
         if isinstance(error, httpx.TimeoutException):
             return ServiceError(self.url, f"no answer within {self._timeout:g} s; a longer timeout may help")
         return ServiceError(self.url, f"not reached ({error}); see whether `assur serve` runs there")
-
-
-def _sent(asked: Exchange[T]) -> dict[str, Any]:
-    return {
-        "method": asked.method,
-        "url": asked.path,
-        "params": dict(asked.parameters),
-        "content": asked.body,
-        "headers": asked.headers,
-    }
 
 
 class Client(_Door):
@@ -95,13 +94,7 @@ class Client(_Door):
     is closed.
     """
 
-    def __init__(
-        self, url: str, *, timeout: float = TIMEOUT_S, key: str | None = None, headers: Mapping[str, str] | None = None
-    ) -> None:
-        super().__init__(url, timeout=timeout, key=key, headers=headers)
-        self._http = httpx.Client(**self._settings)
-
-    __init__.__doc__ = _Door.__init__.__doc__
+    _library = httpx.Client
 
     def plan(self, request: Mapping[str, Any] | Request, *, certificate: Literal["full", "digest"] = "full") -> Answer:
         """The answer to a request, or to the shipped scenario that ``{"scenario": name}`` names; as `assur.plan`."""
@@ -153,9 +146,9 @@ class Client(_Door):
         self.close()
 
     def _ask(self, asked: Exchange[T]) -> T:
-        self._open(closed=self._http.is_closed)
+        sent = self._sent(asked)
         try:
-            response = self._http.request(**_sent(asked))
+            response = self._http.request(**sent)
         except httpx.RequestError as error:
             raise self._lost(error) from error
         return self._result(asked, response)
@@ -164,13 +157,7 @@ class Client(_Door):
 class AsyncClient(_Door):
     """`Client` for asyncio: the same methods, to be awaited. Use it in an ``async with`` block, or await `aclose`."""
 
-    def __init__(
-        self, url: str, *, timeout: float = TIMEOUT_S, key: str | None = None, headers: Mapping[str, str] | None = None
-    ) -> None:
-        super().__init__(url, timeout=timeout, key=key, headers=headers)
-        self._http = httpx.AsyncClient(**self._settings)
-
-    __init__.__doc__ = _Door.__init__.__doc__
+    _library = httpx.AsyncClient
 
     async def plan(
         self, request: Mapping[str, Any] | Request, *, certificate: Literal["full", "digest"] = "full"
@@ -224,9 +211,9 @@ class AsyncClient(_Door):
         await self.aclose()
 
     async def _ask(self, asked: Exchange[T]) -> T:
-        self._open(closed=self._http.is_closed)
+        sent = self._sent(asked)
         try:
-            response = await self._http.request(**_sent(asked))
+            response = await self._http.request(**sent)
         except httpx.RequestError as error:
             raise self._lost(error) from error
         return self._result(asked, response)

@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -60,36 +61,23 @@ class Meters:
         # a series more for each series, with nothing but the time at which it began
         disable_created_metrics()  # type: ignore[no-untyped-call]
         self.registry = CollectorRegistry()
-        self._requests = Counter(
-            "assur_requests", "Requests that were answered.",
-            ("route", "method", "status", "outcome", "problem"), registry=self.registry,
-        )  # fmt: skip
-        self._times = Histogram(
-            "assur_request_seconds", "Time from the first byte of a request's head to the last of its answer, s.",
-            ("route",), buckets=SECONDS, registry=self.registry,
-        )  # fmt: skip
-        self._stages = Histogram(
-            "assur_stage_seconds", "Time of each stage of a request that a worker answered, s.",
-            ("stage",), buckets=SECONDS, registry=self.registry,
-        )  # fmt: skip
-        self._answers = Counter(
-            "assur_answers", "Answers of workers, those to jobs, too, by what they say.", ("work", "outcome", "reason"),
-            registry=self.registry,
-        )  # fmt: skip
-        self._restarts = Counter(
-            "assur_worker_restarts", "Workers that were replaced, by cause.", ("cause",), registry=self.registry
+        count = partial(Counter, registry=self.registry)
+        measure = partial(Histogram, registry=self.registry, buckets=SECONDS)
+        of_answer = ("route", "method", "status", "outcome", "problem")
+        self._requests = count("assur_requests", "Requests that were answered.", of_answer)
+        about = "Time from the first byte of a request's head to the last of its answer, s."
+        self._times = measure("assur_request_seconds", about, ("route",))
+        about = "Time of each stage of a request that a worker answered, s."
+        self._stages = measure("assur_stage_seconds", about, ("stage",))
+        about = "Answers of workers, those to jobs, too, by what they say."
+        self._answers = count("assur_answers", about, ("work", "outcome", "reason"))
+        self._restarts = count("assur_worker_restarts", "Workers that were replaced, by cause.", ("cause",))
+        self._turned_away = count(
+            "assur_client_refusals", "Requests refused with 429, by kind of problem.", ("problem",)
         )
-        self._turned_away = Counter(
-            "assur_client_refusals", "Requests refused with 429, by kind of problem.", ("problem",),
-            registry=self.registry,
-        )  # fmt: skip
-        self._results = Counter(
-            "assur_result_cache", "Requests for a plan, by whether its answer was kept from before.", ("result",),
-            registry=self.registry,
-        )  # fmt: skip
-        self._faults = Counter(
-            "assur_faults", "Faults of the service, and of its workers, that were met.", registry=self.registry
-        )
+        about = "Requests for a plan, by whether its answer was kept from before."
+        self._results = count("assur_result_cache", about, ("result",))
+        self._faults = count("assur_faults", "Faults of the service, and of its workers, that were met.")
         for cause in CAUSES:
             self._restarts.labels(cause)  # there from the start, so that the first one is seen as a rise
         for stage in STAGES:

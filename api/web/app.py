@@ -20,18 +20,15 @@ from assur.api.web import openapi
 from assur.api.web.clients import Clients, KnowsClients
 from assur.api.web.connections import Connections, Gate
 from assur.api.web.idempotency import Idempotency
-from assur.api.web.job_routes import job_bodies, job_router
 from assur.api.web.job_store import JobStore
-from assur.api.web.mesh_routes import mesh_bodies, mesh_router
-from assur.api.web.operation_routes import operation_router, studio_router, watch
+from assur.api.web.operation_routes import watch
 from assur.api.web.representation import Representation
 from assur.api.web.request_log import FACTS, RequestLog
-from assur.api.web.routes import bodies, router
+from assur.api.web.route_table import router
 from assur.api.web.service import Service
 from assur.api.web.settings import Settings
 from assur.api.web.uploads import Uploads
 
-ROUTERS = (bodies, router, job_bodies, job_router, studio_router, mesh_bodies, mesh_router, operation_router)
 HTTP_KINDS = {404: "not-found", 405: "method-not-allowed"}
 """What Starlette itself refuses, by status."""
 
@@ -66,10 +63,9 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.keys = Idempotency(service.meters)
     app.state.uploads = Uploads(service.settings.mesh_quota_mib << 20)
     app.state.connections = Connections(service.settings)
-    for each in ROUTERS:
-        app.include_router(each)
+    app.include_router(router)
     app.add_middleware(Representation)
-    app.add_middleware(KnowsClients, clients=clients, routes=[route for each in ROUTERS for route in each.routes])
+    app.add_middleware(KnowsClients, clients=clients, routes=router.routes)
     app.add_middleware(Gate, connections=app.state.connections)
     app.add_middleware(RequestLog, meters=watch(service, jobs, clients), routes=app.routes)
     described = app.openapi
@@ -101,7 +97,6 @@ async def _on_http(request: Request, error: Any) -> Response:
 
 def _methods(request: Request) -> set[str]:
     """The methods that the address of `request` knows."""
-    routes = [route for each in ROUTERS for route in each.routes]
-    here = [route for route in routes if route.matches(request.scope)[0] is not Match.NONE]
+    here = [route for route in router.routes if route.matches(request.scope)[0] is not Match.NONE]
     here = [route for route in here if getattr(route, "path", None) == request.scope["path"]] or here
     return {method for route in here for method in getattr(route, "methods", None) or ()}

@@ -11,6 +11,7 @@ from starlette.requests import Request
 
 from assur.api.problems import FieldError, Problem, shown
 from assur.api.web.addresses import network
+from assur.api.workers.admission import busy
 from assur.scenes.faults import NOTHING
 
 CHUNK_BYTES = 512
@@ -107,7 +108,7 @@ class Reading:
     def take(self, address: str, size: int) -> None:
         """Counts `size` more bytes of a client. Raises `Problem`: busy, where there is no room for them."""
         if self._held.total() + size > self._in_all or self._held[address] + size > self._of_one:
-            raise Problem("busy", "Too many bodies arrive at a time. Come again in 1 s.", headers={"Retry-After": "1"})
+            raise busy(1.0, "Too many bodies arrive at a time.")
         self._held[address] += size
 
     def give_back(self, address: str, size: int) -> None:

@@ -21,6 +21,7 @@ from assur.api.logs import event
 from assur.api.problems import Problem
 from assur.api.web.request_log import FACTS
 from assur.api.web.settings import Settings
+from assur.api.workers.admission import busy
 
 HEALTH = frozenset({"/livez", "/readyz"})
 """Answered on every connection that is taken, also where there are too many."""
@@ -181,11 +182,7 @@ class Gate:
 
         problem: Problem | None = None
         if crowded and scope["path"] not in HEALTH:
-            problem = Problem(
-                "busy",
-                "There are too many connections, here or from your address. Come again in 1 s.",
-                headers={"Retry-After": "1"},
-            )
+            problem = busy(1.0, "There are too many connections, here or from your address.")
         elif _wants_websocket(Headers(scope=scope)):
             problem = Problem(
                 "no-websockets",

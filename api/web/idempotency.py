@@ -105,7 +105,7 @@ def _again(entry: _Entry, asked: bytes) -> Response:
         raise Problem(
             "key-in-use",
             f"The request with this {HEADER} is still worked on. Send it again in 1 s.",
-            headers={"Retry-After": "1"},
+            again_s=1,
         )
     current().replayed("key")
     return entry.response

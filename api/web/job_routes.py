@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator
 from typing import Any, Literal
 
-from fastapi import APIRouter, Request
+from fastapi import Request
 from starlette.responses import Response, StreamingResponse
 from typing_extensions import TypedDict
 
@@ -13,11 +13,7 @@ from assur.api.documents import json_response, to_json
 from assur.api.problems import Problem
 from assur.api.web.clients import client_of
 from assur.api.web.job_store import Job, JobStore
-from assur.api.web.openapi import PLAN_BODY, SCENE_BODY, problems
 from assur.api.web.routes import (
-    BODY_PROBLEMS,
-    KEY_PROBLEMS,
-    Direct,
     certificate_of,
     once,
     read_admitted,
@@ -25,12 +21,9 @@ from assur.api.web.routes import (
     service_of,
 )
 from assur.api.web.settings import PLAN_BODY_BYTES
-from assur.scenes.schema.answer import Answer
 
 SILENCE_S = 15.0
 """A stream of events with nothing to tell sends a comment this often, s, so that nobody between takes it for dead."""
-
-job_router, job_bodies = APIRouter(), APIRouter(route_class=Direct)
 
 
 class JobProgress(TypedDict):
@@ -68,38 +61,18 @@ def _told(job: Job, status: int = 200, headers: dict[str, str] | None = None) ->
     return response
 
 
-@job_bodies.post(
-    "/v1/jobs",
-    operation_id="start_job",
-    tags=["jobs"],
-    summary="Plan a request while the client is elsewhere",
-    status_code=202,
-    response_model=JobDocument,
-    responses=problems(*BODY_PROBLEMS, *KEY_PROBLEMS, "busy", "not-ready"),
-    openapi_extra=PLAN_BODY,
-)
 async def start(request: Request) -> Response:
     certificate = certificate_of(request)
     body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
 
     async def begun() -> Response:
-        job = _store(request).start(await service_of(request).job_order(body, certificate, client_of(request)))
+        job = _store(request).start(await service_of(request).order(body, certificate, client_of(request), parsed=True))
         # relative to this address, whatever prefix a proxy has put before it
         return _told(job, 202, {"Location": f"jobs/{job.id}"})
 
     return await once(request, body, begun)
 
 
-@job_bodies.post(
-    "/v1/scenes/{name}/jobs",
-    operation_id="start_scene_job",
-    tags=["jobs"],
-    summary="Plan a shipped scenario while the client is elsewhere",
-    status_code=202,
-    response_model=JobDocument,
-    responses=problems("not-found", *BODY_PROBLEMS, *KEY_PROBLEMS, "busy", "not-ready"),
-    openapi_extra=SCENE_BODY,
-)
 async def start_scene(request: Request) -> Response:
     order = await scene_order(request)
 
@@ -110,27 +83,10 @@ async def start_scene(request: Request) -> Response:
     return await once(request, order.work.key.encode(), begun)
 
 
-@job_router.get(
-    "/v1/jobs/{name}",
-    operation_id="show_job",
-    tags=["jobs"],
-    summary="How far a job has come",
-    response_model=JobDocument,
-    responses=problems("job-lost"),
-)
 async def show(request: Request, name: str) -> Response:
     return _told(_store(request).get(name, client_of(request)))
 
 
-@job_router.get(
-    "/v1/jobs/{name}/answer",
-    operation_id="show_job_answer",
-    tags=["jobs"],
-    summary="The answer of a job that is done, as POST /v1/plans would have given it",
-    response_model=Answer,
-    responses=problems("job-lost", "job-not-done", "bad-input", "quarantined", "fault", "worker-crashed", "busy",
-                       "not-ready", "worker-timeout"),
-)  # fmt: skip
 async def answer(request: Request, name: str) -> Response:
     job = _store(request).get(name, client_of(request))
     if job.problem is not None:
@@ -138,20 +94,10 @@ async def answer(request: Request, name: str) -> Response:
     if job.state == "cancelled":
         raise Problem("job-not-done", "The job was called off, so it has no answer. Send its request again.")
     if job.answer is None:
-        raise Problem("job-not-done", f"The job is {job.state}.", headers={"Retry-After": "1"})
+        raise Problem("job-not-done", f"The job is {job.state}.", again_s=1)
     return json_response(job.answer.body)
 
 
-@job_router.get(
-    "/v1/jobs/{name}/events",
-    operation_id="watch_job",
-    tags=["jobs"],
-    summary="The progress of a job as server-sent events, until it has ended",
-    responses={
-        200: {"content": {"text/event-stream": {}}, "description": "events called as the state; data as JobDocument"},
-        **problems("job-lost"),
-    },
-)
 async def events(request: Request, name: str) -> Response:
     job = _store(request).get(name, client_of(request))
 
@@ -167,13 +113,5 @@ async def events(request: Request, name: str) -> Response:
     return StreamingResponse(stream(), media_type="text/event-stream", headers=headers)
 
 
-@job_router.delete(
-    "/v1/jobs/{name}",
-    operation_id="delete_job",
-    tags=["jobs"],
-    summary="Call a job off, or forget one that has ended",
-    response_model=JobDocument,
-    responses=problems("job-lost"),
-)
 async def cancel(request: Request, name: str) -> Response:
     return _told(_store(request).cancel(name, client_of(request)))

@@ -8,9 +8,9 @@ import json
 import logging
 import time
 from datetime import UTC, datetime
-from typing import Any, get_args
+from typing import get_args
 
-from fastapi import APIRouter, Request
+from fastapi import Request
 from starlette.responses import Response
 from typing_extensions import TypedDict
 
@@ -18,19 +18,14 @@ from assur.api.documents import to_json
 from assur.api.logs import event
 from assur.api.problems import FieldError, Problem
 from assur.api.web.clients import client_of
-from assur.api.web.openapi import problems
 from assur.api.web.request_log import FACTS
-from assur.api.web.routes import BODY_PROBLEMS, WORKER_PROBLEMS, Direct, read_admitted, service_of
+from assur.api.web.routes import read_admitted, service_of
 from assur.api.web.uploads import Uploads
 from assur.api.workers import jobs
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_MESH_BYTES
 from assur.scenes.meshes.folder import DIGEST, FolderError, Kept, MeshFolder
 from assur.scenes.schema.shapes import MeshFormat, MeshUnit
-
-mesh_router, mesh_bodies = APIRouter(), APIRouter(route_class=Direct)
-
-FOLDER_PROBLEMS = ("no-mesh-folder", "mesh-folder-full", "mesh-folder-fault")
 
 
 class Covered(TypedDict):
@@ -49,48 +44,6 @@ class KeptMesh(TypedDict):
     cover: Covered | None
 
 
-SHA256 = {
-    "name": "sha256",
-    "in": "path",
-    "required": True,
-    "description": "SHA-256 of the file's bytes",
-    "schema": {"type": "string", "pattern": "^[0-9a-f]{64}$"},
-}
-PUT_BODY: dict[str, Any] = {
-    "requestBody": {
-        "required": True,
-        "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
-    },
-    "parameters": [
-        SHA256,
-        {
-            "name": "format",
-            "in": "query",
-            "description": "with `unit`: have the mesh covered now, as requests will name it",
-            "schema": {"type": "string", "enum": list(get_args(MeshFormat))},
-        },
-        {
-            "name": "unit",
-            "in": "query",
-            "description": "with `format`: have the mesh covered now, as requests will name it",
-            "schema": {"type": "string", "enum": list(get_args(MeshUnit))},
-        },
-    ],
-}
-
-
-@mesh_bodies.put(
-    "/v1/meshes/{sha256}",
-    operation_id="keep_mesh",
-    tags=["meshes"],
-    summary="Keep a mesh file, so that requests can name it by its digest",
-    response_model=KeptMesh,
-    responses={
-        201: {"model": KeptMesh, "description": "It is new here"},
-        **problems(*BODY_PROBLEMS, *WORKER_PROBLEMS, *FOLDER_PROBLEMS),
-    },
-    openapi_extra=PUT_BODY,
-)
 async def put_mesh(request: Request) -> Response:
     folder, digest = _folder(request), _digest(request)
     how = _covering(request)
@@ -114,16 +67,6 @@ async def put_mesh(request: Request) -> Response:
     return _response(digest, folder.known(digest), cover, 201 if is_new else 200)
 
 
-@mesh_router.get(
-    "/v1/meshes/{sha256}",
-    operation_id="show_mesh",
-    tags=["meshes"],
-    summary="Whether a mesh is known, its size, and until when it is kept",
-    response_model=KeptMesh,
-    responses=problems("mesh-unknown", "no-mesh-folder", "bad-input"),
-    openapi_extra={"parameters": [SHA256]},
-)
-@mesh_router.head("/v1/meshes/{sha256}", include_in_schema=False)
 def show_mesh(request: Request) -> Response:
     folder, digest = _folder(request), _digest(request)
     return _response(digest, folder.known(digest), None, 200)

@@ -12,7 +12,6 @@ from assur.api.web.request_components import request_components
 from assur.api.web.service import scenario_request
 from assur.scenes.plan_file import FORM
 from assur.scenes.requests import shipped_scenarios
-from assur.scenes.scenarios import scenario_text
 from assur.scenes.schema.answer import facts_described
 
 TEXT = """\
@@ -94,7 +93,7 @@ class Ready(TypedDict):
 def problems(*kinds: str) -> dict[int | str, dict[str, Any]]:
     """The responses of a route that are problems: one for each status of `kinds`."""
     found: dict[int | str, dict[str, Any]] = {}
-    problem = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
+    problem = {MEDIA_TYPE: {"schema": ref("Problem")}}
     for kind in kinds:
         status, title = STATUS[kind]
         known = found.setdefault(status, {"description": "", "content": problem})
@@ -104,41 +103,32 @@ def problems(*kinds: str) -> dict[int | str, dict[str, Any]]:
 
 def component(name: str) -> dict[int | str, dict[str, Any]]:
     """The response of a route that answers with a component of `complete`."""
-    schema = {"$ref": f"#/components/schemas/{name}"}
-    return {200: {"description": "The answer", "content": {"application/json": {"schema": schema}}}}
+    return {200: {"description": "The answer", "content": {"application/json": {"schema": ref(name)}}}}
 
 
-def body(schema: dict[str, Any], examples: dict[str, Any]) -> dict[str, Any]:
-    """The request body of a route, as an `openapi_extra`."""
-    wrapped = {name: {"value": value} for name, value in examples.items()}
-    return {"requestBody": {"required": True, "content": {"application/json": {"schema": schema, "examples": wrapped}}}}
+def body(schema: dict[str, Any], examples: dict[str, Any] | None = None, *parameters: dict[str, Any]) -> dict[str, Any]:
+    """The request body of a route, as an `openapi_extra`, and the `parameters` of its address."""
+    wrapped = {name: {"value": value} for name, value in (examples or {}).items()}
+    content = {"application/json": {"schema": schema, "examples": wrapped}}
+    found: dict[str, Any] = {"requestBody": {"required": True, "content": content}}
+    return found | {"parameters": list(parameters)} if parameters else found
 
 
-CERTIFICATE = {
-    "parameters": [
-        {
-            "name": "certificate",
-            "in": "query",
-            "description": "the whole table of the proof, or its digest and size",
-            "schema": {"type": "string", "enum": ["full", "digest"], "default": "full"},
-        }
-    ]
-}
-PLAN_BODY = (
-    body({"$ref": "#/components/schemas/Request"}, {})
-    | CERTIFICATE
-    | {"description": 'A body `{"scenario": NAME}` is planned, too, as by `/v1/scenes/{name}/plans`.'}
-)
-SCENE_BODY = body(
-    {"$ref": "#/components/schemas/SceneQuestion"}, {"a short search": {"options": {"stop": "first"}}}
-) | {
-    "description": "There may be no body at all.",
-    "parameters": [
-        {"name": "name", "in": "path", "required": True, "schema": {"type": "string"}},
-        *CERTIFICATE["parameters"],
-    ],
-}
-SCENE_BODY["requestBody"]["required"] = False
+def parameter(name: str, about: str, schema: dict[str, Any], where: str = "query") -> dict[str, Any]:
+    """A parameter of an address. One in its path is always there."""
+    required = {"required": True} if where == "path" else {}
+    return {"name": name, "in": where, "description": about, "schema": schema, **required}
+
+
+def ref(name: str) -> dict[str, str]:
+    """A component by its name."""
+    return {"$ref": f"#/components/schemas/{name}"}
+
+
+def fields(required: list[str], **properties: dict[str, Any]) -> dict[str, Any]:
+    """An object with these properties and no others."""
+    return {"type": "object", "required": required, "properties": properties, "additionalProperties": False}
+
 
 MARKS: dict[str, Any] = {
     "schema": {"const": FORM, "description": "where the body is a plan file, as `assur plan --out` writes it"},
@@ -146,61 +136,6 @@ MARKS: dict[str, Any] = {
     "about": {"type": "string", "description": "why the cell exists"},
 }
 """What a body with a request and a plan may say besides, so that a plan file can be posted as it is."""
-
-CHECK_BODY = body(
-    {
-        "type": "object",
-        "required": ["request", "plan"],
-        "properties": {
-            "request": {"$ref": "#/components/schemas/Request"},
-            "plan": {"$ref": "#/components/schemas/PlannedAnswer"},
-            **MARKS,
-        },
-        "additionalProperties": False,
-    },
-    {},
-)
-
-
-PARSE_BODY = body(
-    {
-        "type": "object",
-        "required": ["text"],
-        "properties": {"text": {"type": "string", "description": "a scenario in YAML"}},
-        "additionalProperties": False,
-    },
-    {"a scenario": {"text": scenario_text("transfer")}},
-)
-
-VIEWED: dict[str, Any] = {
-    "type": "object",
-    "required": ["request", "plan"],
-    "properties": {
-        "request": {"$ref": "#/components/schemas/Request"},
-        "plan": {
-            "oneOf": [
-                {"$ref": "#/components/schemas/PlannedAnswer"},
-                {"$ref": "#/components/schemas/NotPlannedAnswer"},
-                {"$ref": "#/components/schemas/CheckedPlan"},
-            ]
-        },
-        **MARKS,
-    },
-    "additionalProperties": False,
-}
-VIEW_BODY = REPORT_BODY = body(VIEWED, {})
-EXPORT_BODY = body({"$ref": "#/components/schemas/ExportQuestion"}, {})
-TRAJECTORY_BODY = body({"$ref": "#/components/schemas/TrajectoryQuestion"}, {})
-
-IK_BODY = body(
-    {"$ref": "#/components/schemas/IkQuestion"},
-    {
-        "a robot of the catalogue": {
-            "robot": {"model": "mitsubishi-rh-6frh5520", "tool": {"tcp_mm": [0, 0, -100]}},
-            "pose": {"at_mm": [350, 0, 150], "yaw_deg": 90},
-        }
-    },
-)
 
 
 LINKS: dict[tuple[str, str, int], dict[str, dict[str, Any]]] = {

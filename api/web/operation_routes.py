@@ -6,7 +6,7 @@ import asyncio
 from functools import cache
 from pathlib import Path
 
-from fastapi import APIRouter, Request
+from fastapi import Request
 from prometheus_client import CONTENT_TYPE_LATEST
 from starlette.responses import Response
 
@@ -14,42 +14,25 @@ from assur.api.documents import json_response, to_json
 from assur.api.log_lines import Later
 from assur.api.problems import Problem
 from assur.api.telemetry.meters import Meters
-from assur.api.version import VersionDocument, version_document
+from assur.api.version import version_document
 from assur.api.web.clients import Clients
 from assur.api.web.job_store import JobStore
 from assur.api.web.routes import service_of
 from assur.api.web.service import Service
 from assur.scenes.report.assembly import digests
 
-operation_router = APIRouter()
 INDEX = Path(__file__).parent / "index.html"
 POLICY = {"Content-Security-Policy": "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"}
 
 
-@operation_router.get("/", include_in_schema=False)
 def index() -> Response:
     return Response(INDEX.read_bytes(), media_type="text/html", headers=POLICY)
 
 
-@operation_router.get(
-    "/v1/version",
-    operation_id="show_version",
-    tags=["service"],
-    summary="Which build this is",
-    response_model=VersionDocument,
-)
 async def show_version(request: Request) -> Response:
     return json_response(to_json(version_document(service_of(request).settings.commit)))
 
 
-@operation_router.get(
-    "/metrics",
-    operation_id="show_metrics",
-    tags=["service"],
-    summary="Metrics for operators, as Prometheus reads them",
-    response_class=Response,
-    responses={200: {"content": {"text/plain": {"schema": {"type": "string"}}}, "description": "text of Prometheus"}},
-)
 async def metrics(request: Request) -> Response:
     service = service_of(request)
     if service.meshes is not None:
@@ -80,8 +63,6 @@ SCRIPTS = ("answers", "documents", "drafts", "history", "jobs", "service", "stor
 KINDS = {"studio.css": "text/css"} | {f"{name}.js": "text/javascript" for name in SCRIPTS}
 """The files of the page, and what they are."""
 
-studio_router = APIRouter(include_in_schema=False)
-
 
 @cache
 def _page() -> tuple[bytes, dict[str, str]]:
@@ -95,13 +76,11 @@ def _page() -> tuple[bytes, dict[str, str]]:
     return (FILES / "studio.html").read_bytes(), {"Content-Security-Policy": policy}
 
 
-@studio_router.get("/studio")
 def studio() -> Response:
     page, headers = _page()
     return Response(page, media_type="text/html", headers=headers)
 
 
-@studio_router.get("/studio/{name}")
 def studio_file(name: str) -> Response:
     if name not in KINDS:
         raise Problem("not-found", "See /docs for what there is.")

@@ -8,6 +8,7 @@ from typing import Any, get_args
 from starlette.requests import Request
 
 from assur.api.problems import Problem
+from assur.api.web.openapi import parameter, ref
 from assur.api.workers.file_jobs import HEADERS, MEDIA_TYPES, REPORT
 from assur.planner.errors import InputError
 from assur.scenes.schema.export import ExportDocument, JerkRule
@@ -17,30 +18,23 @@ OF_FILES = ("tick_s", "tick_ms", "jerk")
 """Parameters of the address that say how a file is to be written, besides its `format`."""
 NAMES = ("format", *OF_FILES)
 
-PARAMETERS: list[dict[str, Any]] = [
-    {
-        "name": "format",
-        "in": "query",
-        "description": "the response is the plan as this file, and not the answer",
-        "schema": {"type": "string", "enum": list(MEDIA_TYPES)},
-    },
+PARAMETERS = (
+    parameter(
+        "format",
+        "the response is the plan as this file, and not the answer",
+        {"type": "string", "enum": list(MEDIA_TYPES)},
+    ),
     *(
-        {
-            "name": name,
-            "in": "query",
-            "description": f"with `format`: the step of the controller, {name.removeprefix('tick_')}",
-            "schema": {"type": "number"},
-        }
+        parameter(name, f"with `format`: the step of the controller, {name.removeprefix('tick_')}", {"type": "number"})
         for name in OF_FILES[:2]
     ),
-    {
-        "name": "jerk",
-        "in": "query",
-        "description": "with `format`: the file keeps the limit of jerk (`limit`, the default), or may exceed it and "
-        "states by how much (`report`)",
-        "schema": {"type": "string", "enum": list(get_args(JerkRule))},
-    },
-]
+    parameter(
+        "jerk",
+        "with `format`: the file keeps the limit of jerk (`limit`, the default), or may exceed it and states by how "
+        "much (`report`)",
+        {"type": "string", "enum": list(get_args(JerkRule))},
+    ),
+)
 
 BINARY = {"schema": {"type": "string", "format": "binary"}}
 NO_FILE = "With `format`, where there is no plan: the answer, which is `not_planned`"
@@ -52,7 +46,7 @@ def responses(problems: dict[int | str, dict[str, Any]]) -> dict[int | str, dict
         name: {"description": f"with `format`: {about}", "schema": {"type": "string"}}
         for name, about in HEADERS.items()
     }
-    answer = {"application/json": {"schema": {"$ref": "#/components/schemas/NotPlannedAnswer"}}}
+    answer = {"application/json": {"schema": ref("NotPlannedAnswer")}}
     both = {**problems[409], "description": f"{NO_FILE}; {problems[409]['description']}"}
     files: dict[str, Any] = {kind: BINARY for kind in MEDIA_TYPES.values() if kind != "application/json"}
     return {

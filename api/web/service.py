@@ -85,7 +85,7 @@ class Service:
 
     async def plan_file(self, body: bytes, how: dict[str, Any], client: Client) -> jobs.Answer:
         """The file, as `how` asks for it, of the plan of what is in `body`. Raises `Problem`."""
-        order = await self._order(body, "full", client, parsed=False)
+        order = await self.order(body, "full", client)
         source = order.work.arguments[0] if order.work.job is jobs.plan_shipped else body
         work = replace(
             order.work,
@@ -96,13 +96,13 @@ class Service:
         # the file is made after the plan, as an export of it would be
         return await self.do(Order(work, replace(order.demand, wall_s=order.demand.wall_s + self.settings.check_s)))
 
-    async def order(self, body: bytes, certificate: Detail, client: Client) -> Order:
-        """What is to be done about `body`, as `plan` has it. Raises `Problem`."""
-        return await self._order(body, certificate, client, parsed=False)
-
-    async def job_order(self, body: bytes, certificate: Detail, client: Client) -> Order:
-        """The same of a body that is read as JSON before its job is accepted. Raises `Problem`."""
-        return await self._order(body, certificate, client, parsed=True)
+    async def order(self, body: bytes, certificate: Detail, client: Client, *, parsed: bool = False) -> Order:
+        """What is to be done about `body`, as `plan` has it. `parsed`: it is read as JSON before it is accepted, as
+        that of a job is. Raises `Problem`."""
+        read = partial(self._read, body, certificate, client, parsed=parsed)
+        if len(body) <= SMALL_BYTES and b'"scenario"' not in body:
+            return read()
+        return await self._beside(client, read)
 
     async def scene_order(self, name: str, body: bytes, certificate: Detail, client: Client) -> Order:
         """What is to be done to plan the shipped scenario `name`, with the options in `body`. Raises `Problem`, and
@@ -119,12 +119,6 @@ class Service:
         short = sum(map(len, asked)) <= SHORT_BYTES
         demand = Demand(client, self.settings.check_s, short, kind=kind if short else f"long {kind}")
         return await self.do(Order(Work(job, asked, _digest(kind, *asked), in_touch=True), demand))
-
-    async def _order(self, body: bytes, certificate: Detail, client: Client, *, parsed: bool) -> Order:
-        read = partial(self._read, body, certificate, client, parsed=parsed)
-        if len(body) <= SMALL_BYTES and b'"scenario"' not in body:
-            return read()
-        return await self._beside(client, read)
 
     async def _beside(self, client: Client, read: Callable[[], Order]) -> Order:
         """What `read` returns, in a thread, when it is the turn of `client`, which pays for its time. A thread cannot

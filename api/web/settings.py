@@ -35,22 +35,17 @@ CHECK_BODY_BYTES = 16 << 20
 
 
 class Reader(NamedTuple):
-    """How a variable is read: `read` takes its name and its text, and raises `InputError`; `allowed`: in words."""
+    """How a variable is read: `value` gives the value of a text, and None for a text that is not `allowed`."""
 
-    read: Callable[[str, str], Any]
     allowed: str
+    value: Callable[[str], Any]
 
-
-def _reader(allowed: str, value: Callable[[str], Any]) -> Reader:
-    """A reader by `value`, which gives the value of a text, and None for a text that is not allowed."""
-
-    def read(name: str, text: str) -> Any:
-        found = value(text)
+    def read(self, name: str, text: str) -> Any:
+        """The value of a variable. Raises `InputError` that names it."""
+        found = self.value(text)
         if found is None:
-            raise InputError(name, text, allowed)
+            raise InputError(name, text, self.allowed)
         return found
-
-    return Reader(read, allowed)
 
 
 def _whole(lowest: int, highest: int) -> Reader:
@@ -58,7 +53,7 @@ def _whole(lowest: int, highest: int) -> Reader:
         right = text.isascii() and text.isdigit() and len(text) <= 12 and lowest <= int(text) <= highest
         return int(text) if right else None
 
-    return _reader(f"a whole number from {lowest} to {highest}", value)
+    return Reader(f"a whole number from {lowest} to {highest}", value)
 
 
 def _seconds(lowest: float, highest: float) -> Reader:
@@ -69,11 +64,11 @@ def _seconds(lowest: float, highest: float) -> Reader:
             return None
         return found if isfinite(found) and lowest <= found <= highest else None
 
-    return _reader(f"seconds from {lowest:.10g} to {highest:.10g}", value)
+    return Reader(f"seconds from {lowest:.10g} to {highest:.10g}", value)
 
 
 def _one_of(*allowed: str) -> Reader:
-    return _reader("one of " + ", ".join(allowed), lambda text: text if text in allowed else None)
+    return Reader("one of " + ", ".join(allowed), lambda text: text if text in allowed else None)
 
 
 def _host(text: str) -> str | None:
@@ -91,11 +86,11 @@ def _networks(text: str) -> str | None:
 
 
 def _text(allowed: str, right: Callable[[str], object]) -> Reader:
-    return _reader(allowed, lambda text: text if right(text) else None)
+    return Reader(allowed, lambda text: text if right(text) else None)
 
 
-HOST = _reader("an address or a host name to listen on", _host)
-NETWORKS = _reader("addresses or networks, separated by commas; or empty", _networks)
+HOST = Reader("an address or a host name to listen on", _host)
+NETWORKS = Reader("addresses or networks, separated by commas; or empty", _networks)
 FILE = _text("up to 1000 printable characters; or empty", lambda text: len(text) <= 1000 and text.isprintable())
 FOLDER = _text("the path of a folder; or empty", lambda text: "\0" not in text and len(text) <= 4096)
 NAME = _text(

@@ -3,6 +3,11 @@
 What a request will take is expected from what those before it took of the time that they might have taken. So a
 queue that is long but quick is told from one that is short but slow, and a request that would wait longer than the
 service lets it wait is refused when it comes, not when it has waited.
+
+Each client gets the same share of the workers' time, by start-time fair queueing (Goyal, Vin, Cheng 1996): a request is
+tagged with the virtual time at which its client's earlier ones have been paid for, or with the present virtual time if
+that is later; the least tag is next. A client that asks for much waits behind itself, not before others, and saves
+nothing up while it is away. Costs and virtual times are seconds of a worker.
 """
 
 from __future__ import annotations
@@ -11,7 +16,7 @@ import heapq
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from assur.api.problems import Problem
@@ -37,7 +42,7 @@ class Places:
 
 
 class Admission:
-    """The tickets of one service: those that wait, in the fair queue, and those that are worked on.
+    """The tickets of one service: those that wait, and those that are worked on.
 
     Workers have numbers; the first `places.short` of them are kept for short requests. A long one may borrow such a
     worker while no short one waits, and gives it back when one does: then it waits again, and borrows none any more.
@@ -50,7 +55,9 @@ class Admission:
         self._places = places
         self._free = free
         self._clock = clock
-        self._queue = FairQueue()
+        self._waiting: list[Ticket] = []
+        self._paid: dict[str, float] = {}  # virtual time until which the requests of a client have been paid for
+        self._virtual_s = 0.0
         self._running: dict[Ticket, int] = {}
         self._shares: dict[str, float] = {}
         self._balances: dict[str, tuple[float, float]] = {}
@@ -58,7 +65,7 @@ class Admission:
     @property
     def waiting(self) -> int:
         """How many requests wait for a worker."""
-        return len(self._queue)
+        return len(self._waiting)
 
     @property
     def running(self) -> int:
@@ -68,7 +75,7 @@ class Admission:
     @property
     def owed_s(self) -> float:
         """How many seconds of workers the requests are expected to take that were accepted."""
-        return sum(t.expected_s for t in self._queue) + sum(self._left_s(t) for t in self._running)
+        return sum(t.expected_s for t in self._waiting) + sum(self._left_s(t) for t in self._running)
 
     def require_room(self, client: Client) -> None:
         """Raises the `Problem` that a request of this client would meet, whatever it asks for: its body need not be
@@ -81,14 +88,17 @@ class Admission:
         self._require_balance(demand.client)
         self._require_place(demand)
         expected_s = demand.wall_s * self._share(demand)
-        ticket = Ticket(demand, expected_s, self._queue.tag(demand.client.name), self._clock())
+        name = demand.client.name
+        tag = max(self._virtual_s, self._paid.get(name, 0.0))
+        ticket = Ticket(demand, expected_s, tag, self._clock())
         start, _ = self._forecast(ticket)[ticket]
         if start > self._places.wait_s:
             raise busy(
                 start - self._places.wait_s,
                 f"It would wait {start:.0f} s for a worker, and at most {self._places.wait_s:g} s are allowed.",
             )
-        self._queue.add(ticket)
+        self._waiting.append(ticket)
+        self._paid[name] = tag + expected_s
         return ticket
 
     def next(self, number: int, *, lend: bool) -> Ticket | None:
@@ -99,8 +109,10 @@ class Admission:
         def fits(ticket: Ticket) -> bool:
             return may_run(ticket) and (ticket.demand.short or not kept or (lend and not ticket.recalled))
 
-        ticket = self._queue.take(fits)
+        ticket = min(filter(fits, self._waiting), key=lambda each: each.tag, default=None)
         if ticket is not None:
+            self._waiting.remove(ticket)
+            self._virtual_s = max(self._virtual_s, ticket.tag)
             ticket.begun, ticket.borrows = self._clock(), kept and not ticket.demand.short
             self._running[ticket] = number
         return ticket
@@ -109,7 +121,7 @@ class Admission:
         """The ticket that must give back the worker that it has borrowed, if a short request waits for one: of several
         the one that began last."""
         may_run = self._may_run()
-        wanted = sum(ticket.demand.short and may_run(ticket) for ticket in self._queue)
+        wanted = sum(ticket.demand.short and may_run(ticket) for ticket in self._waiting)
         if wanted <= sum(ticket.borrows and ticket.recalled for ticket in self._running):
             return None
         borrowers = [ticket for ticket in self._running if ticket.borrows and not ticket.recalled]
@@ -127,7 +139,7 @@ class Admission:
         """Has a ticket wait again that has given back its worker. Its client does not pay for what was in vain."""
         del self._running[ticket]
         ticket.begun, ticket.borrows = None, False
-        self._queue.put_back(ticket)
+        self._waiting.append(ticket)  # where it was, by its tag; its client is charged already
 
     def leave(self, ticket: Ticket) -> None:
         """Ends a ticket, wherever it is; one that has ended stays so. Its client pays for the time that it took."""
@@ -135,14 +147,22 @@ class Admission:
             return
         ticket.held = False
         if ticket.begun is None:
-            self._queue.remove(ticket)
+            self._waiting.remove(ticket)
+            self._settle(ticket, 0.0)
             return
         del self._running[ticket]
         took_s, demand = self._clock() - ticket.begun, ticket.demand
-        self._queue.settle(ticket, took_s)
+        self._settle(ticket, took_s)
         share = min(1.0, took_s / demand.wall_s) if demand.wall_s > 0.0 else 0.0
         self._shares[demand.kind] = self._share(demand) + NEWS * (share - self._share(demand))
         self.charge(demand.client, took_s)
+
+    def _settle(self, ticket: Ticket, cost_s: float) -> None:
+        """Charges the client of a ticket what its request has cost, s, in place of what was expected."""
+        name = ticket.demand.client.name
+        self._paid[name] = self._paid.get(name, ticket.tag + ticket.expected_s) + cost_s - ticket.expected_s
+        # a client that owes nothing gets the present time as its tag, like an unknown client: nothing is kept of it
+        self._paid = {name: paid for name, paid in self._paid.items() if paid > self._virtual_s}
 
     def charge(self, client: Client, took_s: float) -> None:
         """Has a client pay for so many seconds of a worker, or of what else was done for it."""
@@ -167,9 +187,9 @@ class Admission:
         running = sum(ticket.demand.client.name == client.name for ticket in self._running)
         if running < client.running and self._free():
             return
-        if len(self._queue) >= self._places.waiting:
+        if len(self._waiting) >= self._places.waiting:
             raise self.full()
-        own = [ticket for ticket in self._queue if ticket.demand.client.name == client.name]
+        own = [ticket for ticket in self._waiting if ticket.demand.client.name == client.name]
         if len(own) >= client.waiting:
             forecast = self._forecast()
             raise too_many(
@@ -214,7 +234,7 @@ class Admission:
         any_ = [until for number, until in busy_until.items() if number >= self._places.short]
         for heap in (short, any_, *ends.values()):
             heapq.heapify(heap)
-        for ticket in sorted((*self._queue, *more), key=lambda ticket: ticket.tag):
+        for ticket in sorted((*self._waiting, *more), key=lambda ticket: ticket.tag):
             lent = ticket.demand.short or not ticket.recalled
             heap = short if lent and short and (not any_ or short[0] <= any_[0]) else any_
             own = ends.setdefault(ticket.demand.client.name, [])
@@ -240,60 +260,4 @@ def too_many(after_s: float, why: str) -> Problem:
 
 def _again(kind: str, after_s: float, why: str) -> Problem:
     after = math.ceil(min(max(after_s, 1.0), LONGEST_S))
-    return Problem(kind, f"{why} Come again in {after} s.", headers={"Retry-After": str(after)})
-
-
-# The order in which requests that wait are given workers: each client gets the same share of the workers' time.
-#
-# Start-time fair queueing (Goyal, Vin, Cheng 1996): a request is tagged with the virtual time at which its client's
-# earlier ones have been paid for, or with the present virtual time if that is later; the least tag is next. A client
-# that asks for much waits behind itself, not before others, and saves nothing up while it is away.
-
-
-class FairQueue:
-    """Tickets that wait. Costs and virtual times are seconds of a worker."""
-
-    def __init__(self) -> None:
-        self._waiting: list[Ticket] = []
-        self._paid: dict[str, float] = {}
-        self._now = 0.0
-
-    def __len__(self) -> int:
-        return len(self._waiting)
-
-    def __iter__(self) -> Iterator[Ticket]:
-        """Those that wait, in the order in which they would be taken."""
-        return iter(sorted(self._waiting, key=lambda ticket: ticket.tag))
-
-    def tag(self, client: str) -> float:
-        """The virtual time from which a request of this client counts that comes now."""
-        return max(self._now, self._paid.get(client, 0.0))
-
-    def add(self, ticket: Ticket) -> None:
-        """Puts a ticket, tagged by `tag`, into the queue; its client is charged what it is expected to cost."""
-        self._waiting.append(ticket)
-        self._paid[ticket.demand.client.name] = ticket.tag + ticket.expected_s
-
-    def take(self, fits: Callable[[Ticket], bool]) -> Ticket | None:
-        """The ticket that is next among those that `fits` accepts, taken out; of equal ones the one that came first."""
-        found = min(filter(fits, self._waiting), key=lambda ticket: ticket.tag, default=None)
-        if found is not None:
-            self._waiting.remove(found)
-            self._now = max(self._now, found.tag)
-        return found
-
-    def put_back(self, ticket: Ticket) -> None:
-        """Puts a ticket that was taken into the queue again, where it was: its client is charged already."""
-        self._waiting.append(ticket)
-
-    def remove(self, ticket: Ticket) -> None:
-        """Takes out a ticket whose request is not wanted any more; its client gets back what it was charged."""
-        self._waiting.remove(ticket)
-        self.settle(ticket, 0.0)
-
-    def settle(self, ticket: Ticket, cost_s: float) -> None:
-        """Charges the client of a ticket what its request has cost, s, in place of what was expected."""
-        name = ticket.demand.client.name
-        self._paid[name] = self._paid.get(name, ticket.tag + ticket.expected_s) + cost_s - ticket.expected_s
-        # a client that owes nothing gets the present time as its tag, like an unknown client: nothing is kept of it
-        self._paid = {name: paid for name, paid in self._paid.items() if paid > self._now}
+    return Problem(kind, f"{why} Come again in {after} s.", again_s=after)

@@ -10,6 +10,7 @@ import os
 import time
 from collections.abc import Callable, Collection
 from dataclasses import asdict, dataclass, field
+from functools import wraps
 from typing import Any
 
 from assur.api.documents import to_json
@@ -93,9 +94,6 @@ class Fault:
 
 TOLD_S = 0.1
 """How far a search has come is told this often, s."""
-BOTH = 'an object with the fields "request" and "plan" and no others, or a plan file'
-"""What the body of a check, and of a view, is."""
-BOTH_AND = 'an object with the fields "request" and "plan"'
 Reply = Answer | Problem | Fault
 
 
@@ -165,47 +163,73 @@ def _watch(tell: Tell) -> Callable[[Progress], None]:
     return watch
 
 
-def check(body: bytes, line: Line) -> Reply:
-    """The checker's verdict on the plan in `body`, {"request": ..., "plan": ...}."""
-    laps = Stopwatch()
-    return _guarded(lambda: check_document(**_both(body, line, laps, "check")), "ok", laps, "check")
+def of_body(
+    allowed: str, stage: str, says: str = "", fields: Collection[str] = (), left_out: Collection[str] | None = None
+) -> Callable[[Callable[[dict[str, Any]], dict[str, Any] | str]], Callable[[bytes, Line], Reply]]:
+    """Makes a job of what is done with the document in a body.
+
+    `allowed`: what the body is, in words; `fields`: those that it has, and no others (none: the work itself looks).
+    `left_out`: the body may be a plan file, whose mark and these fields do not count; None: it may not. `stage` is what
+    the time of the work counts as, `says` the field of its document that says in a word how it ended; a text is a page.
+    """
+
+    def made(work: Callable[[dict[str, Any]], dict[str, Any] | str]) -> Callable[[bytes, Line], Reply]:
+        @wraps(work)
+        def job(body: bytes, line: Line) -> Reply:
+            laps = Stopwatch()
+
+            def answered() -> dict[str, Any] | str:
+                document = _parsed(body, allowed, line, work.__name__)
+                if left_out is not None:
+                    document = _unmarked(document, *left_out)
+                laps.lap("read")
+                if fields and document.keys() != set(fields):
+                    raise _not_allowed(document, allowed)
+                return work(document)
+
+            return _guarded(answered, says, laps, stage)
+
+        return job
+
+    return made
 
 
-def view(body: bytes, line: Line) -> Reply:
-    """What a viewer plays of the plan in `body`, {"request": ..., "plan": ...}."""
-    laps = Stopwatch()
-    return _guarded(lambda: view_document(**_both(body, line, laps, "view")), "status", laps, "draw")
-
-
+BOTH = 'an object with the fields "request" and "plan" and no others, or a plan file'
+REPORTED = 'an object with the fields "request" and "plan", and, if it likes, "title" and "about"'
+EXPORTED = 'an object with the fields "request" and "plan" and how to export it'
+TEXT = 'an object with the field "text", a scenario in YAML, and no others'
+"""What bodies are."""
 LONGEST_TEXT = 2000
 """Longest title of a report, characters."""
-REPORTED = 'an object with the fields "request" and "plan", and, if it likes, "title" and "about"'
-"""What the body of a report is."""
 
 
-def report(body: bytes, line: Line) -> Reply:
-    """The page that plays the plan in `body`, {"request": ..., "plan": ...}, which may have a title and say what it is
+@of_body(BOTH, "check", "ok", ("request", "plan"), TEXTS)
+def check(document: dict[str, Any]) -> dict[str, Any]:
+    """The checker's verdict on the plan in {"request": ..., "plan": ...}."""
+    return check_document(**document)
+
+
+@of_body(BOTH, "draw", "status", ("request", "plan"), TEXTS)
+def view(document: dict[str, Any]) -> dict[str, Any]:
+    """What a viewer plays of the plan in {"request": ..., "plan": ...}."""
+    return view_document(**document)
+
+
+@of_body(REPORTED, "draw", left_out=())
+def report(document: dict[str, Any]) -> str:
+    """The page that plays the plan in {"request": ..., "plan": ...}, which may have a title and say what it is
     about."""
-
-    laps = Stopwatch()
-
-    def work() -> Answer:
-        document = {"title": "plan", "about": "", **_unmarked(_parsed(body, REPORTED, line, "report"))}
-        laps.lap("read")
-        if document.keys() != {"request", "plan", "title", "about"}:
-            raise Problem.of_input(InputError("body", sorted(document), REPORTED))
-        for name in ("title", "about"):
-            if not (isinstance(document[name], str) and len(document[name]) <= LONGEST_TEXT):
-                raise Problem.of_input(InputError(name, document[name], f"a text of up to {LONGEST_TEXT} characters"))
-        if not isinstance(document["plan"], dict):
-            raise Problem.of_input(InputError("plan", document["plan"], "an answer"))
-        cell, plan = cell_of(document["request"]), document["plan"]
-        told = {name: document[name] for name in ("title", "about")}
-        page = report_page(cell, plan, **told, verdict=verdict_on(cell, plan), version=version())
-        laps.lap("draw")
-        return Answer(page.encode(), "reported", stages=laps.seconds, media_type="text/html")
-
-    return bordered(work)
+    document = {"title": "plan", "about": "", **document}
+    if document.keys() != {"request", "plan", "title", "about"}:
+        raise _not_allowed(document, REPORTED)
+    for name in ("title", "about"):
+        if not (isinstance(document[name], str) and len(document[name]) <= LONGEST_TEXT):
+            raise InputError(name, document[name], f"a text of up to {LONGEST_TEXT} characters")
+    if not isinstance(document["plan"], dict):
+        raise InputError("plan", document["plan"], "an answer")
+    cell, plan = cell_of(document["request"]), document["plan"]
+    told = {name: document[name] for name in ("title", "about")}
+    return report_page(cell, plan, **told, verdict=verdict_on(cell, plan), version=version())
 
 
 def cover(digest: str, form: str, unit: str, line: Line) -> Reply:
@@ -219,69 +243,40 @@ def cover(digest: str, form: str, unit: str, line: Line) -> Reply:
     return _guarded(work, "status", Stopwatch(), "build")
 
 
-def ik(body: bytes, line: Line) -> Reply:
-    """The answer to the question in `body`, {"request": ..., "pose": ...} and the like."""
-
-    def work() -> dict[str, Any]:
-        question = _parsed(body, "a pose or joints, with a request or a robot", line, "ik")
-        # null is left for the question to refuse
-        request = question.pop("request") if question.get("request") is not None else None
-        return ik_document(request, question)
-
-    return _guarded(work, "status", Stopwatch(), "ik")
+@of_body("a pose or joints, with a request or a robot", "ik", "status")
+def ik(question: dict[str, Any]) -> dict[str, Any]:
+    """The answer to a question, {"request": ..., "pose": ...} and the like."""
+    # null is left for the question to refuse
+    request = question.pop("request") if question.get("request") is not None else None
+    return ik_document(request, question)
 
 
-TEXT = 'an object with the field "text", a scenario in YAML, and no others'
-"""What the body of a parse is."""
+@of_body(TEXT, "build", "status", ("text",))
+def parse(document: dict[str, Any]) -> dict[str, Any]:
+    """What the scenario in {"text": YAML} means: why it exists, and its request with what the shipped files hold that
+    it names. Everything that can be told without planning is told now, with its line."""
+    text = document["text"]
+    if not isinstance(text, str):
+        raise InputError("text", text, "a text")
+    scenario = scenario_in(text.encode("utf-8", "surrogatepass"), CELLS / "text")
+    with scenario.located():
+        cell_of(scenario.request, folder=scenario.folder)
+        request = with_files(scenario.request, scenario.folder)
+    return {"status": "parsed", "about": scenario.about, "request": request}
 
 
-def parse(body: bytes, line: Line) -> Reply:
-    """What the scenario in `body`, {"text": YAML}, means: why it exists, and its request with what the shipped files
-    hold that it names. Everything that can be told without planning is told now, with its line."""
-
-    def work() -> dict[str, Any]:
-        text = _parsed(body, TEXT, line, "parse", {"text"})["text"]
-        if not isinstance(text, str):
-            raise Problem.of_input(InputError("text", text, "a text"))
-        scenario = scenario_in(text.encode("utf-8", "surrogatepass"), CELLS / "text")
-        with scenario.located():
-            cell_of(scenario.request, folder=scenario.folder)
-            request = with_files(scenario.request, scenario.folder)
-        return {"status": "parsed", "about": scenario.about, "request": request}
-
-    return _guarded(work, "status", Stopwatch(), "build")
+@of_body(EXPORTED, "export", "format", left_out=TEXTS)
+def export(asked: dict[str, Any]) -> dict[str, Any]:
+    """The export of the plan in {"request": ..., "plan": ..., "format": ...}."""
+    request, plan = _taken(asked, "request"), _taken(asked, "plan")
+    return export_document(request, plan, asked)
 
 
-def export(body: bytes, line: Line) -> Reply:
-    """The export of the plan in `body`, {"request": ..., "plan": ..., "format": ...}."""
-
-    def work() -> dict[str, Any]:
-        asked = _unmarked(_parsed(body, f"{BOTH_AND} and how to export it", line, "export"), *TEXTS)
-        request, plan = _taken(asked, "request"), _taken(asked, "plan")
-        return export_document(request, plan, asked)
-
-    return _guarded(work, "format", Stopwatch(), "export")
-
-
-def check_trajectory(body: bytes, line: Line) -> Reply:
-    """The verdict on the trajectory in `body`, {"request": ..., "file": ..., "format": ...}."""
-
-    def work() -> dict[str, Any]:
-        asked = _parsed(body, "a request, a file and its format", line, "check_trajectory")
-        request, plan = _taken(asked, "request"), asked.pop("plan", None)
-        return check_trajectory_document(request, asked, plan)
-
-    return _guarded(work, "ok", Stopwatch(), "check")
-
-
-def _both(body: bytes, line: Line, laps: Stopwatch, kind: str) -> dict[str, Any]:
-    """Request and plan in `body`, and nothing else. Raises `Problem`, or `InputError`."""
-    document = _unmarked(_parsed(body, BOTH, line, kind), *TEXTS)
-    laps.lap("read")
-    if document.keys() != {"request", "plan"}:
-        found = FieldError("body", shown(document), BOTH)
-        raise Problem("bad-input", str(found), (found,))
-    return document
+@of_body("a request, a file and its format", "check", "ok")
+def check_trajectory(asked: dict[str, Any]) -> dict[str, Any]:
+    """The verdict on the trajectory in {"request": ..., "file": ..., "format": ...}."""
+    request, plan = _taken(asked, "request"), asked.pop("plan", None)
+    return check_trajectory_document(request, asked, plan)
 
 
 def _unmarked(document: dict[str, Any], *fields: str) -> dict[str, Any]:
@@ -321,30 +316,35 @@ def options_in(body: bytes) -> dict[str, Any]:
     return dict(options)
 
 
-def _parsed(
-    body: bytes, allowed: str, line: Line | None = None, kind: str = "", fields: Collection[str] = ()
-) -> dict[str, Any]:
-    """The object in `body`; with these fields and no others, if any are named. `line` is told what it means: the `kind`
-    of work, and a digest that is the same for bodies that differ in blanks and in the order of fields. Raises
-    `Problem`."""
+def _parsed(body: bytes, allowed: str, line: Line | None = None, kind: str = "") -> dict[str, Any]:
+    """The object in `body`. `line` is told what it means: the `kind` of work, and a digest that is the same for bodies
+    that differ in blanks and in the order of fields. Raises `Problem`."""
     try:
         document = parse_json(body)
     except InputError as error:
         raise Problem.of_input(error, "bad-syntax") from error
-    if not isinstance(document, dict) or (fields and document.keys() != fields):
-        found = FieldError("body", shown(document), allowed)
-        raise Problem("bad-input", str(found), (found,))
+    if not isinstance(document, dict):
+        raise _not_allowed(document, allowed)
     if line is not None:
         line.means(lambda: f"{kind} {hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()}")
     return document
 
 
-def _guarded(work: Callable[[], dict[str, Any]], says: str, laps: Stopwatch, stage: str = "write") -> Reply:
-    """What `work` finds. `stage`: what the time of it counts as that `work` has not given to another stage."""
+def _not_allowed(document: object, allowed: str) -> Problem:
+    """The problem of a body that is not what is allowed."""
+    found = FieldError("body", shown(document), allowed)
+    return Problem("bad-input", str(found), (found,))
+
+
+def _guarded(work: Callable[[], dict[str, Any] | str], says: str, laps: Stopwatch, stage: str = "write") -> Reply:
+    """What `work` finds: a document, or a page. `stage`: what the time of it counts as that `work` has not given to
+    another stage."""
 
     def answered() -> Answer:
         document = work()
         laps.lap(stage)
+        if isinstance(document, str):
+            return Answer(document.encode(), "reported", stages=laps.seconds, media_type="text/html")
         body = to_json(document)
         laps.lap("write")
         reason = document.get("reason", "") if document.get("status") == "not_planned" else ""

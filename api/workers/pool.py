@@ -191,9 +191,7 @@ class Workers:
                 return await asyncio.shield(self._given[ticket])
         except TimeoutError as late:
             if not self.ready:
-                raise Problem(
-                    "not-ready", f"No worker was ready within {late_s:g} s.", headers={"Retry-After": "5"}
-                ) from late
+                raise Problem("not-ready", f"No worker was ready within {late_s:g} s.", again_s=5) from late
             raise self._admission.full() from late
 
     def _put_back(self, ticket: Ticket, number: int) -> None:
@@ -264,7 +262,7 @@ class Workers:
                 await self._awaited[number]
         except TimeoutError as late:
             detail = f"No other worker could be started within {within_s:g} s. Others may be served."
-            raise Problem("worker-crashed", detail, headers={"Retry-After": "5"}) from late
+            raise Problem("worker-crashed", detail, again_s=5) from late
         finally:
             del self._awaited[number]
 

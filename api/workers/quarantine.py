@@ -22,7 +22,7 @@ def quarantined(left_s: float, why: str = "") -> Problem:
     return Problem(
         "quarantined",
         f"{why}Change it before you send it again. It will be tried again as it is in {again} s.",
-        headers={"Retry-After": str(again)},
+        again_s=again,
     )
 
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.oracle.arms import TiltingArm
 from benchmarks.oracle.faults import Broken, beyond
 from benchmarks.oracle.motion import Motion
 from benchmarks.oracle.places import Places, short
@@ -52,7 +51,7 @@ class Targets:
     def _of(self, arrival: Document) -> Target:
         ((kind, given),) = self._motion.request["task"][arrival["step"]].items()
         turn = Poses.of(yaw=arrival["yaw_offset_rad"])
-        three = isinstance(self._motion.arm, TiltingArm) or len(self._motion.arm.names) < 4
+        three = self._motion.arm.tilts or len(self._motion.arm.names) < 4
         if kind == "pick":
             frame, pose = self._parts.pop(given["part"])
             self._grasp = _grasp(given, arrival["yaw_offset_rad"])

@@ -10,15 +10,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.oracle.arms import world_links
 from benchmarks.oracle.faults import Broken
 from benchmarks.oracle.inverse import TURNS
-from benchmarks.oracle.motion import robots_in
 from benchmarks.oracle.places import Places
-from benchmarks.oracle.shapes import shapes_of
 from benchmarks.oracle.when_met import Point, Reach
 from benchmarks.soak.allowed import CONTACT_M, clearance
 from benchmarks.soak.arms import Arm, robot_file
+from benchmarks.soak.cell import Cell
 from benchmarks.soak.laws import seat
 from benchmarks.soak.poses import Document, Floats, Poses
 from benchmarks.soak.solids import Gap
@@ -67,7 +65,7 @@ def _arch(reach: Reach, refusal: Document, top: float) -> list[Broken]:
     lift = int(np.argmin(reach.arm.upper - reach.arm.lower))
     q = np.repeat(reach.start_joints(), 2, axis=0)
     q[:, lift] = reach.arm.lower[lift], reach.arm.upper[lift]
-    missing = top - float(world_links(reach.arm, q)["flange"].then(Places.upright(reach.arm.tcp)).p[:, 2].max())
+    missing = top - float(reach.arm.tool(q).p[:, 2].max())
     return [] if missing > MISSING else [_wrong(refusal, missing, "the lift goes so high")]
 
 
@@ -98,7 +96,7 @@ def _yaw(reach: Reach, refusal: Document) -> list[Broken] | None:
     if refusal["facts"].get("on_the_way"):
         return _way_round(reach, refusal)
     if refusal["stage"] == "start":
-        yaws = world_links(reach.arm, reach.start_joints())["flange"].then(Places.upright(reach.arm.tcp)).yaw.tolist()
+        yaws = reach.arm.tool(reach.start_joints()).yaw.tolist()
     else:
         point = reach.point(refusal["step"])
         if point is None or point.yaws is None:
@@ -117,7 +115,7 @@ def _way_round(reach: Reach, refusal: Document) -> list[Broken] | None:
     """Of ranges between the yaw of the start and those of a point: the turns of all joints in which there is none."""
     point = reach.point(refusal["step"])
     arm, start = reach.arm, reach.start_joints()
-    if point is None or point.yaws is None or not isinstance(arm, Arm) or reach.frames[point.frame].moves:
+    if point is None or point.yaws is None or arm.tilts or reach.frames[point.frame].moves:
         return None
     low, high, begin = -np.inf, np.inf, float(_total(arm, start)[0])
     for first, last in reach.request["robot"]["limits"]["forbidden_yaw_rad"]:
@@ -175,7 +173,7 @@ def _hits(reach: Reach, refusal: Document) -> list[Broken] | None:
     bodies = Bodies(reach)
     if refusal["stage"] == "start":
         one, other = refusal["bodies"]
-        links = world_links(reach.arm, reach.start_joints())
+        links = reach.arm.places(reach.start_joints())
         gap = bodies.gap(one, other, links, {})
         if bodies.meshes(one, other):
             return None
@@ -210,7 +208,7 @@ class Bodies:
 
     def __init__(self, reach: Reach) -> None:
         self.reach = reach
-        self.shapes = shapes_of(reach.request, robots_in(reach.request))
+        self.shapes = Cell.of(reach.request, reach.arm).shapes
         self.carried = {each.name: each for each in reach.arm.bodies}
         self.tool = {body["name"] for body in reach.request["robot"]["tool"].get("bodies", [])}
         self.seats: dict[str, tuple[str, Poses]] = {}
@@ -255,7 +253,7 @@ class Bodies:
         ((_, given),) = self.reach.request["task"][number].items()
         part, held = given.get("part"), dict[str, Places]()
         q = postures[0].q
-        links = world_links(self.reach.arm, q)
+        links = self.reach.arm.places(q)
         # the wrist has the yaw that is tried, in whatever turn that is
         links["flange"] = raised.then(Places.upright(self.reach.arm.tcp.inverse()))
         if not all(np.isfinite(each.p).all() for each in links.values()):

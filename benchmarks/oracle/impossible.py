@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.oracle.arms import TiltingArm, arm_of, world_links
 from benchmarks.oracle.places import Places
 from benchmarks.soak.arms import Arm, robot_file
 from benchmarks.soak.drafts import FIVE_BAR, SCARAS, THREE_AXES
@@ -41,7 +40,7 @@ class Small:
                     {"sphere": {"radius_m": 0.015}},
                 )
                 robot["tool"]["bodies"] = [{"name": "cup", "shape": shape, "at_m": [0.0, 0.0, z]}]
-        self.arm: Arm | TiltingArm = arm_of(robot)
+        self.arm = Arm.of(robot)
         self.q = self.joints()
         self.request: Document = {
             "schema": "assur/1",
@@ -80,7 +79,7 @@ class Small:
             q = middle + half * self.rng.uniform(-share, share, len(half))
             if self.arm.family == "five_bar":
                 q[0], q[1] = self.rng.uniform(0.4, 1.5), -self.rng.uniform(0.4, 1.5)
-            if np.isfinite(world_links(self.arm, q)["flange"].p).all():
+            if np.isfinite(self.arm.places(q)["flange"].p).all():
                 return np.asarray(q)
 
     def named(self, values: Floats) -> dict[str, float]:
@@ -89,15 +88,15 @@ class Small:
         return {f"{name}_{'m' if slide else 'rad'}": float(value) for name, slide, value in names}
 
     def tool(self, q: Floats) -> Places:
-        return world_links(self.arm, q)["flange"].then(Places.upright(self.arm.tcp))
+        return self.arm.tool(q)
 
     @property
     def turns(self) -> bool:
-        return isinstance(self.arm, Arm) and len(self.arm.names) > 3
+        return not self.arm.tilts and len(self.arm.names) > 3
 
     def target(self, q: Floats, yaw: bool = True) -> Document:
         """Where the tool is with these joints, in the world."""
-        place, links = self.tool(q), world_links(self.arm, q)
+        place, links = self.tool(q), self.arm.places(q)
         found: Document = {"at_m": [float(x) for x in place.p]}
         if self.turns:
             found |= {"yaw_rad": float(place.yaw)} if yaw else {"yaw_free": True}
@@ -121,7 +120,7 @@ def at_the_edge_of_reach(rng: np.random.Generator) -> Small:
     cell = Small(rng, (*UPRIGHT, *TILTING))
     to = cell.target(cell.joints(), yaw=cell.chance(0.5))
     base, angle = cell.arm.base, float(rng.uniform(-2.0, 2.0))
-    if isinstance(cell.arm, Arm) and cell.arm.family == "scara":
+    if cell.arm.family == "scara":
         l1, l2 = float(si(cell.arm.numbers, "l1")), float(si(cell.arm.numbers, "l2"))
         edge = (l1 + l2 if cell.chance(0.7) else abs(l1 - l2)) + cell.off()
     elif cell.arm.family == "polar_arm":
@@ -131,12 +130,12 @@ def at_the_edge_of_reach(rng: np.random.Generator) -> Small:
     if cell.chance(0.6):
         x, y = base.p[0] + edge * math.cos(base.yaw + angle), base.p[1] + edge * math.sin(base.yaw + angle)
         to["at_m"][:2] = cell.round(np.array([x, y])) if cell.chance(0.2) else [float(x), float(y)]
-    if cell.turns and cell.chance(0.5) and isinstance(cell.arm, Arm):
+    if cell.turns and cell.chance(0.5) and not cell.arm.tilts:
         lift = int(np.argmin(cell.arm.upper - cell.arm.lower))
         q = cell.joints()
         q[lift] = cell.one_of(cell.arm.lower[lift], cell.arm.upper[lift]) + cell.off()
         to["at_m"][2] = cell.round(cell.tool(q).p[2:])[0]
-    elif isinstance(cell.arm, TiltingArm):
+    elif cell.arm.tilts:
         to["at_m"][2] = float(base.p[2]) + cell.arm.height + float(rng.uniform(-0.3, 0.4)) * float(cell.chance(0.7))
     if cell.arm.family == "five_axis_arm" and cell.chance(0.5):
         to.pop("pitch_rad")
@@ -156,7 +155,7 @@ def at_the_end_of_a_range(rng: np.random.Generator) -> Small:
         high = lower + (upper - lower) * float(rng.uniform(0.6, 0.95))
         upper = round(high, 3) if slides else math.radians(round(math.degrees(high)))
         limits[f"{cell.arm.names[j]}_{'m' if slides else 'rad'}"] = [lower, upper]
-        cell.arm = arm_of(cell.request["robot"])
+        cell.arm = Arm.of(cell.request["robot"])
         cell.q = cell.joints()
         cell.request["start"]["joints"] = cell.named(cell.q)
         q = cell.joints(0.6)
@@ -231,7 +230,7 @@ def in_a_window(rng: np.random.Generator) -> Small:
 def never_near(rng: np.random.Generator) -> Small:
     """A point on a frame that repeats its motion, about as near as the links end."""
     cell = Small(rng, (*SCARAS, THREE_AXES))
-    assert isinstance(cell.arm, Arm)
+    assert not cell.arm.tilts
     reach = float(si(cell.arm.numbers, "l1") + si(cell.arm.numbers, "l2"))
     z, base = float(cell.tool(cell.joints()).p[2]), cell.arm.base.p
     r, period = float(rng.uniform(0.02, 0.4)), float(rng.uniform(0.3, 4.0))
@@ -341,7 +340,7 @@ def loaded(rng: np.random.Generator) -> Small:
 def arched(rng: np.random.Generator) -> Small:
     """An arch about as high as the lift goes."""
     cell = Small(rng, SCARAS)
-    assert isinstance(cell.arm, Arm)
+    assert not cell.arm.tilts
     lift = int(np.argmin(cell.arm.upper - cell.arm.lower))
     tops = []
     for end in (cell.arm.lower[lift], cell.arm.upper[lift]):

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.oracle.arms import TiltingArm
 from benchmarks.soak.arms import Arm
 from benchmarks.soak.poses import Floats, si
 
@@ -38,18 +37,16 @@ class Solution:
 
 
 def solutions(
-    arm: Arm | TiltingArm, p: Floats, yaw: Floats | None, pitch: Floats | None = None, roll: Floats | None = None
+    arm: Arm, p: Floats, yaw: Floats | None, pitch: Floats | None = None, roll: Floats | None = None
 ) -> list[Solution]:
     """Of the flange at places p (N, 3) in the world, m. Angles (N,) that are None do not count: a yaw is that of the
     flange; an arm with five axes needs a pitch, and a roll that is None is any."""
-    if isinstance(arm, TiltingArm):
+    if arm.tilts:
         return list(_tilting(arm, p, pitch, roll))
     return list(_scara(arm, p, yaw) if arm.family == "scara" else _five_bar(arm, p, yaw))
 
 
-def _finished(
-    arm: Arm | TiltingArm, mode: str, q: Floats, short: Floats, margin: Floats, free: tuple[int, ...] = ()
-) -> Solution:
+def _finished(arm: Arm, mode: str, q: Floats, short: Floats, margin: Floats, free: tuple[int, ...] = ()) -> Solution:
     """Every joint that turns in the turn in which it is least beyond its range; `free` ones are anywhere."""
     slides = arm.upper - arm.lower < 0.5
     best = np.empty_like(q)
@@ -126,7 +123,7 @@ def _five_bar(arm: Arm, p: Floats, yaw: Floats | None) -> Iterator[Solution]:
             yield _finished(arm, f"{names[first]}-{names[second]}", q * arm.signs, short, margin, free)
 
 
-def _tilting(arm: TiltingArm, p: Floats, pitch: Floats | None, roll: Floats | None) -> Iterator[Solution]:
+def _tilting(arm: Arm, p: Floats, pitch: Floats | None, roll: Floats | None) -> Iterator[Solution]:
     x, y = p[:, 0] - arm.base.p[0], p[:, 1] - arm.base.p[1]
     height, flat = p[:, 2] - arm.base.p[2] - arm.height, np.hypot(x, y)
     for back in (False, True):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.oracle.arms import limits_of
 from benchmarks.oracle.faults import Broken, beyond
+from benchmarks.oracle.limits import limits_of
 from benchmarks.oracle.motion import Motion
 from benchmarks.oracle.places import short
 from benchmarks.soak.poses import Document, Floats

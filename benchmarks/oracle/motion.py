@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
-from benchmarks.oracle.arms import TiltingArm, arm_of, world_links
 from benchmarks.oracle.places import Places
-from benchmarks.oracle.shapes import shapes_of
 from benchmarks.recheck.spline import Spline
 from benchmarks.soak.allowed import Pair, Stage, stages
-from benchmarks.soak.arms import Arm, robot_file
+from benchmarks.soak.arms import Arm
 from benchmarks.soak.cell import Cell
 from benchmarks.soak.poses import Document, Floats, Poses
-from benchmarks.soak.solids import Shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,10 +37,10 @@ class Motion:
 
     def __init__(self, request: Document, answer: Document) -> None:
         self.request, self.answer = request, answer
-        self.arm: Arm | TiltingArm = arm_of(request["robot"])
-        self.cell = Cell.of(request, cast(Arm, self.arm))
-        self.spline = spline_of(answer["trajectory"])
-        self.shapes: dict[str, Shape] = shapes_of(request, robots_in(request))
+        self.arm = Arm.of(request["robot"])
+        self.cell = Cell.of(request, self.arm)
+        self.spline = Spline.of(answer["trajectory"])
+        self.shapes = self.cell.shapes
         self._extremes: dict[int, tuple[Floats, Floats]] = {}
         self.phases = tuple(self._phases())
 
@@ -67,11 +63,11 @@ class Motion:
         return self.spline.evaluate(np.clip(t, self.start_s, self.end_s))
 
     def links(self, t: Floats) -> dict[str, Places]:
-        return world_links(self.arm, self.joints(t))
+        return self.arm.places(self.joints(t))
 
     def tool(self, t: Floats) -> Places:
         """The tool point in the world at times (N,)."""
-        return self.links(t)["flange"].then(Places.upright(self.arm.tcp))
+        return self.arm.tool(self.joints(t))
 
     def frame(self, name: str, t: Floats) -> Places:
         return Places.upright(self.cell.frames[name].at(t))
@@ -124,21 +120,3 @@ class Motion:
             pairs = self.cell.pairs(stage, None, {name: frame for name, (frame, _) in seated.items()})
             kept = tuple(pair for pair in pairs if pair.first in last.placed)
             yield Phase(stage, "REST", None, kept, own, dict(seated))
-
-
-def spline_of(spelt: Document) -> Spline:
-    """The trajectory of an answer; where its acceleration jumps two knots are at one time, and no piece between."""
-    time = np.array(spelt["time_s"], dtype=np.float64)
-    columns = [np.array(spelt[key], dtype=np.float64) for key in ("position", "velocity", "acceleration")]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        found = Spline.through(time, *columns)
-    lasting = np.diff(time) > 0.0
-    edges = np.concatenate([time[:-1][lasting], time[-1:]])
-    return Spline(edges, found.coefficients[lasting])
-
-
-def robots_in(request: Document) -> dict[str, Document]:
-    """The files of the shipped robots in a request, by the prefix of the names of their bodies."""
-    models = {"": request["robot"]["model"]}
-    models |= {f"{each['name']}/": each["robot"]["model"] for each in request.get("neighbours", [])}
-    return {prefix: next(iter(robot_file(model).values())) for prefix, model in models.items()}

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from benchmarks.checker_refusals import codes_of, keep, said
 from benchmarks.oracle.asked import BAD_INPUT, as_si, checked, planned
@@ -14,6 +14,8 @@ from benchmarks.oracle.faults import Broken
 from benchmarks.oracle.kinds import KINDS, random_cell
 from benchmarks.oracle.promises import broken_promises
 from benchmarks.soak.poses import Document
+
+T = TypeVar("T", bound="Tally")
 
 
 @dataclass(eq=False)
@@ -53,15 +55,26 @@ def own_seed(seed: int, number: int) -> int:
     return seed * 1_000_000 + number
 
 
+def in_turn(
+    found: dict[str, T], look: Callable[[T, str, int], bool], count: int | None, seed: int
+) -> Iterator[dict[str, T]]:
+    """Calls `look` with the tally of a kind, the kind and a seed, for all kinds of `found` in turn, until it has said
+    `count` times that an answer was looked at (None: for ever): after each what was found, by kind."""
+    kinds, number, looked = list(found), 0, 0
+    while count is None or looked < count:
+        kind, own = kinds[number % len(kinds)], own_seed(seed, number // len(kinds))
+        number += 1
+        looked += look(found[kind], kind, own)
+        yield found
+
+
 def campaign(plans: int | None, seed: int, out: Path | None = None) -> Iterator[dict[str, Tally]]:
     """Cells of all kinds in turn, until `plans` were accepted (None: for ever): after each what was found, by kind."""
-    found: dict[str, Tally] = {kind: Tally() for kind in KINDS}
-    number, accepted = 0, 0
-    while plans is None or accepted < plans:
-        kind, own = KINDS[number % len(KINDS)], own_seed(seed, number // len(KINDS))
-        number += 1
-        accepted += looked_at(found[kind], kind, own, random_cell(kind, own), out)
-        yield found
+
+    def look(tally: Tally, kind: str, own: int) -> bool:
+        return looked_at(tally, kind, own, random_cell(kind, own), out)
+
+    return in_turn({kind: Tally() for kind in KINDS}, look, plans, seed)
 
 
 def looked_at(tally: Tally, kind: str, seed: int, request: Document, out: Path | None = None) -> bool:

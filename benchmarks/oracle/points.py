@@ -10,10 +10,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.oracle.arms import TiltingArm, arm_of, limits_of, world_links
+from benchmarks.oracle.limits import limits_of
 from benchmarks.oracle.places import Places
 from benchmarks.soak.arms import Arm
-from benchmarks.soak.drafts import Draft, drafted, options_of
+from benchmarks.soak.drafts import Draft, drafted
 from benchmarks.soak.poses import Document, Floats, Poses
 from benchmarks.soak.random_cells import surround
 
@@ -26,19 +26,19 @@ class Points:
 
     def __init__(self, rng: np.random.Generator, model: str) -> None:
         self.draft = _draft(rng, model)
-        self.arm: Arm | TiltingArm = arm_of(self.draft.request["robot"])
+        self.arm = Arm.of(self.draft.request["robot"])
         self.q = self._somewhere()
         self.number = 0
         self.due = self.draft.request["start"].setdefault("at_s", self.draft.between(0.0, 2.0)) + 0.2
         self.draft.request["start"]["joints"] = self._named(self.q, ("rad", "m"))
 
     def tool(self, q: Floats) -> Places:
-        return world_links(self.arm, q)["flange"].then(Places.upright(self.arm.tcp))
+        return self.arm.tool(q)
 
     @property
     def turns(self) -> bool:
         """Whether the arm has a yaw of its own."""
-        return isinstance(self.arm, Arm) and len(self.arm.names) > 3
+        return not self.arm.tilts and len(self.arm.names) > 3
 
     def _named(self, values: Floats, units: tuple[str, str]) -> dict[str, float]:
         return {f"{n}_{units[self._slides(j)]}": float(values[j]) for j, n in enumerate(self.arm.names)}
@@ -87,7 +87,7 @@ class Points:
         if self.turns:
             found |= draft.one_of({"yaw_rad": yaw}, {"yaw_rad": yaw}, {"yaw_free": True})
         if self.arm.family == "five_axis_arm":
-            m = world_links(self.arm, q)
+            m = self.arm.places(q)
             r = m["link1"].inverse().then(m["flange"]).r
             if draft.chance(0.7):
                 found["pitch_rad"] = float(np.arctan2(r[2, 0], r[0, 0]))
@@ -129,7 +129,7 @@ class Points:
             if not step.get("via"):
                 begin = draft.request["start"]["at_s"]
                 step["window_s"] = [begin, begin + draft.between(0.8, 4.0)]
-        if self.turns and isinstance(self.arm, Arm) and self.arm.family == "scara" and draft.chance(0.2):
+        if self.turns and self.arm.family == "scara" and draft.chance(0.2):
             ahead = float(self.tool(self.q).yaw) + draft.between(0.4, 2.5)
             draft.request["robot"].setdefault("limits", {})["forbidden_yaw_rad"] = [[ahead, ahead + 0.3]]
 
@@ -205,21 +205,7 @@ def _draft(rng: np.random.Generator, model: str) -> Draft:
     if draft.chance(0.4):
         shape: Document = {"sphere": {"radius_m": draft.between(0.008, 0.02)}}
         tool["bodies"] = [{"name": "tip", "shape": shape, "at_m": [0.0, 0.0, 0.0]}]
-    draft.request.update(
-        {
-            "schema": "assur/1",
-            "robot": {
-                "model": model,
-                "tool": tool,
-                "base": {"at_m": [float(x) for x in draft.base.p], "yaw_rad": float(draft.base.yaw)},
-            },
-            "start": {},
-            "frames": {},
-            "bodies": [],
-            "task": [],
-            "options": options_of(draft),
-        }
-    )
+    draft.begin(tool)
     if draft.chance(0.3):
         draft.request["robot"]["limits"] = {"acceleration": draft.between(0.4, 1.0)}
     return draft

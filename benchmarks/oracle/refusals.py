@@ -9,7 +9,7 @@ from benchmarks.checker_refusals import codes_of
 from benchmarks.oracle.asked import BAD_INPUT, as_si, checked, planned
 from benchmarks.oracle.contradicted import contradiction
 from benchmarks.oracle.impossible import KINDS, random_request
-from benchmarks.oracle.plans import Tally, own_seed, written
+from benchmarks.oracle.plans import Tally, in_turn, written
 from benchmarks.oracle.promises import broken_promises
 from benchmarks.soak.poses import Document
 
@@ -19,14 +19,11 @@ UNPROVED, PLANNED, UNJUDGED = "not proved", "planned", "proved, not judged"
 def campaign(refusals: int | None, seed: int, out: Path | None = None) -> Iterator[dict[str, Tally]]:
     """Requests of all kinds in turn, until so many proved refusals were looked at (None: for ever): after each what was
     found, by kind. `refused` of a tally counts what was not looked at: plans, what was searched, bad input."""
-    found: dict[str, Tally] = {kind: Tally() for kind in KINDS}
-    number, proved = 0, 0
-    while refusals is None or proved < refusals:
-        kind = list(KINDS)[number % len(KINDS)]
-        own = own_seed(seed, number // len(KINDS))
-        number += 1
-        proved += looked_at(found[kind], kind, own, random_request(kind, own), out)
-        yield found
+
+    def look(tally: Tally, kind: str, own: int) -> bool:
+        return looked_at(tally, kind, own, random_request(kind, own), out)
+
+    return in_turn({kind: Tally() for kind in KINDS}, look, refusals, seed)
 
 
 def looked_at(tally: Tally, kind: str, seed: int, request: Document, out: Path | None = None) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.oracle.arms import TiltingArm
 from benchmarks.oracle.arrivals_kept import Target, Targets
 from benchmarks.oracle.faults import Broken, beyond
 from benchmarks.oracle.joints_kept import carrying
@@ -62,7 +61,7 @@ def _tracks(motion: Motion, leg: Document, given: Document, target: Target, t: F
         found += beyond("straight part", name, asked - float(outer), TRACKED_M, leg["from_s"])
     k = int(far.argmax())
     found += beyond("tracking", name, float(far[k]), TRACKED_M + READ_M, t[k])
-    if isinstance(motion.arm, TiltingArm) or len(motion.arm.names) < 4:
+    if motion.arm.tilts or len(motion.arm.names) < 4:
         return found
     turn = short(tool.yaw - wanted.yaw)
     turn = turn if target.yaw else short(turn - turn[-1 if leg["kind"] == "APPROACH" else 0])

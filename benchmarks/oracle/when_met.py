@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.oracle.arms import TiltingArm, arm_of, world_links
 from benchmarks.oracle.inverse import Solution, solutions
 from benchmarks.oracle.places import Places
 from benchmarks.soak.arms import Arm
@@ -41,7 +40,7 @@ class Reach:
 
     def __init__(self, request: Document) -> None:
         self.request = request
-        self.arm: Arm | TiltingArm = arm_of(request["robot"])
+        self.arm = Arm.of(request["robot"])
         self.frames: dict[str, Frame] = frames_of(request)
         self.least_margin = float(request["options"].get("singularity_margin", 0.05))
         """Where a point is met, the arm is no nearer to a singularity: asked here of all points."""
@@ -50,7 +49,7 @@ class Reach:
     def point(self, number: int) -> Point | None:
         """The control point of a step; None for a place, whose part may be held in more than one way."""
         ((kind, given),) = self.request["task"][number].items()
-        three = isinstance(self.arm, TiltingArm) or len(self.arm.names) < 4
+        three = self.arm.tilts or len(self.arm.names) < 4
         if kind in ("place", "trace"):
             return None
         if kind == "pick":
@@ -150,7 +149,7 @@ class Reach:
         tcp = self.arm.tcp
         if point.yaws is not None:
             return [Places.upright(there.moved(np.zeros(3), turn)) for turn in point.yaws]
-        if isinstance(self.arm, TiltingArm) or float(np.hypot(tcp.p[0], tcp.p[1])) == 0.0:
+        if self.arm.tilts or float(np.hypot(tcp.p[0], tcp.p[1])) == 0.0:
             return [Places.upright(there)]
         if len(t) > 1:
             yaws = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
@@ -162,7 +161,7 @@ class Reach:
         """All solutions with the tool at places (T,), raised by a height."""
         flange = tool.then(Places.upright(self.arm.tcp.inverse()))
         p = flange.p + np.array([0.0, 0.0, height])
-        if isinstance(self.arm, TiltingArm):
+        if self.arm.tilts:
             if self.arm.family != "five_axis_arm":
                 return solutions(self.arm, p, None)
             full = np.ones(len(p))
@@ -197,7 +196,7 @@ class Reach:
         return np.array([[next(joints[f"{n}_{u}"] for u in ("rad", "m") if f"{n}_{u}" in joints) for n in names]])
 
     def _links(self, q: Floats) -> dict[str, Places]:
-        return world_links(self.arm, q)
+        return self.arm.places(q)
 
 
 def _tilt(links: dict[str, Places]) -> tuple[Floats, Floats]:

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.recheck.solids import Placed, box, upright_cylinder
 from benchmarks.recheck.spline import Floats
+from benchmarks.recheck.surroundings import Placed
+from benchmarks.soak.solids import solid_of
 
 A1_M = 0.325
 """Shoulder axis to elbow axis."""
@@ -24,7 +25,11 @@ LINK_2_Z_M = 0.36
 """Height of the middle of link 2."""
 
 QUILL_LENGTH_M = 0.31
-LINK_1, LINK_2, QUILL = box(0.405, 0.08, 0.06), box(0.355, 0.08, 0.06), upright_cylinder(0.012, QUILL_LENGTH_M)
+LINK_1, LINK_2, QUILL = (
+    solid_of({"box": {"size_m": [0.405, 0.08, 0.06]}}),
+    solid_of({"box": {"size_m": [0.355, 0.08, 0.06]}}),
+    solid_of({"cylinder": {"radius_m": 0.012, "height_m": QUILL_LENGTH_M}}),
+)
 
 
 @dataclass(frozen=True, eq=False)

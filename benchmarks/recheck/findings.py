@@ -9,9 +9,8 @@ import numpy as np
 
 from benchmarks.problem_set import LIMITS, ProblemSet
 from benchmarks.recheck.arm import placed_bodies, tool
-from benchmarks.recheck.solids import collisions
 from benchmarks.recheck.spline import Floats, Spline
-from benchmarks.recheck.surroundings import goal_at, placed_obstacles
+from benchmarks.recheck.surroundings import collisions, goal_at, placed_obstacles
 
 Match = Literal["position", "velocity"]
 

@@ -12,13 +12,17 @@ Differences are taken first and powers of h last, so short pieces lose as few di
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
+KNOTS = ("time_s", "position", "velocity", "acceleration")
+"""Columns of the trajectory of an answer."""
 BISECTIONS = 60
 """Halvings of [0, 1] that leave less than one part in 2⁵³ of it."""
 
@@ -42,6 +46,15 @@ class Spline:
         quartic = -15 * r0 + 7 * r1 - r2
         quintic = 6 * r0 - 3 * r1 + r2 / 2
         return Spline(time, np.stack([q0, v0, a0 / 2, cubic, quartic, quintic], axis=-1))
+
+    @staticmethod
+    def of(spelt: Mapping[str, Any]) -> Spline:
+        """The trajectory of an answer; where its acceleration jumps two knots are at one time, and no piece between."""
+        time, *columns = (np.array(spelt[key], dtype=np.float64) for key in KNOTS)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = Spline.through(time, *columns)
+        lasting = np.diff(time) > 0.0
+        return Spline(np.concatenate([time[:-1][lasting], time[-1:]]), found.coefficients[lasting])
 
     def evaluate(self, t: Floats, derivative: int = 0) -> Floats:
         """q or its `derivative` at times `t` (N,) within the knots: (N, n)."""

@@ -1,15 +1,31 @@
-"""The obstacles of a problem and where they are at a time."""
+"""The obstacles of a problem, where they are at a time, and when two solids collide: by the shapes and distances of the
+simulation (`benchmarks.soak.solids`)."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.problem_set import Problem
-from benchmarks.recheck.solids import Placed, box, lying_capsule, upright_cylinder
 from benchmarks.recheck.spline import Floats
-from benchmarks.soak.solids import Solid
+from benchmarks.soak.poses import Poses
+from benchmarks.soak.solids import Solid, apart_at_least, gaps, solid_of
+
+SIZES = {"box": ("size",), "cylinder": ("radius", "height"), "capsule": ("radius", "length")}
+"""Kinds of obstacles, and what they have, m. A cylinder is upright, a capsule lies along its frame's x axis."""
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """A solid by `name` with its centre (N, 3), m, and yaw (N,) at N times."""
+
+    name: str
+    solid: Solid
+    centre: Floats
+    yaw: Floats
 
 
 def placed_obstacles(problem: Problem, t: Floats) -> tuple[Placed, ...]:
@@ -26,13 +42,10 @@ def goal_at(problem: Problem, t: float) -> tuple[Floats, float, Floats]:
 
 def _solid(name: str, obstacle: dict[str, Any]) -> Solid:
     kind = obstacle["type"]
-    if kind == "box":
-        return box(*obstacle["size"])
-    if kind == "cylinder":
-        return upright_cylinder(obstacle["radius"], obstacle["height"])
-    if kind == "capsule":
-        return lying_capsule(obstacle["radius"], obstacle["length"])
-    raise ValueError(f"{name}: unknown type {kind!r}")
+    if kind not in SIZES:
+        raise ValueError(f"{name}: unknown type {kind!r}")
+    sizes = {f"{key}_m": obstacle[key] for key in SIZES[kind]}
+    return solid_of({kind: {**sizes, "axis": "x" if kind == "capsule" else "z"}})
 
 
 def _placed(name: str, obstacle: dict[str, Any], t: Floats) -> Placed:
@@ -46,3 +59,13 @@ def _placed(name: str, obstacle: dict[str, Any], t: Floats) -> Placed:
         outwards = np.stack([np.cos(angle), np.sin(angle), np.zeros(len(t))], axis=-1)
         return Placed(name, solid, np.array(motion["pivot"]) + obstacle["length"] / 2 * outwards, angle)
     raise ValueError(f"{name}: unknown motion {motion['kind']!r}")
+
+
+def collisions(first: Placed, second: Placed) -> NDArray[np.intp]:
+    """Indices (M,) of the times at which the two solids overlap. Raises `ValueError` for a pose that is not finite."""
+    for placed in (first, second):
+        if not (np.isfinite(placed.centre).all() and np.isfinite(placed.yaw).all()):
+            raise ValueError(f"{placed.name}: a pose that is not finite")
+    one, other = Poses(first.centre, first.yaw), Poses(second.centre, second.yaw)
+    near = np.flatnonzero(~(apart_at_least(first.solid, one, second.solid, other) >= 0.0))
+    return near[~(gaps(first.solid, one[near], second.solid, other[near], 0.0) >= 0.0)]

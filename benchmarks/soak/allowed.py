@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from benchmarks.soak.poses import Document, Poses
+from benchmarks.soak.poses import Document
 
 if TYPE_CHECKING:
     from benchmarks.recheck.spline import Spline
@@ -108,8 +106,3 @@ def clearance(request: Document, near: bool, first: str, second: str) -> float:
             if a in one and (other is None or b in other):
                 found = float(rule["clearance_m"][key])
     return found
-
-
-def many(pose: Poses, count: int) -> Poses:
-    """One pose, `count` times."""
-    return Poses(np.broadcast_to(pose.p, (count, 3)), np.broadcast_to(pose.yaw, (count,)))

@@ -1,7 +1,7 @@
-"""Where the links of SCARAs and five-bars are, from the robots' files (`scenes/robots`), maker's joints in, world out.
+"""Where the links of arms of all families are, from the robots' files (`scenes/robots`), maker's joints in, world out.
 
-Frames and signs are those of docs/conventions.md. A belt correction is worked out exactly: the tool axis is shifted,
-the elbow stays on its side, and the tool keeps its yaw.
+Frames and signs are those of docs/conventions.md, and of K31 and H4 of docs/kinematics.md. A belt correction is worked
+out exactly: the tool axis is shifted, the elbow stays on its side, and the tool keeps its yaw.
 """
 
 from __future__ import annotations
@@ -14,9 +14,12 @@ from typing import Any
 import numpy as np
 import yaml
 
+from benchmarks.oracle.places import Places, short
 from benchmarks.soak.poses import Document, Floats, Poses, pose_in, si
 from benchmarks.soak.solids import Solid, solid_of
 
+UPRIGHT = ("scara", "five_bar")
+"""Families whose links turn about the vertical only."""
 ROBOTS = Path(__file__).resolve().parents[2] / "scenes" / "robots"
 
 
@@ -48,10 +51,8 @@ class Arm:
 
     @staticmethod
     def of(document: Document) -> Arm:
-        """The arm of a request (`robot`), which must be a shipped SCARA or five-bar. Raises `ValueError` for others."""
+        """The arm of a request (`robot`), a shipped one."""
         ((family, given),) = robot_file(document["model"]).items()
-        if family not in ("scara", "five_bar"):
-            raise ValueError(f"an arm that the simulation does not know: {document['model']}")
         joints = given["joints"]
         ranges = ranges_of(document, joints)
         order = (0, 2, 1, 3) if given.get("axis_order") == "rprr" else tuple(range(len(joints)))
@@ -73,8 +74,36 @@ class Arm:
             tcp=_flipped(tcp) if down else tcp,
         )
 
+    @property
+    def tilts(self) -> bool:
+        """Whether links leave the vertical."""
+        return self.family not in UPRIGHT
+
+    @property
+    def height(self) -> float:
+        """Of the shoulder of an arm that tilts above its base, m."""
+        return float(si(self.numbers, "height"))
+
+    @property
+    def lengths(self) -> list[float]:
+        """Of the links of an arm that tilts, m; a polar arm has none."""
+        of_family = {"elbow_arm": ("l1", "l2"), "polar_arm": (), "five_axis_arm": ("l1", "l2", "l3")}[self.family]
+        return [float(si(self.numbers, key)) for key in of_family]
+
+    def places(self, q: Floats) -> dict[str, Places]:
+        """Every link's frame in the world, of an arm of any family, at joints (..., n)."""
+        if self.tilts:
+            return self._tilting(q * self.signs)
+        return {name: Places.upright(pose) for name, pose in self.links(q).items()}
+
+    def tool(self, q: Floats) -> Places:
+        """The tool point in the world, of an arm of any family, at joints (..., n)."""
+        return self.places(q)["flange"].then(Places.upright(self.tcp))
+
     def links(self, q: Floats) -> dict[str, Poses]:
-        """Every link's frame in the world."""
+        """Every link's frame in the world. Raises `ValueError` for an arm that tilts."""
+        if self.tilts:
+            raise ValueError(f"an arm that the simulation does not know: {self.family}")
         ours = (q * self.signs)[..., list(self.order)]
         lift = ours[..., 2] if ours.shape[-1] > 2 else np.zeros(ours.shape[:-1])
         zero = float(si(self.numbers["joints"][self.order[2]], "zero", 0.0))
@@ -96,7 +125,7 @@ class Arm:
         tip = np.stack([tip_x, tip_y, flange_z], axis=-1)
         shoulder = np.stack(np.broadcast_arrays(base[0], base[1], base[2] + raised), axis=-1)
         return {
-            "base": Poses(np.broadcast_to(base, tip.shape), np.broadcast_to(self.base.yaw, first.shape)),
+            "base": self.base.still(first.shape),
             "link1": Poses(np.broadcast_to(shoulder, tip.shape), first),
             "link2": Poses(np.stack([x, y, base[2] + raised], axis=-1), second),
             "quill": Poses(tip, np.zeros_like(first)),
@@ -130,8 +159,25 @@ class Arm:
             found[f"distal-{name}"] = Poses(elbows[side], np.arctan2(way[..., 1], way[..., 0]))
         flange = np.concatenate([tip[..., :2], flange_z[..., None]], axis=-1)
         turn = found["distal-left"].yaw + (q[..., 3] if q.shape[-1] > 3 else 0.0)
-        found["base"] = Poses(np.broadcast_to(self.base.p, shape), np.broadcast_to(psi, length.shape))
+        found["base"] = self.base.still(length.shape)
         return {**found, "quill": Poses(flange, np.zeros_like(length)), "flange": Poses(flange, turn)}
+
+    def _tilting(self, q: Floats) -> dict[str, Places]:
+        base = Places.upright(self.base.still(q.shape[:-1]))
+        turret = base.then(Places.at([0.0, 0.0, self.height])).then(Places.turned(2, q[..., 0]))
+        second = turret.then(Places.turned(1, -q[..., 1]))
+        found = {"base": base, "link1": turret, "link2": second}
+        if self.family == "polar_arm":
+            ram = second.then(Places.at(q[..., 2, None] * np.array([1.0, 0.0, 0.0])))
+            return {**found, "link3": ram, "flange": ram}
+        third = second.then(Places.at([self.lengths[0], 0.0, 0.0])).then(Places.turned(1, -q[..., 2]))
+        end = third.then(Places.at([self.lengths[1], 0.0, 0.0]))
+        found["link3"] = third
+        if self.family == "elbow_arm":
+            return {**found, "flange": end}
+        hand = end.then(Places.turned(1, -q[..., 3]))
+        flange = hand.then(Places.at([self.lengths[2], 0.0, 0.0])).then(Places.turned(0, q[..., 4]))
+        return {**found, "link4": hand, "flange": flange}
 
     def corrected(self, q: Floats, shift: Floats) -> Floats:
         """The joints (..., n) that shift the tool of a SCARA by (..., 3), m, and leave its yaw; NaN out of reach."""
@@ -143,9 +189,9 @@ class Arm:
         cosine = (x**2 + y**2 - l1**2 - l2**2) / (2.0 * l1 * l2)
         inside = np.abs(cosine) <= 1.0
         elbow = np.copysign(np.arccos(np.where(inside, cosine, np.nan)), np.sin(ours[..., 1]))
-        elbow = ours[..., 1] + _short(elbow - ours[..., 1])
+        elbow = ours[..., 1] + short(elbow - ours[..., 1])
         shoulder = np.arctan2(y, x) - np.arctan2(l2 * np.sin(elbow), l1 + l2 * np.cos(elbow))
-        turn = _short(shoulder - one)
+        turn = short(shoulder - one)
         if ours.shape[-1] > 3:
             ours[..., 3] -= turn + elbow - ours[..., 1]
         ours[..., 0] += turn
@@ -164,11 +210,6 @@ def ranges_of(document: Document, joints: list[Document]) -> Floats:
             if name in (f"{joint['name']}_rad", f"{joint['name']}_m"):
                 ranges[j] = limit
     return ranges
-
-
-def _short(angle: Floats) -> Floats:
-    """The same angle from −π to π."""
-    return np.asarray((angle + np.pi) % (2.0 * np.pi) - np.pi)
 
 
 def _flipped(pose: Poses) -> Poses:

@@ -87,13 +87,11 @@ def campaign(
     A plan of which a run keeps a promise not, and one that the checker refuses, is written to `out` as a request, with
     what went wrong beside it.
     """
-    found = {kind: Tally() for kind in KINDS}
-    number, accepted = 0, 0
-    while count is None or accepted < count:
-        kind, own = list(KINDS)[number % len(KINDS)], plans.own_seed(seed, number // len(KINDS))
-        number += 1
-        accepted += counted(found[kind], kind, own, random_cell(kind, own), out, realisations)
-        yield found
+
+    def look(tally: Tally, kind: str, own: int) -> bool:
+        return counted(tally, kind, own, random_cell(kind, own), out, realisations)
+
+    return plans.in_turn({kind: Tally() for kind in KINDS}, look, count, seed)
 
 
 ELBOW = "start.elbow"

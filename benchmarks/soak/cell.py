@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -11,7 +12,7 @@ from benchmarks.soak.allowed import CONTACT_M, TRACKING, Pair, Stage, clearance
 from benchmarks.soak.arms import Arm, Carried
 from benchmarks.soak.laws import Frame, frames_of, seat
 from benchmarks.soak.poses import Document, Floats, Poses, pose_in
-from benchmarks.soak.solids import Solid, solid_of
+from benchmarks.soak.solids import Shape, Solid, shape_of, solid_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +52,11 @@ class Cell:
         amounts = np.array([lag.get(f"{name}_rad", lag.get(f"{name}_m", 0.0)) for name in arm.names])
         unknown = {body["name"]: body["uncertainty"] for body in request.get("bodies", []) if "uncertainty" in body}
         return Cell(request, arm, frames, seats, solids, carried, unknown, amounts)
+
+    @cached_property
+    def shapes(self) -> dict[str, Shape]:
+        """All bodies by name, as the oracle measures distances (`Gap`)."""
+        return {name: shape_of(solid) for name, solid in self.solids.items()}
 
     @property
     def start_s(self) -> float:

@@ -48,6 +48,12 @@ class Draft:
     def between(self, low: float, high: float) -> float:
         return float(self.rng.uniform(low, high))
 
+    def begin(self, tool: Document) -> None:
+        """The request with the arm where it stands, with a tool, and nothing else."""
+        base = {"at_m": [float(x) for x in self.base.p], "yaw_rad": float(self.base.yaw)}
+        self.request |= {"schema": "assur/1", "robot": {"model": self.model, "tool": tool, "base": base}}
+        self.request |= {"start": {}, "frames": {}, "bodies": [], "task": [], "options": options_of(self)}
+
     def chance(self, share: float) -> bool:
         return bool(self.rng.uniform() < share)
 
@@ -126,22 +132,8 @@ def drafted(rng: np.random.Generator, model: str, tool: str) -> Draft:
     width, deep = draft.between(0.03, 0.07) * draft.reach, draft.between(0.03, 0.06) * draft.reach
     draft.half = (width, deep, draft.between(0.05, 0.1) * stroke)
     joints = dict.fromkeys((joint["name"] for joint in given["joints"]), 0.0)
-    draft.request.update(
-        {
-            "schema": "assur/1",
-            "robot": {
-                "model": model,
-                "tool": _tool(draft, tool, length, given.get("tool_frame") == "z_down"),
-                "base": {"at_m": [float(x) for x in draft.base.p], "yaw_rad": float(draft.base.yaw)},
-            },
-            "start": {},
-            "frames": {},
-            "bodies": [],
-            "task": [],
-            "options": options_of(draft),
-            "execution": _execution(draft, given, list(joints)),
-        }
-    )
+    draft.begin(_tool(draft, tool, length, given.get("tool_frame") == "z_down"))
+    draft.request["execution"] = _execution(draft, given, list(joints))
     if draft.chance(0.3):
         draft.request["robot"]["limits"] = {"acceleration": draft.between(0.4, 1.0)}
     return draft

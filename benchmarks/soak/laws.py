@@ -29,7 +29,7 @@ class Frame:
 
 def frames_of(request: Document) -> dict[str, Frame]:
     """All frames of a request, the links of its neighbours among them."""
-    found = {"world": Frame(lambda t: _still(Poses.of(), t), None, {}, False)}
+    found = {"world": Frame(lambda t: Poses.of().still(np.shape(t)), None, {}, False)}
     for name, given in request.get("frames", {}).items():
         ((kind, law),) = [each for each in given.items() if each[0] not in ("uncertainty", "valid_s")]
         if kind == "fixed" and law.get("frame", "world") != "world":
@@ -51,11 +51,9 @@ def seat(request: Document, frames: dict[str, Frame], pose: Document) -> tuple[s
 
 
 def _add_neighbour(neighbour: Document, found: dict[str, Frame]) -> None:
-    arm, spelt = Arm.of(neighbour["robot"]), neighbour["trajectory"]
-    time = np.array(spelt["time_s"])
-    time = time + (neighbour.get("starts_at_s", time[0]) - time[0])
-    columns = [np.array(spelt[key]) for key in ("position", "velocity", "acceleration")]
-    spline = Spline.through(time, *columns)
+    arm, given = Arm.of(neighbour["robot"]), Spline.of(neighbour["trajectory"])
+    time = given.time + (neighbour.get("starts_at_s", given.time[0]) - given.time[0])
+    spline = Spline(time, given.coefficients)
 
     def link(name: str) -> Callable[[Floats], Poses]:
         def at(t: Floats) -> Poses:
@@ -65,13 +63,9 @@ def _add_neighbour(neighbour: Document, found: dict[str, Frame]) -> None:
 
         return at
 
-    for name in arm.links(columns[0][0]):
+    for name in arm.links(spline.evaluate(time[:1])[0]):
         shift = float(neighbour.get("start_uncertainty_s", 0.0)) if name != "base" else 0.0
         found[f"{neighbour['name']}/{name}"] = Frame(link(name), None, {}, name != "base", shift)
-
-
-def _still(pose: Poses, t: Floats) -> Poses:
-    return Poses(np.broadcast_to(pose.p, (*np.shape(t), 3)), np.broadcast_to(pose.yaw, np.shape(t)))
 
 
 Made = tuple[Callable[[Floats], Poses], Floats | None]
@@ -79,7 +73,7 @@ Made = tuple[Callable[[Floats], Poses], Floats | None]
 
 def _fixed(law: Document) -> Made:
     pose = pose_in(law)
-    return (lambda t: _still(pose, t)), None
+    return (lambda t: pose.still(np.shape(t))), None
 
 
 def _straight(pose: Poses, along: Floats, travel: Callable[[Floats], Floats]) -> Callable[[Floats], Poses]:
@@ -159,13 +153,15 @@ def _indexer(law: Document) -> Made:
 
     if "step_m" in law:
         return _straight(pose, line, lambda t: law["step_m"] * gone(t)), None
-    return (lambda t: Poses(_still(pose, t).p, pose.yaw + law["step_rad"] * gone(t))), None
+    return (lambda t: Poses(pose.still(np.shape(t)).p, pose.yaw + law["step_rad"] * gone(t))), None
 
 
 def _swing(law: Document) -> Made:
     pivot = Poses.of(law["pivot_m"], law.get("yaw_rad", 0.0))
     rate, phase = 2.0 * np.pi / law["period_s"], law.get("phase_rad", 0.0)
-    return (lambda t: Poses(_still(pivot, t).p, pivot.yaw + law["amplitude_rad"] * np.sin(rate * t + phase))), None
+    return (
+        lambda t: Poses(pivot.still(np.shape(t)).p, pivot.yaw + law["amplitude_rad"] * np.sin(rate * t + phase))
+    ), None
 
 
 def _oscillation(law: Document) -> Made:

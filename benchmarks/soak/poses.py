@@ -32,6 +32,10 @@ class Poses:
         """The outer frame, seen from this one."""
         return Poses(-turned(-self.yaw, self.p), -self.yaw)
 
+    def still(self, shape: tuple[int, ...]) -> Poses:
+        """This one pose, in an array of this shape."""
+        return Poses(np.broadcast_to(self.p, (*shape, 3)), np.broadcast_to(self.yaw, shape))
+
     def __getitem__(self, key: Any) -> Poses:
         return Poses(self.p[key], self.yaw[key])
 

@@ -11,8 +11,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from benchmarks.oracle.places import short
 from benchmarks.recheck.spline import Spline
-from benchmarks.soak.allowed import Pair, Stage, many, stages
+from benchmarks.soak.allowed import Pair, Stage, stages
 from benchmarks.soak.cell import Cell
 from benchmarks.soak.poses import Document, Floats, Poses
 from benchmarks.soak.realisations import OfPose, Realisations, drawn, put_corners
@@ -70,16 +71,14 @@ class Run:
 
     def __init__(self, cell: Cell, answer: Document, real: Realisations) -> None:
         self.cell, self.answer, self.real = cell, answer, real
-        spelt = answer["trajectory"]
-        columns = [np.array(spelt[key]) for key in ("position", "velocity", "acceleration")]
-        self.spline = Spline.through(np.array(spelt["time_s"]), *columns)
+        self.spline = Spline.of(answer["trajectory"])
         self.seats: dict[str, tuple[str, Poses]] = {}
         """Frame and real pose in it (R,), of every body that is not held."""
         self.held: tuple[str, Poses] | None = None
         """The part in the gripper and its real pose in the flange (R,)."""
         for name, (frame, pose) in cell.seats.items():
             error, unknown = real.parts.get(name), cell.unknown_of.get(name, {})
-            planned = many(pose, real.count)
+            planned = pose.still((real.count,))
             self.seats[name] = (frame, planned if error is None else _off(planned, unknown, error))
         holding = cell.request["start"].get("holding")
         if holding is not None:
@@ -87,7 +86,7 @@ class Run:
             self._grip("start", holding["part"], cell.arm.tcp.then(grasp.inverse()), holding.get("within", {}))
 
     def _grip(self, name: str, part: str, in_flange: Poses, within: Document) -> None:
-        planned, error = many(in_flange, self.real.count), self.real.grips.get(name)
+        planned, error = in_flange.still((self.real.count,)), self.real.grips.get(name)
         self.held = part, planned if error is None else _off(planned, within, error)
         self.seats.pop(part, None)
 
@@ -242,7 +241,7 @@ class Run:
             if kind != "place":
                 wanted = wanted.then(offset)
             at_grasp = np.zeros(self.real.count)
-        delta, turn = (real.p - wanted.p)[:, 0], _short(real.yaw - wanted.yaw)[:, 0]
+        delta, turn = (real.p - wanted.p)[:, 0], short(real.yaw - wanted.yaw)[:, 0]
         if kind not in ("pick", "place") and (
             len(self.cell.arm.names) < 4 or not given["to"].get("yaw_rad") is not None
         ):
@@ -326,8 +325,3 @@ def _ramp(way: Floats, between: Floats) -> Floats:
     """From 0 to 1 between two shares of a way, (R, 2, 1)."""
     begin, end = between[:, 0], between[:, 1]
     return np.asarray(np.clip((way - begin) / np.maximum(end - begin, 1e-9), 0.0, 1.0))
-
-
-def _short(angle: Floats) -> Floats:
-    """The same angle from −π to π."""
-    return np.asarray((angle + np.pi) % (2.0 * np.pi) - np.pi)

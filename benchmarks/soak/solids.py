@@ -100,11 +100,6 @@ def gaps(a: Solid, at: Poses, b: Solid, beside: Poses, enough: float) -> Floats:
     found = _core_gap(a, at, b, beside)
     if a.exact and b.exact:
         return found
-    near = np.flatnonzero(found < enough)
-    if a.triangles is not None and b.exact:
-        found[near] = np.maximum(found[near], _triangle_gaps(a.triangles, at[near], b, beside[near], enough))
-    elif b.triangles is not None and a.exact:
-        found[near] = np.maximum(found[near], _triangle_gaps(b.triangles, beside[near], a, at[near], enough))
     for i in np.flatnonzero(found < enough):
         found[i] = _by_coal(a, at[i], b, beside[i], enough)
     return found
@@ -202,46 +197,6 @@ class Gap:
             first, second = place(one.r[k], one.p[k]), place(other.r[k], other.p[k])
             found[k] = self._distance(first, second, self._request, self._result)
         return found
-
-
-CHUNK = 2000
-"""Instants at which a mesh is looked at in one go: so much memory is needed at a time."""
-
-
-def _triangle_gaps(triangles: Floats, at: Poses, solid: Solid, beside: Poses, enough: float) -> Floats:
-    """Lower bounds (N,) of the gap of a mesh and an upright solid, by the axes of both: exact where a box overlaps a
-    triangle, and never less than exact by more than rounding."""
-    found = np.full(len(at.yaw), np.inf)
-    half = np.array([solid.half_x, solid.half_y, solid.half_z])
-    for begin in range(0, len(found), CHUNK):
-        part = slice(begin, begin + CHUNK)
-        world = at[part][:, None, None].then(Poses.of(triangles)).p
-        middle = beside[part].moved(_middle(solid, beside[part]) - beside[part].p)
-        local = middle[:, None, None].inverse().then(Poses(world, np.zeros(world.shape[:-1]))).p
-        # first the axes of the solid's own box, the others where those do not settle the matter
-        size = half + (solid.round_m + solid.ball) * np.array([1.0, 1.0, 0.0]) + solid.ball * np.array([0.0, 0.0, 1.0])
-        best = np.maximum(local.min(axis=2) - size, -local.max(axis=2) - size).max(axis=2)
-        n, k = np.nonzero(best < enough)
-        best[n, k] = np.maximum(best[n, k], _along_axes(local[n, k], half, solid.round_m, solid.ball))
-        found[part] = best.min(axis=1)
-    return found
-
-
-def _along_axes(corners: Floats, half: Floats, round_m: float, ball: float) -> Floats:
-    """The largest support gap (M,) of triangles (M, 3, 3) and a solid about the origin along normals and edges."""
-    edges = np.roll(corners, -1, axis=1) - corners
-    axes = [np.cross(edges[:, 0], edges[:, 1])]
-    axes += [np.cross(edges[:, i], np.eye(3)[j]) for i in range(3) for j in range(3)]
-    axes += [corners[:, i] * (1.0, 1.0, 0.0) for i in range(3)]
-    found = np.full(len(corners), -np.inf)
-    for axis in axes:
-        length = np.linalg.norm(axis, axis=1)
-        n = axis / np.where(length > 1e-12, length, 1.0)[:, None]
-        reach = np.abs(n) @ half + round_m * np.hypot(n[:, 0], n[:, 1]) + ball
-        along = np.einsum("mij,mj->mi", corners, n)
-        gap = np.maximum(along.min(axis=1), -along.max(axis=1)) - reach
-        found = np.where(length > 1e-12, np.maximum(found, gap), found)
-    return found
 
 
 def _middle(solid: Solid, at: Poses) -> Floats:

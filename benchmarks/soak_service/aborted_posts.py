@@ -7,19 +7,20 @@ import socket
 import statistics
 import threading
 import time
-from collections import Counter
+from contextlib import closing
 
 from benchmarks.soak_service.attackers import HEAD
-from benchmarks.soak_service.client import Reply
+from benchmarks.soak_service.client import Reply, counted, served_times, together
 from benchmarks.soak_service.greedy_client import body_of
 from benchmarks.soak_service.large_bodies import small
 from benchmarks.soak_service.row import Numbers, Row, Run, above
-from benchmarks.soak_service.served import Service, Watch, served
+from benchmarks.soak_service.served import Watch, served
 
 SECONDS, FEW_SECONDS = 60.0, 16.0
 EACH_S, OPEN_S = 2.0, 0.3
 """A post is made each 2 s, and closed so long after, s."""
 PROBE_S, QUICK_S = 0.1, 0.4
+PLANS = "/v1/plans?certificate=digest"
 LIMITS: dict[str, float] = {"readyz_failed": 0, "quick_failed": 0, "workers_lost": 0}
 
 
@@ -27,50 +28,36 @@ def measure(run: Run) -> Numbers:
     """Aborts posts of a service with one worker, asks /readyz all the time, and for a quick plan now and then."""
     with served(run.below("logs") / "aborted-posts.log", workers=1, max_tasks=1_000_000) as service:
         long, quick = body_of(service, 10.0), small(options={"stop": "first", "budget_s": 5})
-        stop = threading.Event()
         ready: list[Reply] = []
         plans: list[Reply] = []
+
+        def asks(number: int, stop: threading.Event) -> None:
+            replies, pause_s = ((ready, PROBE_S), (plans, QUICK_S))[number]
+            with closing(service.client(f"127.0.0.{41 + number}", timeout=30.0)) as client:
+                while not stop.wait(pause_s):
+                    replies.append(client.post(PLANS, quick) if number else client.get("/readyz"))
+
         with Watch(service) as watch:
-            threads = [
-                threading.Thread(target=_asking, args=(service, "127.0.0.41", None, PROBE_S, ready, stop)),
-                threading.Thread(
-                    target=_asking, args=(service, "127.0.0.42", quick, QUICK_S, plans, stop), daemon=True
-                ),
-            ]
-            for thread in threads:
-                thread.daemon = True
-                thread.start()
             aborted, end = 0, time.monotonic() + run.pick(FEW_SECONDS, SECONDS)
-            while time.monotonic() < end:
-                _abort(service.port, long)
-                aborted += 1
-                time.sleep(EACH_S - OPEN_S)
-            stop.set()
-            for thread in threads:
-                thread.join()
+            with together(asks, 2):
+                while time.monotonic() < end:
+                    _abort(service.port, long)
+                    aborted += 1
+                    time.sleep(EACH_S - OPEN_S)
             by_cause = service.lost_by_metrics()
-    times = [reply.seconds for reply in plans if reply.status == 200]
+    times = served_times(plans)
     return {
         "aborted": aborted,
         "readyz": len(ready),
         "readyz_failed": sum(reply.status != 200 for reply in ready),
         "quick": len(plans),
         "quick_failed": sum(reply.status != 200 for reply in plans),
-        "quick_replies": dict(Counter(f"{reply.status} {reply.kind}".strip() for reply in plans)),
+        "quick_replies": counted(plans),
         "quick_median_s": round(statistics.median(times), 3) if times else None,
         "quick_longest_s": round(max(times), 3) if times else None,
         "workers_lost": len(watch.gone) if by_cause is None else int(sum(by_cause.values())),
         "workers_lost_by_cause": by_cause,
     }
-
-
-def _asking(
-    service: Service, source: str, body: bytes | None, pause_s: float, replies: list[Reply], stop: threading.Event
-) -> None:
-    client = service.client(source, timeout=30.0)
-    while not stop.wait(pause_s):
-        replies.append(client.get("/readyz") if body is None else client.post("/v1/plans?certificate=digest", body))
-    client.close()
 
 
 def _abort(port: int, body: bytes) -> None:

@@ -33,10 +33,10 @@ async def _connected(port: int) -> Streams:
     return await asyncio.open_connection("127.0.0.1", port, local_addr=(SOURCE, 0))
 
 
-async def _slow(port: int, told: Counter[str]) -> None:
+async def _slow(port: int, told: Counter[str], head: bytes) -> None:
     reader, writer = await _connected(port)
     told["slow connections"] += 1
-    writer.write(HEAD.format(SLOW_BYTES).encode())
+    writer.write(head)
     answer = asyncio.ensure_future(reader.readline())
     try:
         for _ in range(SLOW_BYTES):
@@ -51,32 +51,13 @@ async def _slow(port: int, told: Counter[str]) -> None:
         writer.close()
 
 
-async def _idle(port: int, told: Counter[str]) -> None:
+async def _sent(port: int, told: Counter[str], kind: str, data: bytes) -> None:
+    """Sends all at once, or nothing, and waits for what comes."""
     reader, writer = await _connected(port)
-    told["idle connections"] += 1
+    told[f"{kind} connections"] += 1
     try:
-        told[f"idle connections ended {_status(await reader.read(64))}"] += 1
-    finally:
-        writer.close()
-
-
-async def _large(port: int, told: Counter[str], body: bytes) -> None:
-    reader, writer = await _connected(port)
-    try:
-        writer.write(HEAD.format(len(body)).encode() + body)
-        await writer.drain()
-        told[f"large bodies answered {_status(await reader.readline())}"] += 1
-    finally:
-        writer.close()
-    await asyncio.sleep(LARGE_AGAIN_S)
-
-
-async def _chunks(port: int, told: Counter[str], body: bytes) -> None:
-    reader, writer = await _connected(port)
-    told["bodies in small chunks"] += 1
-    try:
-        writer.write(CHUNKED.encode() + body)
-        told[f"small chunks answered {_status(await reader.readline())}"] += 1
+        writer.write(data)
+        told[f"{kind} answered {_status(await reader.readline())}"] += 1
     finally:
         writer.close()
 
@@ -85,24 +66,27 @@ def _status(line: bytes) -> str:
     return line[9:12].decode(errors="replace") if line.startswith(b"HTTP/1.") else "without a word"
 
 
-async def _again_and_again(kind: str, port: int, told: Counter[str], body: bytes) -> None:
+async def _again_and_again(kind: str, port: int, told: Counter[str], data: bytes) -> None:
     while True:
         try:
-            if body:
-                await (_large if kind == "large" else _chunks)(port, told, body)
-            else:
-                await (_slow if kind == "slow" else _idle)(port, told)
+            await (_slow(port, told, data) if kind == "slow" else _sent(port, told, kind, data))
         except OSError as error:
             told[f"{kind}: {type(error).__name__}"] += 1
-        await asyncio.sleep(AGAIN_S)
+        await asyncio.sleep(LARGE_AGAIN_S if kind == "large" else AGAIN_S)
 
 
 async def attack(port: int, seconds: float, slow: int, idle: int, large: int, chunks: int) -> Counter[str]:
     """Attacks for some seconds, and counts what came back."""
     told: Counter[str] = Counter()
-    bodies = {"large": unknown_fields(), "chunks": b"1\r\n{\r\n" * MANY_CHUNKS + b"0\r\n\r\n"}
+    body, chunked = unknown_fields(), b"1\r\n{\r\n" * MANY_CHUNKS + b"0\r\n\r\n"
+    sent = {
+        "idle": b"",
+        "slow": HEAD.format(SLOW_BYTES).encode(),
+        "large": HEAD.format(len(body)).encode() + body,
+        "chunks": CHUNKED.encode() + chunked,
+    }
     kinds = ["idle"] * idle + ["slow"] * slow + ["large"] * large + ["chunks"] * chunks
-    tasks = [asyncio.ensure_future(_again_and_again(kind, port, told, bodies.get(kind, b""))) for kind in kinds]
+    tasks = [asyncio.ensure_future(_again_and_again(kind, port, told, sent[kind])) for kind in kinds]
     await asyncio.sleep(seconds)
     for task in tasks:
         task.cancel()

@@ -8,8 +8,11 @@ from __future__ import annotations
 
 import http.client
 import json
+import threading
 import time
-from collections.abc import Callable, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -46,6 +49,11 @@ class Reply:
         document = self.document()
         told = document.get("type") if isinstance(document, dict) else None
         return told.rpartition(":")[2] if isinstance(told, str) else ""
+
+    @property
+    def name(self) -> str:
+        """The outcome in a word or two: the status, and the kind of problem or of fault."""
+        return f"{self.status} {self.kind or self.fault.partition(':')[0]}".strip()
 
     @property
     def again_s(self) -> float:
@@ -90,6 +98,40 @@ class Client:
 
     def close(self) -> None:
         self._connection.close()
+
+
+def asked(
+    port: int, path: str, body: bytes | None = None, source: str = "127.0.0.1", timeout: float = TIMEOUT_S
+) -> Reply:
+    """The reply to one request on a connection of its own: a GET, or the POST of `body`."""
+    with closing(Client(port, source, timeout=timeout)) as client:
+        return client.get(path) if body is None else client.post(path, body)
+
+
+def counted(replies: Iterable[Reply]) -> dict[str, int]:
+    """How often each outcome came."""
+    return dict(Counter(reply.name for reply in replies))
+
+
+def served_times(replies: Iterable[Reply]) -> list[float]:
+    """How long the requests took that were answered with 200, s."""
+    return [reply.seconds for reply in replies if reply.status == 200]
+
+
+@contextmanager
+def together(
+    asks: Callable[[int, threading.Event], None], count: int, patience_s: float | None = None
+) -> Iterator[threading.Event]:
+    """Calls `asks` in `count` threads, each with its number and an event. The event is set when the block ends, or by
+    the block; then each thread is waited for, at most `patience_s` (None: until it ends)."""
+    stop = threading.Event()
+    threads = [threading.Thread(target=asks, args=(number, stop), daemon=True) for number in range(count)]
+    for thread in threads:
+        thread.start()
+    yield stop
+    stop.set()
+    for thread in threads:
+        thread.join(patience_s)
 
 
 def until(limit_s: float, asked: Callable[[], bool], pause_s: float = 0.1) -> bool:

@@ -8,11 +8,10 @@ import json
 import statistics
 import threading
 import time
-from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
-from benchmarks.soak_service.client import Client, Reply
+from benchmarks.soak_service.client import Client, Reply, counted, served_times, together
 from benchmarks.soak_service.row import NotThereError, Numbers, Row, Run
 from benchmarks.soak_service.served import Service, served
 
@@ -29,9 +28,7 @@ Connect = Callable[[str, int], Client]
 
 def body_of(service: Service, budget_s: float) -> bytes:
     """The demo, searched until its budget ends."""
-    client = service.client()
-    document = client.get("/v1/scenes/demo").document()
-    client.close()
+    document = service.scene("demo")
     options = {key: value for key, value in document.get("options", {}).items() if key != "max_candidates"}
     return json.dumps({**document, "options": {**options, "stop": "budget", "budget_s": budget_s}}).encode()
 
@@ -59,10 +56,9 @@ def _form(run: Run, bodies: tuple[bytes, bytes], connect: Connect) -> Numbers:
     lasts_s = run.pick(FEW_SECONDS, SECONDS)
     alone = _light_ones(connect, light, lasts_s)
     run.say(f"alone: {_summary(alone)}")
-    stop = threading.Event()
     of_greedy: list[Reply] = []
 
-    def asks(number: int) -> None:
+    def asks(number: int, stop: threading.Event) -> None:
         client = connect("greedy", number)
         while not stop.is_set():
             reply = client.post("/v1/plans?certificate=digest", greedy)
@@ -71,18 +67,15 @@ def _form(run: Run, bodies: tuple[bytes, bytes], connect: Connect) -> Numbers:
                 stop.wait(min(max(reply.again_s, 0.2), 5.0))
         client.close()
 
-    threads = [threading.Thread(target=asks, args=(number,), daemon=True) for number in range(GREEDY)]
-    for thread in threads:
-        thread.start()
-    time.sleep(HEAD_START_S)
-    beside = _light_ones(connect, light, lasts_s)
-    stop.set()
-    run.say(f"beside: {_summary(beside)}")
     # what the greedy client has asked for ends with the service
+    with together(asks, GREEDY, patience_s=0.0):
+        time.sleep(HEAD_START_S)
+        beside = _light_ones(connect, light, lasts_s)
+    run.say(f"beside: {_summary(beside)}")
     found: Numbers = {
         "alone": _summary(alone),
         "beside": _summary(beside),
-        "greedy": dict(Counter(f"{reply.status} {reply.kind}".strip() for reply in of_greedy)),
+        "greedy": counted(of_greedy),
     }
     medians = found["alone"]["median_s"], found["beside"]["median_s"]
     found["times"] = round(medians[1] / medians[0], 2) if all(medians) else None
@@ -92,7 +85,7 @@ def _form(run: Run, bodies: tuple[bytes, bytes], connect: Connect) -> Numbers:
 def _light_ones(connect: Connect, body: bytes, lasts_s: float) -> list[Reply]:
     replies: list[Reply] = []
 
-    def asks(number: int) -> None:
+    def asks(number: int, _: threading.Event) -> None:
         client = connect(f"light-{number}", 0)
         end = time.monotonic() + lasts_s
         while time.monotonic() < end:
@@ -100,22 +93,19 @@ def _light_ones(connect: Connect, body: bytes, lasts_s: float) -> list[Reply]:
             time.sleep(PAUSE_S)
         client.close()
 
-    threads = [threading.Thread(target=asks, args=(number,), daemon=True) for number in range(LIGHT)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    with together(asks, LIGHT):
+        pass
     return replies
 
 
 def _summary(replies: list[Reply]) -> Numbers:
-    times = [reply.seconds for reply in replies if reply.status == 200]
+    times = served_times(replies)
     return {
         "asked": len(replies),
         "served": len(times),
         "median_s": round(statistics.median(times), 3) if times else None,
         "longest_s": round(max(times), 3) if times else None,
-        "replies": dict(Counter(f"{reply.status} {reply.kind}".strip() for reply in replies)),
+        "replies": counted(replies),
     }
 
 

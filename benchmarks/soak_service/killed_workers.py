@@ -8,14 +8,13 @@ import random
 import signal
 import threading
 import time
-from collections import Counter
 from collections.abc import Sequence
 from contextlib import suppress
 from typing import Any
 
 import psutil
 
-from benchmarks.soak_service.client import Reply, until
+from benchmarks.soak_service.client import Reply, counted, together, until
 from benchmarks.soak_service.row import Numbers, Row, RowError, Run, above
 from benchmarks.soak_service.served import Service, served
 
@@ -39,9 +38,7 @@ LIMITS: dict[str, float] = {
 
 def request_of(service: Service) -> bytes:
     """The request that all send: the demo, ended by its first plan, so that no clock decides."""
-    client = service.client()
-    document = client.get("/v1/scenes/demo").document()
-    client.close()
+    document = service.scene("demo")
     options = {**document.get("options", {}), "stop": "first", "budget_s": 10.0}
     return json.dumps({**document, "options": options}).encode()
 
@@ -76,9 +73,8 @@ def measure(run: Run) -> Numbers:
         body = request_of(service)
         right = _undisturbed(service, body)
         before_mib = service.rss_mib()
-        stop = threading.Event()
 
-        def asks(number: int) -> None:
+        def asks(number: int, stop: threading.Event) -> None:
             client = service.client(f"127.0.0.{21 + number}")
             while not stop.is_set():
                 reply = client.post("/v1/plans", body)
@@ -87,23 +83,18 @@ def measure(run: Run) -> Numbers:
                     stop.wait(min(reply.again_s, 1.0))
             client.close()
 
-        threads = [threading.Thread(target=asks, args=(number,), daemon=True) for number in range(CLIENTS)]
-        for thread in threads:
-            thread.start()
         rng, end = random.Random(run.seed), time.monotonic() + lasts_s
-        while not stop.wait(BETWEEN_S) and time.monotonic() < end:
-            workers = service.workers()
-            if not workers:
-                busy += 1
-                continue
-            victim = _victim(rng, workers)
-            kills.append(time.monotonic())
-            victim.send_signal(SIGNALS[len(kills) % len(SIGNALS)])
-            if len(kills) % 10 == 0:
-                run.say(f"{len(kills)} kills, {Counter(_name(reply) for reply in replies)}")
-        stop.set()
-        for thread in threads:
-            thread.join()
+        with together(asks, CLIENTS) as stop:
+            while not stop.wait(BETWEEN_S) and time.monotonic() < end:
+                workers = service.workers()
+                if not workers:
+                    busy += 1
+                    continue
+                victim = _victim(rng, workers)
+                kills.append(time.monotonic())
+                victim.send_signal(SIGNALS[len(kills) % len(SIGNALS)])
+                if len(kills) % 10 == 0:
+                    run.say(f"{len(kills)} kills, {counted(replies)}")
         until(5.0, lambda: service.zombies() == 0)
         zombies, after_mib = service.zombies(), service.rss_mib()
         by_cause = service.lost_by_metrics()
@@ -113,7 +104,7 @@ def measure(run: Run) -> Numbers:
         "seconds": lasts_s,
         "kills": len(kills),
         "no_worker_to_kill": busy,
-        "replies": dict(Counter(_name(reply) for reply in replies)),
+        "replies": counted(replies),
         "served": len(good),
         "failed": len(failed),
         "lost_beyond": lost_beyond(failed, kills),
@@ -143,10 +134,6 @@ def _undisturbed(service: Service, body: bytes) -> Any:
     if first.status != 200 or same(first) != same(second):
         raise RowError(f"two undisturbed answers to one request differ ({first.status}, {second.status})")
     return same(first)
-
-
-def _name(reply: Reply) -> str:
-    return f"{reply.status} {reply.kind or reply.fault.partition(':')[0]}".strip()
 
 
 def judge(numbers: Numbers) -> list[str]:

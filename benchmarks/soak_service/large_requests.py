@@ -7,10 +7,10 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from benchmarks.soak_service.client import until
+from benchmarks.soak_service.client import asked, until
 from benchmarks.soak_service.large_bodies import of_checks, of_counts, of_megabytes, of_meshes, of_seconds
-from benchmarks.soak_service.row import Numbers, Row, RowError, Run
-from benchmarks.soak_service.served import Service, Watch, forget_peak, peak_kib, rss_kib, served
+from benchmarks.soak_service.row import Numbers, Row, Run
+from benchmarks.soak_service.served import MIB, Service, Watch, forget_peak, peak_kib, served
 
 MOST_MIB, MOST_CERTIFICATE_BYTES = 400.0, 100_000
 ANSWERED = frozenset({200, 400, 413, 422})
@@ -22,17 +22,12 @@ SCENES = ("parabolic-blend", "crowded", "z-down")
 
 def measure(run: Run) -> Numbers:
     """Posts each request twice to a service with one worker, and reads the worker's peak from the system."""
-    asked: list[Numbers] = []
+    costs: list[Numbers] = []
     longer_s = run.pick(3.0, 20.0)
     with served(run.below("logs") / "large-requests.log", workers=1) as service:
-        client = service.client()
-        scenes = {
-            name: client.get(f"/v1/scenes/{name}").document() for name in ("parabolic-blend", "crowded", "z-down")
-        }
-        if not all(isinstance(scene, dict) and "task" in scene for scene in scenes.values()):
-            raise RowError("a scenario is not there")
+        scenes = {name: service.scene(name) for name in SCENES}
         idle = service.workers()
-        idle_mib = round(rss_kib(idle[0].pid) / 1024) if idle else None
+        idle_mib = round(idle[0].memory_info().rss / MIB) if idle else None
         groups = {
             OF_SECONDS: of_seconds(scenes, longer_s),
             "meshes": of_meshes(scenes, longer_s),
@@ -44,31 +39,28 @@ def measure(run: Run) -> Numbers:
             for group, bodies in groups.items():
                 for name, body in bodies.items():
                     for _ in range(1 if run.short else 2):
-                        cost = _asked(service, ADDRESS.get(group, "/v1/plans"), body)
-                        asked.append({"group": group, "request": name, "bytes": len(body), **cost})
-                        run.say(str(asked[-1]))
+                        cost = _cost(service, ADDRESS.get(group, "/v1/plans"), body)
+                        costs.append({"group": group, "request": name, "bytes": len(body), **cost})
+                        run.say(str(costs[-1]))
             lost = service.lost_by_metrics()
-        client.close()
-    peaks = [each["peak_mib"] for each in asked]
+    peaks = [each["peak_mib"] for each in costs]
     return {
         "idle_worker_mib": idle_mib,
         "peak_mib": max(peaks),
         "web_peak_mib": round(watch.web_peak_mib),
         "workers_gone": len(watch.gone),
         "workers_lost_by_cause": lost,
-        "requests": asked,
+        "requests": costs,
     }
 
 
-def _asked(service: Service, address: str, body: bytes) -> Numbers:
+def _cost(service: Service, address: str, body: bytes) -> Numbers:
     """What a request costs: the status, the time, the bytes that came, and the peak of the worker."""
-    until(60.0, lambda: bool(service.workers()) and _ready(service))
+    until(60.0, lambda: bool(service.workers()) and service.ready)
     for worker in service.workers():
         forget_peak(worker.pid)
     with Watch(service) as watch:
-        client = service.client()
-        reply = client.post(address, body)
-        client.close()
+        reply = asked(service.port, address, body)
         last = max((peak_kib(worker.pid) for worker in service.workers()), default=0) / 1024
     document: Any = reply.document()
     plan = document if isinstance(document, dict) else {}
@@ -80,13 +72,6 @@ def _asked(service: Service, address: str, body: bytes) -> Numbers:
         "certificate_bytes": len(json.dumps(plan["certificate"])) if "certificate" in plan else 0,
         "peak_mib": round(max(watch.peak_mib, last)),
     }
-
-
-def _ready(service: Service) -> bool:
-    client = service.client(timeout=5.0)
-    reply = client.get("/readyz")
-    client.close()
-    return reply.status == 200
 
 
 def judge(numbers: Numbers) -> list[str]:

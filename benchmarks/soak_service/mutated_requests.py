@@ -12,7 +12,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from benchmarks.soak_service.client import Client, Reply
+from benchmarks.soak_service.client import Client, Reply, asked, together
 from benchmarks.soak_service.mutations import MILD, Mutant, mutant
 from benchmarks.soak_service.row import Numbers, Row, RowError, Run, above
 from benchmarks.soak_service.served import Service, Watch, served
@@ -86,15 +86,12 @@ class _Sender:
         self._ends = time.monotonic() + LONGEST_S
         document = description(service)
         self._documented = statuses(document, "post", PATH)
-        client = service.client()
-        names = [scene["name"] for scene in client.get("/v1/scenes").document()["scenes"]]
-        found = {name: client.get(f"/v1/scenes/{name}").document() for name in names}
-        client.close()
-        self.scenarios = {name: scene for name, scene in found.items() if isinstance(scene, dict) and "task" in scene}
+        names = [scene["name"] for scene in asked(service.port, "/v1/scenes").document()["scenes"]]
+        self.scenarios = {name: service.scene(name) for name in names}
         if not self.scenarios:
             raise RowError("GET /v1/scenes gives no scenario")
 
-    def connection(self, number: int) -> None:
+    def connection(self, number: int, _: threading.Event) -> None:
         """What one connection does until all are sent."""
         client = self.service.client(f"127.0.0.{11 + number}")
         while time.monotonic() < self._ends:
@@ -162,14 +159,8 @@ def measure(run: Run) -> Numbers:
         sender = _Sender(run, service, total)
         idle_mib = service.rss_mib()
         with Watch(service) as watch:
-            threads = [
-                threading.Thread(target=sender.connection, args=(number,), daemon=True) for number in range(CONNECTIONS)
-            ]
-            for thread in threads:
-                thread.daemon = True
-                thread.start()
-            for thread in threads:
-                thread.join()
+            with together(sender.connection, CONNECTIONS):
+                pass
             by_cause = service.lost_by_metrics()
             rss_mib = service.rss_mib()
         _, bad_lines = service.log_lines()
@@ -225,9 +216,7 @@ ROW = Row(
 
 def description(service: Service) -> dict[str, Any]:
     """The description of a running service."""
-    client = service.client()
-    reply = client.get("/openapi.json")
-    client.close()
+    reply = asked(service.port, "/openapi.json")
     document = reply.document()
     if reply.status != 200 or not isinstance(document, dict):
         raise RowError(f"/openapi.json was answered with {reply.status} {reply.fault}".strip())

@@ -117,8 +117,94 @@ def text_of(document: Any) -> bytes:
     return json.dumps(document, ensure_ascii=True).encode()
 
 
+Place = tuple[str | int, ...]
+NAMING = frozenset({"name", "frame", "part", "to", "robot", "model", "at", "body", "with", "contact_with"})
+"""Keys below which names of the document stand."""
+
+
+def every_place(document: Any, below: Place = ()) -> list[Place]:
+    """All places but the root, in the order in which they are written."""
+    found: list[Place] = []
+    keys = document if isinstance(document, dict) else range(len(document)) if isinstance(document, list) else ()
+    for key in keys:
+        found.append((*below, key))
+        found += every_place(document[key], (*below, key))
+    return found
+
+
+def value_at(document: Any, place: Place) -> Any:
+    """What stands at a place."""
+    for key in place:
+        document = document[key]
+    return document
+
+
+def put(document: Any, place: Place, value: Any) -> None:
+    """Puts a value at a place whose parent is there."""
+    value_at(document, place[:-1])[place[-1]] = value
+
+
+def removed(document: Any, place: Place) -> None:
+    """Takes away what stands at a place."""
+    del value_at(document, place[:-1])[place[-1]]
+
+
+def numbers_in(document: Any) -> list[Place]:
+    """The places of numbers; truth values are none."""
+    return [place for place in every_place(document) if type(value_at(document, place)) in (int, float)]
+
+
+def names_in(document: Any) -> list[Place]:
+    """The places of text below a key that holds a name."""
+    return [
+        place
+        for place in every_place(document)
+        if isinstance(value_at(document, place), str) and any(key in NAMING for key in place)
+    ]
+
+
 def _one(rng: random.Random, places: Sequence[Place]) -> Place | None:
     return rng.choice(places) if places else None
+
+
+def _replaced(places: Callable[[Document], list[Place]], value: Callable[[random.Random, Any], Any]) -> Mutation:
+    """Puts a value, made of the one that stands there, at one of these places."""
+
+    def change(rng: random.Random, document: Document, __: Sequence[Document]) -> None:
+        place = _one(rng, places(document))
+        if place:
+            put(document, place, value(rng, value_at(document, place)))
+
+    return change
+
+
+def _texts(document: Document) -> list[Place]:
+    return [place for place in every_place(document) if isinstance(value_at(document, place), str)]
+
+
+def _times(document: Document) -> list[Place]:
+    """Windows, dwells, waits, but for the budget."""
+    places = [place for place in numbers_in(document) if any(str(key).endswith(("_s", "_ms")) for key in place)]
+    return [place for place in places if place[-1] != "budget_s"]
+
+
+def _other_type(rng: random.Random, _: Any) -> Any:
+    return copy.deepcopy(rng.choice(OTHER_TYPES))
+
+
+def _bound(rng: random.Random, _: Any) -> Any:
+    return rng.choice(BOUNDS + BOUNDS_OF_COUNTS) * rng.choice((1, 1, -1))
+
+
+def _ulp(rng: random.Random, here: Any) -> float:
+    """One unit in the last place beside a bound, or beside what stands there."""
+    centre = rng.choice((float(here), float(rng.choice(BOUNDS))))
+    return math.nextafter(centre, rng.choice((-math.inf, math.inf)))
+
+
+def _strange_text(rng: random.Random, here: Any) -> str:
+    strange = rng.choice(STRANGE)
+    return rng.choice((strange, str(here) + strange))
 
 
 def _delete(rng: random.Random, document: Document, __: Sequence[Document]) -> None:
@@ -146,44 +232,11 @@ def _key_twice(rng: random.Random, document: Document, __: Sequence[Document]) -
     )
 
 
-def _retype(rng: random.Random, document: Document, __: Sequence[Document]) -> None:
-    place = _one(rng, every_place(document))
-    if place:
-        put(document, place, copy.deepcopy(rng.choice(OTHER_TYPES)))
-
-
-def _bound(rng: random.Random, document: Document, __: Sequence[Document]) -> None:
-    place = _one(rng, numbers_in(document))
-    if place:
-        put(document, place, rng.choice(BOUNDS + BOUNDS_OF_COUNTS) * rng.choice((1, 1, -1)))
-
-
-def _ulp(rng: random.Random, document: Document, __: Sequence[Document]) -> None:
-    """One unit in the last place beside a bound, or beside what stands there."""
-    place = _one(rng, numbers_in(document))
-    if place:
-        centre = rng.choice((float(value_at(document, place)), float(rng.choice(BOUNDS))))
-        put(document, place, math.nextafter(centre, rng.choice((-math.inf, math.inf))))
-
-
-def _denormal(rng: random.Random, document: Document, __: Sequence[Document]) -> None:
-    place = _one(rng, numbers_in(document))
-    if place:
-        put(document, place, rng.choice(DENORMALS))
-
-
 def _raw(rng: random.Random, document: Document, __: Sequence[Document]) -> bytes:
     place = _one(rng, numbers_in(document))
     if place:
         put(document, place, HOLE)
     return text_of(document).replace(json.dumps(HOLE).encode(), rng.choice(RAW).encode())
-
-
-def _unicode(rng: random.Random, document: Document, __: Sequence[Document]) -> None:
-    place = _one(rng, [place for place in every_place(document) if isinstance(value_at(document, place), str)])
-    if place:
-        strange = rng.choice(STRANGE)
-        put(document, place, rng.choice((strange, str(value_at(document, place)) + strange)))
 
 
 def _strange_key(rng: random.Random, document: Document, __: Sequence[Document]) -> None:
@@ -299,69 +352,31 @@ def _options(rng: random.Random, document: Document, __: Sequence[Document]) -> 
         document["options"].update(change)
 
 
-def _later(rng: random.Random, document: Document, __: Sequence[Document]) -> None:
-    """Times that are far: windows, dwells, waits."""
-    places = [place for place in numbers_in(document) if any(str(key).endswith(("_s", "_ms")) for key in place)]
-    place = _one(rng, [place for place in places if place[-1] != "budget_s"])
-    if place:
-        put(document, place, value_at(document, place) * rng.choice((2, 10, 100, 1e4)))
-
-
 WRONG: dict[str, Mutation] = {
-    "delete": _delete, "duplicate": _duplicate, "key twice": _key_twice, "type": _retype, "bound": _bound, "ulp": _ulp,
-    "denormal": _denormal, "raw text": _raw, "unicode": _unicode, "strange key": _strange_key,
-    "swapped names": _swap_names, "moved subtree": _move, "unit twin": _twin, "nesting": _deep, "byte flips": _flip,
+    "delete": _delete,
+    "duplicate": _duplicate,
+    "key twice": _key_twice,
+    "type": _replaced(every_place, _other_type),
+    "bound": _replaced(numbers_in, _bound),
+    "ulp": _replaced(numbers_in, _ulp),
+    "denormal": _replaced(numbers_in, lambda rng, _: rng.choice(DENORMALS)),
+    "raw text": _raw,
+    "unicode": _replaced(_texts, _strange_text),
+    "strange key": _strange_key,
+    "swapped names": _swap_names,
+    "moved subtree": _move,
+    "unit twin": _twin,
+    "nesting": _deep,
+    "byte flips": _flip,
     "cut off": _cut,
-}  # fmt: skip
+}
 MILD: dict[str, Mutation] = {
-    "jitter": _jitter, "seed": _seed, "without a body": _without_a_body, "other order": _other_order,
-    "options": _options, "later": _later,
-}  # fmt: skip
+    "jitter": _jitter,
+    "seed": _seed,
+    "without a body": _without_a_body,
+    "other order": _other_order,
+    "options": _options,
+    "later": _replaced(_times, lambda rng, here: here * rng.choice((2, 10, 100, 1e4))),
+}
 OF_TEXT = frozenset({"key twice", "raw text", "nesting", "byte flips", "cut off"})
 """Mutations after which there is no document any more."""
-
-
-Place = tuple[str | int, ...]
-NAMING = frozenset({"name", "frame", "part", "to", "robot", "model", "at", "body", "with", "contact_with"})
-"""Keys below which names of the document stand."""
-
-
-def every_place(document: Any, below: Place = ()) -> list[Place]:
-    """All places but the root, in the order in which they are written."""
-    found: list[Place] = []
-    keys = document if isinstance(document, dict) else range(len(document)) if isinstance(document, list) else ()
-    for key in keys:
-        found.append((*below, key))
-        found += every_place(document[key], (*below, key))
-    return found
-
-
-def value_at(document: Any, place: Place) -> Any:
-    """What stands at a place."""
-    for key in place:
-        document = document[key]
-    return document
-
-
-def put(document: Any, place: Place, value: Any) -> None:
-    """Puts a value at a place whose parent is there."""
-    value_at(document, place[:-1])[place[-1]] = value
-
-
-def removed(document: Any, place: Place) -> None:
-    """Takes away what stands at a place."""
-    del value_at(document, place[:-1])[place[-1]]
-
-
-def numbers_in(document: Any) -> list[Place]:
-    """The places of numbers; truth values are none."""
-    return [place for place in every_place(document) if type(value_at(document, place)) in (int, float)]
-
-
-def names_in(document: Any) -> list[Place]:
-    """The places of text below a key that holds a name."""
-    return [
-        place
-        for place in every_place(document)
-        if isinstance(value_at(document, place), str) and any(key in NAMING for key in place)
-    ]

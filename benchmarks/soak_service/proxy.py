@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from benchmarks.machine import ROOT
-from benchmarks.soak_service.client import Client, until
+from benchmarks.soak_service.client import asked, until
 from benchmarks.soak_service.row import NotThereError, RowError
 
 CONFIGURATION = ROOT / "deploy" / "haproxy.cfg"
@@ -91,7 +91,4 @@ def proxied(folder: Path, servers: Sequence[int]) -> Iterator[int]:
 
 
 def _passes(port: int) -> bool:
-    client = Client(port, timeout=5.0)
-    reply = client.get("/v1/scenes")
-    client.close()
-    return reply.status == 200
+    return asked(port, "/v1/scenes", timeout=5.0).status == 200

@@ -10,7 +10,7 @@ from collections import Counter
 from contextlib import ExitStack
 from typing import Any
 
-from benchmarks.soak_service.client import Client, Reply
+from benchmarks.soak_service.client import Client, Reply, asked, counted, together
 from benchmarks.soak_service.greedy_client import body_of
 from benchmarks.soak_service.large_bodies import small
 from benchmarks.soak_service.proxy import free_port, proxied
@@ -54,7 +54,6 @@ class _Replicas:
 def measure(run: Run) -> Numbers:
     """Restarts each replica in turn while four clients ask through the proxy."""
     replies: list[Reply] = []
-    stop = threading.Event()
     body = small(options={"stop": "first", "budget_s": 5})
     ends: list[tuple[int | None, float]] = []
     jobs: list[str] = []
@@ -64,33 +63,28 @@ def measure(run: Run) -> Numbers:
         missing = replicas.services[0].lacking
         port = stack.enter_context(proxied(run.below("rolling-restart"), replicas.ports))
 
-        def asks(number: int) -> None:
+        def asks(number: int, stop: threading.Event) -> None:
             client = Client(port, f"127.0.0.{61 + number}", timeout=60.0)
             while not stop.is_set():
                 replies.append(client.post("/v1/plans?certificate=digest", body))
             client.close()
 
-        threads = [threading.Thread(target=asks, args=(number,), daemon=True) for number in range(CLIENTS)]
-        for thread in threads:
-            thread.start()
-        for times in range(1, int(run.pick(FEW_ROUNDS, ROUNDS)) + 1):
-            for number in range(REPLICAS):
-                time.sleep(SETTLED_S)
-                places = [_posted(port, long) for _ in range(JOBS)]
-                ends.append(replicas.restart(number, times))
-                jobs += [_told(port, place) for place in places]
-                run.say(f"replica {number}: {ends[-1]}; {Counter(reply.status for reply in replies)}; jobs {jobs}")
-        time.sleep(SETTLED_S)
-        stop.set()
-        for thread in threads:
-            thread.join()
+        with together(asks, CLIENTS):
+            for times in range(1, int(run.pick(FEW_ROUNDS, ROUNDS)) + 1):
+                for number in range(REPLICAS):
+                    time.sleep(SETTLED_S)
+                    places = [_posted(port, long) for _ in range(JOBS)]
+                    ends.append(replicas.restart(number, times))
+                    jobs += [_told(port, place) for place in places]
+                    run.say(f"replica {number}: {ends[-1]}; {counted(replies)}; jobs {jobs}")
+            time.sleep(SETTLED_S)
     failed = [reply for reply in replies if reply.status != 200]
     return {
         "missing": missing,
         "restarts": len(ends),
         "requests": len(replies),
         "lost": len(failed),
-        "lost_by": dict(Counter(f"{reply.status} {reply.kind or reply.fault[:60]}".strip() for reply in failed)),
+        "lost_by": counted(failed),
         "ended_badly": sum(code != 0 for code, _ in ends),
         "longest_end_s": round(max(took_s for _, took_s in ends), 1),
         "jobs": dict(Counter(jobs)),
@@ -100,9 +94,7 @@ def measure(run: Run) -> Numbers:
 
 def _posted(port: int, body: bytes) -> str | None:
     """Where the job is that was accepted; None where it was not, which the reply has told."""
-    client = Client(port, "127.0.0.71", timeout=30.0)
-    reply = client.post("/v1/jobs", body)
-    client.close()
+    reply = asked(port, "/v1/jobs", body, "127.0.0.71", timeout=30.0)
     document: Any = reply.document()
     return f"/v1/jobs/{document['id']}" if reply.status == 202 and isinstance(document, dict) else None
 

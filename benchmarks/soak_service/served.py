@@ -18,7 +18,7 @@ from typing import Any
 import psutil
 
 from benchmarks.machine import ROOT
-from benchmarks.soak_service.client import Client, until
+from benchmarks.soak_service.client import Client, asked, until
 from benchmarks.soak_service.row import NotThereError, RowError
 
 START_S, STOP_S = 180.0, 200.0
@@ -45,6 +45,18 @@ class Service:
     def client(self, source: str = "127.0.0.1", key: str | None = None, timeout: float = 120.0) -> Client:
         """A client at `source`, with an API key or without."""
         return Client(self.port, source, {"Authorization": f"Bearer {key}"} if key else {}, timeout)
+
+    def scene(self, name: str) -> dict[str, Any]:
+        """The request of a shipped scenario. Raises `RowError` where it is not there."""
+        document = asked(self.port, f"/v1/scenes/{name}").document()
+        if not (isinstance(document, dict) and "task" in document):
+            raise RowError(f"the scenario {name} is not there")
+        return document
+
+    @property
+    def ready(self) -> bool:
+        """Whether it takes requests."""
+        return asked(self.port, "/readyz", timeout=5.0).status == 200
 
     def workers(self) -> list[psutil.Process]:
         """The worker processes that live: what the web process has spawned, or had forked from a template, but for the
@@ -81,9 +93,7 @@ class Service:
 
     def lost_by_metrics(self) -> dict[str, float] | None:
         """Workers that ended unasked, by cause, as /metrics counts them; None where it does not."""
-        client = self.client(timeout=10.0)
-        reply = client.get("/metrics")
-        client.close()
+        reply = asked(self.port, "/metrics", timeout=10.0)
         return lost_workers(reply.body.decode(errors="replace")) if reply.status == 200 else None
 
     def stop(self, patience_s: float = STOP_S) -> int | None:
@@ -156,26 +166,17 @@ class Watch:
 
 def peak_kib(pid: int) -> int:
     """Highest resident memory of a process since it began, or since `forget_peak`, KiB; 0 if it is not there."""
-    return _of_status(pid, "VmHWM")
-
-
-def rss_kib(pid: int) -> int:
-    """Resident memory of a process now, KiB; 0 if it is not there."""
-    return _of_status(pid, "VmRSS")
+    try:
+        text = Path(f"/proc/{pid}/status").read_text(encoding="ascii", errors="replace")
+    except OSError:
+        return 0
+    found = re.search(r"^VmHWM:\s+(\d+) kB", text, re.MULTILINE)
+    return int(found.group(1)) if found else 0
 
 
 def forget_peak(pid: int) -> None:
     """Begins anew with the highest resident memory of a process of ours."""
     Path(f"/proc/{pid}/clear_refs").write_text("5", encoding="ascii")
-
-
-def _of_status(pid: int, name: str) -> int:
-    try:
-        text = Path(f"/proc/{pid}/status").read_text(encoding="ascii", errors="replace")
-    except OSError:
-        return 0
-    found = re.search(rf"^{name}:\s+(\d+) kB", text, re.MULTILINE)
-    return int(found.group(1)) if found else 0
 
 
 def _listed(process: psutil.Process) -> list[psutil.Process]:
@@ -269,10 +270,7 @@ def _wait_until_ready(service: Service) -> None:
         return service.port > 0 or service.process.poll() is not None
 
     def ready() -> bool:
-        client = service.client(timeout=5.0)
-        reply = client.get("/readyz")
-        client.close()
-        return reply.status == 200 or service.process.poll() is not None
+        return service.ready or service.process.poll() is not None
 
     told = until(START_S, listens) and until(START_S, ready)
     if service.process.poll() is not None:

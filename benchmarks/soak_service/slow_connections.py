@@ -8,11 +8,10 @@ import subprocess
 import sys
 import threading
 import time
-from collections import Counter
 from contextlib import ExitStack
 
 from benchmarks.machine import ROOT
-from benchmarks.soak_service.client import Client, Reply
+from benchmarks.soak_service.client import Reply, asked, counted, served_times, together
 from benchmarks.soak_service.large_bodies import small
 from benchmarks.soak_service.proxy import proxied
 from benchmarks.soak_service.row import NotThereError, Numbers, Row, Run
@@ -45,10 +44,10 @@ def measure(run: Run) -> Numbers:
                 except NotThereError as absent:
                     missing.append(f"{name}: {absent}")
                     continue
-            probe = port if _status(port, "/livez") == 200 else service.port
+            probe = port if asked(port, "/livez", timeout=PATIENCE_S).status == 200 else service.port
             forms[name] = {
                 "livez_through_proxy": probe != service.port,
-                QUIET: _asked(probe, port, QUIET_S),
+                QUIET: _probed(probe, port, QUIET_S),
                 ATTACKED: _attacked(probe, port, run.pick(FEW_SECONDS, SECONDS)),
                 "web_mib": round(service.rss_mib()),
             }
@@ -61,57 +60,42 @@ def _attacked(probe: int, port: int, lasts_s: float) -> Numbers:
     command = [sys.executable, "-m", "benchmarks.soak_service.attackers", *words]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as attackers:
         time.sleep(1.5)  # they have connected
-        found = _asked(probe, port, lasts_s)
+        found = _probed(probe, port, lasts_s)
         told, _ = attackers.communicate()
     last = told.strip().splitlines()[-1:]
     return {**found, "attackers": json.loads(last[0]) if last else None}
 
 
-def _asked(probe: int, port: int, lasts_s: float) -> Numbers:
+def _probed(probe: int, port: int, lasts_s: float) -> Numbers:
     """Probes of /livez, each on a connection of its own, and quick plans of another client, for some seconds."""
     body = small(options={"stop": "first", "budget_s": 5})
     plans: list[Reply] = []
-    stop = threading.Event()
 
-    def asks() -> None:
+    def asks(_: int, stop: threading.Event) -> None:
         while not stop.is_set():
-            client = Client(port, "127.0.0.51", timeout=30.0)
-            plans.append(client.post("/v1/plans?certificate=digest", body))
-            client.close()
+            plans.append(asked(port, "/v1/plans?certificate=digest", body, "127.0.0.51", timeout=30.0))
             stop.wait(POST_S)
 
-    thread = threading.Thread(target=asks, daemon=True)
-    thread.start()
     probes: list[Reply] = []
     end = time.monotonic() + lasts_s
-    while time.monotonic() < end:
-        client = Client(probe, "127.0.0.52", timeout=PATIENCE_S)
-        probes.append(client.get("/livez"))
-        client.close()
-        time.sleep(PROBE_S)
-    stop.set()
-    thread.join()
-    times = sorted(1e3 * each.seconds for each in probes if each.status == 200)
+    with together(asks, 1):
+        while time.monotonic() < end:
+            probes.append(asked(probe, "/livez", source="127.0.0.52", timeout=PATIENCE_S))
+            time.sleep(PROBE_S)
+    times = sorted(1e3 * seconds for seconds in served_times(probes))
     return {
         "livez": len(probes),
         "livez_failed": len(probes) - len(times),
         "livez_ms": {name: _quantile(times, share) for name, share in (("50", 0.5), ("99", 0.99), ("max", 1.0))},
         "posts": len(plans),
         "posts_served": sum(reply.status == 200 for reply in plans),
-        "post_replies": dict(Counter(f"{reply.status} {reply.kind or reply.fault[:40]}".strip() for reply in plans)),
+        "post_replies": counted(plans),
         "longest_post_s": round(max((reply.seconds for reply in plans), default=0.0), 2),
     }
 
 
 def _quantile(ordered: list[float], share: float) -> float | None:
     return round(ordered[min(len(ordered) - 1, int(share * len(ordered)))], 1) if ordered else None
-
-
-def _status(port: int, path: str) -> int:
-    client = Client(port, timeout=PATIENCE_S)
-    status = client.get(path).status
-    client.close()
-    return status
 
 
 def judge(numbers: Numbers) -> list[str]:

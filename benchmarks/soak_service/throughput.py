@@ -9,7 +9,7 @@ import threading
 import time
 
 from assur.scenes.requests import plan_document
-from benchmarks.soak_service.client import Client, Reply
+from benchmarks.soak_service.client import Client, Reply, together
 from benchmarks.soak_service.row import Numbers, Row, RowError, Run
 from benchmarks.soak_service.served import Service, served
 
@@ -56,9 +56,7 @@ def seeds_of(number: int) -> range:
 
 def _dear_enough(service: Service) -> tuple[dict[str, object], dict[str, object], float]:
     """The demo with options with which one plan takes 20 ms in this process; the options; the median, ms."""
-    client = service.client()
-    scene = client.get("/v1/scenes/demo").document()
-    client.close()
+    scene = service.scene("demo")
     for more in OPTIONS:
         options = {"stop": "first", "budget_s": 10.0, **more}
         document = {**scene, "options": {**scene["options"], **options}}
@@ -101,7 +99,7 @@ def _of_service(service: Service, document: dict[str, object], seeds: range, las
     replies: list[Reply] = []
     end = time.monotonic() + lasts_s
 
-    def asks(number: int) -> None:
+    def asks(number: int, _: threading.Event) -> None:
         client: Client = service.client(f"127.0.0.{81 + number}")
         own = iter(seeds[number::CLIENTS])
         while time.monotonic() < end:
@@ -109,11 +107,8 @@ def _of_service(service: Service, document: dict[str, object], seeds: range, las
         client.close()
 
     began = time.monotonic()
-    threads = [threading.Thread(target=asks, args=(number,), daemon=True) for number in range(CLIENTS)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    with together(asks, CLIENTS):
+        pass
     good = sum(reply.status == 200 for reply in replies)
     return good / (time.monotonic() - began), len(replies) - good
 

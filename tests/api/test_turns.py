@@ -135,11 +135,11 @@ def test_the_event_loop_goes_on_while_the_options_of_a_scenario_are_read() -> No
 def test_a_small_job_does_not_wait_for_large_ones() -> None:
     async def story() -> None:
         service = Service(Settings(workers=1))
-        large = asyncio.create_task(service.job_order(LARGE, "full", OTHER))
+        large = asyncio.create_task(service.order(LARGE, "full", OTHER, parsed=True))
         await asyncio.sleep(0)
         small = json.dumps(FIRST_PLAN).encode()
         assert len(small) <= SMALL_BYTES
-        assert (await service.job_order(small, "full", OTHER)).work.arguments[0] == small
+        assert (await service.order(small, "full", OTHER, parsed=True)).work.arguments[0] == small
         assert not large.done()
         await large
 

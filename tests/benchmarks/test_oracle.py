@@ -13,7 +13,6 @@ import pytest
 
 from assur.scenes import ik
 from benchmarks.oracle import plans, refusals
-from benchmarks.oracle.arms import TiltingArm, arm_of, world_links
 from benchmarks.oracle.asked import as_si, planned
 from benchmarks.oracle.contradicted import JUDGES, contradiction
 from benchmarks.oracle.faults import Broken, beyond
@@ -27,6 +26,7 @@ from benchmarks.oracle.places import Places, about
 from benchmarks.oracle.promises import broken_promises
 from benchmarks.oracle.running import CAMPAIGNS, Going, run
 from benchmarks.oracle.traces_kept import arc, line, on_path
+from benchmarks.soak.arms import Arm
 from benchmarks.soak.drafts import FIVE_BAR, SCARAS, THREE_AXES
 from benchmarks.soak.poses import Document, Poses
 from benchmarks.soak.solids import Gap, gaps, shape_of, solid_of
@@ -69,10 +69,10 @@ def test_a_place_that_is_not_finite_is_refused() -> None:
 def test_the_arms_and_their_inverse_are_where_the_planner_has_them(model: str) -> None:
     """The flange against the product's own forward kinematics, and every solution of the inverse against the flange."""
     robot = {"model": model, "tool": {"tcp_m": [0.0, 0.0, 0.0]}, "base": {"at_m": [0.02, -0.03, 0.04], "yaw_rad": 2.2}}
-    arm, rng, seen = arm_of(robot), np.random.default_rng(3), 0
+    arm, rng, seen = Arm.of(robot), np.random.default_rng(3), 0
     for _ in range(40):
         q = arm.lower + rng.uniform(0.1, 0.9, len(arm.lower)) * (arm.upper - arm.lower)
-        links = world_links(arm, q[None])
+        links = arm.places(q[None])
         if not np.isfinite(links["flange"].p).all():
             continue  # the couplers of a five-bar do not meet
         slides = arm.upper - arm.lower < 0.5
@@ -85,18 +85,18 @@ def test_the_arms_and_their_inverse_are_where_the_planner_has_them(model: str) -
             pitch, roll = np.arctan2(m[:, 2, 0], m[:, 0, 0]), np.arctan2(-m[:, 1, 2], m[:, 1, 1])
             assert float(np.cos(pitch[0] - tool["pitch_rad"])) == pytest.approx(1.0, abs=1e-12)
             assert float(np.cos(roll[0] - tool["roll_rad"])) == pytest.approx(1.0, abs=1e-12)
-        yaw = None if isinstance(arm, TiltingArm) else links["flange"].yaw
+        yaw = None if arm.tilts else links["flange"].yaw
         found = solutions(arm, links["flange"].p, yaw, pitch, roll)
         assert min(float(np.abs(each.q[0] - q).max() % (2.0 * np.pi)) for each in found) < 1e-6 or len(q) == 4
         for each in found:
             if each.short[0] == 0.0 and each.margin[0] > 0.0:
-                np.testing.assert_allclose(world_links(arm, each.q)["flange"].p, links["flange"].p, atol=1e-9)
+                np.testing.assert_allclose(arm.places(each.q)["flange"].p, links["flange"].p, atol=1e-9)
         seen += 1
     assert seen > 10
 
 
 def test_out_of_reach_is_told_by_how_much() -> None:
-    arm = arm_of({"model": "mitsubishi-rh-6frh5520", "tool": {"tcp_m": [0, 0, 0]}})
+    arm = Arm.of({"model": "mitsubishi-rh-6frh5520", "tool": {"tcp_m": [0, 0, 0]}})
     p = np.array([[0.55 + 1e-4, 0.0, 0.2], [0.5, 0.0, 0.333 + 2e-3]])
     found = solutions(arm, p, np.zeros(2))
     assert min(each.missing[0] for each in found) == pytest.approx(1e-4, abs=1e-12)

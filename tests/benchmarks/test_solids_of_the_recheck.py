@@ -6,17 +6,16 @@ import numpy as np
 import pytest
 
 from benchmarks.recheck.arm import LINK_1, placed_bodies, tool
-from benchmarks.recheck.solids import Placed, box, collisions, upright_cylinder
-from benchmarks.recheck.surroundings import goal_at, placed_obstacles
-from benchmarks.soak.solids import Solid
+from benchmarks.recheck.surroundings import Placed, collisions, goal_at, placed_obstacles
+from benchmarks.soak.solids import Solid, solid_of
 
 
 def test_solids_collide_where_they_overlap_and_nowhere_else() -> None:
     """Gaps are compared with fcl and coal in the tests of the simulation."""
     x = np.array([0.0, 0.0899, 0.0901, 5.0])
     centre = np.stack([x, 0.0 * x, 0.0 * x], axis=-1)
-    post = Placed("post", upright_cylinder(0.04, 0.3), centre, 0.0 * x)
-    block = Placed("block", box(0.1, 0.06, 0.2), np.zeros((4, 3)), 0.0 * x)
+    post = Placed("post", solid_of({"cylinder": {"radius_m": 0.04, "height_m": 0.3}}), centre, 0.0 * x)
+    block = Placed("block", solid_of({"box": {"size_m": [0.1, 0.06, 0.2]}}), np.zeros((4, 3)), 0.0 * x)
     assert collisions(block, post).tolist() == [0, 1]
     assert collisions(post, block).tolist() == [0, 1]
 
