@@ -11,17 +11,18 @@ from itertools import groupby
 import numpy as np
 
 from assur.planner.claim import columns as c
+from assur.planner.claim.extremes import largest
 from assur.planner.model.outcome import LegKind, Plan
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 
 Row = tuple[float, ...]
-INSTANTS, ROUNDS = 16, 5
-"""Parts of an interval at whose ends the lift is evaluated; and rounds, each between the neighbours of the highest."""
 SLOW_M_S = 1e-6
 """So fast the lift may go the wrong way wherever its rate is 0, m/s: it moves by less than what counts."""
 SAMPLES = 128
 """Parts of a piece of the motion at whose ends the rate of the lift is evaluated."""
+ONLY = tuple(map(tuple, np.eye(c.MOST_JOINTS).tolist()))
+"""For each joint the shares of a sum that has this joint alone."""
 NEAR = 1e-8
 """A joint is stated to be so near its value, rad or m: ten times what the claim checker keeps for rounding."""
 BACK_M = 2e-5
@@ -37,10 +38,10 @@ def arch_top(scene: Scene, plan: Plan, number: int) -> float:
 def arches_of(scene: Scene, plan: Plan) -> list[Row]:
     """Rows of sums: of each arch the lift at its begin, its top and its end, and rates on the ways up and down."""
     lift, path, found = scene.robot.lift, plan.trajectory, list[Row]()
-    for leg in plan.legs if lift is not None else ():
+    for leg in plan.legs:
         if leg.kind is not LegKind.ARCH or lift is None:
             continue
-        share = tuple(float(joint == lift) for joint in range(c.MOST_JOINTS))
+        share = ONLY[lift]
         turn = _top(path, lift, leg.t0, leg.t1)
         heights = path.evaluate(np.array([leg.t0, turn, leg.t1]))[:, lift].tolist()
         found += [(t, t, 0, *share, z - NEAR, z + NEAR) for t, z in zip((leg.t0, turn, leg.t1), heights, strict=True)]
@@ -57,15 +58,7 @@ def _one_way(share: Sequence[float], sign: float, t0: float, t1: float, least: f
 
 def _top(path: Trajectory, lift: int, t0: float, t1: float) -> float:
     """When the lift is highest in an interval, s."""
-    t = np.unique(
-        np.concatenate([np.linspace(t0, t1, 4 * INSTANTS + 1), path.time[(path.time > t0) & (path.time < t1)]])
-    )
-    for _ in range(ROUNDS):
-        k = int(path.evaluate(t)[:, lift].argmax())
-        best = float(t[k])
-        t = np.append(np.linspace(t[max(k - 1, 0)], t[min(k + 1, len(t) - 1)], INSTANTS + 1), best)
-        t.sort()
-    return best
+    return float(largest(path, 0, t0, t1, np.positive)[0][lift])
 
 
 def _rates(path: Trajectory, lift: int, sign: float, t0: float, t1: float) -> list[tuple[float, float, float]]:

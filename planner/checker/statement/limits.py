@@ -8,13 +8,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.statement.arms import flange_row
 from assur.planner.checker.statement.differences import Difference, Interval, Topic
 from assur.planner.checker.statement.holding import Handling
 from assur.planner.checker.statement.loads import loads_of
+from assur.planner.checker.statement.peaks import is_rate_stated
 from assur.planner.checker.statement.phases import Stage
 from assur.planner.checker.statement.points import is_axis_stated
-from assur.planner.checker.statement.poses import is_same_pose
 from assur.planner.claim import columns as c
 
 SHARES = np.array([1e-9, 1e-9, 1e-9, 1e-6])
@@ -74,17 +73,7 @@ def rates_agree(handling: Handling, stages: list[Stage], claim: c.Claim) -> Iter
         first, last = stage.when
         if stage.held is None or not first < end:
             continue
-        covered = any(
-            row[c.RATE_T0] <= first
-            and row[c.RATE_T1] >= min(last, end)
-            and row[c.RATE_MOST] <= most * (1.0 + CARRY_SHARE)
-            and row[c.RATE_FRAME] == -1.0
-            and row[c.RATE_ORDER] == 2.0
-            and row[c.RATE_LINK] == flange_row(handling.scene.robot)
-            and is_same_pose([*row[c.RATE_POINT : c.RATE_FRAME], 0.0], [*handling.tcp[:3], 0.0])
-            for row in claim.rates.tolist()
-        )
-        if not covered:
+        if not is_rate_stated(handling, claim, 2, (-1.0, most * (1.0 + CARRY_SHARE)), (first, min(last, end))):
             yield Difference(Topic.RATE, f"{stage.held} may be accelerated too hard", stage.when)
 
 

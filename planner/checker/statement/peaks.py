@@ -95,27 +95,27 @@ def tool_agrees(handling: Handling, stages: list[Stage], claims: Claims, claim: 
             (2, "acceleration", said.acceleration, said.acceleration_time),
         ):
             most, beside = size * (1.0 + BETWEEN) + STANDS, BESIDE_S if order == 2 else SAME
-            if not _is_rate(handling, claim, order, (-1.0, most), whole):
+            if not is_rate_stated(handling, claim, order, (-1.0, most), whole):
                 yield Difference(Topic.PEAK, f"the {name} of the tool may be larger than is stated")
             off = AT_ITS_TIME * size + OFF[order - 1]
             bounds = (size - off, size + off)
             within = (max(time - beside, whole[0]), min(time + beside, whole[1]))
-            if not _is_rate(handling, claim, order, bounds, within, inside=True):
+            if not is_rate_stated(handling, claim, order, bounds, within, inside=True):
                 yield Difference(Topic.PEAK, f"the {name} of the tool is not what is stated then", (time, time))
     pull = claims.tool_acceleration
     if pull is not None:
         legs = stages[: len(handling.plan.legs)]
         held = [stage.when for stage in legs if stage.held is not None and stage.when[1] > stage.when[0]]
         spans = held or [whole]
-        if not all(_is_rate(handling, claim, 2, (-1.0, pull * (1.0 + BETWEEN) + STANDS), when) for when in spans):
+        if not all(is_rate_stated(handling, claim, 2, (-1.0, pull * (1.0 + BETWEEN) + STANDS), when) for when in spans):
             yield Difference(Topic.PEAK, "the tool may accelerate harder with a part than is stated")
         bounds = (pull * (1.0 - REACHED) - OFF[1], float("inf"))
-        once = any(_is_rate(handling, claim, 2, bounds, when, inside=True) for when in spans)
+        once = any(is_rate_stated(handling, claim, 2, bounds, when, inside=True) for when in spans)
         if not (bounds[0] <= 0.0 or once):
             yield Difference(Topic.PEAK, "the tool never accelerates as hard with a part as is stated")
 
 
-def _is_rate(
+def is_rate_stated(
     handling: Handling, claim: c.Claim, order: int, bounds: Interval, when: Interval, *, inside: bool = False
 ) -> bool:
     """Whether rows state that the tool point's speed or acceleration in the world is within bounds over an interval, or
