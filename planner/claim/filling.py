@@ -10,7 +10,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
 from assur.planner.claim.arrival_errors import errors_of
 from assur.planner.claim.columns import Claim
-from assur.planner.claim.distances import is_limited, required_of
+from assur.planner.claim.distances import Distances, is_limited
 from assur.planner.claim.frames import Frames, frames_of
 from assur.planner.claim.guides import guides_of
 from assur.planner.claim.joint_sums import sums_of
@@ -57,6 +57,10 @@ class SceneClaim:
         """What finds distances of bodies, made where the first one is needed."""
         return Prover(self.scene)
 
+    def distances(self, plan: Plan, phases: Sequence[Phase]) -> Distances:
+        """What writes rows of distances for a plan."""
+        return Distances(self.prover, self.cell.carriers.body, plan, phases)
+
 
 def cell_of(scene: Scene) -> CellClaim:
     """The part of a scene's claim that depends on its cell alone. Raises `InputError` for what cannot be stated."""
@@ -84,7 +88,7 @@ def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = Non
     rows = {name: [row for _, row in named] for name, named in named_rows(base, plan, phases).items()} | {
         "sums": sums_of(scene, plan),
         "guides": guides_of(scene, plan),
-        "distances": required_of(base.prover, cell.carriers.body, plan, phases) if is_limited(scene) else [],
+        "distances": base.distances(plan, phases).required() if is_limited(scene) else [],
         "errors": errors_of(scene, plan, phases),
     }
     robot_until = max(phase.t1 for phase in phases if phase.robot)

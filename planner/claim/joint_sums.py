@@ -16,7 +16,6 @@ from assur.planner.claim.lifts import NEAR, ONLY, Row, arches_of
 from assur.planner.claim.points import MEET_RAD, MEET_RAD_S, TRACKED_RAD
 from assur.planner.model.outcome import TRACKING, Arrival, Leg, LegKind, Plan
 from assur.planner.model.scene import Scene, Step
-from assur.planner.robots.robot import Robot
 
 STRAIGHT_RAD = 1e-4
 """How far pitch and roll may be off the way between those at both ends of a straight leg."""
@@ -46,19 +45,13 @@ def sums_of(scene: Scene, plan: Plan) -> list[Row]:
             found += [(t, t, 1, *ONLY[j], -MEET_RAD_S, MEET_RAD_S) for j in range(path.n)]
     found += arches_of(scene, plan)
     if "pitch" in scene.robot.coordinates:
-        hand = hand_of(scene.robot)
+        rows = scene.robot.chain_rows
+        tilts = rows.links[scene.robot.links.index("flange"), [c.LINK_PITCH, c.LINK_ROLL]].astype(int)
+        hand = rows.angles[tilts, c.ANGLE_SHARE :]
         for arrival in plan.arrivals:
             step = scene.task[arrival.step]
             legs = [leg for leg in plan.legs if leg.step == arrival.step and leg.kind is not LegKind.WAIT]
             found += _met(plan, legs, arrival, hand) + _along(plan, step, legs, arrival, hand)
-    return found
-
-
-def hand_of(robot: Robot) -> FloatArray:
-    """The shares (2, c.MOST_JOINTS) of the joints in pitch and roll of the flange."""
-    flange, found = robot.chain.links[robot.links.index("flange")], np.zeros((2, c.MOST_JOINTS))
-    for row, joints in zip(found, (flange.tilts or (), flange.rolls), strict=True):
-        np.add.at(row, list(joints), 1.0)
     return found
 
 
