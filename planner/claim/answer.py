@@ -9,10 +9,9 @@ import numpy as np
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.claim.distances import least_of, proofs_of
-from assur.planner.claim.filling import SceneClaim
+from assur.planner.claim.filling import SceneClaim, rows_of
 from assur.planner.claim.peaks import joint_peaks_of, tool_peaks_of
 from assur.planner.claim.points import Rows
-from assur.planner.claim.rows import rows_of
 from assur.planner.model.claims import Claims
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import Phase

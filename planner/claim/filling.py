@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+
+import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
@@ -19,11 +22,10 @@ from assur.planner.claim.obligations import Carriers, Seats, carriers_of, distan
 from assur.planner.claim.points import Rows as NamedRows
 from assur.planner.claim.points import axes_of, points_of, rates_of
 from assur.planner.claim.postures import Postures
-from assur.planner.claim.rows import rows_of
 from assur.planner.claim.solids import bodies_in, solids_of
 from assur.planner.collision.proof import Prover
 from assur.planner.geometry.shapes import Body
-from assur.planner.model.outcome import Plan
+from assur.planner.model.outcome import Certificate, Plan
 from assur.planner.model.phases import Phase
 from assur.planner.model.phases import phases as phases_in
 from assur.planner.model.scene import Scene
@@ -110,3 +112,19 @@ def named_rows(base: SceneClaim, plan: Plan, phases: Sequence[Phase]) -> dict[st
         "rates": rates_of(base.scene, plan, phases),
         "axes": axes_of(base.scene, plan) + base.postures.of_plan(plan),
     }
+
+
+def rows_of(certificate: Certificate, number: dict[str, int]) -> FloatArray:
+    """All rows, sorted by their times; where a row is against a plane its second body is -1. `number`: the claim's rows
+    of bodies by name."""
+    found = np.zeros((len(certificate), c.ROW))
+    found[:, c.ROW_T0], found[:, c.ROW_T1] = certificate.t0, certificate.t1
+    if certificate.shift0 is not None and certificate.shift1 is not None:
+        # windows are sums of two numbers, which the rows have rounded
+        for column, ahead, end in ((c.ROW_S0, certificate.shift0, -math.inf), (c.ROW_S1, certificate.shift1, math.inf)):
+            found[:, column] = np.where(ahead != 0.0, np.nextafter(ahead, end), 0.0)
+    at = np.array([*(number[name] for name in certificate.names), -1])
+    found[:, c.ROW_BODY], found[:, c.ROW_BODY + 1] = at[certificate.first], at[certificate.second]
+    found[:, c.ROW_PIECE], found[:, c.ROW_PIECE + 1] = certificate.first_piece, certificate.second_piece
+    found[:, c.ROW_NORMAL :] = certificate.normal
+    return found[np.lexsort((found[:, c.ROW_T1], found[:, c.ROW_T0]))]
