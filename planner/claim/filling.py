@@ -89,7 +89,7 @@ def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = Non
     required[0, c.REQUIRED_UNTIL], required[0, c.REQUIRED_SINCE] = phases[-1].t1, scene.start.time
     rows = {name: [row for _, row in named] for name, named in named_rows(base, plan, phases).items()} | {
         "sums": sums_of(scene, plan),
-        "guides": guides_of(scene, plan),
+        "guides": guides_of(scene, plan, phases),
         "distances": base.distances(plan, phases).required() if is_limited(scene) else [],
         "errors": errors_of(scene, plan, phases),
     }
@@ -108,7 +108,7 @@ def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = Non
 def named_rows(base: SceneClaim, plan: Plan, phases: Sequence[Phase]) -> dict[str, NamedRows]:
     """The rows of a plan's claim that have names for people, by their table."""
     return {
-        "points": points_of(base.scene, plan),
+        "points": points_of(base.scene, plan, phases),
         "rates": rates_of(base.scene, plan, phases),
         "axes": axes_of(base.scene, plan) + base.postures.of_plan(plan),
     }
@@ -119,9 +119,10 @@ def rows_of(certificate: Certificate, number: dict[str, int]) -> FloatArray:
     of bodies by name."""
     found = np.zeros((len(certificate), c.ROW))
     found[:, c.ROW_T0], found[:, c.ROW_T1] = certificate.t0, certificate.t1
-    if certificate.shift0 is not None and certificate.shift1 is not None:
-        # windows are sums of two numbers, which the rows have rounded
-        for column, ahead, end in ((c.ROW_S0, certificate.shift0, -math.inf), (c.ROW_S1, certificate.shift1, math.inf)):
+    shifts = ((c.ROW_S0, certificate.shift0, -math.inf), (c.ROW_S1, certificate.shift1, math.inf))
+    for column, ahead, end in shifts:
+        if ahead is not None and ahead.any():
+            # windows are sums of two numbers, which the rows have rounded
             found[:, column] = np.where(ahead != 0.0, np.nextafter(ahead, end), 0.0)
     at = np.array([*(number[name] for name in certificate.names), -1])
     found[:, c.ROW_BODY], found[:, c.ROW_BODY + 1] = at[certificate.first], at[certificate.second]

@@ -7,7 +7,7 @@ until both do so by a part of what is allowed, and the claim checker shows the r
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -16,9 +16,9 @@ from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.claim.points import TRACKED_M, tool_on
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
-from assur.planner.model.attachments import at_start
 from assur.planner.model.outcome import TRACKING, Arrival, LegKind, Plan
 from assur.planner.model.path import TANGENT_RAD, PathCurve
+from assur.planner.model.phases import Phase
 from assur.planner.model.scene import WORLD, Move, Scene, Trace
 from assur.planner.trajectory import Trajectory
 
@@ -45,9 +45,9 @@ STEPS = 4
 Row = tuple[float, ...]
 
 
-def guides_of(scene: Scene, plan: Plan) -> list[Row]:
-    """The rows of guides of a plan."""
-    found, attached, before = list[Row](), at_start(scene), WORLD
+def guides_of(scene: Scene, plan: Plan, phases: Sequence[Phase]) -> list[Row]:
+    """The rows of guides of a plan, which has these phases."""
+    found = list[Row]()
     for step, arrival in zip(scene.task, plan.arrivals, strict=False):
         if isinstance(step, Trace):
             found += _traced(scene, plan, step, arrival)
@@ -58,20 +58,19 @@ def guides_of(scene: Scene, plan: Plan) -> list[Row]:
             if step.path:
                 found += _along_path(scene, plan, step, t)
             else:
-                found += _straight(scene, plan, attached.flange(scene, step, arrival.yaw_offset), before, t)
-        before = attached.frame(scene, step)
-        attached = attached.after(scene, step, arrival.yaw_offset)
+                last = next((phase for phase in phases if phase.step == arrival.step - 1), None)
+                before = WORLD if last is None else last.attached.frame(scene, scene.task[last.step])
+                found += _straight(scene, plan, step, before, t)
     return found
 
 
-def _straight(scene: Scene, plan: Plan, goal_at: tuple[str, Pose], before: str, t: FloatArray) -> list[Row]:
-    """The tool goes along the line from where it is left, at rest or in the frame `before`, to the control point, at
-    which the flange is at `goal_at`."""
-    path, (goal_frame, flange), frames = plan.trajectory, goal_at, list(scene.frames)
-    goal, w = flange.then(scene.tool.tcp), _tool(scene, path, t)
+def _straight(scene: Scene, plan: Plan, step: Move, before: str, t: FloatArray) -> list[Row]:
+    """The tool goes along the line from where it is left, at rest or in the frame `before`, to the control point."""
+    path, goal, frames = plan.trajectory, step.target, list(scene.frames)
+    w = _tool(scene, path, t)
     first = WORLD if np.abs(path.evaluate(float(t[0]), 1)).max() <= REST else before
     left = Pose(*_seen(scene, first, t[:1], w[:1])[0].tolist())
-    a, b = (scene.frames[name].law.motion(t).at(p).p for name, p in ((first, left), (goal_frame, goal)))
+    a, b = (scene.frames[name].law.motion(t).at(p).p for name, p in ((first, left), (goal.frame, goal.pose)))
     gap = b - a
     square = (gap**2).sum(1)
     share = np.where(square > 0.0, ((w - a) * gap).sum(1) / np.where(square > 0.0, square, 1.0), 0.0)
@@ -83,8 +82,8 @@ def _straight(scene: Scene, plan: Plan, goal_at: tuple[str, Pose], before: str, 
         return _most(np.linalg.norm(w - a - s[:, None] * gap, axis=1), ends) / (TRACKED_M * (1.0 - LEFT))
 
     ends = _chords(len(t), off)
-    head = (*tool_on(scene)[:4], frames.index(first), frames.index(goal_frame))
-    head = (*head, *left.position.tolist(), *goal.position.tolist())
+    head = (*tool_on(scene)[:4], frames.index(first), frames.index(goal.frame))
+    head = (*head, *left.position.tolist(), *goal.pose.position.tolist())
     chords = pairwise(zip(t[ends].tolist(), share[ends].tolist(), strict=True))
     return [(t0, t1, *head, s0, s1, TRACKED_M) for (t0, s0), (t1, s1) in chords]
 

@@ -36,15 +36,16 @@ def tool_on(scene: Scene) -> tuple[int, float, float, float, float]:
     return len(scene.robot.links) - 1, tcp.x, tcp.y, tcp.z, tcp.yaw
 
 
-def points_of(scene: Scene, plan: Plan) -> Rows:
+def points_of(scene: Scene, plan: Plan, phases: Sequence[Phase]) -> Rows:
     """Where the tool is at its control points, on legs that track them, and where the straight parts of these begin and
-    end."""
+    end. `phases`: those of the plan."""
     found, tcp, on, frames = Rows(), scene.tool.tcp, tool_on(scene), list(scene.frames)
-    attached = at_start(scene)
+    attached, of_step = at_start(scene), {phase.step: phase.attached for phase in reversed(phases)}
     turns = "yaw" in scene.robot.coordinates
     met, turning, tracked = (MEET_RAD, MEET_RAD_S, TRACKED_RAD) if turns else (FREE, FREE, FREE)
     # a motion without a task has no arrivals
     for step, arrival in zip(scene.task, plan.arrivals, strict=False):
+        attached = of_step.get(arrival.step, attached)
         frame, flange = attached.flange(scene, step, arrival.yaw_offset)
         at = flange.then(tcp)
         target = (frames.index(frame), *on, at.x, at.y, at.z, at.yaw)
@@ -72,7 +73,6 @@ def points_of(scene: Scene, plan: Plan) -> Rows:
                 rates = (MEET_M_S, turning) if stops else (FREE, FREE)
                 found.append((step.name, (outer, outer, *target, length, TRACKED_M, TRACKED_M, tracked, *rates)))
             found.append((step.name, (leg.t0, leg.t1, *target, half, height, TRACKED_M, tracked, FREE, FREE)))
-        attached = attached.after(scene, step, arrival.yaw_offset)
     return found
 
 
@@ -100,8 +100,8 @@ def rates_of(scene: Scene, plan: Plan, phases: Sequence[Phase]) -> Rows:
 
 def axes_of(scene: Scene, plan: Plan) -> Rows:
     """Directions of the tool: outside of forbidden ranges of yaw, and yaws that are kept. How high an arch reaches."""
-    found, path, link, lag = Rows(), plan.trajectory, len(scene.robot.links) - 1, scene.execution.lag
-    tcp = scene.tool.tcp
+    found, path, lag, tcp = Rows(), plan.trajectory, scene.execution.lag, scene.tool.tcp
+    link = len(scene.robot.links) - 1
     ahead, aside = (math.cos(tcp.yaw), math.sin(tcp.yaw), 0.0), (-math.sin(tcp.yaw), math.cos(tcp.yaw), 0.0)
     for each in scene.forbidden_yaw:
         late = lag[0] + lag[1] + lag[3] if lag else 0.0
