@@ -19,7 +19,7 @@ from assur.planner.checker.statement.differences import at
 from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.claim.answer import with_answer
 from assur.planner.claim.columns import Claim
-from assur.planner.claim.filling import SceneClaim, claim_of, with_motion, with_plan
+from assur.planner.claim.filling import SceneClaim, claim_of, with_plan
 from assur.planner.claim.frames import early_of
 from assur.planner.claim.labels import labels_of
 from assur.planner.errors import InputError
@@ -104,7 +104,7 @@ def check_motion(scene: Scene, plan: Plan, of_motion: tuple[Phase, ...]) -> Verd
         plan,
         of_motion,
         NOTHING,
-        lambda base: with_motion(base, plan, of_motion),
+        lambda base: with_plan(base, plan, of_motion),
         lambda claim: state_motion(scene, plan, claim),
         nothing,
     )

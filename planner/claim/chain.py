@@ -6,7 +6,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
-from assur.planner.claim.unstated import unstated
+from assur.planner.errors import InputError
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 
@@ -71,3 +71,8 @@ def knots_of(path: Trajectory, begin: float, until: float) -> FloatArray:
                 raise unstated(f"a motion that is not at rest when it {when}")
             found[end, c.KNOT_TIME], found[end, c.KNOT_Q : c.KNOT_Q + n] = t, path.q[end]
     return found
+
+
+def unstated(what: str) -> InputError:
+    """The refusal of a plan with something that no claim can state."""
+    return InputError("plan", what, "an answer without it: a proof bundle cannot state it yet")

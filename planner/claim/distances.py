@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 from assur.planner.claim import columns as c
 from assur.planner.collision.nearest import nearest_at, pairs_of_pieces
@@ -15,7 +16,6 @@ from assur.planner.model.claims import Claims
 from assur.planner.model.outcome import Arrival, Certificate, LegKind, Nearest, Plan
 from assur.planner.model.phases import Phase, pair
 from assur.planner.model.scene import Pick, Place, Scene
-from assur.planner.trajectory import Trajectory
 
 WITHIN_M = 5e-5
 """By how much a smallest clearance, and how far a part is from tool or support, may be off, m: the promise of the
@@ -30,84 +30,70 @@ def is_limited(scene: Scene) -> bool:
     return any(math.isfinite(asked(step)) for step in scene.task)
 
 
-def required_of(prover: Prover, number: dict[str, int], plan: Plan, phases: Sequence[Phase]) -> list[Row]:
-    """Grips and supports of the steps that limit how far they may be. `number`: the rows of bodies."""
-    limits = [(arrival, asked(prover.scene.task[arrival.step])) for arrival in plan.arrivals]
-    return [
-        row
-        for arrival, most in limits
-        if math.isfinite(most)
-        for row in _touching(prover, number, plan, phases, arrival, most)
-    ]
+class Distances(NamedTuple):
+    """Writes the rows of a plan. `number`: the rows of bodies by name; `phases`: those of the plan."""
 
+    prover: Prover
+    number: dict[str, int]
+    plan: Plan
+    phases: Sequence[Phase]
 
-def stated_of(prover: Prover, number: dict[str, int], plan: Plan, phases: Sequence[Phase], claims: Claims) -> list[Row]:
-    """Grips and supports that arrivals state, and pairs that an answer names with their clearance."""
-    found = list[Row]()
-    for arrival in plan.arrivals:
-        stated = arrival.grip_m if isinstance(prover.scene.task[arrival.step], Pick) else arrival.support_m
-        if stated is not None:
-            found += _touching(prover, number, plan, phases, arrival, stated)
-    smallest = [said[0] for said in (claims.nearest, claims.placed) if said is not None]
-    for each in (*(one for one in smallest if one is not None), *claims.pairs):
-        found += _named(prover, number, plan, phases, each)
-    return found
+    def required(self) -> list[Row]:
+        """Grips and supports of the steps that limit how far they may be."""
+        limits = [(arrival, asked(self.prover.scene.task[arrival.step])) for arrival in self.plan.arrivals]
+        return [row for arrival, most in limits if math.isfinite(most) for row in self._touching(arrival, most)]
 
+    def stated(self, claims: Claims) -> list[Row]:
+        """Grips and supports that arrivals state, and pairs that an answer names with their clearance."""
+        found = list[Row]()
+        for arrival in self.plan.arrivals:
+            is_pick = isinstance(self.prover.scene.task[arrival.step], Pick)
+            stated = arrival.grip_m if is_pick else arrival.support_m
+            if stated is not None:
+                found += self._touching(arrival, stated)
+        smallest = [said[0] for said in (claims.nearest, claims.placed) if said is not None]
+        for each in (*(one for one in smallest if one is not None), *claims.pairs):
+            found += self._named(each)
+        return found
 
-def _touching(
-    prover: Prover, number: dict[str, int], plan: Plan, phases: Sequence[Phase], arrival: Arrival, most: float
-) -> list[Row]:  # fmt: skip
-    """How near a part is to tool or support when it changes hands: at the end of its FOLLOW."""
-    scene, step = prover.scene, prover.scene.task[arrival.step]
-    for p, phase in enumerate(phases):
-        if phase.step == arrival.step and phase.kind is LegKind.FOLLOW and isinstance(step, Pick | Place):
-            others = [body.name for body in scene.tool.bodies]
-            if isinstance(step, Place):
-                others = list(supports(scene, step, phase.attached, phase.t1))
-            pairs = [(other, step.part) for other in others]
-            return _row(prover, number, plan.trajectory, phase, p, phase.t1, pairs, most + WITHIN_M)
-    return []
-
-
-def _named(prover: Prover, number: dict[str, int], plan: Plan, phases: Sequence[Phase], each: Nearest) -> list[Row]:
-    """How near the bodies that are named are at the time and in the phase that are stated: the nearest of all phases
-    of this kind which that time is in."""
-    rows = list[Row]()
-    for p, phase in enumerate(phases):
-        if phase.kind == each.phase and phase.t0 - TIME_S <= each.time <= phase.t1 + TIME_S:
-            known = all(name in number for name in each.bodies) and pair(*each.bodies) not in phase.contacts
-            t = min(max(each.time, phase.t0), phase.t1)
-            pairs = [each.bodies] if known else []
-            rows += _row(prover, number, plan.trajectory, phase, p, t, pairs, each.gap_m + WITHIN_M)
-    return rows
-
-
-def _row(
-    prover: Prover, number: dict[str, int], path: Trajectory, phase: Phase, p: int, t: float,
-    pairs: Iterable[tuple[str, str]], most: float,
-) -> list[Row]:  # fmt: skip
-    """The row of the nearest of some pairs at an instant of phase number `p`; none where it is not so near."""
-    arrangement, q = prover.of(phase), path.evaluate(min(max(t, path.start), path.end))
-    bodies = [(arrangement.number[one], arrangement.number[other]) for one, other in pairs]
-    _, units = nearest_at(prover, arrangement, q, t, pairs_of_pieces(arrangement, bodies))
-    if units == (0, 0):
-        return []  # there is no pair, or its places are not known
-    shown = simplex(arrangement, prover.carriers(q, t), *units)
-    if not shown.distance_m <= most:
+    def _touching(self, arrival: Arrival, most: float) -> list[Row]:
+        """How near a part is to tool or support when it changes hands: at the end of its FOLLOW."""
+        scene, step = self.prover.scene, self.prover.scene.task[arrival.step]
+        for p, phase in enumerate(self.phases):
+            if phase.step == arrival.step and phase.kind is LegKind.FOLLOW and isinstance(step, Pick | Place):
+                others: Iterable[str] = (body.name for body in scene.tool.bodies)
+                if isinstance(step, Place):
+                    others = supports(scene, step, phase.attached, phase.t1)
+                return self._row(p, phase.t1, [(other, step.part) for other in others], most)
         return []
-    names = [arrangement.names[body] for body in arrangement.body[list(units)]]
-    pieces = arrangement.piece[list(units)].tolist()
-    return [
-        (
-            t,
-            p,
-            *(number[name] for name in names),
-            *pieces,
-            most,
-            *shown.weights.tolist(),
-            *shown.directions.ravel().tolist(),
-        )
-    ]
+
+    def _named(self, each: Nearest) -> list[Row]:
+        """How near the bodies that are named are at the time and in the phase that are stated: the nearest of all
+        phases of this kind which that time is in."""
+        rows = list[Row]()
+        for p, phase in enumerate(self.phases):
+            if phase.kind == each.phase and phase.t0 - TIME_S <= each.time <= phase.t1 + TIME_S:
+                known = all(name in self.number for name in each.bodies) and pair(*each.bodies) not in phase.contacts
+                rows += self._row(
+                    p, min(max(each.time, phase.t0), phase.t1), [each.bodies] if known else [], each.gap_m
+                )
+        return rows
+
+    def _row(self, p: int, t: float, pairs: Iterable[tuple[str, str]], most: float) -> list[Row]:
+        """The row of the nearest of some pairs at an instant of phase number `p`; none where it is not so near."""
+        arrangement, path = self.prover.of(self.phases[p]), self.plan.trajectory
+        q = path.evaluate(min(max(t, path.start), path.end))
+        bodies = [(arrangement.number[one], arrangement.number[other]) for one, other in pairs]
+        _, units = nearest_at(self.prover, arrangement, q, t, pairs_of_pieces(arrangement, bodies))
+        if units == (0, 0):
+            return []  # there is no pair, or its places are not known
+        shown = simplex(arrangement, self.prover.carriers(q, t), *units)
+        if not shown.distance_m <= most + WITHIN_M:
+            return []
+        of_claim = [self.number[arrangement.names[body]] for body in arrangement.body[list(units)]]
+        pieces = arrangement.piece[list(units)].tolist()
+        numbers = (*shown.weights.tolist(), *shown.directions.ravel().tolist())
+        return [(t, p, *of_claim, *pieces, most + WITHIN_M, *numbers)]
 
 
 def proofs_of(prover: Prover, plan: Plan, phases: Sequence[Phase], least: tuple[float, float]) -> Certificate | None:

@@ -10,7 +10,7 @@ import numpy as np
 from assur.planner.claim import columns as c
 from assur.planner.claim import forms
 from assur.planner.claim.columns import Claim
-from assur.planner.claim.fields import Document, object_of
+from assur.planner.claim.forms import Document, object_of
 from assur.planner.claim.labels import Labels
 
 FORM = "assur-bundle/3"

@@ -2,30 +2,36 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+
+import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
 from assur.planner.claim.arrival_errors import errors_of
 from assur.planner.claim.columns import Claim
-from assur.planner.claim.distances import is_limited, required_of
+from assur.planner.claim.distances import Distances, is_limited
 from assur.planner.claim.frames import Frames, frames_of
 from assur.planner.claim.guides import guides_of
 from assur.planner.claim.joint_sums import sums_of
 from assur.planner.claim.limits import JointLimits
 from assur.planner.claim.obligations import Carriers, Seats, carriers_of, distances_of, phases_of, seats_of
+from assur.planner.claim.points import Rows as NamedRows
 from assur.planner.claim.points import axes_of, points_of, rates_of
 from assur.planner.claim.postures import Postures
-from assur.planner.claim.rows import rows_of
 from assur.planner.claim.solids import bodies_in, solids_of
 from assur.planner.collision.proof import Prover
 from assur.planner.geometry.shapes import Body
-from assur.planner.model.outcome import Plan
+from assur.planner.model.outcome import Certificate, Plan
 from assur.planner.model.phases import Phase
 from assur.planner.model.phases import phases as phases_in
 from assur.planner.model.scene import Scene
+
+EMPTY = {name: c.table(name, []) for name in c.WIDTHS}
+"""Tables without rows, which many claims share."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +59,10 @@ class SceneClaim:
         """What finds distances of bodies, made where the first one is needed."""
         return Prover(self.scene)
 
+    def distances(self, plan: Plan, phases: Sequence[Phase]) -> Distances:
+        """What writes rows of distances for a plan."""
+        return Distances(self.prover, self.cell.carriers.body, plan, phases)
+
 
 def cell_of(scene: Scene) -> CellClaim:
     """The part of a scene's claim that depends on its cell alone. Raises `InputError` for what cannot be stated."""
@@ -70,36 +80,52 @@ def claim_of(scene: Scene, cell: CellClaim | None = None) -> SceneClaim:
 
 
 def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = None) -> Claim:
-    """The claim of a plan. `phases`: those of the plan, if they are made already. Raises `InputError` for what cannot
-    be stated."""
-    scene, number = base.scene, base.cell.carriers.body
+    """The claim of a plan; of a motion that has no task, if it has no arrivals. `phases`: those of the plan, if they
+    are made already. Raises `InputError` for what cannot be stated."""
+    scene, cell, path = base.scene, base.cell, plan.trajectory
     if phases is None:
         phases = phases_in(scene, plan.legs, plan.arrivals)
-    distances = required_of(base.prover, number, plan, phases) if is_limited(scene) else []
-    return with_motion(base, plan, phases)._replace(
-        points=c.table("points", [row for _, row in points_of(scene, plan)]),
-        axes=c.table("axes", [row for _, row in axes_of(scene, plan) + base.postures.of_plan(plan)]),
-        sums=c.table("sums", sums_of(scene, plan)),
-        guides=c.table("guides", guides_of(scene, plan)),
-        distances=c.table("distances", distances),
-        errors=c.table("errors", errors_of(scene, plan, phases)),
-    )
-
-
-def with_motion(base: SceneClaim, plan: Plan, phases: Sequence[Phase]) -> Claim:
-    """The claim of what a plan promises whatever its task is: limits, and that all keeps apart in its phases. Raises
-    `InputError` for what cannot be stated."""
-    scene, cell, path = base.scene, base.cell, plan.trajectory
-    end, robot_until = phases[-1].t1, max(phase.t1 for phase in phases if phase.robot)
     required = cell.tables["required"].copy()
-    required[0, c.REQUIRED_UNTIL], required[0, c.REQUIRED_SINCE] = end, scene.start.time
-    story = phases_of(scene, cell.carriers, base.seats, phases)
-    own = ("points", "sums", "guides", "distances", "errors", "gap_rows")
+    required[0, c.REQUIRED_UNTIL], required[0, c.REQUIRED_SINCE] = phases[-1].t1, scene.start.time
+    rows = {name: [row for _, row in named] for name, named in named_rows(base, plan, phases).items()} | {
+        "sums": sums_of(scene, plan),
+        "guides": guides_of(scene, plan, phases),
+        "distances": base.distances(plan, phases).required() if is_limited(scene) else [],
+        "errors": errors_of(scene, plan, phases),
+    }
+    robot_until = max(phase.t1 for phase in phases if phase.robot)
     return Claim(
-        **{**cell.tables, **cell.frames.around(path, robot_until), **story, "required": required},
-        **{name: c.table(name, []) for name in own},
+        **{**cell.tables, "required": required},
+        **cell.frames.around(path, robot_until),
+        **phases_of(scene, cell.carriers, base.seats, phases),
+        **{name: c.table(name, own) if own else EMPTY[name] for name, own in rows.items()},
         limits=base.limits.over(path.start, phases),
-        rates=c.table("rates", [row for _, row in rates_of(scene, plan, phases)]),
-        axes=c.table("axes", [row for _, row in axes_of(scene, plan)]),
         rows=rows_of(plan.certificate, cell.carriers.body),
+        gap_rows=EMPTY["gap_rows"],
     )
+
+
+def named_rows(base: SceneClaim, plan: Plan, phases: Sequence[Phase]) -> dict[str, NamedRows]:
+    """The rows of a plan's claim that have names for people, by their table."""
+    return {
+        "points": points_of(base.scene, plan, phases),
+        "rates": rates_of(base.scene, plan, phases),
+        "axes": axes_of(base.scene, plan) + base.postures.of_plan(plan),
+    }
+
+
+def rows_of(certificate: Certificate, number: dict[str, int]) -> FloatArray:
+    """All rows, sorted by their times; where a row is against a plane its second body is -1. `number`: the claim's rows
+    of bodies by name."""
+    found = np.zeros((len(certificate), c.ROW))
+    found[:, c.ROW_T0], found[:, c.ROW_T1] = certificate.t0, certificate.t1
+    shifts = ((c.ROW_S0, certificate.shift0, -math.inf), (c.ROW_S1, certificate.shift1, math.inf))
+    for column, ahead, end in shifts:
+        if ahead is not None and ahead.any():
+            # windows are sums of two numbers, which the rows have rounded
+            found[:, column] = np.where(ahead != 0.0, np.nextafter(ahead, end), 0.0)
+    at = np.array([*(number[name] for name in certificate.names), -1])
+    found[:, c.ROW_BODY], found[:, c.ROW_BODY + 1] = at[certificate.first], at[certificate.second]
+    found[:, c.ROW_PIECE], found[:, c.ROW_PIECE + 1] = certificate.first_piece, certificate.second_piece
+    found[:, c.ROW_NORMAL :] = certificate.normal
+    return found[np.lexsort((found[:, c.ROW_T1], found[:, c.ROW_T0]))]

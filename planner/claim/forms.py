@@ -1,183 +1,127 @@
-"""The parts of a proof bundle that are rows of one table (docs/bundle.md)."""
+"""The objects of a proof bundle that are rows of one table (docs/bundle.md): keys in the order of the columns.
+
+How many numbers a value has is stated here. What kind they are follows from what `columns.BOUNDS` allows.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+from typing import Any, Literal, NamedTuple
+
 from assur.planner.claim import columns as c
-from assur.planner.claim.fields import JOINTS, Field
+
+Document = dict[str, Any]
+Kind = Literal["number", "whole", "flag"]
+JOINTS = 0
+"""As `Key.many`: one number for each joint of the robot, in columns for `columns.MOST_JOINTS`."""
+
+
+class Key(NamedTuple):
+    """A key of an object. `many`: the value is a list of so many numbers; None: it is one. `kind`: None if `BOUNDS`
+    has it. `open`: the list may be shorter, and columns that it leaves are -1. `empty`: the list is empty where that
+    column is that number, 0 or 1."""
+
+    name: str
+    many: int | None = None
+    kind: Kind | None = None
+    open: bool = False
+    empty: tuple[int, float] | None = None
+
+
+class Field(NamedTuple):
+    """A key, its first column and its kind."""
+
+    key: Key
+    column: int
+    kind: Kind
+
+
+Form = tuple[Field, ...]
+
+
+def _form(table: str, first: int, *keys: str | Key) -> Form:
+    """The fields of keys whose columns follow each other, from column `first` on. A name alone is one number."""
+    found = list[Field]()
+    for each in keys:
+        key = Key(each) if isinstance(each, str) else each
+        found.append(Field(key, first, key.kind or _kind(table, first)))
+        first += 1 if key.many is None else key.many or c.MOST_JOINTS
+    return tuple(found)
+
+
+def _kind(table: str, column: int) -> Kind:
+    for name, first, many, low, most in c.BOUNDS:
+        if name == table and first <= column < first + many and isinstance(most, str):
+            return "flag" if most == "flag" and low == 0 else "whole"
+    return "number"
+
+
+def object_of(form: Iterable[Field], row: Sequence[float], joints: int = 0) -> Document:
+    """The object of a row, for a robot with so many joints."""
+    return {field.key.name: _value(field, row, joints) for field in form}
+
+
+def _value(field: Field, row: Sequence[float], joints: int) -> Any:
+    key, column, kind = field
+    values = row[column : column + (1 if key.many is None else key.many or joints)]
+    if key.empty is not None and row[key.empty[0]] == key.empty[1]:
+        return []
+    plain: list[Any] = [x for x in values if x >= 0.0 or not key.open]
+    if kind != "number":
+        plain = [x > 0.0 if kind == "flag" else int(x) for x in plain]
+    return plain[0] if key.many is None else plain
+
 
 STATES = (("q", c.KNOT_Q), ("qd", c.KNOT_QD), ("qdd", c.KNOT_QDD))
-LINK = (
-    Field("offset", c.LINK_OFFSET, count=3),
-    Field("coupler", c.LINK_COUPLER, "whole"),
-)
-SLIDE = (Field("joint", c.LINK_SLIDE, "whole"), Field("axis", c.LINK_AXIS, count=3))
+LINK = (*_form("links", c.LINK_OFFSET, Key("offset", 3)), *_form("links", c.LINK_COUPLER, "coupler"))
+SLIDE = _form("links", c.LINK_SLIDE, Key("joint", kind="whole"), Key("axis", 3))
 TURNS = (("yaw", c.LINK_YAW), ("pitch", c.LINK_PITCH), ("roll", c.LINK_ROLL))
-LOOP = (
-    Field("lengths", c.LOOP_LENGTH, count=2),
-    Field("couplers", c.LOOP_COUPLER, count=2),
-    Field("side", c.LOOP_SIDE),
-    Field("least", c.LOOP_LEAST),
-)
+LOOP = _form("loops", c.LOOP_LENGTH, Key("lengths", 2), Key("couplers", 2), "side", "least")
 FRAME = (
-    Field("arm", c.FRAME_ARM, "whole"),
-    Field("pose", c.FRAME_POSE, count=4),
-    Field("rate", c.FRAME_RATE, count=4),
-    Field("shift", c.FRAME_SHIFT, count=2),
-    Field("yaw", c.FRAME_YAW),
-    Field("period", c.FRAME_PERIOD),
-    Field("step", c.FRAME_STEP, count=4),
+    *_form("frames", c.FRAME_ARM, "arm"),
+    *_form("frames", c.FRAME_POSE, Key("pose", 4), Key("rate", 4)),
+    *_form("frames", c.FRAME_SHIFT, Key("shift", 2), "yaw", "period", Key("step", 4)),
 )
-WAVE = (
-    Field("coordinate", c.WAVE_COORDINATE, "whole"),
-    Field("amplitude", c.WAVE_AMPLITUDE),
-    Field("rate", c.WAVE_RATE),
-    Field("phase", c.WAVE_PHASE),
-)
-DISPLACED = (
-    Field("direction", c.DISPLACED_DIRECTION, count=3, empty=(c.DISPLACED_LEVEL, 1.0)),
-    Field("amount", c.DISPLACED_AMOUNT),
-    Field("growth", c.DISPLACED_GROWTH),
-    Field("shared", c.DISPLACED_SHARED, "flag"),
-)
-PIECE = (
-    Field("centre", c.PIECE_CENTRE, count=3),
-    Field("axis", c.PIECE_AXIS, count=3),
-    Field("disc", c.PIECE_DISC),
-    Field("ball", c.PIECE_BALL),
-)
-SEAT = (
-    Field("body", c.SEAT_BODY, "whole"),
-    Field("link", c.SEAT_LINK, "whole"),
-    Field("frame", c.SEAT_FRAME, "whole"),
-    Field("pose", c.SEAT_POSE, count=4),
-)
-PHASE = (
-    Field("t0", c.PHASE_T0),
-    Field("t1", c.PHASE_T1),
-    Field("near", c.PHASE_NEAR, "flag"),
-    Field("robot", c.PHASE_ROBOT, "flag"),
-)
-CONTACT = (Field("bodies", c.CONTACT_BODY, "whole", 2), Field("depth", c.CONTACT_DEPTH))
-RULE = (Field("travel", c.RULE_TRAVEL), Field("near", c.RULE_NEAR))
-REQUIRED = (
-    Field("travel", c.REQUIRED_TRAVEL),
-    Field("near", c.REQUIRED_NEAR),
-    Field("until", c.REQUIRED_UNTIL),
-    Field("late", c.REQUIRED_LATE),
-    Field("since", c.REQUIRED_SINCE),
-    Field("tool_from", c.REQUIRED_TOOL, "whole"),
-    Field("lag", c.REQUIRED_LAG, count=JOINTS),
-    Field("nearest", c.REQUIRED_NEAREST),
-    Field("placed", c.REQUIRED_PLACED),
-)
-LIMIT = (
-    Field("t0", c.LIMIT_T0),
-    Field("t1", c.LIMIT_T1),
-    Field("shares", c.LIMIT_SHARE, count=4),
-    Field("lower", c.LIMIT_LOWER, count=JOINTS),
-    Field("upper", c.LIMIT_UPPER, count=JOINTS),
-    Field("velocity", c.LIMIT_VELOCITY, count=JOINTS),
-    Field("acceleration", c.LIMIT_ACCELERATION, count=JOINTS),
-    Field("jerk", c.LIMIT_JERK, count=JOINTS, empty=(c.LIMIT_JERKS, 0.0)),
-)
-POINT = (
-    Field("t0", c.POINT_T0),
-    Field("t1", c.POINT_T1),
-    Field("frame", c.POINT_FRAME, "whole"),
-    Field("link", c.POINT_LINK, "whole"),
-    Field("tool", c.POINT_TOOL, count=4),
-    Field("target", c.POINT_TARGET, count=4),
-    Field("middle", c.POINT_MIDDLE),
-    Field("height", c.POINT_HEIGHT, count=1, open=True),
-    Field("position", c.POINT_POSITION),
-    Field("yaw", c.POINT_YAW, count=1, open=True),
-    Field("rates", c.POINT_RATE, count=2, open=True),
-)
-RATE = (
-    Field("t0", c.RATE_T0),
-    Field("t1", c.RATE_T1),
-    Field("link", c.RATE_LINK, "whole"),
-    Field("point", c.RATE_POINT, count=3),
-    Field("frame", c.RATE_FRAME, "whole"),
-    Field("order", c.RATE_ORDER, "whole"),
-    Field("least", c.RATE_LEAST),
-    Field("most", c.RATE_MOST),
-)
-AXIS = (
-    Field("t0", c.AXIS_T0),
-    Field("t1", c.AXIS_T1),
-    Field("link", c.AXIS_LINK, "whole"),
-    Field("place", c.AXIS_PLACE, "flag"),
-    Field("axis", c.AXIS_ON, count=3),
-    Field("other", c.AXIS_OTHER, "whole"),
-    Field("direction", c.AXIS_DIRECTION, count=3),
-    Field("low", c.AXIS_LOW),
-    Field("high", c.AXIS_HIGH),
-)
-SUM = (
-    Field("t0", c.SUM_T0),
-    Field("t1", c.SUM_T1),
-    Field("order", c.SUM_ORDER, "whole"),
-    Field("joints", c.SUM_SHARE, count=JOINTS),
-    Field("low", c.SUM_LOW),
-    Field("high", c.SUM_HIGH),
-)
-GUIDE = (
-    Field("t0", c.GUIDE_T0),
-    Field("t1", c.GUIDE_T1),
-    Field("link", c.GUIDE_LINK, "whole"),
-    Field("tool", c.GUIDE_TOOL, count=3),
-    Field("frames", c.GUIDE_FRAME, "whole", 2),
-    Field("from", c.GUIDE_FROM, count=3),
-    Field("to", c.GUIDE_TO, count=3),
-    Field("shares", c.GUIDE_SHARE, count=2),
-    Field("most", c.GUIDE_MOST),
-)
-DISTANCE = (
-    Field("time", c.DISTANCE_TIME),
-    Field("phase", c.DISTANCE_PHASE, "whole"),
-    Field("bodies", c.DISTANCE_BODY, "whole", 2),
-    Field("pieces", c.DISTANCE_PIECE, "whole", 2),
-    Field("most", c.DISTANCE_MOST),
-    Field("weights", c.DISTANCE_WEIGHT, count=4),
-    Field("directions", c.DISTANCE_DIRECTION, count=12),
-)
-ERROR = (
-    Field("time", c.ERROR_TIME),
-    Field("phase", c.ERROR_PHASE, "whole"),
-    Field("frame", c.ERROR_FRAME, "whole"),
-    Field("link", c.ERROR_LINK, "whole"),
-    Field("tool", c.ERROR_TOOL, count=4),
-    Field("target", c.ERROR_TARGET, count=4),
-    Field("off", c.ERROR_OFF, count=3),
-    Field("arm", c.ERROR_ARM),
-    Field("distance", c.ERROR_FAR),
-    Field("horizontal", c.ERROR_FLAT),
-    Field("vertical", c.ERROR_UP),
-    Field("yaw", c.ERROR_YAW),
-)
-ROW = (
-    Field("t0", c.ROW_T0),
-    Field("t1", c.ROW_T1),
-    Field("s0", c.ROW_S0),
-    Field("s1", c.ROW_S1),
-    Field("bodies", c.ROW_BODY, "whole", 2),
-    Field("pieces", c.ROW_PIECE, "whole", 2),
-    Field("normal", c.ROW_NORMAL, count=3),
-)
-
+WAVE = _form("waves", 0, "coordinate", "amplitude", "rate", "phase")
+DIRECTION = Key("direction", 3, empty=(c.DISPLACED_LEVEL, 1.0))
+DISPLACED = _form("displaced", c.DISPLACED_DIRECTION, DIRECTION, "amount", "growth", "shared")
+PIECE = _form("pieces", 0, Key("centre", 3), Key("axis", 3), "disc", "ball")
+PHASE = _form("phases", 0, "t0", "t1", "near", "robot")
+RULE = _form("rules", 0, "travel", "near")
+LAG = Key("lag", JOINTS)
+REQUIRED = _form("required", 0, "travel", "near", "until", "late", "since", "tool_from", LAG, "nearest", "placed")
+SPAN, BODIES, PIECES = ("t0", "t1"), Key("bodies", 2), Key("pieces", 2, "whole")
+POSES = (Key("tool", 4), Key("target", 4))
+JERK = Key("jerk", JOINTS, empty=(c.LIMIT_JERKS, 0.0))
+CONTACT = _form("contacts", c.CONTACT_BODY, BODIES, "depth")
+ROW = (*SPAN, "s0", "s1", BODIES, PIECES, Key("normal", 3))
 SECTIONS = {
-    "seats": SEAT,
-    "limits": LIMIT,
-    "points": POINT,
-    "rates": RATE,
-    "axes": AXIS,
-    "sums": SUM,
-    "guides": GUIDE,
-    "distances": DISTANCE,
-    "errors": ERROR,
-    "rows": ROW,
-    "gap_rows": ROW,
+    "seats": _form("seats", 0, "body", "link", "frame", Key("pose", 4)),
+    "limits": (
+        *_form("limits", 0, *SPAN),
+        *_form("limits", c.LIMIT_SHARE, Key("shares", 4), Key("lower", JOINTS), Key("upper", JOINTS)),
+        *_form("limits", c.LIMIT_VELOCITY, Key("velocity", JOINTS), Key("acceleration", JOINTS), JERK),
+    ),
+    "points": (
+        *_form("points", 0, *SPAN, "frame", "link", *POSES, "middle", Key("height", 1, open=True), "position"),
+        *_form("points", c.POINT_YAW, Key("yaw", 1, open=True), Key("rates", 2, open=True)),
+    ),
+    "rates": _form("rates", 0, *SPAN, "link", Key("point", 3), "frame", "order", "least", "most"),
+    "axes": _form("axes", 0, *SPAN, "link", "place", Key("axis", 3), "other", Key("direction", 3), "low", "high"),
+    "sums": _form("sums", 0, *SPAN, "order", Key("joints", JOINTS), "low", "high"),
+    "guides": (
+        *_form("guides", 0, *SPAN, "link", Key("tool", 3), Key("frames", 2), Key("from", 3), Key("to", 3)),
+        *_form("guides", c.GUIDE_SHARE, Key("shares", 2), "most"),
+    ),
+    "distances": _form(
+        "distances", 0, "time", "phase", BODIES, PIECES, "most", Key("weights", 4), Key("directions", 12)
+    ),
+    "errors": (
+        *_form("errors", 0, "time", "phase", "frame", "link", *POSES, Key("off", 3)),
+        *_form("errors", c.ERROR_ARM, "arm", "distance", "horizontal", "vertical", "yaw"),
+    ),
+    "rows": _form("rows", 0, *ROW),
+    "gap_rows": _form("gap_rows", 0, *ROW),
 }
 """The parts of a bundle that are a table, object by row."""
 NAMED = ("points", "rates", "axes")

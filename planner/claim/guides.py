@@ -7,18 +7,18 @@ until both do so by a part of what is allowed, and the claim checker shows the r
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.claim.points import TRACKED_M
+from assur.planner.claim.points import TRACKED_M, tool_on
 from assur.planner.errors import InputError
-from assur.planner.frames.motion import Motion, Pose
-from assur.planner.model.attachments import at_start
-from assur.planner.model.outcome import Arrival, LegKind, Plan
+from assur.planner.frames.motion import Pose
+from assur.planner.model.outcome import TRACKING, Arrival, LegKind, Plan
 from assur.planner.model.path import TANGENT_RAD, PathCurve
+from assur.planner.model.phases import Phase
 from assur.planner.model.scene import WORLD, Move, Scene, Trace
 from assur.planner.trajectory import Trajectory
 
@@ -31,15 +31,9 @@ RESERVE_M = 1e-6
 """By which the error that is stated of a trace is larger than what was found."""
 
 
-class _Limits(NamedTuple):
-    """How far, m, tool and path together may be off a chord at most; and how much of that is left for what the claim
-    checker bounds between samples."""
-
-    most: float
-    left: float
-
-
-ALONG = _Limits(TRACKED_M, 0.07 * TRACKED_M)
+LEFT = 0.07
+"""Share of what tool and path together may be off a chord that is left for what the claim checker bounds between
+samples; on a trace it is a quarter of `RESERVE_M`."""
 LOOSER = 1.2
 """By which the statement checker's bound of a curvature may be larger than what is sampled of it."""
 ROUNDED_M = 1e-8
@@ -51,9 +45,9 @@ STEPS = 4
 Row = tuple[float, ...]
 
 
-def guides_of(scene: Scene, plan: Plan) -> list[Row]:
-    """The rows of guides of a plan."""
-    found, attached, before = list[Row](), at_start(scene), WORLD
+def guides_of(scene: Scene, plan: Plan, phases: Sequence[Phase]) -> list[Row]:
+    """The rows of guides of a plan, which has these phases."""
+    found = list[Row]()
     for step, arrival in zip(scene.task, plan.arrivals, strict=False):
         if isinstance(step, Trace):
             found += _traced(scene, plan, step, arrival)
@@ -64,21 +58,19 @@ def guides_of(scene: Scene, plan: Plan) -> list[Row]:
             if step.path:
                 found += _along_path(scene, plan, step, t)
             else:
-                found += _straight(scene, plan, attached.flange(scene, step, arrival.yaw_offset), before, t)
-        before = attached.frame(scene, step)
-        attached = attached.after(scene, step, arrival.yaw_offset)
+                last = next((phase for phase in phases if phase.step == arrival.step - 1), None)
+                before = WORLD if last is None else last.attached.frame(scene, scene.task[last.step])
+                found += _straight(scene, plan, step, before, t)
     return found
 
 
-def _straight(scene: Scene, plan: Plan, goal_at: tuple[str, Pose], before: str, t: FloatArray) -> list[Row]:
-    """The tool goes along the line from where it is left, at rest or in the frame `before`, to the control point, at
-    which the flange is at `goal_at`."""
-    path = plan.trajectory
+def _straight(scene: Scene, plan: Plan, step: Move, before: str, t: FloatArray) -> list[Row]:
+    """The tool goes along the line from where it is left, at rest or in the frame `before`, to the control point."""
+    path, goal, frames = plan.trajectory, step.target, list(scene.frames)
     w = _tool(scene, path, t)
     first = WORLD if np.abs(path.evaluate(float(t[0]), 1)).max() <= REST else before
-    goal_frame, goal = goal_at[0], goal_at[1].then(scene.tool.tcp)
-    left = _seen(_frame(scene, first, t[:1]), w[:1])[0]
-    a, b = (_fixed(_frame(scene, name, t), p) for name, p in ((first, left), (goal_frame, goal.position)))
+    left = Pose(*_seen(scene, first, t[:1], w[:1])[0].tolist())
+    a, b = (scene.frames[name].law.motion(t).at(p).p for name, p in ((first, left), (goal.frame, goal.pose)))
     gap = b - a
     square = (gap**2).sum(1)
     share = np.where(square > 0.0, ((w - a) * gap).sum(1) / np.where(square > 0.0, square, 1.0), 0.0)
@@ -87,18 +79,18 @@ def _straight(scene: Scene, plan: Plan, goal_at: tuple[str, Pose], before: str, 
 
     def off(ends: IntArray) -> FloatArray:
         s = np.interp(t, t[ends], share[ends])
-        return _most(np.linalg.norm(w - a - s[:, None] * gap, axis=1), ends) / (ALONG.most - ALONG.left)
+        return _most(np.linalg.norm(w - a - s[:, None] * gap, axis=1), ends) / (TRACKED_M * (1.0 - LEFT))
 
     ends = _chords(len(t), off)
-    frames = list(scene.frames)
-    head = (*_link(scene), frames.index(first), frames.index(goal_frame), *left.tolist(), *goal.position.tolist())
-    times, shares = t[ends].tolist(), share[ends].tolist()
-    return [(times[k], times[k + 1], *head, shares[k], shares[k + 1], ALONG.most) for k in range(len(times) - 1)]
+    head = (*tool_on(scene)[:4], frames.index(first), frames.index(goal.frame))
+    head = (*head, *left.position.tolist(), *goal.pose.position.tolist())
+    chords = pairwise(zip(t[ends].tolist(), share[ends].tolist(), strict=True))
+    return [(t0, t1, *head, s0, s1, TRACKED_M) for (t0, s0), (t1, s1) in chords]
 
 
 def _along_path(scene: Scene, plan: Plan, step: Move, t: FloatArray) -> list[Row]:
     """The tool goes along the path of a move, by whatever law of time."""
-    w = _seen(_frame(scene, step.target.frame, t), _tool(scene, plan.trajectory, t))
+    w = _seen(scene, step.target.frame, t, _tool(scene, plan.trajectory, t))
     try:
         curve = step.path_from((float(w[0, 0]), float(w[0, 1]), float(w[0, 2]))).curve
     except InputError:
@@ -110,32 +102,27 @@ def _along_path(scene: Scene, plan: Plan, step: Move, t: FloatArray) -> list[Row
         s = np.clip(s + ((w - place) * tangent).sum(1), 0.0, curve.length)
     s[0], s[-1] = 0.0, curve.length
     s = np.minimum(np.maximum.accumulate(s), curve.length)
-    return _on_curve(scene, step.target.frame, curve, t, s, w, np.zeros(len(t)), ALONG)
+    return _on_curve(scene, step.target.frame, curve, t, s, w)
 
 
 def _traced(scene: Scene, plan: Plan, step: Trace, arrival: Arrival) -> list[Row]:
     """The tool is on the path of a trace at the times at which it should be there (Q6), with its leads."""
-    found, v = list[Row](), step.speed_m_s
-    if arrival.trace is None:
-        return found
-    curve = step.path.curve
-    on_path = _Limits(arrival.trace.error_m, 0.25 * RESERVE_M)
+    found, v, curve = list[Row](), step.speed_m_s, step.path.curve
     for leg in plan.legs:
-        if leg.step != arrival.step or leg.kind not in (LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART):
+        if arrival.trace is None or leg.step != arrival.step or leg.kind not in TRACKING:
             continue
         t = _samples(plan.trajectory, leg.t0, leg.t1)
-        w = _seen(_frame(scene, step.target.frame, t), _tool(scene, plan.trajectory, t))
-        pull, limits = np.zeros(len(t)), ALONG
+        w = _seen(scene, step.target.frame, t, _tool(scene, plan.trajectory, t))
         if leg.kind is LegKind.FOLLOW:
-            s, limits = v * (t - leg.t0), on_path
-        else:
-            before = leg.kind is LegKind.APPROACH
-            length = step.lead_in_m if before else step.lead_out_m
-            x = np.clip((t - leg.t0 if before else leg.t1 - t) * v / (2.0 * length), 0.0, 1.0)
-            s = length * (x**3 * (2.0 - x) - 1.0)
-            s = s if before else curve.length - s
-            pull += 0.75 * v * v / length
-        found += _on_curve(scene, step.target.frame, curve, t, s, w, pull, limits)
+            most = arrival.trace.error_m
+            found += _on_curve(scene, step.target.frame, curve, t, v * (t - leg.t0), w, 0.0, most, 0.25 * RESERVE_M)
+            continue
+        before = leg.kind is LegKind.APPROACH
+        length = step.lead_in_m if before else step.lead_out_m
+        x = np.clip((t - leg.t0 if before else leg.t1 - t) * v / (2.0 * length), 0.0, 1.0)
+        s = length * (x**3 * (2.0 - x) - 1.0)
+        s = s if before else curve.length - s
+        found += _on_curve(scene, step.target.frame, curve, t, s, w, 0.75 * v * v / length)
     return found
 
 
@@ -146,11 +133,13 @@ def _on_curve(
     t: FloatArray,
     s: FloatArray,
     w: FloatArray,
-    pull: FloatArray,
-    limits: _Limits,
+    pull: float = 0.0,
+    limit: float = TRACKED_M,
+    left: float = LEFT * TRACKED_M,
 ) -> list[Row]:
     """Rows whose chords are of a curve. `s`, `w`: at each time (T,) the place on the curve, m, and where the tool is
-    (T, 3) in its frame; `pull` (T,): greatest acceleration along the curve, m/s²."""
+    (T, 3) in its frame; `pull`: greatest acceleration along the curve, m/s²; `limit`: how far, m, tool and curve
+    together may be off a chord; `left`: how much of that is left for what is between samples."""
     place, _, bend = curve.at(s)
     # a bound of the curvature holds for all of a part
     part = np.clip(np.searchsorted(curve.edges, s, side="right") - 1, 0, len(curve.parts) - 1)
@@ -161,23 +150,20 @@ def _on_curve(
 
     def curved(ends: IntArray) -> FloatArray:
         """How far the curve may be off each chord, m."""
-        far, lasts = np.diff(s[ends]), np.diff(t[ends])
-        found = _most(bend, ends) * far**2 / 8.0
+        far = np.diff(s[ends])
+        found = (_most(bend, ends) * far**2 + pull * np.diff(t[ends]) ** 2) / 8.0
         found += (parts[ends[1:]] > parts[ends[:-1]]) * TANGENT_RAD * far / 4.0
-        found += _most(pull, ends) * lasts**2 / 8.0
         return np.asarray(LOOSER * found + ROUNDED_M)
 
     def off(ends: IntArray) -> FloatArray:
         chord = np.stack([np.interp(t, t[ends], place[ends, k]) for k in range(3)], 1)
-        return (_most(np.linalg.norm(w - chord, axis=1), ends) + curved(ends)) / (limits.most - limits.left)
+        return (_most(np.linalg.norm(w - chord, axis=1), ends) + curved(ends)) / (limit - left)
 
     ends = _chords(len(t), off)
-    frames, head = [list(scene.frames).index(frame)] * 2, _link(scene)
-    times, points, most = t[ends].tolist(), place[ends].tolist(), (limits.most - curved(ends)).tolist()
-    return [
-        (times[k], times[k + 1], *head, *frames, *points[k], *points[k + 1], 0.0, 1.0, most[k])
-        for k in range(len(times) - 1)
-    ]
+    head = (*tool_on(scene)[:4], *[list(scene.frames).index(frame)] * 2)
+    chords = pairwise(zip(t[ends].tolist(), place[ends].tolist(), strict=True))
+    allowed = (limit - curved(ends)).tolist()
+    return [(t0, t1, *head, *p, *q, 0.0, 1.0, most) for ((t0, p), (t1, q)), most in zip(chords, allowed, strict=True)]
 
 
 def _chords(count: int, off: Callable[[IntArray], FloatArray]) -> IntArray:
@@ -217,22 +203,8 @@ def _tool(scene: Scene, path: Trajectory, t: FloatArray) -> FloatArray:
     return scene.robot.link_motion(len(scene.robot.links) - 1, q, none, none, none).at(scene.tool.tcp).p
 
 
-def _frame(scene: Scene, name: str, t: FloatArray) -> Motion:
-    return scene.frames[name].law.motion(t)
-
-
-def _fixed(frame: Motion, point: FloatArray) -> FloatArray:
-    """A point of a frame (3,) in the world at its times, (T, 3)."""
-    return frame.at(Pose(*(float(x) for x in point))).p
-
-
-def _seen(frame: Motion, points: FloatArray) -> FloatArray:
-    """Points (T, 3) of the world in the axes of a frame at its times."""
+def _seen(scene: Scene, name: str, t: FloatArray, points: FloatArray) -> FloatArray:
+    """Points (T, 3) of the world at times (T,) in the axes of a frame."""
+    frame = scene.frames[name].law.motion(t)
     off, (cosine, sine) = points - frame.p, (np.cos(frame.yaw), np.sin(frame.yaw))
     return np.stack([cosine * off[:, 0] + sine * off[:, 1], cosine * off[:, 1] - sine * off[:, 0], off[:, 2]], 1)
-
-
-def _link(scene: Scene) -> Row:
-    """The columns of the link and of the point on it."""
-    tcp = scene.tool.tcp
-    return (len(scene.robot.links) - 1, tcp.x, tcp.y, tcp.z)

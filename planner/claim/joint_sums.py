@@ -12,11 +12,10 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
 from assur.planner.claim.guides import LATER_S
-from assur.planner.claim.lifts import NEAR, Row, arches_of
+from assur.planner.claim.lifts import NEAR, ONLY, Row, arches_of
 from assur.planner.claim.points import MEET_RAD, MEET_RAD_S, TRACKED_RAD
 from assur.planner.model.outcome import TRACKING, Arrival, Leg, LegKind, Plan
 from assur.planner.model.scene import Scene, Step
-from assur.planner.robots.robot import Robot
 
 STRAIGHT_RAD = 1e-4
 """How far pitch and roll may be off the way between those at both ends of a straight leg."""
@@ -32,7 +31,7 @@ def sums_of(scene: Scene, plan: Plan) -> list[Row]:
     for leg in plan.legs:
         if leg.kind is LegKind.WAIT:
             values = path.evaluate(leg.t0).tolist()
-            found += [(leg.t0, leg.t1, 0, *_one(j), q - NEAR, q + NEAR) for j, q in enumerate(values)]
+            found += [(leg.t0, leg.t1, 0, *ONLY[j], q - NEAR, q + NEAR) for j, q in enumerate(values)]
     for arrival in plan.arrivals:
         step, t = scene.task[arrival.step], arrival.time
         if step.via and step.leg == "joint":
@@ -40,31 +39,19 @@ def sums_of(scene: Scene, plan: Plan) -> list[Row]:
             joint = int(np.abs(rates).argmax())
             sign, least = math.copysign(1.0, rates[joint]), GOES_ON * abs(float(rates[joint]))
             if least > MEET_RAD_S:
-                shares = tuple(sign * share for share in _one(joint))
+                shares = tuple(sign * share for share in ONLY[joint])
                 found.append((t, t, 1, *shares, least, c.GREATEST))
         elif step.match == "position" and not step.via:
-            found += [(t, t, 1, *_one(j), -MEET_RAD_S, MEET_RAD_S) for j in range(path.n)]
-    if scene.robot.lift is not None:
-        found += arches_of(scene, plan)
+            found += [(t, t, 1, *ONLY[j], -MEET_RAD_S, MEET_RAD_S) for j in range(path.n)]
+    found += arches_of(scene, plan)
     if "pitch" in scene.robot.coordinates:
-        hand = hand_of(scene.robot)
+        rows = scene.robot.chain_rows
+        tilts = rows.links[scene.robot.links.index("flange"), [c.LINK_PITCH, c.LINK_ROLL]].astype(int)
+        hand = rows.angles[tilts, c.ANGLE_SHARE :]
         for arrival in plan.arrivals:
             step = scene.task[arrival.step]
             legs = [leg for leg in plan.legs if leg.step == arrival.step and leg.kind is not LegKind.WAIT]
             found += _met(plan, legs, arrival, hand) + _along(plan, step, legs, arrival, hand)
-    return found
-
-
-def _one(joint: int) -> tuple[float, ...]:
-    """Shares of which only that of one joint is 1."""
-    return tuple(float(j == joint) for j in range(c.MOST_JOINTS))
-
-
-def hand_of(robot: Robot) -> FloatArray:
-    """The shares (2, c.MOST_JOINTS) of the joints in pitch and roll of the flange."""
-    flange, found = robot.chain.links[robot.links.index("flange")], np.zeros((2, c.MOST_JOINTS))
-    for row, joints in zip(found, (flange.tilts or (), flange.rolls), strict=True):
-        np.add.at(row, list(joints), 1.0)
     return found
 
 

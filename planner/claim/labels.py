@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from assur.planner.claim.filling import SceneClaim
-from assur.planner.claim.peaks import tool_peaks_of
-from assur.planner.claim.points import axes_of, points_of, rates_of
+from assur.planner.claim.answer import named_answer
+from assur.planner.claim.filling import SceneClaim, named_rows
 from assur.planner.model.claims import NOTHING, Claims
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import Phase
@@ -29,15 +28,11 @@ class Labels(NamedTuple):
     axes: tuple[str, ...]
 
 
-OF_TOOL = "tool"
-"""What the rows of the tool's peaks are called."""
-
-
 def labels_of(base: SceneClaim, plan: Plan, phases: Sequence[Phase], claims: Claims = NOTHING) -> Labels:
     """The labels of the claim that `with_plan` makes of the same, and `with_answer` of what an answer states."""
-    scene = base.scene
-    peaks = tool_peaks_of(scene, plan, phases, claims)
-    axes = axes_of(scene, plan) + base.postures.of_plan(plan) + base.postures.of_answer(plan, claims)
+    scene, named = base.scene, named_rows(base, plan, phases)
+    for name, rows in named_answer(base, plan, phases, claims).items():
+        named[name] += rows
     robots = scene.robot, *(robot for robot, _ in base.cell.frames.others)
     return Labels(
         request_digest=scene.digest,
@@ -46,9 +41,7 @@ def labels_of(base: SceneClaim, plan: Plan, phases: Sequence[Phase], claims: Cla
         frames=tuple(scene.frames),
         bodies=tuple(base.cell.carriers.body),
         phases=tuple(str(phase.kind) for phase in phases),
-        points=tuple(name for name, _ in points_of(scene, plan)),
-        rates=(*(name for name, _ in rates_of(scene, plan, phases)), *(OF_TOOL for _ in peaks)),
-        axes=tuple(name for name, _ in axes),
+        **{table: tuple(name for name, _ in rows) for table, rows in named.items()},
     )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
-from assur.planner.claim.unstated import unstated
+from assur.planner.claim.chain import unstated
 from assur.planner.kernels.columns import laws as own
 from assur.planner.laws import Law
 

@@ -5,27 +5,26 @@ Rows are sums that have one joint: the lift. Its rate is no less than stated on 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import groupby
-
 import numpy as np
 
 from assur.planner.claim import columns as c
+from assur.planner.claim.extremes import largest
 from assur.planner.model.outcome import LegKind, Plan
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 
 Row = tuple[float, ...]
-INSTANTS, ROUNDS = 16, 5
-"""Parts of an interval at whose ends the lift is evaluated; and rounds, each between the neighbours of the highest."""
 SLOW_M_S = 1e-6
 """So fast the lift may go the wrong way wherever its rate is 0, m/s: it moves by less than what counts."""
-SAMPLES = 128
-"""Parts of a piece of the motion at whose ends the rate of the lift is evaluated."""
+SAMPLES, RIM = 128, 1e-6
+"""Parts of a piece of the motion at whose ends the rate of the lift is evaluated; and the share of a piece by which its
+jerk is evaluated within it."""
+ONLY = tuple(map(tuple, np.eye(c.MOST_JOINTS).tolist()))
+"""For each joint the shares of a sum that has this joint alone."""
 NEAR = 1e-8
 """A joint is stated to be so near its value, rad or m: ten times what the claim checker keeps for rounding."""
 BACK_M = 2e-5
-"""A way that goes back by no more in total is stated in one row, m; else the pieces that go back have their own."""
+"""Twice the way that the lift may go back in total, m, however long it takes at `SLOW_M_S`."""
 
 
 def arch_top(scene: Scene, plan: Plan, number: int) -> float:
@@ -37,59 +36,37 @@ def arch_top(scene: Scene, plan: Plan, number: int) -> float:
 def arches_of(scene: Scene, plan: Plan) -> list[Row]:
     """Rows of sums: of each arch the lift at its begin, its top and its end, and rates on the ways up and down."""
     lift, path, found = scene.robot.lift, plan.trajectory, list[Row]()
-    for leg in plan.legs if lift is not None else ():
+    for leg in plan.legs:
         if leg.kind is not LegKind.ARCH or lift is None:
             continue
-        share = tuple(float(joint == lift) for joint in range(c.MOST_JOINTS))
+        share = ONLY[lift]
         turn = _top(path, lift, leg.t0, leg.t1)
         heights = path.evaluate(np.array([leg.t0, turn, leg.t1]))[:, lift].tolist()
         found += [(t, t, 0, *share, z - NEAR, z + NEAR) for t, z in zip((leg.t0, turn, leg.t1), heights, strict=True)]
         for sign, t0, t1 in ((1.0, leg.t0, turn), (-1.0, turn, leg.t1)):
-            if t0 < t1:
-                found += [_one_way(share, sign, *each) for each in _rates(path, lift, sign, t0, t1)]
+            for begin, end, least in _rates(path, lift, sign, t0, t1) if t0 < t1 else ():
+                bounds = (least, c.GREATEST) if sign > 0.0 else (-c.GREATEST, -least)
+                found.append((begin, end, 1, *share, *bounds))
     return found
-
-
-def _one_way(share: Sequence[float], sign: float, t0: float, t1: float, least: float) -> Row:
-    """The row of an interval in which the lift goes up (sign 1) or down (-1), but for `least`, m/s."""
-    return (t0, t1, 1, *share, *((least, c.GREATEST) if sign > 0.0 else (-c.GREATEST, -least)))
 
 
 def _top(path: Trajectory, lift: int, t0: float, t1: float) -> float:
     """When the lift is highest in an interval, s."""
-    t = np.unique(
-        np.concatenate([np.linspace(t0, t1, 4 * INSTANTS + 1), path.time[(path.time > t0) & (path.time < t1)]])
-    )
-    for _ in range(ROUNDS):
-        k = int(path.evaluate(t)[:, lift].argmax())
-        best = float(t[k])
-        t = np.append(np.linspace(t[max(k - 1, 0)], t[min(k + 1, len(t) - 1)], INSTANTS + 1), best)
-        t.sort()
-    return best
+    return float(largest(path, 0, t0, t1, np.positive)[0][lift])
 
 
 def _rates(path: Trajectory, lift: int, sign: float, t0: float, t1: float) -> list[tuple[float, float, float]]:
-    """Intervals that cover [t0, t1], and the least rate of the lift, times `sign`, in each: one for all pieces, or
-    pieces that go back apart from those that do not."""
+    """The pieces of the motion from t0 to t1, and the least rate of the lift, times `sign`, in each."""
     edges = np.unique(np.concatenate([[t0], path.time[(path.time > t0) & (path.time < t1)], [t1]]))
-    t = edges[:-1, None] + np.diff(edges)[:, None] * np.linspace(0.0, 1.0, SAMPLES + 1)
-    t[:, -1] = edges[1:]
-    rim = 1e-6 * np.diff(edges)[:, None]
-    inside = np.clip(t, edges[:-1, None] + rim, edges[1:, None] - rim)
-    rate = sign * path.evaluate(t.ravel(), 1)[:, lift].reshape(t.shape)
-    jerk = path.evaluate(inside.ravel(), 3)[:, lift].reshape(t.shape)  # at its end a piece has the jerk of the next one
+    begins, steps = edges[:-1, None], np.diff(edges)[:, None]
+    shares = np.linspace(0.0, 1.0, SAMPLES + 1)
+    # at its end a piece has the jerk of the next one
+    rates, jerks = (
+        path.evaluate(np.minimum(begins + steps * u, edges[1:, None]).ravel(), order)[:, lift].reshape(-1, SAMPLES + 1)
+        for order, u in ((1, shares), (3, np.clip(shares, RIM, 1.0 - RIM)))
+    )
     slow = min(SLOW_M_S, 0.5 * BACK_M / (t1 - t0))  # so little in total, however long it lasts
     # between two samples a rate leaves its chord by no more than its second derivative lets it
-    least = rate.min(1) - 0.13 * np.abs(jerk).max(1) * (np.diff(edges) / SAMPLES) ** 2 - slow
-    if float(-least.min()) * (t1 - t0) <= BACK_M:
-        return [(t0, t1, float(least.min()))]
-    found = []
-    for _, group in groupby(zip(edges.tolist(), edges[1:].tolist(), least.tolist(), strict=False), key=_goes_back):
-        own = list(group)
-        found.append((own[0][0], own[-1][1], min(each[2] for each in own)))
-    return found
-
-
-def _goes_back(piece: tuple[float, float, float]) -> bool:
-    """Whether the least rate of a piece is negative."""
-    return piece[2] < -2.0 * SLOW_M_S
+    bows = 0.13 * np.abs(jerks).max(1) * (steps[:, 0] / SAMPLES) ** 2
+    least = (sign * rates).min(1) - bows - slow
+    return list(zip(edges.tolist(), edges[1:].tolist(), least.tolist(), strict=False))

@@ -29,21 +29,20 @@ class JointLimits:
     def over(self, start: float, phases: Sequence[Phase]) -> FloatArray:
         """The limits (N, c.LIMIT) of a plan: the robot's from `start` on, s, and those that each load leaves, for as
         long as it is held."""
-        spans = [(self._own, start, phases[-1].t1)]
-        if self._lowered:
-            for held, group in groupby((phase for phase in phases if phase.step >= 0), key=_held):
-                row, all_ = self._lowered.get(held), list(group)
-                if row is not None:
-                    spans.append((row, all_[0].t0, all_[-1].t1))
-        found = np.array([row for row, _, _ in spans])
-        found[:, c.LIMIT_T0 : c.LIMIT_JERKS] = [(t0, t1) for _, t0, t1 in spans]
+        loads = loads_of(phases) if self._lowered else []
+        spans = [(part, t0, t1) for part, t0, t1 in loads if part in self._lowered]
+        found = np.array([self._own, *(self._lowered[part] for part, _, _ in spans)])
+        found[:, c.LIMIT_T0 : c.LIMIT_JERKS] = [(start, phases[-1].t1), *((t0, t1) for _, t0, t1 in spans)]
         return found
 
 
-def _held(phase: Phase) -> str | None:
-    """The part that the gripper holds."""
-    held = phase.attached.held
-    return None if held is None else held.part
+def loads_of(phases: Sequence[Phase]) -> list[tuple[str | None, float, float]]:
+    """What the gripper holds on the legs of a plan, from when to when, s."""
+    found = []
+    for part, group in groupby((phase for phase in phases if phase.step >= 0), key=lambda phase: phase.attached.part):
+        own = list(group)
+        found.append((part, own[0].t0, own[-1].t1))
+    return found
 
 
 def _row(limits: Limits, *, jerk: bool) -> FloatArray:

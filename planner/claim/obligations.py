@@ -94,12 +94,11 @@ def phases_of(scene: Scene, carriers: Carriers, seats: Seats, phases: Sequence[P
                 now.append(rows.setdefault(seat_of(scene, carriers, attached, name), begin + len(rows)))
         for (_, k), row in zip(seats.moved, now, strict=True):
             seated[p, k] = row
-        held = None if attached.held is None else attached.held.part
         for name, within in phase.handled.within:
             k = number[name]
             off[p, k] = within.position_m + within.yaw_rad * scene.index[name].body.radius
             off[p, many + k] = within.vertical_m
-            if name != held:
+            if name != attached.part:
                 put_down.append((p, k))
                 others = [number[x] for pair in phase.handled.supports if name in pair for x in pair if x != name]
                 supports.append(_chosen(others, many))

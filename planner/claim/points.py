@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 
 from assur.planner.claim import columns as c
+from assur.planner.claim.extremes import between_jumps
 from assur.planner.claim.lifts import arch_top
 from assur.planner.model.attachments import at_start
 from assur.planner.model.outcome import TRACKING, LegKind, Plan
@@ -29,19 +30,25 @@ ANYWHERE_M = 2.0 * c.FARTHEST_M
 """How far the tool may be from a point of which only the yaw counts."""
 
 
-def points_of(scene: Scene, plan: Plan) -> Rows:
+def tool_on(scene: Scene) -> tuple[int, float, float, float, float]:
+    """The link that carries the tool, and the pose of the tool point on it: columns that follow each other."""
+    tcp = scene.tool.tcp
+    return len(scene.robot.links) - 1, tcp.x, tcp.y, tcp.z, tcp.yaw
+
+
+def points_of(scene: Scene, plan: Plan, phases: Sequence[Phase]) -> Rows:
     """Where the tool is at its control points, on legs that track them, and where the straight parts of these begin and
-    end."""
-    found, tcp, link = Rows(), scene.tool.tcp, len(scene.robot.links) - 1
-    frames, tool = list(scene.frames), (tcp.x, tcp.y, tcp.z, tcp.yaw)
-    attached = at_start(scene)
+    end. `phases`: those of the plan."""
+    found, tcp, on, frames = Rows(), scene.tool.tcp, tool_on(scene), list(scene.frames)
+    attached, of_step = at_start(scene), {phase.step: phase.attached for phase in reversed(phases)}
     turns = "yaw" in scene.robot.coordinates
     met, turning, tracked = (MEET_RAD, MEET_RAD_S, TRACKED_RAD) if turns else (FREE, FREE, FREE)
     # a motion without a task has no arrivals
     for step, arrival in zip(scene.task, plan.arrivals, strict=False):
+        attached = of_step.get(arrival.step, attached)
         frame, flange = attached.flange(scene, step, arrival.yaw_offset)
         at = flange.then(tcp)
-        target = (frames.index(frame), link, *tool, at.x, at.y, at.z, at.yaw)
+        target = (frames.index(frame), *on, at.x, at.y, at.z, at.yaw)
         legs = [leg for leg in plan.legs if leg.step == arrival.step and leg.kind in TRACKING]
         if isinstance(step, Trace):
             # guides state where the tool is; it keeps its yaw in the frame
@@ -66,7 +73,6 @@ def points_of(scene: Scene, plan: Plan) -> Rows:
                 rates = (MEET_M_S, turning) if stops else (FREE, FREE)
                 found.append((step.name, (outer, outer, *target, length, TRACKED_M, TRACKED_M, tracked, *rates)))
             found.append((step.name, (leg.t0, leg.t1, *target, half, height, TRACKED_M, tracked, FREE, FREE)))
-        attached = attached.after(scene, step, arrival.yaw_offset)
     return found
 
 
@@ -77,28 +83,25 @@ def _matches(step: Step) -> bool:
 
 def rates_of(scene: Scene, plan: Plan, phases: Sequence[Phase]) -> Rows:
     """How hard the tool point accelerates at most when a part is held, and how fast it is on the path of a trace."""
-    limit, end, tcp, link = scene.carry_acceleration, plan.trajectory.end, scene.tool.tcp, len(scene.robot.links) - 1
-    tool, found = (link, tcp.x, tcp.y, tcp.z), Rows()
-    if limit is not None:
-        most = limit * (1.0 + CARRY_SHARE)
-        found += [
-            (str(each.kind), (each.t0, min(each.t1, end), *tool, -1, 2, 0.0, most))
-            for each in phases
-            if each.attached.held is not None and each.t0 < end
-        ]
+    limit, path, on, found = scene.carry_acceleration, plan.trajectory, tool_on(scene)[:4], Rows()
+    for each in phases:
+        if limit is not None and each.attached.held is not None and each.t0 < path.end:
+            most = limit * (1.0 + CARRY_SHARE)
+            parts = between_jumps(path, each.t0, min(each.t1, path.end))
+            found += [(str(each.kind), (*part, *on, -1, 2, 0.0, most)) for part in parts]
     for arrival in plan.arrivals:
         trace, step = arrival.trace, scene.task[arrival.step]
         if trace is not None and step.target is not None:
             frame = list(scene.frames).index(step.target.frame)
             speeds = (trace.slowest_m_s, trace.fastest_m_s)
-            found.append((step.name, (arrival.time, arrival.until, *tool, frame, 1, *speeds)))
+            found.append((step.name, (arrival.time, arrival.until, *on, frame, 1, *speeds)))
     return found
 
 
 def axes_of(scene: Scene, plan: Plan) -> Rows:
     """Directions of the tool: outside of forbidden ranges of yaw, and yaws that are kept. How high an arch reaches."""
-    found, path, link, lag = Rows(), plan.trajectory, len(scene.robot.links) - 1, scene.execution.lag
-    tcp = scene.tool.tcp
+    found, path, lag, tcp = Rows(), plan.trajectory, scene.execution.lag, scene.tool.tcp
+    link = len(scene.robot.links) - 1
     ahead, aside = (math.cos(tcp.yaw), math.sin(tcp.yaw), 0.0), (-math.sin(tcp.yaw), math.cos(tcp.yaw), 0.0)
     for each in scene.forbidden_yaw:
         late = lag[0] + lag[1] + lag[3] if lag else 0.0

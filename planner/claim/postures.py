@@ -68,28 +68,24 @@ class Postures:
             # what a request asks has rows already
             if mode is not None and (mode != self._mode or arrival.missed_by is not None):
                 found += self._in_mode(arrival, mode)
+        if claims.singularity is None and claims.parallel is None:
+            return found
         first = int(robot.mode_of(path.q[0]))
         serial = [] if first < 0 else list(zip(self._bends, self._signs[first], strict=True))
         stated = (("singularity", claims.singularity, serial), ("parallel", claims.parallel, self._couplers))
-        for (name, said, bends), when in zip(stated, self._when(plan, claims), strict=True):
+        for (name, said, bends), own in zip(stated, least_margins(robot, path, instants(path)[0]), strict=True):
             if said is None or said[0] is None:
                 continue
             least, reached = said[0] - MARGIN, said[0] + MARGIN
             if least > 0.0:
                 # a number that is never 0 keeps its sign
                 found += [(name, _beyond(bend, path.start, path.end, sign, least)) for bend, sign in bends]
-            if when is not None:
-                nearest = min((bend for bend, _ in bends), key=lambda bend: abs(self._value(bend, plan, when)))
-                found.append((name, _within(nearest, when, reached)))
+            if own is not None and bends:
+                t = own[1]
+                nearest = min((bend for bend, _ in bends), key=lambda bend: abs(self._value(bend, plan, t)))
+                size = reached * (nearest.length or 1.0)
+                found.append((name, _row(nearest, t, t, -size, size)))
         return found
-
-    def _when(self, plan: Plan, claims: Claims) -> tuple[float | None, float | None]:
-        """The instants of the least singularity margin and the least parallel margin; None: not stated."""
-        if claims.singularity is None and claims.parallel is None:
-            return None, None
-        times, _ = instants(plan.trajectory)
-        serial, parallel = least_margins(self._scene.robot, plan.trajectory, times)
-        return serial[1], None if parallel is None else parallel[1]
 
     def _in_mode(self, arrival: Arrival, mode: int) -> Rows:
         """The signs of a working mode when an arrival begins. What never is 0 tells no modes apart."""
@@ -133,12 +129,6 @@ def _beyond(bend: Bend, t0: float, t1: float, sign: int, least: float) -> tuple[
     """A number has this sign over [t0, t1], and no smaller size than `least`."""
     size = least * (bend.length or 1.0)
     return _row(bend, t0, t1, *((size, ANY) if sign > 0 else (-ANY, -size)))
-
-
-def _within(bend: Bend, t: float, most: float) -> tuple[float, ...]:
-    """A number is no larger than `most` at an instant, nor less than its opposite."""
-    size = most * (bend.length or 1.0)
-    return _row(bend, t, t, -size, size)
 
 
 def _row(bend: Bend, t0: float, t1: float, low: float, high: float) -> tuple[float, ...]:

@@ -26,9 +26,14 @@ class Attachments:
     held: Held | None = None
     placed: tuple[tuple[str, str, Pose], ...] = ()
 
+    @property
+    def part(self) -> str | None:
+        """The name of the part in the gripper."""
+        return None if self.held is None else self.held.part
+
     def limits(self, scene: Scene) -> Limits:
         """The joints' limits with what the gripper holds."""
-        return scene.limits_with(None if self.held is None else self.held.part)
+        return scene.limits_with(self.part)
 
     def pose_of(self, scene: Scene, name: str) -> tuple[str, Pose]:
         """Frame of a body of the surroundings, and its pose in it."""
@@ -57,7 +62,7 @@ class Attachments:
         if isinstance(step, Pick):
             return frame, pose.then(_grasp(step, yaw_offset)).then(to_flange)
         if isinstance(step, Place):
-            if self.held is None or self.held.part != step.part:
+            if self.held is None or self.part != step.part:
                 raise InputError("task", step.part, "a place only of the part that an earlier pick holds")
             return frame, pose.then(self.held.in_flange.inverse())
         return frame, Pose(pose.x, pose.y, pose.z, pose.yaw + yaw_offset).then(to_flange)

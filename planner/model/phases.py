@@ -109,9 +109,8 @@ def stay_phases(scene: Scene, end: float, attached: Attachments, handled: Handle
     if scene.options.end == "rest" and stay > 0:
         found.append(Phase(end, end + stay, LegKind.WAIT, -1, attached, corrected=corrected, handled=handled))
         end += stay
-    held = None if attached.held is None else attached.held.part
     late = scene.execution.start_tolerance_s
-    if late > 0.0 and any(name != held for name, _ in handled.within):
+    if late > 0.0 and any(name != attached.part for name, _ in handled.within):
         found.append(Phase(end, end + late, LegKind.WAIT, -1, attached, handled=handled, robot=False))
     return found
 

@@ -18,12 +18,12 @@ import pytest
 
 from assur.planner import compiled
 from assur.planner.checker.claim.verdict import check_claim
-from assur.planner.claim.reading import read
 from assur.scenes.bundle import bundle_document
 from assur.scenes.kernels import load
 from assur.scenes.requests import check_document, plan_document, shipped
 from benchmarks.problem_set import read_problem_set
 from benchmarks.translation import Terms, request
+from tests.planner.claim.reading import read
 
 ROOT = Path(__file__).parents[2]
 

@@ -10,7 +10,6 @@ from typing import Any
 from assur.planner.checker.claim.verdict import check_claim
 from assur.planner.claim import columns as c
 from assur.planner.claim import document as written
-from assur.planner.claim import reading
 from assur.planner.claim.chain import Arms, knots_of
 from assur.planner.claim.laws import law_of
 from assur.planner.claim.solids import solids_of
@@ -25,6 +24,7 @@ from assur.prover.prove import prove
 from assur.scenes.bundle import bundle_of
 from assur.scenes.requests import cell_of, read_plan
 from assur.scenes.scenarios import shipped
+from tests.planner.claim import reading
 from tests.scenes.cells.second_kinematics import answer
 
 Document = dict[str, Any]

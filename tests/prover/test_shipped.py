@@ -17,7 +17,6 @@ import assur
 from assur.planner.claim.answer import with_answer
 from assur.planner.claim.document import document_of
 from assur.planner.claim.filling import claim_of, with_plan
-from assur.planner.claim.reading import read
 from assur.planner.claim.solids import bodies_in
 from assur.planner.model.claims import NOTHING
 from assur.planner.model.digest import digest
@@ -28,6 +27,7 @@ from assur.scenes.requests import check_document
 from assur.scenes.scenarios import shipped, shipped_scenarios
 from tests.architecture.source_tree import ROOT, imports
 from tests.planner.claim.bounds import outside
+from tests.planner.claim.reading import read
 from tests.prover.bundles import bundle, planned, shown
 from tests.scenes.cells.second_kinematics import answer
 

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from assur.planner.checker.claim.chain import slot_of
 from assur.planner.checker.claim.motion import make_laws, rounding
 from assur.planner.checker.claim.verdict import prepare
-from assur.planner.claim.filling import claim_of, with_motion
+from assur.planner.claim.filling import claim_of, with_plan
 from assur.planner.errors import InputError
 from assur.planner.geometry.shapes import box
 from assur.planner.kernels.laws import place_frame
@@ -127,7 +127,7 @@ def off(law: Law, t: float) -> tuple[float, float]:
     q = np.tile(scene.start.q, (2, 1))
     path = Trajectory(np.array([t, t + 1.0]), q, 0.0 * q, 0.0 * q)
     at_rest = Plan(path, (Leg(LegKind.MOVE, 0, t, t + 1.0),), (), certificate_of([]))
-    claim = with_motion(claim_of(scene), at_rest, (Phase(t, t + 1.0, LegKind.MOVE, 0),))
+    claim = with_plan(claim_of(scene), at_rest, (Phase(t, t + 1.0, LegKind.MOVE, 0),))
     geometry, scratch = prepare(claim)
     assert make_laws(claim, geometry)
     on = len(claim.links) + list(scene.frames).index("moved")

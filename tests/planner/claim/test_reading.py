@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from assur.planner.claim import columns as c
+from assur.planner.claim import forms
 from assur.planner.claim.document import document_of
-from assur.planner.claim.reading import read
 from assur.planner.errors import InputError
+from tests.planner.claim.reading import read
 from tests.prover.bundles import Document, bundle
 
 NAMES = ("demo", "five-bar")
@@ -34,6 +35,8 @@ def _short(name: str) -> Document:
             piece |= {"vertices": piece["vertices"][:4], "triangles": [[0, 1, 2]] if piece["triangles"] else []}
     document["required"]["exceptions"] = [{"first": [], "second": [0, 1], "travel": 0.01, "near": 0.0}]
     document["phases"][0]["put_down"] = [{"body": 0, "supports": [1]}]
+    shares = [1.0] * len(document["arms"][0]["q"][0])
+    document["sums"] = [{"t0": 0.0, "t1": 1.0, "order": 1, "joints": shares, "low": -1.0, "high": 2.0}]
     return document
 
 
@@ -149,6 +152,38 @@ def test_lists_of_another_length_and_numbers_of_what_does_not_exist_are_refused(
         read(replaced(short("demo"), path, value))
     with pytest.raises(InputError, match="an object with the keys"):
         read([short("demo")])
+
+
+@pytest.mark.parametrize("name", [*NAMES, "rv-m1"])
+@pytest.mark.parametrize("many", [0, 1, -1, 1000])
+def test_a_sum_of_joints_has_a_share_of_each_joint_and_no_more(name: str, many: int) -> None:
+    count = len(_short(name)["arms"][0]["q"][0])
+    shares = [0.5] * {-1: count - 1, 1000: count + 1}.get(many, many)
+    links = _short(name)["arms"][0]["links"]
+    angles = [
+        ("links", k, key, "joints") for k, link in enumerate(links) for key in ("yaw", "pitch", "roll") if link[key]
+    ]
+    assert len(angles) >= len(links)
+    for path in [("sums", 0, "joints"), *(("arms", 0, *each) for each in angles)]:
+        with pytest.raises(InputError, match=f"joints: got .*; allowed: a list of {count}"):
+            read(replaced(short(name), path, shares))
+
+
+def test_the_fields_of_a_table_are_its_columns_one_after_the_other() -> None:
+    left_out = {"limits": {c.LIMIT_JERKS}}
+    for table, form in forms.SECTIONS.items():
+        columns = set(range(c.WIDTHS[table])) - left_out.get(table, set())
+        own = [
+            column + k for (_, many, *_), column, _ in form for k in range(1 if many is None else many or c.MOST_JOINTS)
+        ]
+        assert own == sorted(columns), table
+        for (name, *_), column, _ in form:
+            known = getattr(c, f"{table.upper().rstrip('S')}_{name.upper()}", column)
+            assert known in (column, c.RATE_POINT, c.DISTANCE_PIECE), (table, name)
+    kinds = {(table, key.name): kind for table, form in forms.SECTIONS.items() for key, _, kind in form}
+    assert kinds["axes", "other"] == kinds["rows", "pieces"] == kinds["sums", "order"] == "whole"
+    assert kinds["axes", "place"] == "flag"
+    assert kinds["axes", "low"] == kinds["points", "tool"] == kinds["limits", "jerk"] == "number"
 
 
 def test_laws_have_no_more_powers_than_the_tables_have_columns_for() -> None:

@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 from assur.planner.checker.claim.verdict import ClaimCode
-from assur.planner.claim import reading
 from assur.planner.claim.columns import Claim
 from tests.planner.checker.claim.stated import STATED
+from tests.planner.claim import reading
 
 Document = dict[str, Any]
 Change = Callable[[Document], object]

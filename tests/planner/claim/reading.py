@@ -1,9 +1,10 @@
-"""The tables of a proof bundle. The form of the document is checked here; what its numbers may be is for the checker of
-the claim (`columns.BOUNDS`)."""
+"""The tables of a proof bundle, as its writer had them. The form of the document is checked here; what its numbers may
+be is for the checker of the claim (`columns.BOUNDS`)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -12,13 +13,15 @@ from assur.planner.claim import columns as c
 from assur.planner.claim import forms
 from assur.planner.claim.columns import Claim
 from assur.planner.claim.document import FORM
-from assur.planner.claim.fields import index, items, member, numbers, read_row, scalar, text
+from assur.planner.claim.forms import Document, Field, Kind
 from assur.planner.claim.labels import Labels
 from assur.planner.errors import InputError
 from assur.planner.robots.chain import known_between
 
 Rows = dict[str, list[Sequence[float]]]
 """The rows of all tables by name."""
+LARGEST_WHOLE = 2**53
+"""Beyond this a double is no longer every whole number."""
 OTHERS = ("schema", "request_digest", "plan_digest", "arms", "frames", "bodies", "phases", "required")
 
 
@@ -178,3 +181,75 @@ def _required(found: Rows, given: object, joints: int, links: int, bodies: int) 
         i, k = (index(x, links, "self_pairs") for x in items(pair, "self_pairs", 2))
         pairs[i, k] = pairs[k, i] = 1.0
     return pairs
+
+
+def read_row(form: Iterable[Field], document: Document, width: int, joints: int = 0) -> list[float]:
+    """The row (width,) of an object; columns without a field are 0. Raises `InputError` for a value of another kind."""
+    row = [0.0] * width
+    for key, column, kind in form:
+        value = document[key.name]
+        if key.many is None:
+            row[column] = scalar(kind, value, key.name)
+            continue
+        if key.empty is not None:
+            row[key.empty[0]] = key.empty[1] if value == [] else 1.0 - key.empty[1]
+            if value == []:
+                continue
+        count = key.many or joints
+        found = numbers(value, key.name, None if key.open else count, kind=kind)
+        if key.open and (len(found) > count or min(found, default=0.0) < 0.0):
+            raise InputError(key.name, value, f"up to {count} numbers from 0 on")
+        row[column : column + count] = [*found, *[-1.0] * (count - len(found))]
+    return row
+
+
+def scalar(kind: Kind, value: object, key: str) -> float:
+    """A value as a number. Raises `InputError` for one of another kind, and for what is not finite."""
+    if kind == "flag":
+        if not isinstance(value, bool):
+            raise InputError(key, value, "true or false")
+        return float(value)
+    if kind == "whole":
+        if type(value) is not int or not -1 <= value <= LARGEST_WHOLE:
+            raise InputError(key, value, "a whole number from -1 on")
+        return float(value)
+    if type(value) not in (int, float) or not -c.LIMITLESS <= value <= c.LIMITLESS:  # type: ignore[operator]
+        raise InputError(key, value, "a finite number")
+    return float(value)  # type: ignore[arg-type]
+
+
+def numbers(value: object, key: str, count: int | None = None, room: int = 0, *, kind: Kind = "number") -> list[float]:
+    """A list of numbers, `count` of them, filled up with zeros to `room`. Raises `InputError` otherwise."""
+    found = [scalar(kind, x, key) for x in items(value, key, count)]
+    if room and len(found) > room:
+        raise InputError(key, len(found), f"up to {room} numbers")
+    return [*found, *[0.0] * (room - len(found))]
+
+
+def index(value: object, count: int, key: str) -> int:
+    """The number of one of `count` things. Raises `InputError` otherwise."""
+    if type(value) is not int or not 0 <= value < count:
+        raise InputError(key, value, f"a whole number from 0 on, below {count}")
+    return value
+
+
+def items(value: object, key: str, count: int | None = None) -> list[Any]:
+    """A list, of `count` items. Raises `InputError` otherwise."""
+    if not isinstance(value, list) or (count is not None and len(value) != count):
+        raise InputError(key, value, "a list" if count is None else f"a list of {count}")
+    return value
+
+
+def member(value: object, form: Iterable[Field], *others: str) -> Document:
+    """An object with exactly the keys of a form and these others. Raises `InputError` otherwise."""
+    keys = {*others, *(field.key.name for field in form)}
+    if not isinstance(value, dict) or set(value) != keys:
+        raise InputError("bundle", value, f"an object with the keys {', '.join(sorted(keys))}")
+    return value
+
+
+def text(value: object, key: str) -> str:
+    """A text. Raises `InputError` otherwise."""
+    if not isinstance(value, str):
+        raise InputError(key, value, "a text")
+    return value

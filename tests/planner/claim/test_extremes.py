@@ -1,0 +1,48 @@
+"""Where a joint is largest, by exact extremes of the motion and by samples."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from assur.planner.claim.extremes import LONG_S, between_jumps, largest
+from assur.planner.trajectory import Trajectory
+from tests.prover.bundles import planned
+
+NAMES = ("demo", "five-bar", "rv-m1", "parabolic-blend")
+
+
+@pytest.mark.parametrize(("name", "order"), [(name, order) for name in NAMES for order in (1, 2, 3)][:-1])
+def test_a_derivative_is_largest_where_the_exact_extremes_are(name: str, order: int) -> None:
+    """The jerk of the last one has no bound where its acceleration jumps."""
+    path = planned(name)[1].trajectory
+    low, high = path.extrema(order)
+    t, value = largest(path, order, path.start, path.end)
+    assert np.abs(value) == pytest.approx(np.maximum(-low, high), rel=1e-7, abs=1e-9)
+    own = path.evaluate(t, order).diagonal()
+    assert own == pytest.approx(value, rel=1e-9, abs=1e-9 * np.abs(value).max())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_within_an_interval_nothing_is_larger(name: str) -> None:
+    path = planned(name)[1].trajectory
+    t0, t1 = path.start + 0.31 * (path.end - path.start), path.start + 0.52 * (path.end - path.start)
+    samples = np.linspace(t0, t1, 2001)[:-1]
+    for order, size in ((0, np.positive), (0, np.negative), (1, np.abs), (2, np.abs), (3, np.abs)):
+        t, value = largest(path, order, t0, t1, size)
+        assert (t >= t0).all()
+        assert (t <= t1).all()
+        seen = size(path.evaluate(samples, order)).max(0)
+        assert (size(value) >= seen - 1e-9 * np.abs(seen) - 1e-12).all()
+    t, value = largest(path, 2, t1, t1)
+    assert (t.tolist(), value.tolist()) == ([t1] * path.n, [0.0] * path.n)
+
+
+def test_parts_of_a_motion_end_at_jumps_and_at_long_pieces() -> None:
+    time, none = np.array([0.0, 1.0, 1.5, 1.5 + 2.0 * LONG_S, 90.0 + 2.0 * LONG_S]), np.zeros((5, 1))
+    path = Trajectory(time, none, none, none)
+    assert between_jumps(path, 0.5, 100.0) == [(0.5, 1.5), (1.5, 100.0)]
+    assert between_jumps(path, 0.0, float(time[4])) == [(0.0, 1.5), (1.5, float(time[3])), (float(time[3]), time[4])]
+    assert between_jumps(path, 0.25, 0.75) == [(0.25, 0.75)]
+    path = planned("parabolic-blend")[1].trajectory
+    assert [t for t, _ in between_jumps(path, path.start, path.end)] == path.edges[:-1].tolist()
