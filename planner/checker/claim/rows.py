@@ -18,8 +18,8 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.chain import slot_of
 from assur.planner.checker.claim.motion import rounding
-from assur.planner.checker.claim.obligations import is_fixed, pair_of
-from assur.planner.checker.claim.solids import derivative_bound, length, support
+from assur.planner.checker.claim.obligations import pair_of
+from assur.planner.checker.claim.solids import derivative_bound, support
 from assur.planner.checker.claim.tables import F1, F2, f8, i8
 from assur.planner.checker.claim.uncertainty import required_gap
 from assur.planner.claim import columns as c
@@ -28,8 +28,6 @@ from assur.planner.compiled import kernel, types
 
 SHOWN, WRONG, HALVE_TIME, HALVE_AHEAD = range(4)
 """What (N4) says of a row on an interval: it holds; it is wrong; or which interval must be halved."""
-PLANE_DEEPEST = 6
-"""Halvings of the interval of a row of one body, after which it does not show a pair."""
 
 
 @kernel(types.void(tb.CLAIM, tb.GEOMETRY, F1, i8, i8, i8, f8))
@@ -44,39 +42,38 @@ def place_side(k: Claim, g: tb.Geometry, about: FloatArray, at: int, p: int, bod
 
 @kernel(types.void(tb.CLAIM, tb.GEOMETRY, tb.PROOF))
 def resolve(k: Claim, g: tb.Geometry, proof: tb.Proof) -> None:
-    """Writes what rows are about, in the order of their begins and ends. A row of one body is about the boxes of all
-    bodies that it may show: those on frames that never move. A row that no pair needs, or that is not within one phase,
-    is about nothing."""
-    many = 0
-    for i in proof.order:
-        row, p = proof.rows[i], -1
+    """Writes what each row is about. A row that no pair needs, or that is not within one phase, gets no pair."""
+    for i in range(len(proof.rows)):
+        row, about, p, number = proof.rows[i], proof.objects[i], -1, -1
+        about[tb.OBJECT_PAIR] = about[tb.OBJECT_PLANE] = -1.0
         for q in range(len(k.phases)):
             if k.phases[q, c.PHASE_T0] <= row[c.ROW_T0]:
                 p = q
-        largest = max(abs(row[c.ROW_NORMAL]), abs(row[c.ROW_NORMAL + 1]), abs(row[c.ROW_NORMAL + 2]))
-        if p < 0 or not (row[c.ROW_T1] <= k.phases[p, c.PHASE_T1] and largest > 0.0):
+        if p < 0 or not row[c.ROW_T1] <= k.phases[p, c.PHASE_T1]:
             continue
-        a, other = int(row[c.ROW_BODY]), int(row[c.ROW_BODY + 1])
-        for b in range(max(other, 0), other + 1 if other >= 0 else len(k.bodies)):
-            number, f = pair_of(proof, p, a, b) if a != b else -1, int(k.seats[int(k.seated[p, b]), c.SEAT_FRAME])
+        a, b = int(row[c.ROW_BODY]), int(row[c.ROW_BODY + 1])
+        if b >= 0:
+            number = pair_of(proof, p, a, b) if a != b else -1
             if number < 0 or not proof.pairs[number, tb.PAIR_NEEDED] > 0.0:
                 continue
-            pair, about = proof.pairs[number], proof.objects[many]
-            is_ahead = pair[tb.PAIR_EARLY] != 0.0 or pair[tb.PAIR_LATE] != 0.0
-            if other < 0 and (is_ahead or f < 0 or not is_fixed(g, f)):
-                continue
+            own = proof.pairs[number]
             # who is ahead of whom counts: such a row has its bodies in the order of the pair
-            if is_ahead and int(pair[tb.PAIR_A]) != a:
+            if (own[tb.PAIR_EARLY] != 0.0 or own[tb.PAIR_LATE] != 0.0) and int(own[tb.PAIR_A]) != a:
                 continue
-            for m in range(3):
-                about[tb.OBJECT_NORMAL + m] = row[c.ROW_NORMAL + m] / largest
-            size = length(about, tb.OBJECT_NORMAL, tb.OBJECT_NORMAL + 3)
-            for m in range(3):
-                about[tb.OBJECT_NORMAL + m] /= size
-            place_side(k, g, about, 0, p, a, row[c.ROW_PIECE])
-            place_side(k, g, about, tb.SIDES, p, b, row[c.ROW_PIECE + 1])
-            about[tb.OBJECT_PAIR], about[tb.OBJECT_ROW], many = number, i, many + 1
-    proof.state[tb.OBJECTS] = many
+        x, y, z = row[c.ROW_NORMAL], row[c.ROW_NORMAL + 1], row[c.ROW_NORMAL + 2]
+        largest = max(abs(x), abs(y), abs(z))
+        if not largest > 0.0:
+            continue
+        x, y, z = x / largest, y / largest, z / largest
+        size, n = math.sqrt(x * x + y * y + z * z), tb.OBJECT_NORMAL
+        about[n], about[n + 1], about[n + 2] = x / size, y / size, z / size
+        place_side(k, g, about, 0, p, a, row[c.ROW_PIECE])
+        if b < 0:
+            about[tb.OBJECT_PLANE] = p
+            continue
+        place_side(k, g, about, tb.SIDES, p, b, row[c.ROW_PIECE + 1])
+        about[tb.OBJECT_PAIR] = number
+        proof.state[tb.ROWS] += 1.0
 
 
 @kernel(i8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, F1, f8, f8, f8, f8))
@@ -139,9 +136,9 @@ def row_on(
 
 @kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, tb.PROOF, F2, F2))
 def rows_hold(k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof, items: FloatArray, stack: FloatArray) -> bool:
-    """Whether all rows of one interval hold. `items` begin with the numbers of their objects, with s0 and s1. The
-    interval is on the stack: from, to, first item, last, depth. What is open is halved together, so that carriers are
-    computed once for all of it. A row of one body is never wrong: an object of it that does not hold loses its pair."""
+    """Whether all rows of one interval hold. `items` begin with their numbers, with s0 and s1. The interval is on the
+    stack: from, to, first item, last, depth. Rows that are open are halved together, so that carriers are computed once
+    for all of them."""
     top, state = 1, proof.state
     while top > 0:
         top -= 1
@@ -149,33 +146,26 @@ def rows_hold(k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof, items: F
         first, end = int(stack[top, 2]), int(stack[top, 3])
         left, middle = end, 0.5 * (t0 + t1)
         for i in range(first, end):
-            about, s0, s1 = proof.objects[int(items[i, 0])], items[i, 1], items[i, 2]
-            if about[tb.OBJECT_PAIR] < 0.0:
-                continue
-            row = int(about[tb.OBJECT_ROW])
-            is_plane = proof.rows[row, c.ROW_BODY + 1] < 0.0
+            row, s0, s1 = int(items[i, 0]), items[i, 1], items[i, 2]
+            about = proof.objects[row]
             for side in (0, tb.SIDES):
                 corners = g.solids[int(about[side + tb.SIDE_SOLID]), tb.SOLID_VERTICES]
                 state[tb.WORK] -= 0.5 + (corners + len(k.displaced)) / 50.0
-            works = state[tb.WORK] > 0.1 * s.work[tb.TOUCHED]
-            pair, answer = proof.pairs[int(about[tb.OBJECT_PAIR])], WRONG
-            if works:
-                answer = row_on(k, g, s, about, pair, t0, t1, s0, s1)
+            if not state[tb.WORK] > 0.1 * s.work[tb.TOUCHED]:
+                state[tb.FAILED] = row
+                return False
+            answer = row_on(k, g, s, about, proof.pairs[int(about[tb.OBJECT_PAIR])], t0, t1, s0, s1)
             if answer == SHOWN:
                 continue
-            ends = depth >= (PLANE_DEEPEST if is_plane else tb.DEEPEST) or left + 2 > len(items)
-            if answer == WRONG or ends or (t0 == t1 and answer == HALVE_TIME):
-                if is_plane and works:
-                    about[tb.OBJECT_PAIR] = -1.0
-                    continue
+            if answer == WRONG or depth >= tb.DEEPEST or left + 2 > len(items) or (t0 == t1 and answer == HALVE_TIME):
                 state[tb.FAILED] = row
                 return False
             state[tb.HALVINGS], state[tb.DEPTH] = state[tb.HALVINGS] + 1.0, max(state[tb.DEPTH], depth + 1.0)
             half = 0.5 * (s0 + s1)
-            items[left, 0], items[left, 1], items[left, 2] = items[i, 0], s0, half if answer == HALVE_AHEAD else s1
+            items[left, 0], items[left, 1], items[left, 2] = row, s0, half if answer == HALVE_AHEAD else s1
             left += 1
             if answer == HALVE_AHEAD:
-                items[left, 0], items[left, 1], items[left, 2] = items[i, 0], half, s1
+                items[left, 0], items[left, 1], items[left, 2] = row, half, s1
                 left += 1
         for part in range((2 if t1 > t0 else 1) if left > end else 0):
             stack[top, 0], stack[top, 1] = (t0, middle) if part == 1 else (middle, t1)
@@ -187,30 +177,25 @@ def rows_hold(k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof, items: F
 @kernel(i8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, tb.PROOF), allocates=True)
 def first_wrong_row(k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof) -> int:
     """The first row that does not hold, in the order of begins and ends; -1: all hold. Rows of the same interval are
-    evaluated together. Then the rows of each pair are linked, in the order of their begins."""
-    objects, longest, many = int(proof.state[tb.OBJECTS]), 1, 0
-    for n in range(objects):
-        one = proof.rows[int(proof.objects[n, tb.OBJECT_ROW])]
-        other = proof.rows[int(proof.objects[max(n - 1, 0), tb.OBJECT_ROW])]
+    evaluated together."""
+    rows, longest, many = len(proof.rows), 1, 0
+    for n in range(rows):
+        one, other = proof.rows[proof.order[n]], proof.rows[proof.order[max(n - 1, 0)]]
         many = many + 1 if one[c.ROW_T0] == other[c.ROW_T0] and one[c.ROW_T1] == other[c.ROW_T1] else 1
         longest = max(longest, many)
     items, stack, many = np.empty((8 * longest + 256, 3)), np.empty((2 * tb.DEEPEST + 8, 5)), 0
-    for n in range(objects):
-        row = proof.rows[int(proof.objects[n, tb.OBJECT_ROW])]
-        beyond = proof.rows[int(proof.objects[min(n + 1, objects - 1), tb.OBJECT_ROW])]
-        items[many, 0], items[many, 1], items[many, 2], many = n, row[c.ROW_S0], row[c.ROW_S1], many + 1
-        if n + 1 == objects or beyond[c.ROW_T0] != row[c.ROW_T0] or beyond[c.ROW_T1] != row[c.ROW_T1]:
+    for n in range(rows):
+        i = proof.order[n]
+        row, beyond = proof.rows[i], proof.rows[proof.order[min(n + 1, rows - 1)]]
+        if proof.objects[i, tb.OBJECT_PAIR] >= 0.0:
+            items[many, 0], items[many, 1], items[many, 2] = i, row[c.ROW_S0], row[c.ROW_S1]
+            many += 1
+        last = n + 1 == rows or beyond[c.ROW_T0] != row[c.ROW_T0] or beyond[c.ROW_T1] != row[c.ROW_T1]
+        if last and many > 0:
             stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3], stack[0, 4] = row[c.ROW_T0], row[c.ROW_T1], 0, many, 0
             if not rows_hold(k, g, s, proof, items, stack):
                 return int(proof.state[tb.FAILED])
             many = 0
-    last = -1
-    for n in range(objects - 1, -1, -1):
-        i, pair = int(proof.objects[n, tb.OBJECT_ROW]), int(proof.objects[n, tb.OBJECT_PAIR])
-        if pair >= 0:
-            proof.links[n, 0], proof.links[n, 1], proof.heads[pair] = i, proof.heads[pair], n
-            proof.state[tb.ROWS] += 1.0 if i != last else 0.0
-            last = i
     return -1
 
 
@@ -259,6 +244,12 @@ def covered(k: Claim, proof: tb.Proof, d: int, reached: FloatArray) -> bool:
         if not high < pair[tb.PAIR_LATE]:
             return True
         low = high
+
+
+@kernel(types.void(tb.PROOF, i8, i8, i8))
+def add_link(proof: tb.Proof, at: int, row: int, pair: int) -> None:
+    """Puts a row before the other rows of a pair, in link `at`."""
+    proof.links[at, 0], proof.links[at, 1], proof.heads[pair] = row, proof.heads[pair], at
 
 
 @kernel(i8(tb.CLAIM, tb.PROOF, i8), allocates=True)

@@ -47,13 +47,13 @@ which the second is ahead of the clock, s; whether what is required depends on t
 an interval that is too long decides nothing; whether they may touch; whether nothing is uncertain; whether rows must
 show the distance."""
 SIDE_SOLID, SIDE_CARRIER, SIDE_SEAT, SIDES = 0, 1, 2, 3
-OBJECT_NORMAL, OBJECT_PAIR, OBJECT_ROW, OBJECT = 2 * SIDES, 2 * SIDES + 3, 2 * SIDES + 4, 2 * SIDES + 5
+OBJECT_NORMAL, OBJECT_PAIR, OBJECT_PLANE, OBJECT = 2 * SIDES, 2 * SIDES + 3, 2 * SIDES + 4, 2 * SIDES + 5
 """What a row is about: solid, carrier and seat of both sides, one behind the other; a unit normal; the row in `pairs`
-(-1: a row of one body does not show it); the row. A row of one body has an object for each body that it may show."""
-WORK, HALVINGS, DEPTH, FAILED, PAIRS, ROWS, AMOUNT, VARIES, OBJECTS, STATE = range(10)
+(-1: no pair needs it); the phase of a row of one body (-1: it has two, or is not within one phase)."""
+WORK, HALVINGS, DEPTH, FAILED, PAIRS, ROWS, AMOUNT, VARIES, STATE = range(9)
 """Numbers of a check: work that is left; halvings of rows, and the deepest; the row that failed; how many pairs must
 keep apart, and how many rows they need; by how much what failed last exceeds what is claimed (NaN: no number);
-more than 0: what is required of pairs depends on the interval; how many objects there are."""
+more than 0: what is required of pairs depends on the interval."""
 
 
 class Geometry(NamedTuple):
@@ -92,9 +92,9 @@ class Proof(NamedTuple):
     numbers: IntArray  # (bodies,): a number for each body that is on a link or was put down; -1
     table: IntArray  # (phases, numbered bodies, bodies): the row in `pairs`; -1
     pairs: FloatArray  # PAIR_...
-    objects: FloatArray  # (.., OBJECT), in the order of the rows' begins and ends
+    objects: FloatArray  # (rows, OBJECT)
     order: IntArray  # (rows,): rows by begin and end
-    links: IntArray  # (objects, 2): the row, and the next link of that pair, in the order of begins; -1
+    links: IntArray  # (.., 2): of the rows of a pair, in the order of begins: the row, and the next link; -1
     heads: IntArray  # (pairs,): the first link of each pair; -1
     state: FloatArray  # (STATE,)
 

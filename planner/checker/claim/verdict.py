@@ -14,6 +14,7 @@ from assur.planner.checker.claim.form import FITS, MISFITS, bound_name, bounds, 
 from assur.planner.checker.claim.limits import KEPT, NO_LIMITS, first_joint_beyond
 from assur.planner.checker.claim.motion import make_curves, make_laws
 from assur.planner.checker.claim.obligations import make_pairs, number_bodies, require_second
+from assur.planner.checker.claim.planes import link_rows
 from assur.planner.checker.claim.points import ERRORS
 from assur.planner.checker.claim.rows import first_uncovered, first_wrong_row, resolve
 from assur.planner.checker.claim.solids import place_solids
@@ -155,12 +156,13 @@ def add_finding(findings: FloatArray, many: int, kind: int, row: float, when: fl
     return many + 1
 
 
-@kernel(i8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, tb.PROOF, F2, i8), allocates=True)
+@kernel(i8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, tb.PROOF, F2, F2, i8), allocates=True)
 def add_proof_findings(
-    k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof, findings: FloatArray, many: int
+    k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof, stack: FloatArray, findings: FloatArray, many: int
 ) -> int:
     """Adds what rows do not show of the distances in `proof.pairs`. Returns the number of findings."""
     resolve(k, g, proof)
+    link_rows(k, g, s, proof, stack)
     wrong = first_wrong_row(k, g, s, proof)
     second = proof.state[tb.PAIRS] > 0.0 and proof.pairs[0, tb.PAIR_CERTAIN] > 0.0
     if wrong >= 0:
@@ -205,16 +207,16 @@ def check_tables(k: Claim, order: IntArray, gap_order: IntArray) -> tuple[FloatA
         planes += 1 if k.rows[i, c.ROW_BODY + 1] < 0.0 else 0
     robots = number_bodies(k, numbers)
     size = phases * robots * bodies
-    state[tb.WORK] -= float(size) * (1.0 + len(k.rules)) + 2.0 * planes * bodies
+    state[tb.WORK] -= float(size) * (1.0 + len(k.rules)) + 0.5 * planes * bodies
     if not state[tb.WORK] > 3.0 * size:
         many = add_finding(findings, many, MUCH, 0.0, k.phases[0, c.PHASE_T0])
         return findings[:many], np.empty((0, tb.PAIR)), state
     rows_of, pairs, heads = np.full((phases, robots, bodies), -1), np.empty((size, tb.PAIR)), np.full(size, -1)
-    objects = np.empty((max(len(k.rows) + planes * bodies, len(k.gap_rows)) + 1, tb.OBJECT))
-    links = np.empty((len(objects), 2), np.int64)
+    links = np.empty((max(len(k.rows) + planes * bodies, len(k.gap_rows)), 2), np.int64)
+    objects = np.empty((max(len(k.rows), len(k.gap_rows)), tb.OBJECT))
     proof = tb.Proof(k.rows, numbers, rows_of, pairs, objects, order, links, heads, state)
     make_pairs(k, g, proof)
-    many = add_proof_findings(k, g, s, proof, findings, many)
+    many = add_proof_findings(k, g, s, proof, stack, findings, many)
     if many < MOST_FINDINGS and max(k.required[0, c.REQUIRED_NEAREST], k.required[0, c.REQUIRED_PLACED]) >= 0.0:
         none = require_second(k, proof)
         if none >= 0:
@@ -222,7 +224,7 @@ def check_tables(k: Claim, order: IntArray, gap_order: IntArray) -> tuple[FloatA
         else:
             heads[:] = -1
             proof = tb.Proof(k.gap_rows, numbers, rows_of, pairs, objects, gap_order, links, heads, state)
-            many = add_proof_findings(k, g, s, proof, findings, many)
+            many = add_proof_findings(k, g, s, proof, stack, findings, many)
     if not state[tb.WORK] > 0.0:
         many = add_finding(findings, many, MUCH, 0.0, k.phases[0, c.PHASE_T0])
     return findings[:many], pairs[: int(state[tb.PAIRS])], state
