@@ -7,7 +7,6 @@ require. Neither trusts the writer of the claim, who is no part of `checker`.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -17,6 +16,7 @@ from assur.planner.checker.claim.verdict import ClaimFinding, check_claim
 from assur.planner.checker.statement import state_answer, state_cell, state_legs, state_motion, state_plan
 from assur.planner.checker.statement.differences import at
 from assur.planner.checker.verdict import Code, Finding, Verdict
+from assur.planner.claim import columns as c
 from assur.planner.claim.answer import with_answer
 from assur.planner.claim.columns import Claim
 from assur.planner.claim.filling import SceneClaim, claim_of, with_plan
@@ -137,79 +137,46 @@ def _judged(
 
 def _unshown(base: SceneClaim, plan: Plan, of_plan: tuple[Phase, ...], claims: Claims, claim: Claim) -> list[Finding]:
     """What the claim checker does not show, with names in place of numbers."""
-    verdict = check_claim(claim)
+    verdict, scene, end = check_claim(claim), base.scene, max((phase.t1 for phase in of_plan), default=0.0)
     if verdict.accepted:
         return []
-    labels: dict[str, Sequence[str]] = labels_of(base, plan, of_plan, claims)._asdict()
-    labels["joints"] = [joint.name for joint in base.scene.robot.joints]
-    return [_named(each, labels) for each in verdict.findings]
+    names: dict[str, Sequence[str]] = labels_of(base, plan, of_plan, claims)._asdict()
+    names["joints"] = [f"joint {joint.name}" for joint in scene.robot.joints]
+    names["phases"] = [f"phase {kind}" for kind in names["phases"]]
+    steps = [(leg.t0, leg.t1, scene.task[leg.step].name) for leg in plan.legs if leg.step < len(scene.task)]
+    found = [_named(each, names, steps) for each in verdict.findings]
+    if end > c.LATEST_S:
+        until = f"is stated until {c.LATEST_S:,.0f} s only, and the plan ends at {end:,.1f} s"
+        ends = (claim.frames[:, c.FRAME_ARM] >= 0.0) | (claim.frames[:, c.FRAME_PIECES] > 0.0)
+        ends &= claim.frames[:, c.FRAME_PERIOD] == 0.0
+        late = [Finding(Code.LAW, f"the motion of {names['frames'][f]} {until}") for f in np.flatnonzero(ends).tolist()]
+        found = late[:1] + found
+    return found
 
 
-WORDS = {
-    "SURFACE": "the surface is not closed",
-    "KNOTS": "times of knots go back, or the motion jumps",
-    "PHASES": "phases have gaps, end too early, or the robot need not keep clear while it moves",
-    "LIMIT": "a limit is not kept",
-    "POINT": "the tool is not at its point, or does not move with it",
-    "RATE": "the tool is faster or slower, or accelerates harder, than is claimed",
-    "DIRECTION": "an axis, or the way to a point, is not within its directions",
-    "GUIDE": "the tool leaves its way",
-    "CORRECTION": "a joint or the arm leaves its range while a correction shifts the tool",
-    "JOINTS": "a sum of joints, or a derivative of it, is not within its bounds",
-    "DISTANCE": "two bodies may be farther apart than is claimed",
-    "ERROR": "the tool may be farther from its point than is claimed",
-    "NEAREST": "the smallest clearance is not shown",
-    "ROW": "a row does not hold",
-    "COVER": "no rows for all of the time",
-    "WITHIN": "nothing shows that one is not within the other",
-    "WORK": "more work than is allowed",
-}
-"""What the claim checker does not show, by its code."""
-NUMBERS = re.compile(r"(joint|body|phase|number|bodies) (-?\d+)(?: and (-?\d+))?")
-"""How the claim checker names rows of a claim."""
-NAMED = {
-    "joint": "joints",
-    "body": "bodies",
-    "bodies": "bodies",
-    "phase": "phases",
-    "POINT": "points",
-    "RATE": "rates",
-    "DIRECTION": "axes",
-}
-"""By a word before a number, or a code: the names that are numbered."""
-UNIT = 1e-9
-"""By how much the length of a normal may differ from 1: rounding."""
 PLANE = "what never moves"
 """In place of a second body: the row is about a plane."""
+UNIT = 1e-9
+"""By how much the length of a normal may differ from 1: rounding."""
 
 
-def _named(finding: ClaimFinding, labels: Mapping[str, Sequence[str]]) -> Finding:
-    """A finding of the claim checker, with names in place of numbers."""
-
-    def named(match: re.Match[str]) -> str:
-        word, *numbers = match.groups()
-        names = labels.get(NAMED.get(finding.code if word == "number" else word, ""), ())
-        if word == "number" and not names:
-            return ""  # a row without a name: its time says which
-        known = [PLANE if k == "-1" else names[int(k)] if int(k) < len(names) else k for k in numbers if k is not None]
-        return f"{'' if word in ('number', 'body', 'bodies') else word + ' '}{' and '.join(known)}"
-
-    about, words = NUMBERS.sub(named, finding.what), WORDS.get(finding.code, "")
-    where = "" if math.isnan(finding.when) else at(finding.when)
-    return Finding(_code(finding.code), ": ".join(filter(None, (about, words))), where=where)
-
-
-RENAMED = {
-    "FAULT": Code.FORM,
-    "KNOTS": Code.MOTION,
-    "PHASES": Code.PHASE,
-    "WITHIN": Code.CONTAINMENT,
-}
-"""What the claim checker calls otherwise than a verdict does."""
-
-
-def _code(name: str) -> Code:
-    return RENAMED.get(name) or Code(name)
+def _named(
+    finding: ClaimFinding, names: Mapping[str, Sequence[str]], steps: Sequence[tuple[float, float, str]]
+) -> Finding:
+    """A finding of the claim checker, with names of its row and its bodies. A row that has no name is called after the
+    step to which its time belongs. `steps`: from when to when, s, and the name."""
+    own, row, when = names.get(finding.table, ()), "", finding.when
+    if finding.table in ("rows", "gap_rows"):
+        row = f"row {finding.row}"
+    elif 0 <= finding.row < len(own):
+        row = own[finding.row]
+    elif finding.table and finding.table not in names:
+        row = next((name for t0, t1, name in steps if t0 <= when <= t1), "")
+    bodies = " and ".join(names["bodies"][k] if k >= 0 else PLANE for k in finding.bodies)
+    about = ", ".join(filter(None, (row, bodies)))
+    what, amount = f"{about}: {finding.what}" if about else finding.what, finding.amount
+    where = "" if math.isnan(when) else at(when)
+    return Finding(finding.code, what, amount, "" if math.isnan(amount) else "m", where)
 
 
 def _strange(scene: Scene, plan: Plan) -> list[Finding]:

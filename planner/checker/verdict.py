@@ -72,7 +72,7 @@ class Code(StrEnum):
     DISTANCE = "DISTANCE"
     """A smaller distance is required of a pair, or for a shorter time."""
     ROW = "ROW"
-    """A row of the certificate that means nothing, or does not hold."""
+    """A row that means nothing, or does not hold."""
     COVER = "COVER"
     """No row for a part of a phase."""
     CONTAINMENT = "CONTAINMENT"

@@ -172,7 +172,7 @@ SUM = SUM_HIGH + 1
 # share to the other over the interval. At an instant both shares are the same.
 GUIDE_T0, GUIDE_T1, GUIDE_LINK, GUIDE_TOOL = 0, 1, 2, 3
 GUIDE_FRAME, GUIDE_FROM, GUIDE_TO = 6, 8, 11  # both frames; (3) A in the first; (3) B in the second
-GUIDE_SHARE, GUIDE_MOST = 14, 16  # (2) s at both ends; m
+GUIDE_SHARE, GUIDE_MOST = 14, 16  # (2) s at both ends; m (less than 0: never kept)
 GUIDE = 17
 
 # Two bodies are no farther apart than MOST at an instant, if nothing is uncertain. Up to four directions (from the
@@ -245,15 +245,17 @@ class Claim(NamedTuple):
     gap_rows: FloatArray  # with the columns of `rows`: where to look for the second distance
 
 
-FARTHEST_M, LATEST_S = 100.0, 1e5
+FARTHEST_M, LAST_S = 100.0, 1e7
 """Greatest size in a body or an arm, m; greatest time, s. The bounds of rounding hold for no more."""
+LATEST_S = 1e5
+"""Until when motions of frames without a period, and those of other arms, are stated, s."""
 FASTEST, GREATEST, LIMITLESS = 1e6, 1e9, 1e300
 """Greatest place and rate of a frame; any other number; a limit that does not bind."""
 
 BOUNDS: tuple[tuple[str, int, int, float, float | str], ...] = (
     ("arms", ARM_JOINTS, 1, 1, "joints"),
     ("arms", ARM_LOOP, 1, -1, "loops"),
-    ("knots", KNOT_TIME, 1, -LATEST_S, LATEST_S),
+    ("knots", KNOT_TIME, 1, -LAST_S, LAST_S),
     ("knots", KNOT_Q, MOST_JOINTS, -1e3, 1e3),
     ("knots", KNOT_QD, 2 * MOST_JOINTS, -GREATEST, GREATEST),
     ("angles", 0, ANGLE, -1e3, 1e3),
@@ -267,9 +269,9 @@ BOUNDS: tuple[tuple[str, int, int, float, float | str], ...] = (
     ("frames", FRAME_ARM, 1, -1, "arms"),
     ("frames", FRAME_LINK, 1, -1, "links"),
     ("frames", FRAME_POSE, 8, -FASTEST, FASTEST),
-    ("frames", FRAME_SHIFT, 2, -LATEST_S, LATEST_S),
+    ("frames", FRAME_SHIFT, 2, -LAST_S, LAST_S),
     ("frames", FRAME_YAW, 1, 0.0, GREATEST),
-    ("frames", FRAME_PERIOD, 1, 0.0, LATEST_S),
+    ("frames", FRAME_PERIOD, 1, 0.0, LAST_S),
     ("frames", FRAME_STEP, 4, -FASTEST, FASTEST),
     ("laws", LAW_BEGIN, 2, -LATEST_S, LATEST_S),
     ("laws", LAW_POWER, 4 * MOST_POWERS, -LIMITLESS, LIMITLESS),
@@ -291,7 +293,7 @@ BOUNDS: tuple[tuple[str, int, int, float, float | str], ...] = (
     ("seats", SEAT_LINK, 1, -1, "own links"),
     ("seats", SEAT_FRAME, 1, -1, "frames"),
     ("seats", SEAT_POSE, 4, -FARTHEST_M, FARTHEST_M),
-    ("phases", PHASE_T0, 2, -LATEST_S, LATEST_S),
+    ("phases", PHASE_T0, 2, -LAST_S, LAST_S),
     ("phases", PHASE_NEAR, 2, 0, "flag"),
     ("seated", 0, -1, 0, "seats"),
     ("off", 0, -1, 0.0, GREATEST),
@@ -306,9 +308,9 @@ BOUNDS: tuple[tuple[str, int, int, float, float | str], ...] = (
     ("rules", RULE_SIDE, -1, 0, "flag"),
     ("self_pairs", 0, -1, 0, "flag"),
     ("required", REQUIRED_TRAVEL, 2, 0.0, GREATEST),
-    ("required", REQUIRED_UNTIL, 1, -LATEST_S, LATEST_S),
-    ("required", REQUIRED_LATE, 1, 0.0, LATEST_S),
-    ("required", REQUIRED_SINCE, 1, -LATEST_S, LATEST_S),
+    ("required", REQUIRED_UNTIL, 1, -LAST_S, LAST_S),
+    ("required", REQUIRED_LATE, 1, 0.0, LAST_S),
+    ("required", REQUIRED_SINCE, 1, -LAST_S, LAST_S),
     ("required", REQUIRED_TOOL, 1, 0, "own links"),
     ("required", REQUIRED_LAG, MOST_JOINTS, 0.0, 1e3),
     ("required", REQUIRED_NEAREST, 2, -1.0, LIMITLESS),
@@ -316,7 +318,7 @@ BOUNDS: tuple[tuple[str, int, int, float, float | str], ...] = (
     ("limits", LIMIT_JERKS, 1, 0, "flag"),
     ("limits", LIMIT_SHARE, 4, 0.0, 1.0),
     ("limits", LIMIT_LOWER, 5 * MOST_JOINTS, -LIMITLESS, LIMITLESS),
-    ("points", POINT_T0, 2, -LATEST_S, LATEST_S),
+    ("points", POINT_T0, 2, -LAST_S, LAST_S),
     ("points", POINT_FRAME, 1, 0, "frames"),
     ("points", POINT_LINK, 1, 0, "own links"),
     ("points", POINT_TOOL, 8, -FARTHEST_M, FARTHEST_M),
@@ -324,48 +326,48 @@ BOUNDS: tuple[tuple[str, int, int, float, float | str], ...] = (
     ("points", POINT_HEIGHT, 1, -1.0, GREATEST),
     ("points", POINT_POSITION, 1, 0.0, GREATEST),
     ("points", POINT_YAW, 3, -1.0, GREATEST),
-    ("rates", RATE_T0, 2, -LATEST_S, LATEST_S),
+    ("rates", RATE_T0, 2, -LAST_S, LAST_S),
     ("rates", RATE_LINK, 1, 0, "own links"),
     ("rates", RATE_POINT, 3, -FARTHEST_M, FARTHEST_M),
     ("rates", RATE_FRAME, 1, -1, "frames"),
     ("rates", RATE_ORDER, 1, 1, "orders"),
     ("rates", RATE_LEAST, 2, 0.0, GREATEST),
-    ("axes", AXIS_T0, 2, -LATEST_S, LATEST_S),
+    ("axes", AXIS_T0, 2, -LAST_S, LAST_S),
     ("axes", AXIS_LINK, 1, 0, "own links"),
     ("axes", AXIS_PLACE, 1, 0, "flag"),
     ("axes", AXIS_ON, 3, -FARTHEST_M, FARTHEST_M),
     ("axes", AXIS_OTHER, 1, -1, "own links"),
     ("axes", AXIS_DIRECTION, 3, -1.5, 1.5),
     ("axes", AXIS_LOW, 2, -GREATEST, GREATEST),
-    ("sums", SUM_T0, 2, -LATEST_S, LATEST_S),
+    ("sums", SUM_T0, 2, -LAST_S, LAST_S),
     ("sums", SUM_ORDER, 1, 0, "derivatives"),
     ("sums", SUM_SHARE, MOST_JOINTS, -1e3, 1e3),
     ("sums", SUM_LOW, 2, -GREATEST, GREATEST),
-    ("guides", GUIDE_T0, 2, -LATEST_S, LATEST_S),
+    ("guides", GUIDE_T0, 2, -LAST_S, LAST_S),
     ("guides", GUIDE_LINK, 1, 0, "own links"),
     ("guides", GUIDE_TOOL, 3, -FARTHEST_M, FARTHEST_M),
     ("guides", GUIDE_FRAME, 2, 0, "frames"),
     ("guides", GUIDE_FROM, 6, -FARTHEST_M, FARTHEST_M),
     ("guides", GUIDE_SHARE, 2, 0.0, 1.0),
-    ("guides", GUIDE_MOST, 1, 0.0, GREATEST),
-    ("distances", DISTANCE_TIME, 1, -LATEST_S, LATEST_S),
+    ("guides", GUIDE_MOST, 1, -GREATEST, GREATEST),
+    ("distances", DISTANCE_TIME, 1, -LAST_S, LAST_S),
     ("distances", DISTANCE_PHASE, 1, 0, "phases"),
     ("distances", DISTANCE_BODY, 2, 0, "bodies"),
     ("distances", DISTANCE_PIECE, 2, 0, "pieces"),
     ("distances", DISTANCE_MOST, 1, 0.0, GREATEST),
     ("distances", DISTANCE_WEIGHT, 4, 0.0, 1.5),
     ("distances", DISTANCE_DIRECTION, 12, -GREATEST, GREATEST),
-    ("errors", ERROR_TIME, 1, -LATEST_S, LATEST_S),
+    ("errors", ERROR_TIME, 1, -LAST_S, LAST_S),
     ("errors", ERROR_PHASE, 1, 0, "phases"),
     ("errors", ERROR_FRAME, 1, 0, "frames"),
     ("errors", ERROR_LINK, 1, 0, "own links"),
     ("errors", ERROR_TOOL, 8, -FARTHEST_M, FARTHEST_M),
     ("errors", ERROR_OFF, 8, 0.0, GREATEST),
-    ("rows", ROW_T0, 4, -LATEST_S, LATEST_S),
+    ("rows", ROW_T0, 4, -LAST_S, LAST_S),
     ("rows", ROW_BODY, 1, 0, "bodies"),
     ("rows", ROW_BODY + 1, 1, -1, "bodies"),
     ("rows", ROW_NORMAL, 3, -GREATEST, GREATEST),
-    ("gap_rows", ROW_T0, 4, -LATEST_S, LATEST_S),
+    ("gap_rows", ROW_T0, 4, -LAST_S, LAST_S),
     ("gap_rows", ROW_BODY, 2, 0, "bodies"),
     ("gap_rows", ROW_NORMAL, 3, -GREATEST, GREATEST),
 )

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from assur.planner import checked
+from assur.planner import checked, pipeline
 from assur.planner.checked import check, kept_cell
 from assur.planner.checker import Code, Verdict, statement
-from assur.planner.checker.claim.verdict import ClaimCode, ClaimFinding
-from assur.planner.model.outcome import Plan
+from assur.planner.checker.claim.verdict import KINDS, ClaimFinding
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import box
+from assur.planner.laws import conveyor
+from assur.planner.model.outcome import Plan, Planned
 from assur.planner.model.scene import Scene
+from tests.planner.cells import cell, frame, go, stands
 from tests.planner.checker.hand_made import crossing_case, sealed, with_rows, without
 
 
@@ -96,25 +101,47 @@ def test_another_digest_is_refused() -> None:
     broken(scene, replace(plan, certificate=replace(plan.certificate, digest="sha256:0")), Code.DIGEST)
 
 
-@pytest.mark.parametrize("name", [*ClaimCode])
-def test_each_code_of_the_claim_checker_has_a_code_and_words(name: str) -> None:
-    code = checked._code(name)
-    assert code in Code
-    if isinstance(name, ClaimCode) and name not in (ClaimCode.FORM, ClaimCode.FAULT):
-        assert checked._named(ClaimFinding(name, "", np.nan), {}).what == checked.WORDS[name]
-
-
 def test_findings_have_names_where_rows_have_them_and_their_time() -> None:
-    labels = {"points": ["pick"], "bodies": ["cup", "post"]}
+    names = {"points": ["pick"], "bodies": ["cup", "post"], "joints": ["joint j1"], "phases": ["phase travel"]}
+    steps, words = [(0.0, 0.4, "pick"), (0.4, 1.0, "place")], {code: what for code, _, what in KINDS}
     found = [
-        checked._named(ClaimFinding(code, what, 0.5), labels)
-        for code, what in (
-            (ClaimCode.POINT, "number 0"),
-            (ClaimCode.GUIDE, "number 7"),
-            (ClaimCode.ROW, "row 4, bodies 1 and -1"),
+        checked._named(ClaimFinding(code, words[code], table, row, bodies, 0.5, amount), names, steps)
+        for code, table, row, bodies, amount in (
+            (Code.POINT, "points", 0, (), np.nan),
+            (Code.GUIDE, "guides", 7, (), 2e-5),
+            (Code.ROW, "rows", 4, (1, -1), np.nan),
+            (Code.LIMIT, "joints", 0, (), np.nan),
+            (Code.COVER, "phases", 0, (0, 1), np.nan),
+            (Code.PHASE, "", 0, (), np.nan),
         )
     ]
-    assert [each.where for each in found] == ["0.5 s"] * 3
-    assert found[0].what == "pick: the tool is not at its point, or does not move with it"
-    assert found[1].what == "the tool leaves its way"
-    assert found[2].what == "row 4, post and what never moves: a row does not hold"
+    assert [each.where for each in found] == ["0.5 s"] * len(found)
+    assert [each.what for each in found] == [
+        "pick: the tool is not at its point, or does not move with it",
+        "place: the tool leaves its way",
+        "row 4, post and what never moves: a row does not hold",
+        "joint j1: a limit is not kept",
+        "phase travel, cup and post: no rows for all of the time",
+        words[Code.PHASE],
+    ]
+    assert [(each.amount, each.unit) for each in found if not math.isnan(each.amount)] == [(2e-5, "m")]
+
+
+def test_a_plan_that_ends_after_a_day_is_right() -> None:
+    scene = cell(go(0.35, -0.25, 0.15, leg="joint"), time=99_999.9)
+    outcome = pipeline.plan(scene)
+    assert isinstance(outcome, Planned)
+    assert outcome.plan.trajectory.end > 100_000.0
+    assert check(scene, outcome.plan) == Verdict(True, ())
+
+
+def test_of_a_plan_that_ends_after_a_day_beside_a_belt_the_belt_is_named() -> None:
+    belt = frame("belt", conveyor(Pose(0.0, 3.0, 0.0), 0.1, at_time=99_990.0))
+    part = stands("part", box(0.05, 0.05, 0.05), frame="belt")
+    scene = cell(go(0.35, -0.25, 0.15, leg="joint"), frames=(belt,), bodies=(part,), time=99_999.9)
+    still = replace(scene, bodies=())
+    outcome = pipeline.plan(still)
+    assert isinstance(outcome, Planned)
+    found = check(scene, sealed(scene, outcome.plan)).findings
+    assert found[0].code == Code.LAW
+    assert found[0].what.startswith("the motion of belt is stated until 100,000 s only, and the plan ends at 100,000.")

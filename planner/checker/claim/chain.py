@@ -26,38 +26,27 @@ from assur.planner.checker.claim.jets import (
     turned,
 )
 from assur.planner.checker.claim.motion import joints_over, over, piece_at
-from assur.planner.checker.claim.tables import F3, JET, f8, i8
+from assur.planner.checker.claim.tables import F1, F3, JET, f8, i8
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.compiled import kernel, types
 
 
-@kernel(JET(F3, i8, i8, f8, f8, f8))
-def vector(jets: FloatArray, on: int, axis: int, x: float, y: float, z: float) -> Jet:
-    """A coordinate in the world of a vector (x, y, z) of a carrier."""
-    total = constant(0.0)
-    if x != 0.0:
-        total = plus(total, scaled(x, jet(jets, on, 3 + axis)))
-    if y != 0.0:
-        total = plus(total, scaled(y, jet(jets, on, 6 + axis)))
-    if z != 0.0:
-        total = plus(total, scaled(z, jet(jets, on, 9 + axis)))
+@kernel(JET(F3, i8, i8, F1, types.boolean))
+def vector(jets: FloatArray, on: int, axis: int, own: FloatArray, is_point: bool) -> Jet:
+    """A coordinate in the world of a vector, or of a point, of a carrier, whose coordinates `own` begins with."""
+    total = jet(jets, on, axis) if is_point else constant(0.0)
+    for m in range(3):
+        if own[m] != 0.0:
+            total = plus(total, scaled(own[m], jet(jets, on, 3 + 3 * m + axis)))
     return total
 
 
-@kernel(JET(F3, i8, i8, f8, f8, f8))
-def point(jets: FloatArray, on: int, axis: int, x: float, y: float, z: float) -> Jet:
-    """A coordinate in the world of a point (x, y, z) of a carrier."""
-    return plus(jet(jets, on, axis), vector(jets, on, axis, x, y, z))
-
-
-@kernel(types.void(tb.CLAIM, tb.GEOMETRY, i8, tb.SCRATCH))
-def turn(k: Claim, g: tb.Geometry, arm: int, s: tb.Scratch) -> None:
-    """Cosine and sine of all angles of an arm that have joints."""
+@kernel(types.void(tb.CLAIM, i8, tb.SCRATCH))
+def turn(k: Claim, arm: int, s: tb.Scratch) -> None:
+    """Cosine and sine of all angles of an arm."""
     first, n = int(k.arms[arm, c.ARM_ANGLE]), int(k.arms[arm, c.ARM_JOINTS])
     for i in range(first, first + int(k.arms[arm, c.ARM_ANGLES])):
-        if g.fixed_angles[i, 0] > 0.0:
-            continue
         total = constant(k.angles[i, c.ANGLE_CONSTANT])
         for j in range(n):
             share = k.angles[i, c.ANGLE_SHARE + j]
@@ -110,21 +99,13 @@ def upright(jets: FloatArray, on: int, cosine: Jet, sine: Jet) -> None:
     put(jets, on, 7, cosine)
 
 
-@kernel(types.void(F3, i8, JET, JET, JET, JET, JET, JET, types.boolean))
-def tilted(jets: FloatArray, on: int, cosine: Jet, sine: Jet, cp: Jet, sp: Jet, cr: Jet, sr: Jet, level: bool) -> None:
-    """The rotation Rz(yaw) Ry(-pitch) Rx(roll), from cosines and sines. `level`: the roll is always 0."""
+@kernel(types.void(F3, i8, JET, JET, JET, JET, JET, JET))
+def tilted(jets: FloatArray, on: int, cosine: Jet, sine: Jet, cp: Jet, sp: Jet, cr: Jet, sr: Jet) -> None:
+    """The rotation Rz(yaw) Ry(-pitch) Rx(roll), from cosines and sines."""
     ux, uy = scaled(-1.0, times(sp, cosine)), scaled(-1.0, times(sp, sine))
     put(jets, on, 3, times(cp, cosine))
     put(jets, on, 4, times(cp, sine))
     put(jets, on, 5, sp)
-    if level:
-        put(jets, on, 6, scaled(-1.0, sine))
-        put(jets, on, 7, cosine)
-        put(jets, on, 8, constant(0.0))
-        put(jets, on, 9, ux)
-        put(jets, on, 10, uy)
-        put(jets, on, 11, cp)
-        return
     put(jets, on, 6, minus(times(sr, ux), times(cr, sine)))
     put(jets, on, 7, plus(times(sr, uy), times(cr, cosine)))
     put(jets, on, 8, times(sr, cp))
@@ -133,24 +114,17 @@ def tilted(jets: FloatArray, on: int, cosine: Jet, sine: Jet, cp: Jet, sp: Jet, 
     put(jets, on, 11, times(cr, cp))
 
 
-@kernel(types.boolean(tb.GEOMETRY, i8, tb.SCRATCH))
-def is_zero(g: tb.Geometry, angle: int, s: tb.Scratch) -> bool:
-    """Whether an angle is constant and 0."""
-    return bool(g.fixed_angles[angle, 0] > 0.0 and s.turns[angle, 1, 0] == 0.0 and s.turns[angle, 0, 0] == 1.0)
-
-
 @kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, i8, F3, tb.SCRATCH))
 def chain(k: Claim, g: tb.Geometry, arm: int, jets: FloatArray, s: tb.Scratch) -> bool:
     """Jets of all links of an arm, from those of its joints in `s.joints`. False: its loop may come apart."""
-    turn(k, g, arm, s)
+    turn(k, arm, s)
     first, closed = int(k.arms[arm, c.ARM_LINK]), False
     for i in range(first, first + int(k.arms[arm, c.ARM_LINKS])):
         link = k.links[i]
         parent, slide, yaw = int(link[c.LINK_PARENT]), int(link[c.LINK_SLIDE]), int(link[c.LINK_YAW])
-        x, y, z = link[c.LINK_OFFSET], link[c.LINK_OFFSET + 1], link[c.LINK_OFFSET + 2]
+        offset = link[c.LINK_OFFSET :]
         for axis in range(3):
-            own = constant(link[c.LINK_OFFSET + axis]) if parent < 0 else point(jets, parent, axis, x, y, z)
-            put(jets, i, axis, own)
+            put(jets, i, axis, constant(offset[axis]) if parent < 0 else vector(jets, parent, axis, offset, True))
         for column in range(3 if slide >= 0 else 0):
             share, q = link[c.LINK_AXIS + column], s.joints[slide]
             if share == 0.0:
@@ -170,16 +144,13 @@ def chain(k: Claim, g: tb.Geometry, arm: int, jets: FloatArray, s: tb.Scratch) -
                 return False
             closed = True
             u, v = jet(s.four, int(link[c.LINK_COUPLER]), 0), jet(s.four, int(link[c.LINK_COUPLER]), 1)
-            if is_zero(g, yaw, s):
-                cosine, sine = u, v
-            else:
-                cosine, sine = minus(times(cosine, u), times(sine, v)), plus(times(sine, u), times(cosine, v))
+            cosine, sine = minus(times(cosine, u), times(sine, v)), plus(times(sine, u), times(cosine, v))
         if g.carriers[i, tb.CARRIER_UPRIGHT] > 0.0:
             upright(jets, i, cosine, sine)
             continue
         p, r = int(link[c.LINK_PITCH]), int(link[c.LINK_ROLL])
-        pitch, roll = (jet(s.turns, p, 0), jet(s.turns, p, 1)), (jet(s.turns, r, 0), jet(s.turns, r, 1))
-        tilted(jets, i, cosine, sine, pitch[0], pitch[1], roll[0], roll[1], is_zero(g, r, s))
+        turns = s.turns
+        tilted(jets, i, cosine, sine, jet(turns, p, 0), jet(turns, p, 1), jet(turns, r, 0), jet(turns, r, 1))
     return True
 
 

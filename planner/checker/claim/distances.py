@@ -10,7 +10,7 @@ from assur.planner.checker.claim.chain import slot_of
 from assur.planner.checker.claim.motion import rounding
 from assur.planner.checker.claim.rows import place_side
 from assur.planner.checker.claim.solids import length
-from assur.planner.checker.claim.tables import F1, F4, f8, i8
+from assur.planner.checker.claim.tables import F1, F2, f8, i8
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.compiled import kernel, types
@@ -19,60 +19,67 @@ CHOSEN = 1e-9
 """m, or a sine: what a direction does not choose by more than this is in the middle."""
 
 
-@kernel(types.void(tb.GEOMETRY, F4, i8, i8, i8, f8, f8, f8, f8, F1))
+@kernel(f8(F1, i8, F1))
+def along(own: FloatArray, at: int, direction: FloatArray) -> float:
+    """The scalar product of the vector in columns `at` to `at` + 2 with a direction."""
+    return float(own[at] * direction[0] + own[at + 1] * direction[1] + own[at + 2] * direction[2])
+
+
+@kernel(types.void(F1, f8, F1, i8))
+def add(result: FloatArray, share: float, own: FloatArray, at: int) -> None:
+    """Adds a share of the vector in columns `at` to `at` + 2."""
+    for m in range(3):
+        result[m] += share * own[at + m]
+
+
+@kernel(types.void(tb.GEOMETRY, F2, i8, f8, F1, F2, F1))
 def add_farthest(
     g: tb.Geometry,
-    jets: FloatArray,
-    slot: int,
+    at: FloatArray,
     solid: int,
-    on: int,
     weight: float,
-    x: float,
-    y: float,
-    z: float,
+    direction: FloatArray,
+    room: FloatArray,
     result: FloatArray,
 ) -> None:
-    """Adds a weight of the point of a solid that is farthest along a unit vector (x, y, z) of the world."""
-    own, at = g.solids[solid], jets[slot, on]
-    u = x * at[3, 0] + y * at[4, 0] + z * at[5, 0]
-    v = x * at[6, 0] + y * at[7, 0] + z * at[8, 0]
-    w = x * at[9, 0] + y * at[10, 0] + z * at[11, 0]
-    p, q, r = own[tb.SOLID_CENTRE], own[tb.SOLID_CENTRE + 1], own[tb.SOLID_CENTRE + 2]
-    first, many, most = int(own[tb.SOLID_VERTEX]), int(own[tb.SOLID_VERTICES]), -math.inf
+    """Adds a weight of the point of a solid that is farthest along a unit vector of the world. `at`: the jets of its
+    carrier. `room`: for three vectors."""
+    own, here, local, far = g.solids[solid], room[0], room[1], -math.inf
+    first, many = int(own[tb.SOLID_VERTEX]), int(own[tb.SOLID_VERTICES])
+    for column in range(3):
+        local[column] = 0.0
+        for m in range(3):
+            local[column] += direction[m] * at[3 + 3 * column + m, 0]
     for i in range(first, first + many):
-        most = max(most, u * g.vertices[i, 0] + v * g.vertices[i, 1] + w * g.vertices[i, 2])
+        far = max(far, along(g.vertices[i], 0, local))
+    here[:3] = 0.0
+    add(here, 1.0, own, tb.SOLID_CENTRE)
     for i in range(first + many - 1, first - 1, -1):
-        if u * g.vertices[i, 0] + v * g.vertices[i, 1] + w * g.vertices[i, 2] >= most - CHOSEN:
-            p, q, r = g.vertices[i, 0], g.vertices[i, 1], g.vertices[i, 2]
+        if along(g.vertices[i], 0, local) >= far - CHOSEN:
+            here[:3] = 0.0
+            add(here, 1.0, g.vertices[i], 0)
     for e in range(tb.SOLID_EDGE, tb.SOLID_EDGE + 3 * int(own[tb.SOLID_EDGES]), 3):
-        along = u * own[e] + v * own[e + 1] + w * own[e + 2]
-        sign = 1.0 if along > CHOSEN else -1.0 if along < -CHOSEN else 0.0
-        p, q, r = p + sign * own[e], q + sign * own[e + 1], r + sign * own[e + 2]
-    along = u * own[tb.SOLID_AXIS] + v * own[tb.SOLID_AXIS + 1] + w * own[tb.SOLID_AXIS + 2]
-    a, b, d = (
-        u - along * own[tb.SOLID_AXIS],
-        v - along * own[tb.SOLID_AXIS + 1],
-        w - along * own[tb.SOLID_AXIS + 2],
-    )
-    across = math.sqrt(a * a + b * b + d * d)
-    disc = own[tb.SOLID_DISC] / across if across > CHOSEN else 0.0
-    p, q, r = p + disc * a, q + disc * b, r + disc * d
+        way = along(own, e, local)
+        add(here, 1.0 if way > CHOSEN else -1.0 if way < -CHOSEN else 0.0, own, e)
+    add(local, -along(own, tb.SOLID_AXIS, local), own, tb.SOLID_AXIS)
+    across = length(local, 0, 3)
+    add(here, own[tb.SOLID_DISC] / across if across > CHOSEN else 0.0, local, 0)
     for m in range(3):
-        ball = own[tb.SOLID_BALL] * (x if m == 0 else y if m == 1 else z)
-        result[m] += weight * (at[m, 0] + p * at[3 + m, 0] + q * at[6 + m, 0] + r * at[9 + m, 0] + ball)
+        place = at[m, 0] + here[0] * at[3 + m, 0] + here[1] * at[6 + m, 0] + here[2] * at[9 + m, 0]
+        result[m] += weight * (place + own[tb.SOLID_BALL] * direction[m])
 
 
-@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, F1))
-def is_near(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, room: FloatArray) -> bool:
-    """Whether two bodies are no farther apart than is claimed. `room`: for what a row is about, and for two points."""
+@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, F2))
+def is_near(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, stack: FloatArray) -> bool:
+    """Whether two bodies are no farther apart than is claimed. `stack`: room for what a row is about, and vectors."""
     p, t, total, off = int(own[c.DISTANCE_PHASE]), own[c.DISTANCE_TIME], 0.0, tb.SLACK
+    room, points, direction = stack[0], stack[1], stack[2]
     if not k.phases[p, c.PHASE_T0] <= t <= k.phases[p, c.PHASE_T1]:
         return False
     for i in range(4):
         total += own[c.DISTANCE_WEIGHT + i]
     if not abs(total - 1.0) <= 1e-9:
         return False
-    points = room[tb.OBJECT :]
     points[:3] = 0.0
     for side in range(2):
         at, sign = side * tb.SIDES, 1.0 - 2.0 * side
@@ -89,7 +96,8 @@ def is_near(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, room: Floa
             size = length(own, d, d + 3)
             if not 0.0 < size < math.inf:
                 return False
-            x, y, z = sign * own[d] / size, sign * own[d + 1] / size, sign * own[d + 2] / size
+            direction[:3] = 0.0
+            add(direction, sign / size, own, d)
             weight = sign * own[c.DISTANCE_WEIGHT + i] / total
-            add_farthest(g, s.jets, slot, solid, on, weight, x, y, z, points)
+            add_farthest(g, s.jets[slot, on], solid, weight, direction, stack[3:], points)
     return bool(length(points, 0, 3) + off <= own[c.DISTANCE_MOST])

@@ -13,11 +13,11 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
-from assur.planner.checker.claim.chain import chain, point, slot_of, vector
-from assur.planner.checker.claim.jets import jet, minus, put
+from assur.planner.checker.claim.chain import chain, slot_of, vector
+from assur.planner.checker.claim.jets import jet, put
 from assur.planner.checker.claim.motion import joints_over, rounding
 from assur.planner.checker.claim.obligations import is_fixed
-from assur.planner.checker.claim.points import direction, place
+from assur.planner.checker.claim.points import see
 from assur.planner.checker.claim.solids import length
 from assur.planner.checker.claim.tables import F1, F2, f8, i8
 from assur.planner.checker.claim.uncertainty import amount_of, share_of
@@ -71,7 +71,7 @@ def add_lag(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, vectors: F
     half of the second derivative for all joints anywhere within their lag. False: it is not known."""
     on, n, t, tool = int(own[c.ERROR_LINK]), int(k.arms[0, c.ARM_JOINTS]), own[c.ERROR_TIME], own[c.ERROR_TOOL :]
     at, turn, chord = tb.INSTANTS + tb.INTERVALS, 0.0, 0.0
-    x, y, yaw = math.cos(tool[3]), math.sin(tool[3]), int(k.links[on, c.LINK_YAW])
+    s.way[0], s.way[1], s.way[2], yaw = math.cos(tool[3]), math.sin(tool[3]), 0.0, int(k.links[on, c.LINK_YAW])
     if at >= len(s.jets):
         return True  # no joint lags
     # rows of bodies keep jets in this slot for an interval: they are computed anew
@@ -90,8 +90,8 @@ def add_lag(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, vectors: F
         if not chain(k, g, 0, jets, s):
             return False
         for axis in range(3):
-            put(s.vectors, 0, axis, point(jets, on, axis, tool[0], tool[1], tool[2]))
-            put(s.vectors, 1, axis, vector(jets, on, axis, x, y, 0.0))
+            put(s.vectors, 0, axis, vector(jets, on, axis, tool, True))
+            put(s.vectors, 1, axis, vector(jets, on, axis, s.way, False))
         u, v, w = jet(s.vectors, 0, 0), jet(s.vectors, 0, 1), jet(s.vectors, 0, 2)
         a, b = jet(s.vectors, 1, 0), jet(s.vectors, 1, 1)
         if j < n:
@@ -119,26 +119,22 @@ def late_ways(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, ways: Fl
         first = -k.frames[f, c.FRAME_SHIFT + 1]
         last = k.required[0, c.REQUIRED_LATE] - k.frames[f, c.FRAME_SHIFT]
         many = INSTANTS if last > first else 1
-    step, slot, here = (last - first) / max(many - 1, 1), slot_of(k, g, s, on, t, t), slot_of(k, g, s, frame_on, t, t)
-    if slot < 0 or here < 0:
+    step, s.way[0], s.way[1], s.way[2] = (last - first) / max(many - 1, 1), 1.0, 0.0, 0.0
+    if not (see(k, g, s, 0, on, True, tool, t, t) and see(k, g, s, 1, frame_on, False, s.way, t, t)):
         return 0
-    for axis in range(3):
-        put(s.vectors, 0, axis, place(g, s.jets[slot], on, axis, tool[0], tool[1], tool[2]))
-        put(s.vectors, 1, axis, direction(g, s.jets[here], frame_on, axis, 1.0, 0.0, 0.0))
     for i in range(many):
         u = t + first + i * step
         for part in range(2 if i + 1 < many else 1):
-            there = slot_of(k, g, s, frame_on, u, u if part == 0 else t + first + (i + 1) * step)
-            if there < 0:
+            v = u if part == 0 else t + first + (i + 1) * step
+            if not (see(k, g, s, 2, frame_on, True, target, u, v) and see(k, g, s, 3, frame_on, False, s.way, u, v)):
                 return 0
+            there = slot_of(k, g, s, frame_on, u, v)
             for axis in range(3):
-                at = place(g, s.jets[there], frame_on, axis, target[0], target[1], target[2])
-                x = direction(g, s.jets[there], frame_on, axis, 1.0, 0.0, 0.0)
-                off = minus(x, jet(s.vectors, 1, axis))
+                at, x = s.vectors[2, axis], s.vectors[3, axis]
                 if part == 0:
                     ways[i, axis] = at[0] - s.vectors[0, axis, 0]
                     ways[i, 3 + axis] = at[0] - s.jets[there, frame_on, axis, 0]
-                    ways[many, axis] = off[0]
+                    ways[many, axis] = x[0] - s.vectors[1, axis, 0]
                 else:
                     ways[many, axis], ways[many, 3 + axis] = abs(at[4]) + at[5], abs(x[4]) + x[5]
             if part == 0:

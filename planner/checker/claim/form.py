@@ -241,20 +241,20 @@ def seats_fit(k: Claim) -> bool:
 @kernel(types.boolean(tb.CLAIM))
 def pieces_fit(k: Claim) -> bool:
     """Whether rows name pieces of their bodies, and discs have an axis."""
-    for side in range(2):
-        for row in k.rows:
-            body, piece = int(row[c.ROW_BODY + side]), row[c.ROW_PIECE + side]
-            if not is_index(piece, -1.0, k.bodies[body, c.BODY_PIECES] if body >= 0 else 0.0):
+    tables = (
+        (k.rows, c.ROW_BODY, c.ROW_PIECE, -1.0),
+        (k.gap_rows, c.ROW_BODY, c.ROW_PIECE, -1.0),
+        (k.distances, c.DISTANCE_BODY, c.DISTANCE_PIECE, 0.0),
+    )
+    for table, first, piece, least in tables:
+        for i in range(2 * len(table)):
+            row, side = table[i // 2], i % 2
+            body = int(row[first + side])
+            if not is_index(row[piece + side], least, k.bodies[body, c.BODY_PIECES] if body >= 0 else 0.0):
                 return False
-            if body < 0 and (row[c.ROW_S0] != 0.0 or row[c.ROW_S1] != 0.0):
-                return False
-        for row in k.gap_rows:
-            if not is_index(row[c.ROW_PIECE + side], -1.0, k.bodies[int(row[c.ROW_BODY + side]), c.BODY_PIECES]):
-                return False
-        for row in k.distances:
-            body = int(row[c.DISTANCE_BODY + side])
-            if not is_index(row[c.DISTANCE_PIECE + side], 0.0, k.bodies[body, c.BODY_PIECES]):
-                return False
+    for row in k.rows:
+        if row[c.ROW_BODY + 1] < 0.0 and (row[c.ROW_S0] != 0.0 or row[c.ROW_S1] != 0.0):
+            return False
     for i in range(len(k.pieces)):
         if k.pieces[i, c.PIECE_DISC] > 0.0 and not length(k.pieces[i], c.PIECE_AXIS, c.PIECE_DISC) > 1e-6:
             return False

@@ -121,11 +121,11 @@ def root(a: Jet) -> Jet:
     return composed(a, between(x, y), between(0.5 / y, 0.5 / x), between(-0.25 / (x * x * x), -0.25 / (y * y * y)))
 
 
-@kernel(types.UniTuple(f8, 6)(F1, i8, i8, f8, f8, F1))
+@kernel(JET(F1, i8, i8, f8, f8, F1))
 def polynomial(row: FloatArray, at: int, degree: int, a: float, b: float, work: FloatArray) -> Jet:
-    """Least and greatest value, rate and second derivative over [a, b] of the polynomial whose coefficients are in a
-    row from column `at` on. It is developed about the middle of [a, b]: odd powers reach as far either way, even
-    powers reach one way. `work`: room for its coefficients, degree + 1 and at least 3."""
+    """The jet over [a, b] of the polynomial whose coefficients are in a row from column `at` on. It is developed about
+    the middle of [a, b]: odd powers reach as far either way, even powers reach one way. `work`: room for its
+    coefficients, degree + 1 and at least 3."""
     middle, r = 0.5 * (a + b), 0.5 * (b - a)
     for k in range(degree + 1):
         work[k] = row[at + k]
@@ -135,7 +135,7 @@ def polynomial(row: FloatArray, at: int, degree: int, a: float, b: float, work: 
         for k in range(degree - 1, i - 1, -1):
             work[k] += middle * work[k + 1]
     if not r > 0.0:
-        return work[0], work[0], work[1], work[1], 2.0 * work[2], 2.0 * work[2]
+        return work[0], 0.0, work[1], 0.0, 2.0 * work[2], 0.0
     low0, high0, low1, high1, low2, high2 = work[0], work[0], work[1], work[1], 2.0 * work[2], 2.0 * work[2]
     p = r
     for k in range(1, degree + 1):
@@ -149,7 +149,8 @@ def polynomial(row: FloatArray, at: int, degree: int, a: float, b: float, work: 
             low0, high0, low1, high1 = low0 + min(x, 0.0), high0 + max(x, 0.0), low1 + min(y, 0.0), high1 + max(y, 0.0)
             low2, high2 = low2 + min(z, 0.0), high2 + max(z, 0.0)
         p *= r
-    return low0, high0, low1, high1, low2, high2
+    value, rate, second = between(low0, high0), between(low1, high1), between(low2, high2)
+    return value[0], value[1], rate[0], rate[1], second[0], second[1]
 
 
 @kernel(JET(F3, i8, i8))

@@ -84,45 +84,6 @@ def write_control(h: float, ends: FloatArray, sizes: FloatArray, order: int, con
     return float(off)
 
 
-@kernel(types.boolean(F1, F1, i8, F1, F2, F1))
-def joint_keeps_limits(
-    one: FloatArray, other: FloatArray, j: int, limit: FloatArray, stack: FloatArray, state: FloatArray
-) -> bool:
-    """Whether a joint keeps its limits between two knots. What its coefficients may round by is taken off them."""
-    control, ends, sizes = stack[len(stack) - 1], stack[len(stack) - 2], stack[len(stack) - 3]
-    ends[:], sizes[:] = 0.0, 0.0
-    add_joint(one, other, j, 1.0, ends, sizes)
-    low, high = limit[c.LIMIT_LOWER + j], limit[c.LIMIT_UPPER + j]
-    for order in range(4 if limit[c.LIMIT_JERKS] > 0.0 else 3):
-        off = write_control(other[0] - one[0], ends, sizes, order, control)
-        if order > 0:
-            high = limit[c.LIMIT_VELOCITY + c.MOST_JOINTS * (order - 1) + j]
-            low = -high
-        more = 0.5 * (high - low) * limit[c.LIMIT_SHARE + order] - off - 4.0 * tb.ULP * (abs(low) + abs(high))
-        if not bounded(control, 5 - order, low - more, high + more, stack, state):
-            return False
-    return True
-
-
-@kernel(i8(tb.CLAIM, F2, F1))
-def first_joint_beyond(k: Claim, stack: FloatArray, state: FloatArray) -> int:
-    """The first joint of the robot that does not keep its limits on some piece of its motion; KEPT; or NO_LIMITS, if no
-    limits are for all of the motion. Where a failing piece begins is in the last place of `stack`."""
-    knots, whole, control = int(k.arms[0, c.ARM_KNOTS]), False, stack[len(stack) - 1]
-    for i in range(len(k.limits)):
-        limit = k.limits[i]
-        whole = whole or (limit[c.LIMIT_T0] <= k.knots[0, 0] and k.knots[knots - 1, 0] <= limit[c.LIMIT_T1])
-        for m in range(knots - 1):
-            one, other = k.knots[m], k.knots[m + 1]
-            if other[0] > one[0] and other[0] > limit[c.LIMIT_T0] and one[0] < limit[c.LIMIT_T1]:
-                state[tb.WORK] -= 1.0
-                for j in range(int(k.arms[0, c.ARM_JOINTS]) if state[tb.WORK] > 0.0 else 0):
-                    if not joint_keeps_limits(one, other, j, limit, stack, state):
-                        control[tb.POWERS] = one[0]
-                        return j
-    return KEPT if whole else NO_LIMITS
-
-
 @kernel(types.void(F1, i8, f8, f8))
 def cut(control: FloatArray, degree: int, low: float, high: float) -> None:
     """Makes Bernstein coefficients on [0, 1] those on [low, high] (de Casteljau)."""
@@ -135,14 +96,18 @@ def cut(control: FloatArray, degree: int, low: float, high: float) -> None:
             control[m] = (1.0 - share) * control[m] + share * control[m + 1]
 
 
-@kernel(types.boolean(tb.CLAIM, F1, F2, F1))
-def sum_within(k: Claim, own: FloatArray, stack: FloatArray, state: FloatArray) -> bool:
+@kernel(types.boolean(tb.CLAIM, F1, f8, F2, F1))
+def sum_within(k: Claim, own: FloatArray, more: float, stack: FloatArray, state: FloatArray) -> bool:
     """Whether a sum of joints of the robot, or a derivative of it, is within its bounds for its time. At an instant the
-    piece that begins there counts, at the end of the motion the last one."""
+    piece that begins there counts, at the end of the motion the last one. What coefficients may round by is taken off.
+
+    `more`: by how much it may exceed its bounds; if that is not negative, pieces count as a whole. Where a failing
+    piece begins is in the last place of `stack`."""
     knots, order, t0, t1 = int(k.arms[0, c.ARM_KNOTS]), int(own[c.SUM_ORDER]), own[c.SUM_T0], own[c.SUM_T1]
     control, ends, sizes = stack[len(stack) - 1], stack[len(stack) - 2], stack[len(stack) - 3]
     low, high, last = own[c.SUM_LOW], own[c.SUM_HIGH], k.knots[knots - 1, 0]
-    if not (k.knots[0, 0] <= t0 and t1 <= last):
+    state[tb.WORK] -= 0.01 * knots
+    if not (k.knots[0, 0] <= t0 and t1 <= last and state[tb.WORK] > 0.0):
         return False
     for m in range(knots - 1):
         one, other = k.knots[m], k.knots[m + 1]
@@ -150,16 +115,44 @@ def sum_within(k: Claim, own: FloatArray, stack: FloatArray, state: FloatArray) 
         counts = (begin <= t0 and (t0 < end or end == last)) if t0 == t1 else (begin < t1 and t0 < end)
         if not (h > 0.0 and counts):
             continue
-        state[tb.WORK] -= 1.0
+        state[tb.WORK] -= 0.2
         ends[:], sizes[:] = 0.0, 0.0
         for j in range(int(k.arms[0, c.ARM_JOINTS])):
             if own[c.SUM_SHARE + j] != 0.0:
                 add_joint(one, other, j, own[c.SUM_SHARE + j], ends, sizes)
         off = write_control(h, ends, sizes, order, control)
-        if t0 > begin or t1 < end:
+        if more < 0.0 and (t0 > begin or t1 < end):
             off *= 32.0
             cut(control, 5 - order, (max(t0, begin) - begin) / h, 1.0 if t1 >= end else (t1 - begin) / h)
-        least, most = low + off + 2.0 * tb.ULP * abs(low), high - off - 2.0 * tb.ULP * abs(high)
+        off -= max(more, 0.0)
+        least, most = low + off + 4.0 * tb.ULP * abs(low), high - off - 4.0 * tb.ULP * abs(high)
         if not bounded(control, 5 - order, least, most, stack, state):
+            control[tb.POWERS] = begin
             return False
     return True
+
+
+@kernel(i8(tb.CLAIM, F2, F1))
+def first_joint_beyond(k: Claim, stack: FloatArray, state: FloatArray) -> int:
+    """The first joint of the robot that does not keep its limits on some piece of its motion; KEPT; or NO_LIMITS, if no
+    limits are for all of the motion. Where a failing piece begins is in the last place of `stack`."""
+    begin, end, whole = k.knots[0, 0], k.knots[int(k.arms[0, c.ARM_KNOTS]) - 1, 0], False
+    own = stack[len(stack) - 4]
+    for i in range(len(k.limits)):
+        limit = k.limits[i]
+        whole = whole or (limit[c.LIMIT_T0] <= begin and end <= limit[c.LIMIT_T1])
+        own[c.SUM_T0], own[c.SUM_T1] = max(limit[c.LIMIT_T0], begin), min(limit[c.LIMIT_T1], end)
+        lasts = min(limit[c.LIMIT_T1] - limit[c.LIMIT_T0], own[c.SUM_T1] - own[c.SUM_T0])
+        if lasts < 0.0 or (lasts == 0.0 and limit[c.LIMIT_T0] < limit[c.LIMIT_T1]):
+            continue  # another time than that of the motion
+        for j in range(int(k.arms[0, c.ARM_JOINTS])):
+            own[c.SUM_SHARE : c.SUM_LOW] = 0.0
+            own[c.SUM_SHARE + j] = 1.0
+            for order in range(4 if limit[c.LIMIT_JERKS] > 0.0 else 3):
+                high = limit[c.LIMIT_UPPER + j + c.MOST_JOINTS * order]
+                low = -high if order > 0 else limit[c.LIMIT_LOWER + j]
+                own[c.SUM_ORDER], own[c.SUM_LOW], own[c.SUM_HIGH] = order, low, high
+                more = 0.5 * (high - low) * limit[c.LIMIT_SHARE + order]
+                if not sum_within(k, own, more, stack, state):
+                    return j
+    return KEPT if whole else NO_LIMITS

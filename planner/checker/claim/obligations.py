@@ -54,14 +54,10 @@ def add_pair(k: Claim, proof: tb.Proof, p: int, a: int, b: int, near: int, early
         rule, one, other = k.rules[i], c.RULE_SIDE, c.RULE_SIDE + n
         if (rule[one + a] > 0.0 and rule[other + b] > 0.0) or (rule[one + b] > 0.0 and rule[other + a] > 0.0):
             least = rule[c.RULE_NEAR if near > 0 else c.RULE_TRAVEL]
-    count, varies = int(proof.state[tb.PAIRS]), False
-    for j in range(c.REQUIRED_LAG, c.REQUIRED_LAG + c.MOST_JOINTS):
-        varies = varies or k.required[0, j] > 0.0
-    for i in range(len(k.displaced)):
-        varies = varies or k.displaced[i, c.DISPLACED_GROWTH] > 0.0 or k.displaced[i, c.DISPLACED_SHARED] > 0.0
+    count = int(proof.state[tb.PAIRS])
     pair = proof.pairs[count]
     pair[tb.PAIR_PHASE], pair[tb.PAIR_A], pair[tb.PAIR_B], pair[tb.PAIR_DISTANCE] = p, a, b, least
-    pair[tb.PAIR_EARLY], pair[tb.PAIR_LATE], pair[tb.PAIR_VARIES] = early, late, 1.0 if varies else 0.0
+    pair[tb.PAIR_EARLY], pair[tb.PAIR_LATE], pair[tb.PAIR_VARIES] = early, late, proof.state[tb.VARIES]
     pair[tb.PAIR_TOUCHES], pair[tb.PAIR_CERTAIN], pair[tb.PAIR_NEEDED] = 0.0, 0.0, 1.0
     if proof.numbers[a] >= 0:
         proof.table[p, proof.numbers[a], b] = count
@@ -117,6 +113,10 @@ def add_put_down(k: Claim, g: tb.Geometry, proof: tb.Proof, i: int) -> None:
 @kernel(types.void(tb.CLAIM, tb.GEOMETRY, tb.PROOF))
 def make_pairs(k: Claim, g: tb.Geometry, proof: tb.Proof) -> None:
     """Writes the pairs of all phases to `proof`, whose `table` holds -1."""
+    for j in range(c.REQUIRED_LAG, c.REQUIRED_LAG + c.MOST_JOINTS):
+        proof.state[tb.VARIES] = max(proof.state[tb.VARIES], k.required[0, j])
+    for row in k.displaced:
+        proof.state[tb.VARIES] = max(proof.state[tb.VARIES], row[c.DISPLACED_GROWTH], row[c.DISPLACED_SHARED])
     for p in range(len(k.phases)):
         if k.phases[p, c.PHASE_ROBOT] > 0.0:
             add_robot_pairs(k, g, proof, p)

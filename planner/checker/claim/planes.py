@@ -27,12 +27,12 @@ from assur.planner.compiled import kernel, types
 @kernel(f8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, f8, f8))
 def reach_at_ends(k: Claim, g: tb.Geometry, s: tb.Scratch, about: FloatArray, t0: float, t1: float) -> float:
     """How far the body of a row reaches along its normal at the ends of an interval, m; infinite: it is not known."""
-    solid, on, n, reach = int(about[tb.SIDE_SOLID]), int(about[tb.SIDE_CARRIER]), tb.OBJECT_NORMAL, -math.inf
+    solid, on, reach = int(about[tb.SIDE_SOLID]), int(about[tb.SIDE_CARRIER]), -math.inf
     for t in (t0, t1):
         slot = slot_of(k, g, s, on, t, t)
         if slot < 0:
             return math.inf
-        reach = max(reach, support(g, s.jets, slot, solid, on, about[n], about[n + 1], about[n + 2]))
+        reach = max(reach, support(g, s.jets, slot, solid, on, about[tb.OBJECT_NORMAL :], 1.0))
     return reach
 
 
@@ -40,8 +40,8 @@ def reach_at_ends(k: Claim, g: tb.Geometry, s: tb.Scratch, about: FloatArray, t0
 def write_levels(k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof, i: int, levels: FloatArray) -> None:
     """Writes how far the body of row i may reach for each other body, m; -inf: the row cannot show that pair."""
     row, about, p = proof.rows[i], proof.objects[i], int(proof.objects[i, tb.OBJECT_PLANE])
-    a, t, n, at = int(row[c.ROW_BODY]), row[c.ROW_T1], tb.OBJECT_NORMAL, tb.SIDES
-    x, y, z, reach = about[n], about[n + 1], about[n + 2], reach_at_ends(k, g, s, about, row[c.ROW_T0], t)
+    a, t, at = int(row[c.ROW_BODY]), row[c.ROW_T1], tb.SIDES
+    reach = reach_at_ends(k, g, s, about, row[c.ROW_T0], t)
     for b in range(len(k.bodies)):
         number, f = pair_of(proof, p, a, b) if a != b else -1, int(k.seats[int(k.seated[p, b]), c.SEAT_FRAME])
         levels[b] = -math.inf
@@ -52,14 +52,12 @@ def write_levels(k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof, i: in
             continue
         place_side(k, g, about, at, p, b, -1.0)
         solid, on = int(about[at + tb.SIDE_SOLID]), int(about[at + tb.SIDE_CARRIER])
-        level = -support(g, s.jets, slot_of(k, g, s, on, t, t), solid, on, -x, -y, -z)
+        level = -support(g, s.jets, slot_of(k, g, s, on, t, t), solid, on, about[tb.OBJECT_NORMAL :], -1.0)
         off = pair[tb.PAIR_DISTANCE] + tb.SLACK + rounding(g, on, 0, g.solids[solid, tb.SOLID_SIZE])
         if not reach <= level - off:
             continue
         off += own_gap(k, g, s, about, at, p, row[c.ROW_T0], t)
-        one, other = k.seats[int(about[tb.SIDE_SEAT])], k.seats[int(about[at + tb.SIDE_SEAT])]
-        off += displaced_gap(k, p, one, other, t, x, y, z)
-        levels[b] = level - off
+        levels[b] = level - off - displaced_gap(k, about, p, t)
 
 
 @kernel(f8(F1, f8))
@@ -79,7 +77,6 @@ def shown_level(
     """The least level that the body of row i is shown not to exceed; infinite: none."""
     row, about, top, level = proof.rows[i], proof.objects[i], 1, least_level(levels, -1e300)
     solid, on, p = int(about[tb.SIDE_SOLID]), int(about[tb.SIDE_CARRIER]), int(about[tb.OBJECT_PLANE])
-    x, y, z = about[tb.OBJECT_NORMAL], about[tb.OBJECT_NORMAL + 1], about[tb.OBJECT_NORMAL + 2]
     size = g.solids[solid, tb.SOLID_SIZE]
     stack[0, 0], stack[0, 1], stack[0, 2] = row[c.ROW_T0], row[c.ROW_T1], 0.0
     while top > 0 and level < math.inf:
@@ -96,8 +93,8 @@ def shown_level(
             if slot < 0:
                 bow = math.inf
             else:
-                bend = derivative_bound(g, s.jets, slot, 2, solid, on, -x, -y, -z) + rounding(g, on, 2, size)
-                bow = max(bend, 0.0) * (t1 - t0) ** 2 / 8.0
+                bend = derivative_bound(g, s.jets, slot, 2, solid, on, about[tb.OBJECT_NORMAL :], -1.0)
+                bow = max(bend + rounding(g, on, 2, size), 0.0) * (t1 - t0) ** 2 / 8.0
         if level < math.inf:
             reach += bow + rounding(g, on, 0, size) + own_gap(k, g, s, about, 0, p, t0, t1)
         if reach <= level:

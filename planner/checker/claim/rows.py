@@ -89,8 +89,7 @@ def row_on(
     s1: float,
 ) -> int:
     """What (N4) says of a row on [t0, t1], with the second body ahead of the clock by s0 to s1."""
-    x, y, z = about[tb.OBJECT_NORMAL], about[tb.OBJECT_NORMAL + 1], about[tb.OBJECT_NORMAL + 2]
-    one, on = int(about[tb.SIDE_SOLID]), int(about[tb.SIDE_CARRIER])
+    normal, one, on = about[tb.OBJECT_NORMAL :], int(about[tb.SIDE_SOLID]), int(about[tb.SIDE_CARRIER])
     other, other_on = int(about[tb.SIDES + tb.SIDE_SOLID]), int(about[tb.SIDES + tb.SIDE_CARRIER])
     if int(k.seats[int(about[tb.SIDES + tb.SIDE_SEAT]), c.SEAT_LINK]) >= 0:
         s0, s1 = 0.0, 0.0
@@ -100,13 +99,13 @@ def row_on(
         slot = slot_of(k, g, s, on, t, t)
         if slot < 0:
             return WRONG if slot == -1 - tb.NOT_GIVEN else wide
-        reach = support(g, s.jets, slot, one, on, x, y, z)
+        reach = support(g, s.jets, slot, one, on, normal, 1.0)
         for edge in range(2 if s1 > s0 else 1):
             ahead = t + (s0 if edge == 0 else s1)
             slot = slot_of(k, g, s, other_on, ahead, ahead)
             if slot < 0:
                 return WRONG if slot == -1 - tb.NOT_GIVEN else wide
-            gap = min(gap, -reach - support(g, s.jets, slot, other, other_on, -x, -y, -z))
+            gap = min(gap, -reach - support(g, s.jets, slot, other, other_on, normal, -1.0))
     gap -= required_gap(k, g, s, about, pair, t0, t1) + tb.SLACK
     if not gap >= 0.0:
         return HALVE_TIME if pair[tb.PAIR_VARIES] > 0.0 else WRONG
@@ -120,13 +119,13 @@ def row_on(
         slot = slot_of(k, g, s, on, t0, t1)
         if slot < 0:
             return WRONG if slot == -1 - tb.NOT_GIVEN else wide
-        bend = derivative_bound(g, s.jets, slot, 2, one, on, -x, -y, -z)
+        bend = derivative_bound(g, s.jets, slot, 2, one, on, normal, -1.0)
         bend += rounding(g, on, 2, g.solids[one, tb.SOLID_SIZE])
     slot = slot_of(k, g, s, other_on, low, high)
     if slot < 0:
         return WRONG if slot == -1 - tb.NOT_GIVEN else wide
     if not g.carriers[other_on, tb.CARRIER_FIXED] > 0.0:
-        other_bend = derivative_bound(g, s.jets, slot, 2, other, other_on, x, y, z)
+        other_bend = derivative_bound(g, s.jets, slot, 2, other, other_on, normal, 1.0)
         other_bend += rounding(g, other_on, 2, g.solids[other, tb.SOLID_SIZE])
     less_t = max(bend + other_bend, 0.0) * (t1 - t0) ** 2 / 8.0
     less_s = max(other_bend, 0.0) * (s1 - s0) ** 2 / 8.0

@@ -39,32 +39,29 @@ def extent(g: tb.Geometry, solid: int, u: float, v: float, w: float) -> float:
     return float(total + most)
 
 
-@kernel(f8(tb.GEOMETRY, F4, i8, i8, i8, f8, f8, f8))
-def support(g: tb.Geometry, jets: FloatArray, slot: int, solid: int, on: int, x: float, y: float, z: float) -> float:
-    """The largest m·x of a solid at an instant, m, for a unit vector m = (x, y, z) of the world (N2)."""
-    at = jets[slot, on]
+@kernel(f8(tb.GEOMETRY, F4, i8, i8, i8, F1, f8))
+def support(g: tb.Geometry, jets: FloatArray, slot: int, solid: int, on: int, normal: FloatArray, sign: float) -> float:
+    """The largest m·x of a solid at an instant, m, for a unit vector m = `sign` * `normal` of the world (N2)."""
+    at, x, y, z = jets[slot, on], sign * normal[0], sign * normal[1], sign * normal[2]
     u = x * at[3, 0] + y * at[4, 0] + z * at[5, 0]
     v = x * at[6, 0] + y * at[7, 0] + z * at[8, 0]
     w = x * at[9, 0] + y * at[10, 0] + z * at[11, 0]
     return float(x * at[0, 0] + y * at[1, 0] + z * at[2, 0] + extent(g, solid, u, v, w))
 
 
-@kernel(f8(tb.GEOMETRY, F4, i8, i8, i8, i8, f8, f8, f8))
+@kernel(f8(tb.GEOMETRY, F4, i8, i8, i8, i8, F1, f8))
 def derivative_bound(
-    g: tb.Geometry, jets: FloatArray, slot: int, order: int, solid: int, on: int, x: float, y: float, z: float
+    g: tb.Geometry, jets: FloatArray, slot: int, order: int, solid: int, on: int, normal: FloatArray, sign: float
 ) -> float:
     """A bound over an interval of the derivative of that order (1 or 2) of m·p, for all points p of a solid and a unit
-    vector m = (x, y, z). What keeps its shape adds nothing: balls, and discs about the vertical on upright carriers."""
+    vector m = `sign` * `normal`. What keeps its shape adds nothing: balls, and discs about the vertical on upright
+    carriers."""
     own, at, k, flat = g.solids[solid], jets[slot, on], 2 * order, g.carriers[on, tb.CARRIER_UPRIGHT] > 0.0
+    x, y, z = sign * normal[0], sign * normal[1], sign * normal[2]
     ax, ay, az = abs(x), abs(y), abs(z)
-    u, ru = x * at[3, k] + y * at[4, k], ax * at[3, k + 1] + ay * at[4, k + 1]
-    v, rv = x * at[6, k] + y * at[7, k], ax * at[6, k + 1] + ay * at[7, k + 1]
-    w, rw = 0.0, 0.0
-    if not flat:
-        u, ru = u + z * at[5, k], ru + az * at[5, k + 1]
-        v, rv = v + z * at[8, k], rv + az * at[8, k + 1]
-        w = x * at[9, k] + y * at[10, k] + z * at[11, k]
-        rw = ax * at[9, k + 1] + ay * at[10, k + 1] + az * at[11, k + 1]
+    u, ru = x * at[3, k] + y * at[4, k] + z * at[5, k], ax * at[3, k + 1] + ay * at[4, k + 1] + az * at[5, k + 1]
+    v, rv = x * at[6, k] + y * at[7, k] + z * at[8, k], ax * at[6, k + 1] + ay * at[7, k + 1] + az * at[8, k + 1]
+    w, rw = x * at[9, k] + y * at[10, k] + z * at[11, k], ax * at[9, k + 1] + ay * at[10, k + 1] + az * at[11, k + 1]
     total = x * at[0, k] + y * at[1, k] + z * at[2, k] + ax * at[0, k + 1] + ay * at[1, k + 1] + az * at[2, k + 1]
     for e in range(tb.SOLID_EDGE, tb.SOLID_EDGE + 3 * int(own[tb.SOLID_EDGES]), 3):
         total += abs(u * own[e] + v * own[e + 1] + w * own[e + 2])

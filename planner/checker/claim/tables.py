@@ -27,7 +27,9 @@ POWERS, LAW_POWERS = 6, c.MOST_POWERS + 2
 TOUCHED = LAW_POWERS + 1
 """Where `Scratch.work` counts pieces of motions."""
 CURVE_BEGIN, CURVE_END, CURVE_DEGREE, CURVE_POWER = range(4)
-CURVE, LAW_CURVE = CURVE_POWER + POWERS * c.MOST_JOINTS, CURVE_POWER + 4 * LAW_POWERS
+CURVE, LAW_ERROR = CURVE_POWER + POWERS * c.MOST_JOINTS, CURVE_POWER + 4 * LAW_POWERS
+LAW_CURVE = LAW_ERROR + 5
+"""Pieces of laws have room for the errors of one coordinate."""
 CARRIER_ARM, CARRIER_FRAME, CARRIER_UPRIGHT, CARRIER_FIXED, CARRIER = range(5)
 """Arm and frame (-1: none), whether it turns about the vertical only, whether it never moves."""
 ROUND_PLACE, ROUND_TURN, ROUNDS = 0, 1, 6
@@ -48,9 +50,10 @@ SIDE_SOLID, SIDE_CARRIER, SIDE_SEAT, SIDES = 0, 1, 2, 3
 OBJECT_NORMAL, OBJECT_PAIR, OBJECT_PLANE, OBJECT = 2 * SIDES, 2 * SIDES + 3, 2 * SIDES + 4, 2 * SIDES + 5
 """What a row is about: solid, carrier and seat of both sides, one behind the other; a unit normal; the row in `pairs`
 (-1: no pair needs it); the phase of a row of one body (-1: it has two, or is not within one phase)."""
-WORK, HALVINGS, DEPTH, FAILED, PAIRS, ROWS, STATE = range(7)
+WORK, HALVINGS, DEPTH, FAILED, PAIRS, ROWS, AMOUNT, VARIES, STATE = range(9)
 """Numbers of a check: work that is left; halvings of rows, and the deepest; the row that failed; how many pairs must
-keep apart, and how many rows they need."""
+keep apart, and how many rows they need; by how much what failed last exceeds what is claimed (NaN: no number);
+more than 0: what is required of pairs depends on the interval."""
 
 
 class Geometry(NamedTuple):
@@ -58,8 +61,7 @@ class Geometry(NamedTuple):
 
     curves: FloatArray  # CURVE_... and powers of each joint, of all arms one behind the other
     spans: FloatArray  # (arms, 2): first row in `curves`, and how many
-    laws: FloatArray  # CURVE_... and powers of x, y, z, yaw
-    fixed_angles: FloatArray  # (angles, 1): 1 if an angle has no joints
+    laws: FloatArray  # CURVE_... and powers of x, y, z, yaw; LAW_ERROR
     carriers: FloatArray  # CARRIER_...
     on: FloatArray  # (frames, 1): carrier of a frame
     rounds: FloatArray  # (carriers, ROUNDS)
@@ -77,7 +79,8 @@ class Scratch(NamedTuple):
     turns: FloatArray  # (angles, 2, 6): cosine and sine
     four: FloatArray  # (2, 2, 6): cosine and sine of both couplers; or x, y, z, yaw of a frame
     joints: FloatArray  # (joints, 6)
-    vectors: FloatArray  # (3, 3, 6): vectors of the tool and of frames
+    vectors: FloatArray  # (4, 3, 6): vectors of the tool and of frames
+    way: FloatArray  # (3,): coordinates of a vector of a carrier
     work: FloatArray  # powers of one coordinate; the last number counts pieces of motions that were evaluated
     next_slot: FloatArray  # (carriers, 2): the slot that is replaced next, of instants and of intervals
 
@@ -102,5 +105,5 @@ I1, I2, I3 = i8[::1], i8[:, ::1], i8[:, :, ::1]
 JET, BALL = types.UniTuple(f8, 6), types.UniTuple(f8, 2)
 CLAIM = types.NamedUniTuple(F2, len(Claim._fields), Claim)
 GEOMETRY = types.NamedUniTuple(F2, len(Geometry._fields), Geometry)
-SCRATCH = types.NamedTuple((F4, F3, F3, F3, F2, F3, F1, F2), Scratch)
+SCRATCH = types.NamedTuple((F4, F3, F3, F3, F2, F3, F1, F1, F2), Scratch)
 PROOF = types.NamedTuple((F2, I1, I3, F2, F2, I1, I2, I1, F1), Proof)

@@ -8,16 +8,22 @@ from assur.planner.checker.claim.distances import is_near
 from assur.planner.checker.claim.errors import error_within
 from assur.planner.checker.claim.limits import sum_within
 from assur.planner.checker.claim.motion import piece_at
-from assur.planner.checker.claim.points import at_point, axis_within, guided, moves_with_point, rate_within
+from assur.planner.checker.claim.points import (
+    CORRECTED,
+    DISTANCES,
+    ERRORS,
+    POINTS,
+    RATES,
+    SUMS,
+    is_near_chord,
+    moves_with_point,
+    rate_within,
+)
 from assur.planner.checker.claim.tables import F1, F2, f8, i8
 from assur.planner.checker.claim.uncertainty import corrected_within
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.compiled import kernel, types
-
-POINTS, RATES, AXES, GUIDES, CORRECTED, SUMS, DISTANCES, ERRORS = range(8)
-"""Tables whose rows are claims: `points`, `rates`, `axes`, `guides`, `phases` (with corrections), `sums`, `distances`,
-`errors`. All begin with the begin and the end of their time, but the last two."""
 
 
 @kernel(f8(tb.GEOMETRY, f8, f8))
@@ -37,13 +43,13 @@ def claim_holds(
     k: Claim, g: tb.Geometry, s: tb.Scratch, kind: int, row: int, own: FloatArray, stack: FloatArray, state: FloatArray
 ) -> bool:
     """Whether a row of one of the tables above is shown. `stack`: room for intervals, the last rows for numbers."""
-    result, room, top = stack[len(stack) - 1], stack[len(stack) - 2], 1
+    result, top = stack[len(stack) - 1], 1
     stack[0, 0], stack[0, 1], stack[0, 2] = own[0], own[1], 0.0
     if kind == SUMS:
-        return sum_within(k, own, stack, state)
+        return sum_within(k, own, -1.0, stack, state)
     if kind == DISTANCES:
         state[tb.WORK] -= 1.0
-        return is_near(k, g, s, own, room)
+        return is_near(k, g, s, own, stack)
     if kind == ERRORS:
         return error_within(k, g, s, own, state)
     if kind == POINTS and not moves_with_point(k, g, s, own, result):
@@ -52,16 +58,12 @@ def claim_holds(
         top -= 1
         t0, t1, depth, shown = stack[top, 0], stack[top, 1], stack[top, 2], False
         state[tb.WORK] -= 1.0
-        if kind == POINTS:
-            shown = at_point(k, g, s, own, t0, t1, result)
-        elif kind == RATES:
+        if kind == RATES:
             shown = rate_within(k, g, s, own, t0, t1)
-        elif kind == AXES:
-            shown = axis_within(k, g, s, own, t0, t1)
-        elif kind == GUIDES:
-            shown = guided(k, g, s, own, t0, t1, result)
-        else:
+        elif kind == CORRECTED:
             shown = own[c.PHASE_ROBOT] == 0.0 or corrected_within(k, g, s, row, t0, t1)
+        else:
+            shown = is_near_chord(k, g, s, kind, own, t0, t1, result, state)
         if shown:
             continue
         if depth >= tb.DEEPEST or t0 == t1 or not state[tb.WORK] > 0.1 * s.work[tb.TOUCHED]:

@@ -67,7 +67,7 @@ def lag_displacement(
     jets are in the slots behind those of instants and intervals. Infinite: they are not known."""
     first, n, total = tb.INSTANTS + tb.INTERVALS, int(k.arms[0, c.ARM_JOINTS]), 0.0
     solid, on, known = int(about[side + tb.SIDE_SOLID]), int(about[side + tb.SIDE_CARRIER]), s.known[first, 0]
-    x, y, z = about[tb.OBJECT_NORMAL], about[tb.OBJECT_NORMAL + 1], about[tb.OBJECT_NORMAL + 2]
+    normal = about[tb.OBJECT_NORMAL :]
     if not (known[0] == t0 and known[1] == t1):
         known[0], known[1], known[2] = t0, t1, tb.KNOWN if joints_over(g, 0, n, t0, t1, s) else tb.NOT_GIVEN
         for j in range(n):
@@ -81,8 +81,8 @@ def lag_displacement(
     for j in range(n):
         lag = k.required[0, c.REQUIRED_LAG + j]
         if lag > 0.0 and known[2] == tb.KNOWN:
-            one = derivative_bound(g, s.jets, first + j, 1, solid, on, x, y, z)
-            other = derivative_bound(g, s.jets, first + j, 1, solid, on, -x, -y, -z)
+            one = derivative_bound(g, s.jets, first + j, 1, solid, on, normal, 1.0)
+            other = derivative_bound(g, s.jets, first + j, 1, solid, on, normal, -1.0)
             total += lag * max(one, other, 0.0)
     return float(total) if known[2] == tb.KNOWN else math.inf
 
@@ -138,12 +138,11 @@ def corrected_within(k: Claim, g: tb.Geometry, s: tb.Scratch, p: int, t0: float,
     return True
 
 
-@kernel(f8(tb.CLAIM, i8, F1, F1, f8, f8, f8, f8))
-def displaced_gap(
-    k: Claim, p: int, one: FloatArray, other: FloatArray, t: float, x: float, y: float, z: float
-) -> float:
-    """By how much displacements of frames may bring two seated bodies nearer along a unit normal until t, m."""
-    first, total = k.required[0, c.REQUIRED_TOOL], 0.0
+@kernel(f8(tb.CLAIM, F1, i8, f8))
+def displaced_gap(k: Claim, about: FloatArray, p: int, t: float) -> float:
+    """By how much displacements of frames may bring both bodies of a row nearer along its normal until t, m."""
+    first, total, normal = k.required[0, c.REQUIRED_TOOL], 0.0, about[tb.OBJECT_NORMAL :]
+    one, other = k.seats[int(about[tb.SIDE_SEAT])], k.seats[int(about[tb.SIDES + tb.SIDE_SEAT])]
     tool, other_tool = one[c.SEAT_LINK] >= first, other[c.SEAT_LINK] >= first
     for i in range(len(k.displaced) if not (tool and other_tool) else 0):
         own, f, (low, high) = k.displaced[i], k.displaced[i, c.DISPLACED_FRAME], share_of(k, p, i)
@@ -151,8 +150,8 @@ def displaced_gap(
         other_least, other_most = (1.0, 1.0) if other[c.SEAT_FRAME] == f else (low, high) if other_tool else (0.0, 0.0)
         share, d = max(abs(most - other_least), abs(other_most - least)), c.DISPLACED_DIRECTION
         if share > 0.0:
-            level = own[c.DISPLACED_LEVEL] > 0.0
-            along = math.sqrt(x * x + y * y) if level else abs(x * own[d] + y * own[d + 1] + z * own[d + 2])
+            along = abs(normal[0] * own[d] + normal[1] * own[d + 1] + normal[2] * own[d + 2])
+            along = length(normal, 0, 2) if own[c.DISPLACED_LEVEL] > 0.0 else along
             total += share * amount_of(k, i, t) * along
     return float(total)
 
@@ -163,16 +162,14 @@ def own_gap(
 ) -> float:
     """How far one side of a row may be off along its normal over [t0, t1], m, but for displacements that it may share
     with the other side: where it is on its seat, turns of its frame, lag, corrections. Infinite: it is not known."""
-    x, y, z = about[tb.OBJECT_NORMAL], about[tb.OBJECT_NORMAL + 1], about[tb.OBJECT_NORMAL + 2]
-    seat, n, lags = k.seats[int(about[side + tb.SIDE_SEAT])], int(k.arms[0, c.ARM_JOINTS]), False
+    seat, n = k.seats[int(about[side + tb.SIDE_SEAT])], int(k.arms[0, c.ARM_JOINTS])
     body, f, link = int(seat[c.SEAT_BODY]), int(seat[c.SEAT_FRAME]), int(seat[c.SEAT_LINK])
-    flat, reach = math.sqrt(x * x + y * y), g.solids[int(about[side + tb.SIDE_SOLID]), tb.SOLID_REACH]
-    total = k.off[p, body] * flat + k.off[p, len(k.bodies) + body] * abs(z)
+    flat = length(about, tb.OBJECT_NORMAL, tb.OBJECT_NORMAL + 2)
+    reach = g.solids[int(about[side + tb.SIDE_SOLID]), tb.SOLID_REACH]
+    total = k.off[p, body] * flat + k.off[p, len(k.bodies) + body] * abs(about[tb.OBJECT_NORMAL + 2])
     if f >= 0:
         return float(total + k.frames[f, c.FRAME_YAW] * reach * flat)
-    for j in range(n):
-        lags = lags or k.required[0, c.REQUIRED_LAG + j] > 0.0
-    if lags:
+    if len(s.jets) > tb.INSTANTS + tb.INTERVALS:  # joints lag
         total += lag_displacement(k, g, s, about, side, t0, t1)
     if 0 < link < int(k.required[0, c.REQUIRED_TOOL]):
         shift = correction_shift(k, p, t1)
@@ -190,7 +187,6 @@ def required_gap(
 ) -> float:
     """The gap along a unit normal that is required over [t0, t1], m, with what is uncertain of both bodies (N8) and
     what their places round by. Infinite: it is not known."""
-    x, y, z = about[tb.OBJECT_NORMAL], about[tb.OBJECT_NORMAL + 1], about[tb.OBJECT_NORMAL + 2]
     total, p = pair[tb.PAIR_DISTANCE], int(pair[tb.PAIR_PHASE])
     for side in (0, tb.SIDES):
         size = g.solids[int(about[side + tb.SIDE_SOLID]), tb.SOLID_SIZE]
@@ -198,6 +194,5 @@ def required_gap(
         if not pair[tb.PAIR_CERTAIN] > 0.0:
             total += own_gap(k, g, s, about, side, p, t0, t1)
     if not pair[tb.PAIR_CERTAIN] > 0.0:
-        one, other = k.seats[int(about[tb.SIDE_SEAT])], k.seats[int(about[tb.SIDES + tb.SIDE_SEAT])]
-        total += displaced_gap(k, p, one, other, t1, x, y, z)
+        total += displaced_gap(k, about, p, t1)
     return float(total)

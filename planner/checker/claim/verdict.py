@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -12,15 +11,16 @@ from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.enclosure import first_within, open_body
 from assur.planner.checker.claim.form import FITS, MISFITS, bound_name, bounds, misfit, wrong_table
-from assur.planner.checker.claim.jets import constant, put
 from assur.planner.checker.claim.limits import KEPT, NO_LIMITS, first_joint_beyond
 from assur.planner.checker.claim.motion import make_curves, make_laws
 from assur.planner.checker.claim.obligations import make_pairs, number_bodies, require_second
 from assur.planner.checker.claim.planes import link_rows
+from assur.planner.checker.claim.points import ERRORS
 from assur.planner.checker.claim.rows import first_uncovered, first_wrong_row, resolve
 from assur.planner.checker.claim.solids import place_solids
 from assur.planner.checker.claim.tables import F1, F2, I1, f8, i8
-from assur.planner.checker.claim.tool import ERRORS, claim_holds
+from assur.planner.checker.claim.tool import claim_holds
+from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.compiled import kernel, types
@@ -32,79 +32,43 @@ MOST_FINDINGS = 8
 """Findings after which a check ends."""
 
 
-class ClaimCode(StrEnum):
-    """What is not shown."""
-
-    FORM = "FORM"
-    """Tables, columns or indices are not those of a claim."""
-    SURFACE = "SURFACE"
-    """The surface of a body is not closed."""
-    KNOTS = "KNOTS"
-    """Times of knots go back, or positions or velocities jump, of a joint or where a frame's period ends."""
-    PHASES = "PHASES"
-    """Phases have gaps or end too early, or the robot need not keep clear while it moves."""
-    LIMIT = "LIMIT"
-    """A joint does not keep a limit, or no limits are for all of the motion."""
-    POINT = "POINT"
-    """The tool is not at its point, or does not move with it."""
-    RATE = "RATE"
-    """A point of the tool is faster or slower, or accelerates harder, than is claimed."""
-    DIRECTION = "DIRECTION"
-    """An axis of a link, or the way to a point of a link, is not within its directions."""
-    GUIDE = "GUIDE"
-    """The tool leaves its way from one point to another."""
-    CORRECTION = "CORRECTION"
-    """A joint does not keep its range, or the arm its reach, while a correction shifts the tool."""
-    JOINTS = "JOINTS"
-    """A sum of joints, or a derivative of it, is not within its bounds."""
-    DISTANCE = "DISTANCE"
-    """Two bodies may be farther apart than is claimed."""
-    ERROR = "ERROR"
-    """The tool may be farther from its point than is claimed."""
-    NEAREST = "NEAREST"
-    """A second distance is not shown."""
-    ROW = "ROW"
-    """A row does not hold."""
-    COVER = "COVER"
-    """No row for a part of a phase."""
-    WITHIN = "WITHIN"
-    """Nothing shows that one body is not within the other."""
-    WORK = "WORK"
-    """More work than MOST_WORK."""
-    FAULT = "FAULT"
-    """Numbers that overflow, or that are divided by 0."""
-
-
 KNOTS, PHASES, LIMIT, ROW, COVER, WITHIN, GAP_ROW, GAP_COVER, MUCH = range(ERRORS + 1, ERRORS + 10)
-_CODES = (
-    ClaimCode.POINT,
-    ClaimCode.RATE,
-    ClaimCode.DIRECTION,
-    ClaimCode.GUIDE,
-    ClaimCode.CORRECTION,
-    ClaimCode.JOINTS,
-    ClaimCode.DISTANCE,
-    ClaimCode.ERROR,
-    ClaimCode.KNOTS,
-    ClaimCode.PHASES,
-    ClaimCode.LIMIT,
-    ClaimCode.ROW,
-    ClaimCode.COVER,
-    ClaimCode.WITHIN,
-    ClaimCode.NEAREST,
-    ClaimCode.NEAREST,
-    ClaimCode.WORK,
+KINDS = (
+    (Code.POINT, "points", "the tool is not at its point, or does not move with it"),
+    (Code.RATE, "rates", "the tool is faster or slower, or accelerates harder, than is claimed"),
+    (Code.DIRECTION, "axes", "an axis, or the way to a point, is not within its directions"),
+    (Code.GUIDE, "guides", "the tool leaves its way"),
+    (Code.CORRECTION, "phases", "a joint or the arm leaves its range while a correction shifts the tool"),
+    (Code.JOINTS, "sums", "a sum of joints, or a derivative of it, is not within its bounds"),
+    (Code.DISTANCE, "distances", "two bodies may be farther apart than is claimed"),
+    (Code.ERROR, "errors", "the tool may be farther from its point than is claimed"),
+    (Code.MOTION, "", "times of knots go back, or the motion jumps"),
+    (Code.PHASE, "", "phases have gaps, end too early, or the robot need not keep clear while it moves"),
+    (Code.LIMIT, "joints", "a limit is not kept"),
+    (Code.ROW, "rows", "a row does not hold"),
+    (Code.COVER, "phases", "no rows for all of the time"),
+    (Code.CONTAINMENT, "phases", "nothing shows that one is not within the other"),
+    (Code.NEAREST, "gap_rows", "the smallest clearance is not shown"),
+    (Code.NEAREST, "phases", "the smallest clearance is not shown"),
+    (Code.WORK, "", "more work than is allowed"),
 )
-FINDING_CODE, FINDING_WHAT, FINDING_WHEN, FINDING = range(4)
-"""Columns of a finding as kernels have it: one of the numbers above, the row or the joint that it is about, a time."""
+"""Of what kernels report by number: the code, the table of the row that it is about, and what is not shown."""
+FINDING_KIND, FINDING_ROW, FINDING_WHEN, FINDING_AMOUNT, FINDING = range(5)
+"""Columns of a finding as kernels have it: one of the numbers above; the row, the joint or the pair that it is about; a
+time; and an amount."""
 
 
 class ClaimFinding(NamedTuple):
-    """One thing that is not shown: `what` in words, and from which time on, s (NaN: no time)."""
+    """One thing that is not shown: `what` in words; the table and the row that it is about ("": none; "joints": a joint
+    of the robot); bodies (-1: whatever never moves); from which time on, s, and by how much, m (NaN: no number)."""
 
-    code: ClaimCode
+    code: Code
     what: str
-    when: float
+    table: str = ""
+    row: int = -1
+    bodies: tuple[int, ...] = ()
+    when: float = math.nan
+    amount: float = math.nan
 
 
 class ClaimVerdict(NamedTuple):
@@ -122,7 +86,7 @@ class ClaimVerdict(NamedTuple):
 
 @kernel(types.Tuple((tb.GEOMETRY, tb.SCRATCH))(tb.CLAIM), allocates=True)
 def prepare(k: Claim) -> tuple[tb.Geometry, tb.Scratch]:
-    """Room for the geometry and the jets of a claim that fits together; carriers and constant angles are written."""
+    """Room for the geometry and the jets of a claim that fits together; carriers are written."""
     links, frames, solids, vertices, lags = len(k.links), len(k.frames), 0, 0, 0
     for s in range(len(k.seats)):
         body = k.bodies[int(k.seats[s, c.SEAT_BODY])]
@@ -133,7 +97,6 @@ def prepare(k: Claim) -> tuple[tb.Geometry, tb.Scratch]:
         np.zeros((len(k.knots), tb.CURVE)),
         np.zeros((len(k.arms), 2)),
         np.zeros((len(k.laws), tb.LAW_CURVE)),
-        np.zeros((len(k.angles), 1)),
         np.zeros((links + frames, tb.CARRIER)),
         np.zeros((frames, 1)),
         np.zeros((links + frames, tb.ROUNDS)),
@@ -150,19 +113,13 @@ def prepare(k: Claim) -> tuple[tb.Geometry, tb.Scratch]:
         np.zeros((len(k.angles), 2, 6)),
         np.zeros((2, 2, 6)),
         np.zeros((c.MOST_JOINTS, 6)),
-        np.zeros((3, 3, 6)),
+        np.zeros((4, 3, 6)),
+        np.zeros(3),
         np.zeros(tb.LAW_POWERS + 2),
         np.zeros((links + frames, 2)),
     )
     scratch.known[0, :, 2] = 0.0
     scratch.jets[:, :, 11, 0] = 1.0
-    for i in range(len(k.angles)):
-        moves = False
-        for j in range(c.MOST_JOINTS):
-            moves = moves or k.angles[i, c.ANGLE_SHARE + j] != 0.0
-        geometry.fixed_angles[i, 0] = 0.0 if moves else 1.0
-        put(scratch.turns, i, 0, constant(math.cos(k.angles[i, c.ANGLE_CONSTANT])))
-        put(scratch.turns, i, 1, constant(math.sin(k.angles[i, c.ANGLE_CONSTANT])))
     for a in range(len(k.arms)):
         for i in range(int(k.arms[a, c.ARM_LINK]), int(k.arms[a, c.ARM_LINK] + k.arms[a, c.ARM_LINKS])):
             own = geometry.carriers[i]
@@ -192,10 +149,10 @@ def phases_fit(k: Claim) -> bool:
 
 
 @kernel(i8(F2, i8, i8, f8, f8))
-def add_finding(findings: FloatArray, many: int, code: int, what: float, when: float) -> int:
-    """Writes a finding to row `many`, and returns the number of findings."""
+def add_finding(findings: FloatArray, many: int, kind: int, row: float, when: float) -> int:
+    """Writes a finding without an amount to row `many`, and returns the number of findings."""
     own = findings[many]
-    own[FINDING_CODE], own[FINDING_WHAT], own[FINDING_WHEN] = code, what, when
+    own[FINDING_KIND], own[FINDING_ROW], own[FINDING_WHEN], own[FINDING_AMOUNT] = kind, row, when, math.nan
     return many + 1
 
 
@@ -229,20 +186,22 @@ def check_tables(k: Claim, order: IntArray, gap_order: IntArray) -> tuple[FloatA
     findings, state, many = np.zeros((MOST_FINDINGS + 2, FINDING)), np.zeros(tb.STATE), 0
     state[tb.WORK] = MOST_WORK
     g, s = prepare(k)
-    moves = make_laws(k, g) and make_curves(k, g, s.joints)
+    moves = make_laws(k, g, s) and make_curves(k, g, s)
     if not (moves and phases_fit(k)):
         many = add_finding(findings, 0, PHASES if moves else KNOTS, 0.0, k.phases[0, c.PHASE_T0])
         return findings[:many], np.empty((0, tb.PAIR)), state
     place_solids(k, g)
-    stack = np.zeros((2 * tb.DEEPEST + 8, max(tb.POWERS + 1, tb.OBJECT + 3)))
+    stack = np.zeros((2 * tb.DEEPEST + 8, max(tb.POWERS + 1, c.SUM, tb.OBJECT)))
     joint = first_joint_beyond(k, stack, state)
     if joint != KEPT:
         many = add_finding(findings, many, LIMIT, joint, stack[len(stack) - 1, tb.POWERS])
     tables = (k.points, k.rates, k.axes, k.guides, k.phases, k.sums, k.distances, k.errors)
     for kind, table in enumerate(tables):
         for i in range(len(table)):
+            state[tb.AMOUNT] = math.nan
             if many < MOST_FINDINGS and not claim_holds(k, g, s, kind, i, table[i], stack, state):
                 many = add_finding(findings, many, kind, i, table[i, 0])
+                findings[many - 1, FINDING_AMOUNT] = state[tb.AMOUNT]
     bodies, phases, planes, numbers = len(k.bodies), len(k.phases), 0, np.full(len(k.bodies), -1)
     for i in range(len(k.rows)):
         planes += 1 if k.rows[i, c.ROW_BODY + 1] < 0.0 else 0
@@ -278,38 +237,36 @@ def check_claim(claim: Claim) -> ClaimVerdict:
     """Whether everything that a claim says is shown. Tables that are none of a claim are refused, not raised."""
     name = wrong_table(claim)
     if name:
-        return _refused(ClaimCode.FORM, f"{name}: not the table of a claim")
+        return _refused(ClaimFinding(Code.FORM, f"{name}: not the table of a claim", name))
     row = misfit(claim, BOUNDS)
     if row != FITS:
-        return _refused(ClaimCode.FORM, MISFITS.get(row) or bound_name(row))
+        return _refused(ClaimFinding(Code.FORM, MISFITS.get(row) or bound_name(row)))
     body = open_body(claim)
     if body >= 0:
-        return _refused(ClaimCode.SURFACE, f"body {body}")
+        return _refused(ClaimFinding(Code.SURFACE, "the surface is not closed", bodies=(body,)))
     order, gap_order = [np.lexsort((rows[:, c.ROW_T1], rows[:, c.ROW_T0])) for rows in (claim.rows, claim.gap_rows)]
     try:
         rows, pairs, state = check_tables(claim, order, gap_order)
     except (ZeroDivisionError, OverflowError, ValueError, IndexError) as error:
-        return _refused(ClaimCode.FAULT, type(error).__name__)
+        return _refused(ClaimFinding(Code.FORM, f"numbers that overflow, or a division by 0: {type(error).__name__}"))
     findings = tuple(_finding(claim, row, pairs) for row in rows)
     needed, many, halvings, deepest = [int(state[number]) for number in (tb.ROWS, tb.PAIRS, tb.HALVINGS, tb.DEPTH)]
     return ClaimVerdict(not findings, findings, needed, many, halvings, deepest, int(MOST_WORK - state[tb.WORK]))
 
 
-def _refused(code: ClaimCode, what: str) -> ClaimVerdict:
-    return ClaimVerdict(False, (ClaimFinding(code, what, math.nan),))
+def _refused(finding: ClaimFinding) -> ClaimVerdict:
+    return ClaimVerdict(False, (finding,))
 
 
-def _finding(claim: Claim, row: FloatArray, pairs: FloatArray) -> ClaimFinding:
-    """A finding of `check_tables` in words."""
-    code, number, what = int(row[FINDING_CODE]), int(row[FINDING_WHAT]), ""
-    if code == LIMIT:
-        what = "no limits are for all of the motion" if number == NO_LIMITS else f"joint {number}"
-    elif code in (ROW, GAP_ROW):
-        a, b = (claim.rows if code == ROW else claim.gap_rows)[number, c.ROW_BODY : c.ROW_PIECE]
-        what = f"row {number}, bodies {a:.0f} and {b:.0f}"
-    elif code in (COVER, WITHIN, GAP_COVER):
-        a, b, phase = pairs[number, [tb.PAIR_A, tb.PAIR_B, tb.PAIR_PHASE]]
-        what = f"bodies {a:.0f} and {b:.0f} in phase {phase:.0f}"
-    elif code <= ERRORS:
-        what = f"number {number}"
-    return ClaimFinding(_CODES[code], what, float(row[FINDING_WHEN]))
+def _finding(claim: Claim, own: FloatArray, pairs: FloatArray) -> ClaimFinding:
+    """A finding of `check_tables`, with the rows and the bodies that it is about."""
+    kind, row, bodies = int(own[FINDING_KIND]), int(own[FINDING_ROW]), np.empty(0)
+    code, table, what = KINDS[kind]
+    if kind in (COVER, WITHIN, GAP_COVER):
+        bodies, row = pairs[row, [tb.PAIR_A, tb.PAIR_B]], int(pairs[row, tb.PAIR_PHASE])
+    elif kind in (ROW, GAP_ROW):
+        bodies = (claim.rows if kind == ROW else claim.gap_rows)[row, c.ROW_BODY : c.ROW_PIECE]
+    elif kind == LIMIT and row == NO_LIMITS:
+        table, what = "", "no limits are for all of the motion"
+    when, amount = float(own[FINDING_WHEN]), float(own[FINDING_AMOUNT])
+    return ClaimFinding(code, what, table, row, tuple(bodies.astype(int).tolist()), when, amount)

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assur.planner.checked import check
-from assur.planner.checker import Code
+from assur.planner.checker import Code, Finding
 from assur.planner.checker.statement.curves import Bezier, Turn, curve_of
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
@@ -53,15 +53,24 @@ def made(scene_number: int = 0) -> Plan:
     return found.plan
 
 
-def told(scene: Scene, changed: Plan) -> dict[Code, str]:
+def findings_of(scene: Scene, changed: Plan) -> list[Finding]:
     """What is found, but for the rows of the certificate, which are of another motion."""
     findings = check(scene, sealed(scene, changed)).findings
-    return {each.code: each.what for each in findings if each.code not in (Code.COVER, Code.ROW)}
+    return [each for each in findings if each.code not in (Code.COVER, Code.ROW)]
 
 
-def off_the_path(findings: dict[Code, str]) -> bool:
-    """Whether the tool is not shown to be on its path, or no row can be made that says so."""
-    return Code.GUIDE in findings or Code.FORM in findings
+def told(scene: Scene, changed: Plan) -> dict[Code, str]:
+    """The same by code, in words."""
+    return {each.code: each.what for each in findings_of(scene, changed)}
+
+
+def off_the_path(scene: Scene, changed: Plan, least: float, most: float) -> bool:
+    """Whether the tool is found to be off its path, by more than is allowed, and by an amount, m, that is in a range;
+    and whether the step is named."""
+    found = [each for each in findings_of(scene, changed) if each.code == Code.GUIDE]
+    amounts = [each.amount for each in found]
+    assert {(each.what, each.unit) for each in found} == {("bead: the tool leaves its way", "m")}
+    return min(amounts) > 0.0 and least <= max(amounts) <= most
 
 
 def claiming(changed: Plan, **claims: float) -> Plan:
@@ -100,7 +109,7 @@ def test_a_tool_that_goes_beside_the_path_with_its_speed_is_found(off: float) ->
     beside = scene_of(begin=(0.0, 0.0, 0.05 + off), parts=tuple(lifted(part, off) for part in PARTS))
     found = plan(beside)
     assert isinstance(found, Planned), found.sentence
-    assert off_the_path(told(scene_of(), found.plan))
+    assert off_the_path(scene_of(), found.plan, 0.0, 1.2e-5)
 
 
 def lifted(part: PathPart, off: float) -> PathPart:
@@ -117,7 +126,11 @@ def lifted(part: PathPart, off: float) -> PathPart:
 def test_a_lead_in_that_leaves_its_line_is_found() -> None:
     leg = next(leg for leg in made().legs if leg.kind is LegKind.APPROACH)
     row = int(np.searchsorted(made().trajectory.time, (leg.t0 + leg.t1) / 2))
-    assert off_the_path(told(scene_of(), shifted(made(), row, 1e-4)))
+    assert off_the_path(scene_of(), shifted(made(), row, 1e-4), 0.0, 4e-5)
+
+
+def test_a_tool_that_is_far_off_its_path_is_found_with_the_step_and_how_far() -> None:
+    assert off_the_path(scene_of(), shifted(made(), inside(made()), 0.1), 5e-5, 0.2)
 
 
 @pytest.mark.parametrize("share", [0.985, 1.015])
@@ -140,9 +153,8 @@ def test_a_stretch_left_out_in_the_same_time_is_found() -> None:
     found = plan(scene_of(SHORTER, slow, lead=lead))
     assert isinstance(found, Planned), found.sentence
     tampered = claiming(found.plan, length_m=long, slowest_m_s=0.99 * V, fastest_m_s=1.01 * V, error_m=1e-5)
-    findings = told(scene_of(), tampered)
-    assert Code.LEGS not in findings
-    assert off_the_path(findings)
+    assert Code.LEGS not in told(scene_of(), tampered)
+    assert off_the_path(scene_of(), tampered, 0.0, 0.1)
 
 
 @pytest.mark.parametrize(
@@ -152,7 +164,7 @@ def test_a_stretch_left_out_in_the_same_time_is_found() -> None:
         ({"slowest_m_s": 0.98 * V}, Code.ARRIVAL),
         ({"fastest_m_s": 1.02 * V}, Code.ARRIVAL),
         ({"length_m": 0.1}, Code.ARRIVAL),
-        ({"error_m": 1e-7}, Code.FORM),
+        ({"error_m": 1e-7}, Code.GUIDE),
         ({"slowest_m_s": 1.0005 * V}, Code.RATE),
         ({"fastest_m_s": 0.9995 * V}, Code.RATE),
     ],

@@ -14,8 +14,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assur.planner.checker.claim.chain import slot_of
-from assur.planner.checker.claim.motion import make_laws, rounding
-from assur.planner.checker.claim.verdict import prepare
+from assur.planner.checker.claim.motion import make_curves, make_laws, rounding
+from assur.planner.checker.claim.tables import Geometry, Scratch
+from assur.planner.checker.claim.verdict import check_claim, prepare
+from assur.planner.checker.verdict import Code
+from assur.planner.claim.columns import Claim, table
 from assur.planner.claim.filling import claim_of, with_plan
 from assur.planner.errors import InputError
 from assur.planner.geometry.shapes import box
@@ -121,15 +124,22 @@ def scene_with(law: Law, start: float = 0.0) -> Scene:
     return cell(go(0.35, 0.1), frames=(frame("moved", law),), bodies=(part,), time=start)
 
 
-def off(law: Law, t: float) -> tuple[float, float]:
-    """By how much the claim checker's place of that point is off at a time, m, and what it says that this may be."""
+def at_rest(law: Law, t: float) -> tuple[Scene, Claim, Geometry, Scratch]:
+    """The claim of an arm that rests for a second, and its motions."""
     scene = cell(go(0.35, 0.1), frames=(frame("moved", law),), time=t)
     q = np.tile(scene.start.q, (2, 1))
     path = Trajectory(np.array([t, t + 1.0]), q, 0.0 * q, 0.0 * q)
-    at_rest = Plan(path, (Leg(LegKind.MOVE, 0, t, t + 1.0),), (), certificate_of([]))
-    claim = with_plan(claim_of(scene), at_rest, (Phase(t, t + 1.0, LegKind.MOVE, 0),))
+    resting = Plan(path, (Leg(LegKind.MOVE, 0, t, t + 1.0),), (), certificate_of([]))
+    claim = with_plan(claim_of(scene), resting, (Phase(t, t + 1.0, LegKind.MOVE, 0),))
     geometry, scratch = prepare(claim)
-    assert make_laws(claim, geometry)
+    assert make_laws(claim, geometry, scratch)
+    assert make_curves(claim, geometry, scratch)
+    return scene, claim, geometry, scratch
+
+
+def off(law: Law, t: float) -> tuple[float, float]:
+    """By how much the claim checker's place of that point is off at a time, m, and what it says that this may be."""
+    scene, claim, geometry, scratch = at_rest(law, t)
     on = len(claim.links) + list(scene.frames).index("moved")
     slot = slot_of(claim, geometry, scratch, on, t, t)
     assert slot >= 0
@@ -156,8 +166,8 @@ def placed_off(law: Law, t: float) -> float:
 
 ROUNDED_M = 2e-9
 """What a place of an accepted request may round by at most, m: a thousandth of what points are met within."""
-INDEXED_M = 1e-7
-"""What the claim checker says of an index at most: the terms of its polynomial are up to 512 times as fast as it."""
+INDEXED_M = 2e-8
+"""What the claim checker says of an index at most: what its rate rounds by in a move is carried on in the dwell."""
 FIXED_M = 1e-13
 """What coordinates of some metres round by themselves."""
 NUMBER = st.floats(-1.0, 1.0)
@@ -225,6 +235,30 @@ def test_what_is_accepted_rounds_within_what_is_kept_for_it(one: tuple[Law, floa
         with pytest.raises(InputError, match="a way of at most 200000 m, speed times time") as error:
             scene_with(law, t)
         assert error.value.field == "frames.moved"
+
+
+@pytest.mark.parametrize("along", ["turn", "travel"])
+@pytest.mark.parametrize("later", [0, 5, 40])
+def test_a_point_of_an_index_that_takes_a_millisecond_is_met_where_it_begins_to_move(along: str, later: int) -> None:
+    """Half a radian, or half a metre, in 1 ms: the terms of its rate are 500 times as large as it is."""
+    law = indexer(Pose(0.3, 0.1, 0.1, 0.2), 0.5, 1e-3, 1.999, along, 0.5)
+    corner = 0.5 + 2.0 * later
+    assert point_codes(law, corner - 1e-3) == point_codes(law, corner) == set()
+    assert point_codes(law, corner + 2e-4) == {Code.POINT}
+
+
+def point_codes(law: Law, t: float) -> set[Code]:
+    """What is found of the tool of an arm at rest that is said to be at rest on a frame at a time, but for rows."""
+    scene, claim, geometry, scratch = at_rest(law, t)
+    tool, on = len(scene.robot.links) - 1, len(claim.links) + list(scene.frames).index("moved")
+    hand = scratch.jets[slot_of(claim, geometry, scratch, tool, t, t), tool, :, 0].copy()
+    base = scratch.jets[slot_of(claim, geometry, scratch, on, t, t), on, :, 0].copy()
+    (x, y, z), c, s = hand[:3] - base[:3], base[3], base[4]
+    yaw = math.atan2(hand[4], hand[3]) - math.atan2(s, c)
+    place = (c * x + s * y, c * y - s * x, z, yaw)
+    point = (t, t, on - len(claim.links), tool, 0.0, 0.0, 0.0, 0.0, *place, 0.0, -1.0, *[1e-6] * 4)
+    findings = check_claim(claim._replace(points=table("points", [point]))).findings
+    return {each.code for each in findings} - {Code.COVER}
 
 
 def test_the_roundings_of_a_thousand_changes_do_not_add_up() -> None:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
-from assur.planner.checker.claim.verdict import ClaimCode
+from assur.planner.checker.verdict import Code
 from assur.planner.claim.columns import Claim
 from tests.planner.checker.claim.stated import STATED
 from tests.planner.claim import reading
@@ -18,26 +18,26 @@ from tests.planner.claim import reading
 Document = dict[str, Any]
 Change = Callable[[Document], object]
 FORM, KNOTS, PHASES, LIMIT, POINT = (
-    ClaimCode.FORM,
-    ClaimCode.KNOTS,
-    ClaimCode.PHASES,
-    ClaimCode.LIMIT,
-    ClaimCode.POINT,
+    Code.FORM,
+    Code.MOTION,
+    Code.PHASE,
+    Code.LIMIT,
+    Code.POINT,
 )
 RATE, DIRECTION, ROW, COVER, SURFACE = (
-    ClaimCode.RATE,
-    ClaimCode.DIRECTION,
-    ClaimCode.ROW,
-    ClaimCode.COVER,
-    ClaimCode.SURFACE,
+    Code.RATE,
+    Code.DIRECTION,
+    Code.ROW,
+    Code.COVER,
+    Code.SURFACE,
 )
 GUIDE, CORRECTION, JOINTS, DISTANCE, ERROR, NEAREST = (
-    ClaimCode.GUIDE,
-    ClaimCode.CORRECTION,
-    ClaimCode.JOINTS,
-    ClaimCode.DISTANCE,
-    ClaimCode.ERROR,
-    ClaimCode.NEAREST,
+    Code.GUIDE,
+    Code.CORRECTION,
+    Code.JOINTS,
+    Code.DISTANCE,
+    Code.ERROR,
+    Code.NEAREST,
 )
 
 
@@ -52,7 +52,7 @@ class Forgery(NamedTuple):
     what: str
     scenario: str
     change: Change
-    code: ClaimCode | None
+    code: Code | None
 
 
 def places(items: Any, path: list[str]) -> Iterator[tuple[Any, Any]]:
@@ -462,7 +462,7 @@ DOCUMENTS = [
     Forgery(
         "pieces of a law have no length", "loader", lambda d: put("edges.1", law_of(d)["edges"][3])(law_of(d)), FORM
     ),
-    Forgery("a time beyond what rounding is bounded for", "demo", put("arms.0.time.-1", 1e7), FORM),
+    Forgery("a time beyond what rounding is bounded for", "demo", put("arms.0.time.-1", 2e7), FORM),
 ]
 FORGERIES = [
     *ROWS,

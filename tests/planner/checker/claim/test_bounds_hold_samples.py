@@ -11,7 +11,7 @@ import pytest
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.chain import slot_of
-from assur.planner.checker.claim.jets import Jet, between, inverse, polynomial, root, times, turned
+from assur.planner.checker.claim.jets import Jet, inverse, polynomial, root, times, turned
 from assur.planner.checker.claim.motion import make_curves, make_laws, over
 from assur.planner.checker.claim.verdict import prepare
 from assur.planner.claim import columns as c
@@ -27,8 +27,8 @@ def prepared(name: str) -> tuple[Claim, tb.Geometry, tb.Scratch]:
     """The claim of a scenario, with its motions."""
     claim = read(json.loads(json.dumps(bundle(name))))
     geometry, scratch = prepare(claim)
-    make_laws(claim, geometry)
-    assert make_curves(claim, geometry, scratch.joints)
+    make_laws(claim, geometry, scratch)
+    assert make_curves(claim, geometry, scratch)
     return claim, geometry, scratch
 
 
@@ -94,9 +94,7 @@ def test_joints_round_by_no_more_than_is_stated(name: str) -> None:
 
 def jet_of(powers: FloatArray, a: float, b: float) -> Jet:
     """The jet of a polynomial over [a, b]."""
-    low0, high0, low1, high1, low2, high2 = polynomial(powers, 0, 5, a, b, np.zeros(8))
-    value, rate, second = between(low0, high0), between(low1, high1), between(low2, high2)
-    return value[0], value[1], rate[0], rate[1], second[0], second[1]
+    return polynomial(powers, 0, 5, a, b, np.zeros(8))
 
 
 def functions(x: Jet, y: Jet) -> tuple[Jet, ...]:
@@ -127,7 +125,7 @@ def test_a_law_rounds_by_what_its_time_in_the_plan_is_and_not_by_all_that_follow
     claim.required[0, c.REQUIRED_UNTIL] += later
     assert claim.laws[int(row[c.FRAME_PIECE] + row[c.FRAME_PIECES]) - 1, c.LAW_END] == c.LATEST_S
     geometry, scratch = prepare(claim)
-    assert make_laws(claim, geometry)
+    assert make_laws(claim, geometry, scratch)
     begin, end = claim.phases[0, c.PHASE_T0], claim.phases[-1, c.PHASE_T1]
     stated = geometry.rounds[on, tb.ROUND_PLACE]
     assert stated <= 3.0 * most

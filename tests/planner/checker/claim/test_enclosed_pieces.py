@@ -12,7 +12,8 @@ import pytest
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim.enclosure import open_body
-from assur.planner.checker.claim.verdict import ClaimCode, ClaimVerdict, check_claim
+from assur.planner.checker.claim.verdict import ClaimVerdict, check_claim
+from assur.planner.checker.verdict import Code
 from tests.planner.checker.claim.forgeries import Document, read
 from tests.prover.bundles import shown
 from tests.prover.closed_surfaces import block, inwards, moved, three_walls, together
@@ -38,7 +39,7 @@ def verdict_of(document: Document) -> ClaimVerdict:
     return check_claim(read(document))
 
 
-def codes(document: Document) -> list[ClaimCode]:
+def codes(document: Document) -> list[Code]:
     return [finding.code for finding in verdict_of(document).findings]
 
 
@@ -60,7 +61,7 @@ def on_the_arm(triangles: FloatArray) -> Document:
 def test_what_a_surface_encloses_belongs_to_its_body(made: Callable[[FloatArray], Document], what: str) -> None:
     triangles, right = SURFACES[what]
     document = made(triangles)
-    assert codes(document) == ([] if right else [ClaimCode.WITHIN])
+    assert codes(document) == ([] if right else [Code.CONTAINMENT])
     assert shown(document)[0] is right
 
 
@@ -79,7 +80,7 @@ def test_a_body_that_gets_into_a_mesh_between_two_phases_is_found() -> None:
     away = {**row(0, 1, 0, -1), "t1": 0.5}
     document["rows"] = [away, *({**each, "t0": 0.5} for each in document["rows"])]
     verdict = verdict_of(document)
-    assert [(finding.code, finding.when) for finding in verdict.findings] == [(ClaimCode.WITHIN, 0.5)]
+    assert [(finding.code, finding.when) for finding in verdict.findings] == [(Code.CONTAINMENT, 0.5)]
     document["phases"][1]["seats"] = [0, 2]
     document["rows"] = [away, {**away, "t0": 0.5, "t1": 1.0}]
     assert codes(document) == []
@@ -90,7 +91,7 @@ def test_after_a_contact_it_is_shown_again_and_during_a_contact_it_is_not_claime
     first, second = ({**document["phases"][0], **span} for span in ({"t1": 0.5}, {"t0": 0.5}))
     document["phases"] = [{**first, "contacts": [{"bodies": [0, 1], "depth": 1e-4}]}, second]
     document["rows"] = [{**each, **span} for each in document["rows"] for span in ({"t1": 0.5}, {"t0": 0.5})]
-    assert codes(document) == [ClaimCode.WITHIN]
+    assert codes(document) == [Code.CONTAINMENT]
     document["phases"][1]["contacts"] = document["phases"][0]["contacts"]
     assert codes(document) == []
 
@@ -105,7 +106,7 @@ def test_a_mesh_that_may_be_late_is_evaluated_where_it_then_is() -> None:
     document["seats"][1].update(frame=1, pose=[0.0, -0.4, 0.0, 0.0])
     for each in document["rows"]:
         each.update(s0=-0.5, s1=-0.5)
-    assert codes(document) == [ClaimCode.WITHIN]
+    assert codes(document) == [Code.CONTAINMENT]
 
 
 OPEN: dict[str, Callable[[list[Document]], object]] = {
@@ -125,7 +126,7 @@ def test_a_surface_that_is_not_closed_is_refused(what: str, triangles: FloatArra
     document = around(triangles)
     OPEN[what](document["bodies"][1]["pieces"])
     verdict = verdict_of(document)
-    assert [(finding.code, finding.what) for finding in verdict.findings] == [(ClaimCode.SURFACE, "body 1")]
+    assert [(finding.code, finding.bodies) for finding in verdict.findings] == [(Code.SURFACE, (1,))]
 
 
 def test_the_open_one_of_several_bodies_is_named() -> None:
@@ -151,7 +152,7 @@ def test_a_point_on_the_surface_is_not_shown_to_be_outside() -> None:
     document["phases"] = [{**first, "t1": 0.0}, first]
     for each in document["rows"]:
         each["t0"] = 0.0
-    assert ClaimCode.WITHIN in codes(document)
+    assert Code.CONTAINMENT in codes(document)
 
 
 def test_the_winding_number_is_that_of_random_points() -> None:
@@ -169,7 +170,7 @@ def test_the_winding_number_is_that_of_random_points() -> None:
             continue
         document = around(faces)
         document["bodies"][0]["pieces"][0]["ball"] = 0.0
-        found = ClaimCode.WITHIN in codes(document)
+        found = Code.CONTAINMENT in codes(document)
         assert found is all(sides)
         seen[found] += 1
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.claim.verdict import ClaimCode, ClaimVerdict, check_claim
+from assur.planner.checker.claim.verdict import ClaimVerdict, check_claim
+from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.errors import InputError
@@ -115,7 +116,7 @@ def test_a_needed_row_that_is_an_ulp_too_short_is_refused(name: str) -> None:
             # no pair needs the row: then all of it may go
             assert check_claim(claim._replace(rows=np.delete(claim.rows, i, axis=0))).accepted
         else:
-            assert verdict.findings[0].code == ClaimCode.COVER
+            assert verdict.findings[0].code == Code.COVER
             refused += 1
     assert refused >= ROWS_EACH // 2
     assert lasting(document)
@@ -154,7 +155,7 @@ def test_a_number_that_its_column_must_not_hold_is_refused() -> None:
             if len(getattr(claim, table)):
                 verdict = check_claim(changed(claim, table, -1, column, value))
                 assert not verdict.accepted, (table, column, value)
-                assert verdict.findings[0].code == ClaimCode.FORM, (table, column, value)
+                assert verdict.findings[0].code == Code.FORM, (table, column, value)
                 seen.add((table, column))
                 break
     # no shipped scenario has a rule for some pairs
@@ -192,7 +193,7 @@ INDICES = [
 @pytest.mark.parametrize(("table", "column", "value"), INDICES)
 def test_an_index_that_does_not_fit_is_refused(table: str, column: int, value: float) -> None:
     verdict = check_claim(changed(read(bundle("demo")), table, -1, column, value))
-    assert [finding.code for finding in verdict.findings] == [ClaimCode.FORM]
+    assert [finding.code for finding in verdict.findings] == [Code.FORM]
 
 
 def is_right(table: object, right: FloatArray) -> bool:
@@ -209,7 +210,7 @@ def test_tables_of_another_shape_or_type_are_refused() -> None:
         for form in forms:
             if not is_right(form, own):
                 verdict = check_claim(claim._replace(**{name: form}))
-                assert [finding.code for finding in verdict.findings] == [ClaimCode.FORM], (name, form)
+                assert [finding.code for finding in verdict.findings] == [Code.FORM], (name, form)
     for name in ("arms", "bodies", "phases", "required", "links", "knots", "seats", "pieces"):
         assert not check_claim(claim._replace(**{name: getattr(claim, name)[:0]})).accepted
 
