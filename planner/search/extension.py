@@ -212,7 +212,7 @@ def _continued(
     if point.tracks:
         last, mode = way.knots.last, candidate.branch.mode
         if isinstance(point.facts, Trace):
-            there = trace(scene, point, last, mode)
+            there = trace(point, last, mode)
         else:
             leaves = None if candidate.stops else leaving(scene, point, _lowered(scene, point, last.q))
             there = track(scene, point, last, mode, candidate.tracking_effort, leaves)
