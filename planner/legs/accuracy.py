@@ -24,7 +24,6 @@ from assur.planner.model.attachments import Attachments
 from assur.planner.model.phases import Handled, on_way
 from assur.planner.model.refusal import Inaccurate, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Trace
-from assur.planner.robots.scara import Scara
 
 RESERVE_M, RESERVE_RAD = 2e-6, 2e-6
 """Added to what is found: the tool meets its point within 1 µm and 1 µrad, and the checker has bounds of its own."""
@@ -200,8 +199,8 @@ def _add_lag(scene: Scene, here: Motion, q: FloatArray, terms: _Terms) -> None:
 
 def _turned(scene: Scene, q: FloatArray, lag: FloatArray, swept: Sweep) -> float:
     """How far joints that lag turn the tool, rad: the heading of a closed chain is bent as well."""
-    if isinstance(scene.robot, Scara):
-        return float(lag.sum() - lag[2])
+    if scene.robot.yaw_joints is not None:
+        return float(lag[list(scene.robot.yaw_joints)].sum())
     corners = scene.robot.forward(q + lag * _signs(len(lag)))[1] - scene.robot.forward(q)[1]
     most = float(np.abs(np.remainder(corners + np.pi, 2.0 * np.pi) - np.pi).max())
     # more than the bow of a heading: the checker bounds its cosine and its sine apart, over all of the lag

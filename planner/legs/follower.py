@@ -21,7 +21,6 @@ from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.legs.paths.course import BEND_M, PathCourse
 from assur.planner.legs.singular import nearest
-from assur.planner.legs.spacing import spaced
 from assur.planner.legs.state import State
 from assur.planner.legs.tilt import PATH_RAD, tilt_off
 from assur.planner.model.deadline import look
@@ -46,6 +45,9 @@ from assur.planner.trajectory import Trajectory
 
 SPACING_S = 0.02
 """Knots are at most this far apart to begin with, s."""
+MOST_KNOTS = 20_000
+"""Knots of one leg, about: a longer or slower one has them further apart. Whether its spline then keeps to the path is
+measured, as it always is. A document has room for 50,000 knots."""
 PATH_M = 1e-6
 """Between knots the flange leaves its course by less than this, m; the promise is 10 µm."""
 WIDEST_S = 0.05
@@ -200,6 +202,16 @@ def marks_of(way: Way, jumps: Jumps) -> FloatArray:
     """Times of knots (T,) to begin with: all switches, and enough between."""
     switches = np.concatenate([way.begin + way.phase.time, jumps.smooth, [way.begin, way.end]])
     return spaced(_apart(switches[(way.begin <= switches) & (switches <= way.end)], MERGED_S), SPACING_S)
+
+
+def spaced(marks: FloatArray, spacing: float) -> FloatArray:
+    """Times (T,) from the first of `marks` (M,), which increase, to the last: all marks, and evenly between two of
+    them as many as it takes for steps of `spacing` s at most, or for `MOST_KNOTS` steps in all."""
+    length = marks[1:] - marks[:-1]
+    spacing = max(spacing, float(marks[-1] - marks[0]) / MOST_KNOTS)
+    count = np.maximum(1, np.ceil(length / spacing)).astype(int)
+    number = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    return np.append(np.repeat(marks[:-1], count) + number * np.repeat(length / count, count), marks[-1])
 
 
 def followed(way: Way, state: State, mode: int, rests: tuple[float, float] | None = None) -> Trajectory | Refusal:

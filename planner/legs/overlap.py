@@ -12,8 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.legs.control_point import ControlPoint
-from assur.planner.legs.moving_end import MovingEnd
+from assur.planner.legs.control_point import ControlPoint, MovingEnd
 from assur.planner.legs.tool_motion import lift_most
 from assur.planner.model.scene import Pick, Place, Scene
 from assur.planner.timing import RawProfile, Solver, TimingRefusal, trajectory_of

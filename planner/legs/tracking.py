@@ -13,10 +13,9 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion
-from assur.planner.legs.control_point import ControlPoint
+from assur.planner.legs.control_point import ControlPoint, MovingEnd
 from assur.planner.legs.follower import Way, followed
 from assur.planner.legs.limits import Rates, parts, rates, too_fast
-from assur.planner.legs.moving_end import MovingEnd
 from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.legs.tool_motion import lift_most
 from assur.planner.model.outcome import LegKind

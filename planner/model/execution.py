@@ -40,7 +40,7 @@ def check_execution(execution: Execution, robot: Robot, tracked: Sequence[Frame]
         raise InputError("execution.lag", len(execution.lag), f"{n} joints of {robot.name}")
     if not all(0.0 <= amount < math.inf for amount in (*execution.lag, execution.start_tolerance_s)):
         raise InputError("execution", execution.lag, "finite numbers from 0 on")
-    if execution.belt_correction and not (robot.facts[0] == "scara" and "yaw" in robot.coordinates):
+    if execution.belt_correction and (robot.yaw_joints is None or "yaw" not in robot.coordinates):
         # without a wrist the tool would turn with the arm
         allowed = f"false: how a correction moves the links is known for SCARAs with a wrist, and {robot.name} is none"
         raise InputError("execution.belt_correction", True, allowed)

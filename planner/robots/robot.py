@@ -6,40 +6,99 @@ Planner, certificate and checker know no more of a robot than this.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.errors import FaultError
+from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.sweep import Sweep
 from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.robots.chain import Chain, Rows
+from assur.planner.robots.chain import UP, Chain, Rows
 from assur.planner.robots.facts import Inverse, Joint, Limits, RobotBody
+from assur.planner.robots.planar import upright
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Robot(ABC):
-    """A robot arm with n joints and L link frames; a family gives the facts below. World frame everywhere."""
+    """A robot arm with n joints and L link frames; a family gives the facts below. World frame everywhere.
+
+    `limits` in the order of q; `base` in the world; `bodies` on links by number; `self_pairs`: names of links between
+    which self-collision is asked, bodies on the one against bodies on the other; `joint_names`: those of the family if
+    none are given; `parallel_least`: the parallel margin below which the arm may never be, 0 without a loop.
+
+    Raises `InputError` unless joint names are different and, as the limits, as many as the joints; for a body on a
+    link, or a pair of links, that the arm has not; and for a body on the link `quill`, which is never turned, that
+    would look different if it were. Not checked: that bodies of neighbouring links do not overlap.
+    """
+
+    names: ClassVar[tuple[str, ...]]
+    """Names of the joints of an arm of the family that has all of them ..."""
+    kinds: ClassVar[tuple[str, ...]]
+    """... and their kinds."""
+    links: ClassVar[tuple[str, ...]]
+    """Names of the link frames, on which bodies are. The last, "flange", carries tool and part."""
+    modes: ClassVar[tuple[str, ...]]
+    """Working modes; for a SCARA ("left", "right")."""
+    ways: ClassVar[tuple[str, ...]] = ("x", "y", "z", "yaw")
+    """`coordinates` of an arm of the family that has all joints."""
 
     name: str
-    joints: tuple[Joint, ...]
     limits: Limits
-    base: Pose
-    coordinates: tuple[str, ...]
-    """Task coordinates it can follow, out of x, y, z, yaw, pitch, roll (a three-axis SCARA has no yaw of its own; pitch
-    and roll come together, and the flange of such an arm moves as a `TiltedMotion`)."""
-    modes: tuple[str, ...]
-    """Working modes; for a SCARA ("left", "right")."""
-    links: tuple[str, ...]
-    """Names of the link frames, on which bodies are. "flange" is one of them: it carries tool and part."""
-    bodies: tuple[RobotBody, ...]
-    self_pairs: tuple[tuple[str, str], ...]
-    """Names of links between which self-collision is asked: bodies on the one against bodies on the other."""
-    lift: int | None
-    """The joint that moves the flange along the vertical and does nothing else, if there is one."""
-    parallel_least: float
-    """The parallel margin below which the arm may never be; 0 without a loop."""
+    base: Pose = field(default_factory=Pose)
+    bodies: tuple[RobotBody, ...] = ()
+    self_pairs: tuple[tuple[str, str], ...] = ()
+    joint_names: tuple[str, ...] = ()
+    parallel_least: float = field(default=0.0, init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        names = self.joint_names or self.names[: self.count]
+        if not (len(names) == len(set(names)) == self.count):
+            raise InputError("robot.joint_names", names, f"{self.count} different names")
+        if len(self.limits.lower) != self.count:
+            raise InputError("robot.limits", len(self.limits.lower), f"{self.count} joints")
+        for body in self.bodies:
+            where = f"robot.bodies {body.body.name}"
+            if body.link not in range(len(self.links)):
+                raise InputError(where, body.link, f"a link number below {len(self.links)}")
+            if self.links[body.link] == "quill" and not all(upright(piece) for piece in body.body.pieces):
+                raise InputError(where, "quill", "solids of revolution about the quill")
+        for pair in self.self_pairs:
+            if not set(pair) <= set(self.links):
+                raise InputError("robot.self_pairs", pair, f"pairs out of {self.links}")
+
+    @property
+    def count(self) -> int:
+        """How many joints the arm has."""
+        return len(self.names)
+
+    @cached_property
+    def joints(self) -> tuple[Joint, ...]:
+        """Names and kinds, in the order of q."""
+        names = self.joint_names or self.names[: self.count]
+        return tuple(Joint(*pair) for pair in zip(names, self.kinds[: self.count], strict=True))
+
+    @cached_property
+    def coordinates(self) -> tuple[str, ...]:
+        """Task coordinates it can follow, out of x, y, z, yaw, pitch, roll (a three-axis SCARA has no yaw of its own;
+        pitch and roll come together, and the flange of such an arm moves as a `TiltedMotion`)."""
+        return self.ways[: self.count]
+
+    @cached_property
+    def lift(self) -> int | None:
+        """The joint that moves the flange along the vertical and does nothing else, if there is one."""
+        slide = self.chain.links[-1].slide or self.chain.links[1].slide
+        return slide[0] if slide is not None and slide[1] == UP else None
+
+    @cached_property
+    def yaw_joints(self) -> tuple[int, ...] | None:
+        """The joints whose sum, added to the yaw of the base, is the yaw of the flange; None: it is no such sum, or it
+        is the heading of a flange that tilts."""
+        flange = self.chain.links[-1]
+        return flange.turns if flange.tilts is None and flange.coupler < 0 else None
 
     @property
     @abstractmethod
@@ -49,7 +108,7 @@ class Robot(ABC):
     @property
     @abstractmethod
     def chain(self) -> Chain:
-        """The same links as a tree."""
+        """The links as a tree, in the order of their names."""
 
     @cached_property
     def tilting(self) -> frozenset[int]:
@@ -73,10 +132,7 @@ class Robot(ABC):
 
     @cached_property
     def chain_rows(self) -> Rows:
-        """`chain` as rows; not to be written to. Raises `FaultError` if the chain has other links."""
-        names = tuple(link.name for link in self.chain.links)
-        if names != self.links:
-            raise FaultError(f"the links of {self.name}: {names}")
+        """`chain` as rows; not to be written to."""
         return self.chain.rows(self.base.yaw)
 
     @property

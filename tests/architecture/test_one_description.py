@@ -42,8 +42,6 @@ planner/checker/refusals: postures turning
 planner/checker/statement: arms postures
 planner/feasibility: reach
 planner/kernels: inverse links motion uncertainty
-planner/legs: accuracy forbidden_yaw
-planner/model: execution forbidden_yaw
 planner/robots: elbow_arm five_axis_arm five_bar kinematics polar_arm scara
 scenes: robot_facts
 scenes/exports: recipe
