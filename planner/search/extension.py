@@ -15,7 +15,6 @@ from assur.planner.legs.control_point import WINDOW_S, ControlPoint
 from assur.planner.legs.forbidden_yaw import turns_into
 from assur.planner.legs.joint import JointMotion
 from assur.planner.legs.limits import beyond_limits, parts
-from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.missed import by_law
 from assur.planner.legs.overlap import leaving
 from assur.planner.legs.paths.path_leg import along_path
@@ -63,15 +62,16 @@ SLOWER = 0.93
 
 
 def timed(
-    scene: Scene, partial: PartialPlan, meeting: Meetings, candidate: Candidate, ahead: FloatArray | None
+    scene: Scene, partial: PartialPlan, candidate: Candidate, ahead: FloatArray | None
 ) -> TimedCandidate | Refusal:
     """The joint leg to the control point that `candidate` describes, or why Ruckig has none."""
-    pace = paced(scene, partial, candidate.shape, meeting.point)
+    point = candidate.point
+    pace = paced(scene, partial, candidate.shape, point)
     reached = JointMotion(scene, partial.step, partial.state, candidate.shape, candidate.branch, ahead, pace).meet()
     if isinstance(reached, Refusal):
-        return by_law(meeting.point, meeting.last, reached)
-    if not meeting.point.tracks:
-        missed = _window_refusal(meeting.point, reached.end)
+        return by_law(point, candidate.option.meeting.last, reached)
+    if not point.tracks:
+        missed = _window_refusal(point, reached.end)
         if missed is not None:
             return missed
     unknown = laws_over(scene, partial.step, reached.end) or turns_into(scene, partial.step, reached.trajectory)
@@ -86,7 +86,7 @@ def timed(
         corrected=on_way(scene, partial.step),
         handled=partial.handled,
     )
-    return TimedCandidate(partial, meeting, candidate, reached, (phase,), ahead)
+    return TimedCandidate(partial, candidate, reached, (phase,), ahead)
 
 
 def extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:
@@ -118,7 +118,7 @@ def _weaker(scene: Scene, made: TimedCandidate, share: float) -> TimedCandidate 
     """The candidate timed again with this share of the acceleration of the joints across."""
     candidate = made.candidate
     shape = replace(candidate.shape, pull=share * candidate.shape.pull)
-    return timed(scene, made.before, made.meeting, replace(candidate, shape=shape), made.ahead)
+    return timed(scene, made.before, replace(candidate, shape=shape), made.ahead)
 
 
 def _again(scene: Scene, made: TimedCandidate, share: float) -> TimedCandidate | Refusal:
@@ -126,7 +126,7 @@ def _again(scene: Scene, made: TimedCandidate, share: float) -> TimedCandidate |
     candidate = made.candidate
     shape = replace(candidate.shape, effort=share * candidate.shape.effort)
     slower = replace(candidate, shape=shape, tracking_effort=share * candidate.tracking_effort)
-    return timed(scene, made.before, made.meeting, slower, made.ahead)
+    return timed(scene, made.before, slower, made.ahead)
 
 
 def _slowed(scene: Scene, made: TimedCandidate, limit: float) -> Extension | None:
@@ -147,19 +147,17 @@ def _slowed(scene: Scene, made: TimedCandidate, limit: float) -> Extension | Non
 def _extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:
     shape, trajectory = made.candidate.shape, made.reached.trajectory
     leg = TimedLeg(LegKind.ARCH if shape.hop else LegKind.MOVE, Knots.of(trajectory), shape.route)
-    return _continued(scene, made.before, made.meeting.point, made.candidate, leg, trajectory)
+    return _continued(scene, made.before, made.candidate, leg, trajectory)
 
 
-def straight_extension(
-    scene: Scene, partial: PartialPlan, meeting: Meetings, candidate: Candidate
-) -> Extension | Refusal:
+def straight_extension(scene: Scene, partial: PartialPlan, candidate: Candidate) -> Extension | Refusal:
     """The extension by a straight leg."""
-    point, wait, mode = meeting.point, candidate.shape.wait, candidate.branch.mode
+    point, wait, mode = candidate.point, candidate.shape.wait, candidate.branch.mode
     key = point.yaw_offset, point.tilt, wait, mode
     if key not in partial.lines:
         partial.lines[key] = _line(scene, partial, point, wait, mode)
     line = partial.lines[key]
-    return line if isinstance(line, Refusal) else _continued(scene, partial, point, candidate, line, None)
+    return line if isinstance(line, Refusal) else _continued(scene, partial, candidate, line, None)
 
 
 def _line(scene: Scene, partial: PartialPlan, point: ControlPoint, wait: float, mode: int) -> TimedLeg | Refusal:
@@ -194,13 +192,13 @@ def _line(scene: Scene, partial: PartialPlan, point: ControlPoint, wait: float, 
 def _continued(
     scene: Scene,
     partial: PartialPlan,
-    point: ControlPoint,
     candidate: Candidate,
     way: TimedLeg,
     kept: Trajectory | None,
 ) -> Extension | Refusal:
     """The extension by a leg to the control point and what follows there, to rest where the task ends. `kept`: the
     trajectory of that leg, if it is known to keep all limits."""
+    point = candidate.point
     legs, final, leaves = [way], partial.step == len(scene.task) - 1, None
     if candidate.shape.wait > 0:
         if not partial.state.resting:

@@ -56,17 +56,34 @@ class PartialPlan:
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
-    """A motion that can be tried: with which turn of the tool and in which branch the control point is met, by which
-    shape of joint leg, and which shares of the limits tracking legs and the last leg to rest use. `stops`: whether the
-    tool stops behind the depart although it need not: then the arm can wait there."""
+class Option:
+    """A branch in which a control point can be met, and the least duration until one of its times, s."""
 
-    yaw_offset: float
+    meeting: Meetings
     branch: Branch
+    least: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A motion that can be tried: the option in which the control point is met, the shape of the joint leg to it, and
+    which shares of the limits tracking legs and the last leg to rest use. `stops`: whether the tool stops behind the
+    depart although it need not: then the arm can wait there."""
+
+    option: Option
     shape: Shape
     tracking_effort: float = 1.0
     stop_pace: float = 1.0
     stops: bool = False
+
+    @property
+    def branch(self) -> Branch:
+        return self.option.branch
+
+    @property
+    def point(self) -> ControlPoint:
+        """The control point that it leads to."""
+        return self.option.meeting.point
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +91,6 @@ class TimedCandidate:
     """A joint leg to the next control point, timed; what follows at the point is not known yet."""
 
     before: PartialPlan
-    meeting: Meetings
     candidate: Candidate
     reached: Reached
     phases: tuple[Phase, ...]

@@ -16,8 +16,7 @@ from assur.planner.kernels.candidates import (
     rough_positions,
 )
 from assur.planner.robots.facts import Limits
-from assur.planner.search.meeting_options import Option
-from assur.planner.search.partial_plan import PartialPlan
+from assur.planner.search.partial_plan import Option, PartialPlan
 
 
 @dataclass(frozen=True, eq=False)

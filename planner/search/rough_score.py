@@ -12,8 +12,7 @@ from assur.planner.collision.proof import Prover
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase, on_way
 from assur.planner.model.refusal import Refusal, Separation
-from assur.planner.search.meeting_options import Option
-from assur.planner.search.partial_plan import PartialPlan
+from assur.planner.search.partial_plan import Option, PartialPlan
 from assur.planner.search.rough_motion import RoughMotions
 from assur.planner.search.tuning import APART_S, DEPTH_M, GIVEN_UP, INSTANTS, REMEMBERED
 

@@ -25,8 +25,8 @@ from assur.planner.kernels.candidates import (
 from assur.planner.laws import Frame, linear
 from assur.planner.legs.meeting import Meetings
 from assur.planner.model.scene import Scene
-from assur.planner.search.meeting_options import Option, options
-from assur.planner.search.partial_plan import initial, prepared
+from assur.planner.search.meeting_options import options
+from assur.planner.search.partial_plan import Option, initial, prepared
 from assur.planner.search.population import Population
 from assur.planner.search.rough_motion import RoughMotions
 from assur.planner.search.rough_score import CoarseScore
@@ -41,7 +41,7 @@ def asked(scene: Scene) -> tuple[Prover, tuple[Option, ...], Population]:
     chain, prover = initial(scene), Prover(scene)
     meeting = prepared(scene, chain, 0.0, None, (0, 1))[-1]
     assert isinstance(meeting, Meetings)
-    found = options(scene, chain, [(0.0, meeting)])
+    found = options(scene, chain, [meeting])
     rng = np.random.default_rng(1)
     return prover, found, Population(scene, chain, found, CoarseScore(prover, chain, found), rng, adaptive=True)
 
@@ -170,19 +170,19 @@ def test_a_population_tries_nothing_twice_and_nothing_that_ends_too_late() -> No
     seen: list[str] = []
     ends = []
     for _ in range(6):
-        for _, sample in population.batch(np.inf):
+        for sample in population.batch(np.inf):
             seen.append(repr(([(via.q.tolist(), via.pace) for via in sample.shape.vias], sample.branch.q.tolist())))
             ends.append(population.end[population.number[sample]])
     assert len(set(seen)) == len(seen) > 15
     early = float(np.median(ends))
     for _ in range(4):
-        assert all(population.end[population.number[sample]] < early for _, sample in population.batch(early))
+        assert all(population.end[population.number[sample]] < early for sample in population.batch(early))
 
 
 def test_what_was_refused_counts_as_screening_says_and_its_time_is_remembered_if_it_seemed_free() -> None:
     _, _, population = asked(narrow())
     batch = population.batch(np.inf)
-    (_, first), (_, last) = batch[0], batch[-1]
+    first, last = batch[0], batch[-1]
     i = population.number[first]
     assert population.bad[i] <= NEARLY_FREE
     population.learn(first, 0.4, 0.123)
