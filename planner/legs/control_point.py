@@ -83,6 +83,10 @@ class ControlPoint:
         step = self.facts
         return self.limits if step.part is None else self.scene.limits_with(step.part if step.target is None else None)
 
+    def carries(self, *, up: bool) -> bool:
+        """Whether a part is in the gripper on the way down to the point, to be placed, or `up` from it, as picked."""
+        return self.facts.part is not None and (self.facts.target is None) == up
+
     @property
     def name(self) -> str:
         return self.facts.name

@@ -161,7 +161,7 @@ def by_law(way: Way, state: State, mode: int, paced: Paced, closely: int, limits
         fast = rates(way.scene, way.stage, way.step, spline, limits)
         if isinstance(fast, Refusal):
             return fast
-        ratio = max(fast.velocity, fast.acceleration**0.5, fast.jerk ** (1 / 3))
+        ratio = fast.ratio
         if LOOSE <= ratio <= 1.0:
             if kept is None or spline.duration < kept.duration:
                 kept = TimedLeg(LegKind.MOVE, Knots.of(spline), Route(Course.PATH if on_path else Course.STRAIGHT))

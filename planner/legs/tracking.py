@@ -20,7 +20,7 @@ from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.legs.tool_motion import lift_most
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.refusal import Obstacle, Refusal, Stage, unmoved
-from assur.planner.model.scene import Pick, Place, Scene
+from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import Limits
 from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.trajectory import Trajectory
@@ -138,7 +138,7 @@ def track(
         refusal = too_fast(scene, Stage.TRACKING, point.step, fast, point.frame)
         if point.entry is not None or leaves is not None:
             break  # a moving end has one speed: stops are other candidates
-        effort *= min(0.8, 0.95 / fast.squeeze)
+        effort *= min(0.8, 0.95 / fast.ratio**2)
     return refusal
 
 
@@ -157,7 +157,7 @@ def _rates(scene: Scene, point: ControlPoint, spline: Trajectory, left: float) -
         fast = rates(scene, Stage.TRACKING, point.step, part, limits)
         if isinstance(fast, Refusal):
             return fast
-        if worst is None or (not fast.ok, fast.squeeze) > (not worst.ok, worst.squeeze):
+        if worst is None or (not fast.ok, fast.ratio) > (not worst.ok, worst.ratio):
             worst = fast
     if worst is None:
         raise FaultError("tracking legs of no length")
@@ -174,8 +174,7 @@ def _way(
     v, a, j = WITHOUT_LIFT
     if lift is not None:
         v, a, j = float(limits.velocity[lift]), float(limits.acceleration[lift]), float(limits.jerk[lift])
-    # a part is in the gripper on the way down to where it is placed, and on the way up from where it is picked
-    a = min(a, lift_most(scene, carried=isinstance(point.facts, Place if low == 0.0 else Pick)))
+    a = min(a, lift_most(scene, carried=point.carries(up=high == 0.0)))
     none = np.zeros(1)
     found = time_joints(
         np.array([high]),

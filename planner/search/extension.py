@@ -28,7 +28,7 @@ from assur.planner.legs.tool_motion import RESERVE, carrying_peak
 from assur.planner.legs.tracking import track
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.outcome import TRACKING, Arrival, Course, Leg, LegKind, Route
-from assur.planner.model.phases import Phase, on_way, stay_phases, step_phases
+from assur.planner.model.phases import Phase, stay_phases, step_phases
 from assur.planner.model.refusal import (
     Carrying,
     Obstacle,
@@ -77,16 +77,7 @@ def timed(
     unknown = laws_over(scene, partial.step, reached.end) or turns_into(scene, partial.step, reached.trajectory)
     if unknown is not None:
         return unknown
-    phase = Phase(
-        partial.state.time,
-        reached.end,
-        LegKind.MOVE,
-        partial.step,
-        partial.attached,
-        corrected=on_way(scene, partial.step),
-        handled=partial.handled,
-    )
-    return TimedCandidate(partial, candidate, reached, (phase,), ahead)
+    return TimedCandidate(partial, candidate, reached, (partial.way(scene, reached.end),), ahead)
 
 
 def extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:
@@ -99,10 +90,10 @@ def extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:
         gentle = _slowed(scene, made, limit)
         if gentle is not None:
             return gentle
-    for slower in (_weaker, _again):
+    for across in (True, False):
         last, peak = made, found.facts.acceleration
         for _ in range(SLOWED):
-            again = slower(scene, last, SLOWER * limit / peak)
+            again = _again(scene, last, SLOWER * limit / peak, across=across)
             if isinstance(again, Refusal):
                 break  # the carry limit is why: at its own pace there was a motion
             last, after = again, _extended(scene, again)
@@ -114,19 +105,15 @@ def extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:
     return found
 
 
-def _weaker(scene: Scene, made: TimedCandidate, share: float) -> TimedCandidate | Refusal:
-    """The candidate timed again with this share of the acceleration of the joints across."""
-    candidate = made.candidate
-    shape = replace(candidate.shape, pull=share * candidate.shape.pull)
-    return timed(scene, made.before, replace(candidate, shape=shape), made.ahead)
-
-
-def _again(scene: Scene, made: TimedCandidate, share: float) -> TimedCandidate | Refusal:
-    """The candidate timed again with this share of its effort."""
-    candidate = made.candidate
-    shape = replace(candidate.shape, effort=share * candidate.shape.effort)
-    slower = replace(candidate, shape=shape, tracking_effort=share * candidate.tracking_effort)
-    return timed(scene, made.before, slower, made.ahead)
+def _again(scene: Scene, made: TimedCandidate, share: float, *, across: bool) -> TimedCandidate | Refusal:
+    """The candidate timed again with this share of its effort, or of the acceleration of the joints `across` alone."""
+    candidate, shape = made.candidate, made.candidate.shape
+    if across:
+        gentle = replace(candidate, shape=replace(shape, pull=share * shape.pull))
+    else:
+        effort = share * candidate.tracking_effort
+        gentle = replace(candidate, shape=replace(shape, effort=share * shape.effort), tracking_effort=effort)
+    return timed(scene, made.before, gentle, made.ahead)
 
 
 def _slowed(scene: Scene, made: TimedCandidate, limit: float) -> Extension | None:
@@ -134,7 +121,7 @@ def _slowed(scene: Scene, made: TimedCandidate, limit: float) -> Extension | Non
     that."""
     before = made.before
     for share in GENTLER:
-        gentle = made if share == 1.0 else _again(scene, made, share)
+        gentle = made if share == 1.0 else _again(scene, made, share, across=False)
         if isinstance(gentle, Refusal):
             return None
         motion = slowed(scene, before.step, gentle.reached.trajectory, limit, before.attached.limits(scene))

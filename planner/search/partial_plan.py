@@ -18,8 +18,8 @@ from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.legs.tool_motion import lift_most
 from assur.planner.legs.tracking import lead_time
 from assur.planner.model.attachments import AT_START, Attachments, at_start
-from assur.planner.model.outcome import Arrival, Leg
-from assur.planner.model.phases import NOTHING_HANDLED, Handled, Phase, handled_at_start
+from assur.planner.model.outcome import Arrival, Leg, LegKind
+from assur.planner.model.phases import NOTHING_HANDLED, Handled, Phase, handled_at_start, on_way
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene, Trace
 from assur.planner.robots.facts import Limits
@@ -53,6 +53,11 @@ class PartialPlan:
     """Straight legs from here by yaw and tilt of the tool, wait and mode: full turns of the meeting make no other."""
     traces: dict[Branch, Refusal] = field(default_factory=dict)
     """Why the path of a frame that stands still cannot be traced in a branch, whenever the arm comes."""
+
+    def way(self, scene: Scene, until: float) -> Phase:
+        """The phase of a motion from here to the next control point that ends at `until`, s."""
+        kept, on = (LegKind.MOVE, self.step, self.attached), on_way(scene, self.step)
+        return Phase(self.state.time, until, *kept, corrected=on, handled=self.handled)
 
 
 @dataclass(frozen=True, eq=False)
