@@ -153,13 +153,22 @@ class Robot(ABC):
         finite in what is read is OUT_OF_REACH. Revolute joints are in (−π, π]. Not checked: joint limits (`within`).
         Raises `FaultError` for a mode or an order that there is not, and for a motion without pitch and roll.
         """
-        from assur.planner.robots.kinematics import inverse
+        from assur.planner.kernels.inverse import joint_motions
+        from assur.planner.kernels.motion import COORDINATES, ORDERS
+        from assur.planner.robots.kinematics import targets_of
 
         if mode not in range(len(self.modes)) or order not in range(4):
             raise FaultError(f"{type(self).__name__}.inverse: mode {mode}, order {order}")
         if "pitch" in self.coordinates and not isinstance(flange, TiltedMotion):
             raise FaultError(f"{type(self).__name__}.inverse: a motion without pitch and roll")
-        return inverse(self, flange, mode, order)
+        shape, n = flange.yaw.shape, len(self.joints)
+        joints, margins = np.empty((*shape, ORDERS, n)), np.empty((*shape, 2))
+        codes = np.empty(shape, dtype=np.int64)
+        targets, flat = targets_of(flange, order).reshape(-1, ORDERS, COORDINATES), joints.reshape(-1, ORDERS, n)
+        joint_motions(self.row, mode, order, targets, flat, margins.reshape(-1, 2), codes.reshape(-1))
+        q, qd, qdd, qddd = (np.ascontiguousarray(joints[..., k, :]) for k in range(ORDERS))
+        parallel = margins[..., 1] if self.parallel_least > 0.0 else None
+        return Inverse(q, qd, qdd, qddd, codes, margins[..., 0], parallel)
 
     def forward(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Flange position (..., 3) and yaw (...) in the world for q (..., n), the heading of a flange that tilts; NaN
@@ -184,20 +193,31 @@ class Robot(ABC):
 
     def placements(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Link frames in the world for q (..., n): positions (..., L, 3) and rotations (..., L, 3, 3), K9, K31, K34."""
-        from assur.planner.robots.kinematics import placements
+        from assur.planner.kernels.links import POSE_COLUMNS, places_of_links
 
-        return placements(self, q)
+        shape = (*q.shape[:-1], len(self.links))
+        placed = np.empty((*shape, POSE_COLUMNS))
+        flat = np.array(q, dtype=np.float64).reshape(-1, len(self.joints))
+        places_of_links(self.row, flat, placed.reshape(-1, *placed.shape[-2:]))
+        return placed[..., :3].copy(), placed[..., 3:].reshape(*shape, 3, 3)
 
     def sweep(self, joints: FloatArray, link: int) -> Sweep:
         """How link number `link` moves while the joints are as their jets (n, 6) say (K43)."""
-        from assur.planner.robots.kinematics import sweep
+        from assur.planner.kernels.sweeps.chain import JETS, sweep_links
+        from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 
-        return sweep(self, joints, link)
+        jets = np.zeros((len(self.links), JETS, JET_COLUMNS))
+        sweep_links(self.row, joints, np.empty((len(self.chain_rows.angles), 2, JET_COLUMNS)), jets)
+        return Sweep(jets[link])
 
     def _posture(self, q: FloatArray) -> FloatArray:
-        from assur.planner.robots.kinematics import postures
+        """(..., 5): columns of `assur.planner.kernels.inverse`."""
+        from assur.planner.kernels.inverse import POSTURE_COLUMNS, postures
 
-        return postures(self, q)
+        out = np.empty((*q.shape[:-1], POSTURE_COLUMNS))
+        flat = np.array(q, dtype=np.float64).reshape(-1, len(self.joints))
+        postures(self.row, flat, out.reshape(-1, POSTURE_COLUMNS))
+        return out
 
     def singularity(self, q: FloatArray) -> IntArray:
         """Which singularity (...) the margin is measured to, as a `Code`: STRETCHED or FOLDED, whichever is nearer, or
@@ -227,9 +247,12 @@ class Robot(ABC):
     def assembled(self, lower: FloatArray, upper: FloatArray) -> BoolArray:
         """Whether (N,) the arm is proved to assemble with `parallel_least` for lower <= q <= upper (N, n), K39; without
         a loop always."""
-        from assur.planner.robots.kinematics import assembled
+        proved = np.ones(len(lower), dtype=np.bool_)
+        if self.parallel_least > 0.0:
+            from assur.planner.kernels.links import ranges_assembled
 
-        return assembled(self, lower, upper) if self.parallel_least > 0.0 else np.ones(len(lower), dtype=bool)
+            ranges_assembled(self.row, np.array(lower, np.float64), np.array(upper, np.float64), proved)
+        return proved
 
     def within(self, q: FloatArray) -> BoolArray:
         """Whether q (..., n) keeps the position limits and assembles with `parallel_least`, (...); NaN does not."""
