@@ -74,7 +74,7 @@ def timed(
         missed = _window_refusal(point, reached.end)
         if missed is not None:
             return missed
-    unknown = laws_over(scene, partial.step, reached.end) or turns_into(scene, partial.step, reached.trajectory)
+    unknown = laws_over(scene, partial.step, reached.end) or turns_into(scene, partial.step, reached)
     if unknown is not None:
         return unknown
     return TimedCandidate(partial, candidate, reached, (partial.way(scene, reached.end),), ahead)
@@ -124,15 +124,15 @@ def _slowed(scene: Scene, made: TimedCandidate, limit: float) -> Extension | Non
         gentle = made if share == 1.0 else _again(scene, made, share, across=False)
         if isinstance(gentle, Refusal):
             return None
-        motion = slowed(scene, before.step, gentle.reached.trajectory, limit, before.attached.limits(scene))
+        motion = slowed(scene, before.step, gentle.trajectory, limit, before.attached.limits(scene))
         if motion is not None:
-            found = _extended(scene, replace(gentle, reached=replace(gentle.reached, trajectory=motion)))
+            found = _extended(scene, replace(gentle, trajectory=motion))
             return None if isinstance(found, Refusal) else found
     return None
 
 
 def _extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:
-    shape, trajectory = made.candidate.shape, made.reached.trajectory
+    shape, trajectory = made.candidate.shape, made.trajectory
     leg = TimedLeg(LegKind.ARCH if shape.hop else LegKind.MOVE, Knots.of(trajectory), shape.route)
     return _continued(scene, made.before, made.candidate, leg, trajectory)
 

@@ -9,7 +9,7 @@ from assur.planner.collision.rows import Rows
 from assur.planner.frames.tilted import Tilt
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import ControlPoint, control_point
-from assur.planner.legs.joint import Reached, Shape
+from assur.planner.legs.joint import Shape
 from assur.planner.legs.meeting import Meetings, meetings
 from assur.planner.legs.overlap import entering
 from assur.planner.legs.pace import Pace
@@ -51,8 +51,6 @@ class PartialPlan:
     """Of joint legs (`paced`): one table for all partial plans of a search."""
     lines: dict[tuple[float, Tilt | None, float, int], TimedLeg | Refusal] = field(default_factory=dict)
     """Straight legs from here by yaw and tilt of the tool, wait and mode: full turns of the meeting make no other."""
-    traces: dict[Branch, Refusal] = field(default_factory=dict)
-    """Why the path of a frame that stands still cannot be traced in a branch, whenever the arm comes."""
 
     def way(self, scene: Scene, until: float) -> Phase:
         """The phase of a motion from here to the next control point that ends at `until`, s."""
@@ -93,27 +91,23 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class TimedCandidate:
-    """A joint leg to the next control point, timed; what follows at the point is not known yet."""
+    """A joint leg to the next control point, timed; before it the arm stands still, and what follows at the point is
+    not known yet."""
 
     before: PartialPlan
     candidate: Candidate
-    reached: Reached
+    trajectory: Trajectory
     phases: tuple[Phase, ...]
     ahead: FloatArray | None = None
 
     @property
     def end(self) -> float:
-        return self.reached.end
+        return self.trajectory.end
 
     @property
     def standing(self) -> bool:
         """Whether the point may be met at any time."""
         return self.candidate.branch.still
-
-    @property
-    def trajectory(self) -> Trajectory:
-        """The leg; before it the arm stands still."""
-        return self.reached.trajectory
 
 
 @dataclass(frozen=True, eq=False)
