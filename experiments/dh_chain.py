@@ -33,7 +33,7 @@ def states() -> FloatArray:
 def arm() -> Scara:
     """The planner's robot of the same lengths; its limits play no part."""
     wide = np.full(4, 10.0)
-    return Scara("001", A1, A2, 4, Limits(-wide, wide, wide, wide, wide))
+    return Scara(name="001", l1=A1, l2=A2, axes=4, limits=Limits(-wide, wide, wide, wide, wide))
 
 
 def turned(a: FloatArray, b: FloatArray) -> FloatArray:

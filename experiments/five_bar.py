@@ -23,7 +23,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.robots.facts import Code
-from assur.planner.robots.five_bar import MODES, FiveBar
+from assur.planner.robots.five_bar import FiveBar
 from assur.scenes.catalogue import arm_named
 from assur.scenes.reading.plan import plan_of
 from assur.scenes.requests import cell_of, plan_document, shipped
@@ -83,7 +83,7 @@ def areas(space: Workspace) -> dict[str, dict[str, float]]:
             "within": cell * int(space.within[k].sum()),
             "refused": cell * int((space.code[k] == Code.PARALLEL).sum()),
         }
-        for k, mode in enumerate(MODES)
+        for k, mode in enumerate(FiveBar.modes)
     }
 
 
@@ -103,7 +103,7 @@ def determinants(robot: FiveBar, curves: tuple[FloatArray, ...], *, of_type: int
     side = np.array([0.0, robot.separation / 2])
     most, count = 0.0, 0
     for curve in curves:
-        for mode in range(len(MODES)):
+        for mode in range(len(FiveBar.modes)):
             q = on_curve(robot, curve, mode, of_type)
             mine = np.isfinite(q).all(1)
             tool, (p1, p2) = curve[mine], elbows(robot, q[mine])
@@ -120,7 +120,7 @@ def printed_indicator(robot: FiveBar, space: Workspace) -> dict[str, float]:
     margin of up to KEPT."""
     low, high, count = math.inf, 0.0, 0
     x, y = np.meshgrid(space.x, space.y)
-    for mode in range(len(MODES)):
+    for mode in range(len(FiveBar.modes)):
         near = np.abs(space.parallel[mode]) <= KEPT
         q = robot.inverse(standing(np.stack([x[near], y[near]], -1)), mode, 0).q
         p1, p2 = elbows(robot, q)
@@ -148,7 +148,7 @@ def printed_against_planner(robot: FiveBar, space: Workspace) -> dict[str, float
     v, a = rng.normal(size=(STATES, 2)), 10 * rng.normal(size=(STATES, 2))
     worst = {"cranks_rad": 0.0, "crank_rates": 0.0, "crank_accelerations": 0.0}
     back = {"direct_m": 0.0, "direct_m_s": 0.0, "direct_m_s2": 0.0}
-    for mode in range(len(MODES)):
+    for mode in range(len(FiveBar.modes)):
         mine = modes == mode
         tool = printed_rrr.Point(p[mine, 0], p[mine, 1], v[mine, 0], v[mine, 1], a[mine, 0], a[mine, 1])
         zero = np.zeros(int(mine.sum()))
@@ -248,9 +248,9 @@ HALF_MM = 485
 
 def draw(figure: Drawing, robots: list[FiveBar], seen: list[Workspace], paths: Paths) -> None:
     """A row for each robot, a column for each working mode."""
-    axes = figure.subplots(len(robots), len(MODES), sharex=True, sharey=True)
+    axes = figure.subplots(len(robots), len(FiveBar.modes), sharex=True, sharey=True)
     for row, (robot, space) in enumerate(zip(robots, seen, strict=True)):
-        for mode, name in enumerate(MODES):
+        for mode, name in enumerate(FiveBar.modes):
             panel = axes[row, mode]
             regions(panel, space, mode)
             curves(panel, robot, space, mode)
@@ -260,7 +260,7 @@ def draw(figure: Drawing, robots: list[FiveBar], seen: list[Workspace], paths: P
                 panel.plot(*(1e3 * paths.straight.T), color=PURPLE, lw=1.4, ls=(0, (3, 1.5)))
                 panel.plot(*(1e3 * paths.around.T), color=GREEN, lw=1.4)
                 ends(panel, paths.straight)
-            panel.set_title(f"({'abcdefgh'[row * len(MODES) + mode]}) {name}")
+            panel.set_title(f"({'abcdefgh'[row * len(FiveBar.modes) + mode]}) {name}")
             panel.set_aspect("equal")
             panel.set_xlim(-HALF_MM, HALF_MM)
             panel.set_ylim(-HALF_MM, HALF_MM)

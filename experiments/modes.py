@@ -11,7 +11,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.planar import principal
-from assur.planner.robots.scara import MODES, Scara
+from assur.planner.robots.scara import Scara
 
 L1, L2 = 0.325, 0.225
 """m. A usual arm; 004's own, with links of 200 mm, is drawn beside it."""
@@ -38,9 +38,9 @@ def formulations(p: FloatArray, l1: float, l2: float, mode: str) -> dict[str, Fl
     tool = np.broadcast_to(np.diag([1.0, -1.0, -1.0, 1.0]), (*p.shape[:-1], 4, 4)).copy()
     tool[..., :3, 3] = p
     wide = np.full(4, 10.0)
-    robot = Scara("modes", l1, l2, 4, Limits(-wide, wide, wide, wide, wide))
+    robot = Scara(name="modes", l1=l1, l2=l2, axes=4, limits=Limits(-wide, wide, wide, wide, wide))
     still = np.zeros_like(p)
-    found = robot.inverse(Motion(p, still, still, still, zero, zero, zero, zero), MODES.index(mode), 0)
+    found = robot.inverse(Motion(p, still, still, still, zero, zero, zero, zero), Scara.modes.index(mode), 0)
     return {
         "planner": found.q[..., :2],
         "000": np.stack([first, -second], -1),  # its θ2 has the opposite sign
@@ -54,11 +54,11 @@ def run() -> Result:
     p = targets()
     worst: dict[str, dict[str, float]] = {}
     crossed: dict[str, float] = {}
-    for mode in MODES:
+    for mode in Scara.modes:
         found = formulations(p, L1, L2, mode)
         ours = found.pop("planner")
         worst[mode] = {name: float(np.abs(principal(q - ours)).max()) for name, q in found.items()}
-        other = formulations(p, L1, L2, MODES[1 - MODES.index(mode)])["planner"]
+        other = formulations(p, L1, L2, Scara.modes[1 - Scara.modes.index(mode)])["planner"]
         crossed[mode] = float(np.abs(other[:, 1] + ours[:, 1]).max())
     numbers = {
         "points": POINTS,

@@ -159,7 +159,7 @@ def scores(limit: int) -> None:
         for _, scene in problems(name, limit):
             prover, chain, rng = Prover(scene), initial(scene), np.random.default_rng(0)
             found = prepared(scene, chain, 0.0, None, tuple(range(len(scene.robot.modes))))
-            met = [(0.0, meeting) for meeting in found if not isinstance(meeting, Refusal)]
+            met = [meeting for meeting in found if not isinstance(meeting, Refusal)]
             ways = options(scene, chain, met)[:MOST_OPTIONS]
             if not ways:
                 continue
@@ -171,7 +171,7 @@ def scores(limit: int) -> None:
             really = np.zeros(DRAWN, dtype=bool)
             for i in range(DRAWN):
                 option = ways[int(rows[i, OPTION])]
-                way = timed(scene, chain, option.meeting, Candidate(0.0, option.branch, shape_of(rows[i])), None)
+                way = timed(scene, chain, Candidate(option, shape_of(rows[i])), None)
                 if isinstance(way, TimedCandidate) and screen(prover, way).refusal is None:
                     really[i] = not isinstance(extended(scene, way), Refusal)
             cost.append((time.perf_counter() - scored) / (scored - began))

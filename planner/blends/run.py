@@ -41,8 +41,7 @@ from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.robots.facts import Code
 from assur.planner.search.extension import arrival, too_hard
 from assur.planner.search.late_end import ends_too_late
-from assur.planner.search.meeting_options import Option
-from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan
+from assur.planner.search.partial_plan import Candidate, Extension, Option, PartialPlan
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.joining import joined
 

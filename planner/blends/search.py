@@ -23,8 +23,8 @@ from assur.planner.legs.joint import Shape
 from assur.planner.model.refusal import AccelerationTime, Reason, Refusal
 from assur.planner.search.beam import Search
 from assur.planner.search.candidates import LEAST_RISE_M, Sampler
-from assur.planner.search.meeting_options import Option, preference
-from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate
+from assur.planner.search.meeting_options import preference
+from assur.planner.search.partial_plan import Candidate, Extension, Option, PartialPlan, TimedCandidate
 from assur.planner.search.rough_score import CoarseScore
 from assur.planner.search.tuning import ANY_OPTION, ARCHED, ELITE, MOST_OPTIONS
 from assur.planner.search.via_batch import free_vias
@@ -66,15 +66,15 @@ class RunSampler(Sampler):
             beam = sorted(longer, key=lambda item: item[0])[:MOST_OPTIONS]
         self.ways = tuple(way for _, way, _ in beam)
 
-    def batch(self, _before: float = np.inf) -> list[tuple[Option, Candidate]]:
+    def batch(self, _before: float = np.inf) -> list[Candidate]:
         """The next batch; empty only if there is nothing left to try."""
         visit, self.visits = self.visits, self.visits + 1
         if not self.options:
             return []
         if visit == 0:
-            return [(way[-1], _run(way, ((),) * len(way), Shape())) for way in self.ways]
+            return [_run(way, ((),) * len(way), Shape()) for way in self.ways]
         raised = [run for way in self.blocked[:ARCHED] for run in self._raised(way)] if visit == 1 else []
-        return [(run.stations[-1], run) for run in (*raised, *(self._random() for _ in range(BATCH)))]
+        return [*raised, *(self._random() for _ in range(BATCH))]
 
     def learn(self, candidate: Candidate, bad: float, end: float = math.inf, _at: float | None = None) -> None:
         """As `Sampler.learn`; a direct way that was refused is blocked."""
@@ -133,7 +133,7 @@ class RunSampler(Sampler):
 
 
 def _run(way: Way, frees: tuple[tuple[FloatArray, ...], ...], shape: Shape) -> Run:
-    return Run(way[-1].yaw_offset, way[-1].branch, shape, stations=way, frees=frees)
+    return Run(way[-1], shape, stations=way, frees=frees)
 
 
 class BlendSearch(Search):
@@ -144,7 +144,7 @@ class BlendSearch(Search):
         choices = list[Way]()
         for step in count(partial.step):
             met = self._met(replace(partial, step=step))
-            choices.append(tuple(Option(each, turn, branch, 0.0) for turn, each in met for branch in each.branches))
+            choices.append(tuple(Option(each, branch) for each in met for branch in each.branches))
             if not choices[-1]:
                 self.found.deepest = max(self.found.deepest, step)
             if not choices[-1] or not self.scene.task[step].via:
@@ -153,11 +153,11 @@ class BlendSearch(Search):
         return RunSampler(self.scene, partial, choices[-1], self.rng, score, self.adaptive, choices=tuple(choices))
 
     def _in_order(
-        self, partial: PartialPlan, sampler: Sampler, batch: list[tuple[Option, Candidate]]
+        self, partial: PartialPlan, sampler: Sampler, batch: list[Candidate]
     ) -> Iterator[TimedCandidate | Extension]:
         """The motions of a batch, the quickest first."""
         made, refusals = list[Extension](), list[Refusal]()
-        for _, run in batch:
+        for run in batch:
             if self._late():
                 break
             self.found.census.candidates += 1

@@ -46,4 +46,4 @@ def labels_of(base: SceneClaim, plan: Plan, phases: Sequence[Phase], claims: Cla
 
 
 def _arm(robot: Robot) -> tuple[str, tuple[str, ...]]:
-    return robot.name, tuple(link.name for link in robot.chain.links)
+    return robot.name, robot.links

@@ -40,24 +40,21 @@ rad in the world."""
 @dataclass(eq=False)
 class _Terms:
     """What adds to an error: `signed` vectors (3,) that count with either sign, by name and cause; the way of the frame
-    for late starts, `late` (K, 3), with its times (K,); radius, height and yaw that count in full, by cause."""
+    for late starts, `late` (K, 3), with its times (K,); (radius, height, yaw) that count in full, by cause."""
 
     signed: list[tuple[Cause, str, FloatArray]] = field(default_factory=list)
     late: FloatArray = field(default_factory=lambda: np.zeros((1, 3)))
     late_s: FloatArray = field(default_factory=lambda: np.zeros(1))
-    flat: dict[Cause, float] = field(default_factory=dict)
-    upright: dict[Cause, float] = field(default_factory=dict)
-    yaw: dict[Cause, float] = field(default_factory=dict)
+    full: dict[Cause, FloatArray] = field(default_factory=dict)
 
     @property
-    def tables(self) -> tuple[dict[Cause, float], ...]:
-        """What counts in full, by cause."""
-        return self.flat, self.upright, self.yaw
+    def whole(self) -> list[float]:
+        """Radius, height and yaw that count in full, of all causes."""
+        return [float(each) for each in sum(self.full.values(), np.zeros(3))]
 
     def add(self, cause: Cause, flat: float = 0.0, upright: float = 0.0, yaw: float = 0.0) -> None:
-        for table, amount in zip(self.tables, (flat, upright, yaw), strict=True):
-            if amount > 0.0:
-                table[cause] = table.get(cause, 0.0) + amount
+        if max(flat, upright, yaw) > 0.0:
+            self.full[cause] = self.full.get(cause, np.zeros(3)) + np.array([flat, upright, yaw])
 
     def add_signed(self, cause: Cause, name: str, vector: FloatArray) -> None:
         if vector.any():
@@ -79,7 +76,7 @@ def realised(
     """How far the tool is from the control point of step `number`, m, in a realisation as `ArrivalError.worst` states
     it; None: it is none of what is uncertain there. The rest: as `arrival_error`."""
     terms, grasp = _terms_of(scene, number, attached, handled, q, until)
-    flat, upright = sum(terms.flat.values()), sum(terms.upright.values())
+    flat, upright, yaw = terms.whole
     names = [name for _, name, _ in terms.signed]
     names += [LATE] * (len(terms.late_s) > 1) + [DIRECTION] * (flat > LEAST)
     if sorted(names) != sorted(worst) or any(abs(worst[name]) != 1.0 for _, name, _ in terms.signed):
@@ -91,7 +88,7 @@ def realised(
     off = off + np.array([np.interp(late, terms.late_s, terms.late[:, k]) for k in range(3)])
     way = worst.get(DIRECTION, 0.0)
     level = math.hypot(off[0] + flat * math.cos(way), off[1] + flat * math.sin(way))
-    return math.hypot(level, abs(float(off[2])) + upright) + sum(terms.yaw.values()) * grasp
+    return math.hypot(level, abs(float(off[2])) + upright) + yaw * grasp
 
 
 def _terms_of(
@@ -199,8 +196,8 @@ def _add_lag(scene: Scene, here: Motion, q: FloatArray, terms: _Terms) -> None:
 
 def _turned(scene: Scene, q: FloatArray, lag: FloatArray, swept: Sweep) -> float:
     """How far joints that lag turn the tool, rad: the heading of a closed chain is bent as well."""
-    if scene.robot.chain.loop is None:
-        return float(lag.sum() - lag[2])
+    if scene.robot.yaw_joints is not None:
+        return float(lag[list(scene.robot.yaw_joints)].sum())
     corners = scene.robot.forward(q + lag * _signs(len(lag)))[1] - scene.robot.forward(q)[1]
     most = float(np.abs(np.remainder(corners + np.pi, 2.0 * np.pi) - np.pi).max())
     # more than the bow of a heading: the checker bounds its cosine and its sine apart, over all of the lag
@@ -212,8 +209,7 @@ def _worst(terms: _Terms, grasp: float) -> ArrivalError:
     vectors = np.array([vector for _, _, vector in terms.signed]).reshape(-1, 3)
     signs = _signs(len(vectors))
     sums = (signs @ vectors)[:, None, :] + terms.late[None, :, :]
-    flat, upright = sum(terms.flat.values()), sum(terms.upright.values())
-    yaw = sum(terms.yaw.values())
+    flat, upright, yaw = terms.whole
     level, height = np.hypot(sums[..., 0], sums[..., 1]) + flat, np.abs(sums[..., 2]) + upright
     size = np.hypot(level, height)
     row, k = np.unravel_index(int(size.argmax()), size.shape)
@@ -244,15 +240,15 @@ def _shares(terms: _Terms) -> tuple[Share, ...]:
     found = []
     for cause in Cause:
         signed = [vector for own, _, vector in terms.signed if own is cause]
-        if not signed and cause is not Cause.LATE and not any(cause in table for table in terms.tables):
+        if not signed and cause is not Cause.LATE and cause not in terms.full:
             continue
         vectors = np.array(signed).reshape(-1, 3)
         sums = _signs(len(vectors)) @ vectors
         if cause is Cause.LATE:
             sums = terms.late
-        level = np.hypot(sums[:, 0], sums[:, 1]) + terms.flat.get(cause, 0.0)
-        height = np.abs(sums[:, 2]) + terms.upright.get(cause, 0.0)
-        position, yaw = float(np.hypot(level, height).max()), terms.yaw.get(cause, 0.0)
+        flat, upright, yaw = terms.full.get(cause, np.zeros(3)).tolist()
+        level, height = np.hypot(sums[:, 0], sums[:, 1]) + flat, np.abs(sums[:, 2]) + upright
+        position = float(np.hypot(level, height).max())
         if position > LEAST or yaw > LEAST:
             found.append(Share(cause, position, yaw))
     return tuple(sorted(found, key=lambda share: (-share.position_m, -share.yaw_rad)))

@@ -13,16 +13,32 @@ from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import Tilt, TiltedMotion
 from assur.planner.laws.belt_window import inside, outside_for_good, travelled
-from assur.planner.legs.moving_end import MovingEnd
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.scene import Scene, Step, Trace, Window
 from assur.planner.robots.facts import Limits
+from assur.planner.trajectory import Trajectory
 
 WINDOW_S = 1e-12
 """A window, and the latest end, are kept up to this, s: rounding of times."""
 ROUNDED_S, ROUNDED = 1e-12, 8
 """By so many seconds, and units in the last place of a clock that counts far, a window may seem too short for its
 dwell: its ends were read, converted from milliseconds, or found along a belt. In 1 ps a fast arm goes 10 pm."""
+
+
+@dataclass(frozen=True, eq=False)
+class MovingEnd:
+    """The end of a straight part at which the tool does not stop: motion along the vertical of the point at the outer
+    end of an approach or depart.
+
+    `height` above the point, m; its `rate`, m/s, upwards positive, and `acceleration`, m/s²; `far`: the height, m, at
+    which the motion that was cut there stops; `profile`: the heights from there to rest at the point, or back.
+    """
+
+    height: float
+    rate: float
+    acceleration: float
+    far: float
+    profile: Trajectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +82,10 @@ class ControlPoint:
         """... and from then on: with what was picked, or without what was placed."""
         step = self.facts
         return self.limits if step.part is None else self.scene.limits_with(step.part if step.target is None else None)
+
+    def carries(self, *, up: bool) -> bool:
+        """Whether a part is in the gripper on the way down to the point, to be placed, or `up` from it, as picked."""
+        return self.facts.part is not None and (self.facts.target is None) == up
 
     @property
     def name(self) -> str:

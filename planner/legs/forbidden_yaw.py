@@ -27,8 +27,6 @@ from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import spline_table
 
-SUMMED = (0, 1, 3)
-"""The joints of a SCARA whose sum is the yaw of its flange."""
 INSTANTS = 65
 """Instants at which it is looked for when the yaw is first in a range, to tell it."""
 BESIDE_RAD = math.radians(2.0)
@@ -39,8 +37,9 @@ SHORTEST_S = 1e-7
 
 def tool_yaw(scene: Scene, q: FloatArray) -> FloatArray:
     """The yaw (...) of the tool point in the world for joints (..., n), rad; of a SCARA full turns count."""
-    if scene.robot.sums_yaw:
-        return np.asarray(scene.robot.base.yaw + q[..., SUMMED].sum(-1) + scene.tool.tcp.yaw)
+    joints = scene.robot.yaw_joints
+    if joints is not None:
+        return np.asarray(scene.robot.base.yaw + q[..., joints].sum(-1) + scene.tool.tcp.yaw)
     return np.asarray(scene.robot.forward(q)[1] + scene.tool.tcp.yaw)
 
 
@@ -56,7 +55,7 @@ def free_yaws_between(scene: Scene) -> list[float]:
 
 def start_room(scene: Scene) -> Room:
     """The room about the yaw at the start, which no motion of a SCARA can leave; without ends for other arms."""
-    if not scene.robot.sums_yaw:
+    if scene.robot.yaw_joints is None:
         return Room()
     return room(scene.forbidden_yaw, float(tool_yaw(scene, scene.start.q)), _slack(scene))
 
@@ -122,9 +121,10 @@ def turns_into(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | Non
     """Why a motion is refused: at some time the tool is in a forbidden range of yaw, or is not shown not to be."""
     if not scene.forbidden_yaw:
         return None
-    if not scene.robot.sums_yaw:
+    joints = scene.robot.yaw_joints
+    if joints is None:
         return _bounded(scene, step, trajectory)
-    parts = (part[:, SUMMED].sum(-1, keepdims=True) for part in (trajectory.q, trajectory.qd, trajectory.qdd))
+    parts = (part[:, joints].sum(-1, keepdims=True) for part in (trajectory.q, trajectory.qd, trajectory.qdd))
     turn = scene.robot.base.yaw + scene.tool.tcp.yaw
     yaw = Trajectory(trajectory.time, *parts, jumps=trajectory.jumps)
     low, high = (float(end[0]) + turn for end in yaw.extrema(0))

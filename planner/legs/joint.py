@@ -54,23 +54,6 @@ class Shape:
         return Route(course, len(self.vias), after_wait=self.wait > 0, later=self.late > 0)
 
 
-@dataclass(frozen=True, eq=False)
-class Reached:
-    """A joint leg that meets a branch at row `row` of its meetings. Its last knot is at `end` to the bit, as the
-    control point is."""
-
-    trajectory: Trajectory
-    row: int
-
-    @property
-    def begin(self) -> float:
-        return self.trajectory.start
-
-    @property
-    def end(self) -> float:
-        return self.trajectory.end
-
-
 class JointMotion:
     """The legs of one shape from one state towards one branch. `pace`: that of the shape's effort and of what the
     gripper holds; None: the gripper is empty."""
@@ -93,8 +76,9 @@ class JointMotion:
         self.prefix: list[RawProfile] = []
         self._verticals: dict[tuple[float, ...], Vertical | TimingRefusal] = {}
 
-    def meet(self) -> Reached | Refusal:
-        """The earliest meeting on the branch's grid that this shape reaches (or `late` seconds later).
+    def meet(self) -> Trajectory | Refusal:
+        """The leg to the earliest meeting on the branch's grid that this shape reaches (or `late` seconds later). Its
+        last knot is at the time of the meeting to the bit, as the control point is.
 
         Ruckig is asked to take exactly the time that is left: to the first grid time that a lower bound allows, and
         then to the first one that its shortest duration allows, until it fits.
@@ -133,7 +117,7 @@ class JointMotion:
                     continue
                 found = self._last(goal, left) if found is None else found
             if not isinstance(found, TimingRefusal):
-                return self._reached(found, begin, row, time)
+                return self._leg(found, begin, time)
             step = found.excess if found.reason == "too short" else max(GRID_S, found.excess)
             number = int(times.searchsorted(time + step))
         return self._missed(begin, begin + spent, float(least[-1]))
@@ -192,14 +176,14 @@ class JointMotion:
             return self._arch(self.shape.hop, goal, duration)
         return self.pace.together.raw_profile(self.origin, goal, duration)
 
-    def _at_any_time(self, begin: float) -> Reached | Refusal:
+    def _at_any_time(self, begin: float) -> Trajectory | Refusal:
         """The way to a point that stands: the fastest."""
         last = self._last(self._goal(0), None)
         if isinstance(last, TimingRefusal):
             return unmoved(Stage.TIMING, self.step, Obstacle.NO_PROFILE)
-        return self._reached(last, begin, 0, None)
+        return self._leg(last, begin, None)
 
-    def _reached(self, last: RawProfile, begin: float, row: int, end: float | None) -> Reached | Refusal:
+    def _leg(self, last: RawProfile, begin: float, end: float | None) -> Trajectory | Refusal:
         """The leg whose last part is `last`, if its spline keeps the limits; `end` None: when that ends."""
         parts, begins = [*self.prefix, last], [begin]
         for profile in parts:
@@ -207,7 +191,7 @@ class JointMotion:
         if end is not None:
             begins[-1] = end
         trajectory = trajectory_of(parts, begins)
-        return beyond_limits(self.scene, self.step, trajectory, self.pace.limits) or Reached(trajectory, row)
+        return beyond_limits(self.scene, self.step, trajectory, self.pace.limits) or trajectory
 
     def _arch(self, hop: Hop, goal: Numbers, duration: float | None) -> RawProfile | TimingRefusal:
         # on a belt the lift joint meets all later points as it meets the first: its motions are timed once

@@ -40,9 +40,9 @@ class Rates:
     limits: Limits
 
     @property
-    def squeeze(self) -> float:
-        """By what the effort of the leg is to be divided for it to keep its limits."""
-        return max(self.velocity**2, self.acceleration, math.pow(self.jerk, 2 / 3))
+    def ratio(self) -> float:
+        """By what the speed of the leg is to be divided for it to reach its limits, if rates scale with it."""
+        return max(self.velocity, math.sqrt(self.acceleration), math.pow(self.jerk, 1 / 3))
 
 
 def rates(scene: Scene, stage: Stage, step: int, trajectory: Trajectory, limits: Limits) -> Rates | Refusal:

@@ -18,50 +18,24 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.legs.phase_law import PhaseLaw
-from assur.planner.trajectory import Trajectory
 
 Along = Callable[[FloatArray], Motion]
 """The motion of a frame at times (T,)."""
-Phase = Trajectory | PhaseLaw
-"""s over the time since the leg began."""
-
-
-class Uniform:
-    """The phase s = t, by which derivatives by time are those by s."""
-
-    duration = 1.0
-
-    @property
-    def time(self) -> FloatArray:
-        return np.array([0.0, 1.0])
-
-    def states(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        s = t[:, None]
-        return s, np.ones_like(s), np.zeros_like(s)
 
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """The way between two frames of the flange under one phase profile that begins at `begin`; `tcp`: the tool point in
-    the flange, which is what goes along the line."""
+    """The course between two frames of the flange; `tcp`: the tool point in the flange, which is what goes along the
+    line."""
 
     left: Along
     met: Along
-    phase: Phase | Uniform
-    begin: float
     tcp: Pose = Pose()
 
-    @property
-    def end(self) -> float:
-        return self.begin + self.phase.duration
-
-    def motion(self, t: FloatArray) -> Motion:
-        """Motion (T,) of the flange, equation L1, at times t (T,)."""
+    def motion(self, t: FloatArray, s: FloatArray, sd: FloatArray, sdd: FloatArray) -> Motion:
+        """Motion (T,) of the flange, equation L1, at times t (T,) in these phases (T,)."""
         beside = Pose(self.tcp.x, self.tcp.y)
         a, b = self.left(t).at(beside), self.met(t).at(beside)
-        clock = np.clip(t - self.begin, 0.0, self.phase.duration)
-        s, sd, sdd = (x[:, 0] for x in self.phase.states(clock))
         turn = np.round((b.yaw[0] - a.yaw[0]) / (2 * np.pi)) * 2 * np.pi
         p, v, acceleration = _between(a.p, a.v, a.a, b.p, b.v, b.a, s[:, None], sd[:, None], sdd[:, None])
         yaw, yaw_d, yaw_dd = _between(a.yaw, a.yaw_d, a.yaw_dd, b.yaw - turn, b.yaw_d, b.yaw_dd, s, sd, sdd)

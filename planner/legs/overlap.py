@@ -12,10 +12,9 @@ from functools import lru_cache
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.legs.control_point import ControlPoint
-from assur.planner.legs.moving_end import MovingEnd
+from assur.planner.legs.control_point import ControlPoint, MovingEnd
 from assur.planner.legs.tool_motion import lift_most
-from assur.planner.model.scene import Pick, Place, Scene
+from assur.planner.model.scene import Scene
 from assur.planner.timing import RawProfile, Solver, TimingRefusal, trajectory_of
 
 FARTHER, FARTHER_M = 3.0, 0.02
@@ -35,7 +34,7 @@ def entering(scene: Scene, point: ControlPoint, q: FloatArray) -> MovingEnd | No
     `q` (n,): any joint position; the lift moves the flange one to one, so it tells what heights the lift reaches.
     """
     step = point.facts
-    if not isinstance(step, Pick | Place) or step.approach_stop or not (point.matched or point.still):
+    if not point.approach > 0.0 or step.approach_stop or not (point.matched or point.still):
         return None
     z = float(point.flange(np.array(scene.start.time)).p[2])
     top = None if step.arch is None else step.arch.top_m
@@ -45,8 +44,8 @@ def entering(scene: Scene, point: ControlPoint, q: FloatArray) -> MovingEnd | No
 def may_stop(scene: Scene, number: int) -> bool:
     """Whether behind the depart of step `number` the tool may move on, so that a stop there is a choice."""
     step, behind = scene.task[number], scene.task[number + 1 : number + 2]
-    handles = isinstance(step, Pick | Place) and step.depart_m > 0.0 and not step.depart_stop
-    return handles and scene.robot.lift is not None and bool(behind) and behind[0].leg != "cartesian"
+    departs = step.depart_m > 0.0 and not step.depart_stop
+    return departs and scene.robot.lift is not None and bool(behind) and behind[0].leg != "cartesian"
 
 
 def leaving(scene: Scene, point: ControlPoint, q: FloatArray) -> MovingEnd | None:
@@ -67,7 +66,7 @@ def _moving_end(
     Before a place and behind a pick a part is in the gripper.
     """
     lift, limits = scene.robot.lift, point.limits_after if up else point.limits
-    height, carried = point.depart if up else point.approach, isinstance(point.facts, Pick if up else Place)
+    height = point.depart if up else point.approach
     if lift is None or not height > 0.0 or not np.isfinite(z):
         return None
     flange = float(scene.robot.forward(q)[0][2])
@@ -77,7 +76,7 @@ def _moving_end(
     if not far >= LEAST_FARTHER * height:
         return None
     v, a, j = (float(rate[lift]) for rate in (limits.velocity, limits.acceleration, limits.jerk))
-    return _cut(v, min(a, lift_most(scene, carried=carried)), j, height, far, up=up)
+    return _cut(v, min(a, lift_most(scene, carried=point.carries(up=up))), j, height, far, up=up)
 
 
 @lru_cache(maxsize=256)

@@ -97,3 +97,8 @@ class TimedLeg:
     kind: LegKind
     knots: Knots
     route: Route | None = None
+
+    @property
+    def duration(self) -> float:
+        """s."""
+        return self.knots.end - self.knots.begin

@@ -11,24 +11,23 @@ frames are taken to stand, and Ruckig's with constant limits of s. The faster le
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import like
+from assur.planner.legs.follower import Phase, Uniform, Way, followed
 from assur.planner.legs.limits import rates
-from assur.planner.legs.line import Along, Line, Phase, Uniform
+from assur.planner.legs.line import Along, Line
 from assur.planner.legs.line_rates import Rates
+from assur.planner.legs.paths.course import PathCourse
 from assur.planner.legs.phase_law import TABLE, PhaseLaw, quickest
-from assur.planner.legs.singular import nearest
-from assur.planner.legs.spacing import spaced
 from assur.planner.legs.state import Knots, State, TimedLeg
-from assur.planner.legs.tilt import PATH_RAD, tilt_off
-from assur.planner.legs.tracking import PATH_M, REFINEMENTS, SPACING_S, continued
 from assur.planner.model.outcome import Course, LegKind, Route
+from assur.planner.model.path import LONGEST_S
 from assur.planner.model.refusal import (
-    LawEnds,
     Obstacle,
     OutOfReach,
     Quantity,
@@ -40,7 +39,7 @@ from assur.planner.model.refusal import (
     unmoved,
 )
 from assur.planner.model.scene import Scene
-from assur.planner.robots.facts import Code, Inverse, Limits
+from assur.planner.robots.facts import Limits
 from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.trajectory import Trajectory
 
@@ -79,28 +78,31 @@ def straight(
     of the spline. Refused: out of reach, too near a singularity, a joint position beyond its limit.
     """
     start, limits = np.array([state.time]), scene.limits_with(held)
+    line = Way(scene, Stage.STRAIGHT, step, Line(left, met, scene.tool.tcp), Uniform(), state.time)
+
+    def by(paced: Paced, closely: int) -> TimedLeg | Refusal:
+        return by_law(line, state, mode, paced, closely, limits)
+
     leg: TimedLeg | Refusal | None = None
     standing = _still(left, start) and _still(met, start)
     if standing:
         law, surely = _made_for(scene, mode, left(start), met(start), limits)
         if law is not None:
-            leg = scaled(scene, step, state, mode, left, met, as_fast(law), CLOSE_ROUNDS, limits)
+            leg = by(as_fast(law), CLOSE_ROUNDS)
         if law is not None and isinstance(leg, TimedLeg):
             t = leg.knots.time
-            told = abs(_length(t) / law.duration - 1) <= AS_TOLD
-            if told and _length(t) <= surely and _still(left, t) and _still(met, t):
+            told = abs(leg.duration / law.duration - 1) <= AS_TOLD
+            if told and leg.duration <= surely and _still(left, t) and _still(met, t):
                 return leg
-    plain = scaled(scene, step, state, mode, left, met, constant_law, 0, limits)
+    plain = by(constant_law, 0)
     if isinstance(plain, Refusal):
         return plain
     if not standing:
         # the line that is gone is rather that from where one frame is left to where the other is met
         law, _ = _made_for(scene, mode, left(start), met(plain.knots.time[-1:]), limits)
         if law is not None:
-            leg = scaled(scene, step, state, mode, left, met, as_fast(law), CLOSE_ROUNDS, limits)
-    if isinstance(leg, TimedLeg) and _length(leg.knots.time) < _length(plain.knots.time):
-        return leg
-    return plain
+            leg = by(as_fast(law), CLOSE_ROUNDS)
+    return leg if isinstance(leg, TimedLeg) and leg.duration < plain.duration else plain
 
 
 def as_fast(law: PhaseLaw) -> Paced:
@@ -108,7 +110,7 @@ def as_fast(law: PhaseLaw) -> Paced:
     return lambda scale: law.slower(1 / scale)
 
 
-def constant_law(scale: float) -> Phase | TimingRefusal:
+def constant_law(scale: float) -> Trajectory | TimingRefusal:
     """Ruckig's law from 0 to 1 with constant limits of s, `scale` times as fast as by `FIRST`."""
     v, a, j = (np.array([FIRST[order] * scale ** (order + 1)]) for order in range(3))
     none = np.zeros(1)
@@ -123,8 +125,8 @@ def _made_for(scene: Scene, mode: int, a: Motion, b: Motion, limits: Limits) -> 
     """
     s = np.linspace(0.0, 1.0, TABLE)
     row = np.zeros(TABLE, dtype=int)
-    line = Line(lambda _: a.at_rest()[row], lambda _: b.at_rest()[row], Uniform(), 0.0, scene.tool.tcp)
-    along = scene.robot.inverse(line.motion(s), mode, 3)
+    line = Line(lambda _: a.at_rest()[row], lambda _: b.at_rest()[row], scene.tool.tcp)
+    along = scene.robot.inverse(line.motion(s, s, np.ones(TABLE), np.zeros(TABLE)), mode, 3)
     derivatives = along.qd, along.qdd, along.qddd
     law, plain = quickest(derivatives, limits), constant_law(1.0)
     if law is None or isinstance(plain, TimingRefusal):
@@ -141,116 +143,34 @@ def _still(along: Along, t: FloatArray) -> bool:
     return not (motion.v.any() or motion.a.any() or motion.yaw_d.any() or motion.yaw_dd.any())
 
 
-def _length(t: FloatArray) -> float:
-    return float(t[-1] - t[0])
-
-
-Fit = Callable[[Phase], Trajectory | Refusal]
-"""The spline of the joints of a leg by a phase law."""
-
-
-def scaled(
-    scene: Scene,
-    step: int,
-    state: State,
-    mode: int,
-    left: Along,
-    met: Along,
-    paced: Paced,
-    closely: int,
-    limits: Limits,
-) -> TimedLeg | Refusal:
-    """The straight leg by a phase law, as in `by_law`."""
-
-    def fit(phase: Phase) -> Trajectory | Refusal:
-        return _spline(scene, step, state, mode, Line(left, met, phase, state.time, scene.tool.tcp))
-
-    return by_law(scene, step, fit, paced, closely, Course.STRAIGHT, limits)
-
-
-def by_law(
-    scene: Scene, step: int, fit: Fit, paced: Paced, closely: int, course: Course, limits: Limits
-) -> TimedLeg | Refusal:
-    """The leg by a phase law, as fast as keeps the joints' `limits`; in so many rounds to begin with, closely so."""
-    scale = 1.0
+def by_law(way: Way, state: State, mode: int, paced: Paced, closely: int, limits: Limits) -> TimedLeg | Refusal:
+    """The leg on the course of `way` by a phase law, as fast as keeps the joints' `limits`; in so many rounds to begin
+    with, closely so."""
+    scale, on_path = 1.0, isinstance(way.course, PathCourse)
     kept: TimedLeg | None = None
     for number in range(ROUNDS):
         close = number < closely
         if kept is not None and not close:
             break
         phase = paced(scale)
-        if isinstance(phase, TimingRefusal):
-            return unmoved(Stage.STRAIGHT, step, Obstacle.NO_PROFILE)
-        spline = fit(phase)
+        if isinstance(phase, TimingRefusal) or (on_path and phase.duration > LONGEST_S):
+            return unmoved(way.stage, way.step, Obstacle.NO_PROFILE)
+        spline = followed(replace(way, phase=phase), state, mode)
         if isinstance(spline, Refusal):
             return spline
-        fast = rates(scene, Stage.STRAIGHT, step, spline, limits)
+        fast = rates(way.scene, way.stage, way.step, spline, limits)
         if isinstance(fast, Refusal):
             return fast
-        ratio = max(fast.velocity, fast.acceleration**0.5, fast.jerk ** (1 / 3))
+        ratio = fast.ratio
         if LOOSE <= ratio <= 1.0:
-            if kept is None or spline.duration < _length(kept.knots.time):
-                kept = TimedLeg(LegKind.MOVE, Knots.of(spline), Route(course))
+            if kept is None or spline.duration < kept.duration:
+                kept = TimedLeg(LegKind.MOVE, Knots.of(spline), Route(Course.PATH if on_path else Course.STRAIGHT))
             if ratio >= CLOSE:
                 break
         if not ratio > 0 or (ratio < LOOSE and scale > 1e3):
             break
         scale *= (CLOSE_AIM if close else LOOSE_AIM) / ratio
-    if kept is not None:
-        return kept
-    return unmoved(Stage.STRAIGHT, step, Obstacle.NO_PATH_LAW)
-
-
-def _spline(scene: Scene, step: int, state: State, mode: int, line: Line) -> Trajectory | Refusal:
-    """The spline through knots on the line, at all switches and close enough in between."""
-    spacing, robot = SPACING_S, scene.robot
-    for _ in range(REFINEMENTS):
-        marks = np.unique(np.append(line.begin + line.phase.time, line.end))
-        t = spaced(marks, spacing)
-        path = line.motion(np.append(t, (t[1:] + t[:-1]) / 2))
-        motion, between = path[: len(t)], path[len(t) :]
-        found = robot.inverse(motion, mode, 2)
-        refusal = _refused(scene, step, t, motion, found)
-        if refusal is not None:
-            return refusal
-        q = continued(robot, found.q, state.q)
-        # the leg begins in the arm's own state, to the bit
-        qd, qdd = found.qd.copy(), found.qdd.copy()
-        q[0], qd[0], qdd[0] = state.q, state.qd, state.qdd
-        last = line.met(t[-1:])
-        if not (last.v.any() or last.a.any() or last.yaw_d.any() or last.yaw_dd.any()):
-            # ... and ends at rest to the bit where the frame it meets stands still
-            qd[-1] = qdd[-1] = 0.0
-        spline = Trajectory(t, q, qd, qdd)
-        there = spline.evaluate((t[1:] + t[:-1]) / 2)
-        position, _ = robot.forward(there)
-        off = float(np.sqrt(((position - between.p) ** 2).sum(-1)).max())
-        if off <= PATH_M and tilt_off(robot, there, between) <= PATH_RAD:
-            return spline
-        spacing /= 2
-    return unmoved(Stage.STRAIGHT, step, Obstacle.NOT_SMOOTH)
-
-
-def _refused(scene: Scene, step: int, t: FloatArray, motion: Motion, found: Inverse) -> Refusal | None:
-    if not np.isfinite(motion.p).all():
-        span = (float(t[0]), float(t[-1]))
-        return Refusal(
-            stage=Stage.STRAIGHT, reason=Reason.LAW_ENDS, step=step, interval=span, facts=LawEnds(needed_s=span[1])
-        )
-    asked = scene.options.singularity_margin
-    bad = ~(found.keeps(asked) & (found.code == Code.ASSEMBLED))
-    if not bad.any():
-        return None
-    rows = np.flatnonzero(bad)
-    span = (float(t[rows[0]]), float(t[rows[-1]]))
-    if (found.code[rows] == Code.OUT_OF_REACH).any():
-        return out_of_reach(Stage.STRAIGHT, step, interval=span)
-    near = nearest(scene.robot, found, asked, rows, best=False)
-    if near.reason is Reason.NEAR_PARALLEL_SINGULARITY:
-        return near.refusal(Stage.STRAIGHT, step, span)
-    left = float(scene.robot.singular_distance(found.q[near.row]))
-    kind = Code(int(scene.robot.singularity(found.q[near.row]))).name.lower()
-    return near.refusal(Stage.STRAIGHT, step, span, distance_m=left, positions=(kind,))
+    return kept or unmoved(way.stage, way.step, Obstacle.NO_PATH_LAW)
 
 
 def mode_changes(scene: Scene, step: int, state: State, modes: tuple[int, int], left: Along, met: Along) -> Refusal:

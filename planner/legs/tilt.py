@@ -52,17 +52,17 @@ def tilts(scene: Scene, step: Step, q: FloatArray) -> tuple[Tilt | None, ...]:
     return tuple((pitch, roll) for pitch in (now[0], *others))
 
 
-def tilt_off(robot: Robot, q: FloatArray, path: Motion) -> float:
-    """How far, rad, the hand in the joint positions q (T, n) is turned against the pitch and roll of its path at most;
-    0 for a path that has none."""
+def tilt_off(robot: Robot, q: FloatArray, path: Motion) -> FloatArray:
+    """How far (T,), rad, the hand in the joint positions q (T, n) is turned against the pitch and roll of its path; 0
+    for a path that has none."""
     if not isinstance(path, TiltedMotion):
-        return 0.0
+        return np.zeros(len(q))
     none = np.zeros_like(q)
     motion = robot.link_motion(robot.links.index("flange"), q, none, none, none)
     if not isinstance(motion, TiltedMotion):
         raise FaultError(f"{robot.name} has no pitch and roll to keep to a path")
     off = motion.tilt - path.tilt
-    return float(np.abs(off - 2 * np.pi * np.round(off / (2 * np.pi))).max())
+    return np.asarray(np.abs(off - 2 * np.pi * np.round(off / (2 * np.pi))).max(-1))
 
 
 def pitch_free(scene: Scene, step: Step) -> bool:

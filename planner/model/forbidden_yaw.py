@@ -100,7 +100,7 @@ def check_ranges(robot: Robot, ranges: Sequence[YawRange], lag: Sequence[float])
     if not robot.turns_load:
         allowed = f"none: {robot.name} has no wrist that turns its tool about the vertical"
         raise InputError("robot.limits.forbidden_yaw", [(each.first, each.last) for each in ranges], allowed)
-    if not robot.sums_yaw and any(lag[:2]):
+    if robot.yaw_joints is None and any(lag[:2]):
         names = " and ".join(joint.name for joint in robot.joints[:2])
         allowed = f"none of {names} with limits.forbidden_yaw: how lag turns the tool is known for SCARAs only"
         raise InputError("execution.lag", tuple(lag), allowed)

@@ -62,8 +62,31 @@ class Arch:
     top_m: float
 
 
+class _Bare:
+    """What a step without a part has none of."""
+
+    __slots__ = ()
+    part: ClassVar[None] = None
+    approach_m: ClassVar[float] = 0.0
+    depart_m: ClassVar[float] = 0.0
+    approach_stop: ClassVar[bool] = False
+    depart_stop: ClassVar[bool] = False
+    contact_tolerance_m: ClassVar[float] = 0.0
+
+
+class _Guided(_Bare):
+    """... and which guides the tool along the frame of its target."""
+
+    __slots__ = ()
+    tracks: ClassVar[bool] = True
+    match: ClassVar[Match] = "velocity"
+    via: ClassVar[bool] = False
+    arch: ClassVar[None] = None
+    leg: ClassVar[Literal["joint"]] = "joint"
+
+
 @dataclass(frozen=True, slots=True)
-class Move:
+class Move(_Bare):
     """Bring the tool point to `target`. `via`: flown by, never stopped at. `leg`: joint or cartesian: straight or, if
     there is one, along a `path` in the target's frame that ends there, corners rounded within `blend_m`."""
 
@@ -78,14 +101,8 @@ class Move:
     blend_m: float = 0.0
 
     tracks: ClassVar[bool] = False
-    part: ClassVar[None] = None
-    approach_m: ClassVar[float] = 0.0
-    depart_m: ClassVar[float] = 0.0
-    approach_stop: ClassVar[bool] = False
-    depart_stop: ClassVar[bool] = False
     dwell_s: ClassVar[float] = 0.0
     tolerance: ClassVar[Tolerance] = ANY_ERROR
-    contact_tolerance_m: ClassVar[float] = 0.0
 
     def __post_init__(self) -> None:
         if not self.path:
@@ -102,7 +119,7 @@ class Move:
 
 
 @dataclass(frozen=True, slots=True)
-class Follow:
+class Follow(_Guided):
     """Meet `target` with its velocity and track it for `duration_s`."""
 
     name: str
@@ -111,25 +128,13 @@ class Follow:
     window: Window = Window()
     tolerance: Tolerance = ANY_ERROR
 
-    tracks: ClassVar[bool] = True
-    match: ClassVar[Match] = "velocity"
-    via: ClassVar[bool] = False
-    arch: ClassVar[None] = None
-    leg: ClassVar[Literal["joint"]] = "joint"
-    part: ClassVar[None] = None
-    approach_m: ClassVar[float] = 0.0
-    depart_m: ClassVar[float] = 0.0
-    approach_stop: ClassVar[bool] = False
-    depart_stop: ClassVar[bool] = False
-    contact_tolerance_m: ClassVar[float] = 0.0
-
     @property
     def dwell_s(self) -> float:
         return self.duration_s
 
 
 @dataclass(frozen=True, slots=True)
-class Trace:
+class Trace(_Guided):
     """Take the tool point along `path` in the target's frame, at `speed_m_s` relative to that frame.
 
     `target`: frame, first point and yaw of the tool, which it keeps in the frame. The speed is reached on a straight
@@ -144,17 +149,6 @@ class Trace:
     lead_out_m: float
     window: Window = Window()
 
-    tracks: ClassVar[bool] = True
-    match: ClassVar[Match] = "velocity"
-    via: ClassVar[bool] = False
-    arch: ClassVar[None] = None
-    leg: ClassVar[Literal["joint"]] = "joint"
-    part: ClassVar[None] = None
-    approach_m: ClassVar[float] = 0.0
-    depart_m: ClassVar[float] = 0.0
-    approach_stop: ClassVar[bool] = False
-    depart_stop: ClassVar[bool] = False
-    contact_tolerance_m: ClassVar[float] = 0.0
     tolerance: ClassVar[Tolerance] = ANY_ERROR
 
     def __post_init__(self) -> None:

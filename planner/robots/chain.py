@@ -23,7 +23,6 @@ class Link(NamedTuple):
     the sum of the joints `tilts` (up is positive) and rolled about its x axis by that of `rolls`; None: it stays
     upright."""
 
-    name: str
     parent: int
     offset: Vector = (0.0, 0.0, 0.0)
     turns: tuple[int, ...] = ()

@@ -7,7 +7,7 @@ is a part of the forearm. Sources: 002 (geometric method), 003 (by oblique trian
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -15,12 +15,9 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
 from assur.planner.robots.chain import AHEAD, UP, Bend, Chain, Link
-from assur.planner.robots.planar import ring_margin
-from assur.planner.robots.riders import check_lengths
+from assur.planner.robots.planar import check_lengths, ring_margin
 from assur.planner.robots.tilting import LINK1, LINK2, LINK3, TiltingArm
 
-MODES = ("up", "down", "back-up", "back-down")
-"""Elbow above or below the line from shoulder to flange; `back`: the base is turned away, the arm reaches over it."""
 SIGNS = ((-1, 1), (1, 1), (1, -1), (-1, -1))
 """Of the sine of the elbow and of the radius of the flange, mode by mode."""
 
@@ -35,10 +32,12 @@ class ElbowArm(TiltingArm):
 
     names: ClassVar[tuple[str, ...]] = ("theta1", "theta2", "theta3")
     kinds: ClassVar[tuple[str, ...]] = ("revolute", "revolute", "revolute")
+    modes: ClassVar[tuple[str, ...]] = ("up", "down", "back-up", "back-down")
+    """Elbow above or below the line from shoulder to flange; `back`: the base is turned away, the arm reaches over
+    it."""
 
     l1: float
     l2: float
-    modes: tuple[str, ...] = field(default=MODES, init=False, repr=False)
 
     def __post_init__(self) -> None:
         check_lengths(l1=self.l1, l2=self.l2)
@@ -55,8 +54,8 @@ class ElbowArm(TiltingArm):
 
     @property
     def chain(self) -> Chain:
-        forearm = Link("link3", LINK2, (self.l1, 0.0, 0.0), (0,), (1, 2))
-        links = (*self._shoulder, forearm, Link("flange", LINK3, (self.l2, 0.0, 0.0), (0,), (1, 2)))
+        forearm = Link(LINK2, (self.l1, 0.0, 0.0), (0,), (1, 2))
+        links = (*self._shoulder, forearm, Link(LINK3, (self.l2, 0.0, 0.0), (0,), (1, 2)))
         return Chain(links, self._bends, SIGNS)
 
     @property

@@ -7,7 +7,7 @@ l3 e^{iψ4} (H2). Equations H of docs/kinematics.md. Source: 003, section 5.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -21,7 +21,6 @@ from assur.planner.robots.elbow_arm import SIGNS, ElbowArm
 from assur.planner.robots.planar import ring_margin
 from assur.planner.robots.tilting import LINK2, LINK3
 
-LINKS = ("base", "link1", "link2", "link3", "link4", "flange")
 LINK4, FLANGE = 4, 5
 
 
@@ -37,10 +36,10 @@ class FiveAxisArm(ElbowArm):
 
     names: ClassVar[tuple[str, ...]] = ("theta1", "theta2", "theta3", "theta4", "theta5")
     kinds: ClassVar[tuple[str, ...]] = ("revolute",) * 5
+    links: ClassVar[tuple[str, ...]] = ("base", "link1", "link2", "link3", "link4", "flange")
+    ways: ClassVar[tuple[str, ...]] = ("x", "y", "z", "pitch", "roll")
 
     l3: float
-    links: tuple[str, ...] = field(default=LINKS, init=False, repr=False)
-    coordinates: tuple[str, ...] = field(default=("x", "y", "z", "pitch", "roll"), init=False, repr=False)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.l3 < np.inf:
@@ -57,9 +56,9 @@ class FiveAxisArm(ElbowArm):
 
     @property
     def chain(self) -> Chain:
-        forearm = Link("link3", LINK2, (self.l1, 0.0, 0.0), (0,), (1, 2))
-        hand = Link("link4", LINK3, (self.l2, 0.0, 0.0), (0,), (1, 2, 3))
-        flange = Link("flange", LINK4, (self.l3, 0.0, 0.0), (0,), (1, 2, 3), (4,))
+        forearm = Link(LINK2, (self.l1, 0.0, 0.0), (0,), (1, 2))
+        hand = Link(LINK3, (self.l2, 0.0, 0.0), (0,), (1, 2, 3))
+        flange = Link(LINK4, (self.l3, 0.0, 0.0), (0,), (1, 2, 3), (4,))
         return Chain((*self._shoulder, forearm, hand, flange), self._bends, SIGNS)
 
     def reach_margin(self, flange: Motion, mode: int) -> FloatArray:

@@ -18,32 +18,27 @@ joint legs; type 2 may not be neared.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.motion import Motion
 from assur.planner.robots.chain import LEFT, UP, Bend, Chain, Link, Loop
-from assur.planner.robots.facts import Joint, Limits, RobotBody
-from assur.planner.robots.planar import ring_margin
-from assur.planner.robots.riders import check_lengths, check_riders, joints_of
+from assur.planner.robots.planar import check_lengths, ring_margin
 from assur.planner.robots.robot import Robot
 
-LINKS = ("base", "proximal-left", "proximal-right", "distal-left", "distal-right", "quill", "flange")
 BASE, PROXIMAL_LEFT, PROXIMAL_RIGHT, DISTAL_LEFT, DISTAL_RIGHT, QUILL, FLANGE = range(7)
 ASSEMBLIES = ("front", "back")
 """On which side of the line of the elbows the tool axis is: with both cranks sideways, in front or behind."""
-MODES = ("left-left", "left-right", "right-left", "right-right")
-"""Where the left arm's elbow is, and where the right one's: to the left or the right of the line from crank axis to
-tool axis, seen from the crank axis. The usual mode, elbows outwards, is left-right."""
 PARALLEL_LEAST = 0.1
 """Least parallel margin, |sin| of the angle between the couplers (no unit): at 0.1, 5.7°, a torque of the motors or
 a play in a joint acts ten times as strong along the tool's worst direction as at a right angle."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class FiveBar(Robot):
     """A five-bar arm.
 
@@ -51,30 +46,26 @@ class FiveBar(Robot):
     crank axes, turned by φ1 and φ5; `distal-left` and `distal-right` at the elbows, turned by φ2 and φ3, all at the
     height of the base origin; `quill` at the flange, never turned, for solids of revolution; `flange` turned by φ4.
 
-    Arguments: `name`; `separation` of the crank axes, `proximal` and `distal` lengths (left, right), m; `axes` 2, 3
-    or 4; `limits` in the order of q; `base` in the world; `bodies` on links by number; `self_pairs` of link names;
-    `joint_names`; `assembly` out of `ASSEMBLIES`; `parallel_least`. Raises `InputError` for what is not one.
-    Not checked: that bodies of neighbouring links do not overlap.
+    Arguments: `separation` of the crank axes, `proximal` and `distal` lengths (left, right), m; `axes` 2, 3 or 4;
+    `assembly` out of `ASSEMBLIES`; `parallel_least`. Raises `InputError` for what is not one. The rest: `Robot`.
     """
 
-    name: str
+    names: ClassVar[tuple[str, ...]] = ("theta1", "theta5", "z", "theta4")
+    kinds: ClassVar[tuple[str, ...]] = ("revolute", "revolute", "prismatic", "revolute")
+    links: ClassVar[tuple[str, ...]] = (
+        "base", "proximal-left", "proximal-right", "distal-left", "distal-right", "quill", "flange",
+    )  # fmt: skip
+    modes: ClassVar[tuple[str, ...]] = ("left-left", "left-right", "right-left", "right-right")
+    """Where the left arm's elbow is, and where the right one's: to the left or the right of the line from crank axis to
+    tool axis, seen from the crank axis. The usual mode, elbows outwards, is left-right."""
+
     separation: float
     proximal: tuple[float, float]
     distal: tuple[float, float]
     axes: int
-    limits: Limits
-    base: Pose = field(default_factory=Pose)
-    bodies: tuple[RobotBody, ...] = ()
-    self_pairs: tuple[tuple[str, str], ...] = ()
-    joint_names: tuple[str, ...] = ()
     assembly: str = "front"
     parallel_least: float = PARALLEL_LEAST
-    modes: tuple[str, ...] = field(default=MODES, init=False, repr=False)
-    links: tuple[str, ...] = field(default=LINKS, init=False, repr=False)
-    coordinates: tuple[str, ...] = field(init=False, repr=False)
-    joints: tuple[Joint, ...] = field(init=False, repr=False)
-    lift: int | None = field(init=False, repr=False)
-    dyads = 2
+    dyads: ClassVar[int] = 2
 
     def __post_init__(self) -> None:
         if self.axes not in (2, 3, 4):
@@ -85,18 +76,13 @@ class FiveBar(Robot):
             raise InputError("robot.parallel_least", self.parallel_least, "a number between 0 and 1")
         if not 0.0 <= self.separation < sum(self.proximal) + sum(self.distal):
             raise InputError("robot.separation", self.separation, "a distance that the links can span, m")
-        names = self.joint_names or ("theta1", "theta5", "z", "theta4")[: self.axes]
-        kinds = ("revolute", "revolute", "prismatic", "revolute")[: self.axes]
-        check_riders(LINKS, self.bodies, self.self_pairs)
         for crank, coupler in zip(self.proximal, self.distal, strict=True):
             check_lengths(l1=crank, l2=coupler)
-        for key, value in (
-            ("joint_names", names),
-            ("joints", joints_of(names, kinds, self.limits)),
-            ("coordinates", ("x", "y", "z", "yaw")[: self.axes]),
-            ("lift", 2 if self.axes > 2 else None),
-        ):
-            object.__setattr__(self, key, value)
+        super().__post_init__()
+
+    @property
+    def count(self) -> int:
+        return self.axes
 
     @property
     def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
@@ -110,13 +96,13 @@ class FiveBar(Robot):
         half, lift = self.separation / 2.0, (2, UP) if self.axes > 2 else None
         end, wrist = (self.distal[0], 0.0, 0.0), (3,) if self.axes > 3 else ()
         links = (
-            Link("base", -1, (self.base.x, self.base.y, self.base.z)),
-            Link("proximal-left", 0, (0.0, half, 0.0), (0,)),
-            Link("proximal-right", 0, (0.0, -half, 0.0), (1,)),
-            Link("distal-left", 1, (self.proximal[0], 0.0, 0.0), coupler=0),
-            Link("distal-right", 2, (self.proximal[1], 0.0, 0.0), coupler=1),
-            Link("quill", 3, end, slide=lift, fixed=True),
-            Link("flange", 3, end, wrist, slide=lift, coupler=0),
+            Link(-1, (self.base.x, self.base.y, self.base.z)),
+            Link(0, (0.0, half, 0.0), (0,)),
+            Link(0, (0.0, -half, 0.0), (1,)),
+            Link(1, (self.proximal[0], 0.0, 0.0), coupler=0),
+            Link(2, (self.proximal[1], 0.0, 0.0), coupler=1),
+            Link(3, end, slide=lift, fixed=True),
+            Link(3, end, wrist, slide=lift, coupler=0),
         )
         loop = Loop((1, 2), self.proximal, self.distal, float(self.sigma), self.parallel_least)
         return Chain(links, (Bend(3, 1, LEFT), Bend(4, 2, LEFT)), ((-1, -1), (-1, 1), (1, -1), (1, 1)), loop)

@@ -1,4 +1,4 @@
-"""Kinematics of any arm in arrays, by the kernels: what `assur.planner.robots.robot` answers with.
+"""What the kernels take for an arm and a motion, and the motion that they give back.
 
 The web process loads robots and must not load numba, so this module is imported where it is first needed.
 """
@@ -10,18 +10,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
 from assur.planner.frames.motion import Motion
-from assur.planner.frames.sweep import Sweep
 from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.kernels import inverse as kernels
 from assur.planner.kernels import links as of
-from assur.planner.kernels.inverse import POSTURE_COLUMNS, joint_motions
 from assur.planner.kernels.motion import COORDINATES, ORDERS, link_motions
-from assur.planner.kernels.sweeps.chain import JETS, sweep_links
-from assur.planner.kernels.sweeps.jets import JET_COLUMNS
-from assur.planner.robots.facts import Inverse
 
 if TYPE_CHECKING:
     from assur.planner.robots.robot import Robot
@@ -79,18 +73,6 @@ def targets_of(flange: Motion, order: int) -> FloatArray:
     return targets
 
 
-def inverse(arm: Robot, flange: Motion, mode: int, order: int) -> Inverse:
-    """As `Robot.inverse`; `mode` and `order` are what they may be."""
-    shape, n = flange.yaw.shape, len(arm.joints)
-    joints, margins = np.empty((*shape, ORDERS, n)), np.empty((*shape, 2))
-    codes = np.empty(shape, dtype=np.int64)
-    flat = targets_of(flange, order).reshape(-1, ORDERS, COORDINATES)
-    joint_motions(arm.row, mode, order, flat, joints.reshape(-1, ORDERS, n), margins.reshape(-1, 2), codes.reshape(-1))
-    q, qd, qdd, qddd = (np.ascontiguousarray(joints[..., k, :]) for k in range(ORDERS))
-    parallel = margins[..., 1] if arm.parallel_least > 0.0 else None
-    return Inverse(q, qd, qdd, qddd, codes, margins[..., 0], parallel)
-
-
 def moved(arm: Robot, link: int, *orders: FloatArray) -> FloatArray:
     """Motion (..., 4, 6) of a link for q and up to three derivatives (..., n), those not given being 0."""
     joints = np.zeros((*orders[0].shape[:-1], ORDERS, len(arm.joints)))
@@ -108,34 +90,3 @@ def motion_of(table: FloatArray, tilted: bool) -> Motion:
     yaw, yaw_d, yaw_dd, yaw_ddd = (table[..., k, 3] for k in range(ORDERS))
     motion = Motion(p, v, a, j, yaw, yaw_d, yaw_dd, yaw_ddd)
     return TiltedMotion.of(motion, *(table[..., k, 4:] for k in range(ORDERS))) if tilted else motion
-
-
-def placements(arm: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Link frames in the world for q (..., n): positions (..., L, 3) and rotations (..., L, 3, 3)."""
-    shape = (*q.shape[:-1], len(arm.links))
-    placed = np.empty((*shape, of.POSE_COLUMNS))
-    flat = np.array(q, dtype=np.float64).reshape(-1, len(arm.joints))
-    of.places_of_links(arm.row, flat, placed.reshape(-1, *placed.shape[-2:]))
-    return placed[..., :3].copy(), placed[..., 3:].reshape(*shape, 3, 3)
-
-
-def sweep(arm: Robot, joints: FloatArray, link: int) -> Sweep:
-    """As `Robot.sweep`."""
-    jets = np.zeros((len(arm.links), JETS, JET_COLUMNS))
-    sweep_links(arm.row, joints, np.empty((len(arm.chain_rows.angles), 2, JET_COLUMNS)), jets)
-    return Sweep(jets[link])
-
-
-def postures(arm: Robot, q: FloatArray) -> FloatArray:
-    """(..., 5): columns of `assur.planner.kernels.inverse`."""
-    out = np.empty((*q.shape[:-1], POSTURE_COLUMNS))
-    flat = np.array(q, dtype=np.float64).reshape(-1, len(arm.joints))
-    kernels.postures(arm.row, flat, out.reshape(-1, POSTURE_COLUMNS))
-    return out
-
-
-def assembled(arm: Robot, lower: FloatArray, upper: FloatArray) -> BoolArray:
-    """Whether (N,) the loop is proved to assemble over the ranges (N, n), K39."""
-    proved = np.empty(len(lower), dtype=np.bool_)
-    of.ranges_assembled(arm.row, np.array(lower, dtype=np.float64), np.array(upper, dtype=np.float64), proved)
-    return proved

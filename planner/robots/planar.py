@@ -1,4 +1,4 @@
-"""Angles and arms of robots whose links turn about the vertical."""
+"""Angles, lengths and reach of the links of an arm, and which bodies on them look the same at any yaw."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.geometry.shapes import Piece, Primitive
+from assur.planner.errors import InputError
+from assur.planner.geometry.shapes import LARGEST_M, SMALLEST_M, Piece, Primitive
 
 TURN = 2.0 * math.pi
 """A full turn, rad."""
@@ -36,3 +37,10 @@ def upright(piece: Piece) -> bool:
     centred = np.hypot(piece.position[0], piece.position[1]) <= AXIS_SLACK
     is_ball = shape.half[2] == shape.disc == 0.0
     return bool(centred and (is_ball or np.hypot(piece.rotation[0, 2], piece.rotation[1, 2]) <= AXIS_SLACK))
+
+
+def check_lengths(**lengths: float) -> None:
+    """Raises `InputError` for a link that is not from 10 µm to 50 m long, naming it."""
+    for name, length in lengths.items():
+        if not SMALLEST_M <= length <= LARGEST_M:
+            raise InputError(name, length, f"a length from {SMALLEST_M} to {LARGEST_M} m")

@@ -7,7 +7,7 @@ flange is, in the plane, at ζ = d e^{iψ} (K25). Source: 002, whose θ2 is ψ �
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -18,9 +18,6 @@ from assur.planner.frames.motion import Motion
 from assur.planner.geometry.shapes import SMALLEST_M
 from assur.planner.robots.chain import AHEAD, Bend, Chain, Link
 from assur.planner.robots.tilting import LINK1, LINK2, LINK3, TiltingArm
-
-MODES = ("front", "back")
-"""`back`: the base is turned away and the arm reaches over the vertical."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -34,8 +31,8 @@ class PolarArm(TiltingArm):
 
     names: ClassVar[tuple[str, ...]] = ("theta1", "theta2", "d3")
     kinds: ClassVar[tuple[str, ...]] = ("revolute", "revolute", "prismatic")
-
-    modes: tuple[str, ...] = field(default=MODES, init=False, repr=False)
+    modes: ClassVar[tuple[str, ...]] = ("front", "back")
+    """`back`: the base is turned away and the arm reaches over the vertical."""
 
     def __post_init__(self) -> None:
         if len(self.limits.lower) == 3 and not self.limits.lower[2] >= SMALLEST_M:
@@ -53,9 +50,9 @@ class PolarArm(TiltingArm):
 
     @property
     def chain(self) -> Chain:
-        ram, flange = (Link(name, LINK2, turns=(0,), tilts=(1,), slide=(2, AHEAD)) for name in ("link3", "flange"))
+        ram = Link(LINK2, turns=(0,), tilts=(1,), slide=(2, AHEAD))
         bends = (Bend(LINK3, LINK2, AHEAD, self.longest), Bend(LINK3, LINK1, AHEAD, self.longest))
-        return Chain((*self._shoulder, ram, flange), bends, ((1, 1), (1, -1)))
+        return Chain((*self._shoulder, ram, ram), bends, ((1, 1), (1, -1)))
 
     def reach_margin(self, flange: Motion, mode: int) -> FloatArray:
         distance = np.hypot(*self.in_plane(flange, mode))

@@ -6,42 +6,99 @@ Planner, certificate and checker know no more of a robot than this.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.errors import FaultError
+from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.sweep import Sweep
 from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.robots.chain import Chain, Rows
+from assur.planner.robots.chain import UP, Chain, Rows
 from assur.planner.robots.facts import Inverse, Joint, Limits, RobotBody
+from assur.planner.robots.planar import upright
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Robot(ABC):
-    """A robot arm with n joints and L link frames; a family gives the facts below. World frame everywhere."""
+    """A robot arm with n joints and L link frames; a family gives the facts below. World frame everywhere.
+
+    `limits` in the order of q; `base` in the world; `bodies` on links by number; `self_pairs`: names of links between
+    which self-collision is asked, bodies on the one against bodies on the other; `joint_names`: those of the family if
+    none are given; `parallel_least`: the parallel margin below which the arm may never be, 0 without a loop.
+
+    Raises `InputError` unless joint names are different and, as the limits, as many as the joints; for a body on a
+    link, or a pair of links, that the arm has not; and for a body on the link `quill`, which is never turned, that
+    would look different if it were. Not checked: that bodies of neighbouring links do not overlap.
+    """
+
+    names: ClassVar[tuple[str, ...]]
+    """Names of the joints of an arm of the family that has all of them ..."""
+    kinds: ClassVar[tuple[str, ...]]
+    """... and their kinds."""
+    links: ClassVar[tuple[str, ...]]
+    """Names of the link frames, on which bodies are. The last, "flange", carries tool and part."""
+    modes: ClassVar[tuple[str, ...]]
+    """Working modes; for a SCARA ("left", "right")."""
+    ways: ClassVar[tuple[str, ...]] = ("x", "y", "z", "yaw")
+    """`coordinates` of an arm of the family that has all joints."""
 
     name: str
-    joints: tuple[Joint, ...]
     limits: Limits
-    base: Pose
-    coordinates: tuple[str, ...]
-    """Task coordinates it can follow, out of x, y, z, yaw, pitch, roll (a three-axis SCARA has no yaw of its own; pitch
-    and roll come together, and the flange of such an arm moves as a `TiltedMotion`)."""
-    modes: tuple[str, ...]
-    """Working modes; for a SCARA ("left", "right")."""
-    links: tuple[str, ...]
-    """Names of the link frames, on which bodies are. "flange" is one of them: it carries tool and part."""
-    bodies: tuple[RobotBody, ...]
-    self_pairs: tuple[tuple[str, str], ...]
-    """Names of links between which self-collision is asked: bodies on the one against bodies on the other."""
-    lift: int | None
-    """The joint that moves the flange along the vertical and does nothing else, if there is one."""
-    dyads: int = 0
-    """How many dyads in a horizontal plane carry the flange; 0: its links move otherwise."""
-    parallel_least: float
-    """The parallel margin below which the arm may never be; 0 without a loop."""
+    base: Pose = field(default_factory=Pose)
+    bodies: tuple[RobotBody, ...] = ()
+    self_pairs: tuple[tuple[str, str], ...] = ()
+    joint_names: tuple[str, ...] = ()
+    parallel_least: float = field(default=0.0, init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        names = self.joint_names or self.names[: self.count]
+        if not (len(names) == len(set(names)) == self.count):
+            raise InputError("robot.joint_names", names, f"{self.count} different names")
+        if len(self.limits.lower) != self.count:
+            raise InputError("robot.limits", len(self.limits.lower), f"{self.count} joints")
+        for body in self.bodies:
+            where = f"robot.bodies {body.body.name}"
+            if body.link not in range(len(self.links)):
+                raise InputError(where, body.link, f"a link number below {len(self.links)}")
+            if self.links[body.link] == "quill" and not all(upright(piece) for piece in body.body.pieces):
+                raise InputError(where, "quill", "solids of revolution about the quill")
+        for pair in self.self_pairs:
+            if not set(pair) <= set(self.links):
+                raise InputError("robot.self_pairs", pair, f"pairs out of {self.links}")
+
+    @property
+    def count(self) -> int:
+        """How many joints the arm has."""
+        return len(self.names)
+
+    @cached_property
+    def joints(self) -> tuple[Joint, ...]:
+        """Names and kinds, in the order of q."""
+        names = self.joint_names or self.names[: self.count]
+        return tuple(Joint(*pair) for pair in zip(names, self.kinds[: self.count], strict=True))
+
+    @cached_property
+    def coordinates(self) -> tuple[str, ...]:
+        """Task coordinates it can follow, out of x, y, z, yaw, pitch, roll (a three-axis SCARA has no yaw of its own;
+        pitch and roll come together, and the flange of such an arm moves as a `TiltedMotion`)."""
+        return self.ways[: self.count]
+
+    @cached_property
+    def lift(self) -> int | None:
+        """The joint that moves the flange along the vertical and does nothing else, if there is one."""
+        slide = self.chain.links[-1].slide or self.chain.links[1].slide
+        return slide[0] if slide is not None and slide[1] == UP else None
+
+    @cached_property
+    def yaw_joints(self) -> tuple[int, ...] | None:
+        """The joints whose sum, added to the yaw of the base, is the yaw of the flange; None: it is no such sum, or it
+        is the heading of a flange that tilts."""
+        flange = self.chain.links[-1]
+        return flange.turns if flange.tilts is None and flange.coupler < 0 else None
 
     @property
     @abstractmethod
@@ -51,7 +108,7 @@ class Robot(ABC):
     @property
     @abstractmethod
     def chain(self) -> Chain:
-        """The same links as a tree."""
+        """The links as a tree, in the order of their names."""
 
     @cached_property
     def tilting(self) -> frozenset[int]:
@@ -75,10 +132,7 @@ class Robot(ABC):
 
     @cached_property
     def chain_rows(self) -> Rows:
-        """`chain` as rows; not to be written to. Raises `FaultError` if the chain has other links."""
-        names = tuple(link.name for link in self.chain.links)
-        if names != self.links:
-            raise FaultError(f"the links of {self.name}: {names}")
+        """`chain` as rows; not to be written to."""
         return self.chain.rows(self.base.yaw)
 
     @property
@@ -88,9 +142,8 @@ class Robot(ABC):
 
     @cached_property
     def sums_yaw(self) -> bool:
-        """Whether it has a wrist, and the yaw of its flange is the sum of the joints that turn, but for that of its
-        base."""
-        return self.turns_load and self.chain.loop is None
+        """Whether it has a wrist, and the yaw of its flange is a sum of joints (`yaw_joints`): a SCARA with a wrist."""
+        return self.turns_load and self.yaw_joints is not None
 
     @cached_property
     def revolute(self) -> FloatArray:
@@ -105,13 +158,22 @@ class Robot(ABC):
         finite in what is read is OUT_OF_REACH. Revolute joints are in (−π, π]. Not checked: joint limits (`within`).
         Raises `FaultError` for a mode or an order that there is not, and for a motion without pitch and roll.
         """
-        from assur.planner.robots.kinematics import inverse
+        from assur.planner.kernels.inverse import joint_motions
+        from assur.planner.kernels.motion import COORDINATES, ORDERS
+        from assur.planner.robots.kinematics import targets_of
 
         if mode not in range(len(self.modes)) or order not in range(4):
             raise FaultError(f"{type(self).__name__}.inverse: mode {mode}, order {order}")
         if "pitch" in self.coordinates and not isinstance(flange, TiltedMotion):
             raise FaultError(f"{type(self).__name__}.inverse: a motion without pitch and roll")
-        return inverse(self, flange, mode, order)
+        shape, n = flange.yaw.shape, len(self.joints)
+        joints, margins = np.empty((*shape, ORDERS, n)), np.empty((*shape, 2))
+        codes = np.empty(shape, dtype=np.int64)
+        targets, flat = targets_of(flange, order).reshape(-1, ORDERS, COORDINATES), joints.reshape(-1, ORDERS, n)
+        joint_motions(self.row, mode, order, targets, flat, margins.reshape(-1, 2), codes.reshape(-1))
+        q, qd, qdd, qddd = (np.ascontiguousarray(joints[..., k, :]) for k in range(ORDERS))
+        parallel = margins[..., 1] if self.parallel_least > 0.0 else None
+        return Inverse(q, qd, qdd, qddd, codes, margins[..., 0], parallel)
 
     def forward(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Flange position (..., 3) and yaw (...) in the world for q (..., n), the heading of a flange that tilts; NaN
@@ -136,20 +198,31 @@ class Robot(ABC):
 
     def placements(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Link frames in the world for q (..., n): positions (..., L, 3) and rotations (..., L, 3, 3), K9, K31, K34."""
-        from assur.planner.robots.kinematics import placements
+        from assur.planner.kernels.links import POSE_COLUMNS, places_of_links
 
-        return placements(self, q)
+        shape = (*q.shape[:-1], len(self.links))
+        placed = np.empty((*shape, POSE_COLUMNS))
+        flat = np.array(q, dtype=np.float64).reshape(-1, len(self.joints))
+        places_of_links(self.row, flat, placed.reshape(-1, *placed.shape[-2:]))
+        return placed[..., :3].copy(), placed[..., 3:].reshape(*shape, 3, 3)
 
     def sweep(self, joints: FloatArray, link: int) -> Sweep:
         """How link number `link` moves while the joints are as their jets (n, 6) say (K43)."""
-        from assur.planner.robots.kinematics import sweep
+        from assur.planner.kernels.sweeps.chain import JETS, sweep_links
+        from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 
-        return sweep(self, joints, link)
+        jets = np.zeros((len(self.links), JETS, JET_COLUMNS))
+        sweep_links(self.row, joints, np.empty((len(self.chain_rows.angles), 2, JET_COLUMNS)), jets)
+        return Sweep(jets[link])
 
     def _posture(self, q: FloatArray) -> FloatArray:
-        from assur.planner.robots.kinematics import postures
+        """(..., 5): columns of `assur.planner.kernels.inverse`."""
+        from assur.planner.kernels.inverse import POSTURE_COLUMNS, postures
 
-        return postures(self, q)
+        out = np.empty((*q.shape[:-1], POSTURE_COLUMNS))
+        flat = np.array(q, dtype=np.float64).reshape(-1, len(self.joints))
+        postures(self.row, flat, out.reshape(-1, POSTURE_COLUMNS))
+        return out
 
     def singularity(self, q: FloatArray) -> IntArray:
         """Which singularity (...) the margin is measured to, as a `Code`: STRETCHED or FOLDED, whichever is nearer, or
@@ -179,9 +252,12 @@ class Robot(ABC):
     def assembled(self, lower: FloatArray, upper: FloatArray) -> BoolArray:
         """Whether (N,) the arm is proved to assemble with `parallel_least` for lower <= q <= upper (N, n), K39; without
         a loop always."""
-        from assur.planner.robots.kinematics import assembled
+        proved = np.ones(len(lower), dtype=np.bool_)
+        if self.parallel_least > 0.0:
+            from assur.planner.kernels.links import ranges_assembled
 
-        return assembled(self, lower, upper) if self.parallel_least > 0.0 else np.ones(len(lower), dtype=bool)
+            ranges_assembled(self.row, np.array(lower, np.float64), np.array(upper, np.float64), proved)
+        return proved
 
     def within(self, q: FloatArray) -> BoolArray:
         """Whether q (..., n) keeps the position limits and assembles with `parallel_least`, (...); NaN does not."""

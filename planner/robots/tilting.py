@@ -8,20 +8,17 @@ to K31 of docs/kinematics.md. Sources: 002 (both arms), 003 (elbow arm).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.motion import Motion
 from assur.planner.robots.chain import Link
-from assur.planner.robots.facts import Joint, Limits, RobotBody
-from assur.planner.robots.riders import check_riders, joints_of
 from assur.planner.robots.robot import Robot
 
-LINKS = ("base", "link1", "link2", "link3", "flange")
 BASE, LINK1, LINK2, LINK3, FLANGE = range(5)
 
 
@@ -33,35 +30,26 @@ class TiltingArm(Robot):
     `link3`, `flange` where the arm says, turned by φ1 and then tilted: x ahead along the link, y level, so that all
     frames have the base's axes where all angles are 0.
 
-    Arguments: `name`; `height` of the shoulder above the base origin, m; `limits` in the order of q; `base` in the
-    world; `bodies` on links by number; `self_pairs` of link names; `joint_names`. Raises `InputError` for what is not
-    one. Not checked: that bodies of neighbouring links do not overlap.
+    Argument: `height` of the shoulder above the base origin, m. Raises `InputError` for what is not one. The rest:
+    `Robot`.
     """
 
-    names: ClassVar[tuple[str, ...]]
-    """Names of the joints if none are given."""
-    kinds: ClassVar[tuple[str, ...]]
+    links: ClassVar[tuple[str, ...]] = ("base", "link1", "link2", "link3", "flange")
 
-    name: str
     height: float
-    limits: Limits
-    base: Pose = field(default_factory=Pose)
-    bodies: tuple[RobotBody, ...] = ()
-    self_pairs: tuple[tuple[str, str], ...] = ()
-    joint_names: tuple[str, ...] = ()
-    links: tuple[str, ...] = field(default=LINKS, init=False, repr=False)
-    coordinates: tuple[str, ...] = field(default=("x", "y", "z"), init=False, repr=False)
-    lift: int | None = field(default=None, init=False, repr=False)
-    parallel_least: float = field(default=0.0, init=False, repr=False)
-    joints: tuple[Joint, ...] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not np.isfinite(self.height):
+            raise InputError("robot.height", self.height, "a finite number")
+        super().__post_init__()
 
     @property
     def _shoulder(self) -> tuple[Link, ...]:
         """The links that these arms share: base, the one that turns, and the first that tilts."""
         return (
-            Link("base", -1, (self.base.x, self.base.y, self.base.z)),
-            Link("link1", BASE, (0.0, 0.0, self.height), (0,)),
-            Link("link2", LINK1, turns=(0,), tilts=(1,)),
+            Link(-1, (self.base.x, self.base.y, self.base.z)),
+            Link(BASE, (0.0, 0.0, self.height), (0,)),
+            Link(LINK1, turns=(0,), tilts=(1,)),
         )
 
     def in_plane(self, flange: Motion, mode: int) -> tuple[FloatArray, FloatArray]:
@@ -70,11 +58,3 @@ class TiltingArm(Robot):
         away = flange.p - self.base.position
         radius = np.hypot(away[..., 0], away[..., 1])
         return (-radius if self.modes[mode].startswith("back") else radius), away[..., 2] - self.height
-
-    def __post_init__(self) -> None:
-        names = self.joint_names or self.names
-        object.__setattr__(self, "joints", joints_of(names, self.kinds, self.limits))
-        object.__setattr__(self, "joint_names", names)
-        check_riders(self.links, self.bodies, self.self_pairs)
-        if not np.isfinite(self.height):
-            raise InputError("robot.height", self.height, "a finite number")

@@ -32,7 +32,7 @@ from assur.planner.search.census import Counter, refused_proof
 from assur.planner.search.completion import completed
 from assur.planner.search.extension import extended, straight_extension, timed, wrist_travel
 from assur.planner.search.flown_by import ahead
-from assur.planner.search.meeting_options import Option, free_yaws, options
+from assur.planner.search.meeting_options import free_yaws, options
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, initial, prepared
 from assur.planner.search.rough_score import CoarseScore, score_of
 from assur.planner.search.tuning import BEAM, KEPT_PLANS, MOST_OPTIONS, PROVED_A_BATCH, SAME_DURATION, SAME_TRAVEL
@@ -172,15 +172,15 @@ class Search:
         return bool(batch)
 
     def _in_order(
-        self, partial: PartialPlan, sampler: Sampler, batch: list[tuple[Option, Candidate]]
+        self, partial: PartialPlan, sampler: Sampler, batch: list[Candidate]
     ) -> Iterator[TimedCandidate | Extension]:
         """The motions of a batch, the quickest first: each is timed when it is asked for, if a score says how long
         it takes, and else all are timed at once."""
         made: list[TimedCandidate | Extension] = []
-        for option, candidate in batch:
+        for candidate in batch:
             if self._late():
                 break
-            motion = self._timed(partial, option, candidate)
+            motion = self._timed(partial, candidate)
             if isinstance(motion, Refusal):
                 self.found.census.add(motion)
                 sampler.learn(candidate, 1.0)
@@ -203,9 +203,9 @@ class Search:
             sampler.options = ()
         return sampler
 
-    def _met(self, partial: PartialPlan) -> list[tuple[float, Meetings]]:
+    def _met(self, partial: PartialPlan) -> list[Meetings]:
         """How the next point can be met, with the turn of the tool about the part's axis; why not is noted."""
-        scene, met, modes = self.scene, list[tuple[float, Meetings]](), self._modes(partial)
+        scene, met, modes = self.scene, list[Meetings](), self._modes(partial)
         attitudes = tilts(scene, scene.task[partial.step], partial.state.q)
         offsets = yaw_offsets(scene, scene.task[partial.step])
         if offsets is None:
@@ -216,7 +216,7 @@ class Search:
                 for refusal in (meeting,) if isinstance(meeting, Refusal) else meeting.refusals:
                     self.found.census.note(refusal)
                 if isinstance(meeting, Meetings):
-                    met.append((offset, meeting))
+                    met.append(meeting)
         return met
 
     def _gripping(self, partial: PartialPlan, offsets: tuple[float, ...]) -> list[float]:
@@ -238,15 +238,12 @@ class Search:
             return tuple(range(len(robot.modes)))
         return (partial.mode if elbow == "keep" else robot.modes.index(elbow),)
 
-    def _timed(
-        self, partial: PartialPlan, option: Option, candidate: Candidate
-    ) -> TimedCandidate | Extension | Refusal:
+    def _timed(self, partial: PartialPlan, candidate: Candidate) -> TimedCandidate | Extension | Refusal:
         """A candidate, timed."""
         self.found.census.candidates += 1
         if self.scene.task[partial.step].leg == "cartesian":
-            return straight_extension(self.scene, partial, option.meeting, candidate)
-        behind = ahead(self.scene, partial, option.branch)
-        return timed(self.scene, partial, option.meeting, candidate, behind)
+            return straight_extension(self.scene, partial, candidate)
+        return timed(self.scene, partial, candidate, ahead(self.scene, partial, candidate.branch))
 
     def _of_use(self, motion: TimedCandidate | Extension) -> bool:
         """Whether the partial plan that a motion leads to would be continued, or be the best plan."""

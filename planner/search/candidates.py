@@ -19,8 +19,7 @@ from assur.planner.legs.overlap import may_stop
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene, Step
 from assur.planner.search import tuning
-from assur.planner.search.meeting_options import Option
-from assur.planner.search.partial_plan import Candidate, PartialPlan, can_wait
+from assur.planner.search.partial_plan import Candidate, Option, PartialPlan, can_wait
 from assur.planner.search.population import Population, at_the_point
 from assur.planner.search.rough_score import CoarseScore
 
@@ -42,7 +41,7 @@ class Sampler:
     population: Population | None = None
     elite: list[tuple[float, float, Candidate]] = field(default_factory=list)
 
-    def batch(self, before: float = np.inf) -> list[tuple[Option, Candidate]]:
+    def batch(self, before: float = np.inf) -> list[Candidate]:
         """The next batch, of ways that may end before `before`, s; empty only if there is nothing left to try."""
         visit, self.visits = self.visits, self.visits + 1
         if not self.options:
@@ -80,13 +79,13 @@ class Sampler:
             self.elite.sort(key=lambda each: each[:2])
             del self.elite[tuning.ELITE :]
 
-    def _direct(self) -> list[tuple[Option, Candidate]]:
+    def _direct(self) -> list[Candidate]:
         """Directly to the option of each mode that is met first."""
         if self.step.arch is not None:
             return []
         paces = tuning.THROUGH_PACES if self.step.via else (0.0,)
         return [
-            (option, Candidate(option.yaw_offset, option.branch, Shape(through=pace), stops=stops))
+            Candidate(option, Shape(through=pace), stops=stops)
             for option in self._first_of_modes()
             for pace in paces
             for stops in self._stops()
@@ -103,7 +102,7 @@ class Sampler:
             found.setdefault(option.branch.mode, option)
         return list(found.values())
 
-    def _arches(self) -> list[tuple[Option, Candidate]]:
+    def _arches(self) -> list[Candidate]:
         tops = self._tops()
         if not tops or self.step.leg == "cartesian":
             return []
@@ -115,7 +114,7 @@ class Sampler:
             for corner in tuning.HOPS[:1] if self.step.via or all(moves) else tuning.HOPS:
                 rise, fall = (0.0 if moving else corner for moving in moves)
                 shape = Shape(hop=Hop(top, rise, fall), through=through)
-                found.append((option, Candidate(option.yaw_offset, option.branch, shape)))
+                found.append(Candidate(option, shape))
         return found
 
     def _tops(self) -> list[float]:
@@ -155,12 +154,11 @@ class Sampler:
     def _any_option(self) -> Option:
         return self.options[min(len(self.options) - 1, int(self.rng.geometric(tuning.ANY_OPTION)) - 1)]
 
-    def _wait(self) -> tuple[Option, Candidate]:
+    def _wait(self) -> Candidate:
         """A straight leg after a wait."""
-        option = self._any_option()
-        return option, self._candidate(option, Shape(float(self.rng.exponential(WAIT_S))))
+        return self._candidate(self._any_option(), Shape(float(self.rng.exponential(WAIT_S))))
 
-    def _arch(self) -> tuple[Option, Candidate]:
+    def _arch(self) -> Candidate:
         """An arch of random height and corners, or a variation of a good one."""
         rng = self.rng
         if self.adaptive and self.elite and rng.random() < tuning.VARIED:
@@ -172,12 +170,11 @@ class Sampler:
             shape = replace(shape, through=float(rng.uniform(SLOWEST_THROUGH, FASTEST_THROUGH)))
         if self.may_wait() and rng.random() < tuning.ARCH_WAITS:
             shape = replace(shape, wait=float(rng.exponential(WAIT_S)))
-        return option, self._candidate(option, shape)
+        return self._candidate(option, shape)
 
-    def _varied(self) -> tuple[Option, Candidate]:
+    def _varied(self) -> Candidate:
         rng = self.rng
         *_, parent = self.elite[int(rng.integers(len(self.elite)))]
-        option = next(o for o in self.options if o.branch is parent.branch)
         shape, hop = parent.shape, parent.shape.hop
         if hop is not None:
             corners = np.array([hop.rise, hop.fall]) + rng.normal(0.0, tuning.CORNER_NUDGE, 2)
@@ -185,8 +182,8 @@ class Sampler:
             shape = replace(shape, hop=Hop(hop.top, float(rise), float(fall)))
         if self.may_wait() and rng.random() < NUDGED_TIME:
             shape = replace(shape, wait=max(0.0, shape.wait + float(rng.normal(0.0, TIME_NUDGE_S))))
-        return option, replace(parent, shape=shape)
+        return replace(parent, shape=shape)
 
     def _candidate(self, option: Option, shape: Shape) -> Candidate:
         there = at_the_point(self.rng, may_stop=may_stop(self.scene, self.partial.step))
-        return Candidate(option.yaw_offset, option.branch, shape, *there)
+        return Candidate(option, shape, *there)

@@ -15,7 +15,6 @@ from assur.planner.legs.control_point import WINDOW_S, ControlPoint
 from assur.planner.legs.forbidden_yaw import turns_into
 from assur.planner.legs.joint import JointMotion
 from assur.planner.legs.limits import beyond_limits, parts
-from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.missed import by_law
 from assur.planner.legs.overlap import leaving
 from assur.planner.legs.paths.path_leg import along_path
@@ -29,7 +28,7 @@ from assur.planner.legs.tool_motion import RESERVE, carrying_peak
 from assur.planner.legs.tracking import track
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.outcome import TRACKING, Arrival, Course, Leg, LegKind, Route
-from assur.planner.model.phases import Phase, on_way, stay_phases, step_phases
+from assur.planner.model.phases import Phase, stay_phases, step_phases
 from assur.planner.model.refusal import (
     Carrying,
     Obstacle,
@@ -63,30 +62,22 @@ SLOWER = 0.93
 
 
 def timed(
-    scene: Scene, partial: PartialPlan, meeting: Meetings, candidate: Candidate, ahead: FloatArray | None
+    scene: Scene, partial: PartialPlan, candidate: Candidate, ahead: FloatArray | None
 ) -> TimedCandidate | Refusal:
     """The joint leg to the control point that `candidate` describes, or why Ruckig has none."""
-    pace = paced(scene, partial, candidate.shape, meeting.point)
+    point = candidate.point
+    pace = paced(scene, partial, candidate.shape, point)
     reached = JointMotion(scene, partial.step, partial.state, candidate.shape, candidate.branch, ahead, pace).meet()
     if isinstance(reached, Refusal):
-        return by_law(meeting.point, meeting.last, reached)
-    if not meeting.point.tracks:
-        missed = _window_refusal(meeting.point, reached.end)
+        return by_law(point, candidate.option.meeting.last, reached)
+    if not point.tracks:
+        missed = _window_refusal(point, reached.end)
         if missed is not None:
             return missed
-    unknown = laws_over(scene, partial.step, reached.end) or turns_into(scene, partial.step, reached.trajectory)
+    unknown = laws_over(scene, partial.step, reached.end) or turns_into(scene, partial.step, reached)
     if unknown is not None:
         return unknown
-    phase = Phase(
-        partial.state.time,
-        reached.end,
-        LegKind.MOVE,
-        partial.step,
-        partial.attached,
-        corrected=on_way(scene, partial.step),
-        handled=partial.handled,
-    )
-    return TimedCandidate(partial, meeting, candidate, reached, (phase,), ahead)
+    return TimedCandidate(partial, candidate, reached, (partial.way(scene, reached.end),), ahead)
 
 
 def extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:
@@ -99,10 +90,10 @@ def extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:
         gentle = _slowed(scene, made, limit)
         if gentle is not None:
             return gentle
-    for slower in (_weaker, _again):
+    for across in (True, False):
         last, peak = made, found.facts.acceleration
         for _ in range(SLOWED):
-            again = slower(scene, last, SLOWER * limit / peak)
+            again = _again(scene, last, SLOWER * limit / peak, across=across)
             if isinstance(again, Refusal):
                 break  # the carry limit is why: at its own pace there was a motion
             last, after = again, _extended(scene, again)
@@ -114,19 +105,15 @@ def extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:
     return found
 
 
-def _weaker(scene: Scene, made: TimedCandidate, share: float) -> TimedCandidate | Refusal:
-    """The candidate timed again with this share of the acceleration of the joints across."""
-    candidate = made.candidate
-    shape = replace(candidate.shape, pull=share * candidate.shape.pull)
-    return timed(scene, made.before, made.meeting, replace(candidate, shape=shape), made.ahead)
-
-
-def _again(scene: Scene, made: TimedCandidate, share: float) -> TimedCandidate | Refusal:
-    """The candidate timed again with this share of its effort."""
-    candidate = made.candidate
-    shape = replace(candidate.shape, effort=share * candidate.shape.effort)
-    slower = replace(candidate, shape=shape, tracking_effort=share * candidate.tracking_effort)
-    return timed(scene, made.before, made.meeting, slower, made.ahead)
+def _again(scene: Scene, made: TimedCandidate, share: float, *, across: bool) -> TimedCandidate | Refusal:
+    """The candidate timed again with this share of its effort, or of the acceleration of the joints `across` alone."""
+    candidate, shape = made.candidate, made.candidate.shape
+    if across:
+        gentle = replace(candidate, shape=replace(shape, pull=share * shape.pull))
+    else:
+        effort = share * candidate.tracking_effort
+        gentle = replace(candidate, shape=replace(shape, effort=share * shape.effort), tracking_effort=effort)
+    return timed(scene, made.before, gentle, made.ahead)
 
 
 def _slowed(scene: Scene, made: TimedCandidate, limit: float) -> Extension | None:
@@ -134,32 +121,30 @@ def _slowed(scene: Scene, made: TimedCandidate, limit: float) -> Extension | Non
     that."""
     before = made.before
     for share in GENTLER:
-        gentle = made if share == 1.0 else _again(scene, made, share)
+        gentle = made if share == 1.0 else _again(scene, made, share, across=False)
         if isinstance(gentle, Refusal):
             return None
-        motion = slowed(scene, before.step, gentle.reached.trajectory, limit, before.attached.limits(scene))
+        motion = slowed(scene, before.step, gentle.trajectory, limit, before.attached.limits(scene))
         if motion is not None:
-            found = _extended(scene, replace(gentle, reached=replace(gentle.reached, trajectory=motion)))
+            found = _extended(scene, replace(gentle, trajectory=motion))
             return None if isinstance(found, Refusal) else found
     return None
 
 
 def _extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:
-    shape, trajectory = made.candidate.shape, made.reached.trajectory
+    shape, trajectory = made.candidate.shape, made.trajectory
     leg = TimedLeg(LegKind.ARCH if shape.hop else LegKind.MOVE, Knots.of(trajectory), shape.route)
-    return _continued(scene, made.before, made.meeting.point, made.candidate, leg, trajectory)
+    return _continued(scene, made.before, made.candidate, leg, trajectory)
 
 
-def straight_extension(
-    scene: Scene, partial: PartialPlan, meeting: Meetings, candidate: Candidate
-) -> Extension | Refusal:
+def straight_extension(scene: Scene, partial: PartialPlan, candidate: Candidate) -> Extension | Refusal:
     """The extension by a straight leg."""
-    point, wait, mode = meeting.point, candidate.shape.wait, candidate.branch.mode
+    point, wait, mode = candidate.point, candidate.shape.wait, candidate.branch.mode
     key = point.yaw_offset, point.tilt, wait, mode
     if key not in partial.lines:
         partial.lines[key] = _line(scene, partial, point, wait, mode)
     line = partial.lines[key]
-    return line if isinstance(line, Refusal) else _continued(scene, partial, point, candidate, line, None)
+    return line if isinstance(line, Refusal) else _continued(scene, partial, candidate, line, None)
 
 
 def _line(scene: Scene, partial: PartialPlan, point: ControlPoint, wait: float, mode: int) -> TimedLeg | Refusal:
@@ -194,13 +179,13 @@ def _line(scene: Scene, partial: PartialPlan, point: ControlPoint, wait: float, 
 def _continued(
     scene: Scene,
     partial: PartialPlan,
-    point: ControlPoint,
     candidate: Candidate,
     way: TimedLeg,
     kept: Trajectory | None,
 ) -> Extension | Refusal:
     """The extension by a leg to the control point and what follows there, to rest where the task ends. `kept`: the
     trajectory of that leg, if it is known to keep all limits."""
+    point = candidate.point
     legs, final, leaves = [way], partial.step == len(scene.task) - 1, None
     if candidate.shape.wait > 0:
         if not partial.state.resting:
@@ -212,7 +197,7 @@ def _continued(
     if point.tracks:
         last, mode = way.knots.last, candidate.branch.mode
         if isinstance(point.facts, Trace):
-            there = trace(scene, point, last, mode)
+            there = trace(point, last, mode)
         else:
             leaves = None if candidate.stops else leaving(scene, point, _lowered(scene, point, last.q))
             there = track(scene, point, last, mode, candidate.tracking_effort, leaves)

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.forbidden_yaw import free_yaws_between
 from assur.planner.legs.meeting import Meetings
@@ -17,45 +15,29 @@ from assur.planner.legs.tilt import tilts
 from assur.planner.model.deadline import look
 from assur.planner.model.scene import Scene
 from assur.planner.robots.robot import Robot
-from assur.planner.search.partial_plan import PartialPlan
+from assur.planner.search.partial_plan import Option, PartialPlan
 from assur.planner.search.tuning import ANY_YAW, EVALUATED_MEETINGS, SHARE_OF_A_TURN
 
 SAME_RAD = 1e-6
 """A wrist that differs by less is where it was."""
 
 
-@dataclass(frozen=True, eq=False)
-class Option:
-    """A branch of a control point, with the turn of a symmetric part it belongs to and the least duration of the times
-    that were looked at (`least`)."""
-
-    meeting: Meetings
-    yaw_offset: float
-    branch: Branch
-    least: float
-
-
-def options(scene: Scene, partial: PartialPlan, found: list[tuple[float, Meetings]]) -> tuple[Option, ...]:
+def options(scene: Scene, partial: PartialPlan, found: list[Meetings]) -> tuple[Option, ...]:
     """All branches of all turns of the part, those with the least possible duration first; of about the same duration
     the one that turns the wrist least (`SHARE_OF_A_TURN`)."""
     state, limits = partial.state, partial.attached.limits(scene)
     start = np.array([state.q, state.qd, state.qdd])
     result = []
-    for yaw_offset, meeting in found:
+    for meeting in found:
         look()
         for branch in meeting.branches:
             every = 1 + len(branch.meetings) // EVALUATED_MEETINGS
             least = branch.least_durations(start, limits, every, jerk_limited=scene.options.jerk_limited)
-            if branch.still:
-                result.append(Option(meeting, yaw_offset, branch, float(least.min())))
-                continue
-            # the earliest time looked at that the least duration allows
-            time = branch.time[::every]
-            ready = np.flatnonzero(time >= state.time + least)
-            if not len(ready):
-                result.append(Option(meeting, yaw_offset, branch, np.inf))
-                continue
-            result.append(Option(meeting, yaw_offset, branch, float(time[ready[0]]) - state.time))
+            if not branch.still:
+                # the earliest of these times that the least duration allows
+                time = branch.time[::every]
+                least = time[time >= state.time + least] - state.time
+            result.append(Option(meeting, branch, float(least.min(initial=np.inf))))
     # where an option is met first
     result.sort(key=lambda option: option.least * preference(scene.robot, state.q, option.branch.q[0]))
     return tuple(result)

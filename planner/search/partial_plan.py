@@ -9,7 +9,7 @@ from assur.planner.collision.rows import Rows
 from assur.planner.frames.tilted import Tilt
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import ControlPoint, control_point
-from assur.planner.legs.joint import Reached, Shape
+from assur.planner.legs.joint import Shape
 from assur.planner.legs.meeting import Meetings, meetings
 from assur.planner.legs.overlap import entering
 from assur.planner.legs.pace import Pace
@@ -18,8 +18,8 @@ from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.legs.tool_motion import lift_most
 from assur.planner.legs.tracking import lead_time
 from assur.planner.model.attachments import AT_START, Attachments, at_start
-from assur.planner.model.outcome import Arrival, Leg
-from assur.planner.model.phases import NOTHING_HANDLED, Handled, Phase, handled_at_start
+from assur.planner.model.outcome import Arrival, Leg, LegKind
+from assur.planner.model.phases import NOTHING_HANDLED, Handled, Phase, handled_at_start, on_way
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene, Trace
 from assur.planner.robots.facts import Limits
@@ -51,48 +51,63 @@ class PartialPlan:
     """Of joint legs (`paced`): one table for all partial plans of a search."""
     lines: dict[tuple[float, Tilt | None, float, int], TimedLeg | Refusal] = field(default_factory=dict)
     """Straight legs from here by yaw and tilt of the tool, wait and mode: full turns of the meeting make no other."""
-    traces: dict[Branch, Refusal] = field(default_factory=dict)
-    """Why the path of a frame that stands still cannot be traced in a branch, whenever the arm comes."""
+
+    def way(self, scene: Scene, until: float) -> Phase:
+        """The phase of a motion from here to the next control point that ends at `until`, s."""
+        kept, on = (LegKind.MOVE, self.step, self.attached), on_way(scene, self.step)
+        return Phase(self.state.time, until, *kept, corrected=on, handled=self.handled)
+
+
+@dataclass(frozen=True, eq=False)
+class Option:
+    """A branch in which a control point can be met, and the least duration until one of its times, s."""
+
+    meeting: Meetings
+    branch: Branch
+    least: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A motion that can be tried: with which turn of the tool and in which branch the control point is met, by which
-    shape of joint leg, and which shares of the limits tracking legs and the last leg to rest use. `stops`: whether the
-    tool stops behind the depart although it need not: then the arm can wait there."""
+    """A motion that can be tried: the option in which the control point is met, the shape of the joint leg to it, and
+    which shares of the limits tracking legs and the last leg to rest use. `stops`: whether the tool stops behind the
+    depart although it need not: then the arm can wait there."""
 
-    yaw_offset: float
-    branch: Branch
+    option: Option
     shape: Shape
     tracking_effort: float = 1.0
     stop_pace: float = 1.0
     stops: bool = False
 
+    @property
+    def branch(self) -> Branch:
+        return self.option.branch
+
+    @property
+    def point(self) -> ControlPoint:
+        """The control point that it leads to."""
+        return self.option.meeting.point
+
 
 @dataclass(frozen=True, eq=False)
 class TimedCandidate:
-    """A joint leg to the next control point, timed; what follows at the point is not known yet."""
+    """A joint leg to the next control point, timed; before it the arm stands still, and what follows at the point is
+    not known yet."""
 
     before: PartialPlan
-    meeting: Meetings
     candidate: Candidate
-    reached: Reached
+    trajectory: Trajectory
     phases: tuple[Phase, ...]
     ahead: FloatArray | None = None
 
     @property
     def end(self) -> float:
-        return self.reached.end
+        return self.trajectory.end
 
     @property
     def standing(self) -> bool:
         """Whether the point may be met at any time."""
         return self.candidate.branch.still
-
-    @property
-    def trajectory(self) -> Trajectory:
-        """The leg; before it the arm stands still."""
-        return self.reached.trajectory
 
 
 @dataclass(frozen=True, eq=False)

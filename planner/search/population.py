@@ -13,8 +13,7 @@ from assur.planner.laws import all_stand
 from assur.planner.legs.overlap import may_stop
 from assur.planner.model.scene import Scene
 from assur.planner.search import tuning
-from assur.planner.search.meeting_options import Option
-from assur.planner.search.partial_plan import Candidate, PartialPlan, can_wait
+from assur.planner.search.partial_plan import Candidate, Option, PartialPlan, can_wait
 from assur.planner.search.rough_score import CoarseScore
 from assur.planner.search.via_batch import Freedom, shape_of
 
@@ -52,7 +51,7 @@ class Population:
         self.number: dict[Candidate, int] = {}
         """The row of each candidate that is being tried."""
 
-    def batch(self, before: float) -> list[tuple[Option, Candidate]]:
+    def batch(self, before: float) -> list[Candidate]:
         """Scores a round of candidates and gives the best that were not tried yet and may end before `before`, s."""
         least, most = tuning.TRIED
         count = self.sizes[min(self.rounds, len(self.sizes) - 1)]
@@ -62,14 +61,12 @@ class Population:
         chosen = left[: max(least, min(most, self._promising(before)))]
         chosen = chosen[np.argsort(self.end[chosen], kind="stable")].tolist()
         self.tried[chosen] = True
-        found = [(self.options[int(self.rows[i, OPTION])], self._candidate(self.rows[i])) for i in chosen]
-        self.number = {candidate: i for i, (_, candidate) in zip(chosen, found, strict=True)}
-        return found
+        self.number = {self._candidate(self.rows[i]): i for i in chosen}
+        return list(self.number)
 
-    def anyone(self) -> tuple[Option, Candidate]:
+    def anyone(self) -> Candidate:
         """A new one, whatever its score: that nothing seems worth a try in one round ends no search."""
-        row = self.freedom.drawn(self.rng, 1, self.shares)[0]
-        return self.options[int(row[OPTION])], self._candidate(row)
+        return self._candidate(self.freedom.drawn(self.rng, 1, self.shares)[0])
 
     def learn(self, candidate: Candidate, bad: float, at: float | None) -> None:
         """What came of one that was tried: how deep it was in something (`score_of`), and when."""
@@ -103,9 +100,8 @@ class Population:
         self.bad, self.end, self.tried = bad[order], end[order], tried[order]
 
     def _candidate(self, row: FloatArray) -> Candidate:
-        option = self.options[int(row[OPTION])]
         there = at_the_point(self.rng, may_stop=self.may_stop)
-        return Candidate(option.yaw_offset, option.branch, shape_of(row), *there)
+        return Candidate(self.options[int(row[OPTION])], shape_of(row), *there)
 
 
 def _freedom(scene: Scene, partial: PartialPlan, options: tuple[Option, ...]) -> Freedom:

@@ -2,46 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.kernels.candidates import (
-    BEGIN,
-    END,
-    JOINT_COLUMNS,
-    OF_JOINT,
-    rough_motions,
-    rough_positions,
-)
+from assur.planner.kernels.candidates import JOINT_COLUMNS, OF_JOINT, rough_motions, rough_positions
 from assur.planner.robots.facts import Limits
-from assur.planner.search.meeting_options import Option
-from assur.planner.search.partial_plan import PartialPlan
-
-
-@dataclass(frozen=True, eq=False)
-class Rough:
-    """N rough motions of n joints, as rows of `assur.planner.kernels.candidates`."""
-
-    motions: FloatArray
-    n: int
-
-    @property
-    def begin(self) -> FloatArray:
-        """When they begin to move (N,), s."""
-        return np.asarray(self.motions[:, BEGIN])
-
-    @property
-    def end(self) -> FloatArray:
-        """When they reach their control point (N,), s; infinity for a motion that is not possible."""
-        return np.asarray(self.motions[:, END])
-
-    def at(self, which: IntArray, t: FloatArray) -> FloatArray:
-        """q (W, T, n) of some of the motions (W,) at times t (W, T), the arm standing still before and after."""
-        q = np.empty((*t.shape, self.n))
-        rough_positions(self.motions, which, np.ascontiguousarray(t), q)
-        return q
+from assur.planner.search.partial_plan import Option, PartialPlan
 
 
 class RoughMotions:
@@ -58,9 +24,15 @@ class RoughMotions:
             meetings.append(some)
         self._options, self._meetings = np.array(rows, dtype=np.float64), np.concatenate(meetings)
 
-    def __call__(self, candidates: FloatArray) -> Rough:
-        """One motion for each row of candidates."""
-        n = self._start.shape[1]
-        motions = np.empty((len(candidates), OF_JOINT + n * JOINT_COLUMNS))
+    def __call__(self, candidates: FloatArray) -> FloatArray:
+        """One motion for each row of candidates, as rows of `assur.planner.kernels.candidates`: when it begins to move
+        (BEGIN) and reaches its control point (END), s; infinity for a motion that is not possible."""
+        motions = np.empty((len(candidates), OF_JOINT + self._start.shape[1] * JOINT_COLUMNS))
         rough_motions(candidates, self._start, self._time, self._limits, self._options, self._meetings, motions)
-        return Rough(motions, n)
+        return motions
+
+    def at(self, motions: FloatArray, which: IntArray, t: FloatArray) -> FloatArray:
+        """q (W, T, n) of some of the motions (W,) at times t (W, T), the arm standing still before and after."""
+        q = np.empty((*t.shape, self._start.shape[1]))
+        rough_positions(motions, which, np.ascontiguousarray(t), q)
+        return q

@@ -9,11 +9,9 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.proof import Prover
-from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import Phase, on_way
+from assur.planner.kernels.candidates import END
 from assur.planner.model.refusal import Refusal, Separation
-from assur.planner.search.meeting_options import Option
-from assur.planner.search.partial_plan import PartialPlan
+from assur.planner.search.partial_plan import Option, PartialPlan
 from assur.planner.search.rough_motion import RoughMotions
 from assur.planner.search.tuning import APART_S, DEPTH_M, GIVEN_UP, INSTANTS, REMEMBERED
 
@@ -27,7 +25,8 @@ class CoarseScore:
     def __init__(self, prover: Prover, partial: PartialPlan, options: tuple[Option, ...]) -> None:
         self.prover, self.partial = prover, partial
         self.rough = RoughMotions(partial.attached.limits(prover.scene), partial, options)
-        self.pairs = len(prover.pairs(prover.arrangement(partial.attached), self._way(partial.state.time)))
+        way = partial.way(prover.scene, partial.state.time)
+        self.pairs = len(prover.pairs(prover.arrangement(partial.attached), way))
         """How many pairs of bodies must be kept apart on the way."""
         self.times: list[float] = []
         """When candidates that had seemed free were in the way of something, s."""
@@ -44,8 +43,8 @@ class CoarseScore:
 
         1: it is not possible, and then it may end at infinity. What is much in the way is not evaluated to its end.
         """
-        rough, start = self.rough(candidates), self.partial.state.time
-        end, score = rough.end, np.ones(len(candidates))
+        motions, start = self.rough(candidates), self.partial.state.time
+        end, score = motions[:, END], np.ones(len(candidates))
         possible = np.flatnonzero(np.isfinite(end) & (end <= self.latest))
         if not len(possible):
             return score, end
@@ -54,23 +53,10 @@ class CoarseScore:
         last = end[possible, None]
         known = np.broadcast_to(np.array(self.times), (len(possible), len(self.times)))
         times = np.concatenate([np.where(known < last, known, start), start + (last - start) * share], axis=1)
-        q = rough.at(possible, times)
-        depth = self.prover.depths(self._way(float(times.max())), q, times, DEPTH_M, GIVEN_UP)
+        q, way = self.rough.at(motions, possible, times), self.partial.way(self.prover.scene, float(times.max()))
+        depth = self.prover.depths(way, q, times, DEPTH_M, GIVEN_UP)
         score[possible] = np.minimum(depth / INSTANTS, 1.0)
         return score, end
-
-    def _way(self, until: float) -> Phase:
-        """A motion to the next control point that ends at `until`, s."""
-        partial, on = self.partial, on_way(self.prover.scene, self.partial.step)
-        return Phase(
-            partial.state.time,
-            until,
-            LegKind.MOVE,
-            partial.step,
-            partial.attached,
-            corrected=on,
-            handled=partial.handled,
-        )
 
 
 def score_of(refusal: Refusal | None) -> float:

@@ -13,7 +13,6 @@ from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece
 from assur.planner.model.load import LoadLimits
-from assur.planner.robots import five_axis_arm, five_bar, scara, tilting
 from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.facts import Limits, RobotBody
 from assur.planner.robots.five_axis_arm import FiveAxisArm
@@ -45,11 +44,11 @@ T = TypeVar("T")
 WITH_QUILL: tuple[Family, ...] = ("scara", "five_bar")
 """Families whose flange is lifted by a quill, or by nothing, and turned about the vertical by the fourth joint."""
 LINKS: dict[Family, tuple[str, ...]] = {
-    "scara": scara.LINKS,
-    "elbow_arm": tilting.LINKS,
-    "polar_arm": tilting.LINKS,
-    "five_bar": five_bar.LINKS,
-    "five_axis_arm": five_axis_arm.LINKS,
+    "scara": Scara.links,
+    "elbow_arm": ElbowArm.links,
+    "polar_arm": PolarArm.links,
+    "five_bar": FiveBar.links,
+    "five_axis_arm": FiveAxisArm.links,
 }
 """Names of the link frames of each family, in order."""
 AT_FLANGE = ("quill", "flange")

@@ -10,7 +10,7 @@ import pytest
 from assur.experiments import five_bar
 from assur.experiments.five_bar import elbows, on_curve
 from assur.experiments.five_bar_workspace import workspace
-from assur.planner.robots.five_bar import MODES
+from assur.planner.robots.five_bar import FiveBar
 from tests.experiments.results import result
 
 GRID_M = 0.005
@@ -66,7 +66,7 @@ def test_the_areas_are_those_of_triangles(distal: float) -> None:
             inner = np.arccos((a**2 + far**2 - distal**2) / (2 * a * far))
         sides.append((np.arctan2(y - shift, x), inner))
     areas = of(f"{1e3 * distal:.0f}")["area_cm2"]
-    for name in MODES:
+    for name in FiveBar.modes:
         p = []
         for (turn, inner), bend, shift in zip(sides, name.split("-"), (half, -half), strict=True):
             crank = turn + (inner if bend == "left" else -inner)

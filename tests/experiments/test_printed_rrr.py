@@ -97,7 +97,9 @@ def test_on_the_spiral_of_the_source_the_dyad_is_the_printed_one(mode: int) -> N
 def test_on_the_spiral_of_the_source_the_scara_moves_as_printed(mode: int) -> None:
     """The rates exactly as numbers (not as angles), and θ2 with Denavit-Hartenberg's sign."""
     wide = np.full(3, 4.0)
-    robot = Scara("printed", printed.L_AB, printed.L_BC, 3, Limits(-wide, wide, wide, wide, wide))
+    robot = Scara(
+        name="printed", l1=printed.L_AB, l2=printed.L_BC, axes=3, limits=Limits(-wide, wide, wide, wide, wide)
+    )
     path = printed.spiral(np.linspace(0.0, 8.0, 4001))
     none = np.zeros(4001)
     got = robot.inverse(Motion(*path, none, none, none, none), {1: 0, 2: 1}[mode])

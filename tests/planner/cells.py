@@ -72,7 +72,8 @@ def arm(
         pairs = (("base", "quill"), ("base", "flange"), ("base", "link2"))
     full = limits(j4)
     cut = Limits(*(x[:axes] for x in (full.lower, full.upper, full.velocity, full.acceleration, full.jerk)))
-    return Scara("test", 0.325, 0.275, axes, cut, base or Pose(), () if bare else bodies, () if bare else pairs)
+    more: dict[str, Any] = {} if bare else {"bodies": bodies, "self_pairs": pairs}
+    return Scara(name="test", l1=0.325, l2=0.275, axes=axes, limits=cut, base=base or Pose(), **more)
 
 
 BARE = Tool(Pose())

@@ -18,6 +18,7 @@ from assur.planner.search.extension import extended, straight_extension, timed
 from assur.planner.search.partial_plan import (
     Candidate,
     Extension,
+    Option,
     PartialPlan,
     TimedCandidate,
     initial,
@@ -36,8 +37,8 @@ def met(scene: Scene, partial: PartialPlan) -> Meetings:
 
 def line(scene: Scene, partial: PartialPlan, branch: int, wait: float = 0.0) -> Extension:
     meeting = met(scene, partial)
-    sample = Candidate(0.0, meeting.branches[branch], Shape(wait=wait))
-    made = straight_extension(scene, partial, meeting, sample)
+    sample = Candidate(Option(meeting, meeting.branches[branch]), Shape(wait=wait))
+    made = straight_extension(scene, partial, sample)
     assert isinstance(made, Extension), made
     return made
 
@@ -72,14 +73,14 @@ def test_a_timed_candidate_is_where_its_extension_is_to_ten_micrometres_at_times
     scene = cell(go(0.35, -0.2))
     partial, shape = initial(scene), SHAPES[name]
     meeting = met(scene, partial)
-    way = timed(scene, partial, meeting, Candidate(0.0, meeting.branches[0], shape), None)
+    way = timed(scene, partial, Candidate(Option(meeting, meeting.branches[0]), shape), None)
     assert isinstance(way, TimedCandidate), way
     extension = extended(scene, way)
     assert isinstance(extension, Extension), extension
     t = np.random.default_rng(1).permutation(np.linspace(-0.1, way.end + 0.1, 200))
     before = standing(way.trajectory, t)
     assert np.abs(before - standing(extension.trajectory, t)).max() <= 1e-5
-    anew = timed(scene, initial(scene), meeting, Candidate(0.0, meeting.branches[0], shape), None)
+    anew = timed(scene, initial(scene), Candidate(Option(meeting, meeting.branches[0]), shape), None)
     assert isinstance(anew, TimedCandidate)
     assert np.array_equal(standing(anew.trajectory, t), before)
 
@@ -106,6 +107,6 @@ def test_a_way_after_a_place_says_where_the_part_rides_now_and_one_before_does_n
     behind = replace(partial, step=2, attached=Attachments(None, moved))
     for at, expected in ((replace(partial, step=2), ()), (behind, moved)):
         meeting = met(scene, at)
-        way = timed(scene, at, meeting, Candidate(0.0, meeting.branches[0], Shape()), None)
+        way = timed(scene, at, Candidate(Option(meeting, meeting.branches[0]), Shape()), None)
         assert isinstance(way, TimedCandidate), way
         assert way.phases[0].attached.placed == expected

@@ -27,7 +27,7 @@ LIMITS = Limits(
     np.array([100.0, 200.0, 40.0, 700.0]),
     np.array([5e3, 1e4, 2e3, 4e4]),
 )
-ARM = Scara("other", 0.325, 0.225, 4, LIMITS, Pose(0.8, 0.1, 0.3, math.pi))
+ARM = Scara(name="other", l1=0.325, l2=0.225, axes=4, limits=LIMITS, base=Pose(0.8, 0.1, 0.3, math.pi))
 LINKS = range(len(ARM.links))
 TIMES = np.array([1.0, 1.4, 1.7, 2.5])
 """Knots of the plan: it runs from 1 to 2.5 s."""

@@ -55,7 +55,7 @@ def arm_document(robot: Robot, path: Trajectory, begin: float, until: float) -> 
     rows = {name: table.tolist() for name, table in arms.tables().items()}
     rows["arms"][0][c.ARM_KNOTS] = len(knots)
     rows["knots"] = knots.tolist()
-    return written.arm_document(rows, rows["arms"][0], robot.name, [link.name for link in robot.chain.links])
+    return written.arm_document(rows, rows["arms"][0], robot.name, list(robot.links))
 
 
 def law_document(law: Law, begin: float) -> Document:

@@ -46,7 +46,7 @@ LOOKS: dict[str, dict[str, str | int]] = {
         "planner.search.beam._late": 10,
         "planner.search.beam._met": STEPS,
         "planner.search.meeting_options.options": STEPS,
-        "planner.legs.tracking._spline": STEPS,
+        "planner.legs.follower.followed": STEPS,
         "planner.feasibility.odd_places.odd_places": STEPS,
     },
     "crowded": {"scenes.reading.cell._surroundings": BODIES, "planner.feasibility.posed_bodies._row": BODIES},

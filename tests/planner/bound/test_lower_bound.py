@@ -64,7 +64,7 @@ def with_reserve(scene: Scene) -> Scene:
     """The same cell with the limits that a planner uses, who leaves a reserve."""
     own = scene.robot.limits
     rates = (1 - RATE_RESERVE) * own.velocity, (1 - RATE_RESERVE) * own.acceleration, (1 - JERK_RESERVE) * own.jerk
-    return replace(scene, robot=replace(scene.robot, limits=Limits(own.lower, own.upper, *rates)))  # type: ignore[type-var]
+    return replace(scene, robot=replace(scene.robot, limits=Limits(own.lower, own.upper, *rates)))
 
 
 REACHED = {
@@ -301,7 +301,7 @@ def test_positions_of_joints_that_turn_often_are_counted_before_they_are_made() 
     )
     own, most = scene.robot.limits, np.full(5, 50.0)
     limits_of_many = Limits(-most, most, own.velocity, own.acceleration, own.jerk)
-    many = replace(scene, robot=replace(scene.robot, limits=limits_of_many))  # type: ignore[type-var]
+    many = replace(scene, robot=replace(scene.robot, limits=limits_of_many))
     assert bounded(scene) > 0.0
     tracemalloc.start()
     try:

@@ -57,7 +57,7 @@ def arm() -> Scara:
         RobotBody(solid("quill", cylinder(0.012, 0.3), z=0.15), QUILL),
     )
     pairs = (("base", "link2"), ("base", "flange"), ("link1", "flange"), ("base", "quill"))
-    return Scara("by hand", 0.225, 0.175, 4, limits, Pose(), bodies, pairs)
+    return Scara(name="by hand", l1=0.225, l2=0.175, axes=4, limits=limits, bodies=bodies, self_pairs=pairs)
 
 
 TOOL = Tool(Pose(0.005, 0.0, -0.08), (solid("cup", cylinder(0.01, 0.08), x=0.005, z=-0.04),), 0.2)

@@ -93,7 +93,7 @@ def test_an_allowed_contact_is_not_the_nearest_pair() -> None:
 
 def test_a_plan_among_nothing_has_no_clearance_to_state() -> None:
     scene, plan, said = stated(crossing_case)
-    alone = replace(scene, bodies=(), robot=replace(scene.robot, self_pairs=()))  # type: ignore[type-var]
+    alone = replace(scene, bodies=(), robot=replace(scene.robot, self_pairs=()))
     free = proved(alone, plan.trajectory, plan.legs, plan.arrivals)
     assert codes(alone, free, None) == set()
     assert codes(alone, free, said) == {Code.NEAREST}

@@ -16,11 +16,10 @@ from assur.planner.claim.columns import Claim
 from assur.planner.claim.filling import claim_of, with_plan
 from assur.planner.claim.laws import law_of
 from assur.planner.claim.obligations import carriers_of, distances_of
-from assur.planner.errors import FaultError, InputError
+from assur.planner.errors import InputError
 from assur.planner.laws import Change, Pose, conveyor, indexer, keyframes
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import ClearanceException
-from assur.planner.robots.scara import Scara
 from assur.planner.trajectory import Trajectory
 from tests.planner.claim.bounds import outside
 from tests.planner.robots.families import NAMES, robot_named
@@ -79,16 +78,6 @@ def test_a_chain_has_the_links_of_its_arm_each_behind_its_parent(name: str) -> N
     for number, link in enumerate(robot.chain.links):
         assert -1 <= link.parent < number + (number == 0)
         assert link.coupler < 0 or max(robot.chain.loop.cranks) < number  # type: ignore[union-attr]
-
-
-def test_a_chain_with_another_link_is_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
-    shared = robot_named(NAMES[0])
-    assert isinstance(shared, Scara)
-    robot = replace(shared)
-    other = robot.chain._replace(links=(*robot.chain.links[:-1], robot.chain.links[-1]._replace(name="hand")))
-    monkeypatch.setattr(Scara, "chain", property(lambda _: other))
-    with pytest.raises(FaultError, match="hand"):
-        _ = robot.chain_rows
 
 
 def test_an_arm_has_no_more_joints_than_the_tables_have_columns_for() -> None:

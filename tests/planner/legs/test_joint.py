@@ -16,7 +16,7 @@ from assur.planner.laws import Law, conveyor, indexer, swing, turntable
 from assur.planner.legs.arched import Hop
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import control_point
-from assur.planner.legs.joint import JointMotion, Reached, Shape, Via
+from assur.planner.legs.joint import JointMotion, Shape, Via
 from assur.planner.legs.meeting import meetings
 from assur.planner.legs.state import Knots, State
 from assur.planner.model.attachments import AT_START
@@ -25,7 +25,7 @@ from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.model.scene import Scene, Window
 from assur.planner.pipeline import plan
 from assur.planner.timing import SHORTEST, Solver
-from assur.planner.trajectory import check_limits
+from assur.planner.trajectory import Trajectory, check_limits
 from tests.planner.cells import amount_of, cell, frame, go, limits, unit_of
 
 NONE = np.zeros(4)
@@ -73,19 +73,19 @@ def shape(rng: np.random.Generator, kind: str) -> Shape:
 KINDS = st.sampled_from(["direct", "1 via", "2 vias", "arch", "wait", "late"])
 
 
-def check_leg(scene: Scene, begin: State, branch: Branch, found: Reached, how: Shape) -> None:
+def check_leg(scene: Scene, begin: State, branch: Branch, found: Trajectory, how: Shape) -> None:
     """All that a joint leg promises."""
-    knots = Knots.of(found.trajectory)
+    knots = Knots.of(found)
     assert np.array_equal(knots.q[0], begin.q)
     assert np.array_equal(knots.qd[0], begin.qd)
     assert knots.time[0] == begin.time + how.wait
     last = knots.last
     assert last.time == found.end
-    if not branch.still:
-        assert found.end == branch.time[found.row]
+    row = 0 if branch.still else int(np.abs(branch.time - found.end).argmin())
+    assert branch.still or found.end == branch.time[row]
     for have, asked in ((last.q, branch.q), (last.qd, branch.qd), (last.qdd, branch.qdd)):
-        assert np.abs(have - asked[found.row]).max() <= 1e-9
-    trajectory = found.trajectory
+        assert np.abs(have - asked[row]).max() <= 1e-9
+    trajectory = found
     report = check_limits(
         trajectory, np.full(4, -99.0), np.full(4, 99.0), LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk
     )
@@ -140,8 +140,8 @@ def test_what_is_met_in_position_only_is_met_at_rest(seed: int, law: str) -> Non
     scene = scene_on(LAWS[law], match="position")
     branch = branches(scene, begin)[0]
     found = JointMotion(scene, 0, begin, Shape(), branch).meet()
-    assert isinstance(found, Reached)
-    assert Knots.of(found.trajectory).last.resting
+    assert isinstance(found, Trajectory)
+    assert Knots.of(found).last.resting
     check_leg(scene, begin, branch, found, Shape())
 
 
@@ -153,8 +153,8 @@ def test_no_earlier_time_of_the_grid_could_have_been_met_directly(seed: int, law
     branch = branches(scene, begin)[0]
     found = JointMotion(scene, 0, begin, Shape(), branch).meet()
     # towards a moving end a joint may overshoot its range
-    assume(isinstance(found, Reached) or found.reason is not Reason.JOINT_LIMIT)
-    assert isinstance(found, Reached)
+    assume(isinstance(found, Trajectory) or found.reason is not Reason.JOINT_LIMIT)
+    assert isinstance(found, Trajectory)
     solver = Solver(LIMITS.velocity.tolist(), LIMITS.acceleration.tolist(), LIMITS.jerk.tolist())
     start = begin.q.tolist(), begin.qd.tolist(), begin.qdd.tolist()
     grid = float(np.diff(branch.time).max())
@@ -174,14 +174,14 @@ def test_vias_are_flown_by_with_a_velocity() -> None:
     branch = branches(scene, begin)[0]
     via = Via(np.array([0.1, 0.9, 0.22, 0.4]), 0.8)
     found = JointMotion(scene, 0, begin, Shape(vias=(via,)), branch).meet()
-    assert isinstance(found, Reached)
-    path = found.trajectory
+    assert isinstance(found, Trajectory)
+    path = found
     passed = int(np.flatnonzero((path.q == via.q).all(1))[0])
     assert np.abs(path.qd[passed]).max() > 0.3
     stopping = JointMotion(scene, 0, begin, Shape(vias=(Via(via.q, 0.0),)), branch).meet()
-    assert isinstance(stopping, Reached)
-    stopped = int(np.flatnonzero((stopping.trajectory.q == via.q).all(1))[0])
-    assert not stopping.trajectory.qd[stopped].any()
+    assert isinstance(stopping, Trajectory)
+    stopped = int(np.flatnonzero((stopping.q == via.q).all(1))[0])
+    assert not stopping.qd[stopped].any()
 
 
 def test_a_control_point_that_is_a_via_is_passed_towards_what_is_ahead() -> None:
@@ -190,13 +190,13 @@ def test_a_control_point_that_is_a_via_is_passed_towards_what_is_ahead() -> None
     branch = branches(scene, begin)[0]
     ahead = branch.q[0] + np.array([0.5, 0.1, 0.0, 0.0])
     found = JointMotion(scene, 0, begin, Shape(through=0.7), branch, ahead).meet()
-    assert isinstance(found, Reached)
-    last = Knots.of(found.trajectory).last
+    assert isinstance(found, Trajectory)
+    last = Knots.of(found).last
     assert np.abs(last.q - branch.q[0]).max() <= 1e-9
     assert last.qd[0] > 0.1
     standing = JointMotion(scene, 0, begin, Shape(through=0.0), branch, ahead).meet()
-    assert isinstance(standing, Reached)
-    assert Knots.of(standing.trajectory).last.resting
+    assert isinstance(standing, Trajectory)
+    assert Knots.of(standing).last.resting
 
 
 def test_a_later_meeting_is_later_and_a_wait_is_waited() -> None:
@@ -206,12 +206,12 @@ def test_a_later_meeting_is_later_and_a_wait_is_waited() -> None:
     first, late, waited = (
         JointMotion(scene, 0, begin, how, branch).meet() for how in (Shape(), Shape(late=0.3), Shape(wait=0.4))
     )
-    assert isinstance(first, Reached)
-    assert isinstance(late, Reached)
-    assert isinstance(waited, Reached)
+    assert isinstance(first, Trajectory)
+    assert isinstance(late, Trajectory)
+    assert isinstance(waited, Trajectory)
     assert late.end >= first.end + 0.3
-    assert waited.begin == 0.9
-    assert np.array_equal(waited.trajectory.q[0], begin.q)
+    assert waited.start == 0.9
+    assert np.array_equal(waited.q[0], begin.q)
 
 
 def test_steps_to_one_point_of_an_indexer_that_hardly_stands_are_planned() -> None:
@@ -229,8 +229,8 @@ def test_less_effort_takes_longer_and_uses_less() -> None:
     scene = cell(go(0.35, 0.3, 0.12))
     branch = branches(scene, begin)[0]
     legs = [JointMotion(scene, 0, begin, Shape(effort=share), branch).meet() for share in (1.0, 0.25)]
-    assert all(isinstance(leg, Reached) for leg in legs)
-    peak = [leg.trajectory.extrema(2) for leg in legs]  # type: ignore[union-attr]
+    assert all(isinstance(leg, Trajectory) for leg in legs)
+    peak = [leg.extrema(2) for leg in legs]  # type: ignore[union-attr]
     assert legs[1].end >= 1.9 * legs[0].end  # type: ignore[union-attr]
     assert max(np.abs(x / LIMITS.acceleration).max() for x in peak[1]) <= 0.25 + 1e-9
 
@@ -252,5 +252,5 @@ def test_no_via_is_passed_faster_than_the_joints_allow(pace: float) -> None:
     branch = branches(scene, begin)[0]
     how = Shape(vias=(Via(np.array([-0.3, 0.9, 0.22, 0.4]), pace),))
     found = JointMotion(scene, 0, begin, how, branch).meet()
-    if isinstance(found, Reached):
+    if isinstance(found, Trajectory):
         check_leg(scene, begin, branch, found, how)

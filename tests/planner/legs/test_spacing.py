@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assur.planner.legs.spacing import spaced
+from assur.planner.legs.follower import spaced
 
 
 @given(st.integers(0, 10**6), st.sampled_from([1e-3, 0.02, 0.3, 5.0]))

@@ -14,10 +14,11 @@ from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.laws import Law, conveyor, fixed, turntable
-from assur.planner.legs.line import Along
+from assur.planner.legs.follower import Uniform, Way
+from assur.planner.legs.line import Along, Line
 from assur.planner.legs.state import State, TimedLeg
-from assur.planner.legs.straight import constant_law, mode_changes, scaled, straight
-from assur.planner.model.refusal import Reason, Refusal, Singular
+from assur.planner.legs.straight import by_law, constant_law, mode_changes, straight
+from assur.planner.model.refusal import Reason, Refusal, Singular, Stage
 from assur.planner.model.scene import Scene
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory, check_limits
@@ -41,6 +42,11 @@ def along(law: Law, pose: Pose) -> Along:
 def begin(scene: Scene, law: Law, pose: Pose, t: float, mode: int) -> State:
     found = scene.robot.inverse(law.motion(np.array(t)).at(pose), mode, 2)
     return State(t, found.q, found.qd, found.qdd)
+
+
+def by_the_constant_law(scene: Scene, state: State, mode: int, left: Along, met: Along) -> TimedLeg | Refusal:
+    way = Way(scene, Stage.STRAIGHT, 0, Line(left, met, scene.tool.tcp), Uniform(), state.time)
+    return by_law(way, state, mode, constant_law, 0, scene.robot.limits)
 
 
 def path(leg: TimedLeg) -> Trajectory:
@@ -254,7 +260,7 @@ def test_no_leg_is_slower_than_by_the_constant_law_and_what_that_refuses_is_refu
         if not np.isfinite(at.qdd).all():
             continue
         state = State(0.2, at.q, at.qd, at.qdd)
-        before = scaled(scene, 0, state, mode, left, met, constant_law, 0, scene.robot.limits)
+        before = by_the_constant_law(scene, state, mode, left, met)
         leg = straight(scene, 0, state, mode, left, met)
         if isinstance(before, Refusal) or isinstance(leg, Refusal):
             assert repr(leg) == repr(before)
@@ -320,7 +326,7 @@ def test_a_frame_that_stands_at_first_and_then_moves_is_followed() -> None:
     state, left = begin(scene, *still(0.3, -0.2), 0.0, 0), along(*still(0.3, -0.2))
     leg, before = (
         straight(scene, 0, state, 0, left, met),
-        scaled(scene, 0, state, 0, left, met, constant_law, 0, scene.robot.limits),
+        by_the_constant_law(scene, state, 0, left, met),
     )
     assert isinstance(leg, TimedLeg)
     assert isinstance(before, TimedLeg)
@@ -350,7 +356,7 @@ def test_where_the_line_was_not_told_rightly_the_faster_leg_is_still_taken() -> 
         return TiltedMotion.of(Motion.still(goal, np.shape(t)), np.array([-0.7751324364, 0.0762509788]))
 
     scene, state = cell(go(0.3, 0.0), robot=robot, q=tuple(q.tolist())), State(0.0, q, none, none)
-    before = scaled(scene, 0, state, 1, left, met, constant_law, 0, scene.robot.limits)
+    before = by_the_constant_law(scene, state, 1, left, met)
     leg = straight(scene, 0, state, 1, left, met)
     assert isinstance(before, TimedLeg)
     assert isinstance(leg, TimedLeg)

@@ -36,7 +36,7 @@ def limits(lower: list[float], upper: list[float]) -> Limits:
 def scara(axes: int = 4, base: Pose = BASE, l1: float = 0.325, l2: float = 0.225, *, arms_rise: bool = False) -> Scara:
     free = [FREE_RAD, FREE_RAD, 0.4, FREE_RAD]
     given = limits([-FREE_RAD, -FREE_RAD, 0.1, -FREE_RAD][:axes], free[:axes])
-    return Scara("arm", l1, l2, axes, given, base, arms_rise=arms_rise)
+    return Scara(name="arm", l1=l1, l2=l2, axes=axes, limits=given, base=base, arms_rise=arms_rise)
 
 
 def elbow(base: Pose = BASE, l1: float = 0.25, l2: float = 0.16) -> ElbowArm:

@@ -29,7 +29,16 @@ def five_bar(lengths: str = "even", *, axes: int = 4, base: Pose = BASES[0], ass
     rates = (np.full(axes, 7.0), np.full(axes, 100.0), np.full(axes, 5000.0))
     separation, proximal, distal = LENGTHS[lengths]
     limits = Limits(lower, upper, *rates)
-    return FiveBar("five", separation, proximal, distal, axes, limits, base, assembly=assembly)
+    return FiveBar(
+        name="five",
+        separation=separation,
+        proximal=proximal,
+        distal=distal,
+        axes=axes,
+        limits=limits,
+        base=base,
+        assembly=assembly,
+    )
 
 
 def states(rng: np.random.Generator, robot: FiveBar, mode: int, size: int, serial: float = 0.1) -> FloatArray:

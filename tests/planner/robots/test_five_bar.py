@@ -13,12 +13,12 @@ from assur.experiments.five_bar_workspace import type_2_curves, velocity_equatio
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.robots.facts import Code
-from assur.planner.robots.five_bar import DISTAL_LEFT, DISTAL_RIGHT, FLANGE, MODES, QUILL, FiveBar
+from assur.planner.robots.five_bar import DISTAL_LEFT, DISTAL_RIGHT, FLANGE, QUILL, FiveBar
 from tests.planner.robots.families import BASE
 from tests.planner.robots.five_bars import LENGTHS, five_bar, states
 
 SIZE = 10_000
-every_mode = pytest.mark.parametrize("mode", range(4), ids=MODES)
+every_mode = pytest.mark.parametrize("mode", range(4), ids=FiveBar.modes)
 every_assembly = pytest.mark.parametrize("assembly", ["front", "back"])
 
 

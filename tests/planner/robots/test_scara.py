@@ -96,7 +96,13 @@ def test_the_mode_is_right_where_theta2_is_positive_and_none_where_it_is_unknown
 
 def test_within_takes_the_limits_themselves_and_nothing_beyond_rounding_and_no_nan() -> None:
     high = np.array([3.0, 2.6, 0.4, 6.4])
-    robot = Scara("arm", 0.325, 0.225, 4, Limits(np.array([-3.0, -2.6, 0.1, -6.4]), high, high, high, high))
+    robot = Scara(
+        name="arm",
+        l1=0.325,
+        l2=0.225,
+        axes=4,
+        limits=Limits(np.array([-3.0, -2.6, 0.1, -6.4]), high, high, high, high),
+    )
     lower, upper = robot.limits.lower, robot.limits.upper
     assert (robot.limits.slack <= 1.01e-10 * (upper - lower)).all()
     assert robot.within(np.stack([lower, upper, (lower + upper) / 2])).all()

@@ -21,7 +21,7 @@ WIDE = np.array([7.0, 2.6, 0.4, 13.0])
 
 
 def arm() -> Robot:
-    return Scara("arm", 0.3, 0.2, 4, Limits(-WIDE, WIDE, WIDE, WIDE, WIDE))
+    return Scara(name="arm", l1=0.3, l2=0.2, axes=4, limits=Limits(-WIDE, WIDE, WIDE, WIDE, WIDE))
 
 
 angle = st.one_of(st.floats(-20, 20), st.integers(-8, 8).map(lambda k: k * np.pi / 2))
@@ -102,7 +102,7 @@ def test_the_examples_in_the_docstrings_run() -> None:
 def test_a_joint_is_beyond_its_range_by_the_least_over_all_turns(q4: float, low: float, wide: float, z: float) -> None:
     lower, upper = -WIDE.copy(), WIDE.copy()
     lower[3], upper[3] = low, low + wide
-    robot = Scara("arm", 0.3, 0.2, 4, Limits(lower, upper, WIDE, WIDE, WIDE))
+    robot = Scara(name="arm", l1=0.3, l2=0.2, axes=4, limits=Limits(lower, upper, WIDE, WIDE, WIDE))
     every = q4 + 2 * np.pi * np.arange(-60, 61)
     least = max(0.0, float(np.maximum(low - every, every - (low + wide)).min()))
     found = beyond_range(robot, np.array([0.0, 1.0, z, q4]))

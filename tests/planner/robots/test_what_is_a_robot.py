@@ -56,7 +56,7 @@ def test_a_robot_says_what_it_is_and_cannot_be_changed(
     assert "".join(joint.kind[0].upper() for joint in robot.joints) == kinds
     assert hasattr(robot, "out_of_reach") == ("pitch" in robot.coordinates)
     with pytest.raises(FrozenInstanceError):
-        robot.name = "other"
+        robot.name = "other"  # type: ignore[misc]
 
 
 def test_the_cranks_of_a_loop_turn_about_axes_of_the_base() -> None:
@@ -101,7 +101,7 @@ GOOD: dict[Callable[..., Robot], dict[str, Any]] = {
 
 @pytest.mark.parametrize("body", ROUND)
 def test_a_solid_of_revolution_may_ride_on_the_quill(body: Body) -> None:
-    assert Scara("arm", **GOOD[Scara], bodies=(RobotBody(body, QUILL),)).bodies[0].body is body
+    assert Scara(name="arm", **GOOD[Scara], bodies=(RobotBody(body, QUILL),)).bodies[0].body is body
 
 
 @pytest.mark.parametrize("body", UNROUND)
@@ -109,7 +109,7 @@ def test_what_turns_visibly_may_not_ride_on_the_quill_but_on_the_flange(body: Bo
     for family, quill in ((Scara, QUILL), (FiveBar, FIVE_BAR_QUILL)):
         with pytest.raises(InputError, match="solids of revolution"):
             family(name="arm", **GOOD[family], bodies=(RobotBody(body, quill),))
-    assert Scara("arm", **GOOD[Scara], bodies=(RobotBody(body, FLANGE),)).bodies
+    assert Scara(name="arm", **GOOD[Scara], bodies=(RobotBody(body, FLANGE),)).bodies
 
 
 @pytest.mark.parametrize("family", GOOD)

@@ -36,7 +36,7 @@ def refusal(stage: Stage, missing: float | None, name: str = "gate", step: int =
 def motion(step: int, *, whole: bool) -> TimedCandidate | Extension:
     """A motion from a partial plan through so many steps: to the point, or the whole way through it."""
     before, none = cast(Any, SimpleNamespace(step=step)), cast(Any, None)
-    return Extension(before, none, none, (), none) if whole else TimedCandidate(before, none, none, none, ())
+    return Extension(before, none, none, (), none) if whole else TimedCandidate(before, none, none, ())
 
 
 def stopped(found: Found, step: int, *refusals: Refusal, whole: bool) -> None:

@@ -12,8 +12,10 @@ from assur.planner.collision.proof import Prover
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.kernels.candidates import (
+    BEGIN,
     DURATIONS,
     EFFORT,
+    END,
     FIRST_VIA,
     LATE,
     MOST_VIAS,
@@ -25,8 +27,8 @@ from assur.planner.kernels.candidates import (
 from assur.planner.laws import Frame, linear
 from assur.planner.legs.meeting import Meetings
 from assur.planner.model.scene import Scene
-from assur.planner.search.meeting_options import Option, options
-from assur.planner.search.partial_plan import initial, prepared
+from assur.planner.search.meeting_options import options
+from assur.planner.search.partial_plan import Option, initial, prepared
 from assur.planner.search.population import Population
 from assur.planner.search.rough_motion import RoughMotions
 from assur.planner.search.rough_score import CoarseScore
@@ -41,7 +43,7 @@ def asked(scene: Scene) -> tuple[Prover, tuple[Option, ...], Population]:
     chain, prover = initial(scene), Prover(scene)
     meeting = prepared(scene, chain, 0.0, None, (0, 1))[-1]
     assert isinstance(meeting, Meetings)
-    found = options(scene, chain, [(0.0, meeting)])
+    found = options(scene, chain, [meeting])
     rng = np.random.default_rng(1)
     return prover, found, Population(scene, chain, found, CoarseScore(prover, chain, found), rng, adaptive=True)
 
@@ -68,21 +70,22 @@ def test_rough_motions_begin_at_the_start_wait_as_told_pass_their_vias_and_end_a
     scene = walled()
     _, found, population = asked(scene)
     chain, rows = initial(scene), drawn(population, 60)
-    rough = RoughMotions(scene.robot.limits, chain, found)(rows)
+    motions = RoughMotions(scene.robot.limits, chain, found)
+    rough = motions(rows)
     start = np.broadcast_to(chain.state.q, (60, 4))
     for t in (np.full((60, 1), chain.state.time), (chain.state.time + rows[:, WAIT])[:, None]):
-        np.testing.assert_allclose(rough.at(every(rows), t)[:, 0], start, atol=1e-12)
+        np.testing.assert_allclose(motions.at(rough, every(rows), t)[:, 0], start, atol=1e-12)
     goals = np.array([found[int(k)].branch.q[0] for k in rows[:, OPTION]])
-    met = np.isfinite(rough.end)
+    met = np.isfinite(rough[:, END])
     assert met.mean() > 0.5
     which = np.flatnonzero(met)
-    np.testing.assert_allclose(rough.at(which, rough.end[which, None])[:, 0], goals[which], atol=1e-6)
+    np.testing.assert_allclose(motions.at(rough, which, rough[which, END, None])[:, 0], goals[which], atol=1e-6)
     assert set(rows[:, VIAS]) == {0, 1, 2}
     for i in which:
         vias = rows[i, FIRST_VIA:].reshape(MOST_VIAS, -1)
         for k in range(int(rows[i, VIAS])):
-            when = rough.begin[i] + rough.motions[i, DURATIONS : DURATIONS + k + 1].sum()
-            there = rough.at(np.array([i]), np.array([[when]]))[0, 0]
+            when = rough[i, BEGIN] + rough[i, DURATIONS : DURATIONS + k + 1].sum()
+            there = motions.at(rough, np.array([i]), np.array([[when]]))[0, 0]
             np.testing.assert_allclose(there, vias[k], atol=1e-6)
 
 
@@ -90,16 +93,17 @@ def test_a_point_that_moves_is_met_where_it_is_at_the_end_of_the_motion() -> Non
     scene = belt_and_dial(go(0.35, 0.0, 0.12))
     _, found, population = asked(scene)
     rows = drawn(population, 80)
-    rough = RoughMotions(scene.robot.limits, initial(scene), found)(rows)
-    meets = np.flatnonzero(np.isfinite(rough.end))
+    motions = RoughMotions(scene.robot.limits, initial(scene), found)
+    rough = motions(rows)
+    meets = np.flatnonzero(np.isfinite(rough[:, END]))
     assert len(meets)
     for i in meets:
         branch = found[int(rows[i, OPTION])].branch
         if branch.still:
             continue
-        row = int(np.argmin(np.abs(branch.time - rough.end[i])))
-        assert branch.time[row] == pytest.approx(rough.end[i], abs=0.01)
-        off = np.abs(rough.at(np.array([i]), rough.end[i : i + 1, None])[0, 0] - branch.q[row])
+        row = int(np.argmin(np.abs(branch.time - rough[i, END])))
+        assert branch.time[row] == pytest.approx(rough[i, END], abs=0.01)
+        off = np.abs(motions.at(rough, np.array([i]), rough[i : i + 1, END, None])[0, 0] - branch.q[row])
         assert (off <= 0.05 * np.abs(branch.qd[row]) + 2e-3).all()
 
 
@@ -111,7 +115,7 @@ def test_a_later_candidate_reaches_a_moving_point_later() -> None:
     later = rows.copy()
     later[:, LATE] = 0.2
     motions = RoughMotions(scene.robot.limits, initial(scene), found)
-    first, second = motions(rows).end, motions(later).end
+    first, second = motions(rows)[:, END], motions(later)[:, END]
     both = np.isfinite(first) & np.isfinite(second)
     assert both.any()
     assert (second[both] >= first[both] + 0.05).all()
@@ -125,14 +129,14 @@ def test_a_motion_that_turns_round_beyond_a_limit_is_not_possible() -> None:
     row[0, VIAS], row[0, PACES] = 1, 0.0
     row[0, FIRST_VIA : FIRST_VIA + 4] = middle
     motions = RoughMotions(scene.robot.limits, chain, found)
-    assert np.isfinite(motions(row).end).all()
+    assert np.isfinite(motions(row)[:, END]).all()
     upper = scene.robot.limits.upper[2]
     row[0, FIRST_VIA + 2] = upper
-    assert np.isfinite(motions(row).end).all()
+    assert np.isfinite(motions(row)[:, END]).all()
     # set out upwards from just below the top: the lift comes to rest only beyond it
     state = replace(chain.state, q=np.append(chain.state.q[:2], [upper - 1e-4, 0.0]), qd=np.array([0.0, 0.0, 0.5, 0.0]))
     over = RoughMotions(scene.robot.limits, replace(chain, state=state), found)
-    assert not np.isfinite(over(row).end).any()
+    assert not np.isfinite(over(row)[:, END]).any()
 
 
 def test_a_time_at_which_something_was_missed_is_looked_at_from_then_on() -> None:
@@ -170,19 +174,19 @@ def test_a_population_tries_nothing_twice_and_nothing_that_ends_too_late() -> No
     seen: list[str] = []
     ends = []
     for _ in range(6):
-        for _, sample in population.batch(np.inf):
+        for sample in population.batch(np.inf):
             seen.append(repr(([(via.q.tolist(), via.pace) for via in sample.shape.vias], sample.branch.q.tolist())))
             ends.append(population.end[population.number[sample]])
     assert len(set(seen)) == len(seen) > 15
     early = float(np.median(ends))
     for _ in range(4):
-        assert all(population.end[population.number[sample]] < early for _, sample in population.batch(early))
+        assert all(population.end[population.number[sample]] < early for sample in population.batch(early))
 
 
 def test_what_was_refused_counts_as_screening_says_and_its_time_is_remembered_if_it_seemed_free() -> None:
     _, _, population = asked(narrow())
     batch = population.batch(np.inf)
-    (_, first), (_, last) = batch[0], batch[-1]
+    first, last = batch[0], batch[-1]
     i = population.number[first]
     assert population.bad[i] <= NEARLY_FREE
     population.learn(first, 0.4, 0.123)

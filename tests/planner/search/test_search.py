@@ -26,7 +26,7 @@ from assur.planner.pipeline import plan
 from assur.planner.search.beam import Found, Search
 from assur.planner.search.candidates import Sampler
 from assur.planner.search.extension import timed
-from assur.planner.search.partial_plan import Candidate, TimedCandidate, initial, prepared
+from assur.planner.search.partial_plan import Candidate, Option, TimedCandidate, initial, prepared
 from assur.planner.search.tuning import BEAM
 from tests.planner.cells import CUP, amount_of, arm, belt_and_dial, cell, go, stands, table_to_table
 
@@ -212,7 +212,7 @@ def test_a_way_is_of_use_if_its_partial_plan_would_be_continued_or_be_the_best_p
     meeting = prepared(scene, partial, 0.0, None, (0, 1))[-1]
     assert isinstance(meeting, Meetings)
     one, other = (next(b for b in meeting.branches if b.mode == mode) for mode in (0, 1))
-    ways = [timed(scene, partial, meeting, Candidate(0.0, branch, Shape()), None) for branch in (one, other)]
+    ways = [timed(scene, partial, Candidate(Option(meeting, branch), Shape()), None) for branch in (one, other)]
     way, second = ways
     assert isinstance(way, TimedCandidate)
     assert isinstance(second, TimedCandidate)

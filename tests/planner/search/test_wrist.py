@@ -58,12 +58,10 @@ def test_the_lower_bound_is_of_all_turns_and_not_only_of_those_that_are_tried() 
     search = Search(scene, Prover(scene), 0.0)
     partial = initial(scene)
     tried = search._sampler(partial).options
-    met = [
-        (turn, each) for turn in yaw_offsets(scene, pick) or () for each in prepared(scene, partial, turn, None, (0, 1))
-    ]
-    every = options(scene, partial, [(turn, each) for turn, each in met if isinstance(each, Meetings)])
-    assert {option.yaw_offset for option in tried} < {option.yaw_offset for option in every}
-    assert len({option.yaw_offset for option in every}) == 60
+    met = [each for turn in yaw_offsets(scene, pick) or () for each in prepared(scene, partial, turn, None, (0, 1))]
+    every = options(scene, partial, [each for each in met if isinstance(each, Meetings)])
+    assert {option.meeting.point.yaw_offset for option in tried} < {option.meeting.point.yaw_offset for option in every}
+    assert len({option.meeting.point.yaw_offset for option in every}) == 60
     bound = least_duration(scene)
     assert bound is not None
     least = min(option.least for option in every) + pick.dwell_s

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import assur
-from assur.planner.checker.claim.verdict import ClaimCode, check_claim
+from assur.planner.checker.claim.verdict import check_claim
 from assur.planner.checker.statement import Topic
+from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.claim.chain import knots_of
 from assur.planner.claim.points import rates_of
@@ -78,7 +79,7 @@ def test_rows_beside_a_jump_and_over_it_are_shown_with_what_both_sides_have_and_
         for share, shown in ((1.0 + 1e-4, True), (1.0 - 1e-4, False)):
             rows[:, c.RATE_MOST] = sizes * share
             verdict = check_claim(own._replace(arms=arms, knots=knots, rates=rows))
-            assert (ClaimCode.RATE not in {finding.code for finding in verdict.findings}) is shown
+            assert (Code.RATE not in {finding.code for finding in verdict.findings}) is shown
 
 
 @pytest.mark.parametrize("fault", ["a row left out", "a row with more", "a row of the velocity"])
