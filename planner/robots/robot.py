@@ -46,6 +46,9 @@ class Robot(ABC):
     ways: ClassVar[tuple[str, ...]] = ("x", "y", "z", "yaw")
     """`coordinates` of an arm of the family that has all joints."""
 
+    dyads: ClassVar[int] = 0
+    """How many dyads in a horizontal plane carry the flange; 0: its links move otherwise."""
+
     name: str
     limits: Limits
     base: Pose = field(default_factory=Pose)

@@ -10,7 +10,6 @@ import pytest
 
 import assur
 from assur.planner.checker.claim.verdict import check_claim
-from assur.planner.checker.statement import Topic
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.claim.chain import knots_of
@@ -92,4 +91,4 @@ def test_a_part_of_the_motion_whose_acceleration_is_not_stated_is_a_difference(f
         claim.rates[middle, c.RATE_MOST] *= 1.01
     else:
         claim.rates[middle, c.RATE_ORDER] = 1.0
-    assert {each.topic for each in differences(case(), claim)} == {Topic.RATE}
+    assert {each.code for each in differences(case(), claim)} == {Code.RATE}
