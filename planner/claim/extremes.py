@@ -46,7 +46,7 @@ def largest(
         return np.full(n, t0), np.zeros(n)
     powers = np.array([math.perm(i, order) for i in range(6)], dtype=float)[order:]
     factors = (path.coefficients[own][:, :, order:] * powers).reshape(-1, len(powers))  # a row: one joint in one piece
-    begin, first, last = (np.repeat(each[own], n) for each in (begins, low, high))
+    begin, end, first, last = (np.repeat(each[own], n) for each in (begins, path.edges[1:], low, high))
     for _ in range(ROUNDS):
         tau = first[:, None] + (last - first)[:, None] * SHARES
         value = np.zeros_like(tau)
@@ -57,5 +57,8 @@ def largest(
         go_on = np.argsort(sizes[row, best].reshape(-1, n), axis=0)[-PIECES:] * n + np.arange(n)
         row, best = (each[go_on.ravel()] for each in (row, best))
         first, last = (tau[row, each] for each in (np.maximum(best - 1, 0), np.minimum(best + 1, len(SHARES) - 1)))
-        t, value, begin, factors = tau[row, best], value[row, best], begin[row], factors[row]
-    return np.clip((begin + t)[-n:], t0, t1), value[-n:]
+        t, value, begin, end, factors = tau[row, best], value[row, best], begin[row], end[row], factors[row]
+    when = begin + t
+    if order > 1:  # late on the clock the rim of a short piece is less than rounding
+        when = np.minimum(when, np.nextafter(end, -np.inf))
+    return np.clip(when[-n:], t0, t1), value[-n:]
