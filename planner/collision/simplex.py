@@ -19,8 +19,9 @@ from assur.planner.kernels.solids import BALL
 TURNS = 1e-5 * np.array([[0.61, -0.37, 0.7], [0.37, 0.7, -0.61], [-0.7, 0.61, 0.37], [0.28, 0.55, 0.79]])
 """One of them is added to unit directions. So a checker chooses the same points for edges of 0.5 mm or more,
 whatever it rounds."""
-ENOUGH_M = 5e-7
-"""The search ends when the distance is known to this, m."""
+ENOUGH_M = 2e-6
+"""The search ends when the distance is known to this, m. If it were known better, a direction might become one in which
+two points are equally far."""
 MEET_M = 1e-9
 """Points this near have no direction, m."""
 ITERATIONS = 200
@@ -36,8 +37,9 @@ class Simplex(NamedTuple):
     directions: FloatArray
 
 
-def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int) -> Simplex:
-    """That of units a and b, which are pieces, with their carriers (K, 12) where they are."""
+def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int, enough_m: float = ENOUGH_M) -> Simplex:
+    """That of units a and b, which are pieces, with their carriers (K, 12) where they are, when the distance is known
+    to `enough_m`."""
     rows, vertices = arrangement.rows, arrangement.bodies.vertices
     placed = arrangement.placed(carriers, (a, b))
     axes = np.concatenate([placed[0, unit, 3:12].reshape(3, 3) for unit in (a, b)], axis=1)
@@ -57,7 +59,7 @@ def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int) -> S
         add_farthest(rows, vertices, placed, 0, a, x, y, z, -1.0, point, 0)
         point[0] -= balls * way
         # no direction brings the pieces nearer than this, and the point is none that is known
-        if count and (length - float(way @ point[0]) <= ENOUGH_M or (points[:count] == point[0]).all(axis=1).any()):
+        if count and (length - float(way @ point[0]) <= enough_m or (points[:count] == point[0]).all(axis=1).any()):
             break
         points[count], directions[count] = point[0], way
         count += 1

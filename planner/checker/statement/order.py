@@ -131,6 +131,9 @@ def _require_window(handling: Handling, number: int, arrival: Arrival) -> None:
     times = edges = [arrival.time, *(t for t in formula.ends if arrival.time < t < arrival.until), arrival.until]
     for a, b in pairwise(edges):  # between two of them the way is a cubic, which may turn round
         cubic = np.polyfit(np.arange(4.0), way(np.linspace(a, b, 4).tolist()), 3)
+        if not np.isfinite(cubic).all():
+            times = [math.nan]
+            break
         turns = (u for u in np.roots(np.polyder(cubic)).real.tolist() if 0.0 < u < 3.0)
         times = [*times, *(a + (b - a) * u / 3.0 for u in turns)]
     ways, (low, high) = way(times), step.window.along

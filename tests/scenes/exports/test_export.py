@@ -182,7 +182,7 @@ def test_a_plan_that_is_not_right_does_not_leave() -> None:
 
 def test_ticks_that_are_too_long_to_track_a_point_are_refused_with_what_to_do() -> None:
     with pytest.raises(InputError, match=r"the tool is not at its point, .*; try a shorter tick, or none"):
-        export_document(request_of("demo"), planned("demo"), {"format": "csv", "tick_ms": 20, "jerk": "report"})
+        export_document(request_of("demo"), planned("demo"), {"format": "csv", "tick_ms": 8, "jerk": "report"})
 
 
 def test_a_motion_is_proved_anew_whatever_its_answer_claims_of_it() -> None:
