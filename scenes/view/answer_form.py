@@ -12,10 +12,12 @@ from assur.scenes.schema.normal import plain
 from assur.scenes.schema.read import read_written
 
 PROOF = ("certificate", document.Certificate | document.CertificateDigest)
+PARTS = ("schema", "status", "trajectory", "legs", "arrivals", "certificate")
+"""What a plan with its proof must have."""
 FORMS: dict[str, Any] = {
     "planned": document.PlannedAnswer,
     "not_planned": document.NotPlannedAnswer,
-    "proved": document.partial(document.CheckedPlan, None, tuple(document.CheckedPlan.__required_keys__), (PROOF,)),
+    "proved": document.partial(document.CheckedPlan, None, PARTS, (PROOF,)),
 }
 """What an answer may be, and a plan with its proof and nothing of a search, as an export writes it."""
 ANSWERS = ("planned", "not_planned")
