@@ -85,7 +85,8 @@ def _pairs_that_move(arrangement: Arrangement, pairs: FloatArray, prover: Prover
 def _closest_points(arrangement: Arrangement, carriers: FloatArray, a: int, b: int) -> tuple[FloatArray, FloatArray]:
     """A point of unit a and a point of unit b, each (3,) in the world, whose distance is that of the units; the same
     point for units that overlap."""
-    shown, rows, vertices = simplex(arrangement, carriers, a, b, POINTS_M), arrangement.rows, arrangement.bodies.vertices
+    shown = simplex(arrangement, carriers, a, b, POINTS_M)
+    rows, vertices = arrangement.rows, arrangement.bodies.vertices
     placed, points = arrangement.placed(carriers, (a, b)), np.zeros((2, 3))
     for weight, way in zip(shown.weights.tolist(), shown.directions, strict=True):
         for k, (unit, along) in enumerate(((a, way), (b, -way))):
