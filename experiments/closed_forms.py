@@ -13,8 +13,7 @@ from assur.experiments.printed_forms import Frames, jacobian
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion
-from assur.planner.robots.codes import Code
-from assur.planner.robots.planar import principal
+from assur.planner.robots.facts import Code, principal
 from assur.planner.robots.robot import Robot
 
 CLEAR = 0.05

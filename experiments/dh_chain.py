@@ -10,8 +10,7 @@ from assur.experiments import printed_dh as printed
 from assur.experiments.experiment import Drawing, Result, paragraphs
 from assur.experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED
 from assur.planner.arrays import FloatArray
-from assur.planner.robots.facts import Limits
-from assur.planner.robots.planar import principal
+from assur.planner.robots.facts import Limits, principal
 from assur.planner.robots.scara import Scara
 
 A1, A2, D4 = 0.325, 0.225, 0.06

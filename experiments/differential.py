@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.frames.motion import TiltedMotion
 from assur.planner.robots.robot import Robot
 
 LEAST_MARGIN = 1e-12

@@ -13,8 +13,8 @@ from assur.experiments.figures import BLUE, INK, ORANGE, RED
 from assur.experiments.plane_figures import NOTE, Plane
 from assur.experiments.plane_figures import compared as comparison
 from assur.planner.arrays import FloatArray
-from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.facts import Limits
+from assur.planner.robots.tilting import ElbowArm
 
 HEIGHT, L2, L3 = 0.300, 0.250, 0.160
 """m. The source gives no lengths; these are those of `oblique-triangles`."""

@@ -9,8 +9,7 @@ from assur.experiments.experiment import Drawing, Result, paragraphs
 from assur.experiments.figures import BLUE, GREY, INK, ORANGE
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
-from assur.planner.robots.facts import Limits
-from assur.planner.robots.planar import principal
+from assur.planner.robots.facts import Limits, principal
 from assur.planner.robots.scara import Scara
 
 L1, L2 = 0.325, 0.225

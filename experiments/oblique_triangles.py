@@ -11,8 +11,7 @@ from assur.experiments.dyad import LEFT, RRR
 from assur.experiments.experiment import Drawing, Result, paragraphs
 from assur.experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED
 from assur.planner.arrays import FloatArray
-from assur.planner.robots.codes import Code
-from assur.planner.robots.planar import principal
+from assur.planner.robots.facts import Code, principal
 
 HEIGHT, LINK1, LINK2 = 0.300, 0.250, 0.160
 """m. The source gives no lengths; these are widely quoted for its RV-M1, without a maker's document."""

@@ -14,7 +14,7 @@ from assur.experiments.plane_figures import NOTE, Plane
 from assur.experiments.plane_figures import compared as comparison
 from assur.planner.arrays import FloatArray
 from assur.planner.robots.facts import Limits
-from assur.planner.robots.polar_arm import PolarArm
+from assur.planner.robots.tilting import PolarArm
 
 L1, LONGEST, SHORTEST = 0.400, 0.650, 1e-3
 """m. The source gives no numbers: the shoulder's height, and how far the ram is out, from nearly nothing."""

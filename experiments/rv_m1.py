@@ -10,11 +10,9 @@ from assur.experiments import printed_five_axes as printed
 from assur.experiments.experiment import Drawing, Result, paragraphs
 from assur.experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion, Pose
-from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.robots.codes import Code
+from assur.planner.frames.motion import Motion, Pose, TiltedMotion
+from assur.planner.robots.facts import Code, principal
 from assur.planner.robots.five_axis_arm import FiveAxisArm
-from assur.planner.robots.planar import principal
 from assur.scenes.catalogue import arm_named
 
 TARGETS, SEED = 20_000, 5

@@ -21,7 +21,7 @@ from assur.planner.frames.motion import Motion
 from assur.planner.model.outcome import LegKind, Planned
 from assur.planner.model.scene import Scene
 from assur.planner.pipeline import plan
-from assur.planner.robots.codes import Code
+from assur.planner.robots.facts import Code
 from assur.scenes.requests import scene_of
 
 LASTS_S, BEGINS_S = 8.0, 1.0

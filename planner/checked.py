@@ -19,9 +19,9 @@ from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.claim import columns as c
 from assur.planner.claim.answer import with_answer
 from assur.planner.claim.columns import Claim
+from assur.planner.claim.document import labels_of
 from assur.planner.claim.filling import SceneClaim, claim_of, with_plan
 from assur.planner.claim.frames import early_of
-from assur.planner.claim.labels import labels_of
 from assur.planner.errors import InputError
 from assur.planner.geometry.containment import nothing
 from assur.planner.model.claims import NOTHING, Claims

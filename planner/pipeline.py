@@ -13,6 +13,7 @@ from assur.planner.blends import BlendSearch
 from assur.planner.bound.duration import least_duration
 from assur.planner.collision.proof import Prover
 from assur.planner.compiled import load_defined
+from assur.planner.feasibility.hits import AtStart, never_touching
 from assur.planner.feasibility.necessary import (
     arches_impossible,
     start_collides,
@@ -20,35 +21,28 @@ from assur.planner.feasibility.necessary import (
     windows_impossible,
     yaw_impossible,
 )
-from assur.planner.feasibility.odd_arrivals import odd_arrivals
-from assur.planner.feasibility.odd_input import odd_input
-from assur.planner.feasibility.odd_places import odd_places
-from assur.planner.feasibility.odd_supports import odd_supports
-from assur.planner.feasibility.posed_bodies import AtStart
-from assur.planner.feasibility.touching import never_touching
+from assur.planner.feasibility.odd_input import odd_arrivals, odd_input, odd_places, odd_supports
 from assur.planner.feasibility.witnesses import Shown, shown
 from assur.planner.kernel_cache import is_compiled
 from assur.planner.legs.meeting import every_turn
 from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.legs.tilt import pitch_free
-from assur.planner.model.deadline import Deadline, OutOfTimeError, out_of_time
+from assur.planner.model.deadline import Deadline, OutOfTimeError, Stopwatch, Watch, out_of_time
 from assur.planner.model.input_warning import InputWarning
 from assur.planner.model.outcome import Arrival, Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Relaxation
 from assur.planner.model.phases import phases, yaw_offsets
-from assur.planner.model.progress import Watch
 from assur.planner.model.refusal import ForbiddenYaw, Reason, Refusal, Stage
 from assur.planner.model.scene import Scene
-from assur.planner.model.stopwatch import Stopwatch
-from assur.planner.relaxation.by_cause import worth_trying
+from assur.planner.relaxation.changes import worth_trying
 from assur.planner.relaxation.trying import relax
 from assur.planner.report.checker_first import checker_first
 from assur.planner.report.margins import carried, contacts, margins
 from assur.planner.report.sentence import sentence
 from assur.planner.report.straight_parts import assumed
 from assur.planner.search.beam import Found, Search
-from assur.planner.search.best_candidate import best_candidate
 from assur.planner.search.cause import cause_of
 from assur.planner.search.census import Counter
+from assur.planner.search.partial_plan import best_candidate
 
 MARGINS_S = 0.15
 """So long after the budget, s, warnings and the smallest clearance of a plan may still be looked for."""

@@ -20,9 +20,9 @@ from assur.planner.model import outcome
 from assur.planner.model.arrival_error import Share
 from assur.planner.model.input_warning import InputWarning
 from assur.planner.model.load import Carried
-from assur.planner.model.proofs.witness import Witness
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene
+from assur.planner.model.witness import Witness
 from assur.planner.report.sentence import because
 from assur.scenes.numbers import interval, number, optional
 from assur.scenes.schema import answer as document

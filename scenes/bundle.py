@@ -39,9 +39,8 @@ def bundle_of(scene: Scene, plan: Plan, claims: Claims = NOTHING) -> dict[str, A
     """The bundle of a plan for a scene, and of what else is stated of it. Raises `InputError` for what a bundle cannot
     state."""
     from assur.planner.claim.answer import with_answer
-    from assur.planner.claim.document import document_of
+    from assur.planner.claim.document import document_of, labels_of
     from assur.planner.claim.filling import claim_of, with_plan
-    from assur.planner.claim.labels import labels_of
     from assur.planner.model.phases import phases
 
     base, of_plan = claim_of(scene), phases(scene, plan.legs, plan.arrivals)

@@ -10,15 +10,13 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError, InputError
-from assur.planner.frames.motion import Motion, Pose
-from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.model.attachments import AT_START
+from assur.planner.frames.motion import Motion, Pose, TiltedMotion
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import Phase, pair
+from assur.planner.model.phases import AT_START, Phase, pair
 from assur.planner.model.refusal import Bodies, Enclosed, Reason, Refusal, Separation, Stage
 from assur.planner.model.scene import Scene, check_tool_point
-from assur.planner.robots.codes import Code
-from assur.planner.robots.solutions import ModeSolutions, solutions
+from assur.planner.robots.facts import Code
+from assur.planner.robots.turns import ModeSolutions, solutions
 from assur.scenes.answer_facts import refused_document
 from assur.scenes.conventions import as_maker
 from assur.scenes.faults import NOTHING, Gathered, Refused, located, within
@@ -189,7 +187,7 @@ def _unreached(mode: ModeSolutions, given: robots.Equipped) -> written.Unreached
 
 def _collisions(prover: Prover, q: FloatArray, t: float) -> Iterator[written.Collision]:
     """The pairs of bodies that are nearer than travel allows, the arm standing at q (n,) at time t, s."""
-    from assur.planner.collision.at_rest import closest, enclosed
+    from assur.planner.collision.nearest import closest, enclosed
 
     scene, phase = prover.scene, Phase(t, t, LegKind.WAIT, 0)
     told: set[tuple[str, str]] = set()

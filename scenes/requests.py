@@ -32,10 +32,9 @@ from assur.scenes.units import si_key
 if TYPE_CHECKING:
     from assur.planner.checker.verdict import Finding
     from assur.planner.model.claims import Claims
+    from assur.planner.model.deadline import Stopwatch, Watch
     from assur.planner.model.outcome import Plan
-    from assur.planner.model.progress import Watch
     from assur.planner.model.scene import Scene
-    from assur.planner.model.stopwatch import Stopwatch
     from assur.scenes.reading.cell import Cell
 
 __all__ = [

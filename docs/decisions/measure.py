@@ -35,10 +35,10 @@ from assur.planner.legs.limits import beyond_limits
 from assur.planner.model.outcome import Planned
 from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.robots.facts import Limits
+from assur.planner.search.candidates import Population
 from assur.planner.search.extension import extended, timed
 from assur.planner.search.meeting_options import options
 from assur.planner.search.partial_plan import Candidate, TimedCandidate, initial, prepared
-from assur.planner.search.population import Population
 from assur.planner.search.rough_score import CoarseScore
 from assur.planner.search.tuning import MOST_OPTIONS
 from assur.planner.search.via_batch import shape_of

@@ -14,8 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.blends.durations import fastest, with_acceleration_time
-from assur.planner.blends.law import ParabolicBlend
+from assur.planner.blends.law import ParabolicBlend, fastest, with_acceleration_time
 from assur.planner.legs.control_point import WINDOW_S
 from assur.planner.legs.forbidden_yaw import turns_into
 from assur.planner.legs.limits import beyond_limits
@@ -40,10 +39,10 @@ from assur.planner.model.scene import Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.robots.facts import Code
 from assur.planner.search.extension import arrival, too_hard
-from assur.planner.search.late_end import ends_too_late
+from assur.planner.search.meeting_options import ends_too_late
 from assur.planner.search.partial_plan import Candidate, Extension, Option, PartialPlan
 from assur.planner.trajectory import Trajectory
-from assur.planner.trajectory.joining import joined
+from assur.planner.trajectory.trajectory import joined
 
 AGREES_S = 1e-12
 """Times that are put in and that come out agree to this, s: at 10 m/s a place is then known to 10 pm."""

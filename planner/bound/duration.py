@@ -15,11 +15,24 @@ from itertools import product
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.bound.events import ALONG, PASSES, STOPS, Event, events, still, straight_times
+from assur.planner.bound.events import (
+    ALONG,
+    PASSES,
+    STOPS,
+    Event,
+    Unplaced,
+    climbs,
+    events,
+    known,
+    modes_asked,
+    places,
+    rates,
+    still,
+    straight_times,
+    turned,
+)
 from assur.planner.bound.fastest import EXACT, FREE, KINDS, STATE, arrivals, changed
 from assur.planner.bound.guided import BOUNDED, DYAD, UNKNOWN, first_open, guided
-from assur.planner.bound.places import Unplaced, modes_asked, places, turned
-from assur.planner.bound.rates import climbs, known, rates
 from assur.planner.frames.motion import Pose
 from assur.planner.laws.belt_window import travelled
 from assur.planner.model.scene import Scene

@@ -9,9 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from assur.planner.claim.chain import unstated
-from assur.planner.claim.guides import LATER_S
-from assur.planner.claim.points import MEET_M, TRACKED_M
+from assur.planner.claim.frames import unstated
+from assur.planner.claim.points import LATER_S, MEET_M, TRACKED_M
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import EXACT
 from assur.planner.model.arrival_error import ArrivalError

@@ -7,10 +7,9 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from assur.planner.claim import columns as c
-from assur.planner.collision.nearest import nearest_at, pairs_of_pieces
+from assur.planner.collision.nearest import nearest_at, pairs_of_pieces, simplex
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, written
-from assur.planner.collision.simplex import simplex
 from assur.planner.collision.touching import asked, supports
 from assur.planner.model.claims import Claims
 from assur.planner.model.outcome import Arrival, Certificate, LegKind, Nearest, Plan

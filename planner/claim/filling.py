@@ -15,14 +15,20 @@ from assur.planner.claim.arrival_errors import errors_of
 from assur.planner.claim.columns import Claim
 from assur.planner.claim.distances import Distances, is_limited
 from assur.planner.claim.frames import Frames, frames_of
-from assur.planner.claim.guides import guides_of
-from assur.planner.claim.joint_sums import sums_of
-from assur.planner.claim.limits import JointLimits
-from assur.planner.claim.obligations import Carriers, Seats, carriers_of, distances_of, phases_of, seats_of
+from assur.planner.claim.joint_sums import Postures, sums_of
+from assur.planner.claim.obligations import (
+    Carriers,
+    JointLimits,
+    Seats,
+    bodies_in,
+    carriers_of,
+    distances_of,
+    phases_of,
+    seats_of,
+    solids_of,
+)
 from assur.planner.claim.points import Rows as NamedRows
-from assur.planner.claim.points import axes_of, points_of, rates_of
-from assur.planner.claim.postures import Postures
-from assur.planner.claim.solids import bodies_in, solids_of
+from assur.planner.claim.points import axes_of, guides_of, points_of, rates_of
 from assur.planner.collision.proof import Prover
 from assur.planner.geometry.shapes import Body
 from assur.planner.model.outcome import Certificate, Plan

@@ -4,17 +4,143 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
-from assur.planner.claim.chain import Arms, knots_at_rest, knots_of
-from assur.planner.claim.laws import StatedLaw, law_of
-from assur.planner.laws import Frame
+from assur.planner.errors import InputError
+from assur.planner.kernels import law_columns as own
+from assur.planner.laws import Frame, Law
 from assur.planner.model.scene import Scene
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
+
+# Arms as rows: their links, the distinct angles of these, their loops, and their motion as knots.
+
+
+class Arms:
+    """The arms of a cell, the robot first."""
+
+    def __init__(self) -> None:
+        self._arms: list[tuple[float, ...]] = []
+        self._links: list[tuple[float, ...]] = []
+        self._angles: list[tuple[float, ...]] = []
+        self._loops: list[tuple[float, ...]] = []
+
+    def add(self, robot: Robot) -> int:
+        """Adds the chain of an arm; the row of its base in `links`. Raises `InputError` for too many joints."""
+        first, start, n = len(self._links), len(self._angles), len(robot.joints)
+        if n > c.MOST_JOINTS:
+            raise unstated(f"an arm with {n} joints")
+        rows = robot.chain_rows
+        links, loops = rows.links.copy(), rows.loops.copy()
+        links[:, c.LINK_PARENT] += np.where(links[:, c.LINK_PARENT] >= 0.0, first, 0)
+        turns = links[:, c.LINK_YAW : c.LINK_COUPLER]
+        turns += np.where(turns >= 0.0, start, 0)
+        loops[:, c.LOOP_CRANK : c.LOOP_LENGTH] += first
+        loops[:, c.LOOP_BETWEEN] += start
+        loop = len(self._loops) if len(loops) else -1
+        self._arms.append((first, len(links), n, 0, 0, start, len(rows.angles), loop))
+        self._links += links.tolist()
+        self._angles += rows.angles.tolist()
+        self._loops += loops.tolist()
+        return first
+
+    def tables(self) -> dict[str, FloatArray]:
+        """Arms (without their knots), links, angles and loops."""
+        rows = {"arms": self._arms, "links": self._links, "angles": self._angles, "loops": self._loops}
+        return {name: c.table(name, each) for name, each in rows.items()}
+
+
+def knots_at_rest(path: Trajectory) -> FloatArray:
+    """Knots (K, c.KNOT) of an arm that follows a trajectory, and of its rest before and after it for all times that a
+    claim may have. Where it does not begin or end at rest its motion is stated no farther."""
+    begins, ends = (not (path.qd[k].any() or path.qdd[k].any()) for k in (0, -1))
+    begin = -c.LATEST_S if begins else float(path.time[0])
+    return knots_of(path, min(begin, float(path.time[0])), c.LATEST_S if ends else float(path.time[-1]))
+
+
+def knots_of(path: Trajectory, begin: float, until: float) -> FloatArray:
+    """Knots (K, c.KNOT) of an arm that follows a trajectory and rests before and after it, from `begin` to `until`, s.
+
+    Raises `InputError` for a trajectory that does not rest at an end beyond which it is required.
+    """
+    before, after, count, n = int(begin < path.time[0]), int(until > path.time[-1]), len(path.time), path.n
+    found = np.zeros((count + before + after, c.KNOT))
+    own = found[before : before + count]
+    own[:, c.KNOT_TIME] = path.time
+    for first, states in ((c.KNOT_Q, path.q), (c.KNOT_QD, path.qd), (c.KNOT_QDD, path.qdd)):
+        own[:, first : first + n] = states
+    for needed, end, t in ((before, 0, begin), (after, -1, until)):
+        if needed:
+            if path.qd[end].any() or path.qdd[end].any():
+                when = "begins, and is needed before" if end == 0 else "ends, and is needed after"
+                raise unstated(f"a motion that is not at rest when it {when}")
+            found[end, c.KNOT_TIME], found[end, c.KNOT_Q : c.KNOT_Q + n] = t, path.q[end]
+    return found
+
+
+def unstated(what: str) -> InputError:
+    """The refusal of a plan with something that no claim can state."""
+    return InputError("plan", what, "an answer without it: a proof bundle cannot state it yet")
+
+
+# Laws of motion in a claim: pieces, sines and period of the planner's table of a law.
+#
+# They belong to the cell: no law is cut to the time of a plan, and none to the time for which it is known, which the
+# statement checker compares with each plan.
+
+NO_PERIOD = (0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+class StatedLaw(NamedTuple):
+    """A law in a claim: `at` (8), its pose and rate when its first piece begins; `pieces` (K, c.LAW); its sines; its
+    period, s, and by how much it has gone on after that (4)."""
+
+    at: list[float]
+    pieces: FloatArray
+    waves: list[tuple[float, ...]]
+    period: tuple[float, ...] = NO_PERIOD
+
+
+def law_of(law: Law, early: float) -> StatedLaw:
+    """A law from `early`, s, on at the latest, until the last time that a claim may have.
+
+    Pieces that end before `early` are left out: what they round would add up. A first piece of constant speed begins at
+    `early`, when the law is stated, or when the second one begins, whichever is first. What repeats begins where its
+    law does, or the whole periods before that are needed.
+
+    Raises `InputError` for a law that begins too early or too late for any claim.
+    """
+    count, period = int(law.row[own.COUNT]), float(law.row[own.PERIOD])
+    pieces, waves = law.side[:count], [tuple(each) for each in law.side[count:, : c.WAVE].tolist()]
+    # the first one that ends later; all of them if none does
+    left_out = 0 if period > 0.0 else int(np.argmax(pieces[:, own.PIECE_END] > early))
+    pieces = pieces[left_out:]
+    pose, rate, powers = pieces[0, own.POSE : own.RATE], pieces[0, own.RATE : own.CORNER], pieces[:, own.POWER :]
+    if law.is_fixed or waves:
+        return StatedLaw([*pose.tolist(), 0.0, 0.0, 0.0, 0.0], c.table("laws", []), waves)
+    starts, ends = pieces[:, own.PIECE_BEGIN].copy(), pieces[:, own.PIECE_END].copy()
+    repeated = NO_PERIOD
+    if period > 0.0:
+        step, start = law.row[own.STEP : own.STEP + 4], float(law.row[own.START])
+        whole = -math.ceil(max(start - early, 0.0) / period) + math.ceil(max(-c.LATEST_S - start, 0.0) / period)
+        starts, pose = starts + (start + whole * period), pose + whole * step
+        ends = np.append(starts[1:], starts[0] + period)
+        repeated = (period, *step.tolist())
+    elif left_out == 0 and not powers[0].any():
+        begin = max(min(early, law.stated_s, starts[0]), -c.LATEST_S)
+        pose, starts[0] = pose - (starts[0] - begin) * rate, begin
+    ends = np.minimum(ends, c.LATEST_S)
+    kept = starts < ends  # some last no time
+    if not (kept.any() and starts[0] >= -c.LATEST_S):
+        raise unstated(f"a frame whose motion begins before {-c.LATEST_S:g} s or after {c.LATEST_S:g} s")
+    found = np.zeros((int(kept.sum()), c.LAW))
+    found[:, c.LAW_BEGIN], found[:, c.LAW_END], found[:, c.LAW_POWER :] = starts[kept], ends[kept], powers[kept]
+    return StatedLaw([*pose.tolist(), *rate.tolist()], found, waves, repeated)
+
 
 BEYOND_S = 1e-3
 """Motions are stated for so long before the first time at which they count, s: sums of times are rounded."""

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
+from assur.planner.geometry.shapes import Body, Pieces
 from assur.planner.laws import EXACT
-from assur.planner.model.attachments import Attachments, at_start
-from assur.planner.model.clearance import contact_gap
-from assur.planner.model.phases import Phase
+from assur.planner.model.phases import Attachments, Phase, at_start, contact_gap
 from assur.planner.model.scene import Scene
+from assur.planner.robots.facts import Limits
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,3 +165,103 @@ def distances_of(scene: Scene, carriers: Carriers) -> dict[str, FloatArray]:
         "self_pairs": pairs,
         "required": row,
     }
+
+
+# Bodies as convex pieces, in their own axes; and the surfaces of those that are meshes.
+
+
+def bodies_in(scene: Scene) -> tuple[Body, ...]:
+    """The robot's, the tool's and those around, in the order of a claim."""
+    own = (item.body for item in scene.robot.bodies)
+    return (*own, *scene.tool.bodies, *(item.body for item in scene.bodies))
+
+
+def solids_of(bodies: Sequence[Body], solids: Pieces) -> dict[str, FloatArray]:
+    """Bodies, pieces, vertices and triangles. `solids`: the pieces of these bodies. A piece with triangles has their
+    corners as its vertices."""
+    rows = np.zeros((len(bodies), c.BODY))
+    rows[:, c.BODY_PIECE], rows[:, c.BODY_PIECES] = solids.first, solids.count
+    pieces, corners = _pieces(solids), list[FloatArray]()
+    for k in np.flatnonzero(solids.hull >= 0).tolist():
+        hull = solids.hulls[solids.hull[k]]
+        corners.append(hull.vertices @ solids.rotation[k].T + solids.position[k])
+    surfaces = {k: cut for k, body in enumerate(bodies) for cut in [body.cut_surface] if cut}
+    numbers = solids.hull.tolist()
+    for body, cut in surfaces.items():
+        for piece, (own, _) in enumerate(cut, start=int(solids.first[body])):
+            corners[numbers[piece]] = own
+    sizes, hulls = np.zeros(len(pieces)), solids.hull >= 0
+    sizes[hulls] = [len(each) for each in corners]
+    pieces[:, c.PIECE_VERTICES], pieces[:, c.PIECE_VERTEX] = sizes, np.cumsum(sizes) - sizes
+    triangles, count = [c.table("triangles", [])], 0
+    for body in range(len(bodies)):
+        begin = count
+        for piece, (_, chosen) in enumerate(surfaces.get(body, ()), start=int(solids.first[body])):
+            own = np.full((len(chosen), c.TRIANGLE), float(piece))
+            own[:, c.TRIANGLE_VERTEX : c.TRIANGLE_PIECE] = chosen + pieces[piece, c.PIECE_VERTEX]
+            triangles.append(own)
+            count += len(own)
+        rows[body, c.BODY_TRIANGLE], rows[body, c.BODY_TRIANGLES] = begin, count - begin
+    return {
+        "bodies": rows,
+        "pieces": pieces,
+        "vertices": np.concatenate([c.table("vertices", []), *corners]),
+        "triangles": np.concatenate(triangles),
+    }
+
+
+def _pieces(solids: Pieces) -> FloatArray:
+    """The rows of all pieces, without their vertices."""
+    found, count = np.zeros((len(solids.shapes), c.PIECE)), len(solids.shapes)
+    found[:, c.PIECE_CENTRE : c.PIECE_AXIS] = solids.position
+    found[:, c.PIECE_AXIS : c.PIECE_DISC] = solids.rotation[:, :, 2]
+    found[:, c.PIECE_DISC], found[:, c.PIECE_BALL] = solids.disc, solids.ball
+    long = solids.half != 0.0
+    found[:, c.PIECE_EDGES] = long.sum(1)
+    edges = np.where(long[:, :, None], solids.rotation.transpose(0, 2, 1) * solids.half[:, :, None], 0.0)
+    order = np.argsort(~long, axis=1, kind="stable")[:, :, None]  # edges of no length come last
+    found[:, c.PIECE_EDGE : c.PIECE_EDGE + 9] = np.take_along_axis(edges, order, 1).reshape(count, 9)
+    return found
+
+
+# Limits of the joints, and for which time: a load changes them.
+
+SHARES = (1e-9, 1e-9, 1e-9, 1e-6)
+"""Of half the range, velocity, acceleration and jerk, beyond the limit: rounding of knots on a limit."""
+
+
+class JointLimits:
+    """The rows of a scene's limits without their times: of the robot, and of it with each load that lowers them."""
+
+    def __init__(self, scene: Scene) -> None:
+        own, jerk = scene.robot.limits, scene.options.jerk_limited
+        lowered = {load.part: scene.limits_with(load.part) for load in scene.loads}
+        self._own = _row(own, jerk=jerk)
+        self._lowered = {part: _row(each, jerk=jerk) for part, each in lowered.items() if each is not own}
+
+    def over(self, start: float, phases: Sequence[Phase]) -> FloatArray:
+        """The limits (N, c.LIMIT) of a plan: the robot's from `start` on, s, and those that each load leaves, for as
+        long as it is held."""
+        loads = loads_of(phases) if self._lowered else []
+        spans = [(part, t0, t1) for part, t0, t1 in loads if part in self._lowered]
+        found = np.array([self._own, *(self._lowered[part] for part, _, _ in spans)])
+        found[:, c.LIMIT_T0 : c.LIMIT_JERKS] = [(start, phases[-1].t1), *((t0, t1) for _, t0, t1 in spans)]
+        return found
+
+
+def loads_of(phases: Sequence[Phase]) -> list[tuple[str | None, float, float]]:
+    """What the gripper holds on the legs of a plan, from when to when, s."""
+    found = []
+    for part, group in groupby((phase for phase in phases if phase.step >= 0), key=lambda phase: phase.attached.part):
+        own = list(group)
+        found.append((part, own[0].t0, own[-1].t1))
+    return found
+
+
+def _row(limits: Limits, *, jerk: bool) -> FloatArray:
+    row, n = np.zeros(c.LIMIT), len(limits.lower)
+    row[c.LIMIT_JERKS], row[c.LIMIT_SHARE : c.LIMIT_LOWER] = jerk, SHARES
+    firsts = (c.LIMIT_LOWER, c.LIMIT_UPPER, c.LIMIT_VELOCITY, c.LIMIT_ACCELERATION, c.LIMIT_JERK)[: 4 + jerk]
+    for first, values in zip(firsts, limits.table, strict=False):
+        row[first : first + n] = values
+    return row

@@ -2,24 +2,41 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from itertools import product
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.collision.bodies import Arrangement
-from assur.planner.collision.pairs import Pairs, certain
+from assur.planner.collision.bodies import Arrangement, Pairs, certain
 from assur.planner.collision.proof import Prover, Search
-from assur.planner.kernels.intervals import DONE, STATE_COLUMNS
-from assur.planner.kernels.nearest import LOWER, NEAREST_A, NEAREST_B, NEAREST_T, UPPER, sample_distance
-from assur.planner.kernels.planes import SIDES
-from assur.planner.kernels.solids import FIRST, PAIR_COLUMNS, REQUIRED, SECOND, SET
+from assur.planner.geometry.containment import inside
+from assur.planner.kernels.gjk import add_farthest, nearest_to_origin
+from assur.planner.kernels.intervals import DONE, RESERVE_M, STATE_COLUMNS
+from assur.planner.kernels.proof import SIDES
+from assur.planner.kernels.screening import (
+    HIT_A,
+    HIT_B,
+    HIT_GAP,
+    HIT_NEED,
+    HIT_PAIR,
+    LOWER,
+    NEAREST_A,
+    NEAREST_B,
+    NEAREST_T,
+    UPPER,
+    sample_distance,
+)
+from assur.planner.kernels.solids import BALL, FIRST, PAIR_COLUMNS, REQUIRED, SECOND, SET
 from assur.planner.kernels.walk import NEAREST
-from assur.planner.model.deadline import out_of_time
+from assur.planner.model.deadline import look, out_of_time
 from assur.planner.model.outcome import Nearest
-from assur.planner.model.phases import Phase, pair
+from assur.planner.model.phases import Attachments, Contacts, Phase, pair
+from assur.planner.model.refusal import Separation
+from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 
 Kind = Literal["all", "arm", "placed"]
@@ -150,3 +167,192 @@ def _search(
     else:
         search.state[LOWER] = 0.0
     state[1:] = search.state[1:]
+
+
+# Why two pieces are as near as they are: up to four directions, with weights.
+#
+# Along each direction both pieces have points that are farthest along it; the sums of these points with the weights are
+# as near to each other as the pieces. The search is that of `kernels.gjk.separate`, with its balls among the points,
+# and directions a little turned: along a normal of a flat side no single point is the farthest.
+
+TURNS = 1e-5 * np.array([[0.61, -0.37, 0.7], [0.37, 0.7, -0.61], [-0.7, 0.61, 0.37], [0.28, 0.55, 0.79]])
+"""One of them is added to unit directions. So a checker chooses the same points for edges of 0.5 mm or more,
+whatever it rounds."""
+ENOUGH_M = 2e-6
+"""The search ends when the distance is known to this, m. If it were known better, a direction might become one in which
+two points are equally far."""
+MEET_M = 1e-9
+"""Points this near have no direction, m."""
+ITERATIONS = 200
+"""Round bodies converge linearly."""
+
+
+class Simplex(NamedTuple):
+    """`distance_m` of two points; `weights` (4,), and `directions` (4, 3) in the world from the first piece to the
+    second, of which the last ones may have no weight."""
+
+    distance_m: float
+    weights: FloatArray
+    directions: FloatArray
+
+
+def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int, enough_m: float = ENOUGH_M) -> Simplex:
+    """That of units a and b, which are pieces, with their carriers (K, 12) where they are, when the distance is known
+    to `enough_m`."""
+    rows, vertices = arrangement.rows, arrangement.bodies.vertices
+    placed = arrangement.placed(carriers, (a, b))
+    axes = np.concatenate([placed[0, unit, 3:12].reshape(3, 3) for unit in (a, b)], axis=1)
+    turn = TURNS[np.argmax(np.abs(TURNS @ axes).min(axis=1))]
+    balls, work = float(rows[a, BALL] + rows[b, BALL]), np.empty((3, 4))
+    points, directions = np.zeros((4, 3)), np.zeros((4, 3))
+    weights, count, between = np.zeros(4), 0, placed[0, b, :3] - placed[0, a, :3]
+    for _ in range(ITERATIONS):
+        length = float(np.linalg.norm(between))
+        if count and not length > MEET_M:
+            break
+        way = (between / length if length > MEET_M else np.zeros(3)) + turn
+        way /= np.linalg.norm(way)
+        point = np.zeros((1, 3))
+        x, y, z = way.tolist()
+        add_farthest(rows, vertices, placed, 0, b, -x, -y, -z, 1.0, point, 0)
+        add_farthest(rows, vertices, placed, 0, a, x, y, z, -1.0, point, 0)
+        point[0] -= balls * way
+        # no direction brings the pieces nearer than this, and the point is none that is known
+        if count and (length - float(way @ point[0]) <= enough_m or (points[:count] == point[0]).all(axis=1).any()):
+            break
+        points[count], directions[count] = point[0], way
+        count += 1
+        if not nearest_to_origin(points, count, work):
+            weights = np.linalg.lstsq(np.vstack([points.T, np.ones(4)]), np.array([0.0, 0.0, 0.0, 1.0]), rcond=None)[0]
+            weights = np.maximum(weights, 0.0)
+            weights /= weights.sum()
+            break
+        kept = [k for k in range(count) if work[0, k] > 0.0]
+        weights = np.zeros(4)
+        count, weights[: len(kept)] = len(kept), work[0, kept]
+        points[:count], directions[:count] = points[kept], directions[kept]
+        between = weights @ points
+        if count == 4:
+            break
+    return Simplex(float(np.linalg.norm(weights @ points)), weights, directions)
+
+
+# What is in the way of the arm at one time and posture: the first pair that is too near, or a mesh around it.
+
+
+@dataclass(frozen=True, slots=True)
+class TooNear:
+    """Two bodies, by name, how near they are, and the numbers of the pieces of theirs that are."""
+
+    names: tuple[str, str]
+    facts: Separation
+    units: tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Within:
+    """A body and the mesh that it is inside of, by name, and a point of the body that is, world."""
+
+    names: tuple[str, str]
+    point: tuple[float, float, float]
+
+
+def closest(
+    scene: Scene,
+    prover: Prover,
+    phase: Phase,
+    q: FloatArray,
+    contacts: Contacts,
+    among: frozenset[str] | None = None,
+) -> TooNear | None:
+    """The first pair nearer than required at the phase's beginning, where everything is where it is planned; `among`:
+    only these bodies of the surroundings, against what hangs on the flange."""
+    arrangement = prover.of(phase)
+    stands = prover.standing(q, phase.t0)
+    pairs = certain(prover.near(phase, stands))
+    one, other = (arrangement.body[pairs[:, column].astype(np.int64)] for column in (FIRST, SECOND))
+    names = [pair(arrangement.names[a], arrangement.names[b]) for a, b in zip(one, other, strict=True)]
+    wanted = np.array([each not in contacts for each in names], dtype=bool)
+    if among is not None:
+        hanging, named = _hanging(scene, arrangement, among)
+        wanted &= hanging[one] & named[other]
+    if not wanted.any():
+        return None
+    found = prover.hits(phase, stands, pairs[wanted], doubted=False).too_near
+    if not len(found):
+        return None
+    hit = found[found[:, HIT_PAIR].argmin()]
+    units, gap, need = (int(hit[HIT_A]), int(hit[HIT_B])), float(hit[HIT_GAP]), float(hit[HIT_NEED]) - RESERVE_M
+    first, second = (arrangement.names[arrangement.body[unit]] for unit in units)
+    touching = bool(prover.touch(arrangement, stands, phase.t0, *units))
+    apart = min(gap if touching else max(0.0, gap), need)
+    rule, clearance = prover.rule(phase, first, second)
+    facts = Separation(touching=touching, gap_m=apart, required_m=need, rule=rule, clearance_m=clearance)
+    return TooNear((first, second), facts, units)
+
+
+def _hanging(scene: Scene, arrangement: Arrangement, among: frozenset[str]) -> tuple[BoolArray, BoolArray]:
+    """Which bodies (B,) hang on the flange, and which are of the surroundings and in `among`."""
+    links = scene.robot.links
+    hangs = np.array([*(link in ("flange", "quill") for link in links), *(False for _ in scene.frames)], dtype=bool)
+    named = np.array([name in among for name in arrangement.names], dtype=bool)
+    return hangs[arrangement.carrier[arrangement.roots]], named & ~arrangement.of_robot
+
+
+def enclosed(
+    scene: Scene,
+    prover: Prover,
+    attached: Attachments,
+    q: FloatArray,
+    t: float,
+    contacts: Contacts,
+    among: frozenset[str] | None = None,
+) -> Within | None:
+    """A body of the arm and the mesh whose surface encloses a point of it (a mesh is hollow to FCL and to gaps).
+
+    `attached`: where each body of the surroundings sits by then; `contacts`: pairs that do not count; `among`: only
+    these bodies of the surroundings. Raises `OutOfTimeError` where the deadline in force passes.
+    """
+    if all(world.body.surface is None for world in scene.bodies):
+        return None
+    arrangement = prover.arrangement(attached)
+    carriers = prover.carriers(q, t)
+    points = [
+        (mine, _reference_points(prover, arrangement, q, t, mine))
+        for mine in np.flatnonzero(arrangement.of_robot).tolist()
+    ]
+    for world in scene.bodies:
+        if world.body.surface is None or (among is not None and world.name not in among):
+            continue
+        number = arrangement.number[world.name]
+        if arrangement.of_robot[number]:
+            continue  # it is in the gripper
+        look()
+        low, high = prover.box(world.body.surface[0])
+        carrier = carriers[int(arrangement.carrier[arrangement.roots[number]])]
+        origin, turn = carrier[:3], carrier[3:].reshape(3, 3)
+        pose = attached.pose_of(scene, world.name)[1]
+        c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+        yaw = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        for mine, here in points:
+            local = ((here - origin) @ turn - pose.position) @ yaw
+            # a point outside the box round the surface is outside the surface; NaN is not outside
+            near = ~((local < low) | (local > high)).any(-1)
+            if pair(arrangement.names[mine], world.name) in contacts or not near.any():
+                continue
+            within = inside(world.body.surface, local[near], look)
+            if within.any():
+                x, y, z = here[near][within.argmax()].tolist()
+                return Within((arrangement.names[mine], world.name), (x, y, z))
+    return None
+
+
+def _reference_points(prover: Prover, arrangement: Arrangement, q: FloatArray, t: float, body: int) -> FloatArray:
+    """A point (m, 3) inside each convex piece of a body, world."""
+    units = np.array(arrangement.pieces(body))
+    points = []
+    for unit, posed in zip(units, prover.posed(arrangement, q, t, units), strict=True):
+        corners = getattr(arrangement.shape(unit), "vertices", None)
+        middle = np.zeros(3) if corners is None else corners.mean(0)
+        points.append(posed.position + posed.axes @ middle)
+    return np.array(points)

@@ -8,9 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.collision.bodies import Arrangement, Bodies
+from assur.planner.collision.bodies import Arrangement, Bodies, Pairs, PairTables
 from assur.planner.collision.fcl_door import Collider, Posed
-from assur.planner.collision.pairs import Pairs, PairTables
 from assur.planner.collision.rows import Rows, Unproved
 from assur.planner.kernels.carriers import place_carriers
 from assur.planner.kernels.intervals import (
@@ -28,7 +27,6 @@ from assur.planner.kernels.intervals import (
     Motion,
 )
 from assur.planner.kernels.links import POSE_COLUMNS
-from assur.planner.kernels.planes import SIDES, behind, drop_spare, not_behind
 from assur.planner.kernels.proof import (
     ALONG,
     OTHER,
@@ -39,9 +37,13 @@ from assur.planner.kernels.proof import (
     RESISTED_S,
     RESISTED_T,
     ROW_COLUMNS,
+    SIDES,
     T0,
     T1,
     UNIT,
+    behind,
+    drop_spare,
+    not_behind,
 )
 from assur.planner.kernels.screening import HIT_COLUMNS, HIT_GAP, HITS, depths, sampled_behind
 from assur.planner.kernels.solids import EARLY, FIRST, LATE, PAIR_COLUMNS, REQUIRED, SECOND, SET

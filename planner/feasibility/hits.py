@@ -5,27 +5,31 @@ What is found is said twice: as the refusal, and as the witness that the checker
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.refusals.nearest import points_between
-from assur.planner.checker.refusals.places import Spot, spots
-from assur.planner.checker.refusals.stated import Shown
-from assur.planner.checker.refusals.ways import Way, each_way
-from assur.planner.collision.at_rest import TooNear, Within, closest, enclosed
+from assur.planner.checker.refusals.stated import Shown, Spot, spots
+from assur.planner.checker.refusals.ways import Way, each_way, ways
+from assur.planner.collision.fcl_door import Posed
+from assur.planner.collision.nearest import TooNear, Within, closest, enclosed
 from assur.planner.collision.proof import Prover
+from assur.planner.collision.touching import asked, too_far
+from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Piece
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.tilt import tilts
-from assur.planner.model.attachments import at_start
 from assur.planner.model.deadline import look
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import Phase
-from assur.planner.model.proofs.witness import Meeting
+from assur.planner.model.phases import AT_START, Attachments, Phase, at_start
 from assur.planner.model.refusal import Bodies, Enclosed, Quantity, Reason, Refusal, Separation, Stage
-from assur.planner.model.scene import Scene
+from assur.planner.model.scene import Pick, Place, Scene, Step
+from assur.planner.model.witness import Meeting
 from assur.planner.robots.facts import Code
 
 ROOM_M = 1e-4
@@ -138,3 +142,110 @@ def meeting_of(prover: Prover, hit: Hit) -> Meeting:
         points_m=points,
         inside=isinstance(hit.found, Within),
     )
+
+
+# Bodies where they are at the start, and whether they touch, for warnings about requests.
+
+
+class AtStart:
+    """Bodies of the surroundings as they are at the start, or would be then if parts had changed places. Each body is
+    posed once in each of its places."""
+
+    def __init__(self, scene: Scene, prover: Prover) -> None:
+        self.scene, self.prover = scene, prover
+        carriers = prover.carriers(scene.start.q, scene.start.time)[len(scene.robot.links) :]
+        self._frames = dict(zip(scene.frames, carriers, strict=True))
+        self._posed: dict[tuple[str, str, Pose], list[Posed]] = {}
+        self._table: FloatArray | None = None
+
+    def place(self, name: str, attached: Attachments = AT_START) -> FloatArray:
+        """Where the origin of a body is in the world, (3,) m; NaN: the motion of its frame is not known then."""
+        frame, pose = attached.pose_of(self.scene, name)
+        carrier = self._frames[frame]
+        return np.asarray(carrier[:3] + carrier[3:].reshape(3, 3) @ pose.position)
+
+    def shapes(self, name: str, attached: Attachments = AT_START) -> list[Posed]:
+        """The shapes of a body."""
+        at = (name, *attached.pose_of(self.scene, name))
+        if at not in self._posed:
+            self._posed[at] = posed(self.prover, name, attached)
+        return self._posed[at]
+
+    def near(self, name: str, lowest: float, highest: float) -> list[str]:
+        """The other bodies, in their order, that may touch a body at the start between two heights in the world, m: the
+        circles about both meet, and theirs is not all above or below. None of those whose place is not known."""
+        if self._table is None:
+            self._table = np.array([self._row(each.name) for each in self.scene.bodies])
+        table, own, names = self._table, self.place(name), list(self.scene.index)
+        reach = np.hypot(*(table[:, :2] - own[:2]).T) <= table[:, 2] + self.scene.index[name].body.radius
+        reach &= (table[:, 4] >= lowest) & (table[:, 3] <= highest)
+        return [names[k] for k in np.flatnonzero(reach).tolist() if names[k] != name]
+
+    def _row(self, name: str) -> list[float]:
+        """x, y, radius, lowest and highest z of a body in the world, m."""
+        look()
+        (x, y, z), body = self.place(name).tolist(), self.scene.index[name].body
+        return [x, y, body.radius, z + body.heights[0], z + body.heights[1]]
+
+
+def posed(prover: Prover, name: str, attached: Attachments = AT_START) -> list[Posed]:
+    """The shapes of any body as they are at the start, or would be then if it were so attached."""
+    arrangement, start = prover.arrangement(attached), prover.scene.start
+    return prover.posed(arrangement, start.q, start.time, np.array(arrangement.pieces(arrangement.number[name])))
+
+
+def moved(posed: Iterable[Posed], by: FloatArray) -> list[Posed]:
+    """Shapes shifted by (3,) m."""
+    return [replace(each, position=each.position + by) for each in posed]
+
+
+def touch(prover: Prover, ones: list[Posed], others: list[Posed], *shifts: FloatArray) -> bool:
+    """Whether any two of the shapes touch, after each of the shifts (3,) of the first ones, m. Checks the deadline
+    before each two."""
+    for by in shifts or (np.zeros(3),):
+        for one, other in product(moved(ones, by), others):
+            look()
+            if prover.collider.touch(one, other):
+                break
+        else:
+            return False
+    return True
+
+
+# Grips and supports that are farther from their part than the request allows, whenever and however the arm comes.
+
+
+def never_touching(scene: Scene, prover: Prover) -> Refusal | None:
+    """The first pick or place whose part is too far from the tool, in all turns in which it may be gripped, or from
+    what it is put down on, whenever; or None. Not known here: where any turn will do, and what rests on frames that
+    move against each other. Raises `OutOfTimeError` where the deadline in force passes."""
+    for number, step in enumerate(scene.task):
+        look()
+        found = ways(scene, number) if math.isfinite(asked(step)) else ()
+        if isinstance(step, Pick):
+            found = () if found and found[0].turn is None else found
+        else:
+            found = found[:1] if found and always(scene, step, found[0].before) else ()
+        far = [too_far(prover, number, way.before, way.turn or 0.0, scene.start.time) for way in found]
+        refusals = [refusal for refusal in far if refusal is not None]
+        if refusals and len(refusals) == len(far):
+            return min(refusals, key=_amount)
+    return None
+
+
+def always(scene: Scene, step: Step, attached: Attachments) -> bool:
+    """Whether what the part of a place, or of a pick before which all is `attached`, rests on stays where it is against
+    the part: it is named, and all of it is on the part's frame, or neither moves."""
+    if not isinstance(step, Pick | Place) or step.contact_with is None:
+        return False
+    frame, _ = attached.point(scene, step)
+    others = {attached.pose_of(scene, name)[0] for name in step.contact_with}
+    return all(other == frame or _stand(scene, frame, other) for other in others)
+
+
+def _stand(scene: Scene, *frames: str) -> bool:
+    return all(scene.frames[name].law.is_fixed for name in frames)
+
+
+def _amount(refusal: Refusal) -> float:
+    return math.inf if refusal.amount is None else refusal.amount.value

@@ -10,9 +10,9 @@ from assur.planner.checker.refusals.ways import ways
 from assur.planner.checker.refusals.windows import witness_of as openings_of
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.hits import hit_at_start, hits, meeting_of
-from assur.planner.model.proofs.witness import Met, Orbit, Witness
 from assur.planner.model.refusal import ForbiddenYaw, OutOfReach, Reason, Refusal, Stage
 from assur.planner.model.scene import Scene
+from assur.planner.model.witness import Met, Orbit, Witness
 
 
 @dataclass(frozen=True, slots=True)

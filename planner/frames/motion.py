@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -149,3 +150,80 @@ class Motion:
         yaw = np.full(shape, pose.yaw)
         still, unturned = np.zeros((3, *shape, 3)), np.zeros((3, *shape))
         return Motion(p, still[0], still[1], still[2], yaw, unturned[0], unturned[1], unturned[2])
+
+
+# How far points that a link or a frame carries move at most over an interval, from its jets.
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """The jets (12, 6) of a carrier over an interval (`assur.planner.kernels.jets`)."""
+
+    jets: FloatArray
+
+    def point(self, order: int, x: float, y: float, z: float) -> FloatArray:
+        """Upper bounds (3,) of the magnitudes of the coordinates, in the world, of the derivative of that order (1 or
+        2) of the point (x, y, z) that is carried; infinite where nothing is known (K43)."""
+        if not np.isfinite(self.jets).all():
+            return np.full(3, np.inf)
+        place = np.array([1.0, x, y, z])
+        middle = place @ self.jets[:, 2 * order].reshape(4, 3)
+        radius = np.abs(place) @ self.jets[:, 2 * order + 1].reshape(4, 3)
+        return np.asarray(np.abs(middle) + radius)
+
+    def turning(self, order: int) -> float:
+        """An upper bound of the magnitude of that derivative of the horizontal direction of a carrier's x axis, if it
+        stays upright: of the order 1 its rate of turning, rad/s."""
+        if not np.isfinite(self.jets).all():
+            return float(np.inf)
+        return float(np.hypot(*(abs(self.jets[k, 2 * order]) + self.jets[k, 2 * order + 1] for k in (3, 4))))
+
+
+# Motions of a hand that has a pitch and a roll beside its heading.
+#
+# Frames of a cell turn about the vertical only; the hand of an arm with a wrist does not. Its attitude in the world is
+# Rz(yaw) Ry(−pitch) Rx(roll), equation H1 of docs/kinematics.md: `yaw` is the heading of the arm's vertical plane, the
+# pitch is that of the tool axis (x) above the horizontal in this plane, the roll is about the tool axis.
+
+Tilt: TypeAlias = tuple[float, float]
+"""Pitch and roll, rad."""
+
+
+@dataclass(frozen=True, slots=True)
+class TiltedMotion(Motion):
+    """A motion with pitch and roll: `tilt` (..., 2) in rad, and three time derivatives. Upright motions have none."""
+
+    tilt: FloatArray
+    tilt_d: FloatArray
+    tilt_dd: FloatArray
+    tilt_ddd: FloatArray
+
+    @staticmethod
+    def of(motion: Motion, tilt: FloatArray, *rates: FloatArray) -> TiltedMotion:
+        """`motion` with pitch and roll (..., 2) and their three derivatives; without `rates` they do not change."""
+        tilt = np.broadcast_to(tilt, (*motion.yaw.shape, 2))
+        d, dd, ddd = rates or (np.zeros(tilt.shape),) * 3
+        place, turn = (
+            (motion.p, motion.v, motion.a, motion.j),
+            (motion.yaw, motion.yaw_d, motion.yaw_dd, motion.yaw_ddd),
+        )
+        return TiltedMotion(*place, *turn, tilt, d, dd, ddd)
+
+    def at(self, offset: Pose) -> TiltedMotion:
+        """Motion of a frame beside this one, `offset` being in a frame that has its heading and stays upright."""
+        beside = Motion.at(self, offset)
+        return TiltedMotion.of(beside, self.tilt, self.tilt_d, self.tilt_dd, self.tilt_ddd)
+
+    def __getitem__(self, key: object) -> TiltedMotion:
+        """The motion at some of the times."""
+        names = (*Motion.__slots__, *TiltedMotion.__slots__)
+        return TiltedMotion(*(getattr(self, name)[key] for name in names))
+
+    def at_rest(self) -> TiltedMotion:
+        """The same poses with all derivatives zero: met in position only."""
+        return TiltedMotion.of(Motion.at_rest(self), self.tilt)
+
+
+def like(motion: Motion, pattern: Motion) -> Motion:
+    """`motion` with the pitch and roll that `pattern` begins with, if it has any; they stay."""
+    return TiltedMotion.of(motion, pattern.tilt.reshape(-1, 2)[0]) if isinstance(pattern, TiltedMotion) else motion

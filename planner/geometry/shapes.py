@@ -11,6 +11,7 @@ box: h; sphere: rb; capsule along z: hz, rb; cylinder along z: hz, rd. A convex 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from operator import le
@@ -22,7 +23,7 @@ from assur.planner.arrays import FloatArray, IntArray, frozen
 from assur.planner.errors import InputError
 
 if TYPE_CHECKING:
-    from assur.planner.geometry.inertia import Spread
+    from assur.planner.geometry.surface import Spread
 
 SMALLEST_M = 1e-5
 """No solid is thinner than this: below it a unit was probably mistaken."""
@@ -177,7 +178,7 @@ class Body:
     @cached_property
     def spread(self) -> Spread:
         """How its volume is spread, for a mass of uniform density."""
-        from assur.planner.geometry.inertia import spread
+        from assur.planner.geometry.surface import spread
 
         return spread(self)
 
@@ -185,7 +186,7 @@ class Body:
     def cut_surface(self) -> tuple[tuple[FloatArray, IntArray], ...]:
         """For each piece: corners (V, 3), m, and the triangles (T, 3) of them, into which the surface is cut so that
         each is in one piece. Without a surface: nothing."""
-        from assur.planner.geometry.cut_surface import cut_of
+        from assur.planner.geometry.surface import cut_of
 
         return () if self.surface is None else cut_of(self.pieces, self.surface)
 
@@ -233,3 +234,59 @@ def radius(piece: Piece) -> float:
     flat = ((a * hx + s * b * hy + t * c * hz, d * hx + s * e * hy + t * f * hz) for s, t in signs)
     farthest = max(max(math.hypot(x + u, y + v), math.hypot(x - u, y - v)) for u, v in flat)
     return farthest + piece.shape.disc + piece.shape.ball
+
+
+# All convex pieces of a cell's bodies as flat arrays: the raw shapes, read once, for whoever computes with many.
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """Pieces (S,) of bodies (B,), those of body b being `first[b]` and the `count[b] - 1` behind it.
+
+    `position` (S, 3) m and `rotation` (S, 3, 3) in the body's axes; `half` (S, 3), `disc`, `ball` (S,) the terms of
+    their support function (S1), zero for a hull, which is number `hull` (S,) of `hulls`; -1: a primitive.
+    """
+
+    first: IntArray
+    count: IntArray
+    position: FloatArray
+    rotation: FloatArray
+    half: FloatArray
+    disc: FloatArray
+    ball: FloatArray
+    hull: IntArray
+    shapes: tuple[Primitive | Hull, ...]
+    hulls: tuple[Hull, ...]
+
+
+NO_CORE = (0.0, 0.0, 0.0, 0.0, 0.0)
+NO_POINTS, NO_AXES = np.zeros(0), np.zeros((0, 3))
+"""What stands in front, so that there may be no body."""
+
+
+def pieces(bodies: Sequence[Body]) -> Pieces:
+    """The table of some bodies, in order; its arrays are read-only."""
+    every = [piece for body in bodies for piece in body.pieces]
+    shapes = tuple(piece.shape for piece in every)
+    count = np.array([len(body.pieces) for body in bodies], dtype=np.int64)
+    hulls = tuple(shape for shape in shapes if isinstance(shape, Hull))
+    core = np.array([NO_CORE if isinstance(s, Hull) else (*s.half, s.disc, s.ball) for s in shapes]).reshape(-1, 5)
+    hull = np.full(len(shapes), -1)
+    if hulls:
+        hull[[isinstance(shape, Hull) for shape in shapes]] = np.arange(len(hulls))
+    found = Pieces(
+        first=np.cumsum(count) - count,
+        count=count,
+        position=np.concatenate([NO_POINTS, *(piece.position for piece in every)]).reshape(-1, 3),
+        rotation=np.concatenate([NO_AXES, *(piece.rotation for piece in every)]).reshape(-1, 3, 3),
+        half=core[:, :3].copy(),
+        disc=core[:, 3].copy(),
+        ball=core[:, 4].copy(),
+        hull=hull,
+        shapes=shapes,
+        hulls=hulls,
+    )
+    for array in vars(found).values():
+        if isinstance(array, np.ndarray):
+            array.flags.writeable = False
+    return found

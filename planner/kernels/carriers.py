@@ -13,11 +13,10 @@ import math
 
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
+from assur.planner.kernels.jets import BALL, CUBE, Ball, sweep_links
 from assur.planner.kernels.laws import place_frame, sweep_frame
 from assur.planner.kernels.links import LINKS, place_links
 from assur.planner.kernels.solids import CARRIER, CENTRE, DISC, HALF, NORMAL, ROTATION, TABLE
-from assur.planner.kernels.sweeps.chain import sweep_links
-from assur.planner.kernels.sweeps.jets import BALL, CUBE, Ball
 
 ON_AXIS = 1e-12
 """A disc whose axis is off that of its carrier by no more counts as one about that axis (no unit)."""

@@ -34,7 +34,7 @@ RIGHT = -1
 """σ of assembly mode 2: C to the right of A→B, θ₂ > 0."""
 
 ASSEMBLED, OUT_OF_REACH, STRETCHED, FOLDED, INDETERMINATE, ALIGNED, PARALLEL = range(7)
-"""How a solution came out: numbers of `assur.planner.robots.codes.Code`."""
+"""How a solution came out: numbers of `assur.planner.robots.facts.Code`."""
 
 ROUNDING = 1e-12
 """How far |d| may be from l₁ + l₂ or |l₁ − l₂| and still count as equal, as a share of l₁ + l₂ (no unit).

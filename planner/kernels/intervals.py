@@ -13,6 +13,7 @@ from typing import TypeAlias
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.compiled import kernel
 from assur.planner.kernels.carriers import derivative, place_carriers, sweep_carriers
+from assur.planner.kernels.jets import Ball
 from assur.planner.kernels.solids import (
     CARRIER,
     CUBE,
@@ -27,7 +28,6 @@ from assur.planner.kernels.solids import (
     place,
 )
 from assur.planner.kernels.spline import spline_state, sweep_joints
-from assur.planner.kernels.sweeps.jets import Ball
 
 Cell: TypeAlias = tuple[FloatArray, FloatArray, IntArray]
 """`bodies`, `vertices`, `still`."""

@@ -25,7 +25,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
-from assur.planner.kernels.hermite import FIRST, TIME
+from assur.planner.kernels.limits import FIRST, TIME
 
 MERGE = 2e-5
 """s. Switches closer than this share a knot: at 20 µs and 3 rad, rounding costs a jerk of 2 rad/s³."""

@@ -14,12 +14,11 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
-from assur.planner.kernels.columns import laws as c
+from assur.planner.kernels import law_columns as c
 from assur.planner.kernels.dyads import fill_rows
+from assur.planner.kernels.jets import ACCELERATION, CUBE, JET_COLUMNS, RATE, put_yaw, sweep_links, turned, unknown
 from assur.planner.kernels.links import ANGLE_COUNT, JOINTS, LINKS, POSE_COLUMNS, SIZE, place_links, put_upright
 from assur.planner.kernels.spline import spline_state, sweep_joints
-from assur.planner.kernels.sweeps.chain import put_yaw, sweep_links, unknown
-from assur.planner.kernels.sweeps.jets import ACCELERATION, CUBE, JET_COLUMNS, RATE, turned
 
 CYCLE_ROUNDING = 4.0 * 2.0**-52
 """Intervals are widened by this part of the times that they were reduced from, and of the period: the rounding of t

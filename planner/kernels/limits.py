@@ -1,7 +1,7 @@
 """Compiled: exact extremes of a spline and whether it keeps its limits, at every instant.
 
 A polynomial on [0, 1] never exceeds its largest Bernstein coefficient, and takes the first and the last of them at its
-ends (`assur.planner.kernels.hermite`). A piece whose largest coefficient does not exceed a value that is certainly
+ends (`assur.planner.kernels.limits`). A piece whose largest coefficient does not exceed a value that is certainly
 taken, by more than `TIGHTNESS`, can be left; any other is halved (de Casteljau), which shrinks what its hull has over
 the curve to a quarter. No root finding has to succeed for the result to be right: the hulls that are left are the
 bound.
@@ -15,7 +15,109 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
-from assur.planner.kernels.hermite import HULL_COLUMNS, first_column, piece_hulls
+
+# Compiled: quintic Hermite pieces, the polynomial of degree five with given q, q̇, q̈ at both of its ends.
+#
+# With h the length of a piece, s = τ/h in [0, 1], q(s) = Σ b_i B_i⁵(s) has the Bernstein coefficients (equation T1)
+#
+# b0 = q0 b1 = q0 + h q̇0/5 b2 = q0 + 2h q̇0/5 + h² q̈0/20 b5 = q1 b4 = q1 − h q̇1/5 b3 = q1 − 2h q̇1/5 + h² q̈1/20
+#
+# and the derivatives have (equation T2; δ = (q1 − q0)/h)
+#
+# velocity q̇0, q̇0 + h q̈0/4, 5δ − 2(q̇0 + q̇1) + h(q̈1 − q̈0)/4, q̇1 − h q̈1/4, q̇1 and from there c'_i = d (c_{i+1} −
+# c_i)/h, d the degree.
+#
+# A polynomial on [0, 1] lies between its smallest and its largest Bernstein coefficient, and takes the first and the
+# last of them at its ends. T2 starts at the velocity, where q1 − q0 is an exact difference of doubles for short pieces:
+# differences of T1 would carry the rounding of q into the jerk.
+#
+# Rounding: q is known to u|q|, u = 2⁻⁵³, so jerk is known to 60·2u|q|/h³ at best. That is a property of the knots, not
+# of the arithmetic here, and why knots are not set closer than some 10 µs (`assur.planner.kernels.knots`).
+
+TIME, FIRST = 0, 1
+"""Columns of a knot: its time, s, and from there n positions, n velocities, n accelerations."""
+HULL_COLUMNS = 18
+"""Bernstein coefficients of one joint on one piece: six of its position, five of its velocity, four, three."""
+
+
+@kernel("int64(int64)")
+def first_column(derivative: int) -> int:
+    """Where the coefficients of a derivative (0 to 3) begin: 0, 6, 11, 15."""
+    return derivative * (13 - derivative) // 2
+
+
+@kernel("int64(float64[:, ::1])")
+def first_bad_knot(knots: FloatArray) -> int:
+    """The first of knots (K, 1 + 3n) that is not finite or not later than the one before; -1: none is bad."""
+    for k in range(len(knots)):
+        for column in range(knots.shape[1]):
+            if not abs(knots[k, column]) < math.inf:
+                return k
+        if k > 0 and not knots[k - 1, TIME] < knots[k, TIME]:
+            return k
+    return -1
+
+
+@kernel("void(float64[:, ::1], float64[:, :, ::1])")
+def piece_hulls(knots: FloatArray, hulls: FloatArray) -> None:
+    """Fills `hulls` (K-1, n, HULL_COLUMNS) from knots (K, 1 + 3n) (equations T1, T2).
+
+    Between two knots at one time the acceleration takes the values of both, and the jerk of a joint whose acceleration
+    jumps has no bound.
+    """
+    n = (knots.shape[1] - 1) // 3
+    for p in range(len(knots) - 1):
+        h = knots[p + 1, TIME] - knots[p, TIME]
+        for i in range(n):
+            q, v, a = FIRST + i, FIRST + n + i, FIRST + 2 * n + i
+            q0, q1, v0, v1, a0, a1 = (
+                knots[p, q],
+                knots[p + 1, q],
+                knots[p, v],
+                knots[p + 1, v],
+                knots[p, a],
+                knots[p + 1, a],
+            )
+            row = hulls[p, i]
+            if not h > 0:
+                row[0:6], row[6:11], row[11:13], row[13:15] = q0, v0, a0, a1
+                row[15:18] = math.inf if a0 != a1 else 0.0
+                continue
+            square = h * h / 20
+            row[0], row[1], row[2] = q0, q0 + h * v0 / 5, q0 + 2 * h * v0 / 5 + square * a0
+            row[3], row[4], row[5] = q1 - 2 * h * v1 / 5 + square * a1, q1 - h * v1 / 5, q1
+            row[6], row[7] = v0, v0 + h * a0 / 4
+            row[8] = 5 * (q1 - q0) / h - 2 * (v0 + v1) + h * (a1 - a0) / 4
+            row[9], row[10] = v1 - h * a1 / 4, v1
+            row[11], row[12], row[13], row[14] = a0, 4 * (row[8] - row[7]) / h, 4 * (row[9] - row[8]) / h, a1
+            for k in range(3):
+                row[15 + k] = 3 * (row[12 + k] - row[11 + k]) / h
+
+
+@kernel("int64(float64[:, ::1], float64[::1], float64[:, :, ::1])", allocates=True)
+def piece_coefficients(knots: FloatArray, tk: FloatArray, c: FloatArray) -> int:
+    """Fills `tk` (K,) with the begins of the pieces and the end of the last, and `c` (K-1, n, 6) with c0..c5 of
+    q(τ) = Σ c_i τ^i on every piece; returns how many pieces there are: two knots at one time have none between them.
+
+    c3, c4, c5 come from the Bernstein coefficients of the jerk: q⃛ = j0 + 2(j1 − j0)s + (j0 − 2 j1 + j2)s².
+    """
+    n, pieces = c.shape[1], 0
+    hulls = np.empty((len(knots) - 1, n, HULL_COLUMNS))
+    piece_hulls(knots, hulls)
+    for p in range(len(knots) - 1):
+        h = knots[p + 1, TIME] - knots[p, TIME]
+        if not h > 0:
+            continue
+        for i in range(n):
+            row, hull = c[pieces, i], hulls[p, i]
+            row[0], row[1], row[2], row[3] = knots[p, FIRST + i], hull[6], hull[11] / 2, hull[15] / 6
+            row[4] = (hull[16] - hull[15]) / (12 * h)
+            row[5] = (hull[15] - 2 * hull[16] + hull[17]) / (60 * h * h)
+        tk[pieces] = knots[p, TIME]
+        pieces += 1
+    tk[pieces] = knots[len(knots) - 1, TIME]
+    return pieces
+
 
 TIGHTNESS = 1e-13
 """How far an extreme may lie above the true one, relative to the largest coefficient of its joint: a few hundred

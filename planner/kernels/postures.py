@@ -13,11 +13,11 @@ from assur.planner.compiled import kernel
 from assur.planner.kernels.dyads import RRR_COLUMNS, WORK_ROWS
 from assur.planner.kernels.intervals import Motion
 from assur.planner.kernels.inverse import LOOP, POSTURE_COLUMNS, posture
+from assur.planner.kernels.jets import JET_COLUMNS
 from assur.planner.kernels.links import LINKS, PARALLEL_LEAST, assembled
 from assur.planner.kernels.motion import COORDINATES, ORDERS, link_motion
 from assur.planner.kernels.solids import CUBE, MOTION, ROW, TABLE
 from assur.planner.kernels.spline import piece_at, piece_motion, piece_state, spline_state, sweep_joints
-from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 from assur.planner.kernels.uncertainty import (
     DOUBT,
     SHIFT,

@@ -9,12 +9,59 @@ from __future__ import annotations
 
 import math
 
-from assur.planner.arrays import FloatArray
+import numpy as np
+
+from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.compiled import kernel
+from assur.planner.kernels.carriers import derivative
 from assur.planner.kernels.gjk import separate
-from assur.planner.kernels.intervals import FINEST_S, ITEM_FROM, ITEM_TO, RESERVE_M, least_gap
-from assur.planner.kernels.solids import CUBE, NORMAL, PIECES, REQUIRED, ROW, SET, TABLE, gap, likely
-from assur.planner.kernels.uncertainty import MIDDLE, SHIFTED, Shifted, doubtful, least_shifted
+from assur.planner.kernels.intervals import (
+    FINEST_S,
+    ITEM_FROM,
+    ITEM_TO,
+    RESERVE_M,
+    Cell,
+    Motion,
+    fetch,
+    least_between,
+    least_gap,
+    survey,
+)
+from assur.planner.kernels.jets import ACCELERATION, JET_COLUMNS, JETS
+from assur.planner.kernels.links import ANGLE_COUNT, LINKS, POSE_COLUMNS
+from assur.planner.kernels.solids import (
+    CARRIER,
+    CELL,
+    CUBE,
+    FIRST,
+    MOTION,
+    NORMAL,
+    NUMBERS,
+    PAIR_COLUMNS,
+    PIECES,
+    RADIUS,
+    REQUIRED,
+    ROW,
+    SECOND,
+    SET,
+    TABLE,
+    gap,
+    likely,
+    support,
+)
+from assur.planner.kernels.uncertainty import (
+    DOUBT,
+    MIDDLE,
+    SHIFTED,
+    SWAY_COLUMNS,
+    Doubt,
+    Shifted,
+    displaced,
+    doubtful,
+    least_shifted,
+    spread,
+    sway_links,
+)
 
 RESISTED_A, RESISTED_B, RESISTED_T, RESISTED_GAP, RESISTED_NEED, RESISTED_S = 2, 3, 4, 5, 6, 8
 """In `state`, of the pair that resisted: its units, the instant, the largest gap found there, the one needed, and the
@@ -131,3 +178,150 @@ def settle(
                 return HALVE_SHIFT
         return HALVE
     return OPEN if bodies[a, PIECES] > 0.0 or bodies[b, PIECES] > 0.0 else TOO_NEAR
+
+
+# Which bodies are far from all that a robot sweeps: by planes across the axes of the world (equation C6).
+#
+# In a large cell most of what stands around is far from the arm, and a few rows of single units of the robot do for all
+# of it. The six sides are the normals +x, +y, +z, −x, −y, −z of the world. `boxes` (U, 6): least and greatest
+# coordinates of units, m.
+
+SIDES = 6
+SPARED = 512.0
+"""A bound of the acceleration of a unit, as large as that of any checker, times the square of an interval, over this is
+what a checker may miss of a plane that it proves over eighths of the interval (N3)."""
+
+
+@kernel("UniTuple(float64, 3)(int64)")
+def side_normal(side: int) -> tuple[float, float, float]:
+    """The unit normal of a side."""
+    sign = 1.0 if side < 3 else -1.0
+    axis = side % 3
+    return (sign if axis == 0 else 0.0), (sign if axis == 1 else 0.0), (sign if axis == 2 else 0.0)
+
+
+@kernel(f"float64({TABLE}, {TABLE}, {CUBE}, int64, int64, {NORMAL})")
+def ahead(
+    bodies: FloatArray, vertices: FloatArray, placed: FloatArray, m: int, i: int, nx: float, ny: float, nz: float
+) -> float:
+    """How far the plane n·x = 0 is ahead of all points of unit i at instant m, m."""
+    along = nx * placed[m, i, 0] + ny * placed[m, i, 1] + nz * placed[m, i, 2]
+    return float(-along - support(bodies, vertices, placed, m, i, nx, ny, nz))
+
+
+@kernel(f"void({MOTION}, {CELL}, {DOUBT}, {NUMBERS}, {ROW}, {TABLE})", allocates=True)
+def behind(motion: Motion, cell: Cell, doubt: Doubt, units: IntArray, edges: FloatArray, least: FloatArray) -> None:
+    """Fills `least` (R, 6): each of `units` (R,) stays behind the plane n·x = −least of each side all along, wherever
+    its link may be displaced to.
+
+    It is proved over each of the intervals between `edges` (N3), and is the smallest of them. What the checker may
+    miss of it is taken off: it proves a plane over eighths of an interval, by bounds of its own.
+    """
+    bodies, vertices, still = cell
+    robot, n = motion[0], motion[4].shape[1]
+    links = int(robot[LINKS])
+    carriers, placed = np.empty((3, len(still), POSE_COLUMNS)), np.empty((3, len(bodies), POSE_COLUMNS))
+    jets, stamp = np.zeros((len(still), JETS, JET_COLUMNS)), np.zeros(len(bodies), dtype=np.int64)
+    q, joints, lagging = np.empty(n), np.empty((n, JET_COLUMNS)), np.empty((n, JET_COLUMNS))
+    turns, lagged = np.empty((int(robot[ANGLE_COUNT]), 2, JET_COLUMNS)), np.zeros((links, JETS, JET_COLUMNS))
+    sway = np.zeros((len(still), SWAY_COLUMNS))
+    least[:] = math.inf
+    for part in range(len(edges) - 1):
+        t0, t1 = edges[part], edges[part + 1]
+        survey(motion, t0, t1, q, joints, turns, carriers, jets)
+        sways = sway_links(robot, joints, doubt, t1, lagging, turns, lagged, sway)
+        for r in range(len(units)):
+            i = units[r]
+            fetch(bodies, i, carriers, placed, stamp, part + 1, still)
+            turning, square = jets[int(bodies[i, CARRIER])], (t1 - t0) * (t1 - t0)
+            turned = 0.0
+            for j in range(3, JETS):
+                turned += (abs(turning[j, ACCELERATION]) + turning[j, ACCELERATION + 1]) ** 2
+            for k in range(SIDES):
+                nx, ny, nz = side_normal(k)
+                g0 = ahead(bodies, vertices, placed, 0, i, nx, ny, nz)
+                g1 = ahead(bodies, vertices, placed, 2, i, nx, ny, nz)
+                middle, radius = derivative(bodies, jets, i, 2, nx, ny, nz)
+                shown = least_between(g0, g1, radius - middle, t1 - t0)
+                shown -= (abs(middle) + radius + bodies[i, RADIUS] * math.sqrt(turned)) * square / SPARED
+                if sways:
+                    shown -= displaced(bodies, sway, i, nx, ny, nz)
+                # what is not a number shows nothing
+                least[r, k] = min(least[r, k], shown) if shown > -math.inf else -math.inf
+
+
+@kernel(f"float64({TABLE}, {TABLE}, int64, {TABLE}, int64, {TABLE}, float64, int64)")
+def spare_beyond(
+    boxes: FloatArray, pairs: FloatArray, p: int, least: FloatArray, r: int, sets: FloatArray, lasts: float, side: int
+) -> float:
+    """How much farther than required the second unit of pair p is from the plane of a side that unit number r of the
+    robot stays behind, m; NaN for what does not stand still."""
+    b = int(pairs[p, SECOND])
+    nx, ny, nz = side_normal(side)
+    found = least[r, side] + (boxes[b, side] if side < 3 else -boxes[b, side]) - pairs[p, REQUIRED] - RESERVE_M
+    return float(found - spread(sets, int(pairs[p, SET]), lasts, nx, ny, nz))
+
+
+@kernel(f"int64({TABLE}, {TABLE}, {NUMBERS}, {TABLE}, {TABLE}, float64, {TABLE}, {TABLE})")
+def not_behind(
+    boxes: FloatArray,
+    pairs: FloatArray,
+    number: IntArray,
+    least: FloatArray,
+    sets: FloatArray,
+    lasts: float,
+    used: FloatArray,
+    left: FloatArray,
+) -> int:
+    """Writes the `pairs` (P, PAIR_COLUMNS) that no plane keeps apart to `left` (P, PAIR_COLUMNS); returns how many they
+    are.
+
+    `number` (U,): the row of `least` (R, 6) of each unit of the robot, -1 for all others. `least` is the result of
+    `behind`; `used` (R, 6) becomes 1 where it is needed. `boxes` are NaN for what does not stand still. `sets`: by how
+    much more pairs must be apart, where errors have grown for `lasts` seconds.
+    """
+    count = 0
+    for p in range(len(pairs)):
+        r, best, side, apart = number[int(pairs[p, FIRST])], -math.inf, 0, False
+        for k in range(SIDES if r >= 0 else 0):
+            spare = spare_beyond(boxes, pairs, p, least, r, sets, lasts, k)
+            apart = apart or (used[r, k] > 0.0 and spare >= 0.0)
+            if spare > best:
+                best, side = spare, k
+        if apart:
+            continue
+        if best >= 0.0:
+            used[r, side] = 1.0
+            continue
+        for column in range(PAIR_COLUMNS):
+            left[count, column] = pairs[p, column]
+        count += 1
+    return count
+
+
+@kernel(f"void({TABLE}, {TABLE}, {NUMBERS}, {TABLE}, {TABLE}, float64, {TABLE})")
+def drop_spare(
+    boxes: FloatArray,
+    pairs: FloatArray,
+    number: IntArray,
+    least: FloatArray,
+    sets: FloatArray,
+    lasts: float,
+    used: FloatArray,
+) -> None:
+    """Sets `used` (R, 6) to 0 for planes that do nothing which another one does not do: a certificate stays small."""
+    for r in range(len(least)):
+        for plane in range(SIDES):
+            needed = False
+            for p in range(len(pairs) if used[r, plane] > 0.0 else 0):
+                if number[int(pairs[p, FIRST])] != r:
+                    continue
+                if spare_beyond(boxes, pairs, p, least, r, sets, lasts, plane) >= 0.0:
+                    needed = True
+                    for k in range(SIDES):
+                        if k != plane and used[r, k] > 0.0:
+                            needed = needed and not spare_beyond(boxes, pairs, p, least, r, sets, lasts, k) >= 0.0
+                    if needed:
+                        break
+            if not needed:
+                used[r, plane] = 0.0

@@ -25,11 +25,10 @@ from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
 from assur.planner.kernels.dyads import fill_rows
 from assur.planner.kernels.intervals import gap_bend
+from assur.planner.kernels.jets import ACCELERATION, RATE, sweep_links
 from assur.planner.kernels.laws import place_frame, sweep_frame
 from assur.planner.kernels.links import KIND, L1, L2, LINKS, SCARA
 from assur.planner.kernels.solids import CARRIER, CENTRE, CUBE, NORMAL, RADIUS, ROW, SET, TABLE, gap, place
-from assur.planner.kernels.sweeps.chain import sweep_links
-from assur.planner.kernels.sweeps.jets import ACCELERATION, RATE
 
 FLAT, FLAT_GROWTH, UPRIGHT, UPRIGHT_GROWTH = range(4)
 """Columns of a set: radius of the disc, m, by how much it grows, m/s, and the same of the vertical."""

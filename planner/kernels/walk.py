@@ -34,8 +34,8 @@ from assur.planner.kernels.intervals import (
     push,
     survey,
 )
+from assur.planner.kernels.jets import JET_COLUMNS, JETS
 from assur.planner.kernels.links import ANGLE_COUNT, LINKS, POSE_COLUMNS
-from assur.planner.kernels.nearest import bounded
 from assur.planner.kernels.proof import (
     ALONG,
     FROM,
@@ -56,10 +56,8 @@ from assur.planner.kernels.proof import (
     UNIT,
     settle,
 )
-from assur.planner.kernels.screening import HITS, note_hit
+from assur.planner.kernels.screening import HITS, bounded, note_hit
 from assur.planner.kernels.solids import CELL, EARLY, LATE, MOTION, ROW, TABLE
-from assur.planner.kernels.sweeps.chain import JETS
-from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 from assur.planner.kernels.uncertainty import (
     DOUBT,
     MOMENTS,

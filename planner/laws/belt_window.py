@@ -9,7 +9,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Pose
-from assur.planner.kernels.columns import laws as c
+from assur.planner.kernels import law_columns as c
 from assur.planner.laws.law import Law
 
 HORIZON_S = 60.0

@@ -1,25 +1,51 @@
 """A frame of the cell and its law: polynomial pieces of time, sines and a period, made of the numbers of the request.
 
-`assur.planner.kernels.columns.laws` names the columns of the tables. The kind of a law is a word for modules that read
+`assur.planner.kernels.law_columns` names the columns of the tables. The kind of a law is a word for modules that read
 requests; every computation reads the tables.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.frames.motion import Motion, Pose
-from assur.planner.frames.sweep import Sweep
-from assur.planner.kernels.columns import laws as c
-from assur.planner.laws.links import ArmLink
+from assur.planner.errors import InputError
+from assur.planner.frames.motion import Motion, Pose, Sweep
+from assur.planner.kernels import law_columns as c
 from assur.planner.laws.ramps import Change
 from assur.planner.laws.validity import FURTHEST_S
+from assur.planner.robots.robot import Robot
+from assur.planner.trajectory import Trajectory
+
+# The other robot in the cell: a link of an arm that runs a plan made earlier.
+
+
+@dataclass(frozen=True, eq=False)
+class ArmLink:
+    """Link number `link` of `robot`, which follows `trajectory` and is at rest before and after it (equation F6)."""
+
+    robot: Robot
+    trajectory: Trajectory
+    link: int
+
+    def motion(self, t: FloatArray, known: BoolArray) -> Motion:
+        """Pose and three derivatives at times `t` (...), s; NaN where `known` (...) is false."""
+        path = self.trajectory
+        held = np.minimum(np.maximum(np.where(known, t, path.start), path.start), path.end)
+        q, qd, qdd, qddd = (path.evaluate(held, derivative) for derivative in range(4))
+        # At rest the first three are zero by themselves; the jerk is not, it jumps.
+        moving = (path.start <= t) & (t < path.end)
+        moved = self.robot.link_motion(self.link, q, qd, qdd, np.where(moving[..., None], qddd, 0.0))
+        if known.all():
+            return moved
+        parts = [getattr(moved, name) for name in Motion.__slots__]
+        return Motion(*(np.where(known if x.ndim == t.ndim else known[..., None], x, math.nan) for x in parts))
+
 
 Kind = Literal[
     "fixed", "linear", "conveyor", "turntable", "indexer", "swing", "oscillation", "keyframes", "link"
@@ -128,9 +154,8 @@ class Law:
 
     def sweep(self, t0: float, t1: float) -> Sweep:
         """How the frame moves over the closed interval [t0, t1], s (K44)."""
+        from assur.planner.kernels.jets import JET_COLUMNS, JETS
         from assur.planner.kernels.laws import sweep_frame
-        from assur.planner.kernels.sweeps.chain import JETS
-        from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 
         jets = np.zeros((1, JETS, JET_COLUMNS))
         sweep_frame(self.row, self.side, t0, t1, jets, 0)
@@ -179,3 +204,131 @@ class Frame:
 def all_stand(frames: Iterable[Frame]) -> bool:
     """Whether none of the frames moves."""
     return all(frame.law.is_fixed for frame in frames)
+
+
+# How far what is on a frame goes in the time for which its law is evaluated: numbers of that size are what rounds.
+#
+# A law that has run for T seconds at up to V m/s is a sum of terms of up to V T. Each rounds by 2^-53 of that, so far
+# from the time at which a frame's pose is stated, or from time zero, its place is known less well than proofs need.
+
+FARTHEST_WAY_M = 200_000.0
+"""Greatest way V T, m: eighteen roundings of it are 0.4 nm (docs/guarantees.md, "Rounding"). A dial of 600 mm at one
+turn a second goes so far in 29 hours."""
+FARTHEST_PLACE_M = 10_000.0
+"""How far a body may be from the origin of the frame that bears it, m: forty roundings of it are 0.05 nm. Coordinates
+are 100 m at most, but frames may be fixed on frames."""
+
+
+def way(law: Law, reach: float, begin: float, end: float) -> float:
+    """The way V T, m, of a point within `reach` m of a frame's vertical axis: at up to V the law runs from the instant
+    at which it is stated, or time zero, to the farthest of two instants, s."""
+    at = law.stated_s
+    return _speed(law, reach) * max(abs(at), *(max(abs(t), abs(t - at)) for t in (begin, end)))
+
+
+def _speed(law: Law, reach: float) -> float:
+    return law.fastest[0] + reach * law.fastest[1]
+
+
+def check_rounding(field: str, law: Law, reach: float, begin: float, lasts: float) -> None:
+    """Raises `InputError` naming `field` for a body that reaches so far, m, from its frame's origin that it is beyond
+    `FARTHEST_PLACE_M`, or that goes farther than `FARTHEST_WAY_M` in a plan that begins at `begin`, s, and lasts so
+    long, s, at least."""
+    if not reach <= FARTHEST_PLACE_M:
+        allowed = (
+            f"bodies within {FARTHEST_PLACE_M:g} m of the frame's origin, frames that are fixed on it counted along"
+        )
+        raise InputError(field, reach, allowed)
+    far = way(law, reach, begin, begin + lasts)
+    if far <= FARTHEST_WAY_M:
+        return
+    speed, since = _speed(law, reach), law.stated_s
+    allowed = (
+        f"a way of at most {FARTHEST_WAY_M:g} m, speed times time (numbers of a longer way round by more than a proof "
+        f"allows for): what is on the frame moves at up to {speed:.6g} m/s, its pose is stated at {since:g} s, and the "
+        f"plan is from {begin:g} s to {begin + lasts:g} s at least"
+    )
+    raise InputError(field, far, allowed)
+
+
+# Writing the tables of a law (`assur.planner.kernels.law_columns`), and joining those of several.
+
+ROUNDING = 1e-14
+"""Bounds are raised by this part of the sum of the terms of a polynomial: ten times its rounding."""
+
+
+Piece = tuple[float, Sequence[float], Sequence[float], Sequence[Sequence[float]]]
+"""When a piece begins; x, y, z and yaw then, and their rates; the powers of their accelerations, or nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Repeat:
+    """A period begins at `start`, s, and lasts `period`; coordinates (4,) have gone on by `step` after it. `whole`: the
+    yaw by whole turns."""
+
+    start: float
+    period: float
+    step: Sequence[float]
+    whole: bool = False
+
+
+def tables(
+    pieces: Sequence[Piece],
+    end: float = math.inf,
+    *,
+    turns: bool,
+    corners: Sequence[float] = (),
+    waves: Sequence[tuple[int, float, float, float]] = (),
+    repeat: Repeat | None = None,
+    line: Sequence[float] = (0.0, 0.0, 0.0),
+) -> tuple[FloatArray, FloatArray]:
+    """Row and side table of a law of these pieces, the last of them until `end`, s.
+
+    `turns`: whether the yaw may change. `corners`: of pieces whose accelerations have more than two powers. `waves`:
+    coordinate, amplitude, rate and phase of each sine. `line` (3,): the only line along which the frame travels.
+    """
+    # plain Python: most laws have one piece
+    row, side, most, yaw = [0.0] * c.LAW_COLUMNS, list[list[float]](), 0, pieces[0][1][3]
+    ends = [*(begin for begin, *_ in pieces[1:]), end if repeat is None else repeat.period]
+    row[c.COUNT] = row[c.WAVE] = len(pieces)
+    row[c.WAVES], row[c.COS], row[c.SIN] = len(waves), math.cos(yaw), math.sin(yaw)
+    row[c.LINE : c.LINE + 3], row[c.AXIS] = line, max(range(3), key=lambda k: abs(line[k]))
+    if repeat is not None:
+        row[c.START : c.WHOLE + 1] = repeat.start, repeat.period, *repeat.step, repeat.whole
+    for (begin, pose, rates, powers), until in zip(pieces, ends, strict=True):
+        curved = any(len(way) > 2 for way in powers)
+        turning = corners if curved else [-way[0] / way[1] for way in powers if len(way) == 2 and way[1] != 0.0]
+        side.append([begin, until, *pose, *rates, *turning, *[math.inf] * (c.CORNERS - len(turning))])
+        for way in powers or ((),) * 4:
+            side[-1] += [*way, *[0.0] * (c.MOST_POWERS - len(way))]
+            most = max(most, len(way))
+        sizes = [_largest(rate, way, until - begin) for rate, way in zip(rates, powers or ((),) * 4, strict=True)]
+        for n in range(2):
+            row[c.SLACK + n] = max(row[c.SLACK + n], ROUNDING * sum(size[n] for size in sizes[:3]))
+            row[c.SLACK + 2 + n] = max(row[c.SLACK + 2 + n], ROUNDING * sizes[3][n])
+    for k in range(3):
+        moving = any(rates[k] != 0.0 or (powers and any(powers[k])) for _, _, rates, powers in pieces)
+        row[c.MOVES + k] = moving or any(wave[0] == k for wave in waves)
+    row[c.TURNS], row[c.POWERS] = turns, most
+    side += [[*wave, *[0.0] * (c.PIECE_COLUMNS - len(wave))] for wave in waves]
+    return np.array(row), np.array(side)
+
+
+def _largest(rate: float, way: Sequence[float], lasts: float) -> tuple[float, float]:
+    """The sums of the terms of velocity and acceleration of a coordinate over a piece. One without an end is at
+    constant speed."""
+    speed, acceleration = abs(rate), 0.0
+    for n, a in enumerate(way):
+        size = abs(a) * lasts**n
+        speed, acceleration = speed + size * lasts / (n + 1), acceleration + size
+    return speed, acceleration
+
+
+def law_tables(laws: Sequence[Law]) -> tuple[FloatArray, FloatArray]:
+    """Rows of laws (F, `LAW_COLUMNS`) and their common side table (R, `PIECE_COLUMNS`)."""
+    rows, above = np.zeros((len(laws), c.LAW_COLUMNS)), 0
+    for row, law in zip(rows, laws, strict=True):
+        row[:] = law.row
+        row[[c.BEGIN, c.WAVE]] += above
+        above += len(law.side)
+    return rows, np.concatenate([np.zeros((0, c.PIECE_COLUMNS)), *(law.side for law in laws)])

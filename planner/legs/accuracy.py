@@ -16,12 +16,10 @@ from functools import cache
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion, Pose
-from assur.planner.frames.sweep import Sweep
+from assur.planner.frames.motion import Motion, Pose, Sweep
 from assur.planner.laws.law import EXACT, PoseUncertainty
 from assur.planner.model.arrival_error import ArrivalError, Cause, Share
-from assur.planner.model.attachments import Attachments
-from assur.planner.model.phases import Handled, on_way
+from assur.planner.model.phases import Attachments, Handled, on_way
 from assur.planner.model.refusal import Inaccurate, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Trace
 

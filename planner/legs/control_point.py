@@ -10,10 +10,9 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames.motion import Motion, Pose
-from assur.planner.frames.tilted import Tilt, TiltedMotion
+from assur.planner.frames.motion import Motion, Pose, Tilt, TiltedMotion
 from assur.planner.laws.belt_window import inside, outside_for_good, travelled
-from assur.planner.model.attachments import Attachments
+from assur.planner.model.phases import Attachments
 from assur.planner.model.scene import Scene, Step, Trace, Window
 from assur.planner.robots.facts import Limits
 from assur.planner.trajectory import Trajectory

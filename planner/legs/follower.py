@@ -17,10 +17,9 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.errors import FaultError
-from assur.planner.frames.motion import Motion
-from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.legs.paths.course import BEND_M, PathCourse
-from assur.planner.legs.singular import nearest
+from assur.planner.frames.motion import Motion, TiltedMotion
+from assur.planner.legs.course import BEND_M, PathCourse
+from assur.planner.legs.limits import nearest
 from assur.planner.legs.state import State
 from assur.planner.legs.tilt import PATH_RAD, tilt_off
 from assur.planner.model.deadline import look

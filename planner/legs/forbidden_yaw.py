@@ -17,10 +17,10 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
+from assur.planner.kernels.jets import JET_COLUMNS
 from assur.planner.kernels.spline import sweep_joints
-from assur.planner.kernels.sweeps.jets import JET_COLUMNS
-from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import ControlPoint
+from assur.planner.legs.state import Branch
 from assur.planner.model.forbidden_yaw import RESERVE_RAD, Room, YawRange, entered, gaps, room, slack_of
 from assur.planner.model.refusal import ForbiddenYaw, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Scene

@@ -3,26 +3,31 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
-from assur.planner.model.joint_range import beyond
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.model.assembly_mode import has_loop
 from assur.planner.model.refusal import (
     RATES,
     JointName,
     MotionLimit,
     Obstacle,
+    Quantity,
     Reason,
     Refusal,
+    Singular,
     Stage,
+    finite,
     of_joint,
 )
-from assur.planner.model.scene import Scene
-from assur.planner.robots.facts import Limits
+from assur.planner.model.scene import Scene, beyond
+from assur.planner.robots.facts import Code, Inverse, Limits
+from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import LimitCheck, LimitReport, Trajectory, accepted_bands, check_limits, keeps_bands
 
 
@@ -132,3 +137,161 @@ def _beyond(scene: Scene, stage: Stage, step: int, trajectory: Trajectory, posit
         amount=of_joint(what.kind, max(below, above)),
         facts=beyond(scene, joint, float((position.lower if below > above else position.upper)[joint])),
     )
+
+
+# How near a motion comes to singular positions: looked for at instants, more closely around each of the nearest.
+
+AROUND, ROUNDS = 32, 4
+"""Parts of the surroundings of an instant that is near, and how often they are parted: 1 ms to less than 1 ns."""
+FINE_S = 0.001
+"""Apart as a rule, s, are the instants at which all of a motion is evaluated."""
+MOST_FINE = 100_000
+"""So many of these times at most: where the arm moves for longer they are further apart. Where it rests there are none
+beyond so many."""
+Least = tuple[float, float]
+"""A least margin, and when, s."""
+
+
+def least_margins(robot: Robot, trajectory: Trajectory, t: FloatArray) -> tuple[Least, Least | None]:
+    """Least singularity margin of a motion, and, of an arm with a loop, least parallel margin (None: it has none), from
+    times t (T,) on, which are 1 ms apart as a rule: where the margin is smooth, or falls and rises again at one rate as
+    it does where an arm passes through a singular position, it is then known to 1e-4. NaN where one is none."""
+    parallel = _least(robot.parallel_margin, trajectory, t) if has_loop(robot) else None
+    return _least(robot.margin, trajectory, t), parallel
+
+
+def instants(trajectory: Trajectory) -> tuple[FloatArray, FloatArray]:
+    """Times (T,), and for how long each counts (T,), s: `FINE_S` at most, in a motion that is not long."""
+    count = math.ceil(trajectory.duration / FINE_S) + 1
+    if count <= MOST_FINE:
+        t = np.linspace(trajectory.start, trajectory.end, max(2, count))
+        return t, np.full(len(t), t[1] - t[0])
+    rates = np.asarray(np.concatenate([trajectory.qd, trajectory.qdd], axis=1).any(axis=1))
+    spans = np.stack([trajectory.time[:-1], trajectory.time[1:]], 1)[rates[:-1] | rates[1:]]
+    lengths = spans[:, 1] - spans[:, 0]
+    apart = max(FINE_S, float(lengths.sum()) / MOST_FINE)
+    counts = np.ceil(lengths / apart).astype(np.int64)
+    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    even = within * np.repeat(lengths / counts, counts) + np.repeat(spans[:, 0], counts)
+    return np.append(even, trajectory.time[-1]), np.append(np.repeat(lengths / counts, counts), 0.0)
+
+
+def _least(margin: Callable[[FloatArray], FloatArray], trajectory: Trajectory, t: FloatArray) -> Least:
+    found = margin(trajectory.evaluate(t))
+    if not np.isfinite(found).all():
+        return float("nan"), float(t[int(np.argmin(np.isfinite(found)))])
+    return min(_around(margin, trajectory, t, k) for k in _lows(found))
+
+
+def _lows(found: FloatArray) -> list[int]:
+    """Instants around which the least of all may be: none beside one of them has less, and the least is no farther
+    below it than it changes from there to the instants beside."""
+    steps = np.diff(found)
+    falls = np.append(True, steps < 0.0) & np.append(steps >= 0.0, True)
+    sizes = np.abs(steps)
+    change = np.maximum(np.append(0.0, sizes), np.append(sizes, 0.0))
+    return [int(k) for k in np.flatnonzero(falls & (found - change <= found.min()))]
+
+
+def _around(margin: Callable[[FloatArray], FloatArray], trajectory: Trajectory, t: FloatArray, k: int) -> Least:
+    for _ in range(ROUNDS):
+        t = np.linspace(t[max(k - 1, 0)], t[min(k + 1, len(t) - 1)], AROUND + 1)
+        found = margin(trajectory.evaluate(t))
+        k = int(np.argmin(found))  # of what is no number, the first
+    return float(found[k]), float(t[k])
+
+
+# How near an arm would be to a singular position, as facts of a refusal: serial and parallel apart.
+
+LOOKED_S = 1e-3
+"""Margins of a motion that is made are looked at so often, s: knots are farther apart, and between them the arm may
+come nearer. The checker allows 1e-3, and at 100 rad/s² an elbow leaves its chord by 1e-5 rad in this time."""
+MOST = 100_000
+"""So many of these times at most, where the arm moves; where it stands still there are none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Near:
+    """The singularity that is nearest, by `reason`; its `margin` (no unit), which is `missing` short of what is asked.
+
+    `row`: where.
+    """
+
+    reason: Reason
+    margin: float
+    missing: float
+    row: int
+
+    def refusal(
+        self,
+        stage: Stage,
+        step: int,
+        interval: tuple[float, float],
+        *,
+        mode: str | None = None,
+        distance_m: float | None = None,
+        positions: tuple[str, ...] = (),
+    ) -> Refusal:
+        """The refusal at a stage and step; the rest as in `Singular`."""
+        margin, required = finite(self.margin), finite(self.margin + self.missing)
+        return Refusal(
+            stage=stage,
+            reason=self.reason,
+            step=step,
+            interval=interval,
+            amount=Quantity.of(self.missing, "1"),
+            facts=Singular(margin=margin, required=required, mode=mode, positions=positions, distance_m=distance_m),
+        )
+
+
+class Margins(NamedTuple):
+    """Code and margins of postures, (N,), as `Inverse` has them."""
+
+    code: IntArray
+    margin: FloatArray
+    parallel: FloatArray | None
+
+
+def nearest(robot: Robot, found: Inverse | Margins, asked: float, rows: IntArray, *, best: bool) -> Near:
+    """The margin that is short by most in the row of `rows` that is best (or worst) in this; NaN is no margin.
+
+    The parallel margin must be `asked` and the robot's own `parallel_least`, whichever is more.
+    """
+    need = max(asked, robot.parallel_least)
+    serial = asked - found.margin[rows]
+    parallel = np.full(len(rows), -np.inf) if found.parallel is None else need - found.parallel[rows]
+    short: FloatArray = np.fmax(serial, parallel)
+    at = int(np.nanargmin(short) if best else np.nanargmax(short))
+    if parallel[at] >= serial[at] or (found.code[rows[at]] == Code.PARALLEL):
+        return Near(Reason.NEAR_PARALLEL_SINGULARITY, need - float(parallel[at]), float(parallel[at]), int(rows[at]))
+    return Near(Reason.NEAR_SINGULARITY, float(found.margin[rows[at]]), float(serial[at]), int(rows[at]))
+
+
+def too_near(scene: Scene, stage: Stage, step: int, trajectory: Trajectory, t0: float, t1: float) -> Refusal | None:
+    """Whether the arm comes nearer to a singular position than `singularity_margin` over [t0, t1] of a motion."""
+    asked, robot = scene.options.singularity_margin, scene.robot
+    if not (asked > 0.0 and t1 > t0):
+        return None
+    t = _looked_at(trajectory, t0, t1)
+    q = trajectory.evaluate(t)
+    margin, parallel = robot.margin(q), robot.parallel_margin(q) if robot.parallel_least > 0.0 else None
+    kept = margin >= asked if parallel is None else (margin >= asked) & (parallel >= asked)
+    if kept.all():
+        return None
+    rows = np.flatnonzero(~kept)
+    near = nearest(robot, Margins(robot.singularity(q), margin, parallel), asked, rows, best=False)
+    return near.refusal(stage, step, (float(t[rows[0]]), float(t[rows[-1]])))
+
+
+def _looked_at(trajectory: Trajectory, t0: float, t1: float) -> FloatArray:
+    """Times (T,) from t0 to t1, `LOOKED_S` apart at most where the arm moves for no longer than `MOST` of these."""
+    inside = (trajectory.time > t0) & (trajectory.time < t1)
+    edges = np.unique(np.concatenate([[t0], trajectory.time[inside], [t1]]))
+    middles = trajectory.evaluate(0.5 * (edges[1:] + edges[:-1]))
+    ends = trajectory.evaluate(edges)
+    moves = (ends[1:] != ends[:-1]).any(axis=1) | (middles != ends[1:]).any(axis=1)
+    lengths = np.diff(edges)
+    apart = max(LOOKED_S, float(lengths[moves].sum()) / MOST)
+    counts = np.where(moves, np.ceil(lengths / apart), 1).astype(np.int64)
+    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    return np.append(within * np.repeat(lengths / counts, counts) + np.repeat(edges[:-1], counts), t1)

@@ -16,13 +16,11 @@ from dataclasses import replace
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion
-from assur.planner.frames.tilted import like
+from assur.planner.frames.motion import Motion, like
+from assur.planner.legs.course import PathCourse
 from assur.planner.legs.follower import Phase, Uniform, Way, followed
 from assur.planner.legs.limits import rates
-from assur.planner.legs.line import Along, Line
-from assur.planner.legs.line_rates import Rates
-from assur.planner.legs.paths.course import PathCourse
+from assur.planner.legs.line import Along, Line, Rates
 from assur.planner.legs.phase_law import TABLE, PhaseLaw, quickest
 from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.model.outcome import Course, LegKind, Route

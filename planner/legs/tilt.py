@@ -8,8 +8,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.frames.motion import Motion
-from assur.planner.frames.tilted import Tilt, TiltedMotion
+from assur.planner.frames.motion import Motion, Tilt, TiltedMotion
 from assur.planner.model.scene import Scene, Step
 from assur.planner.robots.robot import Robot
 

@@ -14,8 +14,10 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from contextvars import ContextVar, Token
 from dataclasses import dataclass, field
+from typing import Literal
 
 
 class OutOfTimeError(Exception):
@@ -56,3 +58,44 @@ def look() -> None:
     """Raises `OutOfTimeError` if the deadline in force has passed."""
     if out_of_time():
         raise OutOfTimeError
+
+
+# Where the time of a request went, by stage. It is told to operators, and decides nothing.
+
+
+class Stopwatch:
+    """Seconds by stage, of a monotonic clock. It runs from when it is made."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        """Time of each stage so far, s, in the order in which the stages first ended."""
+        self._last = time.perf_counter()
+
+    def lap(self, stage: str) -> None:
+        """Adds the time since the last call, or since it was made, to `stage`."""
+        now = time.perf_counter()
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + now - self._last
+        self._last = now
+
+
+# How far the planning of a request has come, for whoever watches it, and may end it.
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """The search so far. `stage`: the search for a plan, or that for a change of the request that would help.
+
+    `candidates` tried; `steps` of the task up to which some candidate came; `duration_s` of the best plan (None: there
+    is none yet) and `lower_bound_s`, which no plan beats (None: not known yet).
+    """
+
+    stage: Literal["search", "relaxation"]
+    elapsed_s: float
+    candidates: int
+    steps: int
+    duration_s: float | None
+    lower_bound_s: float | None
+
+
+Watch = Callable[[Progress], None]
+"""Is told now and then, from the thread that plans. What it raises ends the planning and is raised there."""

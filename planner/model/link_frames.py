@@ -8,7 +8,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.kernels.columns import laws as c
+from assur.planner.kernels import law_columns as c
 from assur.planner.laws import ALWAYS, ArmLink, Law, Numbers
 from assur.planner.laws.validity import interval
 from assur.planner.model.assembly_mode import leaves_assembly

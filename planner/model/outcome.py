@@ -18,8 +18,8 @@ from assur.planner.frames.motion import Pose
 from assur.planner.model.arrival_error import ArrivalError
 from assur.planner.model.input_warning import InputWarning
 from assur.planner.model.load import Carried
-from assur.planner.model.proofs.witness import Witness
 from assur.planner.model.refusal import Reason, Refusal
+from assur.planner.model.witness import Witness
 from assur.planner.trajectory import Trajectory
 
 

@@ -6,20 +6,22 @@ import math
 from dataclasses import dataclass, field
 from functools import cached_property
 
+import numpy as np
+
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
-from assur.planner.geometry.pieces import Pieces, pieces
-from assur.planner.geometry.shapes import Body
-from assur.planner.laws.law import EXACT, Frame, PoseUncertainty, Uncertainty
-from assur.planner.laws.rounding import check_rounding
+from assur.planner.geometry.shapes import Body, Pieces, pieces
+from assur.planner.laws.law import EXACT, Frame, PoseUncertainty, Uncertainty, check_rounding
 from assur.planner.model.execution import AS_PLANNED, Execution, check_execution
 from assur.planner.model.forbidden_yaw import YawRange, check_ranges
 from assur.planner.model.load import UNKNOWN, Load, LoadLimits, Tool, greatest_inertia
 from assur.planner.model.options import DEFAULTS, Clearance, ClearanceException, Options, check_timing
+from assur.planner.model.refusal import BeyondRange
 from assur.planner.model.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Trace, Window
 from assur.planner.robots.facts import Limits, lowered
 from assur.planner.robots.robot import Robot
+from assur.planner.robots.turns import nearest_turns
 
 __all__ = [
     "WORLD",
@@ -339,3 +341,19 @@ class Scene:
                 if held != step.part:
                     raise InputError(f"task[{i}].place.part", step.part, f"the part in the gripper ({held or 'none'})")
                 held = None
+
+
+# JOINT_LIMIT: which joint would be where, and which end of its range that is beyond.
+
+
+def beyond(scene: Scene, joint: int, value: float) -> BeyondRange:
+    """The facts of joint number `joint` at `value`, rad or m, as the planner counts it: the nearer end of its range is
+    that which it is beyond."""
+    lower, upper = (float(end[joint]) for end in (scene.robot.limits.lower, scene.robot.limits.upper))
+    limit = lower if lower - value > value - upper else upper
+    return BeyondRange(value=scene.counted(joint, value), limit=scene.counted(joint, limit))
+
+
+def beyond_at_nearest_turn(scene: Scene, joint: int, q: FloatArray) -> BeyondRange:
+    """The facts of joint number `joint` at q (n,), turned to where it is nearest to being within its range."""
+    return beyond(scene, joint, float(np.asarray(nearest_turns(scene.robot, q))[joint]))

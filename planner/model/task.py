@@ -30,7 +30,7 @@ class Target:
     """A pose of the tool point (or, for a place, of the part) that is constant in a frame. `yaw_free`: with any yaw;
     `yaw_keep`: with the yaw, in the world, that the tool has when the step begins; then `yaw_free` holds, too.
 
-    `pitch`, `roll`: of the tool, rad, for arms that have these coordinates (`assur.planner.frames.tilted`); None: free.
+    `pitch`, `roll`: of the tool, rad, for arms that have these coordinates (`assur.planner.frames.motion`); None: free.
     """
 
     frame: str

@@ -5,18 +5,263 @@ Never a robot beyond its limits, never a clearance below the uncertainties (thos
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 from assur.planner.errors import InputError
 from assur.planner.laws import slowed
-from assur.planner.model.refusal import Refusal, Separation
+from assur.planner.model.phases import CONTACT_M
+from assur.planner.model.refusal import LawEnds, NotTouching, Overshoot, Reason, Refusal, Separation, Stage
 from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step, Trace, Window
-from assur.planner.relaxation.by_cause import kinds_about
-from assur.planner.relaxation.change import Change, frame_of, of_options, of_step, with_step
-from assur.planner.relaxation.smaller_clearances import smaller_clearances
-from assur.planner.relaxation.straight_parts import contact_tolerances, heights, higher_points, longer_straight_part
+
+# A change of a request, and what all changes of a step share.
+
+Change = tuple[str, str, Scene]
+"""Kind, value for people, and the request with the change."""
+
+
+def frame_of(scene: Scene, what: Step) -> str:
+    """The frame in which a step's control point is."""
+    if isinstance(what, Pick):
+        return scene.index[what.part].frame
+    return what.to.frame if isinstance(what, Place) else what.target.frame
+
+
+def with_step(scene: Scene, number: int, step: Step) -> Scene:
+    return replace(scene, task=(*scene.task[:number], step, *scene.task[number + 1 :]))
+
+
+def of_step(scene: Scene, number: int, kind: str, value: str, **changed: Any) -> Change:
+    """A change of these fields of a step."""
+    return kind, value, with_step(scene, number, replace(scene.task[number], **changed))
+
+
+def of_options(scene: Scene, kind: str, value: str, **changed: Any) -> Change:
+    """A change of these options."""
+    return kind, value, replace(scene, options=replace(scene.options, **changed))
+
+
+# Which kinds of change the cause of a refusal asks for, the likeliest first; and where no change can help.
+
+OF_GEOMETRY = frozenset({"elbow", "pitch", "heights"})
+"""Where a point cannot be reached, only another posture or another height can help."""
+OF_LAW = frozenset({"window", "latest end", "dwell"})
+"""Where it is proved that the motion of a frame is known for too short a time, only what needs less of it can help."""
+OF_START = frozenset({"pair clearance", "clearance", "without"})
+"""Where the arm starts too near a body, only what asks for less distance can help."""
+ONLY = {
+    Reason.OUT_OF_REACH: OF_GEOMETRY,
+    Reason.JOINT_LIMIT: OF_GEOMETRY,
+    Reason.START_IN_COLLISION: OF_START,
+}
+"""Kinds of change that alone can help."""
+IN_THE_WAY = ("pair clearance", "clearance", "heights", "point height", "without")
+ABOUT: dict[Reason, tuple[str, ...]] = {
+    Reason.WINDOW_MISSED: ("window", "latest end", "dwell", "belt speed"),
+    Reason.LAW_ENDS: ("dwell", "window", "latest end"),
+    Reason.BODY_COLLISION: IN_THE_WAY,
+    Reason.CONTROL_POINT_IN_COLLISION: IN_THE_WAY,
+    Reason.START_IN_COLLISION: IN_THE_WAY,
+    Reason.NOT_CERTIFIED: IN_THE_WAY,
+    Reason.SELF_COLLISION: ("pair clearance", "elbow"),
+    Reason.OUT_OF_REACH: ("elbow", "pitch", "heights"),
+    Reason.JOINT_LIMIT: ("elbow", "pitch", "heights"),
+    Reason.NEAR_SINGULARITY: ("singularity margin", "elbow"),
+    Reason.MOTION_LIMIT: ("process speed", "blend", "acceleration time", "match", "belt speed", "dwell"),
+    Reason.CARRY_LIMIT: ("belt speed", "heights"),
+}
+"""Kinds of change that are about what a refusal is about, the likeliest first."""
+HOPELESS = frozenset({Reason.START_IN_COLLISION, Reason.LAW_ENDS, Reason.LOAD_LIMIT, Reason.FORBIDDEN_YAW})
+"""Reasons that no change of the list can mend, but for what `worth_trying` says."""
+
+
+def kinds_about(refusal: Refusal | None) -> tuple[str, ...]:
+    """The kinds of change that a refusal asks for, in the order in which they are tried, before all others."""
+    if refusal is None:
+        return ()
+    kinds, facts = ABOUT.get(refusal.reason, ()), refusal.facts
+    if isinstance(facts, Separation):
+        kinds = tuple(dict.fromkeys((*_of_separation(refusal, facts), *kinds)))
+    return kinds
+
+
+def _of_separation(refusal: Refusal, facts: Separation) -> tuple[str, ...]:
+    """What mends that two bodies are too near where the arm must be."""
+    if facts.end is not None:
+        return ("straight part",)
+    if facts.gap_m is None:
+        return ()
+    # planned to be one in the other: the point is too low; else what is not known presses them together
+    planned = facts.gap_m < -CONTACT_M
+    if facts.rule == "contact":
+        return ("point height", "contact tolerance") if planned else ("contact tolerance", "point height")
+    return ("point height",) if planned and refusal.stage is Stage.CONTROL_POINT else ()
+
+
+def allowed(refusal: Refusal | None, what: str, *, proved: bool) -> bool:
+    """Whether a kind of change may help at all."""
+    if proved and what == "budget":
+        return False
+    if refusal is not None and refusal.reason is Reason.LAW_ENDS and proved:
+        return what in OF_LAW
+    return refusal is None or what in ONLY.get(refusal.reason, (what,))
+
+
+def worth_trying(refusal: Refusal | None) -> bool:
+    """Whether any change of the list could help: also where the motion of a frame is known for too short a time for a
+    control point, and where the arm starts too near a body and does not overlap it."""
+    if refusal is None or not (refusal.reason in HOPELESS or isinstance(refusal.facts, NotTouching | Overshoot)):
+        return True
+    facts = refusal.facts
+    if refusal.reason is Reason.START_IN_COLLISION and isinstance(facts, Separation):
+        return facts.gap_m is not None and facts.gap_m > 0.0
+    return isinstance(facts, LawEnds) and facts.tracked_s is not None
+
+
+# Numbers of changes, rounded to whole units.
+
+SHOWN_M = 1e-4
+"""Lengths are proposed in whole tenths of a millimetre."""
+WHOLE = 1e-3
+"""Windows are proposed in whole milliseconds, and in whole millimetres of belt."""
+ROUNDING = 1e-9
+"""Ends of windows that differ by no more, s or m, are the same."""
+
+
+def up(value: float, unit: float) -> float:
+    """The next whole number of units; a millionth of one is rounding."""
+    return math.ceil(value / unit - 1e-6) * unit
+
+
+def down(value: float, unit: float) -> float:
+    return math.floor(value / unit + 1e-6) * unit
+
+
+# Smaller required distances: of the pair that a refusal is about, then of all.
+
+
+def smaller_clearances(scene: Scene, refusal: Refusal | None) -> Iterator[Change]:
+    """Smaller distances of the pair that the refusal is about, by what is missing, by half and none; then of all pairs
+    for which no exception is made."""
+    if refusal is not None and isinstance(refusal.facts, Separation) and len(refusal.bodies) == 2:
+        gap, required = refusal.facts.gap_m, refusal.facts.required_m
+        short = None if gap is None or required is None else required - gap
+        first, second = refusal.bodies
+        for text, changed in _changed(scene, short, first, second):
+            yield "pair clearance", f"{first} and {second}: {text}", changed
+    for text, changed in _changed(scene, None):
+        yield "clearance", text, changed
+
+
+def _changed(scene: Scene, short: float | None, *names: str) -> Iterator[tuple[str, Scene]]:
+    """The scene with smaller distances of two bodies, or of all, in words and as a scene. `short`: by how much they are
+    missed, m."""
+    options = scene.options
+    for travel, near in _smaller(*options.clearance.distances(*names), short):
+        clearance = options.clearance.lowered(travel, near, names)
+        yield _distances(travel, near), replace(scene, options=replace(options, clearance=clearance))
+
+
+def _smaller(travel: float, near: float, short: float | None) -> Iterator[tuple[float, float]]:
+    """Smaller distances of travel and near, from the greatest to none; one of both alone before both. `short`: by how
+    much they are missed."""
+    sizes = [(0.5 * travel, 0.5 * near), (0.0, 0.0)]
+    if short is not None and short > 0.0:
+        sizes.insert(0, (_less(travel, short), _less(near, short)))
+    seen = {(travel, near)}
+    for less_travel, less_near in sizes:
+        for pair in ((travel, less_near), (less_travel, near), (less_travel, less_near)):
+            if pair not in seen:
+                seen.add(pair)
+                yield pair
+
+
+def _less(distance: float, short: float) -> float:
+    """What is left, a hundredth of a millimetre less at least: the proof keeps a reserve."""
+    return max(0.0, down(distance - short - 0.1 * SHOWN_M, SHOWN_M))
+
+
+def _distances(travel: float, near: float) -> str:
+    return f"travel {1e3 * travel:g} mm, near {1e3 * near:g} mm"
+
+
+# Changes at a point: the straight parts of the ways to and from it, its height, and how deep contacts may become.
+
+TIMES = (1, 2, 5)
+"""So many times what is missing is tried as a contact tolerance: another pick or place may need more."""
+
+
+def heights(scene: Scene, step: int, what: Step) -> Iterator[Change]:
+    """Shorter straight parts of the ways to and from the point: of one of both alone, then of both."""
+    if not isinstance(what, Pick | Place):
+        return
+    lengths = {"approach": what.approach_m, "depart": what.depart_m}
+    for share in (0.5, 0.2):
+        shorter = {name: share * length for name, length in lengths.items() if length > 0.0}
+        alone = [{name: length} for name, length in shorter.items()] if len(shorter) == 2 else []
+        yield from (_straight(scene, step, "heights", each) for each in (*alone, shorter) if each)
+
+
+def _straight(scene: Scene, step: int, kind: str, lengths: dict[str, float]) -> Change:
+    """A change of the lengths of straight parts, m."""
+    value = ", ".join(f"{name} {1e3 * length:g} mm" for name, length in lengths.items())
+    return of_step(scene, step, kind, value, **{f"{name}_m": length for name, length in lengths.items()})
+
+
+def longer_straight_part(scene: Scene, step: int, facts: Separation) -> Iterator[Change]:
+    """An approach or a depart that is as long as the refusal says that it must be."""
+    if isinstance(scene.task[step], Pick | Place) and facts.end is not None and facts.least_m is not None:
+        yield _straight(scene, step, "straight part", {facts.end: up(facts.least_m, SHOWN_M)})
+
+
+def higher_points(scene: Scene, step: int, refusal: Refusal) -> Iterator[Change]:
+    """A point that is higher in its frame: so that what overlaps there only touches, then by all that is missing. Of a
+    pick it is the grasp that is higher on the part."""
+    facts = refusal.facts
+    if not isinstance(facts, Separation) or facts.gap_m is None or facts.required_m is None or facts.end is not None:
+        return
+    if refusal.stage is not Stage.CONTROL_POINT and facts.rule not in ("near", "contact"):
+        return
+    # a tenth of what is shown more: the proof keeps a reserve
+    for rise in (up(-facts.gap_m, SHOWN_M), up(facts.required_m - facts.gap_m + 0.1 * SHOWN_M, SHOWN_M)):
+        higher = _higher(scene.task[step], rise)
+        if higher and rise > 0.0:
+            yield of_step(scene, step, "point height", f"{1e3 * rise:g} mm higher", **higher)
+
+
+def _higher(what: Step, rise: float) -> dict[str, object]:
+    """What changes of a step with its point higher; nothing: it has more than one."""
+    if isinstance(what, Pick):
+        return {"grasp": replace(what.grasp, z=what.grasp.z + rise)}
+    if isinstance(what, Follow | Place) or (isinstance(what, Move) and not what.path):
+        at, name = what.target, "to" if isinstance(what, Place) else "target"
+        return {name: replace(at, pose=replace(at.pose, z=at.pose.z + rise))}
+    return {}
+
+
+def contact_tolerances(scene: Scene, step: int, facts: Separation) -> Iterator[Change]:
+    """Contacts that may become as much deeper as is missing: at the step alone, at each pick and place, and there more
+    of it."""
+    what = scene.task[step]
+    if not isinstance(what, Pick | Place) or facts.rule != "contact":
+        return
+    if facts.gap_m is None or facts.required_m is None:
+        return
+    short = facts.required_m - facts.gap_m + 0.1 * SHOWN_M
+    least = up(what.contact_tolerance_m + short, SHOWN_M)
+    yield "contact tolerance", f"{1e3 * least:g} mm at {what.name}", with_step(scene, step, _softer(what, least))
+    for times in TIMES:
+        deep = up(what.contact_tolerance_m + times * short, SHOWN_M)
+        task = tuple(_softer(each, deep) if isinstance(each, Pick | Place) else each for each in scene.task)
+        yield "contact tolerance", f"{1e3 * deep:g} mm at each pick and place", replace(scene, task=task)
+
+
+def _softer(step: Pick | Place, deep: float) -> Pick | Place:
+    return replace(step, contact_tolerance_m=max(step.contact_tolerance_m, deep))
+
 
 MORE = 4
 """How much more the change of the budget allows."""

@@ -18,14 +18,23 @@ import numpy as np
 from assur.planner.collision.proof import Prover
 from assur.planner.frames.motion import Pose
 from assur.planner.laws.belt_window import travelled
+from assur.planner.model.deadline import Watch
 from assur.planner.model.outcome import Plan, Relaxation
-from assur.planner.model.progress import Watch
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene, Window
-from assur.planner.relaxation.by_cause import allowed
-from assur.planner.relaxation.change import Change, frame_of, of_options, of_step
-from assur.planner.relaxation.changes import MORE, changes
-from assur.planner.relaxation.rounded import ROUNDING, WHOLE, down, up
+from assur.planner.relaxation.changes import (
+    MORE,
+    ROUNDING,
+    WHOLE,
+    Change,
+    allowed,
+    changes,
+    down,
+    frame_of,
+    of_options,
+    of_step,
+    up,
+)
 from assur.planner.search.beam import Search
 
 ATTEMPT_S = 1.0

@@ -9,8 +9,7 @@ import numpy as np
 
 from assur.planner.collision.nearest import nearest, nearest_pairs
 from assur.planner.collision.proof import Prover
-from assur.planner.legs.least_margins import instants, least_margins
-from assur.planner.legs.limits import parts
+from assur.planner.legs.limits import instants, least_margins, parts
 from assur.planner.legs.tool_motion import carrying_peak, tool_peaks
 from assur.planner.model.load import Carried, held_inertia
 from assur.planner.model.outcome import Contact, JointPeak, Margins

@@ -31,11 +31,8 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Scene, Trace
 from assur.planner.model.window_missed import WindowMissed
-from assur.planner.report.limits_of_joints import acceleration_time, overshoots
-from assur.planner.report.not_touching import not_touching
-from assur.planner.report.number_format import amount, number, position
-from assur.planner.report.too_late import law_ended, window_missed
-from assur.planner.report.too_near import too_near
+from assur.planner.report.number_format import acceleration_time, amount, not_touching, number, overshoots, position
+from assur.planner.report.too_late import law_ended, too_near, window_missed
 
 
 def sentence(scene: Scene, refusal: Refusal | None, line: CensusLine | None, census: Census, *, cut: bool) -> str:

@@ -14,12 +14,9 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError, InputError
-from assur.planner.frames.motion import Motion
-from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.robots.chain import Chain, Link
-from assur.planner.robots.elbow_arm import SIGNS, ElbowArm
-from assur.planner.robots.planar import ring_margin
-from assur.planner.robots.tilting import LINK2, LINK3
+from assur.planner.frames.motion import Motion, TiltedMotion
+from assur.planner.robots.facts import Chain, Link, ring_margin
+from assur.planner.robots.tilting import LINK2, LINK3, SIGNS, ElbowArm
 
 LINK4, FLANGE = 4, 5
 

@@ -26,8 +26,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion
-from assur.planner.robots.chain import LEFT, UP, Bend, Chain, Link, Loop
-from assur.planner.robots.planar import check_lengths, ring_margin
+from assur.planner.robots.facts import LEFT, UP, Bend, Chain, Link, Loop, check_lengths, ring_margin
 from assur.planner.robots.robot import Robot
 
 BASE, PROXIMAL_LEFT, PROXIMAL_RIGHT, DISTAL_LEFT, DISTAL_RIGHT, QUILL, FLANGE = range(7)

@@ -12,8 +12,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
-from assur.planner.frames.motion import Motion
-from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.frames.motion import Motion, TiltedMotion
 from assur.planner.kernels import links as of
 from assur.planner.kernels.motion import COORDINATES, ORDERS, link_motions
 

@@ -14,12 +14,8 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.errors import FaultError, InputError
-from assur.planner.frames.motion import Motion, Pose
-from assur.planner.frames.sweep import Sweep
-from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.robots.chain import UP, Chain, Rows
-from assur.planner.robots.facts import Inverse, Joint, Limits, RobotBody
-from assur.planner.robots.planar import upright
+from assur.planner.frames.motion import Motion, Pose, Sweep, TiltedMotion
+from assur.planner.robots.facts import UP, Chain, Inverse, Joint, Limits, RobotBody, Rows, upright
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -211,8 +207,7 @@ class Robot(ABC):
 
     def sweep(self, joints: FloatArray, link: int) -> Sweep:
         """How link number `link` moves while the joints are as their jets (n, 6) say (K43)."""
-        from assur.planner.kernels.sweeps.chain import JETS, sweep_links
-        from assur.planner.kernels.sweeps.jets import JET_COLUMNS
+        from assur.planner.kernels.jets import JET_COLUMNS, JETS, sweep_links
 
         jets = np.zeros((len(self.links), JETS, JET_COLUMNS))
         sweep_links(self.row, joints, np.empty((len(self.chain_rows.angles), 2, JET_COLUMNS)), jets)

@@ -19,8 +19,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion
-from assur.planner.robots.chain import LEFT, UP, Bend, Chain, Link
-from assur.planner.robots.planar import check_lengths, ring_margin
+from assur.planner.robots.facts import LEFT, UP, Bend, Chain, Link, check_lengths, ring_margin
 from assur.planner.robots.robot import Robot
 
 BASE, LINK1, LINK2, QUILL, FLANGE = range(5)

@@ -12,28 +12,31 @@ from itertools import product
 import numpy as np
 
 from assur.planner.bound.duration import least_duration
-from assur.planner.collision.contact_depth import deepest
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved
-from assur.planner.collision.screening import Encounter, Screened, screen
+from assur.planner.collision.screening import Encounter, Screened, deepest, screen
 from assur.planner.collision.touching import too_far, touching
 from assur.planner.feasibility.necessary import points_impossible
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
-from assur.planner.model.deadline import Deadline, OutOfTimeError, look, out_of_time
+from assur.planner.model.deadline import Deadline, OutOfTimeError, Progress, Watch, look, out_of_time
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import yaw_offsets
-from assur.planner.model.progress import Progress, Watch
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Pick, Scene
-from assur.planner.search.best_candidate import RefusedMotion
 from assur.planner.search.candidates import Sampler
-from assur.planner.search.census import Counter, refused_proof
-from assur.planner.search.completion import completed
+from assur.planner.search.census import Counter, completed, refused_proof
 from assur.planner.search.extension import extended, straight_extension, timed, wrist_travel
-from assur.planner.search.flown_by import ahead
-from assur.planner.search.meeting_options import free_yaws, options
-from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, initial, prepared
+from assur.planner.search.meeting_options import ahead, free_yaws, options
+from assur.planner.search.partial_plan import (
+    Candidate,
+    Extension,
+    PartialPlan,
+    RefusedMotion,
+    TimedCandidate,
+    initial,
+    prepared,
+)
 from assur.planner.search.rough_score import CoarseScore, score_of
 from assur.planner.search.tuning import BEAM, KEPT_PLANS, MOST_OPTIONS, PROVED_A_BATCH, SAME_DURATION, SAME_TRAVEL
 

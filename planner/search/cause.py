@@ -8,8 +8,8 @@ from assur.planner.collision.screening import Encounter
 from assur.planner.model.outcome import Census, CensusLine
 from assur.planner.model.refusal import OF_CANDIDATES, Stage
 from assur.planner.search.beam import Found
-from assur.planner.search.best_candidate import RefusedMotion
 from assur.planner.search.census import kind_of
+from assur.planner.search.partial_plan import RefusedMotion
 
 
 @dataclass(frozen=True, eq=False)

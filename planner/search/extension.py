@@ -8,19 +8,15 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.frames.motion import Motion, Pose
-from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.frames.motion import Motion, Pose, TiltedMotion
 from assur.planner.legs.accuracy import arrival_error, too_far
 from assur.planner.legs.control_point import WINDOW_S, ControlPoint
 from assur.planner.legs.forbidden_yaw import turns_into
-from assur.planner.legs.joint import JointMotion
-from assur.planner.legs.limits import beyond_limits, parts
+from assur.planner.legs.joint import JointMotion, slowed
+from assur.planner.legs.limits import beyond_limits, parts, too_near
+from assur.planner.legs.meeting import leaving
 from assur.planner.legs.missed import by_law
-from assur.planner.legs.overlap import leaving
-from assur.planner.legs.paths.path_leg import along_path
-from assur.planner.legs.paths.tracing import left_at, trace, traced
-from assur.planner.legs.singular import too_near
-from assur.planner.legs.slowed import slowed
+from assur.planner.legs.path_leg import along_path, left_at, trace, traced
 from assur.planner.legs.state import Knots, TimedLeg
 from assur.planner.legs.straight import mode_changes, straight
 from assur.planner.legs.tilt import tilt_of
@@ -44,9 +40,7 @@ from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.report.notes import window_left
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.robot import Robot
-from assur.planner.search.correction import shifted_out
-from assur.planner.search.flown_by import stops_at_via
-from assur.planner.search.late_end import ends_too_late, laws_over, tracked_too_long
+from assur.planner.search.meeting_options import ends_too_late, laws_over, shifted_out, stops_at_via, tracked_too_long
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, paced
 from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.trajectory import Trajectory

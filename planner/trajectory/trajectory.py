@@ -5,7 +5,7 @@ whatever is proved here holds for what moves. A piecewise cubic with a knot at e
 exactly. Times are strictly increasing; q, q̇ and q̈ are continuous, the jerk jumps at knots.
 
 A trajectory that says so (`jumps`) may hold two knots at one time, with the same q and q̇, where q̈
-jumps (`assur.planner.trajectory.jumps`). Its pieces are those that last; at a jump the one to the right counts.
+jumps (`assur.planner.trajectory.trajectory`). Its pieces are those that last; at a jump the one to the right counts.
 
 Kernels are imported where they are called: whoever only names a trajectory, as the web process does, loads no compiler.
 """
@@ -20,7 +20,32 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import FaultError, InputError
-from assur.planner.trajectory.jumps import doubled
+
+# Two knots at one time: a jump in acceleration, and nothing else.
+#
+# A motion without a limit of the jerk may jump from one acceleration to another. At such a time there is one knot for
+# what ends and one for what begins; q and q̇ are the same in both, to the bit, so the motion and its speed are
+# continuous. Evaluation is continuous from the right. The jerk has no bound there.
+
+
+def doubled(time: FloatArray, q: FloatArray, qd: FloatArray, qdd: FloatArray) -> None:
+    """Accept knots of which two at one time are a jump. Raises `InputError` naming field and knot otherwise."""
+    step = time[1:] - time[:-1]
+    if not (step >= 0).all():
+        raise InputError("trajectory.time", int(np.argmin(step >= 0)) + 1, "times that do not decrease")
+    if not time[-1] > time[0]:
+        raise InputError("trajectory.time", float(time[0]), "knots at two times at least")
+    second = np.flatnonzero(step == 0) + 1
+    crowded = np.flatnonzero(np.diff(second) == 1)
+    if len(crowded):
+        raise InputError("trajectory.time", int(second[crowded[0] + 1]), "two knots at one time, not three")
+    for k in second:
+        for name, states in (("q", q), ("qd", qd)):
+            if not (states[k] == states[k - 1]).all():
+                allowed = "the same in both knots at one time: only the acceleration may jump"
+                raise InputError(f"trajectory.{name}", int(k), allowed)
+        if not (qdd[k] != qdd[k - 1]).any():
+            raise InputError("trajectory.qdd", int(k), "a jump where two knots share a time; one knot will do")
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +92,7 @@ class Trajectory:
         """
         if jumps:
             return cls(knots[:, 0], *np.split(knots[:, 1:], 3, axis=1), jumps=True)
-        from assur.planner.kernels.hermite import first_bad_knot
+        from assur.planner.kernels.limits import first_bad_knot
 
         bad = first_bad_knot(knots)
         if len(knots) < 2 or bad >= 0:
@@ -119,7 +144,7 @@ class Trajectory:
 
     @cached_property
     def _spline(self) -> tuple[FloatArray, FloatArray]:
-        from assur.planner.kernels.hermite import piece_coefficients
+        from assur.planner.kernels.limits import piece_coefficients
 
         tk, c = np.empty(len(self.time)), np.empty((len(self.time) - 1, self.n, 6))
         pieces = piece_coefficients(self._knots, tk, c)
@@ -195,3 +220,138 @@ class Trajectory:
 def _closed(array: FloatArray) -> FloatArray:
     array.flags.writeable = False
     return array
+
+
+# Knots of two motions that meet, put together.
+
+MEETING_ACCELERATION = 1e-6
+"""rad/s² or m/s². Motions that differ by more than this where they meet do so by a jump of the acceleration."""
+
+
+def joined(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Knots (K, 1 + 3n) of two motions that meet; at the meeting what ends the first and begins the second, once if
+    they agree.
+
+    Where either may jump the meeting may have three or four knots: those in the middle last no time, and go. Time and
+    place of the meeting are the first one's.
+    """
+    n, last, first = (one.shape[1] - 1) // 3, len(one) - 1, 0
+    while last > 0 and one[last - 1, 0] == one[last, 0]:
+        last -= 1
+    while first + 1 < len(other) and other[first + 1, 0] == other[first, 0]:
+        first += 1
+    begin = np.concatenate([one[last, :-n], other[first, -n:]])
+    jumps = (np.abs(begin[-n:] - one[last, -n:]) > MEETING_ACCELERATION).any()
+    return np.concatenate([one[: last + 1], *([begin[None]] if jumps else []), other[first + 1 :]])
+
+
+# Whether a trajectory keeps the joint limits at every instant: exact extrema against limits, accept-if.
+#
+# Limits are arrays here, each (n,), because robots come after trajectories in the order of the modules.
+
+LIMIT_TOLERANCE = 1e-9
+"""Relative; of the range for positions. Knots that lie on a limit round to 1e-16 beyond it and extrema are bounded to
+1e-13; a thousand times that is still a thousandth of the excess that anyone may find (1e-6)."""
+JERK_TOLERANCE = 1e-6
+"""Relative. A jerk is a third difference of the knots' numbers: those of a 10 µs piece round it by some rad/s³, a
+hundredth of what anyone may find (1e-4)."""
+KINDS = ("position", "velocity", "acceleration", "jerk")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LimitCheck:
+    """One kind of limit: exact `lower` and `upper` extremes (n,), `ratio` (n,) to the limit (1 is at the limit; for
+    positions 1 is at an end of the range and 0 in its middle), whether it is kept, and else the joint that keeps it
+    least."""
+
+    kind: str
+    lower: FloatArray
+    upper: FloatArray
+    ratio: FloatArray
+    ok: bool
+    joint: int | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LimitReport:
+    """All four kinds; `jerk` is None where it is not limited."""
+
+    position: LimitCheck
+    velocity: LimitCheck
+    acceleration: LimitCheck
+    jerk: LimitCheck | None
+
+    @property
+    def checks(self) -> tuple[LimitCheck, ...]:
+        limited = self.position, self.velocity, self.acceleration
+        return limited if self.jerk is None else (*limited, self.jerk)
+
+    @property
+    def ok(self) -> bool:
+        return all(check.ok for check in self.checks)
+
+
+def accepted_bands(
+    lower: FloatArray, upper: FloatArray, velocity: FloatArray, acceleration: FloatArray, jerk: FloatArray | None
+) -> FloatArray:
+    """What a trajectory within limits, each (n,), may reach: lowest and highest q and derivatives, (4, 2, n).
+
+    Beyond the limits by `LIMIT_TOLERANCE` and `JERK_TOLERANCE`. `jerk` None: it is not limited.
+    """
+    wide = np.full(len(lower), np.inf) if jerk is None else jerk
+    rates = np.array([velocity, acceleration, wide]) * (
+        1 + np.array([[LIMIT_TOLERANCE], [LIMIT_TOLERANCE], [JERK_TOLERANCE]])
+    )
+    slack = LIMIT_TOLERANCE * (upper - lower) / 2
+    bands = np.empty((4, 2, len(lower)))
+    bands[0] = lower - slack, upper + slack
+    bands[1:, 0], bands[1:, 1] = -rates, rates
+    return bands
+
+
+def keeps_bands(trajectory: Trajectory, bands: FloatArray) -> bool:
+    """Whether a trajectory stays within `accepted_bands`."""
+    from assur.planner.kernels.limits import NONE, first_beyond
+
+    return first_beyond(trajectory.knots, bands) == NONE
+
+
+def check_limits(
+    trajectory: Trajectory,
+    lower: FloatArray,
+    upper: FloatArray,
+    velocity: FloatArray,
+    acceleration: FloatArray,
+    jerk: FloatArray | None,
+) -> LimitReport:
+    """Exact extremes of position, velocity, acceleration and jerk against the limits, each (n,), SI.
+
+    Accepted within `LIMIT_TOLERANCE` and `JERK_TOLERANCE`, nothing else. `jerk` None: not limited; where an
+    acceleration jumps no jerk limit is kept. Raises `InputError` for limits that are not n finite numbers, lower below
+    upper, rates positive.
+    """
+    _accept(trajectory, lower, upper, velocity, acceleration, jerk)
+    bands = accepted_bands(lower, upper, velocity, acceleration, jerk)
+    middle, half = (lower + upper) / 2, (upper - lower) / 2
+    checks = []
+    for kind, (name, limit) in enumerate(zip(KINDS, (half, velocity, acceleration, jerk), strict=True)):
+        if limit is None:
+            continue
+        least, most = trajectory.extrema(kind)
+        off = np.maximum(most - middle, middle - least) if kind == 0 else np.maximum(most, -least)
+        ratio = off / limit
+        ok = bool((most <= bands[kind, 1]).all() and (least >= bands[kind, 0]).all())
+        checks.append(LimitCheck(name, least, most, ratio, ok, None if ok else int(ratio.argmax())))
+    return LimitReport(checks[0], checks[1], checks[2], checks[3] if jerk is not None else None)
+
+
+def _accept(trajectory: Trajectory, lower: FloatArray, upper: FloatArray, *rates: FloatArray | None) -> None:
+    """Accepts limits that are n finite numbers each; `InputError` otherwise."""
+    for name, limit in zip(("lower", "upper", *KINDS[1:]), (lower, upper, *rates), strict=True):
+        if limit is not None and (np.shape(limit) != (trajectory.n,) or not np.isfinite(limit).all()):
+            raise InputError(f"limits.{name}", limit, f"{trajectory.n} finite numbers")
+    if not (lower < upper).all():
+        raise InputError("limits", (lower, upper), "lower below upper")
+    for rate in rates:
+        if rate is not None and not (rate > 0).all():
+            raise InputError("limits", rate, "rates above zero")

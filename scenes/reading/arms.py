@@ -13,14 +13,12 @@ from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece
 from assur.planner.model.load import LoadLimits
-from assur.planner.robots.elbow_arm import ElbowArm
-from assur.planner.robots.facts import Limits, RobotBody
+from assur.planner.robots.facts import Limits, RobotBody, upright
 from assur.planner.robots.five_axis_arm import FiveAxisArm
 from assur.planner.robots.five_bar import FiveBar
-from assur.planner.robots.planar import upright
-from assur.planner.robots.polar_arm import PolarArm
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
+from assur.planner.robots.tilting import ElbowArm, PolarArm
 from assur.scenes.conventions import Conventions, JointConvention, JointKind, places
 from assur.scenes.faults import Refused, within
 from assur.scenes.reading.bodies import attached

@@ -11,7 +11,6 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.model.outcome import Census
-from assur.planner.model.proofs.witness import Witness
 from assur.planner.model.refusal import (
     Bodies,
     Facts,
@@ -24,6 +23,7 @@ from assur.planner.model.refusal import (
     Subject,
 )
 from assur.planner.model.scene import Scene
+from assur.planner.model.witness import Witness
 from assur.planner.report.checker_first import beginning
 from assur.planner.report.sentence import sentence
 from assur.scenes.answer_facts import refusal_document

@@ -9,7 +9,7 @@ from assur.planner.errors import FaultError
 from assur.planner.model.scene import Holding, Scene, Start
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.robot import Robot
-from assur.planner.robots.solutions import solutions
+from assur.planner.robots.turns import solutions
 from assur.scenes.conventions import Conventions, as_maker, last_joint
 from assur.scenes.faults import Gathered, Refused, within
 from assur.scenes.reading.bodies import Places

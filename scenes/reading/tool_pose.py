@@ -8,14 +8,12 @@ from collections.abc import Iterable
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion
-from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.frames.motion import Motion, TiltedMotion
 from assur.planner.laws.law import Law
 from assur.planner.report.number_format import SHOWN_AS, amount
 from assur.planner.report.sentence import POSITIONS
-from assur.planner.robots.codes import Code
-from assur.planner.robots.planar import TURN
-from assur.planner.robots.solutions import ModeSolutions
+from assur.planner.robots.facts import TURN, Code
+from assur.planner.robots.turns import ModeSolutions
 from assur.scenes.conventions import JointConvention, as_maker, last_joint, rates_as_maker, zeros
 from assur.scenes.faults import Refused
 from assur.scenes.reading.bodies import Places, resolve

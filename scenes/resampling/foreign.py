@@ -18,9 +18,8 @@ from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved, written
 from assur.planner.kernels.limits import NONE, first_beyond
 from assur.planner.kernels.proof import ROW_COLUMNS
-from assur.planner.model.attachments import at_start
 from assur.planner.model.outcome import Arrival, Leg, LegKind, Nearest, Plan
-from assur.planner.model.phases import Phase, handled_at_start, phases, stay_phases
+from assur.planner.model.phases import Phase, at_start, handled_at_start, phases, stay_phases
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import Limits
 from assur.planner.trajectory import Trajectory, accepted_bands

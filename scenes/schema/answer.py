@@ -18,8 +18,8 @@ from assur.planner.model.input_warning import Odd
 from assur.planner.model.outcome import (
     Course,
 )
-from assur.planner.model.proofs.witness import Hindrance, Meeting, Witness
 from assur.planner.model.refusal import Facts, Reason, Stage, Unit
+from assur.planner.model.witness import Hindrance, Meeting, Witness
 from assur.scenes import bounds
 from assur.scenes.schema.described import describe
 from assur.scenes.schema.model import Angle, Point, Strength

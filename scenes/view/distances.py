@@ -9,9 +9,8 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.bodies import Arrangement
-from assur.planner.collision.nearest import nearest_at, pairs_of_pieces
+from assur.planner.collision.nearest import MEET_M, nearest_at, pairs_of_pieces, simplex
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.simplex import MEET_M, simplex
 from assur.planner.kernels import solids as c
 from assur.planner.kernels.gjk import add_farthest
 from assur.planner.model.phases import Phase

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.model.attachments import Attachments
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import Phase, phases
+from assur.planner.model.phases import Attachments, Phase, phases
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 from assur.scenes.answer import NOTICE
@@ -129,7 +128,7 @@ def _at_rest(scene: Scene, refusal: dict[str, Any]) -> tuple[Trajectory, tuple[P
 
 def _overlap(scene: Scene, refusal: dict[str, Any]) -> tuple[FloatArray, Attachments] | None:
     """Joints and attachments where the bodies overlap that a refusal names; None: it names none that do."""
-    from assur.planner.feasibility.met_posture import met_posture
+    from assur.planner.feasibility.necessary import met_posture
 
     witness = refusal.get("witness") or {}
     for way in witness["ways"] if witness.get("kind") == "met" else ():

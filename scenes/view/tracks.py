@@ -12,9 +12,8 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body
-from assur.planner.model.attachments import at_start
 from assur.planner.model.outcome import Arrival
-from assur.planner.model.phases import Phase
+from assur.planner.model.phases import Phase, at_start
 from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step, Trace, WorldBody
 from assur.planner.trajectory import Trajectory
 from assur.scenes.schema import view as document

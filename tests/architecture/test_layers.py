@@ -76,7 +76,7 @@ def test_every_module_of_the_planner_has_its_place_in_the_order() -> None:
         ("assur.request", "from assur.api.python.answer import Answer"),
         ("assur", "from tests import x"),
         ("assur.planner.model.scene", "from tests import x"),
-        ("assur.planner.robots.chain", "from assur.planner.claim import chain"),
+        ("assur.planner.robots.facts", "from assur.planner.claim import chain"),
         ("assur.planner.robots.scara", "from assur.planner.claim import columns as c"),
     ],
 )

@@ -29,16 +29,16 @@ LONGEST = 16
 STEPS = frozenset({"Move", "Follow", "Trace", "Pick", "Place"})
 
 LAWS = """
-planner/bound: rates
+planner/bound: events
 planner/checker/statement: laws
 planner/laws: __init__ kinds law
 scenes/reading: frames
 scenes/schema: frames
 """
 FAMILIES = """
-planner/checker/statement: arms postures
+planner/checker/statement: arms joints
 planner/kernels: inverse links motion uncertainty
-planner/robots: elbow_arm five_axis_arm five_bar kinematics polar_arm scara
+planner/robots: five_axis_arm five_bar kinematics scara tilting
 scenes/reading: arms start
 scenes/schema: robots
 scenes/urdf: arm_text carriers families importing
@@ -46,7 +46,7 @@ scenes/urdf: arm_text carriers families importing
 DISTANCES = """
 planner/checker/statement: distances points
 planner/claim: obligations
-planner/model: clearance options scene
+planner/model: options phases scene
 """
 MOST_CHECKS, MOST_FILES = 149, 49
 """Calls of `isinstance` on a step, and files that have one."""
@@ -117,7 +117,7 @@ def made_up(text: str) -> Source:
         (FAMILY, "class PolarArmRow: ...", True),
         (FAMILY, "five = bar", False),
         (DISTANCE, "options.clearance.near_m", True),
-        (DISTANCE, "from assur.planner.model.clearance import rule_of", True),
+        (DISTANCE, "from assur.planner.model.phases import rule_of", True),
         (DISTANCE, "clearance = NEAR_M", False),
     ],
 )

@@ -14,7 +14,7 @@ MOST_LINES = 700
 NAMED = {
     "planner/model/options.py": "the option of the request, and which tasks go with it",
     "planner/pipeline.py": "the story chooses the search",
-    "planner/checker/statement/passed.py": "parabolas, and vias that are missed by what is stated",
+    "planner/checker/statement/order.py": "parabolas, and vias that are missed by what is stated",
     "planner/model/outcome.py": "the course of a leg, which is a note",
 }
 """The modules of the planner that name the wing, at most four, and why."""
@@ -27,7 +27,6 @@ CORNERS = {
     "planner/checker/statement/guides.py",
     "planner/model/path.py",
     "planner/model/task.py",
-    "planner/relaxation/by_cause.py",
     "planner/relaxation/changes.py",
 }
 """Modules in which a blend is the rounding of a corner of a path (`blend_mm`), which is no parabolic blend."""

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from assur.planner.checker import Code, Finding, Verdict
-from assur.planner.search import completion
+from assur.planner.search import census
 from assur.scenes import load
 from assur.scenes.requests import check_document, plan_document
 from benchmarks import proofs
@@ -37,7 +37,7 @@ def request_refused(monkeypatch: pytest.MonkeyPatch) -> Document:
     request = random_cell(KIND, seed())
     request["options"] = {**request.get("options", {}), "max_candidates": 20}
     verdict = Verdict.of([Finding(Code.ARRIVAL, SAID, where="1 s")])
-    monkeypatch.setattr(completion, "check", lambda *_, **__: verdict)
+    monkeypatch.setattr(census, "check", lambda *_, **__: verdict)
     return request
 
 

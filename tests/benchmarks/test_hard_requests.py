@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from assur.planner.checker import Code, Finding, Verdict
-from assur.planner.search import completion
+from assur.planner.search import census
 from assur.scenes.requests import validate
 from benchmarks import hard_requests
 from benchmarks.hard_requests import HARD, Tally, count, hard_request, later, table_of
@@ -58,7 +58,7 @@ def test_all_instants_of_a_document_are_later_and_no_durations() -> None:
 def test_a_plan_that_the_checker_refuses_is_counted_and_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     kind = "mesh round the arm"
     verdict = Verdict.of([Finding(Code.ARRIVAL, "this plan is refused", where="1 s")])
-    monkeypatch.setattr(completion, "check", lambda *_, **__: verdict)
+    monkeypatch.setattr(census, "check", lambda *_, **__: verdict)
     tally = Tally()
     count(tally, kind, 0, hard_request(kind, 0), tmp_path)
     assert (tally.planned, tally.by_checker, tally.lost, dict(tally.codes)) == (0, 1, 1, {"ARRIVAL": 1})

@@ -10,8 +10,7 @@ from assur.experiments.dyad import LEFT, RIGHT, RRR
 from assur.experiments.printed_rrr import Point
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
-from assur.planner.robots.codes import Code
-from assur.planner.robots.facts import Limits
+from assur.planner.robots.facts import Code, Limits
 from assur.planner.robots.scara import Scara
 
 SIGMA = {1: LEFT, 2: RIGHT}

@@ -17,7 +17,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.collision.bodies import Bodies
 from assur.planner.geometry.shapes import Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere
 from assur.planner.kernels.solids import REACH
-from assur.planner.model.attachments import AT_START
+from assur.planner.model.phases import AT_START
 from tests.planner.cells import Around, arm, block, cell, go, rotation
 
 KINDS = ("box", "sphere", "cylinder", "capsule", "hull")

@@ -9,11 +9,11 @@ import pytest
 import trimesh
 
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.checker.statement.loads import integrals
+from assur.planner.checker.statement.limits import integrals
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
-from assur.planner.geometry.inertia import spread
 from assur.planner.geometry.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
+from assur.planner.geometry.surface import spread
 from assur.planner.model.load import Tool, greatest_inertia, held_inertia
 from tests.planner.cells import block, rotation, solid
 

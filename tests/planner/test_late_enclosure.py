@@ -12,19 +12,19 @@ import pytest
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checked import check
-from assur.planner.collision import at_rest
-from assur.planner.collision.at_rest import enclosed
+from assur.planner.collision import nearest
+from assur.planner.collision.nearest import enclosed
 from assur.planner.collision.proof import Prover
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry import containment
 from assur.planner.geometry.containment import inside, winding_number
-from assur.planner.model.attachments import at_start
 from assur.planner.model.claims import NOTHING
 from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.planner.model.outcome import Plan, Planned
+from assur.planner.model.phases import at_start
 from assur.planner.model.scene import Scene
 from assur.planner.pipeline import plan
-from assur.planner.search import completion
+from assur.planner.search import census
 from tests.planner.cells import Around, cell, go, mesh_box
 
 POINTS = np.array([[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.04, 0.03, -0.01]])
@@ -87,7 +87,7 @@ def test_a_mesh_that_may_be_around_the_arm_is_left_between_blocks_of_its_triangl
     scene = replace(among_meshes(1), bodies=(around,))
     looks = Counted()
     monkeypatch.setattr(containment, "BLOCK", 1)
-    monkeypatch.setattr(at_rest, "look", looks)
+    monkeypatch.setattr(nearest, "look", looks)
     assert enclosed(scene, Prover(scene), at_start(scene), scene.start.q, 0.0, frozenset())
     assert looks.calls > 10
 
@@ -132,7 +132,7 @@ def test_a_plan_that_the_checker_has_no_time_for_is_not_given_out(
         with Deadline(time.perf_counter(), -1.0):
             return own(*asked, between=between)
 
-    monkeypatch.setattr(completion, "check", late)
+    monkeypatch.setattr(census, "check", late)
     outcome = plan(replace(scene, options=replace(scene.options, max_candidates=3)))
     assert not isinstance(outcome, Planned)
     assert outcome.cut_by_clock

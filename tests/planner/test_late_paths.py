@@ -15,11 +15,11 @@ import pytest
 from assur.planner.arrays import FloatArray
 from assur.planner.geometry import curves
 from assur.planner.geometry.curves import Along, Polynomial, Straight
-from assur.planner.legs import least_margins
+from assur.planner.legs import limits
 from assur.planner.legs.state import Knots
 from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.planner.model.path import LineTo, Path, PathPart, Point, SplineThrough
-from assur.planner.search.best_candidate import MOST_KNOTS, motion_told
+from assur.planner.search.partial_plan import MOST_KNOTS, motion_told
 from assur.planner.trajectory import Trajectory
 from assur.scenes.reading.cell import cell_of
 from assur.scenes.requests import validate
@@ -139,13 +139,13 @@ def test_a_long_motion_that_is_told_of_a_refusal_has_a_bounded_number_of_knots()
 def test_times_at_which_a_long_motion_is_looked_at_are_even_in_each_part_that_moves(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(least_margins, "MOST_FINE", 500)
+    monkeypatch.setattr(limits, "MOST_FINE", 500)
     time_s = np.cumsum(np.append(0.0, np.random.default_rng(3).uniform(0.5, 2.0, 60)))
     q = np.repeat(np.sin(time_s)[:, None], 4, 1)
     qd = np.repeat(np.cos(time_s)[:, None], 4, 1)
     qd[20:30], q[20:30] = 0.0, q[20]
     motion = Trajectory(time_s, q, qd, np.zeros_like(q))
-    t, lasts = least_margins.instants(motion)
+    t, lasts = limits.instants(motion)
     moving = [(a, b) for k, (a, b) in enumerate(pairwise(time_s.tolist())) if not 20 <= k < 29]
     apart = sum(b - a for a, b in moving) / 500
     parts = [np.linspace(a, b, math.ceil((b - a) / apart) + 1)[:-1] for a, b in moving]

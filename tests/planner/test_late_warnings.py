@@ -13,10 +13,8 @@ import pytest
 from assur.planner import pipeline
 from assur.planner.collision.fcl_door import Posed
 from assur.planner.collision.proof import Prover
-from assur.planner.feasibility.odd_arrivals import smallest_extent
-from assur.planner.feasibility.odd_input import odd_input
-from assur.planner.feasibility.odd_places import MOST_OVERLAPS, odd_places
-from assur.planner.feasibility.posed_bodies import AtStart, touch
+from assur.planner.feasibility.hits import AtStart, touch
+from assur.planner.feasibility.odd_input import MOST_OVERLAPS, odd_input, odd_places, smallest_extent
 from assur.planner.geometry.shapes import box
 from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.planner.model.input_warning import Odd

@@ -25,7 +25,7 @@ from assur.planner.pipeline import plan
 from assur.planner.report.sentence import sentence
 from assur.planner.robots.facts import lowered
 from assur.planner.timing import time_joints
-from assur.planner.timing.inputs import JERK_RESERVE, RATE_RESERVE
+from assur.planner.timing.solver import JERK_RESERVE, RATE_RESERVE
 from assur.planner.trajectory import Trajectory, check_limits
 from tests.planner.cells import CUP, arm, cell, go, stands, table_to_table
 from tests.planner.checker.hand_made import sealed

@@ -18,7 +18,7 @@ from assur.planner.kernels.links import L1
 from assur.planner.kernels.postures import tool_peaks
 from assur.planner.kernels.solids import REQUIRED
 from assur.planner.laws import conveyor
-from assur.planner.legs.least_margins import least_margins
+from assur.planner.legs.limits import least_margins
 from assur.planner.legs.tool_motion import tool_accelerations, tool_peak
 from assur.planner.legs.tool_motion import tool_peaks as tool_peaks_of
 from assur.planner.model.outcome import LegKind, Planned

@@ -12,8 +12,7 @@ import pytest
 
 from assur.planner.checked import check
 from assur.planner.errors import InputError
-from assur.planner.frames.motion import Pose
-from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.frames.motion import Pose, TiltedMotion
 from assur.planner.geometry.shapes import box
 from assur.planner.laws import conveyor
 from assur.planner.legs.tilt import PITCHES, pitch_free, roll_free, tilt_of, tilts

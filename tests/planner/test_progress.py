@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from assur.planner.geometry.shapes import box
+from assur.planner.model.deadline import Progress
 from assur.planner.model.outcome import NotPlanned, Planned
-from assur.planner.model.progress import Progress
 from assur.planner.model.scene import Scene
 from assur.planner.pipeline import plan
 from tests.planner.cells import belt_and_dial, cell, go, stands

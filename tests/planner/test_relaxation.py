@@ -34,8 +34,7 @@ from assur.planner.model.scene import (
     Window,
 )
 from assur.planner.pipeline import plan
-from assur.planner.relaxation.by_cause import worth_trying
-from assur.planner.relaxation.changes import changes
+from assur.planner.relaxation.changes import changes, worth_trying
 from assur.planner.relaxation.trying import _attempt, relax
 from assur.planner.search.beam import Search
 from tests.docs.pages import ROOT

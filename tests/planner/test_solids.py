@@ -10,15 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.collision.bodies import COVER, Arrangement, Bodies
-from assur.planner.collision.pairs import PairTables
+from assur.planner.collision.bodies import COVER, Arrangement, Bodies, PairTables
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Hull, Piece, box, corners, cylinder, sphere, support
 from assur.planner.kernels.solids import CENTRE, FIRST, HALF, REACH, ROTATION, SECOND
 from assur.planner.laws import turntable
-from assur.planner.model.attachments import AT_START, Attachments, Held
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import Phase
+from assur.planner.model.phases import AT_START, Attachments, Held, Phase
 from assur.planner.model.scene import Scene
 from assur.planner.robots.scara import FLANGE
 from assur.planner.trajectory import Trajectory

@@ -12,21 +12,20 @@ import numpy as np
 import pytest
 
 from assur.planner.checked import check
-from assur.planner.checker.statement.nearness import WITHIN_M
+from assur.planner.checker.statement.phases import WITHIN_M
 from assur.planner.checker.verdict import Code
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.touching import TOUCH_M, apart, grip, support
 from assur.planner.errors import InputError
-from assur.planner.feasibility.odd_supports import OFF_M, odd_supports
-from assur.planner.feasibility.touching import never_touching
+from assur.planner.feasibility.hits import never_touching
+from assur.planner.feasibility.odd_input import OFF_M, odd_supports
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder, sphere
 from assur.planner.laws import conveyor
-from assur.planner.model.attachments import AT_START, at_start
 from assur.planner.model.claims import Claims
 from assur.planner.model.input_warning import Odd
 from assur.planner.model.outcome import Arrival, NotPlanned, Planned
-from assur.planner.model.phases import yaw_offsets
+from assur.planner.model.phases import AT_START, at_start, yaw_offsets
 from assur.planner.model.refusal import NotTouching, Reason, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Tool
 from assur.planner.pipeline import plan

@@ -10,11 +10,9 @@ from typing import Any
 from assur.planner.checker.claim.verdict import check_claim
 from assur.planner.claim import columns as c
 from assur.planner.claim import document as written
-from assur.planner.claim.chain import Arms, knots_of
-from assur.planner.claim.laws import law_of
-from assur.planner.claim.solids import solids_of
-from assur.planner.geometry.pieces import pieces
-from assur.planner.geometry.shapes import Body
+from assur.planner.claim.frames import Arms, knots_of, law_of
+from assur.planner.claim.obligations import solids_of
+from assur.planner.geometry.shapes import Body, pieces
 from assur.planner.laws import Law
 from assur.planner.model.outcome import Plan
 from assur.planner.model.scene import Scene

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.refusals.solids import depth
-from assur.planner.geometry.cut_surface import IN_M
+from assur.planner.checker.refusals.nearest import depth
 from assur.planner.geometry.shapes import Body, Piece
+from assur.planner.geometry.surface import IN_M
 from assur.prover import prove as prover
 from assur.scenes.bundle import bundle_document
 from assur.scenes.meshes.cover import cover

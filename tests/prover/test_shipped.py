@@ -17,7 +17,7 @@ import assur
 from assur.planner.claim.answer import with_answer
 from assur.planner.claim.document import document_of
 from assur.planner.claim.filling import claim_of, with_plan
-from assur.planner.claim.solids import bodies_in
+from assur.planner.claim.obligations import bodies_in
 from assur.planner.model.claims import NOTHING
 from assur.planner.model.digest import digest
 from assur.planner.model.phases import phases

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion
-from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.frames.motion import Motion, TiltedMotion
 from assur.scenes.catalogue import models
 from assur.scenes.conventions import as_maker
 from assur.scenes.reading.robots import Equipped, equipped

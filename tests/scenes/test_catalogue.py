@@ -17,11 +17,10 @@ from hypothesis import strategies as st
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Piece, Primitive
-from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.five_bar import FiveBar
-from assur.planner.robots.polar_arm import PolarArm
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
+from assur.planner.robots.tilting import ElbowArm, PolarArm
 from assur.scenes.catalogue import FOLDER, arm_named, load_robot, models, robots, shipped_robot
 from assur.scenes.conventions import JointConvention, as_maker, converted, converted_rates, rates_as_maker
 from assur.scenes.requests import plan_document

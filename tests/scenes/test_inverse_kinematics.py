@@ -17,7 +17,7 @@ from assur.planner.collision.proof import Prover
 from assur.planner.errors import InputError
 from assur.planner.feasibility.necessary import start_collides, start_impossible
 from assur.planner.model.scene import WorldBody
-from assur.planner.robots.planar import principal
+from assur.planner.robots.facts import principal
 from assur.scenes import ik, load
 from assur.scenes.conventions import converted
 from assur.scenes.reading.robots import Equipped

@@ -15,7 +15,7 @@ import pytest
 import ruckig
 
 from assur.planner.checker.refusals.judging import check_refusal
-from assur.planner.checker.refusals.overshoot import farthest_position, highest_velocity, overshoots
+from assur.planner.checker.refusals.windows import farthest_position, highest_velocity, overshoots
 from assur.planner.errors import InputError
 from assur.planner.model.refusal import Overshoot, Quantity, Refusal, Stage
 from assur.planner.model.scene import Scene

@@ -10,7 +10,8 @@ import math
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
-from assur.planner.checker.claim.jets import (
+from assur.planner.checker.claim.motion import joints_over, over, piece_at
+from assur.planner.checker.claim.solids import (
     Jet,
     between,
     constant,
@@ -25,7 +26,6 @@ from assur.planner.checker.claim.jets import (
     times,
     turned,
 )
-from assur.planner.checker.claim.motion import joints_over, over, piece_at
 from assur.planner.checker.claim.tables import F1, F3, JET, f8, i8
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim

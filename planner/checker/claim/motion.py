@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
-from assur.planner.checker.claim.jets import Jet, joined, polynomial
+from assur.planner.checker.claim.solids import Jet, joined, polynomial
 from assur.planner.checker.claim.tables import F1, F2, JET, f8, i8
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim

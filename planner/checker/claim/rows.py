@@ -18,10 +18,9 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.chain import slot_of
 from assur.planner.checker.claim.motion import rounding
-from assur.planner.checker.claim.obligations import pair_of
+from assur.planner.checker.claim.obligations import pair_of, required_gap
 from assur.planner.checker.claim.solids import derivative_bound, support
 from assur.planner.checker.claim.tables import F1, F2, f8, i8
-from assur.planner.checker.claim.uncertainty import required_gap
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.compiled import kernel, types

@@ -12,14 +12,11 @@ from dataclasses import replace
 import numpy as np
 
 from assur.planner.checker.refusals import points, start
-from assur.planner.checker.refusals.meetings import met
+from assur.planner.checker.refusals.meetings import met, never_touching
 from assur.planner.checker.refusals.obstructions import obstructed
-from assur.planner.checker.refusals.overshoot import overshoots
 from assur.planner.checker.refusals.stated import NotShownError, Shown, states
-from assur.planner.checker.refusals.touching import never_touching
-from assur.planner.checker.refusals.windows import missed
+from assur.planner.checker.refusals.windows import missed, overshoots
 from assur.planner.checker.verdict import Code, Finding, Verdict
-from assur.planner.model.proofs.witness import Hindered, Met, Openings, Orbit, Witness
 from assur.planner.model.refusal import (
     BeyondRange,
     ForbiddenYaw,
@@ -35,6 +32,7 @@ from assur.planner.model.refusal import (
     Stage,
 )
 from assur.planner.model.scene import Scene
+from assur.planner.model.witness import Hindered, Met, Openings, Orbit, Witness
 
 OBSTRUCTED = frozenset(
     {

@@ -13,30 +13,38 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.checker.refusals.nearest import deepest, distance, is_within
 from assur.planner.checker.refusals.obstructions import MOST, STATED
-from assur.planner.checker.refusals.places import Spot, spots
-from assur.planner.checker.refusals.postures import posture
-from assur.planner.checker.refusals.solids import deepest, is_within
+from assur.planner.checker.refusals.postures import frame_at, links_at, posture, still
 from assur.planner.checker.refusals.spans import around
-from assur.planner.checker.refusals.standing import frame_at, links_at, still
-from assur.planner.checker.refusals.stated import NotShownError, Shown
-from assur.planner.checker.refusals.ways import Way, each_way
+from assur.planner.checker.refusals.stated import NotShownError, Shown, Spot, spots
+from assur.planner.checker.refusals.ways import Way, each_way, ways
 from assur.planner.checker.statement.arms import link_names
 from assur.planner.checker.statement.differences import TRACKED_RAD
 from assur.planner.checker.statement.distances import required_between
 from assur.planner.checker.statement.solids import bodies_of
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Hull, Piece
-from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.outcome import TRACKING, LegKind
-from assur.planner.model.phases import pair
-from assur.planner.model.proofs.witness import PROVED_M, PROVED_RAD, PROVED_TRACKED_M, Meeting, Met
-from assur.planner.model.refusal import Bodies, Enclosed, Facts, Quantity, Reason, Refusal, Separation, Stage
-from assur.planner.model.scene import Scene
+from assur.planner.model.phases import Attachments, at_start, pair
+from assur.planner.model.refusal import (
+    Bodies,
+    Enclosed,
+    Facts,
+    NotTouching,
+    Quantity,
+    Reason,
+    Refusal,
+    Separation,
+    Stage,
+)
+from assur.planner.model.scene import Pick, Place, Scene
+from assur.planner.model.witness import PROVED_M, PROVED_RAD, PROVED_TRACKED_M, Meeting, Met
 
 OUTSIDE_M = 1e-9
 """By this much, m, a point may be outside of the body that it is said to be of: rounding of poses."""
@@ -231,3 +239,60 @@ def _as_given(true: Separation, distance: float, given: Facts) -> Separation:
     may_be = gap <= distance + STATED and (gap <= STATED or distance <= gap + 10.0 * STATED)
     least = given.least_m if true.end is not None else None
     return replace(true, gap_m=gap if may_be else distance, touching=touching, least_m=least)
+
+
+# Whether tool or support are too far from the part of a step, however the part is turned and whenever it is taken.
+
+WITHIN_M = 5e-5
+"""By how much a distance that is stated may be off, m."""
+
+
+def never_touching(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
+    """The part of a step is too far from the tool that takes it, or from what it is put down on: by the distance in the
+    turn in which it is least."""
+    step = scene.task[refusal.step]
+    if not isinstance(step, Pick | Place):
+        return
+    allowed = step.grip_within_m if isinstance(step, Pick) else step.support_within_m
+    found = dict[str, float]()
+    for way in ways(scene, refusal.step):
+        others = _others(scene, step, way)
+        if way.turn is None or not others:
+            return  # where the part is then is not known for all turns and times
+        part = scene.index[step.part].body.pieces
+        for other, pose in others:
+            low, high = distance(part, _placed(other, pose))
+            if not low > allowed + PROVED_M:
+                return
+            found[other.name] = min(found.get(other.name, math.inf), high)
+    least, given = min(found.values(), default=math.inf), refusal.facts
+    if isinstance(given, NotTouching) and abs(given.distance_m - least) <= WITHIN_M:
+        least = given.distance_m
+    of: Literal["grip", "support"] = "grip" if isinstance(step, Pick) else "support"
+    facts = NotTouching(of=of, distance_m=least, allowed_m=allowed)
+    for name in (name for name, high in found.items() if high <= least + WITHIN_M):
+        for bodies in ((name, step.part), (step.part, name)):
+            yield Shown(Reason.TOLERANCE, facts, Quantity(least - allowed, "m"), Bodies(bodies))
+
+
+def _others(scene: Scene, step: Pick | Place, way: Way) -> list[tuple[Body, Pose]]:
+    """What counts, with its pose in the part's frame: of a pick the tool's bodies; of a place what the part is put down
+    on, where it never moves against the part."""
+    held = way.after.held
+    if isinstance(step, Pick):
+        return [(body, held.in_flange.inverse()) for body in scene.tool.bodies] if held is not None else []
+    found = []
+    frame, pose = way.after.pose_of(scene, step.part)
+    for name in step.contact_with or ():
+        own, there = way.after.pose_of(scene, name)
+        first, second = (Pose(), Pose()) if own == frame else (still(scene, frame), still(scene, own))
+        if first is None or second is None:
+            return []
+        found.append((scene.index[name].body, first.then(pose).inverse().then(second.then(there))))
+    return found
+
+
+def _placed(body: Body, pose: Pose) -> list[Piece]:
+    """The pieces of a body at a pose."""
+    turn = about_vertical(pose.yaw)
+    return [Piece(each.shape, pose.position + turn @ each.position, turn @ each.rotation) for each in body.pieces]

@@ -12,20 +12,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
 
-from assur.planner.checker.refusals.postures import posture, reaches_by_joint
+from assur.planner.checker.refusals.postures import forbidden, posture, reaches_by_joint, unreachable
 from assur.planner.checker.refusals.spans import Span, beyond
 from assur.planner.checker.refusals.stated import NotShownError, Shown, same
-from assur.planner.checker.refusals.turning import forbidden, unreachable
 from assur.planner.checker.refusals.ways import Way, each_way
-from assur.planner.model.joint_range import beyond as beyond_range
-from assur.planner.model.proofs.witness import (
-    PROVED_M,
-    PROVED_RAD,
-    PROVED_SHARE,
-    PROVED_TRACKED_M,
-    Hindered,
-    Hindrance,
-)
 from assur.planner.model.refusal import (
     JointName,
     OutOfReach,
@@ -37,6 +27,8 @@ from assur.planner.model.refusal import (
     of_joint,
 )
 from assur.planner.model.scene import Scene
+from assur.planner.model.scene import beyond as beyond_range
+from assur.planner.model.witness import PROVED_M, PROVED_RAD, PROVED_SHARE, PROVED_TRACKED_M, Hindered, Hindrance
 
 STATED = 5e-6
 """Amounts that are stated may be off by this, m, rad or 1: the square root of what a posture that is nearly stretched

@@ -12,18 +12,22 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from assur.planner.checker.refusals.obstructions import STATED
-from assur.planner.checker.refusals.postures import Goal, beyond_every_pitch, posture
+from assur.planner.checker.refusals.postures import (
+    Goal,
+    allowed_modes,
+    beyond_every_pitch,
+    flange_at,
+    forbidden,
+    posture,
+    still,
+)
 from assur.planner.checker.refusals.spans import ANY, Span, around, sine
-from assur.planner.checker.refusals.standing import allowed_modes, flange_at, still
 from assur.planner.checker.refusals.stated import NotShownError, Shown, same
-from assur.planner.checker.refusals.turning import forbidden
 from assur.planner.checker.refusals.ways import Way, ways
 from assur.planner.checker.statement import laws
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import Law
-from assur.planner.model.joint_range import beyond
-from assur.planner.model.proofs.witness import PROVED_M, Orbit
 from assur.planner.model.refusal import (
     JointName,
     MotionLimit,
@@ -33,7 +37,8 @@ from assur.planner.model.refusal import (
     Reason,
     Refusal,
 )
-from assur.planner.model.scene import Move, Scene
+from assur.planner.model.scene import Move, Scene, beyond
+from assur.planner.model.witness import PROVED_M, Orbit
 
 PARTS, DEEPEST = 64, 12
 """Into so many parts a period is cut, and each is halved so often at most."""

@@ -6,17 +6,13 @@ import math
 from collections.abc import Iterator
 from typing import Literal
 
-from assur.planner.checker.refusals.standing import links_at, yaw_at
+from assur.planner.checker.refusals.postures import forbidden, links_at, yaw_at
 from assur.planner.checker.refusals.stated import Shown, law_ends
-from assur.planner.checker.refusals.turning import forbidden
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.arms import link_names
-from assur.planner.checker.statement.loads import integrals, part_inertia, share_of, tool_inertia
-from assur.planner.checker.statement.poses import inverse, numbers, then
-from assur.planner.model.attachments import at_start
-from assur.planner.model.joint_range import beyond
-from assur.planner.model.phases import yaw_offsets
-from assur.planner.model.proofs.witness import PROVED_S, PROVED_SHARE
+from assur.planner.checker.statement.differences import inverse, numbers, then
+from assur.planner.checker.statement.limits import integrals, part_inertia, share_of, tool_inertia
+from assur.planner.model.phases import at_start, yaw_offsets
 from assur.planner.model.refusal import (
     RATES,
     Bodies,
@@ -33,7 +29,8 @@ from assur.planner.model.refusal import (
     finite,
     of_joint,
 )
-from assur.planner.model.scene import Pick, Scene
+from assur.planner.model.scene import Pick, Scene, beyond
+from assur.planner.model.witness import PROVED_S, PROVED_SHARE
 
 Load = Literal["max_load", "table", "max_inertia"]
 COUPLERS = ("distal-left", "distal-right")

@@ -12,15 +12,13 @@ from typing import TypeVar
 
 import numpy as np
 
-from assur.planner.checker.refusals.postures import Goal
+from assur.planner.checker.refusals.postures import Goal, allowed_modes, still
 from assur.planner.checker.refusals.spans import ANY, around
-from assur.planner.checker.refusals.standing import allowed_modes, still
 from assur.planner.frames.motion import Pose
-from assur.planner.model.attachments import Attachments, at_start
-from assur.planner.model.phases import yaw_offsets
-from assur.planner.model.proofs.witness import Hindrance, Meeting
+from assur.planner.model.phases import Attachments, at_start, yaw_offsets
 from assur.planner.model.refusal import Spot
 from assur.planner.model.scene import Pick, Place, Scene, Step, Trace
+from assur.planner.model.witness import Hindrance, Meeting
 
 TURN_RAD = 1e-9
 """Turns of a part that differ by no more are one, rad."""

@@ -16,24 +16,30 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from assur.planner.checker.statement.arches import require_arches
 from assur.planner.checker.statement.arms import require_knots, require_links
-from assur.planner.checker.statement.arrivals import require_arrivals
 from assur.planner.checker.statement.differences import Requirements
 from assur.planner.checker.statement.distances import require_distances, require_execution
 from assur.planner.checker.statement.frames import require_frames, require_known
 from assur.planner.checker.statement.guides import require_guides
 from assur.planner.checker.statement.holding import Handling
-from assur.planner.checker.statement.joints import require_hands, require_joints
-from assur.planner.checker.statement.limits import require_limits, require_rates, require_yaws
-from assur.planner.checker.statement.loads import require_loads
-from assur.planner.checker.statement.nearness import require_nearness, require_stated_contacts, require_touching
-from assur.planner.checker.statement.order import require_order
-from assur.planner.checker.statement.passed import require_parabolas
+from assur.planner.checker.statement.joints import (
+    require_arches,
+    require_hands,
+    require_joints,
+    require_margins,
+    require_modes,
+    require_postures,
+)
+from assur.planner.checker.statement.limits import require_limits, require_loads, require_rates, require_yaws
+from assur.planner.checker.statement.order import require_order, require_parabolas
 from assur.planner.checker.statement.peaks import require_peaks, require_tool
-from assur.planner.checker.statement.phases import require_phases
-from assur.planner.checker.statement.points import require_points
-from assur.planner.checker.statement.postures import require_margins, require_modes, require_postures
+from assur.planner.checker.statement.phases import (
+    require_nearness,
+    require_phases,
+    require_stated_contacts,
+    require_touching,
+)
+from assur.planner.checker.statement.points import require_arrivals, require_points
 from assur.planner.checker.statement.solids import require_solids
 from assur.planner.checker.statement.statement import Statement
 from assur.planner.checker.verdict import Code, Finding

@@ -21,12 +21,11 @@ from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.errors import FaultError
 from assur.planner.model.scene import Scene
-from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.five_axis_arm import FiveAxisArm
 from assur.planner.robots.five_bar import FiveBar
-from assur.planner.robots.polar_arm import PolarArm
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
+from assur.planner.robots.tilting import ElbowArm, PolarArm
 from assur.planner.trajectory import Trajectory
 
 COPIED = 1e-12

@@ -12,8 +12,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement.curves import Curve, curve_of
-from assur.planner.checker.statement.differences import SAME, TRACKED_M, Interval
-from assur.planner.checker.statement.poses import IDENTITY, inverse, then
+from assur.planner.checker.statement.differences import IDENTITY, SAME, TRACKED_M, Interval, inverse, then
 from assur.planner.checker.statement.statement import Statement, same, within
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c

@@ -15,8 +15,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import arms, laws
-from assur.planner.checker.statement.differences import SAME, Four, Interval, Requirements
-from assur.planner.checker.statement.poses import inverse, numbers, then
+from assur.planner.checker.statement.differences import SAME, Four, Interval, Requirements, inverse, numbers, then
 from assur.planner.checker.statement.solids import bodies_of
 from assur.planner.errors import FaultError
 from assur.planner.geometry.shapes import Body, Hull, Piece

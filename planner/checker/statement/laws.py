@@ -14,8 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.statement.differences import Four, Interval
-from assur.planner.checker.statement.poses import numbers
+from assur.planner.checker.statement.differences import Four, Interval, numbers
 from assur.planner.errors import FaultError
 from assur.planner.laws.law import Law, Numbers
 from assur.planner.laws.ramps import Change

@@ -3,14 +3,124 @@
 from __future__ import annotations
 
 import math
+from itertools import groupby
 
 import numpy as np
 
-from assur.planner.checker.statement.differences import Interval
-from assur.planner.checker.statement.loads import loads_of
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.statement.differences import Four, Interval, inverse
+from assur.planner.checker.statement.holding import Handling, Stage
 from assur.planner.checker.statement.statement import ROUNDING, Statement, all_of, at_least, at_most
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
+from assur.planner.geometry.shapes import Body, Hull
+from assur.planner.model.load import Carried
+from assur.planner.model.scene import Scene
+
+# What the flange carries: masses, and moments of inertia about the axis of the wrist (G1), (G2).
+
+LOAD_ROUNDING = 1e-9
+"""Relative: of masses, inertias and shares, which are sums and quotients; and s."""
+
+
+def loads_of(handling: Handling) -> list[Carried]:
+    """What the flange carries, one entry for all legs one after the other in which it holds the same part in the same
+    pose, or nothing. No inertia where the last joint does not turn the flange about the vertical."""
+    scene, found = handling.scene, list[Carried]()
+    turns = "yaw" in scene.robot.coordinates and "pitch" not in scene.robot.coordinates
+
+    def carried(stage: Stage) -> tuple[str, Four] | None:
+        return None if stage.held is None else (stage.held, handling.place(stage.held, stage.handed)[1])
+
+    for held, group in groupby(handling.stages[: len(handling.plan.legs)], carried):
+        own, part = list(group), None if held is None else scene.index[held[0]]
+        mass = (scene.tool.mass_kg or 0.0) + (0.0 if part is None else part.mass_kg or 0.0)
+        inertia = tool_inertia(scene) if turns else None
+        if inertia is not None and held is not None:
+            inertia += part_inertia(scene, *held)
+        name = None if part is None else part.name
+        found.append(Carried(name, mass, inertia, share_of(scene, mass), own[0].when[0], own[-1].when[1]))
+    return found
+
+
+def require_loads(handling: Handling, stated: tuple[Carried, ...] | None) -> None:
+    """The loads are those that the answer states."""
+    loads = [] if stated is None else loads_of(handling)
+    same = stated is None or [load.part for load in loads] == [load.part for load in stated]
+    handling.require(same, Code.LOAD, "the parts in the gripper are not those that are stated")
+    for load, own in zip(loads, stated or (), strict=False):
+        for name in ("mass_kg", "inertia_kgm2", "share", "t0", "t1"):
+            one, other = getattr(load, name), getattr(own, name)
+            known = one is not None and other is not None
+            same = abs(one - other) <= LOAD_ROUNDING * max(abs(one), 1e-3) if known else one is other
+            what = f"{name} of {load.part or 'the tool'} is {one}, and {other} is stated"
+            handling.require(same, Code.LOAD, what, (load.t0, load.t1))
+
+
+def share_of(scene: Scene, mass: float) -> float:
+    """Of acceleration and jerk that a load leaves (G2)."""
+    load = scene.load_limits
+    if load.shares:
+        masses, shares = zip(*load.shares, strict=True)
+        return float(np.interp(mass, masses, shares))
+    return 1.0 if load.rated_kg is None else load.rated_kg / max(mass, load.rated_kg)
+
+
+def tool_inertia(scene: Scene) -> float:
+    """Of the tool about the flange's axis, kg·m²."""
+    tool = scene.tool
+    if tool.inertia_kgm2 is not None or not tool.mass_kg:
+        return tool.inertia_kgm2 or 0.0
+    if not tool.bodies:
+        return tool.mass_kg * math.hypot(tool.tcp.x, tool.tcp.y) ** 2
+    sums = np.sum([integrals(body) for body in tool.bodies], axis=0)
+    return float(tool.mass_kg * sums[3] / sums[0])
+
+
+def part_inertia(scene: Scene, part: str, in_flange: Four) -> float:
+    """Of a part that is held at a pose in the flange's frame, about the flange's axis, kg·m²."""
+    mass, (x, y, *_) = scene.index[part].mass_kg, inverse(in_flange)
+    if not mass:
+        return 0.0
+    volume, first, second, square = integrals(scene.index[part].body)
+    return float(mass * (square - 2.0 * (x * first + y * second) + (x * x + y * y) * volume) / volume)
+
+
+def integrals(body: Body) -> tuple[float, float, float, float]:
+    """The integrals of 1, x, y and x² + y² over a body, in its frame."""
+    if body.surface is not None:
+        return _of_triangles(body.surface[0][body.surface[1]])
+    total = np.zeros(4)
+    for piece in body.pieces:
+        shape, turn, at = piece.shape, piece.rotation, piece.position
+        if isinstance(shape, Hull):
+            total += _of_triangles((shape.vertices @ turn.T + at)[shape.faces])
+            continue
+        (a, b, c), r, s = shape.half, shape.disc, shape.ball
+        volume, along = 8.0 * a * b * c, np.array([a * a, b * b, c * c]) / 3.0
+        if r > 0.0:  # a cylinder
+            volume, along = 2.0 * math.pi * r * r * c, np.array([r * r / 4.0, r * r / 4.0, c * c / 3.0])
+        if s > 0.0:
+            # a ball that is cut in two by a tube of its radius and the length 2c, which may be 0
+            ball, tube = 4.0 * math.pi * s**3 / 3.0, 2.0 * math.pi * s * s * c
+            volume = ball + tube
+            side = ball * s * s / 5.0 + tube * s * s / 4.0
+            up = ball * (s * s / 5.0 + 2.0 * c * 3.0 * s / 8.0 + c * c) + tube * c * c / 3.0
+            along = np.array([side, side, up]) / volume
+        spread = float((turn[:2] ** 2 @ along).sum() + at[0] ** 2 + at[1] ** 2)
+        total += volume * np.array([1.0, at[0], at[1], spread])
+    volume, x, y, square = total.tolist()
+    return volume, x, y, square
+
+
+def _of_triangles(corners: FloatArray) -> tuple[float, float, float, float]:
+    """`integrals` of what closed triangles (F, 3, 3) enclose: each with the origin is a tetrahedron with a sign."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    six = (a * np.cross(b, c)).sum(-1)
+    first = six[:, None] * (a + b + c) / 24.0
+    second = six[:, None] * (a * a + b * b + c * c + a * b + b * c + c * a) / 60.0
+    return float(six.sum()) / 6.0, float(first[:, 0].sum()), float(first[:, 1].sum()), float(second[:, :2].sum())
+
 
 SHARES = (1e-9, 1e-9, 1e-9, 1e-6)
 """By which a position (of half its range), a velocity, an acceleration and a jerk may exceed its limit."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from assur.planner.checker.statement.differences import SAME, Interval
-from assur.planner.checker.statement.loads import loads_of
+from assur.planner.checker.statement.limits import loads_of
 from assur.planner.checker.statement.statement import Statement
 from assur.planner.checker.verdict import Code
 from assur.planner.model.claims import Claims

@@ -10,12 +10,24 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from assur.planner.checker.statement.differences import MEET, SAME, TRACKED_M, TRACKED_RAD, Interval
-from assur.planner.checker.statement.statement import Statement, all_of, at_most, same
+from assur.planner.checker.statement.differences import (
+    MEET,
+    SAME,
+    TRACKED_M,
+    TRACKED_RAD,
+    Four,
+    Interval,
+    inverse,
+    numbers,
+    then,
+)
+from assur.planner.checker.statement.statement import Statement, all_of, at_least, at_most, same
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
+from assur.planner.laws.law import EXACT
+from assur.planner.model.arrival_error import ArrivalError
 from assur.planner.model.outcome import Leg, LegKind
-from assur.planner.model.scene import Step, Trace
+from assur.planner.model.scene import Pick, Step, Trace
 
 LONGER = 1.1
 """A straight part is so many times as long as the distance in travel at least: docs/request.md."""
@@ -91,3 +103,88 @@ def _require_point(
     high = (middle - half >= heights[0] - slack) & (middle + half <= heights[1] + slack)
     what = f"the tool is not stated to be at {statement.scene.task[number].name}"
     statement.require(high.any(), Code.POINT, what, when)
+
+
+# Is what an arrival states of its control point so? Name, pose, way along a belt, velocity, a yaw that is kept, and how
+# far the tool may be from the point, whatever is uncertain.
+#
+# The claim checker shows that no error is larger than a row states. Here the row is compared with the request, and the
+# answer with the row. Errors follow from the task: the part as it is known before the step, and the phase in which the
+# step is done.
+
+AHEAD = 0.5
+"""Of a row whose axis is stated to point roughly in a direction: a sine alone would allow the opposite one."""
+ROUNDED = 2e-8
+"""By which a row may be larger than the number of the answer, m or rad: what the claim checker keeps for rounding. A
+length may be larger, too, by what the tool may be off its point if nothing is uncertain."""
+
+
+def require_arrivals(statement: Statement) -> None:
+    """What arrivals state is so, where the request does not leave a choice."""
+    for number, step in enumerate(statement.scene.task):
+        arrival, name = statement.arrivals[number], step.name
+        when, left = (arrival.time, arrival.until), (arrival.until, arrival.until)
+        same_name = arrival.control_point == name
+        statement.require(same_name, Code.ARRIVAL, f"the arrival at {name} has another name", when)
+        matched = step.match != "velocity" or step.via or arrival.matched
+        statement.require(matched, Code.ARRIVAL, f"the velocity of {name} is to be matched", when)
+        tool, pose = statement.tool_at(arrival.time), numbers(arrival.pose)
+        off = max(math.dist(tool[:3], pose[:3]), abs(math.remainder(tool[3] - pose[3], math.tau)))
+        statement.require(off <= MEET, Code.ARRIVAL, f"the tool is not at the pose that is stated at {name}", when)
+        way = None if arrival.along_m is None else statement.along(number, arrival.time)
+        so_far = arrival.along_m is None if way is None else abs(way - (arrival.along_m or 0.0)) <= MEET
+        statement.require(so_far, Code.ARRIVAL, f"{name} is not so far along its belt", when)
+        kept = step.target is None or not step.target.yaw_keep or _keeps_yaw(statement, number)
+        statement.require(kept, Code.DIRECTION, f"the tool is not stated to keep its yaw until {name}", when)
+        known = arrival.error is None or _is_error(statement, number, arrival.error)
+        statement.require(known, Code.ERROR, f"{name} may be missed by more", left)
+
+
+def _keeps_yaw(statement: Statement, number: int) -> bool:
+    """When the step begins the tool has the yaw, in the world, with which its point row states that it is met."""
+    begin, time = statement.legs(number)[0].t0, statement.arrivals[number].time
+    yaw, own = statement.in_world(statement.tool_point(number), time)[3], statement.tcp[3]
+    ahead, aside = (math.cos(own), math.sin(own), 0.0), (-math.sin(own), math.cos(own), 0.0)
+    world = (-1.0, math.cos(yaw), math.sin(yaw), 0.0)
+    return all(
+        statement.keeps("axes", (statement.flange, 0.0, *axis, *world), low, high, (begin, begin))
+        for axis, low, high in ((aside, -MEET, MEET), (ahead, AHEAD, math.inf))
+    )
+
+
+def _is_error(statement: Statement, number: int, error: ArrivalError) -> bool:
+    """Whether a row states no more than the error, for the place and with the uncertainty that the request has."""
+    step, arrival = statement.scene.task[number], statement.arrivals[number]
+    frame, tool, point = _place(statement, number)
+    known = EXACT
+    if step.part is not None:
+        known = statement.uncertainty(step.part, statement.handed_before(number)) or EXACT
+    arm = math.hypot(step.grasp.x, step.grasp.y) if isinstance(step, Pick) else 0.0
+    planned = TRACKED_M if isinstance(step, Trace) else MEET
+    if arrival.missed_by is not None:
+        planned += arrival.missed_by.distance_m
+    within, off = error.within, (known.position_m, known.vertical_m, known.yaw_rad, arm)
+    most = *(planned + each for each in (error.position_m, within.position_m, within.vertical_m)), within.yaw_rad
+    return any(
+        statement.states(
+            "errors",
+            (c.ERROR_TIME, (arrival.until, phase), (arrival.until, phase)),
+            same(c.ERROR_FRAME, statement.frames[frame], statement.flange, *tool, *point),
+            at_least(c.ERROR_OFF, *(x - SAME for x in off)),
+            at_most(c.ERROR_FAR, *(x + ROUNDED for x in most)),
+        )
+        for phase, leg in enumerate(statement.plan.legs)
+        if leg.step == number
+        and abs(leg.t1 - arrival.until) <= SAME
+        and (leg.kind is LegKind.FOLLOW or not step.tracks)
+    )
+
+
+def _place(statement: Statement, number: int) -> tuple[str, Four, Four]:
+    """The point whose error counts: its frame, its pose on the flange and its pose in the frame. It is the origin of
+    the part, or the target; of a trace the end of the path."""
+    step, (frame, at) = statement.scene.task[number], statement.tool_point(number)
+    if isinstance(step, Trace):
+        return frame, statement.tcp, (*step.path.end, at[3])
+    point = at if step.part is None else statement.point(number)[1]
+    return frame, then(statement.tcp, then(inverse(at), point)), point

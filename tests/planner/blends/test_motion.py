@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from assur.experiments.printed_joint_move import ParabolicBlend as Printed
-from assur.planner.blends.durations import RESERVE, STATED_S, fastest, with_acceleration_time
-from assur.planner.blends.law import ParabolicBlend
+from assur.planner.blends.law import RESERVE, STATED_S, ParabolicBlend, fastest, with_acceleration_time
 from assur.planner.trajectory import Trajectory, check_limits
 from tests.planner.timing.least import least_duration
 from tests.planner.trajectory.splines import bernstein
@@ -100,9 +99,7 @@ def test_a_pose_without_a_change_of_velocity_has_no_jump() -> None:
 
 def test_the_equations_that_the_code_cites_are_on_the_page() -> None:
     folder = PAGE.parents[1] / "planner" / "blends"
-    cited = set()
-    for name in ("law", "durations"):
-        cited |= set(re.findall(r"\bB\d\b", (folder / f"{name}.py").read_text(encoding="utf-8")))
+    cited = set(re.findall(r"\bB\d\b", (folder / "law.py").read_text(encoding="utf-8")))
     assert cited == set(re.findall(r"\((B\d)\)\s*$", PAGE.read_text(encoding="utf-8"), re.MULTILINE))
     assert len(cited) == 7
 

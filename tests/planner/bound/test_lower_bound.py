@@ -16,13 +16,13 @@ from hypothesis import strategies as st
 from assur.planner.bound.duration import least_duration
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import conveyor, turntable
-from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import Planned
+from assur.planner.model.phases import AT_START
 from assur.planner.model.scene import Follow, Pick, Place, Scene, Target, Tool, Window
 from assur.planner.pipeline import plan
 from assur.planner.robots.facts import Limits
 from assur.planner.timing import RawProfile, Solver
-from assur.planner.timing.inputs import JERK_RESERVE, RATE_RESERVE
+from assur.planner.timing.solver import JERK_RESERVE, RATE_RESERVE
 from assur.scenes.requests import scene_of
 from tests.planner.cells import CRANKED, PART, arm, at, belt_and_dial, cell, frame, go, limits, stands, table_to_table
 from tests.planner.timing.least import rest_to_rest_time

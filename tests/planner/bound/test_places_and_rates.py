@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 
 from assur.planner.arrays import FloatArray
+from assur.planner.bound.events import LEAST_MARGIN, Unplaced, climbs, known, modes_asked, places, rates
 from assur.planner.bound.fastest import STATE
 from assur.planner.bound.guided import BOUNDED, DYAD, NOWHERE, UNKNOWN, guided
-from assur.planner.bound.places import LEAST_MARGIN, Unplaced, modes_asked, places
-from assur.planner.bound.rates import climbs, known, rates
-from assur.planner.frames.motion import Motion, Pose
-from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.frames.motion import Motion, Pose, TiltedMotion
 from assur.planner.laws import (
     Law,
     conveyor,

@@ -11,7 +11,7 @@ import pytest
 
 from assur.planner.checked import check
 from assur.planner.checker import Code
-from assur.planner.checker.statement.nearness import WITHIN_M
+from assur.planner.checker.statement.phases import WITHIN_M
 from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover
 from assur.planner.model.claims import Claims

@@ -25,7 +25,7 @@ from assur.planner.geometry.shapes import box
 from assur.planner.kernels.laws import place_frame
 from assur.planner.kernels.links import POSE_COLUMNS
 from assur.planner.laws import Change, Law, Pose, conveyor, fixed, indexer, linear, oscillation, swing, turntable
-from assur.planner.laws.rounding import FARTHEST_PLACE_M, FARTHEST_WAY_M, way
+from assur.planner.laws.law import FARTHEST_PLACE_M, FARTHEST_WAY_M, way
 from assur.planner.model.outcome import Leg, LegKind, Plan
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene, WorldBody

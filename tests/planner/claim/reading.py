@@ -10,13 +10,11 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
-from assur.planner.claim import forms
+from assur.planner.claim import document as forms
 from assur.planner.claim.columns import Claim
-from assur.planner.claim.document import FORM
-from assur.planner.claim.forms import Document, Field, Kind
-from assur.planner.claim.labels import Labels
+from assur.planner.claim.document import FORM, Document, Field, Kind, Labels
 from assur.planner.errors import InputError
-from assur.planner.robots.chain import known_between
+from assur.planner.robots.facts import known_between
 
 Rows = dict[str, list[Sequence[float]]]
 """The rows of all tables by name."""

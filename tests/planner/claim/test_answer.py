@@ -13,10 +13,10 @@ from assur.planner.claim import columns as c
 from assur.planner.claim import filling
 from assur.planner.claim.answer import with_answer
 from assur.planner.claim.distances import WITHIN_M
-from assur.planner.claim.postures import MARGIN
+from assur.planner.claim.joint_sums import MARGIN
 from assur.planner.kernels.solids import FIRST, REQUIRED, SECOND
 from assur.planner.model.phases import phases
-from assur.planner.robots.chain import AHEAD
+from assur.planner.robots.facts import AHEAD
 from assur.planner.robots.robot import Robot
 from tests.planner.checker.statement.cases import Case, case_of
 from tests.planner.checker.statement.test_answers import answered

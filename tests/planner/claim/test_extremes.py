@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assur.planner.claim.extremes import LONG_S, between_jumps, largest
+from assur.planner.claim.lifts import LONG_S, between_jumps, largest
 from assur.planner.trajectory import Trajectory
 from tests.prover.bundles import planned
 

@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 from assur.planner.claim import columns as c
-from assur.planner.claim.chain import Arms, knots_at_rest, knots_of
 from assur.planner.claim.columns import Claim
 from assur.planner.claim.filling import claim_of, with_plan
-from assur.planner.claim.laws import law_of
+from assur.planner.claim.frames import Arms, knots_at_rest, knots_of, law_of
 from assur.planner.claim.obligations import carriers_of, distances_of
 from assur.planner.errors import InputError
 from assur.planner.laws import Change, Pose, conveyor, indexer, keyframes

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from assur.planner.claim import columns as c
-from assur.planner.claim import forms
+from assur.planner.claim import document as forms
 from assur.planner.claim.document import document_of
 from assur.planner.errors import InputError
 from tests.planner.claim.reading import read

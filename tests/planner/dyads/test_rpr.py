@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.kernels.dyads import ANGLE, LENGTH, RPR_COLUMNS, rpr
 from assur.planner.kernels.motion import add_turned
-from assur.planner.robots.codes import Code
+from assur.planner.robots.facts import Code
 
 FORWARD, BACKWARD = 1, -1
 """s of the usual assembly, B ahead of A along the slider, and of the other one."""

@@ -13,7 +13,7 @@ from assur.experiments import dyad
 from assur.experiments.dyad import LEFT, RIGHT, RRR, Assembly, Planar
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError, InputError
-from assur.planner.robots.codes import Code
+from assur.planner.robots.facts import Code
 
 MODES = [LEFT, RIGHT]
 COUNT = 10_000

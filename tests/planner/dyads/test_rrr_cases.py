@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from assur.experiments.dyad import LEFT, RIGHT, ROUNDING, RRR, Assembly, Planar
 from assur.planner.arrays import FloatArray
-from assur.planner.robots.codes import Code
+from assur.planner.robots.facts import Code
 
 MODES = [LEFT, RIGHT]
 

@@ -13,12 +13,11 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.kernels.carriers import derivative, place_carriers, sweep_carriers
 from assur.planner.kernels.inverse import POSTURE_COLUMNS, joint_motions, postures
+from assur.planner.kernels.jets import JET_COLUMNS, JETS
 from assur.planner.kernels.links import ANGLE_COUNT, ranges_assembled
 from assur.planner.kernels.motion import link_motions
 from assur.planner.kernels.solids import CARRIER, CENTRE, COLUMNS, HALF, ROTATION
 from assur.planner.kernels.spline import piece_motion, spline_state, sweep_joints
-from assur.planner.kernels.sweeps.chain import JETS
-from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 from assur.planner.laws import (
     Change,
     Law,

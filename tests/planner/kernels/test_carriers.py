@@ -11,11 +11,10 @@ from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
 from assur.planner.kernels.carriers import derivative
+from assur.planner.kernels.jets import JET_COLUMNS, JETS
 from assur.planner.kernels.laws import place_frame
 from assur.planner.kernels.solids import BALL, CENTRE, COLUMNS, DISC, HALF, ROTATION
 from assur.planner.kernels.spline import piece_motion, spline_state
-from assur.planner.kernels.sweeps.chain import JETS
-from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 from assur.planner.laws import Law, Pose, fixed, law_tables, linear
 from assur.planner.model.link_frames import link_law
 from assur.planner.robots.robot import Robot

@@ -8,7 +8,7 @@ from dataclasses import astuple, dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.kernels.columns import laws as c
+from assur.planner.kernels import law_columns as c
 from assur.planner.kernels.laws import coordinate_rates
 from assur.planner.laws import Law, Motion
 

@@ -11,7 +11,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.kernels.columns import laws as c
+from assur.planner.kernels import law_columns as c
 from assur.planner.laws import (
     Change,
     Law,

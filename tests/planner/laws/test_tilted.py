@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion, Pose
-from assur.planner.frames.tilted import TiltedMotion, like
+from assur.planner.frames.motion import Motion, Pose, TiltedMotion, like
 
 TILTS = ("tilt", "tilt_d", "tilt_dd", "tilt_ddd")
 OFFSET = Pose(0.1, -0.2, 0.3, 0.4)

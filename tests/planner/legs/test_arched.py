@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.legs.arched import Hop, arch
-from assur.planner.legs.pace import Pace
+from assur.planner.legs.line import Pace
+from assur.planner.legs.missed import Hop, arch
 from assur.planner.timing import RawProfile, TimingRefusal, time_joints, trajectory_of
 from assur.planner.trajectory import Trajectory, check_limits
 from tests.planner.cells import limits

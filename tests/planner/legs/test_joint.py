@@ -13,14 +13,13 @@ from hypothesis import strategies as st
 
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import Law, conveyor, indexer, swing, turntable
-from assur.planner.legs.arched import Hop
-from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.joint import JointMotion, Shape, Via
 from assur.planner.legs.meeting import meetings
-from assur.planner.legs.state import Knots, State
-from assur.planner.model.attachments import AT_START
+from assur.planner.legs.missed import Hop
+from assur.planner.legs.state import Branch, Knots, State
 from assur.planner.model.outcome import LegKind, Planned
+from assur.planner.model.phases import AT_START
 from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.model.scene import Scene, Window
 from assur.planner.pipeline import plan

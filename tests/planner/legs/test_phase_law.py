@@ -7,7 +7,7 @@ import pytest
 
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
-from assur.planner.legs.line_rates import Rates
+from assur.planner.legs.line import Rates
 from assur.planner.legs.phase_law import PIECES, SHORTEST_S, TABLE, PhaseLaw, quickest
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.scara import Scara

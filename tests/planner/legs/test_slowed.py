@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from assur.planner.arrays import FloatArray
-from assur.planner.legs.slowed import slowed
+from assur.planner.legs.joint import slowed
 from assur.planner.legs.tool_motion import RESERVE, tool_peak
 from assur.planner.model.scene import Scene
 from assur.planner.timing import TimingRefusal, time_joints

@@ -11,8 +11,7 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion, Pose
-from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.frames.motion import Motion, Pose, TiltedMotion
 from assur.planner.laws import Law, conveyor, fixed, turntable
 from assur.planner.legs.follower import Uniform, Way
 from assur.planner.legs.line import Along, Line

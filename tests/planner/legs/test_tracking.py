@@ -18,14 +18,13 @@ from assur.planner.laws import Law, conveyor, indexer, linear, swing, turntable
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.state import State
 from assur.planner.legs.tracking import Tracked, lead_time, track
-from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import LegKind
+from assur.planner.model.phases import AT_START
 from assur.planner.model.refusal import MotionLimit, Obstacle, Reason, Refusal
 from assur.planner.model.scene import Follow, Pick, Scene, Start, Target, Tool
-from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.facts import Code, Limits
-from assur.planner.robots.polar_arm import PolarArm
 from assur.planner.robots.robot import Robot
+from assur.planner.robots.tilting import ElbowArm, PolarArm
 from assur.planner.trajectory import Trajectory, check_limits
 from tests.planner.cells import BARE, CRANKED, CUP, amount_of, arm, cell, frame, limits, stands, unit_of
 

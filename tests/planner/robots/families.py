@@ -8,14 +8,12 @@ from typing import Any
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion, Pose
-from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.robots.elbow_arm import ElbowArm
+from assur.planner.frames.motion import Motion, Pose, TiltedMotion
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.five_axis_arm import FiveAxisArm
-from assur.planner.robots.polar_arm import PolarArm
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
+from assur.planner.robots.tilting import ElbowArm, PolarArm
 from assur.scenes.catalogue import arm_named, models
 from tests.planner.robots.five_bars import five_bar
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.kernels.sweeps.jets import ACCELERATION, JET_COLUMNS, RATE
+from assur.planner.kernels.jets import ACCELERATION, JET_COLUMNS, RATE
 from assur.planner.robots.robot import Robot
 
 

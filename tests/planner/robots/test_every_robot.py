@@ -19,8 +19,7 @@ import pytest
 from assur.experiments.differential import determinant, inverse_jacobian, jacobian, transforms
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.frames.motion import Motion
-from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.frames.motion import Motion, TiltedMotion
 from assur.planner.robots.facts import Code
 from assur.planner.robots.robot import Robot
 from tests.planner.robots.families import NAMES, STENCIL, far, flange_of, random_motion, random_q, robot_named, tilted

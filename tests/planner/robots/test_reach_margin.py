@@ -7,11 +7,10 @@ import pytest
 
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.frames.motion import Motion
-from assur.planner.frames.tilted import TiltedMotion, like
+from assur.planner.frames.motion import Motion, TiltedMotion, like
 from assur.planner.robots.facts import Code
-from assur.planner.robots.polar_arm import PolarArm
 from assur.planner.robots.robot import Robot
+from assur.planner.robots.tilting import PolarArm
 from tests.planner.robots.families import NAMES, far, five_axis, flange_of, random_q, robot_named
 
 SIZE = 400

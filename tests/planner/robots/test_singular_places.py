@@ -8,12 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.experiments.differential import determinant, jacobian
-from assur.planner.frames.motion import Motion, Pose
-from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.frames.motion import Motion, Pose, TiltedMotion
 from assur.planner.robots.facts import Code
-from assur.planner.robots.polar_arm import PolarArm
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
+from assur.planner.robots.tilting import PolarArm
 from tests.planner.robots.families import BASE, FAR, elbow, far, five_axis, polar, random_q, scara
 
 L1, L2, L3 = 0.25, 0.16, 0.072

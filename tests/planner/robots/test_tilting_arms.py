@@ -7,12 +7,10 @@ import pytest
 
 from assur.experiments.differential import transforms
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion, Pose
-from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.robots.elbow_arm import ElbowArm
+from assur.planner.frames.motion import Motion, Pose, TiltedMotion
 from assur.planner.robots.facts import Code
 from assur.planner.robots.five_axis_arm import FiveAxisArm
-from assur.planner.robots.polar_arm import PolarArm
+from assur.planner.robots.tilting import ElbowArm, PolarArm
 from tests.planner.robots.families import (
     BASE,
     FAR,

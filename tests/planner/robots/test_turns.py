@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.errors import InputError
-from assur.planner.robots import planar, turns
+from assur.planner.robots import facts, turns
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
@@ -85,10 +85,10 @@ def test_a_range_of_too_many_turns_is_refused_by_the_name_of_its_joint(most: flo
 
 def test_principal_angles_keep_their_bits_and_others_lose_whole_turns() -> None:
     kept = np.array([np.pi, 3.0, 0.0, -0.0, -3.0, -3.14])
-    assert np.array_equal(planar.principal(kept), kept)
-    assert planar.principal(np.array([-np.pi])) == np.pi
+    assert np.array_equal(facts.principal(kept), kept)
+    assert facts.principal(np.array([-np.pi])) == np.pi
     x = np.linspace(-40, 40, 4001)
-    wrapped = planar.principal(x)
+    wrapped = facts.principal(x)
     assert (wrapped > -np.pi).all()
     assert (wrapped <= np.pi).all()
     assert np.abs(np.sin((x - wrapped) / 2)).max() < 1e-14

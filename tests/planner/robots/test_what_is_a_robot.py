@@ -11,14 +11,13 @@ import pytest
 
 from assur.planner.errors import FaultError, InputError
 from assur.planner.geometry.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
-from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.facts import Limits, RobotBody
 from assur.planner.robots.five_axis_arm import FiveAxisArm
 from assur.planner.robots.five_bar import QUILL as FIVE_BAR_QUILL
 from assur.planner.robots.five_bar import FiveBar
-from assur.planner.robots.polar_arm import PolarArm
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import FLANGE, QUILL, Scara
+from assur.planner.robots.tilting import ElbowArm, PolarArm
 from tests.planner.robots.families import elbow, five_axis, polar, scara
 from tests.planner.robots.five_bars import five_bar
 

@@ -13,9 +13,8 @@ from assur.planner.model.outcome import CensusLine
 from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Refuted, Separation, Stage, Unit
 from assur.planner.report.sentence import sentence
 from assur.planner.search.beam import Found
-from assur.planner.search.best_candidate import RefusedMotion
 from assur.planner.search.cause import cause_of
-from assur.planner.search.partial_plan import Extension, TimedCandidate
+from assur.planner.search.partial_plan import Extension, RefusedMotion, TimedCandidate
 from tests.planner.cells import cell, go
 
 SCENE = cell(go(0.35, 0.2, name="first"), go(0.3, 0.0, name="second"))

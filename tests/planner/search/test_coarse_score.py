@@ -27,11 +27,10 @@ from assur.planner.kernels.candidates import (
 from assur.planner.laws import Frame, linear
 from assur.planner.legs.meeting import Meetings
 from assur.planner.model.scene import Scene
+from assur.planner.search.candidates import Population
 from assur.planner.search.meeting_options import options
 from assur.planner.search.partial_plan import Option, initial, prepared
-from assur.planner.search.population import Population
-from assur.planner.search.rough_motion import RoughMotions
-from assur.planner.search.rough_score import CoarseScore
+from assur.planner.search.rough_score import CoarseScore, RoughMotions
 from assur.planner.search.tuning import APART_S, NEARLY_FREE, REMEMBERED
 from assur.planner.search.via_batch import Freedom, shape_of
 from tests.planner.cells import Around, arm, belt_and_dial, cell, go, solid, stands

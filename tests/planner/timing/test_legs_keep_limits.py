@@ -7,7 +7,7 @@ import pytest
 import ruckig
 
 from assur.planner.timing import TimingRefusal, time_joints
-from assur.planner.timing.inputs import Allowed, lowered_limits
+from assur.planner.timing.solver import Allowed, lowered_limits
 from assur.planner.trajectory import Trajectory
 from tests.planner.timing.legs import KINDS, ROBOTS, Question, numbers, question
 from tests.planner.trajectory.splines import keeps_limits

@@ -6,9 +6,9 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from assur.planner.kernels.hermite import HULL_COLUMNS, first_column, piece_hulls
+from assur.planner.kernels.jets import JET_COLUMNS
+from assur.planner.kernels.limits import HULL_COLUMNS, first_column, piece_hulls
 from assur.planner.kernels.spline import sweep_joints
-from assur.planner.kernels.sweeps.jets import JET_COLUMNS
 from assur.planner.trajectory import Trajectory, accepted_bands, keeps_bands
 from assur.planner.trajectory.spline import spline_table
 

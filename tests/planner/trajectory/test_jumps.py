@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from assur.planner.blends.law import ParabolicBlend
 from assur.planner.errors import InputError
 from assur.planner.trajectory import Trajectory, check_limits
-from assur.planner.trajectory.joining import joined
+from assur.planner.trajectory.trajectory import joined
 from tests.planner.trajectory.splines import keeps_limits, sweep
 
 Floats = NDArray[np.float64]

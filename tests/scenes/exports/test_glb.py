@@ -14,8 +14,7 @@ import pytest
 from numpy.typing import NDArray
 
 from assur.planner.errors import InputError
-from assur.planner.model.attachments import Attachments
-from assur.planner.model.phases import phases
+from assur.planner.model.phases import Attachments, phases
 from assur.planner.trajectory import Trajectory
 from assur.scenes.exports import glb
 from assur.scenes.exports.doors import export_document

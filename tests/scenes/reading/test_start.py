@@ -12,7 +12,7 @@ import pytest
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.model.scene import Scene
-from assur.planner.robots.planar import principal
+from assur.planner.robots.facts import principal
 from assur.scenes.conventions import zeros
 from assur.scenes.requests import check_document, plan_document, scene_of
 from tests.scenes.robots_of_every_family import (

@@ -11,8 +11,8 @@ import pytest
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.chain import slot_of
-from assur.planner.checker.claim.jets import Jet, inverse, polynomial, root, times, turned
 from assur.planner.checker.claim.motion import make_curves, make_laws, over
+from assur.planner.checker.claim.solids import Jet, inverse, polynomial, root, times, turned
 from assur.planner.checker.claim.verdict import prepare
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assur.planner.checker.refusals.nearest import distance, points_between
-from assur.planner.checker.refusals.solids import depth
-from assur.planner.checker.statement.loads import integrals
+from assur.planner.checker.refusals.nearest import depth, distance, points_between
+from assur.planner.checker.statement.limits import integrals
 from assur.planner.geometry.shapes import Body, Piece, box, capsule, cylinder, sphere
 from tests.planner.cells import Shape, block, mesh_box, rotation
 

@@ -69,8 +69,7 @@ def test_what_is_out_of_reach_is_so_by_the_margin_of_the_robot(name: str) -> Non
         x, y = goal.x * away, goal.y * away
         far = Goal(x, y, goal.z, goal.yaw, goal.pitch, goal.roll)
         for number, mode in enumerate(robot.modes):
-            from assur.planner.frames.motion import Pose
-            from assur.planner.frames.tilted import TiltedMotion
+            from assur.planner.frames.motion import Pose, TiltedMotion
             from assur.planner.laws import fixed
 
             motion = fixed(Pose(far.x.middle, far.y.middle, far.z.middle)).motion(np.zeros(1))

@@ -10,7 +10,6 @@ import pytest
 from assur.planner.checker.refusals.judging import check_refusal
 from assur.planner.checker.verdict import Code
 from assur.planner.model.outcome import NotPlanned
-from assur.planner.model.proofs.witness import PROVED_SHARE, Openings
 from assur.planner.model.refusal import (
     BeyondRange,
     JointName,
@@ -23,6 +22,7 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
+from assur.planner.model.witness import PROVED_SHARE, Openings
 from assur.planner.pipeline import plan
 from tests.planner.cells import cell, go
 

@@ -7,6 +7,8 @@ A law gives x, y, z and yaw of a frame. On a piece of time, with u the time sinc
 so that Σ a_k u^k is the acceleration; sines of the clock are added to that. Units are m, rad and s.
 """
 
+from __future__ import annotations
+
 MOST_POWERS = 12
 """Powers of an acceleration for which a piece has room."""
 

@@ -8,8 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion, Pose
-from assur.planner.frames.tilted import Tilt, TiltedMotion
+from assur.planner.frames.motion import Motion, Pose, Tilt, TiltedMotion
 from assur.planner.model.path import Path
 from assur.planner.model.refusal import PathPart, Spot
 from assur.planner.model.scene import Scene

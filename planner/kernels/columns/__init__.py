@@ -1,1 +1,0 @@
-"""Names of the columns of tables. Importing them loads no compiler."""

@@ -1,1 +1,0 @@
-"""What proves an outcome, beside the outcome itself."""
