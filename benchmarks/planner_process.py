@@ -23,9 +23,9 @@ from typing import Any, NamedTuple
 
 Document = dict[str, Any]
 
-KEEP = ("units", "catalogue", "scenarios", "schema")
-"""Rooms and modules of scenes whose caches hold nothing of a request: spelling of keys, shipped robots and scenarios,
-what was read from the models of documents."""
+KEEP = ("scenes.units", "scenes.catalogue", "scenes.scenarios", "scenes.schema", "planner.kernel_cache")
+"""Rooms and modules whose caches hold nothing of a request: spelling of keys, shipped robots and scenarios, what was
+read from the models of documents, where compiled kernels are."""
 PACKAGES = ("planner", "scenes")
 LIBRARIES = "libraries"
 """What a profile calls the time of functions of libraries that other such functions call."""
@@ -46,7 +46,7 @@ class Planner(NamedTuple):
         """
         emptied = 0
         packages = tuple(f"{self.prefix}{package}" for package in PACKAGES)
-        keep = tuple(f"{self.prefix}scenes.{module}" for module in KEEP)
+        keep = tuple(f"{self.prefix}{module}" for module in KEEP)
         for name, module in list(sys.modules.items()):
             if name.startswith(packages):
                 for value in list(vars(module).values()):

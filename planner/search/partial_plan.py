@@ -19,6 +19,7 @@ from assur.planner.legs.path_leg import lead as lead_of_trace
 from assur.planner.legs.state import Branch, Knots, State, TimedLeg
 from assur.planner.legs.tool_motion import lift_most
 from assur.planner.legs.tracking import lead_time
+from assur.planner.model.arrival_error import ArrivalError
 from assur.planner.model.outcome import Arrival, BestCandidate, Course, Leg, LegKind, Route
 from assur.planner.model.phases import (
     AT_START,
@@ -221,7 +222,20 @@ def best_candidate(scene: Scene, refused: RefusedMotion | None, proved: PartialP
         return _of_motion(scene, refused.motion, refused.encounters[0].confirmed())
     if proved is None or proved.knots is None:
         return None
-    return BestCandidate(motion_told(scene, proved.knots), proved.legs, proved.arrivals)
+    return BestCandidate(motion_told(scene, proved.knots), proved.legs, _with_known_errors(proved.arrivals))
+
+
+def _with_known_errors(arrivals: tuple[Arrival, ...]) -> tuple[Arrival, ...]:
+    """Arrivals without errors that have no bound: so large a lag may take the arm where it cannot be."""
+    return tuple(each if _is_bounded(each.error) else replace(each, error=None) for each in arrivals)
+
+
+def _is_bounded(error: ArrivalError | None) -> bool:
+    """Whether all numbers of an error are finite."""
+    if error is None:
+        return True
+    within = error.within
+    return math.isfinite(error.position_m + within.position_m + within.vertical_m + within.yaw_rad)
 
 
 def _of_motion(scene: Scene, motion: TimedCandidate | Extension, refusal: Refusal) -> BestCandidate:
@@ -240,7 +254,7 @@ def _of_motion(scene: Scene, motion: TimedCandidate | Extension, refusal: Refusa
     return BestCandidate(
         trajectory=motion_told(scene, knots),
         legs=legs,
-        arrivals=arrivals,
+        arrivals=_with_known_errors(arrivals),
         at=interval[0] if met and interval is not None else None,
         bodies=(bodies[0], bodies[1]) if met and len(bodies) == 2 else None,
         gap_m=facts.gap_m if isinstance(facts, Separation) else None,

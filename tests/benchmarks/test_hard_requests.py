@@ -9,7 +9,7 @@ import pytest
 
 from assur.planner.checker import Code, Finding, Verdict
 from assur.planner.search import census
-from assur.scenes.requests import validate
+from assur.scenes.requests import plan_document, validate
 from benchmarks import hard_requests
 from benchmarks.hard_requests import HARD, Tally, count, hard_request, later, table_of
 
@@ -33,6 +33,13 @@ def test_each_answer_is_planned_and_checked_or_refused_or_counted_against_the_ch
     assert tally.planned + tally.refused.total() + tally.lost == EACH
     assert tally.by_checker <= MOST[kind], tally.codes
     assert tally.planned > 0
+
+
+def test_an_error_without_a_bound_is_no_number_of_an_answer() -> None:
+    """Lag takes the best candidate of this request to where its arm cannot be."""
+    answer = plan_document(hard_request("much lag", 137))
+    assert answer["status"] == "not_planned"
+    assert answer["best_candidate"]["arrivals"][0]["error"] is None
 
 
 MOST = {

@@ -57,4 +57,4 @@ def test_caches_are_emptied_that_may_hold_something_of_a_request() -> None:
     assert door.forget() > 0
     assert meshes.process_covers.cache_info().currsize == 0
     assert units.si_key.cache_info().currsize == spelt
-    assert all(find_spec(f"assur.scenes.{name}") for name in KEEP)
+    assert all(find_spec(f"assur.{name}") for name in KEEP)
