@@ -253,7 +253,7 @@ def ik(question: dict[str, Any]) -> dict[str, Any]:
 @of_body(TEXT, "build", "status", ("text",))
 def parse(document: dict[str, Any]) -> dict[str, Any]:
     """What the scenario in {"text": YAML} means: why it exists, and its request with what the shipped files hold that
-    it names. Everything that can be told without planning is told now, with its line."""
+    it names. All faults that show without planning are reported now, each with its line."""
     text = document["text"]
     if not isinstance(text, str):
         raise InputError("text", text, "a text")
@@ -316,8 +316,8 @@ def options_in(body: bytes) -> dict[str, Any]:
 
 
 def _parsed(body: bytes, allowed: str, line: Line | None = None, kind: str = "") -> dict[str, Any]:
-    """The object in `body`. `line` is told what it means: the `kind` of work, and a digest that is the same for bodies
-    that differ in blanks and in the order of fields. Raises `Problem`."""
+    """The object in `body`. What it means is written to `line`: the `kind` of work, and a digest that is the same for
+    bodies that differ in blanks and in the order of fields. Raises `Problem`."""
     try:
         document = parse_json(body)
     except InputError as error:

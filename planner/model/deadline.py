@@ -60,7 +60,7 @@ def look() -> None:
         raise OutOfTimeError
 
 
-# Where the time of a request went, by stage. It is told to operators, and decides nothing.
+# Where the time of a request went, by stage. Operators read it; no decision does.
 
 
 class Stopwatch:
@@ -78,7 +78,7 @@ class Stopwatch:
         self._last = now
 
 
-# How far the planning of a request has come, for whoever watches it, and may end it.
+# How far the planning of a request has come, for a caller who watches it and may end it.
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,4 +98,4 @@ class Progress:
 
 
 Watch = Callable[[Progress], None]
-"""Is told now and then, from the thread that plans. What it raises ends the planning and is raised there."""
+"""Is called now and then, from the thread that plans. What it raises ends the planning and is raised there."""

@@ -97,7 +97,7 @@ def acceleration_time(refusal: Refusal, facts: AccelerationTime) -> str:
     )
 
 
-# What is said of a tool that is too far from the part that it takes, and of a part that is put down on nothing.
+# Sentences about a tool that is too far from the part that it takes, and about a part that is put down on nothing.
 
 
 def not_touching(refusal: Refusal, facts: NotTouching) -> str:
