@@ -77,12 +77,20 @@ def ramped(speed: float, changes: Sequence[Change], at_time: float, field: str) 
         took = sum(duration for duration, _, _ in phases)
         if phases and not took >= SHORTEST_RAMP_S:
             raise InputError(f"{field}.changes[{i}].acceleration", change.acceleration, "one that takes 10 µs at least")
-        time = change.time
+        # Times are rounded. So that no later place is off by more and more, each phase reaches the speed which the ramp
+        # has at its rounded end, `late` after its own, and the last one reaches exactly that of the change.
+        time, late, here, end = change.time, 0.0, speed, speed
         for duration, acceleration, jerk in phases:
-            changing.append((time, speed, acceleration, jerk))
-            speed += acceleration * duration + jerk * duration**2 / 2
-            time += duration
+            begin, time = time, time + duration
+            late += time - begin - duration
+            end += duration * (acceleration + jerk * duration / 2)
+            there = end + late * (acceleration + jerk * duration)
+            if time > begin:
+                changing.append((begin, here, (there - here) / (time - begin) - jerk * (time - begin) / 2, jerk))
+                here = there
         if phases:
+            begin, here, acceleration, jerk = changing[-1]
+            changing[-1] = (begin, here, (change.speed - here) / (time - begin) - jerk * (time - begin) / 2, jerk)
             changing.append((time, change.speed, 0.0, 0.0))
         speed, free = change.speed, time
     ways, gone = [(changing[0][0] if changing else at_time, 0.0, first, 0.0, 0.0)], 0.0

@@ -49,7 +49,7 @@ def quintic(one: FloatArray, other: FloatArray, j: int, row: FloatArray, at: int
     """Writes the powers of a joint between two knots to a row (N5). Makes `errors` no less than by how much value, rate
     and second derivative round (R1), how large both rates are, and the value."""
     h = other[0] - one[0]
-    u, late = h * h, max(abs(one[0]), abs(other[0]))
+    u = h * h
     x, v, p = one[c.KNOT_Q + j], one[c.KNOT_QD + j], one[c.KNOT_QDD + j]
     y, w, q = other[c.KNOT_Q + j], other[c.KNOT_QD + j], other[c.KNOT_QDD + j]
     d = y - x
@@ -63,9 +63,9 @@ def quintic(one: FloatArray, other: FloatArray, j: int, row: FloatArray, at: int
     second, jerk = abs(p) + 6.0 * a + 12.0 * b + 20.0 * e, (6.0 * a + 24.0 * b + 60.0 * e) / h
     # the terms of the three highest powers, which cancel each other in part
     terms = 31.0 * abs(d) + 19.0 * (abs(v) + abs(w)) * h + 4.0 * (abs(p) + abs(q)) * u
-    errors[0] = max(tb.ULP * (10.0 * abs(x) + 10.0 * terms + 2.0 * late * rate), errors[0])
-    errors[1] = max(tb.ULP * (10.0 * abs(v) + 60.0 * terms / h + 2.0 * late * second), errors[1])
-    errors[2] = max(tb.ULP * (10.0 * abs(p) + 250.0 * terms / u + 2.0 * late * jerk), errors[2])
+    errors[0] = max(tb.ULP * (10.0 * abs(x) + 10.0 * terms + 2.0 * h * rate), errors[0])
+    errors[1] = max(tb.ULP * (10.0 * abs(v) + 60.0 * terms / h + 2.0 * h * second), errors[1])
+    errors[2] = max(tb.ULP * (10.0 * abs(p) + 250.0 * terms / u + 2.0 * h * jerk), errors[2])
     errors[3], errors[4], errors[5] = max(rate, errors[3]), max(second, errors[4]), max(value, errors[5])
 
 
@@ -208,7 +208,8 @@ def make_laws(k: Claim, g: tb.Geometry, s: tb.Scratch) -> bool:
                     h = k.laws[first, c.LAW_BEGIN] + period - law[0]
                 # what is behind the last time that counts rounds nothing
                 counts = h if period > 0.0 else min(h, max(end - law[0], 0.0))
-                integrate_piece(k, g, s, i, axis, h, counts, 2.0 * tb.ULP * max(abs(law[0]), latest))
+                rounded = max(abs(law[0]), latest) if period > 0.0 else counts
+                integrate_piece(k, g, s, i, axis, h, counts, 2.0 * tb.ULP * rounded)
             if period > 0.0:
                 step, kink = frame[c.FRAME_STEP + axis], abs(state[1] - frame[c.FRAME_RATE + axis])
                 jump = abs(state[0] - frame[c.FRAME_POSE + axis] - step)

@@ -216,7 +216,7 @@ def late_ways(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, ways: Fl
     instants there are; 0: it is not known."""
     on, f, t, tool = int(own[c.ERROR_LINK]), int(own[c.ERROR_FRAME]), own[c.ERROR_TIME], own[c.ERROR_TOOL :]
     frame_on, target, many, bow, bow_up, turn, bend = int(g.on[f, 0]), own[c.ERROR_TARGET :], 1, 0.0, 0.0, 0.0, 0.0
-    first = last = 0.0
+    first = last = fast = 0.0
     if not is_fixed(g, f):
         first = -k.frames[f, c.FRAME_SHIFT + 1]
         last = k.required[0, c.REQUIRED_LATE] - k.frames[f, c.FRAME_SHIFT]
@@ -233,6 +233,7 @@ def late_ways(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, ways: Fl
             there = slot_of(k, g, s, frame_on, u, v)
             for axis in range(3):
                 at, x = s.vectors[2, axis], s.vectors[3, axis]
+                fast = max(fast, abs(at[2]) + at[3], abs(x[2]) + x[3])
                 if part == 0:
                     ways[i, axis] = at[0] - s.vectors[0, axis, 0]
                     ways[i, 3 + axis] = at[0] - s.jets[there, frame_on, axis, 0]
@@ -244,11 +245,12 @@ def late_ways(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, ways: Fl
             else:
                 bow, bow_up = max(bow, length(ways[many], 0, 2)), max(bow_up, ways[many, 2])
                 bend = max(bend, length(ways[many], 3, 6))
-    sums[FLAT] += bow * step * step / 8.0 + s.vectors[0, 0, 1] + s.vectors[0, 1, 1]
-    sums[UP] += bow_up * step * step / 8.0 + s.vectors[0, 2, 1]
-    sums[YAW] += angle_of(turn + bend * step * step / 8.0)
-    reach = length(target, 0, 3)
-    sums[FLAT], sums[UP] = sums[FLAT] + rounding(g, frame_on, 0, reach), sums[UP] + rounding(g, frame_on, 0, reach)
+    # instants are sums, which round
+    off = 3.0 * tb.ULP * (abs(t) + abs(first) + abs(last)) * fast if first != 0.0 or last != 0.0 else 0.0
+    sums[YAW] += angle_of(turn + bend * step * step / 8.0) + off
+    off += rounding(g, frame_on, 0, length(target, 0, 3))
+    sums[FLAT] += bow * step * step / 8.0 + s.vectors[0, 0, 1] + s.vectors[0, 1, 1] + off
+    sums[UP] += bow_up * step * step / 8.0 + s.vectors[0, 2, 1] + off
     return many
 
 
