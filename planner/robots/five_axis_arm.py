@@ -66,15 +66,3 @@ class FiveAxisArm(ElbowArm):
         pitch = flange.tilt[..., 0]
         distance = np.hypot(radius - self.l3 * np.cos(pitch), height - self.l3 * np.sin(pitch))
         return ring_margin(distance, self.l1, self.l2)
-
-    def out_of_reach(self, p: FloatArray) -> FloatArray:
-        """Metres (...) by which tool points p (..., 3) in the world are out of reach at every pitch, H8; 0: in reach.
-
-        The wrist may be anywhere on the circle of radius l3 about the tool point, so at any distance from |d − l3| to
-        d + l3 of the shoulder; the dyad reaches from |l1 − l2| to l1 + l2. NaN where p is not finite.
-        """
-        away = p - self.base.position
-        d = np.hypot(np.hypot(away[..., 0], away[..., 1]), away[..., 2] - self.height)
-        outer, inner = self.l1 + self.l2, abs(self.l1 - self.l2)
-        short: FloatArray = np.maximum(np.maximum(np.abs(d - self.l3) - outer, inner - d - self.l3), 0.0)
-        return short
