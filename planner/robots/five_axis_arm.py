@@ -31,6 +31,7 @@ class FiveAxisArm(ElbowArm):
     Raises `InputError` unless l3 is positive and finite. The rest: `ElbowArm`.
     """
 
+    family: ClassVar[str] = "five-axis"
     names: ClassVar[tuple[str, ...]] = ("theta1", "theta2", "theta3", "theta4", "theta5")
     kinds: ClassVar[tuple[str, ...]] = ("revolute",) * 5
     links: ClassVar[tuple[str, ...]] = ("base", "link1", "link2", "link3", "link4", "flange")
@@ -44,12 +45,8 @@ class FiveAxisArm(ElbowArm):
         super().__post_init__()
 
     @property
-    def longest(self) -> float:
-        return self.l1 + self.l2 + self.l3
-
-    @property
-    def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
-        return "five-axis", (self.l1, self.l2, self.l3), {"height": self.height, "longest": self.longest}
+    def lengths(self) -> tuple[float, ...]:
+        return self.l1, self.l2, self.l3
 
     @property
     def chain(self) -> Chain:
