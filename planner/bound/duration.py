@@ -23,11 +23,9 @@ from assur.planner.bound.events import (
     Unplaced,
     climbs,
     events,
-    known,
     modes_asked,
     places,
     rates,
-    still,
     straight_times,
     turned,
 )
@@ -72,10 +70,10 @@ def least_duration(scene: Scene) -> float | None:
     It is of plans that meet their points as they are asked to: in the working mode of the options, along a frame with
     its velocity and acceleration. What the tolerances of a check would save is not taken off.
     """
-    floor, left, lifts = scene.start.time, _begun(scene), 0.0
+    floor, left, lifts, points = scene.start.time, _begun(scene), 0.0, events(scene)
     # the limits of the way so far: with another part in the gripper before a point of which nothing is known
-    since = _limits(scene, events(scene)[0].before)
-    for event in events(scene):
+    since = _limits(scene, points[0].before)
+    for event in points:
         before, behind = _limits(scene, event.before), _limits(scene, event.after)
         early, late, lifts = 0.0, 0.0, 0.0
         if not climbs(scene.frames[event.frame].law):
@@ -90,7 +88,7 @@ def least_duration(scene: Scene) -> float | None:
             since = behind
         floor = met + event.dwell + event.traced + late
         lifts -= late
-    return _claimed(scene, max(floor + lifts, _rested(scene, left, since)) - scene.start.time)
+    return _claimed(scene, max(floor + lifts, _rested(scene, left, since, points[-1].after)) - scene.start.time)
 
 
 def _widest(one: FloatArray, other: FloatArray) -> FloatArray:
@@ -98,13 +96,13 @@ def _widest(one: FloatArray, other: FloatArray) -> FloatArray:
     return np.concatenate([np.minimum(one[:1], other[:1]), np.maximum(one[1:], other[1:])])
 
 
-def _rested(scene: Scene, left: Left, since: FloatArray) -> float:
+def _rested(scene: Scene, left: Left, since: FloatArray, held: str | None) -> float:
     """When all joints can stand still first, s, after a point was left, within the limits `since` then (5, n) or those
-    at the end."""
+    at the end, with the part `held` in the gripper (None: none)."""
     soon = math.inf
     if scene.options.end != "rest":
         return -soon
-    limits = _widest(since, _limits(scene, events(scene)[-1].after))
+    limits = _widest(since, _limits(scene, held))
     for state, since, kept in zip(left.states, left.times, left.kept, strict=True):
         rates = np.maximum(limits[2:], kept)
         rests = [
@@ -153,9 +151,9 @@ class _Way:
         """When the event can be met first, and how it is left then; None: nothing is known of where it is."""
         scene, event = self.scene, self.event
         modes = modes_asked(scene.robot, scene.options.elbow, scene.start.q)
-        if still(scene, event):
+        if scene.frames[event.frame].law.is_fixed:
             return self._met_still(modes)
-        bounded = scene.robot.dyads > 0 and known(scene.frames[event.frame].law)
+        bounded = scene.robot.dyads > 0 and scene.frames[event.frame].law.link is None
         if not bounded or not event.poses:
             return None
         met = min(self._hit(pose, modes) for pose in event.poses)

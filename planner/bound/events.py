@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
+from numpy.polynomial.polynomial import polyder, polyval
 
-from assur.planner.arrays import FloatArray
+from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.bound.fastest import EXACT, FREE, KINDS, STATE, soonest
 from assur.planner.bound.guided import RATES
 from assur.planner.frames.motion import Motion, Pose, TiltedMotion
 from assur.planner.kernels import law_columns as c
 from assur.planner.laws import Law
-from assur.planner.laws.ramps import Change, ramped
-from assur.planner.model.phases import yaw_offsets
+from assur.planner.model.phases import at_start, yaw_offsets
 from assur.planner.model.scene import Move, Pick, Place, Scene, Step, Trace
 from assur.planner.robots.facts import Code
 from assur.planner.robots.robot import Robot
@@ -51,67 +52,45 @@ class Event:
 
 def events(scene: Scene) -> tuple[Event, ...]:
     """What must be passed, in order. A path that is traced is two events: its first point, and its last."""
-    lies = {body.name: (body.frame, body.pose) for body in scene.bodies}
-    # the part in the gripper, and the poses that the tool point may have in it
-    held, grasps, found = None, tuple[Pose, ...](), list[Event]()
-    if scene.start.holding is not None:
-        held, grasps = scene.start.holding.part, (scene.start.holding.grasp,)
+    # what the gripper may hold, by the turns in which a part may have been taken; `loose`: the turn may be any
+    attached, loose, found = [at_start(scene)], False, list[Event]()
+    to_flange = scene.tool.tcp.inverse()
     for step in scene.task:
-        before = held
-        if isinstance(step, Pick):
-            (frame, point), offsets = lies[step.part], yaw_offsets(scene, step)
-            turns = offsets if offsets is not None and len(offsets) <= MOST_TURNS else None
-            taken = tuple(Pose(yaw=turn).then(step.grasp) for turn in turns or (0.0, 0.5 * math.pi))
-            tools, free = tuple(point.then(grasp) for grasp in taken), turns is None
-            held, grasps = step.part, () if turns is None else taken
+        here, target, offsets = attached[0], step.target, yaw_offsets(scene, step)
+        frame, point = here.point(scene, step)
+        law = scene.frames[frame].law
+        free = not isinstance(step, Place) and (
+            offsets is None or len(offsets) > MOST_TURNS or (target is not None and target.yaw_free)
+        )
+        turns = (0.0, 0.5 * math.pi) if free or offsets is None else offsets
+        pitch, roll = (math.nan if x is None else x for x in ((target.pitch, target.roll) if target else (0.0, 0.0)))
+        window = step.window.time
+        opens = max(scene.start.time, law.valid[0], -math.inf if window is None else window[0])
+        kind = PASSES if step.via or isinstance(step, Trace) else STOPS if step.match == "position" else ALONG
+        if kind == STOPS and not isinstance(step, Move) and not law.is_fixed:
+            kind = PASSES  # above the point the tool goes along with it, and stands at the point: nothing holds at both
+        after = [here.after(scene, step, turn) for turn in turns]
+        spans = [(step.dwell_s, opens, 0.0)]
+        if isinstance(step, Trace):
+            ends = [step.path.begin, step.path.end]
+            spans = [(0.0, opens, step.dwell_s), (0.0, opens + step.dwell_s, 0.0)]
+            places = [[Pose(*end, point.yaw + turn).then(to_flange) for turn in turns] for end in ends]
         elif isinstance(step, Place):
-            frame, point = step.to.frame, step.to.pose
-            tools, free = tuple(point.then(grasp) for grasp in grasps), False
-            lies[step.part], held, grasps = (frame, point), None, ()
+            places = [[] if loose else [each.flange(scene, step)[1] for each in attached]]
+        elif isinstance(step, Move) and step.via and scene.options.vias_missed:
+            places = [[]]  # it is not passed exactly
         else:
-            frame, point = step.target.frame, step.target.pose
-            free = step.target.yaw_free
-            turns = (0.0, 0.5 * math.pi) if free else (0.0,)
-            tools = tuple(Pose(point.x, point.y, point.z, point.yaw + turn) for turn in turns)
-        found += _events(scene, step, (frame, point), tools, free, before, held)
+            places = [[here.flange(scene, step, turn)[1] for turn in turns]]
+        for poses, (dwell, sooner, traced) in zip(places, spans, strict=True):
+            if free and poses:
+                # with a tool point beside the flange's axis the yaw moves the flange
+                one, other = poses
+                del poses[math.hypot(one.x - other.x, one.y - other.y) <= ROUNDING_M :]
+            tool = tuple(poses), free, pitch, roll, kind
+            found.append(Event(step, frame, point, *tool, dwell, sooner, here.part, after[0].part, traced))
+        if step.part is not None:
+            attached, loose = after, free
     return tuple(found)
-
-
-def _events(
-    scene: Scene,
-    step: Step,
-    where: tuple[str, Pose],
-    tools: tuple[Pose, ...],
-    free: bool,
-    before: str | None,
-    after: str | None,
-) -> list[Event]:
-    frame, point = where
-    poses = tuple(tool.then(scene.tool.tcp.inverse()) for tool in tools)
-    if free:
-        # with a tool point beside the flange's axis the yaw moves the flange
-        one, other = poses[0], poses[-1]
-        poses = poses[:1] if math.hypot(one.x - other.x, one.y - other.y) <= ROUNDING_M else ()
-    target = step.target
-    pitch, roll = (math.nan if each is None else each for each in ((target.pitch, target.roll) if target else (0, 0)))
-    window = step.window.time
-    opens = max(scene.start.time, scene.frames[frame].law.valid[0], -math.inf if window is None else window[0])
-    kind = PASSES if step.via else STOPS if step.match == "position" else ALONG
-    if kind == STOPS and not isinstance(step, Move) and not scene.frames[frame].law.is_fixed:
-        kind = PASSES  # above the point the tool goes along with it, and stands at the point: nothing holds at both
-    lasts = step.dwell_s
-    if isinstance(step, Trace):
-        ends = (step.path.begin, step.path.end)
-        tcp = scene.tool.tcp.inverse()
-        both = [tuple(Pose(*end, tool.yaw).then(tcp) for tool in tools if poses) for end in ends]
-        spans = ((opens, lasts), (opens + lasts, 0.0))
-        return [
-            Event(step, frame, point, here, free, pitch, roll, PASSES, 0.0, sooner, before, after, traced)
-            for here, (sooner, traced) in zip(both, spans, strict=True)
-        ]
-    if isinstance(step, Move) and step.via and scene.options.vias_missed:
-        poses = ()  # it is not passed exactly
-    return [Event(step, frame, point, poses, free, pitch, roll, kind, lasts, opens, before, after)]
 
 
 ROUNDING_M = 1e-9
@@ -138,11 +117,6 @@ def lifted(way: float, limits: FloatArray, *, stops: bool) -> float:
     begin, end = np.zeros((STATE, 1)), np.zeros((STATE, 1))
     end[0], end[KINDS] = way, EXACT if stops else FREE
     return soonest(begin, end, np.zeros(1), np.ascontiguousarray(limits[:, None]), 0.0)
-
-
-def still(scene: Scene, event: Event) -> bool:
-    """Whether the point of an event never moves."""
-    return scene.frames[event.frame].law.kind == "fixed"
 
 
 # All joint positions of an arm at a place: its inverse in every working mode, at every full turn.
@@ -212,107 +186,65 @@ def turned(robot: Robot, joint: int, at: float, off: float = 0.0) -> list[float]
     return [at + turn * math.tau for turn in range(first, last + 1)]
 
 
-# Bounds of how fast a point of a frame moves, over intervals of time, from the numbers of its law.
+# Bounds of how fast a point of a frame moves, over intervals of time, from the tables of its law.
 
-STEP = 2.1876, 7.5133, 52.51
-"""The greatest |x'|, |x''|, |x'''| of the step of an indexer (F3), in steps and moves: 35/16 of them at its middle,
-84/(5 √5), and 52.5 at its middle, rounded up."""
 EDGE_S = 1e-9
-"""s. So near to a change of speed an interval counts as touching it: rounding of times."""
-
-
-def known(law: Law) -> bool:
-    """Whether `rates` knows the law."""
-    return law.kind in ("conveyor", "fixed", "indexer", "keyframes", "linear", "oscillation", "swing", "turntable")
+"""s. So near to the end of a piece an interval counts as touching it: rounding of times."""
+JUMP = 1e-9
+"""An acceleration that differs by more at the end of a piece, as a share of 1 and its greatest value, jumps: the jerk
+has no bound there."""
 
 
 def climbs(law: Law) -> bool:
     """Whether the height of the frame may change."""
-    if law.kind == "linear":
-        return law.numbers.velocity[2] != 0.0
-    if law.kind == "oscillation":
-        return law.numbers.direction[2] != 0.0
-    if law.kind == "turntable":
-        return law.numbers.rise != 0.0
-    if law.kind == "keyframes":
-        return any(pose.z != law.numbers.poses[0].z for pose in law.numbers.poses)
-    return law.kind not in ("conveyor", "fixed", "indexer", "swing")
+    return law.link is not None or bool(law.row[c.MOVES + 2] > 0.0)
+
+
+@lru_cache(maxsize=64)
+def _curves(law: Law) -> list[tuple[list[FloatArray], FloatArray, BoolArray]]:
+    """Of each piece: the coefficients (K, 4) of its velocity, acceleration and jerk by powers of the time since
+    its begin, the times at which one of these may turn round, and whose accelerations (4,) jump at its end."""
+    pieces, most = law.side[: int(law.row[c.COUNT])], max(1, int(law.row[c.POWERS]))
+    found = list[tuple[list[FloatArray], FloatArray, BoolArray]]()
+    for number, piece in enumerate(pieces):
+        pull = piece[c.POWER :].reshape(4, c.MOST_POWERS)[:, :most].T
+        speed = np.vstack([piece[c.RATE : c.CORNER], pull / np.arange(1.0, most + 1.0)[:, None]])
+        turns = [np.roots(np.polyder(way[::-1], order)).real for way in pull.T for order in range(min(3, most))]
+        jumps = np.zeros(4, dtype=bool)
+        if number + 1 < len(pieces) or law.row[c.PERIOD] > 0.0:
+            behind = pieces[(number + 1) % len(pieces), c.POWER :: c.MOST_POWERS]
+            off = np.abs(polyval(piece[c.PIECE_END] - piece[c.PIECE_BEGIN], pull) - behind)
+            jumps = ~(off <= JUMP * (1.0 + np.abs(behind) + np.abs(pull[0])))
+        found.append(([speed, pull, polyder(pull)], np.concatenate(turns), jumps))
+    return found
 
 
 def rates(law: Law, arm_m: float, begin: FloatArray, end: FloatArray) -> FloatArray:
     """Bounds (N, 9) as `assur.planner.bound.guided` has them, of a point `arm_m` metres from a frame's axis,
     over [begin, end] (N,), s: of the velocity, acceleration and jerk of the point in the plane, of its height, and of
-    the frame's yaw. Infinite: not bounded."""
-    plane, height, yaw = (np.zeros((3, len(begin))) for _ in range(3))
-    of = law.numbers
-    if law.kind == "linear":
-        plane[0], height[0] = math.hypot(*of.velocity[:2]), abs(of.velocity[2])
-    elif law.kind == "conveyor":
-        plane = _ramps(of.speed, of.changes, of.at_time, begin, end)
-    elif law.kind == "turntable":
-        yaw = _ramps(of.rate, of.changes, of.at_time, begin, end)
-        height[0] = abs(of.rise)
-    elif law.kind in ("oscillation", "swing"):
-        waves = np.array([abs(of.amplitude) * (math.tau / of.period) ** k for k in (1, 2, 3)])[:, None]
-        if law.kind == "swing":
-            yaw += waves
-        else:
-            length = math.hypot(*of.direction)
-            plane += waves * math.hypot(*of.direction[:2]) / length
-            height += waves * abs(of.direction[2]) / length
-    elif law.kind == "indexer":
-        steps = np.array([abs(of.step) * STEP[k] / of.move_s ** (k + 1) for k in range(3)])[:, None]
-        if of.turns:
-            yaw += steps
-        else:
-            plane += steps
-    elif law.kind == "keyframes":
-        of_all = _splines(law)
-        plane += np.hypot(of_all[:, 0], of_all[:, 1])[:, None]
-        height += of_all[:, 2, None]
-        yaw += of_all[:, 3, None]
-    elif law.kind != "fixed":
+    the frame's yaw. Infinite: not bounded, as everything is of a link of another arm. A law that repeats has the same
+    bounds at all times (R1)."""
+    if law.link is not None:
         return np.full((len(begin), RATES), math.inf)
-    w, dw, ddw = yaw
-    plane[0] += arm_m * w
-    plane[1] += arm_m * (dw + w**2)
-    plane[2] += arm_m * (ddw + 3.0 * w * dw + w**3)
-    return np.ascontiguousarray(np.concatenate([plane, height, yaw]).T)
-
-
-def _ramps(speed: float, changes: tuple[Change, ...], at_time: float, begin: FloatArray, end: FloatArray) -> FloatArray:
-    """Bounds (3, N) of what has a speed that changes (R1). In each piece the acceleration has one sign, so that the
-    speed is greatest at an end."""
-    found = np.zeros((3, len(begin)))
-    if not changes:
-        found[0] = abs(speed)
-        return found
-    ways = ramped(speed, changes, at_time, "law")
-    ends = [*(since for since, *_ in ways[1:]), math.inf]
-    for number, ((since, _, v, a, j), until) in enumerate(zip(ways, ends, strict=True)):
-        low, high = np.maximum(begin, since - EDGE_S) if number else begin, np.minimum(end, until + EDGE_S)
+    most, curves, repeats = np.zeros((3, 4, len(begin))), _curves(law), law.row[c.PERIOD] > 0.0
+    for number, (curve, turns, jumps) in enumerate(curves):
+        first, last = law.side[number, [c.PIECE_BEGIN, c.PIECE_END]]
+        low = np.maximum(begin, first - EDGE_S) if number else begin
+        high = np.minimum(end, last + EDGE_S) if number + 1 < len(curves) else end
+        if repeats:
+            low, high = np.full((2, len(begin)), [[first], [last]])
         among = low <= high
-        for t in (low - since, high - since):
-            found[0] = np.where(among, np.maximum(found[0], np.abs(v + t * (a + t * (j / 2.0)))), found[0])
-            found[1] = np.where(among, np.maximum(found[1], np.abs(a + t * j)), found[1])
-        found[2] = np.where(among, np.maximum(found[2], abs(j)), found[2])
-    for change in changes:
-        if change.jerk == math.inf:
-            # its acceleration jumps: at its begin, and at its end, which comes within this time
-            over = change.time + 2.0 * _fastest(speed, changes) / change.acceleration
-            found[2] = np.where((begin <= over + EDGE_S) & (end >= change.time - EDGE_S), math.inf, found[2])
-    return found
-
-
-def _fastest(speed: float, changes: tuple[Change, ...]) -> float:
-    return max(abs(each) for each in (speed, *(change.speed for change in changes)))
-
-
-def _splines(law: Law) -> FloatArray:
-    """Bounds (3, 4) of the rates of x, y, z, yaw over all of a spline (F5): the velocity of a piece is a parabola."""
-    pieces = law.side[: int(law.row[c.COUNT])]
-    h, v = (pieces[:, c.PIECE_END] - pieces[:, c.PIECE_BEGIN])[:, None], pieces[:, c.RATE : c.CORNER]
-    a, j = (pieces[:, c.POWER + k :: c.MOST_POWERS] for k in (0, 1))
-    most_a = np.maximum(np.abs(a), np.abs(a + j * h))
-    most_v = np.maximum(np.abs(v), np.abs(v + h * (a + j * h / 2.0))) + 0.125 * np.abs(j) * h * h
-    return np.array([most_v.max(axis=0), most_a.max(axis=0), np.abs(j).max(axis=0)])
+        instants = np.concatenate([[low - first, high - first], np.clip(turns[:, None], low - first, high - first)])
+        for order, powers in enumerate(curve):
+            size = np.abs(polyval(instants, powers)).max(axis=1)
+            most[order] = np.where(among, np.maximum(most[order], size), most[order])
+        over = repeats | ((begin <= last + EDGE_S) & (end >= last - EDGE_S))
+        most[2] = np.where(jumps[:, None] & over, math.inf, most[2])
+    for wave in law.side[int(law.row[c.WAVE]) :][: int(law.row[c.WAVES])]:
+        most[:, int(wave[c.WAVE_COORDINATE])] += np.abs(
+            wave[c.WAVE_AMPLITUDE] * wave[c.WAVE_RATE] ** np.arange(1.0, 4.0)[:, None]
+        )
+    plane, height, (w, dw, ddw) = np.hypot(most[:, 0], most[:, 1]), most[:, 2], most[:, 3]
+    if w.any():
+        plane += arm_m * np.array([w, dw + w**2, ddw + 3.0 * w * dw + w**3])
+    return np.ascontiguousarray(np.concatenate([plane, height, most[:, 3]]).T)

@@ -19,6 +19,8 @@ WINDOW_STEP_S = 0.005
 with the end again."""
 PARTS, ROUNDS = 64, 7
 """A step of the grid, parted as often, is below what doubles know of a time."""
+SIDES = np.greater_equal, np.less_equal
+"""What a way inside a stretch is, compared with its first and with its last end; a way that is not known is neither."""
 KEPT = 256
 """Windows whose times are kept: a search asks about the same ones for each of its candidates."""
 
@@ -40,16 +42,24 @@ def inside(law: Law, point: Pose, stretch: Stretch, start: float) -> tuple[tuple
     """When a point that is fixed in the frame is within `stretch` in the `HORIZON_S` after `start`, s; closed intervals
     in order."""
     grid = np.arange(start, start + HORIZON_S + WINDOW_STEP_S, WINDOW_STEP_S)
-    way = travelled(law, point, grid)
-    # what passes the whole window between two times of the grid gets a third one, inside
-    side = np.sign(way - np.clip(way, *stretch))
-    passed = [_passed(law, point, stretch, grid[i], grid[i + 1]) for i in np.flatnonzero(side[1:] * side[:-1] < 0)]
-    grid = np.sort(np.concatenate([grid, passed]))
-    way = travelled(law, point, grid)
-    within = (way >= stretch[0]) & (way <= stretch[1])
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], within, [False]]).astype(int)))
-    ends = edges.reshape(-1, 2).tolist()
-    return tuple((_edge(law, point, stretch, grid, a, -1), _edge(law, point, stretch, grid, b - 1, 1)) for a, b in ends)
+    way, edges = travelled(law, point, grid), list[float]()
+    for is_on, end in zip(SIDES, stretch, strict=True):
+        side = is_on(way, end)
+        for k in np.flatnonzero(side[1:] != side[:-1]):
+            before, after = float(grid[k]), float(grid[k + 1])
+            for _ in range(ROUNDS):
+                times = np.linspace(before, after, PARTS + 1)
+                others = is_on(travelled(law, point, times), end) != side[k]
+                others[0], others[-1] = False, True
+                first = int(others.argmax())
+                before, after = float(times[first - 1]), float(times[first])
+            edges += [before, after]
+    grid = np.unique(np.concatenate([grid, edges]))
+    within = np.logical_and(
+        *(is_on(travelled(law, point, grid), end) for is_on, end in zip(SIDES, stretch, strict=True))
+    )
+    runs = np.flatnonzero(np.diff(np.concatenate([[False], within, [False]]).astype(int))).reshape(-1, 2).tolist()
+    return tuple((float(grid[first]), float(grid[behind - 1])) for first, behind in runs)
 
 
 def outside_for_good(law: Law, point: Pose, stretch: Stretch, start: float) -> bool:
@@ -62,33 +72,3 @@ def outside_for_good(law: Law, point: Pose, stretch: Stretch, start: float) -> b
         return False
     last, later = travelled(law, point, np.array([until, min(until + 1.0, law.valid[1])])).tolist()
     return bool((last > stretch[1] and later >= last) or (last < stretch[0] and later <= last))
-
-
-def _passed(law: Law, point: Pose, stretch: Stretch, before: float, after: float) -> float:
-    """A time inside the stretch, which is passed between the two; if no double is in it, one beside it."""
-    for _ in range(ROUNDS):
-        times = np.linspace(before, after, PARTS + 1)
-        way = travelled(law, point, times)
-        within = (way >= stretch[0]) & (way <= stretch[1])
-        if within.any():
-            return float(times[within.argmax()])
-        side = np.sign(way - stretch[0])
-        last = int(np.flatnonzero(side[1:] * side[0] < 0)[0])
-        before, after = float(times[last]), float(times[last + 1])
-    return before
-
-
-def _edge(law: Law, point: Pose, stretch: Stretch, grid: FloatArray, index: int, side: int) -> float:
-    """The last time inside the stretch between grid point `index`, inside, and its neighbour at `side`, outside."""
-    inner, neighbour = float(grid[index]), index + side
-    if not 0 <= neighbour < len(grid):
-        return inner
-    outer = float(grid[neighbour])
-    for _ in range(ROUNDS):
-        times = np.linspace(inner, outer, PARTS + 1)
-        way = travelled(law, point, times)
-        outside = ~((way >= stretch[0]) & (way <= stretch[1]))
-        outside[0], outside[-1] = False, True
-        first = int(outside.argmax())
-        inner, outer = float(times[first - 1]), float(times[first])
-    return inner

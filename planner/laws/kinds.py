@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +17,7 @@ from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.laws.law import Ends, Law, Numbers, Piece, Repeat, tables
 from assur.planner.laws.ramps import Change, ramped
-from assur.planner.laws.validity import ALWAYS, FURTHEST_S, SHORTEST_S, checked, interval, number, placed
+from assur.planner.laws.validity import ALWAYS, FURTHEST_S, RANGES, SHORTEST_S, interval, number, placed
 
 # The cubic spline through poses.
 
@@ -74,9 +76,8 @@ YAW = (0.0, 0.0, 0.0, 1.0)
 
 def fixed(pose: Pose, valid: Valid = ALWAYS) -> Law:
     """A frame that is always at `pose`."""
-    of = Numbers(**checked("fixed", pose=pose))
-    made = tables([_still(of.pose)], turns=False)
-    return Law("fixed", of, interval(valid, "fixed.valid"), *made)
+    of = checked("fixed", pose=pose)
+    return Law("fixed", of, valid, *tables([_still(of.pose)], turns=False))
 
 
 def linear(pose: Pose, velocity: Vector, at_time: float = 0.0, valid: Valid = ALWAYS) -> Law:
@@ -84,8 +85,8 @@ def linear(pose: Pose, velocity: Vector, at_time: float = 0.0, valid: Valid = AL
 
     p = p0 + v (t − at_time).
     """
-    of = Numbers(**checked("linear", pose=pose, velocity=velocity, at_time=at_time))
-    speed, valid = math.hypot(*of.velocity), interval(valid, "linear.valid")
+    of = checked("linear", pose=pose, velocity=velocity, at_time=at_time)
+    speed = math.hypot(*of.velocity)
     x, y, z = (part / speed for part in of.velocity) if speed > 0.0 else (1.0, 0.0, 0.0)
     made = tables([(of.at_time, _at(of.pose), (*of.velocity, 0.0), ())], turns=False, line=(x, y, z))
     cosine, sine = math.cos(of.pose.yaw), math.sin(of.pose.yaw)
@@ -102,8 +103,8 @@ def conveyor(
     With u = (cos yaw, sin yaw, 0) and s the travel (equation F1): p = p0 + s(t) u. A negative speed runs backwards.
     Refuses changes that overlap.
     """
-    of = Numbers(**checked("conveyor", pose=pose, speed=speed, at_time=at_time), changes=tuple(changes))
-    line, valid = _own_x(of.pose), interval(valid, "conveyor.valid")
+    of = checked("conveyor", changes, pose=pose, speed=speed, at_time=at_time)
+    line = _own_x(of.pose)
     pieces = [
         (begin, *_moved(of.pose, (*line, 0.0), *state))
         for begin, *state in ramped(of.speed, of.changes, of.at_time, "conveyor")
@@ -128,14 +129,14 @@ def turntable(
 
     `rise` is in m/s and constant: with it, this is a screw. Refuses changes that overlap.
     """
-    of = Numbers(**checked("turntable", pose=pose, rate=rate, rise=rise, at_time=at_time), changes=tuple(changes))
+    of = checked("turntable", changes, pose=pose, rate=rate, rise=rise, at_time=at_time)
     pieces = list[Piece]()
     for begin, *state in ramped(of.rate, of.changes, of.at_time, "turntable"):
         (x, y, z, yaw), (*_, turning), powers = _moved(of.pose, YAW, *state)
         z += of.rise * (begin - of.at_time)
         pieces.append((begin, (x, y, z, yaw), (0.0, 0.0, of.rise, turning), powers))
     made, fastest = tables(pieces, turns=True), (abs(of.rise), _fastest(of.rate, of.changes))
-    steady, valid = of.rate != 0.0 and of.rise == 0.0 and not changes, interval(valid, "turntable.valid")
+    steady = of.rate != 0.0 and of.rise == 0.0 and not changes
     cycle = math.tau / abs(of.rate) if steady else None
     return Law("turntable", of, valid, *made, fastest=fastest, stated_s=of.at_time, cycle_s=cycle)
 
@@ -161,8 +162,8 @@ def indexer(
     """
     if kind not in ("turn", "travel"):
         raise InputError("indexer.kind", kind, "one of ('turn', 'travel')")
-    given = checked("indexer", pose=pose, step=step, move_s=move_s, dwell_s=dwell_s, start=start)
-    of, valid = Numbers(**given, turns=kind == "turn"), interval(valid, "indexer.valid")
+    of = checked("indexer", pose=pose, step=step, move_s=move_s, dwell_s=dwell_s, start=start)
+    of = replace(of, turns=kind == "turn")
     line = (0.0, 0.0, 0.0) if of.turns else _own_x(of.pose)
     shares = YAW if of.turns else (*line, 0.0)
     moved = [0.0, 0.0, *(of.step * a / of.move_s ** (k + 4) for k, a in enumerate(MOVE))]
@@ -182,8 +183,8 @@ def swing(pose: Pose, amplitude: float, period: float, phase: float = 0.0, valid
 
     With θ = 2π t/period + phase (equation F4): yaw = pose.yaw + amplitude sin θ. What turns on and on is a turntable.
     """
-    of = Numbers(**checked("swing", pose=pose, amplitude=amplitude, period=period, phase=phase))
-    w, valid = math.tau / of.period, interval(valid, "swing.valid")
+    of = checked("swing", pose=pose, amplitude=amplitude, period=period, phase=phase)
+    w = math.tau / of.period
     made = tables([_still(of.pose)], turns=True, waves=[(3, of.amplitude, w, of.phase)])
     return Law("swing", of, valid, *made, fastest=(0.0, w * abs(of.amplitude)), cycle_s=of.period)
 
@@ -197,8 +198,7 @@ def oscillation(
     The direction is in world axes, and its length does not count. With u the unit vector along it and
     θ = 2π t/period + phase (equation F8): p = pose + amplitude sin θ u.
     """
-    given = checked("oscillation", pose=pose, direction=direction, amplitude=amplitude, period=period, phase=phase)
-    of, valid = Numbers(**given), interval(valid, "oscillation.valid")
+    of = checked("oscillation", pose=pose, direction=direction, amplitude=amplitude, period=period, phase=phase)
     length = math.hypot(*of.direction)
     if not length >= SHORTEST_DIRECTION:
         raise InputError("oscillation.direction", direction, f"a vector of length {SHORTEST_DIRECTION:g} or more")
@@ -257,6 +257,22 @@ def slowed(law: Law, share: float) -> Law | None:
     if law.kind != "conveyor" or of.changes:
         return None
     return conveyor(of.pose, share * of.speed, (), of.at_time, law.valid)
+
+
+def checked(kind: str, changes: Sequence[Change] = (), **given: Any) -> Numbers:
+    """The numbers of a law of this kind, by name. Raises `InputError` naming the one that is not allowed."""
+    known = dict[str, Any]()
+    for name, value in given.items():
+        field = f"{kind}.{name}"
+        if name == "pose":
+            known[name] = placed(value, field)
+        elif name in ("velocity", "direction"):
+            if len(value) != 3:
+                raise InputError(field, value, "three numbers")
+            known[name] = tuple(number(part, f"{field}[{i}]") for i, part in enumerate(value))
+        else:
+            known[name] = number(value, field, *RANGES.get(name, ()))
+    return Numbers(**known, changes=tuple(changes))
 
 
 def _own_x(pose: Pose) -> Vector:

@@ -18,7 +18,7 @@ from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion, Pose, Sweep
 from assur.planner.kernels import law_columns as c
 from assur.planner.laws.ramps import Change
-from assur.planner.laws.validity import FURTHEST_S
+from assur.planner.laws.validity import FURTHEST_S, interval
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 
@@ -85,7 +85,7 @@ class Law:
     """A frame's pose as a function of time, known over `valid` (s) and nowhere else.
 
     Laws of the same numbers are equal. `row` (LAW_COLUMNS,) and `side` (R, PIECE_COLUMNS) are its tables, with rows of
-    the side table counted from 0.
+    the side table counted from 0. Raises `InputError` for a `valid` that is no interval.
     """
 
     kind: Kind
@@ -106,6 +106,7 @@ class Law:
     """What the frame is, if it is a link of another robot."""
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "valid", interval(self.valid, f"{self.kind}.valid"))
         row = self.row.copy()
         row[c.FIRST], row[c.LAST] = max(self.valid[0], -FURTHEST_S), min(self.valid[1], FURTHEST_S)
         object.__setattr__(self, "row", row)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
@@ -54,19 +53,3 @@ def interval(valid: tuple[float, float], field: str) -> tuple[float, float]:
     if not (first < last and first < FURTHEST_S and last > -FURTHEST_S):
         raise InputError(field, valid, wanted)
     return first, last
-
-
-def checked(kind: str, **given: Any) -> dict[str, Any]:
-    """The numbers of a law of this kind, by name. Raises `InputError` naming the one that is not allowed."""
-    known = dict[str, Any]()
-    for name, value in given.items():
-        field = f"{kind}.{name}"
-        if name == "pose":
-            known[name] = placed(value, field)
-        elif name in ("velocity", "direction"):
-            if len(value) != 3:
-                raise InputError(field, value, "three numbers")
-            known[name] = tuple(number(part, f"{field}[{i}]") for i, part in enumerate(value))
-        else:
-            known[name] = number(value, field, *RANGES.get(name, ()))
-    return known

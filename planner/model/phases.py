@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 
@@ -16,7 +17,6 @@ from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.laws.law import EXACT, PoseUncertainty
 from assur.planner.model.outcome import TRACKING, Arrival, Leg, LegKind
-from assur.planner.model.refusal import Rule
 from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step, Trace
 from assur.planner.robots.facts import Limits
 
@@ -90,7 +90,9 @@ class Attachments:
                 here, start = (step.to.frame, step.to.pose), scene.index[step.part]
                 others = [each for each in self.placed if each[0] != step.part]
                 back = here == (start.frame, start.pose)
-                return Attachments(None, tuple(sorted(others if back else [*others, (step.part, *here)], key=_part)))
+                return Attachments(
+                    None, tuple(sorted(others if back else [*others, (step.part, *here)], key=itemgetter(0)))
+                )
             case Move() | Follow() | Trace():
                 return self
 
@@ -110,10 +112,6 @@ def at_start(scene: Scene) -> Attachments:
 def _grasp(step: Pick, yaw_offset: float) -> Pose:
     """Tool point in the part's frame when the part is taken turned by `yaw_offset` about its own vertical axis."""
     return Pose(yaw=yaw_offset).then(step.grasp)
-
-
-def _part(placed: tuple[str, str, Pose]) -> str:
-    return placed[0]
 
 
 CONTACT_M = 1e-4
@@ -139,7 +137,7 @@ class Handled:
         """The same after a part was gripped (no supports) or put down."""
         others = [each for each in self.within if each[0] != part]
         kept = frozenset(each for each in self.supports if part not in each)
-        return Handled(tuple(sorted([*others, (part, within)], key=_name)), kept | supports)
+        return Handled(tuple(sorted([*others, (part, within)], key=itemgetter(0))), kept | supports)
 
 
 NOTHING_HANDLED = Handled()
@@ -328,25 +326,6 @@ def yaw_offsets(scene: Scene, step: Step) -> tuple[float, ...] | None:
         fold = scene.index[step.part].yaw_symmetry
         return tuple(2 * np.pi * k / fold for k in range(fold)) if fold > 0 else None
     return None if step.target.yaw_free and step.part is None else (0.0,)
-
-
-def _name(each: tuple[str, PoseUncertainty]) -> str:
-    return each[0]
-
-
-# How far apart two bodies must stay in a phase, before what is not known of them (equation N8 in docs/bundle.md).
-
-
-def rule_of(scene: Scene, phase: Phase, first: str, second: str) -> tuple[Rule, float]:
-    """Which rule says how far two bodies must stay apart in a phase, before what is not known of them, and how far, m:
-    less than 0 for a pair that may touch."""
-    if pair(first, second) in phase.contacts:
-        return "contact", contact_gap(phase)
-    required = scene.options.clearance
-    distance = required.distances(first, second)[phase.near]
-    if required.exception(first, second) is not None:
-        return "exception", distance
-    return "near" if phase.near else "travel", distance
 
 
 def contact_gap(phase: Phase) -> float:

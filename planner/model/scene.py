@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -143,7 +144,6 @@ class Scene:
     """The value of each joint at its maker's zero, rad or m (empty: 0 for all)."""
     index: dict[str, WorldBody] = field(init=False, repr=False)
     pieces: Pieces = field(init=False, repr=False)  # of robot, tool and surroundings, in this order
-    seats: dict[str, tuple[str, Pose]] = field(init=False, repr=False)  # frame and pose of what stands around
 
     def __post_init__(self) -> None:
         n = len(self.robot.joints)
@@ -163,16 +163,16 @@ class Scene:
             if body.frame not in self.frames:
                 raise InputError(f"bodies[{i}].pose.frame", body.frame, f"one of {sorted(self.frames)}")
         object.__setattr__(self, "index", {body.name: body for body in self.bodies})
-        object.__setattr__(self, "seats", {body.name: (body.frame, body.pose) for body in self.bodies})
         object.__setattr__(self, "pieces", pieces(solids))
+        check_tool_point(self.robot, self.tool)
+        holding = self.start.holding
+        if holding is not None and holding.part not in self.index:
+            raise InputError("start.holding.part", holding.part, f"one of {sorted(self.index)}")
+        held = None if holding is None else holding.part
         for i, step in enumerate(self.task):
-            self._check_step(f"task[{i}].{type(step).__name__.lower()}", step)
-            if step.arch is not None and self.robot.lift is None:
-                allowed = f"no arch: {self.robot.name} has no joint that lifts (cartesian legs go up and over)"
-                raise InputError(f"task[{i}].{type(step).__name__.lower()}.arch", step.arch.top_m, allowed)
-        self._check_hands()
-        self._check_wrist()
-        self._check_kept()
+            for where, value, allowed in self._wrong(step, held):
+                raise InputError(f"task[{i}].{type(step).__name__.lower()}{where}", value, allowed)
+            held = step.part if isinstance(step, Pick) else None if isinstance(step, Place) else held
         check_execution(self.execution, self.robot, self._tracked())
         self._check_rounding()
         check_ranges(self.robot, self.forbidden_yaw, self.execution.lag)
@@ -232,17 +232,6 @@ class Scene:
         counts nothing, but may tell where it stands."""
         return self.corrects(frame) and self.frames[frame].law.fastest[0] > 0.0
 
-    def _check_kept(self) -> None:
-        """A yaw that is kept has to be one in the frame of the target, whenever that is met."""
-        for i, step in enumerate(self.task):
-            if isinstance(step, Move | Follow | Trace) and step.target.yaw_keep:
-                frame = self.frames[step.target.frame]
-                if frame.law.yaw is None:
-                    allowed = f"false, with yaw_free: true or a yaw_deg: {frame.name} turns, so the yaw there depends"
-                    allowed += " on when it is met"
-                    where = "start" if isinstance(step, Trace) else "to"
-                    raise InputError(f"task[{i}].{type(step).__name__.lower()}.{where}.yaw_keep", True, allowed)
-
     @cached_property
     def loads(self) -> tuple[Load, ...]:
         """What the flange carries: the tool alone, and with each part that is held from the start or from a pick on."""
@@ -270,77 +259,71 @@ class Scene:
         load (G2)."""
         return self._limits[part]
 
-    def _check_wrist(self) -> None:
-        """An arm that cannot turn its tool at will cannot lay down a part as it should lie."""
-        check_tool_point(self.robot, self.tool)
-        if "yaw" in self.robot.coordinates:
-            return
-        for i, step in enumerate(self.task):
-            if isinstance(step, Pick | Place):
-                allowed = f"move and follow: {self.robot.name} has no wrist, so parts would turn as the arm goes"
-                if "pitch" in self.robot.coordinates:
-                    allowed = (
-                        f"move and follow: {self.robot.name} turns and tilts its tool as it goes, and a part with it"
-                    )
-                raise InputError(f"task[{i}].{type(step).__name__.lower()}", step.name, allowed)
-
     def _tracked(self) -> list[Frame]:
         """The frames that steps may track: those of their targets, and those of the parts that they take."""
         names = [step.target.frame for step in self.task if step.target is not None]
         names += [self.index[step.part].frame for step in self.task if step.part is not None]
         return [self.frames[name] for name in dict.fromkeys(names)]
 
-    def _check_step(self, field: str, step: Step) -> None:
-        target = step.target
-        if target is not None and target.frame not in self.frames:
-            raise InputError(f"{field}.frame", target.frame, f"one of {sorted(self.frames)}")
+    def _wrong(self, step: Step, held: str | None) -> Iterator[tuple[str, object, str]]:
+        """What of a step cannot be where the gripper holds the part `held` (None: none): the field, its value, and what
+        is allowed. One part at a time: a pick needs an empty gripper, a place the part that was picked."""
+        robot, target, names = self.robot, step.target, sorted(self.index)
         if target is not None:
-            self._check_tilt(field, target)
-        straight = step.leg == "cartesian" and step.match == "position"
-        if straight and target is not None and not self.frames[target.frame].law.is_fixed:
-            allowed = "velocity: a straight leg meets a moving frame with its velocity"
-            raise InputError(f"{field}.match", "position", allowed)
-        if isinstance(step, Pick | Place):
-            if step.part not in self.index:
-                raise InputError(f"{field}.part", step.part, f"one of {sorted(self.index)}")
-            for name in step.contact_with or ():
-                if name not in self.index:
-                    raise InputError(f"{field}.contact_with", name, f"one of {sorted(self.index)}")
-            if step.match == "position" and not self.frames[self._frame_of(step)].law.is_fixed:
-                allowed = "velocity: a part is picked from, and placed on, a moving frame with its velocity"
-                raise InputError(f"{field}.match", step.match, allowed)
-            if isinstance(step, Pick) and math.isfinite(step.grip_within_m) and not self.tool.bodies:
-                allowed = "none: the tool has no bodies from which it could be measured"
-                raise InputError(f"{field}.grip_within_m", step.grip_within_m, allowed)
+            yield from self._wrong_target(step, target)
+        if step.arch is not None and robot.lift is None:
+            yield (
+                ".arch",
+                step.arch.top_m,
+                f"no arch: {robot.name} has no joint that lifts (cartesian legs go up and over)",
+            )
+        if not isinstance(step, Pick | Place):
+            return
+        if step.part not in self.index:
+            yield ".part", step.part, f"one of {names}"
+        for name in step.contact_with or ():
+            if name not in self.index:
+                yield ".contact_with", name, f"one of {names}"
+        frame = self.index[step.part].frame if target is None else target.frame
+        if step.match == "position" and not self.frames[frame].law.is_fixed:
+            yield (
+                ".match",
+                step.match,
+                "velocity: a part is picked from, and placed on, a moving frame with its velocity",
+            )
+        if isinstance(step, Pick) and math.isfinite(step.grip_within_m) and not self.tool.bodies:
+            yield ".grip_within_m", step.grip_within_m, "none: the tool has no bodies from which it could be measured"
+        if isinstance(step, Pick) and held is not None:
+            yield "", step.part, f"an empty gripper; it still holds {held}"
+        if isinstance(step, Place) and held != step.part:
+            yield ".part", step.part, f"the part in the gripper ({held or 'none'})"
+        if "pitch" in robot.coordinates:
+            yield (
+                "",
+                step.name,
+                f"move and follow: {robot.name} turns and tilts its tool as it goes, and a part with it",
+            )
+        elif "yaw" not in robot.coordinates:
+            # an arm that cannot turn its tool at will cannot lay down a part as it should lie
+            yield "", step.name, f"move and follow: {robot.name} has no wrist, so parts would turn as the arm goes"
 
-    def _check_tilt(self, field: str, target: Target) -> None:
-        """Pitch and roll are asked only of an arm that has them."""
+    def _wrong_target(self, step: Step, target: Target) -> Iterator[tuple[str, object, str]]:
+        """What of a step's target cannot be. A yaw that is kept has to be one in the frame, whenever it is met; pitch
+        and roll are for arms that have them."""
+        if target.frame not in self.frames:
+            yield ".frame", target.frame, f"one of {sorted(self.frames)}"
+        frame, robot = self.frames[target.frame], self.robot
         for name, value in (("pitch", target.pitch), ("roll", target.roll)):
-            if value is None:
-                continue
-            if name not in self.robot.coordinates:
-                raise InputError(f"{field}.{name}", value, f"no {name}: {self.robot.name} cannot tilt its tool at will")
-            if not math.isfinite(value):
-                raise InputError(f"{field}.{name}", value, "a finite angle")
-
-    def _frame_of(self, step: Pick | Place) -> str:
-        return step.to.frame if isinstance(step, Place) else self.index[step.part].frame
-
-    def _check_hands(self) -> None:
-        """One part at a time: a pick needs an empty gripper, a place the part that was picked."""
-        holding = self.start.holding
-        held = None if holding is None else holding.part
-        if held is not None and held not in self.index:
-            raise InputError("start.holding.part", held, f"one of {sorted(self.index)}")
-        for i, step in enumerate(self.task):
-            if isinstance(step, Pick):
-                if held is not None:
-                    raise InputError(f"task[{i}].pick", step.part, f"an empty gripper; it still holds {held}")
-                held = step.part
-            if isinstance(step, Place):
-                if held != step.part:
-                    raise InputError(f"task[{i}].place.part", step.part, f"the part in the gripper ({held or 'none'})")
-                held = None
+            if value is not None and name not in robot.coordinates:
+                yield f".{name}", value, f"no {name}: {robot.name} cannot tilt its tool at will"
+            if value is not None and not math.isfinite(value):
+                yield f".{name}", value, "a finite angle"
+        if step.leg == "cartesian" and step.match == "position" and not frame.law.is_fixed:
+            yield ".match", "position", "velocity: a straight leg meets a moving frame with its velocity"
+        if target.yaw_keep and not isinstance(step, Place) and frame.law.yaw is None:
+            allowed = f"false, with yaw_free: true or a yaw_deg: {frame.name} turns, so the yaw there depends"
+            allowed += " on when it is met"
+            yield f".{'start' if isinstance(step, Trace) else 'to'}.yaw_keep", True, allowed
 
 
 # JOINT_LIMIT: which joint would be where, and which end of its range that is beyond.

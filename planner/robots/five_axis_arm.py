@@ -31,6 +31,7 @@ class FiveAxisArm(ElbowArm):
     Raises `InputError` unless l3 is positive and finite. The rest: `ElbowArm`.
     """
 
+    family: ClassVar[str] = "five-axis"
     names: ClassVar[tuple[str, ...]] = ("theta1", "theta2", "theta3", "theta4", "theta5")
     kinds: ClassVar[tuple[str, ...]] = ("revolute",) * 5
     links: ClassVar[tuple[str, ...]] = ("base", "link1", "link2", "link3", "link4", "flange")
@@ -44,12 +45,8 @@ class FiveAxisArm(ElbowArm):
         super().__post_init__()
 
     @property
-    def longest(self) -> float:
-        return self.l1 + self.l2 + self.l3
-
-    @property
-    def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
-        return "five-axis", (self.l1, self.l2, self.l3), {"height": self.height, "longest": self.longest}
+    def lengths(self) -> tuple[float, ...]:
+        return self.l1, self.l2, self.l3
 
     @property
     def chain(self) -> Chain:
@@ -66,15 +63,3 @@ class FiveAxisArm(ElbowArm):
         pitch = flange.tilt[..., 0]
         distance = np.hypot(radius - self.l3 * np.cos(pitch), height - self.l3 * np.sin(pitch))
         return ring_margin(distance, self.l1, self.l2)
-
-    def out_of_reach(self, p: FloatArray) -> FloatArray:
-        """Metres (...) by which tool points p (..., 3) in the world are out of reach at every pitch, H8; 0: in reach.
-
-        The wrist may be anywhere on the circle of radius l3 about the tool point, so at any distance from |d − l3| to
-        d + l3 of the shoulder; the dyad reaches from |l1 − l2| to l1 + l2. NaN where p is not finite.
-        """
-        away = p - self.base.position
-        d = np.hypot(np.hypot(away[..., 0], away[..., 1]), away[..., 2] - self.height)
-        outer, inner = self.l1 + self.l2, abs(self.l1 - self.l2)
-        short: FloatArray = np.maximum(np.maximum(np.abs(d - self.l3) - outer, inner - d - self.l3), 0.0)
-        return short

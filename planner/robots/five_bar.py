@@ -49,6 +49,7 @@ class FiveBar(Robot):
     `assembly` out of `ASSEMBLIES`; `parallel_least`. Raises `InputError` for what is not one. The rest: `Robot`.
     """
 
+    family: ClassVar[str] = "five-bar"
     names: ClassVar[tuple[str, ...]] = ("theta1", "theta5", "z", "theta4")
     kinds: ClassVar[tuple[str, ...]] = ("revolute", "revolute", "prismatic", "revolute")
     links: ClassVar[tuple[str, ...]] = (
@@ -84,10 +85,8 @@ class FiveBar(Robot):
         return self.axes
 
     @property
-    def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
-        lengths = (self.proximal[0], self.distal[0], self.proximal[1], self.distal[1])
-        numbers = {"height": self.separation, "sigma": self.sigma, "parallel_least": self.parallel_least}
-        return "five-bar", lengths, numbers
+    def lengths(self) -> tuple[float, ...]:
+        return self.proximal[0], self.distal[0], self.proximal[1], self.distal[1]
 
     @property
     def chain(self) -> Chain:

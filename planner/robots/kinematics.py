@@ -29,25 +29,25 @@ FAMILIES = {
 """Kinds of arms by name."""
 PLACES = (
     ("height", of.HEIGHT),
-    ("rises", of.RISES),
+    ("separation", of.HEIGHT),
+    ("arms_rise", of.RISES),
     ("sigma", of.SIGMA),
     ("parallel_least", of.PARALLEL_LEAST),
     ("longest", of.LONGEST),
 )
-"""Where an arm's further numbers stand in its row."""
+"""Numbers that not every family has, and their columns."""
 
 
 def row_of(arm: Robot) -> FloatArray:
     """The arm as a row of numbers, SI units."""
     row = np.zeros(of.CHAIN)
-    family, lengths, numbers = arm.facts
-    row[of.KIND], row[of.JOINTS], row[of.LINKS] = FAMILIES[family], len(arm.joints), len(arm.links)
+    row[of.KIND], row[of.JOINTS], row[of.LINKS] = FAMILIES[arm.family], len(arm.joints), len(arm.links)
     base = arm.base
     row[[of.BASE_X, of.BASE_Y, of.BASE_Z, of.BASE_YAW]] = base.x, base.y, base.z, base.yaw
     row[of.BASE_COS], row[of.BASE_SIN] = math.cos(base.yaw), math.sin(base.yaw)
-    row[of.L1 : of.L1 + len(lengths)] = lengths
+    row[of.L1 : of.L1 + len(arm.lengths)] = arm.lengths
     for name, column in PLACES:
-        row[column] = numbers.get(name, 0.0)
+        row[column] = getattr(arm, name, row[column])
     rows = arm.chain_rows
     constant = rows.angles[:, c.ANGLE_CONSTANT]
     moves = rows.angles[:, c.ANGLE_SHARE :].any(1)

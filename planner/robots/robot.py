@@ -31,6 +31,8 @@ class Robot(ABC):
     would look different if it were. Not checked: that bodies of neighbouring links do not overlap.
     """
 
+    family: ClassVar[str]
+    """Its name in `assur.planner.robots.kinematics`."""
     names: ClassVar[tuple[str, ...]]
     """Names of the joints of an arm of the family that has all of them ..."""
     kinds: ClassVar[tuple[str, ...]]
@@ -101,8 +103,8 @@ class Robot(ABC):
 
     @property
     @abstractmethod
-    def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
-        """The family's name in `assur.planner.robots.kinematics`, lengths of links, m, what else its kernels read."""
+    def lengths(self) -> tuple[float, ...]:
+        """The lengths of links, m, in the order of the columns of `assur.planner.kernels.links`."""
 
     @property
     @abstractmethod

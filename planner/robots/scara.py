@@ -38,6 +38,7 @@ class Scara(Robot):
     The rest: `Robot`.
     """
 
+    family: ClassVar[str] = "scara"
     names: ClassVar[tuple[str, ...]] = ("theta1", "theta2", "z", "theta4")
     kinds: ClassVar[tuple[str, ...]] = ("revolute", "revolute", "prismatic", "revolute")
     links: ClassVar[tuple[str, ...]] = ("base", "link1", "link2", "quill", "flange")
@@ -60,8 +61,13 @@ class Scara(Robot):
         return self.axes
 
     @property
-    def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
-        return "scara", (self.l1, self.l2), {"rises": float(self.arms_rise), "longest": self.l1 + self.l2}
+    def lengths(self) -> tuple[float, ...]:
+        return self.l1, self.l2
+
+    @property
+    def longest(self) -> float:
+        """The farthest that the flange can be from the shoulder, m."""
+        return self.l1 + self.l2
 
     @property
     def chain(self) -> Chain:

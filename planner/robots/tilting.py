@@ -64,6 +64,7 @@ class PolarArm(TiltingArm):
     has no direction. The rest: `TiltingArm`.
     """
 
+    family: ClassVar[str] = "polar"
     names: ClassVar[tuple[str, ...]] = ("theta1", "theta2", "d3")
     kinds: ClassVar[tuple[str, ...]] = ("revolute", "revolute", "prismatic")
     modes: ClassVar[tuple[str, ...]] = ("front", "back")
@@ -80,8 +81,8 @@ class PolarArm(TiltingArm):
         return float(self.limits.upper[-1])
 
     @property
-    def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
-        return "polar", (), {"height": self.height, "longest": self.longest}
+    def lengths(self) -> tuple[float, ...]:
+        return ()
 
     @property
     def chain(self) -> Chain:
@@ -107,6 +108,7 @@ class ElbowArm(TiltingArm):
     forearm's end and tilts with it. `l1`, `l2`: lengths of upper arm and forearm, m. The rest: `TiltingArm`.
     """
 
+    family: ClassVar[str] = "elbow"
     names: ClassVar[tuple[str, ...]] = ("theta1", "theta2", "theta3")
     kinds: ClassVar[tuple[str, ...]] = ("revolute", "revolute", "revolute")
     modes: ClassVar[tuple[str, ...]] = ("up", "down", "back-up", "back-down")
@@ -121,13 +123,13 @@ class ElbowArm(TiltingArm):
         super().__post_init__()
 
     @property
-    def longest(self) -> float:
-        """The farthest that the flange can be from the shoulder, m."""
-        return self.l1 + self.l2
+    def lengths(self) -> tuple[float, ...]:
+        return self.l1, self.l2
 
     @property
-    def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
-        return "elbow", (self.l1, self.l2), {"height": self.height, "longest": self.longest}
+    def longest(self) -> float:
+        """The farthest that the flange can be from the shoulder, m."""
+        return sum(self.lengths)
 
     @property
     def chain(self) -> Chain:

@@ -122,7 +122,7 @@ def _same_robot(ran: Cell, cell: Cell) -> None:
     if names != own:
         raise InputError("request.robot", names, f"the joints of the robot of this request, {', '.join(own)}")
     first, second = ran.scene.robot, cell.scene.robot
-    if (first.facts, ran.conventions) != (second.facts, cell.conventions):
+    if (replace(first, base=second.base).chain, ran.conventions) != (second.chain, cell.conventions):
         raise InputError("request.robot", first.name, f"the robot of this request, {second.name}")
     if first.base != second.base:
         raise InputError("request.robot.base", first.base, f"the base of the robot of this request, {second.base}")

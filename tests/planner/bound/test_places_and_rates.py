@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from assur.planner.arrays import FloatArray
-from assur.planner.bound.events import LEAST_MARGIN, Unplaced, climbs, known, modes_asked, places, rates
+from assur.planner.bound.events import LEAST_MARGIN, Unplaced, climbs, modes_asked, places, rates
 from assur.planner.bound.fastest import STATE
 from assur.planner.bound.guided import BOUNDED, DYAD, NOWHERE, UNKNOWN, guided
 from assur.planner.frames.motion import Motion, Pose, TiltedMotion
@@ -175,7 +175,6 @@ def _orders(motion: Motion) -> tuple[tuple[np.ndarray, ...], tuple[np.ndarray, .
 @pytest.mark.parametrize("name", sorted(LAWS))
 def test_no_point_of_a_frame_is_faster_than_the_bounds_of_its_law(name: str) -> None:
     law, rng = LAWS[name], np.random.default_rng(7)
-    assert known(law)
     most = np.zeros(9)
     for _ in range(40):
         begin = float(rng.uniform(max(law.valid[0], 0.0), 2.5))

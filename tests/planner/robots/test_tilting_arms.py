@@ -7,8 +7,7 @@ import pytest
 
 from assur.experiments.differential import transforms
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion, Pose, TiltedMotion
-from assur.planner.robots.facts import Code
+from assur.planner.frames.motion import Pose
 from assur.planner.robots.five_axis_arm import FiveAxisArm
 from assur.planner.robots.tilting import ElbowArm, PolarArm
 from tests.planner.robots.families import (
@@ -90,33 +89,3 @@ def test_heading_pitch_and_roll_are_the_attitude_of_the_flange_and_over_the_back
         # the tool axis: pitch above the horizontal, in the plane of the heading
         axis = [np.cos(pitch) * np.cos(yaw), np.cos(pitch) * np.sin(yaw), np.sin(pitch)]
         assert found[:, 0] == pytest.approx(axis, abs=1e-13)
-
-
-@pytest.mark.parametrize("base", BASES)
-def test_a_point_is_out_of_reach_at_every_pitch_by_as_much_as_the_nearest_pitch_says(base: Pose) -> None:
-    rng = np.random.default_rng(9)
-    lengths = ((L1, L2, L3), (0.2, 0.05, 0.05), (0.1, 0.1, 0.4))
-    for l1, l2, l3 in lengths:
-        other = five_axis(base, l1, l2, l3)
-        d = rng.uniform(0.0, 1.3 * (l1 + l2 + l3), 200)
-        way = rng.normal(size=(200, 3))
-        p = d[:, None] * way / np.linalg.norm(way, axis=1, keepdims=True)
-        shoulder = other.base.position + np.array([0.0, 0.0, HEIGHT])
-        p += shoulder
-        short = other.out_of_reach(p)
-        pitch = np.linspace(-np.pi, np.pi, 721)
-        met = np.repeat(p[:, None], 721, 1)
-        still = np.zeros_like(met)
-        yaw = np.zeros(met.shape[:-1])
-        tilt = np.stack([np.broadcast_to(pitch, yaw.shape), yaw], -1)
-        asked = TiltedMotion.of(Motion(met, still, still, still, yaw, yaw, yaw, yaw), tilt)
-        reached = (other.inverse(asked, 0, 0).code != Code.OUT_OF_REACH).any(1)
-        assert not reached[short > 0].any()
-        # a point that is reached with a hair to spare is found by one of the pitches
-        edges = np.array([l1 + l2 + l3, l3 - l1 - l2, abs(l1 - l2) - l3])
-        edge = np.abs(np.linalg.norm(p - shoulder, axis=1)[:, None] - edges).min(1)
-        assert reached[(short == 0) & (edge > 1e-3)].all()
-        assert (short > 0).any()
-    tip = five_axis(Pose()).out_of_reach(np.array([[0.582, 0.0, 0.3], [0.0, 0.0, 0.3], [np.nan, 0.0, 0.3]]))
-    assert tip[:2] == pytest.approx([0.1, L1 - L2 - L3])
-    assert np.isnan(tip[2])
