@@ -21,21 +21,10 @@ from assur.api.web.routes import (
     service_of,
 )
 from assur.api.web.settings import PLAN_BODY_BYTES
+from assur.planner.model.deadline import Progress
 
 SILENCE_S = 15.0
 """A stream of events with nothing to tell sends a comment this often, s, so that nobody between takes it for dead."""
-
-
-class JobProgress(TypedDict):
-    """How far a search has come. `stage`: for a plan, or for a change of the request that would help. `steps` of the
-    task were passed; `duration_s` of the best plan so far; no plan takes less than `lower_bound_s`."""
-
-    stage: Literal["search", "relaxation"]
-    elapsed_s: float
-    candidates: int
-    steps: int
-    duration_s: float | None
-    lower_bound_s: float | None
 
 
 class JobDocument(TypedDict):
@@ -44,7 +33,7 @@ class JobDocument(TypedDict):
 
     id: str
     state: Literal["working", "done", "failed", "cancelled"]
-    progress: JobProgress | None
+    progress: Progress | None
     outcome: str | None
     problem: dict[str, Any] | None
 

@@ -44,15 +44,6 @@ def frames(arm: BuiltArm, q: FloatArray) -> dict[str, FloatArray]:
     return found
 
 
-def apart(chain: Chain, arm: BuiltArm, kinematics: Kinematics, q: FloatArray) -> tuple[float, float]:
-    """How far the flanges are apart at most at states (N, n): m, rad."""
-    theirs = chain.places(q)[chain.tip]
-    ours = frames(arm, q)["flange"]
-    turn = kinematics.turn @ OVER if kinematics.z_down else kinematics.turn
-    ours[..., :3, :3] = ours[..., :3, :3] @ turn
-    return between(theirs, ours)
-
-
 def between(one: FloatArray, other: FloatArray) -> tuple[float, float]:
     """How far poses (N, 4, 4) are apart at most: m, rad."""
     distance = np.linalg.norm(one[..., :3, 3] - other[..., :3, 3], axis=-1)
@@ -65,7 +56,10 @@ def hold_together(
     chain: Chain, arm: BuiltArm, kinematics: Kinematics, ranges: list[list[float]]
 ) -> tuple[float, float]:
     """How far the flanges are apart at random states, m and rad. Raises `Unsuitable` beyond 1 µm or 1 µrad."""
-    metres, radians = apart(chain, arm, kinematics, states(chain, ranges))
+    q = states(chain, ranges)
+    ours = frames(arm, q)["flange"]
+    ours[..., :3, :3] @= kinematics.turn @ OVER if kinematics.z_down else kinematics.turn
+    metres, radians = between(chain.places(q)[chain.tip], ours)
     if not (metres <= WITHIN_M and radians <= WITHIN_RAD):
         what = f"our arm's flange is up to {1e6 * metres:.3g} um and {1e6 * radians:.3g} urad from the file's"
         supply = "up to 1 um and 1 urad are accepted: write positions and angles of the joints with more digits"

@@ -37,18 +37,18 @@ class Chain:
     def places(self, q: FloatArray) -> dict[str, FloatArray]:
         """The pose (..., 4, 4) of every link that hangs on the base or stands still with it, in the base's frame, for
         positions (..., n) of the moving joints in the file's count."""
-        index = {joint.name: i for i, joint in enumerate(self.joints)}
         still = {self.base: np.eye(4), **self.beside}
         found = {link: np.broadcast_to(pose, (*q.shape[:-1], 4, 4)) for link, pose in still.items()}
-        ahead = [self.base]
-        while ahead:
-            link = ahead.pop()
-            for joint in self.tree.below(link):
-                i = index.get(joint.name)
-                at = q[..., i] if i is not None else np.zeros(q.shape[:-1])
-                found[joint.child] = found[link] @ joint.motion(at)
-                ahead.append(joint.child)
+        for joint in self.tree.all_below(self.base):
+            i = self._index.get(joint.name)
+            at = q[..., i] if i is not None else np.zeros(q.shape[:-1])
+            found[joint.child] = found[joint.parent] @ joint.motion(at)
         return found
+
+    @cached_property
+    def _index(self) -> dict[str, int]:
+        """The number of each moving joint by its name."""
+        return {joint.name: i for i, joint in enumerate(self.joints)}
 
     @cached_property
     def axes(self) -> tuple[Axis, ...]:
@@ -81,15 +81,10 @@ class Chain:
     def movers(self) -> dict[str, frozenset[int]]:
         """Which of the moving joints each link moves with; links that neither hang on the base nor stand still with it
         are not there."""
-        index = {joint.name: i for i, joint in enumerate(self.joints)}
         found: dict[str, frozenset[int]] = dict.fromkeys((self.base, *self.beside), frozenset())
-        ahead = [self.base]
-        while ahead:
-            link = ahead.pop()
-            for joint in self.tree.below(link):
-                i = index.get(joint.name)
-                found[joint.child] = found[link] | (frozenset() if i is None else {i})
-                ahead.append(joint.child)
+        for joint in self.tree.all_below(self.base):
+            own = {self._index[joint.name]} if joint.name in self._index else frozenset[int]()
+            found[joint.child] = found[joint.parent] | own
         return found
 
 
@@ -126,12 +121,10 @@ def flanges(tree: Tree, base: str, wanted: str | None, hinted: tuple[str, ...]) 
     last = _last_moving(tree, base)
     if last is None:
         return []
-    group, ahead = [last], [last]
-    while ahead:
-        for joint in tree.below(ahead.pop()):
-            if not joint.moves:
-                group.append(joint.child)
-                ahead.append(joint.child)
+    group = [last]
+    for joint in tree.all_below(last):
+        if not joint.moves and joint.parent in group:
+            group.append(joint.child)
     ends = [link for link in group if not tree.below(link)]
     likely = [link for link in hinted if link in group]
     return list(dict.fromkeys([*likely, *(ends if len(ends) == 1 else []), last]))

@@ -4,7 +4,7 @@ turns as a URDF writes them, as rotation matrices, in which multiples of a right
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
@@ -114,6 +114,14 @@ class Tree:
     def below(self, link: str) -> list[Joint]:
         """The joints whose parent is a link, in the order of the file."""
         return self._below.get(link, [])
+
+    def all_below(self, link: str) -> Iterator[Joint]:
+        """The joints that hang on a link, each after the one that carries it."""
+        ahead = [link]
+        while ahead:
+            for joint in self.below(ahead.pop()):
+                yield joint
+                ahead.append(joint.child)
 
     def above(self, link: str) -> Joint | None:
         """The joint whose child is a link."""
