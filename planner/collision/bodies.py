@@ -7,6 +7,7 @@ units are those of `assur.planner.kernels.solids`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,7 +19,7 @@ from assur.planner.claim import columns as c
 from assur.planner.claim.frames import displaced_of
 from assur.planner.claim.obligations import bodies_in, carriers_of, distances_of, phases_of, seat_of, seats_of
 from assur.planner.geometry.shapes import Hull, Primitive
-from assur.planner.kernels.links import POSE_COLUMNS
+from assur.planner.kernels.links import POSE_COLUMNS, put_upright
 from assur.planner.kernels.solids import (
     BODY,
     CARRIER,
@@ -45,8 +46,7 @@ from assur.planner.kernels.uncertainty import (
     UPRIGHT_GROWTH,
     Doubt,
 )
-from assur.planner.kernels.units import OFFSET, OWN_COLUMNS, seat_bodies, write_units
-from assur.planner.laws import Law
+from assur.planner.kernels.units import seat_bodies, write_units
 from assur.planner.model.phases import Attachments, Phase, at_start
 from assur.planner.model.refusal import Rule
 from assur.planner.model.scene import Scene
@@ -125,7 +125,7 @@ class Arrangement:
 
     def offset(self, unit: int) -> FloatArray:
         """(3,) where the centre of a unit is in the axes of its shape."""
-        return self.bodies.own[unit, OFFSET : OFFSET + 3]
+        return np.asarray(self.bodies.offset[unit])
 
     def placed(self, carriers: FloatArray, units: Iterable[int]) -> FloatArray:
         """(1, U, POSE_COLUMNS) centre and axes in the world of `units`, with their carriers (K, 12) where they are."""
@@ -144,22 +144,25 @@ class Bodies:
         self.carriers = carriers_of(scene, self.names)
         self.seats = seats_of(scene, self.carriers)
         self.links, self.pieces = len(scene.robot.links), table
-        places = [NOWHERE] * self.links + [_place(frame.law) for frame in scene.frames.values()]
-        self.still = np.array([int(place is not NOWHERE) for place in places], dtype=np.int64)
-        self._places = np.array(places)
+        self._places = np.full((self.links + len(scene.frames), POSE_COLUMNS), np.nan)
+        """Where carriers are that stand still for ever; NaN: the others."""
+        for k, frame in enumerate(scene.frames.values(), start=self.links):
+            if frame.law.is_fixed and frame.law.valid == (-np.inf, np.inf):
+                pose = frame.law.numbers.pose
+                put_upright(self._places, k, pose.x, pose.y, pose.z, math.cos(pose.yaw), math.sin(pose.yaw))
+        self.still = np.isfinite(self._places[:, 0]).astype(np.int64)
         self.vertices = np.concatenate([np.zeros((0, 3)), *(hull.vertices for hull in table.hulls)])
         begins = np.cumsum([0, *(len(hull.vertices) for hull in table.hulls)])
         many, core = len(table.shapes) + len(self.names), np.empty((len(table.shapes), 5))
         core[:, :3], core[:, 3], core[:, 4] = table.half, table.disc, table.ball
-        rows, own = np.zeros((many, COLUMNS)), np.zeros((many, OWN_COLUMNS))
-        self.roots = np.empty_like(table.count)
+        own, offset, self.roots = np.zeros((many, COLUMNS)), np.zeros((many, 3)), np.empty_like(table.count)
         position, rotation = np.array(table.position), np.array(table.rotation)
         units = write_units(
-            np.array(table.count), position, rotation, core, np.array(table.hull), begins, self.vertices, rows, own,
+            np.array(table.count), position, rotation, core, np.array(table.hull), begins, self.vertices, own, offset,
             self.roots,
         )  # fmt: skip
-        self.own = own[:units]
-        start = Arrangement(self, self.seats.rows, rows[:units], np.empty((units, 6)))
+        self.own, self.offset = own[:units], offset[:units]
+        start = Arrangement(self, self.seats.rows, self.own.copy(), np.empty((units, 6)))
         self._seat(start, range(len(self.names)))
         self._made = {at_start(scene): start}
 
@@ -184,18 +187,6 @@ class Bodies:
         seat_bodies(
             self.own, self.vertices, self.roots, made.seats, chosen, self.links, self._places, made.rows, made.boxes
         )
-
-
-NOWHERE = (np.nan, np.nan, np.nan, np.nan)
-"""The place of a carrier that does not stand still."""
-
-
-def _place(law: Law) -> tuple[float, float, float, float]:
-    """The pose of a frame that stands still and is known for ever."""
-    if not (law.is_fixed and law.valid == (-np.inf, np.inf)):
-        return NOWHERE
-    pose = law.numbers.pose
-    return pose.x, pose.y, pose.z, pose.yaw
 
 
 # Which bodies must stay how far apart in a phase (equation N8), from the tables of the claim.

@@ -219,7 +219,10 @@ class Prover:
             if status == RESISTED:
                 return self._resisted(arrangement, spline, search.state)
             if search.over:
-                return _given_up(arrangement, search)
+                # what is still open where a proof is given up
+                t0, t1, first, _ = search.stack[int(search.state[TOP]) - 1]
+                a, b = search.items[int(first), :2]
+                return _unproved(arrangement, a, b, (t0 + t1) / 2, np.nan, np.nan)
 
     def screened(self, phase: Phase, trajectory: Trajectory) -> FloatArray:
         """What is too near at an instant of a phase of a trajectory (H, HIT_COLUMNS), the deepest of each pair. Where
@@ -300,11 +303,9 @@ class Prover:
 
     def _resisted(self, arrangement: Arrangement, spline: Spline, state: FloatArray) -> Unproved:
         """What FCL says of the true shapes of a pair that resisted."""
-        a, b, t = int(state[RESISTED_A]), int(state[RESISTED_B]), float(state[RESISTED_T])
-        touching = bool(state[RESISTED_GAP] <= state[RESISTED_NEED]) and self.touch(
-            arrangement, spline, t, a, b, float(state[RESISTED_S])
-        )
-        return _unproved(arrangement, state, touching=touching)
+        a, b, t, gap, need = state[[RESISTED_A, RESISTED_B, RESISTED_T, RESISTED_GAP, RESISTED_NEED]].tolist()
+        touching = gap <= need and self.touch(arrangement, spline, t, int(a), int(b), float(state[RESISTED_S]))
+        return _unproved(arrangement, a, b, t, gap, need, touching=touching)
 
     def planned_gap(self, phase: Phase, q: FloatArray, t: float, a: int, b: int, ahead: float) -> float:
         """How far piece a at time t with joints q (n,) is from piece b, which is `ahead` s of the clock, where all is
@@ -378,18 +379,10 @@ def _parts(phase: Phase) -> FloatArray:
     return edges
 
 
-def _given_up(arrangement: Arrangement, search: Search) -> Unproved:
-    """What is still open where a proof is given up."""
-    t0, t1, first, _ = search.stack[int(search.state[TOP]) - 1]
-    state = search.state
-    state[RESISTED_A], state[RESISTED_B] = search.items[int(first), :2]
-    state[RESISTED_T], state[RESISTED_GAP], state[RESISTED_NEED] = (t0 + t1) / 2, np.nan, np.nan
-    return _unproved(arrangement, state, touching=False)
-
-
-def _unproved(arrangement: Arrangement, state: FloatArray, *, touching: bool) -> Unproved:
-    units = int(state[RESISTED_A]), int(state[RESISTED_B])
-    names = (arrangement.names[arrangement.body[units[0]]], arrangement.names[arrangement.body[units[1]]])
-    of_robot = bool(arrangement.of_robot[arrangement.body[units[1]]])
-    gap, required = float(state[RESISTED_GAP]), float(state[RESISTED_NEED])
-    return Unproved(names, float(state[RESISTED_T]), gap, required, touching, of_robot)
+def _unproved(
+    arrangement: Arrangement, a: float, b: float, t: float, gap: float, required: float, *, touching: bool = False
+) -> Unproved:
+    """What is not proved of units a and b around time t."""
+    one, other = arrangement.body[[int(a), int(b)]].tolist()
+    names = arrangement.names[one], arrangement.names[other]
+    return Unproved(names, float(t), gap, required, touching, bool(arrangement.of_robot[other]))

@@ -13,7 +13,6 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.refusals import points, start
 from assur.planner.checker.refusals.postures import allowed_modes
 from assur.planner.checker.refusals.stated import Shown, spots
-from assur.planner.checker.refusals.stated import Shown as Stated
 from assur.planner.checker.refusals.ways import is_turn, ways
 from assur.planner.checker.refusals.windows import overshoots
 from assur.planner.collision.proof import Prover
@@ -159,7 +158,7 @@ def start_impossible(scene: Scene, prover: Prover) -> Refusal | None:
     )
 
 
-def _stated(found: Iterator[Stated], stage: Stage, step: int) -> Refusal | None:
+def _stated(found: Iterator[Shown], stage: Stage, step: int) -> Refusal | None:
     """The refusal that states the first of what was found."""
     return next((each.refusal(stage, step) for each in found), None)
 

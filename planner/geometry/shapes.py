@@ -223,7 +223,7 @@ def corners(shape: Primitive | Hull) -> FloatArray:
 
 
 def radius(piece: Piece) -> float:
-    """Horizontal distance, m, of the piece's points from the origin of its body's frame at most."""
+    """Horizontal distance, m, of the piece's points from the origin of its body's frame at most (S2)."""
     if isinstance(piece.shape, Hull):
         points = piece.position + piece.shape.vertices @ piece.rotation.T
         return float(np.hypot(points[:, 0], points[:, 1]).max())

@@ -22,6 +22,7 @@ from assur.planner.kernels.solids import (
     VERTEX,
     VERTICES,
     gap,
+    own_axes,
 )
 from assur.planner.kernels.uncertainty import add_spread
 
@@ -52,9 +53,7 @@ def add_farthest(
     k: int,
 ) -> None:
     """Adds `sign` times the point of unit i, without its ball, that is farthest along n to row k of `points`."""
-    ux = nx * placed[m, i, 3] + ny * placed[m, i, 6] + nz * placed[m, i, 9]
-    uy = nx * placed[m, i, 4] + ny * placed[m, i, 7] + nz * placed[m, i, 10]
-    uz = nx * placed[m, i, 5] + ny * placed[m, i, 8] + nz * placed[m, i, 11]
+    ux, uy, uz = own_axes(placed, m, i, nx, ny, nz)
     count = int(bodies[i, VERTICES])
     if count == 0:
         px = bodies[i, HALF] if ux >= 0.0 else -bodies[i, HALF]

@@ -34,8 +34,8 @@ Cell: TypeAlias = tuple[FloatArray, FloatArray, IntArray]
 Motion: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 """`robot`, `laws`, `side`, `tk`, `c`, `whole`."""
 
-ITEM_NORMAL, ITEM_FROM, ITEM_TO, ITEM_COLUMNS = 3, 6, 7, 8
-"""Columns of an item: its normal, the least and the greatest shift, s, and how many."""
+ITEM_FROM, ITEM_TO, ITEM_COLUMNS = 6, 7, 8
+"""Columns of an item: the least and the greatest shift, s, and how many there are; its normal is from 3 on."""
 TOP, FOUND = 0, 1
 """In `state`: how many intervals are on the stack, and how many rows were written."""
 STATE_COLUMNS = 9

@@ -61,7 +61,7 @@ from assur.planner.kernels.links import (
     SCARA,
     SIGMA,
 )
-from assur.planner.kernels.motion import ORDERS, add_turned, close_loop
+from assur.planner.kernels.motion import ORDERS, add_vector, close_loop, turned
 
 TURN = 2.0 * math.pi
 """A full turn, rad."""
@@ -220,9 +220,9 @@ def _invert_tilting(
     d[0, 0] -= robot[BASE_X]
     d[0, 1] -= robot[BASE_Y]
     back = mode == 1 if polar else mode >= 2
-    turned = rpr(ROUNDING * longest, -1.0 if back else 1.0, d, order, base)
+    code_base = rpr(ROUNDING * longest, -1.0 if back else 1.0, d, order, base)
     # over the axis the radius has no derivatives, but the posture is that of (0, h)
-    aligned = turned == INDETERMINATE
+    aligned = code_base == INDETERMINATE
     for k in range(order + 1):
         d[k, 0], d[k, 1] = 0.0 if aligned else base[LENGTH + 2 * k], target[k, 2]
     d[0, 1] -= robot[BASE_Z] + robot[HEIGHT]
@@ -234,7 +234,8 @@ def _invert_tilting(
         p1 = target[1, 4] if order > 0 else 0.0
         p2 = target[2, 4] if order > 1 else 0.0
         p3 = target[3, 4] if order > 2 else 0.0
-        add_turned(d, -robot[L3], 0.0, 0.0, 0.0, target[0, 4], p1, p2, p3)
+        none = (0.0, 0.0, 0.0, 0.0)
+        add_vector(d, turned((-robot[L3], 0.0, 0.0, 0.0), none, (target[0, 4], p1, p2, p3)))
     if polar:
         code = rpr(ROUNDING * longest, 1.0, d, order, solved)
         margins[0] = min(solved[LENGTH] / longest, 1.0)
@@ -255,7 +256,7 @@ def _invert_tilting(
             rate1, rate2 = solved[RATES + 2 * k - 2], solved[RATES + 2 * k - 1]
             joints[k, 1], joints[k, 2] = rate1, rate2 - rate1
     margins[0] = min(margins[0], abs(radius) / longest)
-    if turned == OUT_OF_REACH or not math.isfinite(given):
+    if code_base == OUT_OF_REACH or not math.isfinite(given):
         code = OUT_OF_REACH
     if wrist:
         for k in range(order + 1):

@@ -71,18 +71,6 @@ def _coordinate(pieces: FloatArray, i: int, k: int, powers: int, u: float) -> tu
     return pieces[i, c.POSE + k] + u * (rate + u * x), rate + u * v, a, j
 
 
-@kernel("UniTuple(float64, 2)(float64[:, ::1], int64, int64, int64, float64)")
-def _rates(pieces: FloatArray, i: int, k: int, powers: int, u: float) -> tuple[float, float]:
-    """Velocity and acceleration of coordinate k of piece i, u after the piece began."""
-    at = c.POWER + k * c.MOST_POWERS
-    v = a = 0.0
-    for n in range(powers - 1, -1, -1):
-        power = pieces[i, at + n]
-        v = v * u + power / (n + 1.0)
-        a = a * u + power
-    return pieces[i, c.RATE + k] + u * v, a
-
-
 @kernel("Tuple((int64, float64, float64))(float64[::1], float64[:, ::1], float64)")
 def _piece_at(law: FloatArray, pieces: FloatArray, t: float) -> tuple[int, float, float]:
     """The piece at time t, the time since its begin, and the number of whole periods before it."""
@@ -160,7 +148,7 @@ def coordinate_rates(
             for corner in range(-2, c.CORNERS if powers > 0 else -1):
                 u = u0 if corner == -2 else u1 if corner == -1 else pieces[i, c.CORNER + corner]
                 if u0 <= u <= u1:
-                    v, a = _rates(pieces, i, k, powers, u)
+                    _, v, a, _ = _coordinate(pieces, i, k, powers, u)
                     low, high, low_d, high_d = min(low, v), max(high, v), min(low_d, a), max(high_d, a)
             i += 1
     first = int(law[c.WAVE])

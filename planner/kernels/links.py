@@ -157,9 +157,9 @@ def place_links(robot: FloatArray, q: FloatArray, placed: FloatArray) -> None:
         row[9], row[10], row[11] = sp, sr * cp, cr * cp
 
 
-@kernel("UniTuple(float64, 2)(float64[::1], float64[::1], float64[::1])")
-def loop_least(robot: FloatArray, lower: FloatArray, upper: FloatArray) -> tuple[float, float]:
-    """Lower bound of |D| (K39) and upper bound of |u·w| of an arm's loop, m², for joints in a range (K37, K38).
+@kernel("float64(float64[::1], float64[::1], float64[::1])")
+def loop_least(robot: FloatArray, lower: FloatArray, upper: FloatArray) -> float:
+    """Lower bound of |D| (K39) of an arm's loop, m², for joints in a range (K37, K38).
 
     NaN where it is not proved that the loop assembles throughout, or something given is not finite.
     """
@@ -168,7 +168,7 @@ def loop_least(robot: FloatArray, lower: FloatArray, upper: FloatArray) -> tuple
     phi, r = _angle(robot, robot[one + c.LINK_YAW], lower, upper)
     psi, t = _angle(robot, robot[other + c.LINK_YAW], lower, upper)
     if not (math.isfinite(phi + psi) and math.isfinite(r + t)):
-        return math.nan, math.nan
+        return math.nan
     al, ar = robot[at + c.LOOP_LENGTH], robot[at + c.LOOP_LENGTH + 1]
     bl, br = robot[at + c.LOOP_COUPLER], robot[at + c.LOOP_COUPLER + 1]
     x, y = robot[at + APART], robot[at + APART + 1]
@@ -183,12 +183,10 @@ def loop_least(robot: FloatArray, lower: FloatArray, upper: FloatArray) -> tuple
     low, high = square - off, square + off
     outer, inner = (bl + br) * (bl + br), (bl - br) * (bl - br)
     if not (low > inner and high < outer):
-        return math.nan, math.nan
+        return math.nan
     # (outer − x)(x − inner) is concave in x: it is least at an end of its range
     product = min((outer - low) * (low - inner), (outer - high) * (high - inner))
-    middle = bl * bl + br * br
-    cross = 0.5 * math.sqrt(product) * (1.0 - LOOP_ROUNDING)
-    return cross, 0.5 * max(abs(low - middle), abs(high - middle))
+    return 0.5 * math.sqrt(product) * (1.0 - LOOP_ROUNDING)
 
 
 @kernel("boolean(float64[::1], float64[::1], float64[::1])")
@@ -199,7 +197,7 @@ def assembled(robot: FloatArray, lower: FloatArray, upper: FloatArray) -> bool:
     if at == 0:
         return True
     least: float = robot[at + c.LOOP_LEAST] * robot[at + c.LOOP_COUPLER] * robot[at + c.LOOP_COUPLER + 1]
-    return loop_least(robot, lower, upper)[0] >= least
+    return loop_least(robot, lower, upper) >= least
 
 
 @kernel("void(float64[::1], float64[:, ::1], float64[:, :, ::1])")

@@ -1,7 +1,8 @@
-"""Motion of link frames for the motion of the joints, up to the third derivative.
+"""Motion of link frames for the motion of the joints, up to the third derivative, for any chain of `links`.
 
-A motion is (4, 6): a row an order, columns x, y, z, yaw, pitch, roll in the world, m and rad. Pitch and roll are 0 but
-for the flange of a five-axis arm.
+A motion is (4, 6): a row an order, columns x, y, z, yaw, pitch, roll in the world, m and rad. A *series* is a number
+with its first three derivatives. The origin of a link is the sum of the offsets of the links on the way to it, each
+turned by the angles of its parent; these are sums of joints (K12, K20 to K25 backwards, K32, K34, H1, H2).
 """
 
 from __future__ import annotations
@@ -11,78 +12,67 @@ import math
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.claim import columns as c
 from assur.planner.compiled import kernel
 from assur.planner.kernels.dyads import RATES, RRR_COLUMNS, SOLVED, UX, UY, WORK_ROWS, WX, WY, fill_rows, rrr
 from assur.planner.kernels.links import (
+    ANGLE,
+    ANGLES,
+    APART,
     BASE_COS,
     BASE_SIN,
-    BASE_X,
-    BASE_Y,
     BASE_YAW,
-    BASE_Z,
-    FIVE_BAR,
+    CHAIN,
     HEIGHT,
-    JOINTS,
-    KIND,
     L1,
     L2,
     L3,
     L4,
-    POLAR,
-    RISES,
-    SCARA,
+    LOOP,
     SIGMA,
 )
 
 ORDERS, COORDINATES = 4, 6
 """Shape of a motion."""
+Series = tuple[float, float, float, float]
+Vectors = tuple[complex, complex, complex, complex]
+"""A vector of a plane with its first three derivatives: its coordinates are real and imaginary part."""
+SERIES, VECTORS = "UniTuple(float64, 4)", "UniTuple(complex128, 4)"
 
 
-@kernel("void(float64[:, ::1], float64, float64, float64, float64, float64, float64, float64, float64)")
-def add_turned(
-    out: FloatArray, l0: float, l1: float, l2: float, l3: float, a0: float, a1: float, a2: float, a3: float
-) -> None:
-    """Adds l e(a) to columns 0 and 1 of `out`, and its derivatives, from those of both: K12, K20 to K22 backwards."""
-    c, s = math.cos(a0), math.sin(a0)
-    out[0, 0] += l0 * c
-    out[0, 1] += l0 * s
-    along, across = l1, l0 * a1
-    out[1, 0] += along * c - across * s
-    out[1, 1] += along * s + across * c
-    along, across = l2 - l0 * a1 * a1, 2.0 * l1 * a1 + l0 * a2
-    out[2, 0] += along * c - across * s
-    out[2, 1] += along * s + across * c
-    along = l3 - 3.0 * a1 * (l1 * a1 + l0 * a2)
-    across = 3.0 * (l1 * a2 + l2 * a1) + l0 * (a3 - a1 * a1 * a1)
-    out[3, 0] += along * c - across * s
-    out[3, 1] += along * s + across * c
+@kernel(f"{VECTORS}({SERIES}, {SERIES}, {SERIES})")
+def turned(x: Series, y: Series, a: Series) -> Vectors:
+    """The vector (x, y), turned by the angle a to the left."""
+    e, e1 = complex(math.cos(a[0]), math.sin(a[0])), complex(0.0, a[1])
+    e2, e3 = complex(-a[1] * a[1], a[2]), complex(-3.0 * a[1] * a[2], a[3] - a[1] * a[1] * a[1])
+    v, v1, v2, v3 = complex(x[0], y[0]), complex(x[1], y[1]), complex(x[2], y[2]), complex(x[3], y[3])
+    return (
+        e * v,
+        e * (v1 + e1 * v),
+        e * (v2 + 2.0 * (e1 * v1) + e2 * v),
+        e * (v3 + 3.0 * (e1 * v2 + e2 * v1) + e3 * v),
+    )
 
 
-@kernel("void(float64[:, ::1], float64, float64[:, ::1], int64)")
-def add_arm(out: FloatArray, length: float, angles: FloatArray, column: int) -> None:
-    """Adds an arm of constant length at the angle whose orders are a column of `angles` (4, ...) (K12)."""
-    a0, a1, a2, a3 = angles[0, column], angles[1, column], angles[2, column], angles[3, column]
-    add_turned(out, length, 0.0, 0.0, 0.0, a0, a1, a2, a3)
-
-
-@kernel("void(float64[::1], int64, float64[:, ::1], float64[:, ::1], float64[:, ::1])")
-def _move_scara(robot: FloatArray, link: int, joints: FloatArray, out: FloatArray, angles: FloatArray) -> None:
-    """K9, K12; `angles` (4, ...) is room to work in."""
-    lifted = 1 if robot[RISES] == 1.0 else 3
+@kernel(f"void(float64[:, ::1], {VECTORS})")
+def add_vector(out: FloatArray, vector: Vectors) -> None:
+    """Adds a vector to columns 0 and 1 of `out` (4, ...)."""
     for k in range(ORDERS):
-        angles[k, 0] = joints[k, 0] + (robot[BASE_YAW] if k == 0 else 0.0)
-        angles[k, 1] = angles[k, 0] + joints[k, 1]
-        if link >= lifted:
-            out[k, 2] += joints[k, 2]
-        out[k, 3] = angles[k, 0] if link == 1 else angles[k, 1]
-        if link == 3:
-            out[k, 3] = 0.0
-        elif link == 4 and robot[JOINTS] == 4.0:
-            out[k, 3] += joints[k, 3]
-    if link >= 2:
-        add_arm(out, robot[L1], angles, 0)
-    if link >= 3:
-        add_arm(out, robot[L2], angles, 1)
+        out[k, 0] += vector[k].real
+        out[k, 1] += vector[k].imag
+
+
+@kernel(f"{SERIES}(float64[::1], float64, float64[:, ::1])")
+def angle_of(robot: FloatArray, number: float, joints: FloatArray) -> Series:
+    """An angle of the chain, for the motion `joints` (4, n) of the joints."""
+    at = int(robot[ANGLES]) + ANGLE * int(number)
+    x0, x1, x2, x3 = robot[at + c.ANGLE_CONSTANT], 0.0, 0.0, 0.0
+    for j in range(joints.shape[1]):
+        share = robot[at + c.ANGLE_SHARE + j]
+        if share != 0.0:
+            x0, x1 = x0 + share * joints[0, j], x1 + share * joints[1, j]
+            x2, x3 = x2 + share * joints[2, j], x3 + share * joints[3, j]
+    return x0, x1, x2, x3
 
 
 @kernel("int64(float64[::1], float64, float64, float64[:, ::1])")
@@ -96,94 +86,74 @@ def close_loop(robot: FloatArray, theta1: float, theta5: float, work: FloatArray
     return rrr(robot[L2], robot[L4], robot[SIGMA], work, 0, work[SOLVED])
 
 
-@kernel("void(float64[::1], int64, float64[:, ::1], float64[:, ::1], float64[:, ::1])")
-def _move_five_bar(robot: FloatArray, link: int, joints: FloatArray, out: FloatArray, work: FloatArray) -> None:
-    """K32, K34 with the rates of the dyad between the elbows; `work` (8, 12) is room to work in."""
-    right = link == 2 or link == 4
-    side = -robot[HEIGHT] / 2.0 if right else robot[HEIGHT] / 2.0
-    out[0, 0] -= robot[BASE_SIN] * side
-    out[0, 1] += robot[BASE_COS] * side
-    crank = 1 if right else 0
-    for k in range(ORDERS):
-        work[k, 2] = joints[k, crank] + (robot[BASE_YAW] if k == 0 else 0.0)
-        out[k, 3] = work[k, 2]
-    if link == 1 or link == 2:
-        return
-    add_arm(out, robot[L3] if right else robot[L1], work, 2)
+@kernel(f"{SERIES}(float64[::1], int64, float64[:, ::1], float64[:, ::1])")
+def yaw_of(robot: FloatArray, k: int, joints: FloatArray, work: FloatArray) -> Series:
+    """The yaw of link k, that of its coupler counted from the base's; `work` (8, 12) is room to work in."""
+    at, loop = CHAIN + k * c.LINK, int(robot[LOOP])
+    yaw, coupler = angle_of(robot, robot[at + c.LINK_YAW], joints), int(robot[at + c.LINK_COUPLER])
+    if coupler < 0:
+        return yaw
     fill_rows(work, 0, ORDERS, 0.0)
-    add_arm(work, robot[L3], joints, 1)
-    add_arm(work, -robot[L1], joints, 0)
-    work[0, 1] -= robot[HEIGHT]
-    solved = work[SOLVED]
-    rrr(robot[L2], robot[L4], robot[SIGMA], work, 3, solved)
-    x, y = solved[UX], solved[UY]
-    if right:
-        x, y = -solved[WX], -solved[WY]
-    work[0, 2] = robot[BASE_YAW] + math.atan2(y, x)
-    for k in range(1, ORDERS):
-        work[k, 2] = solved[RATES + 2 * (k - 1) + crank]
-    if link >= 5:
-        add_arm(out, robot[L2], work, 2)
-    for k in range(ORDERS):
-        out[k, 3] = work[k, 2]
-        if link >= 5 and robot[JOINTS] > 2.0:
-            out[k, 2] += joints[k, 2]
-        if link == 5:
-            out[k, 3] = 0.0
-        elif link == 6 and robot[JOINTS] == 4.0:
-            out[k, 3] += joints[k, 3]
+    work[0, 0], work[0, 1] = robot[loop + APART], robot[loop + APART + 1]
+    for side in range(2):
+        length, crank = robot[loop + c.LOOP_LENGTH + side], int(robot[loop + c.LOOP_CRANK + side])
+        crank_yaw = angle_of(robot, robot[CHAIN + crank * c.LINK + c.LINK_YAW], joints)
+        arm = (length if side == 1 else -length, 0.0, 0.0, 0.0)
+        add_vector(work, turned(arm, (0.0, 0.0, 0.0, 0.0), crank_yaw))
+    a, b, solved = robot[loop + c.LOOP_COUPLER], robot[loop + c.LOOP_COUPLER + 1], work[SOLVED]
+    rrr(a, b, robot[loop + c.LOOP_SIDE], work, ORDERS - 1, solved)
+    x, y = (solved[UX], solved[UY]) if coupler == 0 else (-solved[WX], -solved[WY])
+    along, across = robot[BASE_COS] * x + robot[BASE_SIN] * y, robot[BASE_COS] * y - robot[BASE_SIN] * x
+    first = RATES + coupler
+    return (
+        yaw[0] + robot[BASE_YAW] + math.atan2(across, along),
+        yaw[1] + solved[first],
+        yaw[2] + solved[first + 2],
+        yaw[3] + solved[first + 4],
+    )
 
 
-@kernel("void(float64[::1], int64, float64[:, ::1], float64[:, ::1])")
-def move_in_plane(robot: FloatArray, link: int, joints: FloatArray, plane: FloatArray) -> None:
-    """Fills columns 0 and 1 of `plane` (4, ...) with ρ and h of a link's origin (K24, K25, H2)."""
-    fill_rows(plane, 0, ORDERS, 0.0)
-    if robot[KIND] == POLAR:
-        if link >= 3:
-            l0, l1, l2, l3 = joints[0, 2], joints[1, 2], joints[2, 2], joints[3, 2]
-            add_turned(plane, l0, l1, l2, l3, joints[0, 1], joints[1, 1], joints[2, 1], joints[3, 1])
-        return
-    p0, p1, p2, p3 = joints[0, 1], joints[1, 1], joints[2, 1], joints[3, 1]
-    # the forearm's origin is at the end of the upper arm, the hand's at that of the forearm
-    for arm in range(link - 2):
-        length = robot[L1] if arm == 0 else (robot[L2] if arm == 1 else robot[L3])
-        add_turned(plane, length, 0.0, 0.0, 0.0, p0, p1, p2, p3)
-        if arm + 2 < joints.shape[1]:
-            p0, p1 = p0 + joints[0, arm + 2], p1 + joints[1, arm + 2]
-            p2, p3 = p2 + joints[2, arm + 2], p3 + joints[3, arm + 2]
-
-
-@kernel("void(float64[::1], int64, float64[:, ::1], float64[:, ::1], float64[:, ::1])")
-def _move_tilting(robot: FloatArray, link: int, joints: FloatArray, out: FloatArray, plane: FloatArray) -> None:
-    """K23, H1; `plane` (4, ...) is room to work in."""
-    move_in_plane(robot, link, joints, plane)
-    heading = joints[0, 0] + robot[BASE_YAW]
-    r0, r1, r2, r3 = plane[0, 0], plane[1, 0], plane[2, 0], plane[3, 0]
-    add_turned(out, r0, r1, r2, r3, heading, joints[1, 0], joints[2, 0], joints[3, 0])
-    out[0, 2] += robot[HEIGHT]
-    for k in range(ORDERS):
-        out[k, 2] += plane[k, 1]
-        out[k, 3] = heading if k == 0 else joints[k, 0]
-        if link == 5:
-            out[k, 4], out[k, 5] = joints[k, 1] + joints[k, 2] + joints[k, 3], joints[k, 4]
+@kernel(f"{SERIES}(float64[::1], int64, int64, float64[:, ::1])")
+def _offset(robot: FloatArray, at: int, axis: int, joints: FloatArray) -> Series:
+    """A coordinate of the origin of the link whose columns begin at `at`, in its parent."""
+    slide, share = int(robot[at + c.LINK_SLIDE]), robot[at + c.LINK_AXIS + axis]
+    x = robot[at + c.LINK_OFFSET + axis]
+    if slide < 0 or share == 0.0:
+        return x, 0.0, 0.0, 0.0
+    return x + share * joints[0, slide], share * joints[1, slide], share * joints[2, slide], share * joints[3, slide]
 
 
 @kernel("void(float64[::1], int64, float64[:, ::1], float64[:, ::1], float64[:, ::1])")
 def link_motion(robot: FloatArray, link: int, joints: FloatArray, out: FloatArray, work: FloatArray) -> None:
     """Fills `out` (4, 6) with the motion of link number `link` for the motion `joints` (4, n) of the joints.
 
-    NaN where the arm does not assemble; what depends on an order that is NaN is NaN. `work` (8, 12) is room to work in.
+    NaN where the arm does not assemble; what depends on an order that is NaN is NaN. No link is on one that rolls.
+    `work` (8, 12) is room to work in.
     """
     fill_rows(out, 0, ORDERS, 0.0)
-    out[0, 0], out[0, 1], out[0, 2] = robot[BASE_X], robot[BASE_Y], robot[BASE_Z]
-    if link == 0:
-        out[0, 3] = robot[BASE_YAW]
-    elif robot[KIND] == SCARA:
-        _move_scara(robot, link, joints, out, work)
-    elif robot[KIND] == FIVE_BAR:
-        _move_five_bar(robot, link, joints, out, work)
-    else:
-        _move_tilting(robot, link, joints, out, work)
+    k = link
+    while k >= 0:
+        at = CHAIN + k * c.LINK
+        x, y, z = _offset(robot, at, 0, joints), _offset(robot, at, 1, joints), _offset(robot, at, 2, joints)
+        k = int(robot[at + c.LINK_PARENT])
+        yaw = (0.0, 0.0, 0.0, 0.0)
+        if k >= 0:
+            yaw, pitch = yaw_of(robot, k, joints, work), robot[CHAIN + k * c.LINK + c.LINK_PITCH]
+            if pitch >= 0.0:
+                tilted = turned(x, z, angle_of(robot, pitch, joints))
+                x = (tilted[0].real, tilted[1].real, tilted[2].real, tilted[3].real)
+                z = (tilted[0].imag, tilted[1].imag, tilted[2].imag, tilted[3].imag)
+        add_vector(out, turned(x, y, yaw))
+        for order in range(ORDERS):
+            out[order, 2] += z[order]
+    at, yaw = CHAIN + link * c.LINK, yaw_of(robot, link, joints, work)
+    for order in range(ORDERS):
+        out[order, 3] = yaw[order]
+    for column, number in ((4, robot[at + c.LINK_PITCH]), (5, robot[at + c.LINK_ROLL])):
+        if number >= 0.0:
+            angle = angle_of(robot, number, joints)
+            for order in range(ORDERS):
+                out[order, column] = angle[order]
 
 
 @kernel("void(float64[::1], int64, float64[:, :, ::1], float64[:, :, ::1])", allocates=True)

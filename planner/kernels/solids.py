@@ -30,23 +30,21 @@ DISC = 16
 """Radius of the disc across the unit's z axis."""
 BALL = 17
 """Radius of the ball."""
-REACH = 18
-"""Greatest distance of the unit's points from the carrier's z axis (S2)."""
-RADIUS = 19
+RADIUS = 18
 """Greatest distance of the unit's points from its centre."""
-VERTEX = 20
+VERTEX = 19
 """A hull's first row in the table of vertices."""
-VERTICES = 21
+VERTICES = 20
 """How many vertices a hull has; 0: a primitive."""
-BODY = 22
+BODY = 21
 """Number of the body that the unit is of."""
-PIECE = 23
+PIECE = 22
 """Number of the piece in its body; -1: the bounding box of the whole body."""
-OPENED = 24
+OPENED = 23
 """Of a bounding box: the row of the body's first piece."""
-PIECES = 25
+PIECES = 24
 """Of a bounding box: how many pieces the body has; 0: the unit is a piece itself."""
-COLUMNS = 26
+COLUMNS = 25
 
 FIRST, SECOND = 0, 1
 """Columns of a pair: its two units, the first of the robot."""
@@ -90,20 +88,33 @@ def place(bodies: FloatArray, i: int, carriers: FloatArray, placed: FloatArray, 
             )
 
 
+@kernel(f"UniTuple(float64, 3)({CUBE}, int64, int64, {NORMAL})")
+def own_axes(placed: FloatArray, m: int, i: int, nx: float, ny: float, nz: float) -> tuple[float, float, float]:
+    """The vector n in the axes of unit i at instant m."""
+    ux = nx * placed[m, i, 3] + ny * placed[m, i, 6] + nz * placed[m, i, 9]
+    uy = nx * placed[m, i, 4] + ny * placed[m, i, 7] + nz * placed[m, i, 10]
+    uz = nx * placed[m, i, 5] + ny * placed[m, i, 8] + nz * placed[m, i, 11]
+    return ux, uy, uz
+
+
+@kernel(f"float64({TABLE}, int64, {NORMAL})")
+def width(bodies: FloatArray, i: int, ux: float, uy: float, uz: float) -> float:
+    """Support of unit i along (ux, uy, uz) in its own axes (S1); of a hull, that of the box around it."""
+    sigma = bodies[i, HALF] * abs(ux) + bodies[i, HALF + 1] * abs(uy) + bodies[i, HALF + 2] * abs(uz)
+    if bodies[i, DISC] > 0.0:
+        sigma += bodies[i, DISC] * math.sqrt(ux * ux + uy * uy)
+    return float(sigma + bodies[i, BALL])
+
+
 @kernel(f"float64({TABLE}, {TABLE}, {CUBE}, int64, int64, {NORMAL})")
 def support(
     bodies: FloatArray, vertices: FloatArray, placed: FloatArray, m: int, i: int, nx: float, ny: float, nz: float
 ) -> float:
     """max of n·(x − centre) over unit i at instant m (S1)."""
-    ux = nx * placed[m, i, 3] + ny * placed[m, i, 6] + nz * placed[m, i, 9]
-    uy = nx * placed[m, i, 4] + ny * placed[m, i, 7] + nz * placed[m, i, 10]
-    uz = nx * placed[m, i, 5] + ny * placed[m, i, 8] + nz * placed[m, i, 11]
+    ux, uy, uz = own_axes(placed, m, i, nx, ny, nz)
     count = int(bodies[i, VERTICES])
     if count == 0:
-        sigma = bodies[i, HALF] * abs(ux) + bodies[i, HALF + 1] * abs(uy) + bodies[i, HALF + 2] * abs(uz)
-        if bodies[i, DISC] > 0.0:
-            sigma += bodies[i, DISC] * math.sqrt(ux * ux + uy * uy)
-        return float(sigma + bodies[i, BALL])
+        return width(bodies, i, ux, uy, uz)
     first = int(bodies[i, VERTEX])
     # begins with the first vertex, so that NaN stays
     best = ux * vertices[first, 0] + uy * vertices[first, 1] + uz * vertices[first, 2]
@@ -146,13 +157,6 @@ def spheres_apart(bodies: FloatArray, placed: FloatArray, m: int, a: int, b: int
     return bool(least >= 0.0 and dx * dx + dy * dy + dz * dz > least * least)
 
 
-@kernel("float64(float64, float64, float64, float64, float64, float64, float64, float64)")
-def width(hx: float, hy: float, hz: float, disc: float, ball: float, ux: float, uy: float, uz: float) -> float:
-    """Support of a solid along (ux, uy, uz) in its own axes (S1)."""
-    found = hx * abs(ux) + hy * abs(uy) + hz * abs(uz) + ball
-    return found + disc * math.sqrt(ux * ux + uy * uy) if disc > 0.0 else found
-
-
 @kernel(f"UniTuple(float64, 4)({TABLE}, {TABLE}, {CUBE}, int64, int64, int64, float64)")
 def likely(
     bodies: FloatArray, vertices: FloatArray, placed: FloatArray, m: int, a: int, b: int, enough: float
@@ -165,9 +169,6 @@ def likely(
     """
     dx, dy = placed[m, b, 0] - placed[m, a, 0], placed[m, b, 1] - placed[m, a, 1]
     dz = placed[m, b, 2] - placed[m, a, 2]
-    ax, ay, az = bodies[a, HALF], bodies[a, HALF + 1], bodies[a, HALF + 2]
-    bx, by, bz = bodies[b, HALF], bodies[b, HALF + 1], bodies[b, HALF + 2]
-    disc_a, ball_a, disc_b, ball_b = bodies[a, DISC], bodies[a, BALL], bodies[b, DISC], bodies[b, BALL]
     best, n0, n1, n2 = -math.inf, 0.0, 0.0, 1.0
     for k in range(8):
         if k == 0:
@@ -184,29 +185,10 @@ def likely(
         if k > 1 and nx == 0.0 and ny == 0.0:
             continue  # the vertical was tried
         along = nx * dx + ny * dy + nz * dz
-        found = (
-            abs(along)
-            - width(
-                ax,
-                ay,
-                az,
-                disc_a,
-                ball_a,
-                nx * placed[m, a, 3] + ny * placed[m, a, 6] + nz * placed[m, a, 9],
-                nx * placed[m, a, 4] + ny * placed[m, a, 7] + nz * placed[m, a, 10],
-                nx * placed[m, a, 5] + ny * placed[m, a, 8] + nz * placed[m, a, 11],
-            )
-            - width(
-                bx,
-                by,
-                bz,
-                disc_b,
-                ball_b,
-                nx * placed[m, b, 3] + ny * placed[m, b, 6] + nz * placed[m, b, 9],
-                nx * placed[m, b, 4] + ny * placed[m, b, 7] + nz * placed[m, b, 10],
-                nx * placed[m, b, 5] + ny * placed[m, b, 8] + nz * placed[m, b, 11],
-            )
-        )
+        found = abs(along)
+        for i in (a, b):
+            ux, uy, uz = own_axes(placed, m, i, nx, ny, nz)
+            found -= width(bodies, i, ux, uy, uz)
         if found > best:
             sign = 1.0 if along >= 0.0 else -1.0
             best, n0, n1, n2 = found, sign * nx, sign * ny, sign * nz

@@ -13,8 +13,11 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
+from assur.planner.kernels.limits import HULL_COLUMNS, TIME, first_column, piece_hulls
 
 ROUNDING = 1e-12
 """Relative, of each bound and of the largest value on the whole trajectory: added to every bound. Horner's scheme and
@@ -44,15 +47,23 @@ def spline_state(tk: FloatArray, c: FloatArray, t: float, q: FloatArray) -> None
         q[i] = c[p, i, 0] + u * (c[p, i, 1] + u * (c[p, i, 2] + u * (c[p, i, 3] + u * (c[p, i, 4] + u * c[p, i, 5]))))
 
 
+@kernel("UniTuple(float64, 4)(float64[:, :, ::1], int64, int64, float64)")
+def piece_values(c: FloatArray, p: int, i: int, u: float) -> tuple[float, float, float, float]:
+    """q and its first three derivatives of joint i, `u` s after the begin of piece `p`."""
+    c1, c2, c3, c4, c5 = c[p, i, 1], c[p, i, 2], c[p, i, 3], c[p, i, 4], c[p, i, 5]
+    return (
+        c[p, i, 0] + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5)))),
+        c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5))),
+        2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5)),
+        6.0 * c3 + u * (24.0 * c4 + u * 60.0 * c5),
+    )
+
+
 @kernel("void(float64[:, :, ::1], int64, float64, float64[:, ::1])")
 def piece_state(c: FloatArray, p: int, u: float, state: FloatArray) -> None:
     """Fills `state` (4, n) with q and its first three derivatives `u` s after the begin of piece `p`."""
     for i in range(state.shape[1]):
-        c1, c2, c3, c4, c5 = c[p, i, 1], c[p, i, 2], c[p, i, 3], c[p, i, 4], c[p, i, 5]
-        state[0, i] = c[p, i, 0] + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5))))
-        state[1, i] = c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))
-        state[2, i] = 2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))
-        state[3, i] = 6.0 * c3 + u * (24.0 * c4 + u * 60.0 * c5)
+        state[0, i], state[1, i], state[2, i], state[3, i] = piece_values(c, p, i, u)
 
 
 @kernel("void(float64[::1], float64[:, :, ::1], float64, float64[:, ::1])")
@@ -98,59 +109,42 @@ def hull(low: float, high: float, first: float, last: float, bend: float) -> tup
     return max(low, min(first, last) - bend), min(high, max(first, last) + bend)
 
 
-@kernel("void(float64[:, ::1], float64[::1], float64[:, :, ::1], float64[:, ::1])")
-def piece_bounds(knots: FloatArray, tk: FloatArray, c: FloatArray, whole: FloatArray) -> None:
-    """Fills `whole` (P + 1, 9 n), nine columns for each joint.
+@kernel("void(float64[:, ::1], float64[:, ::1])", allocates=True)
+def piece_bounds(knots: FloatArray, whole: FloatArray) -> None:
+    """Fills `whole` (P + 1, 9 n) from knots (K, 1 + 3n), nine columns for each joint; two knots at one time have no
+    piece between them.
 
     Row p: the least and the greatest value of q, of its rate and of its second derivative on piece p; then, over 8, the
     largest magnitudes of the second derivative of each of the three. The last row: the rounding of each of the three;
     then, of the first joint, whether the arm rests before the first knot and after the last one (1 or 0).
     """
-    pieces, n = len(c), c.shape[1]
-    for column in range(whole.shape[1]):
-        whole[pieces, column] = 0.0
-    for p in range(pieces):
-        h = tk[p + 1] - tk[p]
+    n, end, piece = whole.shape[1] // 9, whole[len(whole) - 1], 0
+    hulls = np.empty((len(knots) - 1, n, HULL_COLUMNS))
+    piece_hulls(knots, hulls)
+    end[:] = 0.0
+    for p in range(len(hulls)):
+        h = knots[p + 1, TIME] - knots[p, TIME]
+        if not h > 0:
+            continue
         for i in range(n):
-            g0, g1, g2, g3, g4, g5 = c[p, i, 0], c[p, i, 1], c[p, i, 2], c[p, i, 3], c[p, i, 4], c[p, i, 5]
-            row, at, u = whole[p], 9 * i, h * h
-            snap = max(abs(24.0 * g4), abs(24.0 * g4 + 120.0 * g5 * h))
-            f0, f1, f2 = 6.0 * g3, 24.0 * g4 * h, 60.0 * g5 * u
-            jerk = max(abs(f0), abs(f0 + f1 / 2.0), abs(f0 + f1 + f2))
-            e0, e1, e2, e3 = 2.0 * g2, 6.0 * g3 * h, 12.0 * g4 * u, 20.0 * g5 * u * h
-            b1, b2, b3 = e0 + e1 / 3.0, e0 + (2.0 * e1 + e2) / 3.0, e0 + e1 + e2 + e3
-            low, high = hull(min(e0, b1, b2, b3), max(e0, b1, b2, b3), e0, b3, u * snap / 8.0)
-            push = max(abs(low), abs(high))
-            row[at + 4], row[at + 5] = low, high
-            d1, d2, d3, d4 = 2.0 * g2 * h, 3.0 * g3 * u, 4.0 * g4 * u * h, 5.0 * g5 * u * u
-            b1, b2, b3 = g1 + d1 / 4.0, g1 + d1 / 2.0 + d2 / 6.0, g1 + 0.75 * d1 + d2 / 2.0 + d3 / 4.0
-            b4 = g1 + d1 + d2 + d3 + d4
-            low, high = hull(min(g1, b1, b2, b3, b4), max(g1, b1, b2, b3, b4), g1, b4, u * jerk / 8.0)
-            speed = max(abs(low), abs(high))
-            row[at + 2], row[at + 3] = low, high
-            p1, p2, p3, p4, p5 = g1 * h, g2 * u, g3 * u * h, g4 * u * u, g5 * u * u * h
-            b1, b2 = g0 + p1 / 5.0, g0 + 0.4 * p1 + p2 / 10.0
-            b3 = g0 + 0.6 * p1 + 0.3 * p2 + p3 / 10.0
-            b4 = g0 + 0.8 * p1 + 0.6 * p2 + 0.4 * p3 + p4 / 5.0
-            b5 = g0 + p1 + p2 + p3 + p4 + p5
-            low, high = hull(min(g0, b1, b2, b3, b4, b5), max(g0, b1, b2, b3, b4, b5), g0, b5, u * push / 8.0)
-            row[at], row[at + 1] = low, high
-            row[at + 6], row[at + 7], row[at + 8] = push / 8.0, jerk / 8.0, snap / 8.0
-            for k, size in enumerate((max(abs(low), abs(high)), speed, push)):
-                whole[pieces, at + k] = max(whole[pieces, at + k], ROUNDING * size)
-    whole[pieces, 3] = 1.0 if rests(knots, 0) else 0.0
-    whole[pieces, 4] = 1.0 if rests(knots, len(knots) - 1) else 0.0
-
-
-@kernel("UniTuple(float64, 2)(float64[:, ::1], int64, int64, int64, float64, float64, float64)")
-def _on_part(
-    whole: FloatArray, p: int, at: int, order: int, first: float, last: float, square: float
-) -> tuple[float, float]:
-    """The least and the greatest value of a derivative of a joint on a part of piece p whose length squared is
-    `square`, from its values at both ends of the part (W1)."""
-    low, high, bend = min(first, last), max(first, last), square * whole[p, at + 6 + order]
-    least, most = min(whole[p, at + 2 * order], low), max(whole[p, at + 2 * order + 1], high)
-    return max(low - bend, least), min(high + bend, most)
+            own, row, at = hulls[p, i], whole[piece], 9 * i
+            row[at + 7] = max(abs(own[15]), abs(own[16]), abs(own[17])) / 8.0
+            row[at + 8] = 2.0 * max(abs(own[16] - own[15]), abs(own[17] - own[16])) / h / 8.0
+            for order in range(2, -1, -1):
+                first = first_column(order)
+                last = first + 5 - order
+                low, high = own[first], own[first]
+                for k in range(first + 1, last + 1):
+                    low, high = min(low, own[k]), max(high, own[k])
+                low, high = hull(low, high, own[first], own[last], h * h * row[at + 6 + order])
+                size = max(abs(low), abs(high))
+                if order == 2:
+                    row[at + 6] = size / 8.0
+                row[at + 2 * order], row[at + 2 * order + 1] = low, high
+                end[at + order] = max(end[at + order], ROUNDING * size)
+        piece += 1
+    end[3] = 1.0 if rests(knots, 0) else 0.0
+    end[4] = 1.0 if rests(knots, len(knots) - 1) else 0.0
 
 
 @kernel("void(float64[::1], float64[:, :, ::1], float64[:, ::1], float64, float64, float64[:, ::1])")
@@ -179,27 +173,13 @@ def sweep_joints(tk: FloatArray, c: FloatArray, whole: FloatArray, t0: float, t1
         u, v = max(a - tk[p], 0.0), min(b, tk[p + 1]) - tk[p]
         all_of_it, square = a <= tk[p] and tk[p + 1] <= b, (v - u) * (v - u)
         for i in range(n):
-            at, own = 9 * i, joints[i]
-            if all_of_it:
-                for k in range(0, 6, 2):
-                    own[k], own[k + 1] = min(own[k], whole[p, at + k]), max(own[k + 1], whole[p, at + k + 1])
-                continue
-            g0, g1, g2, g3, g4, g5 = c[p, i, 0], c[p, i, 1], c[p, i, 2], c[p, i, 3], c[p, i, 4], c[p, i, 5]
-            low, high = _on_part(
-                whole, p, at, 0, g0 + u * (g1 + u * (g2 + u * (g3 + u * (g4 + u * g5)))),
-                g0 + v * (g1 + v * (g2 + v * (g3 + v * (g4 + v * g5)))), square,
-            )  # fmt: skip
-            own[0], own[1] = min(own[0], low), max(own[1], high)
-            low, high = _on_part(
-                whole, p, at, 1, g1 + u * (2.0 * g2 + u * (3.0 * g3 + u * (4.0 * g4 + u * 5.0 * g5))),
-                g1 + v * (2.0 * g2 + v * (3.0 * g3 + v * (4.0 * g4 + v * 5.0 * g5))), square,
-            )  # fmt: skip
-            own[2], own[3] = min(own[2], low), max(own[3], high)
-            low, high = _on_part(
-                whole, p, at, 2, 2.0 * g2 + u * (6.0 * g3 + u * (12.0 * g4 + u * 20.0 * g5)),
-                2.0 * g2 + v * (6.0 * g3 + v * (12.0 * g4 + v * 20.0 * g5)), square,
-            )  # fmt: skip
-            own[4], own[5] = min(own[4], low), max(own[5], high)
+            at, own, one, other = 9 * i, joints[i], piece_values(c, p, i, u), piece_values(c, p, i, v)
+            for order in range(3):
+                k, low, high = 2 * order, whole[p, at + 2 * order], whole[p, at + 2 * order + 1]
+                if not all_of_it:  # from the values at both ends of the part (W1)
+                    low, high = min(low, one[order], other[order]), max(high, one[order], other[order])
+                    low, high = hull(low, high, one[order], other[order], square * whole[p, at + 6 + order])
+                own[k], own[k + 1] = min(own[k], low), max(own[k + 1], high)
         p += 1
     for i in range(n):
         for order in range(3):

@@ -25,5 +25,5 @@ def spline_table(trajectory: Trajectory) -> Spline:
     """The tables of a trajectory."""
     tk, c = trajectory.edges, trajectory.coefficients
     whole = np.empty((len(tk), 9 * trajectory.n))
-    piece_bounds(trajectory.knots, tk, c, whole)
+    piece_bounds(trajectory.knots, whole)
     return Spline(tk, c, whole)

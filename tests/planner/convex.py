@@ -14,11 +14,8 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from assur.planner.arrays import FloatArray
-from assur.planner.collision.bodies import Bodies
-from assur.planner.geometry.shapes import Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere
-from assur.planner.kernels.solids import REACH
-from assur.planner.model.phases import AT_START
-from tests.planner.cells import Around, arm, block, cell, go, rotation
+from assur.planner.geometry.shapes import Hull, Piece, Primitive, box, capsule, cylinder, radius, sphere
+from tests.planner.cells import block, rotation
 
 KINDS = ("box", "sphere", "cylinder", "capsule", "hull")
 
@@ -209,12 +206,4 @@ def nearer(a: Piece, b: Piece, left: float) -> Piece:
 
 def reach(piece: Piece, position: FloatArray, rotation: FloatArray) -> float:
     """How far, m, a piece's points are from the z axis of the frame in which its body is at this pose."""
-    turned = Piece(piece.shape, position + rotation @ piece.position, rotation @ piece.rotation)
-    return float(unit_rows([turned])[0, REACH])
-
-
-def unit_rows(pieces: list[Piece]) -> FloatArray:
-    """The rows of the units of pieces, each of a body of its own that stands in the world."""
-    bodies = tuple(Around(Body(f"body {k}", (piece,))) for k, piece in enumerate(pieces))
-    arrangement = Bodies(cell(go(0.3, 0.0), bodies=bodies, robot=arm(bare=True)))(AT_START)
-    return arrangement.rows[[arrangement.pieces(arrangement.number[body.body.name])[-1] for body in bodies]]
+    return radius(Piece(piece.shape, position + rotation @ piece.position, rotation @ piece.rotation))

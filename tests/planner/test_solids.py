@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.collision.bodies import COVER, Arrangement, Bodies, PairTables
 from assur.planner.frames.motion import Pose
-from assur.planner.geometry.shapes import Body, Hull, Piece, box, corners, cylinder, sphere, support
-from assur.planner.kernels.solids import CENTRE, FIRST, HALF, REACH, ROTATION, SECOND
+from assur.planner.geometry.shapes import Body, Piece, box, cylinder, sphere, support
+from assur.planner.kernels.solids import CENTRE, FIRST, HALF, ROTATION, SECOND
 from assur.planner.laws import turntable
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import AT_START, Attachments, Held, Phase
@@ -171,27 +171,6 @@ def test_a_part_that_was_moved_rides_where_it_was_put() -> None:
     assert np.allclose(centre(solids, int(root)), [0.05, 0.0, 0.03])
     assert make(Attachments(None, (("part", "dial", Pose(0.05, 0.0, 0.03, 0.2)),))) is solids
     assert make(AT_START) is not solids
-
-
-@given(st.one_of(grid_aligned(), anywhere()), st.integers(0, 10**6))
-def test_no_point_of_a_unit_is_further_from_its_carriers_axis_than_its_reach(piece: Piece, seed: int) -> None:
-    pose = Pose(0.1, -0.2, 0.05, 0.7)
-    scene = cell(go(0.3, 0.0), bodies=(Around(Body("body", (piece, piece)), "world", pose),), robot=arm(bare=True))
-    solids = Bodies(scene)(AT_START)
-    rng = np.random.default_rng(seed)
-    for unit in range(len(solids.body)):
-        sides = 2 * solids.rows[unit, HALF : HALF + 3]
-        shape = box(*sides.tolist()) if solids.piece[unit] == COVER else solids.shape(unit)
-        grown = 0.0 if isinstance(shape, Hull) else shape.disc + shape.ball
-        origin, turn = centre(solids, unit) - axes(solids, unit) @ solids.offset(unit), axes(solids, unit)
-        points = origin + corners(shape) @ turn.T
-        furthest = float(np.hypot(points[:, 0], points[:, 1]).max()) + grown
-        assert furthest <= solids.rows[unit, REACH] + 1e-12 or not solids.rows[unit, REACH]
-        n = rng.normal(size=3)
-        n[2] = 0.0
-        n /= np.linalg.norm(n)
-        along = support(Piece(shape, origin, turn), n)
-        assert abs(along) <= solids.rows[unit, REACH] + 1e-12 or not solids.rows[unit, REACH]
 
 
 def test_an_arm_stands_before_its_first_knot_and_after_its_last() -> None:
