@@ -67,33 +67,8 @@ FINE = 4001
 """Times at which a phase law is evaluated to find when the tool is where."""
 
 
-class Phase(Protocol):
-    """A law s of the time since the leg began."""
-
-    @property
-    def duration(self) -> float:
-        """s."""
-
-    @property
-    def time(self) -> FloatArray:
-        """Times (K,), s, at which it is less smooth than between them."""
-
-    def states(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """s, ṡ, s̈ (T, 1) at times t (T,) within [0, duration]."""
-
-
-class Uniform:
-    """The phase s = t, by which derivatives by time are those by s."""
-
-    duration = 1.0
-
-    @property
-    def time(self) -> FloatArray:
-        return np.array([0.0, 1.0])
-
-    def states(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        s = t[:, None]
-        return s, np.ones_like(s), np.zeros_like(s)
+UNIFORM = Trajectory(np.array([0.0, 1.0]), np.array([[0.0], [1.0]]), np.ones((2, 1)), np.zeros((2, 1)))
+"""The phase s = t, by which derivatives by time are those by s."""
 
 
 class Course(Protocol):
@@ -105,14 +80,14 @@ class Course(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """A motion of the flange: a course under a phase law that begins at `begin`, s; `frame`: that whose law has to be
-    known for it (None: there are several). Refusals have the stage and the step."""
+    """A motion of the flange: a course under the law of its `phase` s, whose time counts from `begin`, s; `frame`: that
+    whose law has to be known for it (None: there are several). Refusals have the stage and the step."""
 
     scene: Scene
     stage: Stage
     step: int
     course: Course
-    phase: Phase
+    phase: Trajectory
     begin: float
     frame: str | None = None
 
