@@ -18,7 +18,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.legs.course import PathCourse, spot
 from assur.planner.legs.follower import UNIFORM, Jumps, Way, first_beyond, followed, looks, marks_of
-from assur.planner.legs.limits import Rates, rates, too_fast
+from assur.planner.legs.limits import rates, too_fast
 from assur.planner.legs.phase_law import CORNER_SAMPLES, STEEPER, TABLE, Bends, quickest, slowed_at_bends
 from assur.planner.legs.state import State, TimedLeg
 from assur.planner.legs.straight import CLOSE_ROUNDS, by_law, constant_law
@@ -247,7 +247,7 @@ def _refused_rates(way: Way, point: ControlPoint, spline: Trajectory) -> Refusal
         return None
     kind, joint = (int(k) for k in np.unravel_index(int(fast.ratios.argmax()), fast.ratios.shape))
     t = looks(spline.time)
-    return _at(way, point, fast, float(t[int(np.abs(spline.evaluate(t, kind + 1)[:, joint]).argmax())]))
+    return _at(way, point, fast.ratios, float(t[int(np.abs(spline.evaluate(t, kind + 1)[:, joint]).argmax())]))
 
 
 def _too_fast(way: Way, point: ControlPoint, mode: int, t: FloatArray) -> Refusal | None:
@@ -259,14 +259,13 @@ def _too_fast(way: Way, point: ControlPoint, mode: int, t: FloatArray) -> Refusa
         return None
     worst = np.zeros((3, ratios.shape[2]))
     worst[:2] = ratios.max(1)
-    velocity, acceleration, jerk = worst.max(1).tolist()
-    fast = Rates(velocity, acceleration, jerk, ok=False, ratios=worst, limits=limits)
-    return _at(way, point, fast, float(t[int(ratios.max((0, 2)).argmax())]))
+    return _at(way, point, worst, float(t[int(ratios.max((0, 2)).argmax())]))
 
 
-def _at(way: Way, point: ControlPoint, fast: Rates, when: float) -> Refusal:
-    """The refusal of a joint that is too fast for a path, with where on it that is at its worst."""
-    refusal = too_fast(way.scene, way.stage, way.step, fast, point.frame)
+def _at(way: Way, point: ControlPoint, ratios: FloatArray, when: float) -> Refusal:
+    """The refusal of a joint that is too fast for a path, with where on it that is at its worst; `ratios` (3, n) of its
+    rates to their limits."""
+    refusal = too_fast(way.scene, way.stage, way.step, ratios, point.limits, point.frame)
     if not isinstance(refusal.facts, MotionLimit):
         raise FaultError("a joint too fast without its facts")
     speed = _trace(point).speed_m_s

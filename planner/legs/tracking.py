@@ -106,7 +106,7 @@ def track(
             return fast
         if fast.ok:
             return cut(spline, met, left)
-        refusal = too_fast(scene, Stage.TRACKING, point.step, fast, point.frame)
+        refusal = too_fast(scene, Stage.TRACKING, point.step, fast.ratios, fast.limits, point.frame)
         if point.entry is not None or leaves is not None:
             break  # a moving end has one speed: stops are other candidates
         effort *= min(0.8, 0.95 / fast.ratio**2)

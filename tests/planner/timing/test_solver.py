@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 from assur.planner.errors import FaultError, InputError
 from assur.planner.timing import Solver, TimingRefusal, time_joints
 from assur.planner.timing.solver import LONGEST, SHORTEST
-from assur.planner.trajectory import Trajectory, check_limits
+from assur.planner.trajectory import Trajectory
 from tests.planner.timing.legs import KINDS, ROBOTS, question
+from tests.planner.trajectory.splines import keeps_limits
 
 ZERO, ONE = np.zeros(2), np.ones(2)
 PLAIN: dict[str, Any] = {
@@ -99,8 +100,7 @@ def test_a_state_that_is_or_will_be_beyond_a_limit_is_refused_with_its_share(cha
 def test_a_state_at_a_limit_is_legal_and_its_motion_keeps_the_limit(changed: Any) -> None:
     profile = ask(**changed)
     assert isinstance(profile, Trajectory)
-    report = check_limits(profile, -9 * ONE, 9 * ONE, *(PLAIN[k] for k in list(PLAIN)[6:]))
-    assert report.ok
+    assert keeps_limits(profile, -9 * ONE, 9 * ONE, *(PLAIN[k] for k in list(PLAIN)[6:]))
 
 
 def test_a_duration_that_is_too_short_is_refused_with_the_seconds_missing() -> None:
@@ -263,8 +263,7 @@ def test_tiny_moves_take_a_millisecond_at_least_and_keep_their_limits(way: float
     profile = ask(q0=q0, q1=q0 + np.array([way, -way / 3]), begin=4.0)
     assert isinstance(profile, Trajectory)
     assert profile.duration >= SHORTEST
-    report = check_limits(profile, -9 * ONE, 9 * ONE, *(PLAIN[k] for k in list(PLAIN)[6:]))
-    assert report.ok
+    assert keeps_limits(profile, -9 * ONE, 9 * ONE, *(PLAIN[k] for k in list(PLAIN)[6:]))
     low, high = profile.extrema(0)
     assert (low >= profile.q.min(0) - 1e-12).all()
     assert (high <= profile.q.max(0) + 1e-12).all()
