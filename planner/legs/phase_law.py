@@ -15,7 +15,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.legs.line import FLAT, Rates, Seen
 from assur.planner.robots.facts import Limits
-from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.timing import RawProfile, Solver, TimingRefusal, trajectory_of
 from assur.planner.trajectory import Trajectory
 
 PIECES = 12
@@ -232,31 +232,21 @@ def _reachable(v0: float, zone: _Zone) -> float:
 
 
 def _timed(zones: list[_Zone], speeds: list[float]) -> Trajectory | None:
-    none, place, tables = np.zeros(1), 0.0, list[FloatArray]()
-    whole, begin = sum(zone.length for zone in zones), 0.0
+    place, begins, profiles = 0.0, [0.0], list[RawProfile]()
     for zone, v0, v1 in zip(zones, speeds[:-1], speeds[1:], strict=True):
-        found = time_joints(
-            np.array([place]),
-            np.array([v0]),
-            none,
-            np.array([place + zone.length]),
-            np.array([v1]),
-            none,
-            np.array([max(zone.speed, v0, v1)]),
-            np.array([zone.acceleration]),
-            np.array([zone.jerk]),
-            begin=begin,
-        )
+        solver = Solver([max(zone.speed, v0, v1)], [zone.acceleration], [zone.jerk])
+        found = solver.raw_profile(([place], [v0], [0.0]), ([place + zone.length], [v1], [0.0]))
         if isinstance(found, TimingRefusal):
             return None
-        tables.append(found.knots if not tables else found.knots[1:])
-        place, begin = place + zone.length, found.end
-    table = np.concatenate(tables)
-    table[:, 1:] /= whole
+        profiles.append(found)
+        begins.append(begins[-1] + found.duration)
+        place += zone.length
+    table = trajectory_of(profiles, begins).knots.copy()
+    table[:, 1:] /= place
     if not (np.diff(table[:, 1]) > 0.0).all():
         return None
     table[-1, 1] = 1.0
-    return Trajectory.of_knots(np.ascontiguousarray(table))
+    return Trajectory.of_knots(table)
 
 
 def faster(law: Trajectory, scale: float) -> Trajectory:

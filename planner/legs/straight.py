@@ -39,7 +39,7 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import Limits
-from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.timing import TimingRefusal, fastest_motion
 from assur.planner.trajectory import Trajectory
 
 ROUNDS = 12
@@ -104,8 +104,8 @@ def straight(
 @cache
 def constant_law() -> Trajectory:
     """Ruckig's law from 0 to 1 with the constant limits `FIRST` of s."""
-    none, (v, a, j) = np.zeros(1), np.array(FIRST)[:, None]
-    law = time_joints(none, none, none, np.ones(1), none, none, v, a, j)
+    v, a, j = FIRST
+    law = fastest_motion(([0.0], [0.0], [0.0]), ([1.0], [0.0], [0.0]), ([v], [a], [j]))
     if isinstance(law, TimingRefusal):
         raise FaultError(f"no constant law: {law.detail}")
     return law

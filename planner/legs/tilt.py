@@ -67,8 +67,3 @@ def tilt_off(robot: Robot, q: FloatArray, path: Motion) -> FloatArray:
 def pitch_free(scene: Scene, step: Step) -> bool:
     """Whether a step leaves the pitch to choose, so that what was tried is not all there is."""
     return "pitch" in scene.robot.coordinates and (step.target is None or step.target.pitch is None)
-
-
-def roll_free(scene: Scene, step: Step) -> bool:
-    """Whether a step leaves the roll to choose."""
-    return "roll" in scene.robot.coordinates and (step.target is None or step.target.roll is None)

@@ -22,7 +22,7 @@ from assur.planner.model.outcome import LegKind
 from assur.planner.model.refusal import Obstacle, Refusal, Stage, unmoved
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import Limits
-from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.timing import TimingRefusal, fastest_motion
 from assur.planner.trajectory import Trajectory
 
 SAME_S = 1e-12
@@ -146,18 +146,8 @@ def _way(
     if lift is not None:
         v, a, j = float(limits.velocity[lift]), float(limits.acceleration[lift]), float(limits.jerk[lift])
     a = min(a, lift_most(scene, carried=point.carries(up=high == 0.0)))
-    none = np.zeros(1)
-    found = time_joints(
-        np.array([high]),
-        none,
-        none,
-        np.array([low]),
-        none,
-        none,
-        np.array([v * effort**0.5]),
-        np.array([a * effort]),
-        np.array([j * effort**1.5]),
-    )
+    limited = [v * effort**0.5], [a * effort], [j * effort**1.5]
+    found = fastest_motion(([high], [0.0], [0.0]), ([low], [0.0], [0.0]), limited)
     if isinstance(found, TimingRefusal):
         return unmoved(Stage.TRACKING, point.step, Obstacle.NO_PROFILE)
     return found

@@ -42,7 +42,7 @@ from assur.planner.robots.facts import Limits
 from assur.planner.robots.robot import Robot
 from assur.planner.search.meeting_options import ends_too_late, laws_over, shifted_out, stops_at_via, tracked_too_long
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, paced
-from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.timing import TimingRefusal, fastest_motion
 from assur.planner.trajectory import Trajectory
 
 STILL = 1e-9
@@ -313,8 +313,9 @@ def _at_rest(step: int, legs: list[TimedLeg], pace: float, limits: Limits) -> li
     duration = pace * float(np.max(np.abs(last.qd) / limits.acceleration + 2 * limits.acceleration / limits.jerk))
     # what an even braking over that time covers
     target = np.clip(last.q + last.qd * duration / 2, limits.lower, limits.upper)
-    none, rates = np.zeros_like(last.q), (limits.velocity, limits.acceleration, limits.jerk)
-    found = time_joints(last.q, last.qd, last.qdd, target, none, none, *rates, begin=last.time)
+    start, rest = (last.q.tolist(), last.qd.tolist(), last.qdd.tolist()), [0.0] * len(last.q)
+    velocity, acceleration, jerk = limits.table[2:].tolist()
+    found = fastest_motion(start, (target.tolist(), rest, rest), (velocity, acceleration, jerk), last.time)
     if isinstance(found, TimingRefusal):
         return unmoved(Stage.TIMING, step, Obstacle.NO_PROFILE)
     return [*legs, TimedLeg(LegKind.MOVE, Knots.of(found), Route(Course.TO_REST))]

@@ -107,17 +107,6 @@ Numbers = tuple[Row, Row, Row]
 """q, q̇, q̈, n numbers each: for four joints NumPy takes three times as long."""
 
 
-def numbers(arguments: Sequence[FloatArray]) -> list[Row]:
-    """Vectors as lists, of one length; `InputError` naming the one that is none. `arguments`: states, then limits."""
-    rows: list[Row] = []
-    for name, argument in zip((*STATE_NAMES, *LIMIT_NAMES), arguments, strict=True):
-        row = np.asarray(argument, dtype=np.float64)
-        if row.ndim != 1 or len(row) != len(rows[0] if rows else row) or not len(row):
-            raise InputError(f"timing.{name}", argument, f"a vector of {len(rows[0]) if rows else 'some'} numbers")
-        rows.append(row.tolist())
-    return rows
-
-
 def accepted(names: Sequence[str], rows: Sequence[Row], n: int) -> None:
     """Accepts rows of n finite numbers each; `InputError` naming the first that is not."""
     # a sum is finite only if every number is
@@ -242,34 +231,19 @@ END_POSITION, END_VELOCITY, END_ACCELERATION = 1e-7, 1e-7, 1e-6
 """rad or m, and s. What the solver may miss an end state by: it promises 1e-8; more cannot be trusted."""
 
 
-def time_joints(
-    q0: FloatArray,
-    v0: FloatArray,
-    a0: FloatArray,
-    q1: FloatArray,
-    v1: FloatArray,
-    a1: FloatArray,
-    velocity: FloatArray,
-    acceleration: FloatArray,
-    jerk: FloatArray,
-    duration: float | None = None,
-    begin: float = 0.0,
-) -> Trajectory | TimingRefusal:
-    """The fastest motion from state 0 to state 1 in which all joints arrive together, or the one of `duration`.
+def fastest_motion(start: Numbers, goal: Numbers, limits: Numbers, begin: float = 0.0) -> Trajectory | TimingRefusal:
+    """The fastest motion from one state to another in which all joints arrive together, from `begin`, s, on.
 
-    The limits are the robot's own: the solver is given `JERK_RESERVE` and `RATE_RESERVE` less, so that the spline
-    through the knots keeps them in all but one of some thousand motions, but never less than what the two states need.
+    The limits of velocity, acceleration and jerk are the robot's own: the solver is given `JERK_RESERVE` and
+    `RATE_RESERVE` less, so that the spline through the knots keeps them in all but one of some thousand motions, but
+    never less than what the two states need. From rest to rest a motion takes `SHORTEST` at least. Positions may leave
+    the box of start and goal: not checked here, like every position limit.
 
-    Arguments: positions, velocities, accelerations of n joints, each (n,), rad or m, and symmetric limits (n,);
-    `duration` in s or None; `begin`: when it begins, s. From rest to rest the fastest motion takes `SHORTEST` at least.
-    Positions may leave the box of start and goal: not checked here, like every position limit.
-
-    Raises `InputError` for lengths that differ, numbers that are not finite, limits that are not positive, a duration
-    that is not. Source: Berscheid and Kröger, Jerk-limited Real-time Trajectory Generation with Arbitrary Target States
-    (RSS 2021), by way of the library `ruckig`.
+    Raises `InputError` for lengths that differ, numbers that are not finite, limits that are not positive. Source:
+    Berscheid and Kröger, Jerk-limited Real-time Trajectory Generation with Arbitrary Target States (RSS 2021), by way
+    of the library `ruckig`.
     """
-    q0_, v0_, a0_, q1_, v1_, a1_, *limits = numbers((q0, v0, a0, q1, v1, a1, velocity, acceleration, jerk))
-    found = Solver(*limits).raw_profile((q0_, v0_, a0_), (q1_, v1_, a1_), duration)
+    found = Solver(*limits).raw_profile(start, goal)
     return found if isinstance(found, TimingRefusal) else trajectory_of([found], [begin, begin + found.duration])
 
 
@@ -286,7 +260,7 @@ class Solver:
         self._ruckig, self._given = ruckig.Ruckig(self._n), ruckig.InputParameter(self._n)
 
     def raw_profile(self, start: Numbers, goal: Numbers, duration: float | None = None) -> RawProfile | TimingRefusal:
-        """What `time_joints` makes a trajectory of."""
+        """The fastest motion, or the one of `duration`, s."""
         accepted_duration(duration)
         lowered = self._lowered(start, goal)
         if duration is not None and not duration <= LONGEST:

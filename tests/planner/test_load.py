@@ -24,11 +24,11 @@ from assur.planner.model.scene import Holding, Move, Place, Scene, Target
 from assur.planner.pipeline import plan
 from assur.planner.report.sentence import sentence
 from assur.planner.robots.facts import lowered
-from assur.planner.timing import time_joints
 from assur.planner.timing.solver import JERK_RESERVE, RATE_RESERVE
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CUP, arm, cell, go, stands, table_to_table
 from tests.planner.checker.hand_made import sealed
+from tests.planner.timing.legs import time_joints
 
 HEAVY = LoadLimits(rated_kg=2.0, max_kg=5.0)
 

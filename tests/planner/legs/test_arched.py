@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from assur.planner.arrays import FloatArray
 from assur.planner.legs.line import Pace
 from assur.planner.legs.missed import Hop, arch
-from assur.planner.timing import RawProfile, TimingRefusal, time_joints, trajectory_of
+from assur.planner.timing import RawProfile, TimingRefusal, trajectory_of
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import limits
-from tests.planner.timing.legs import Floats, numbers
+from tests.planner.timing.legs import Floats, numbers, time_joints
 from tests.planner.trajectory.splines import keeps_limits
 
 LIFT = 2

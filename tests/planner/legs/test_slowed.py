@@ -12,9 +12,10 @@ from assur.planner.arrays import FloatArray
 from assur.planner.legs.joint import slowed
 from assur.planner.legs.tool_motion import RESERVE, tool_peak
 from assur.planner.model.scene import Scene
-from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.timing import TimingRefusal
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import arm, cell, go, limits
+from tests.planner.timing.legs import time_joints
 from tests.planner.trajectory.splines import keeps_limits
 
 LIMITS = limits()
