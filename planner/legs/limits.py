@@ -55,7 +55,7 @@ class Rates:
 
 def used(trajectory: Trajectory, limits: Limits) -> Rates:
     """How a motion uses its limits; its jerk has none where its acceleration may jump."""
-    extremes, bands = np.array([trajectory.extrema(order) for order in range(4)]), _bands(limits, trajectory.jumps)
+    extremes, bands = trajectory.extremes, _bands(limits, trajectory.jumps)
     kept = (bands[:, 0] <= extremes[:, 0]) & (extremes[:, 1] <= bands[:, 1])
     ratios = np.abs(extremes[1:]).max(1) / limits.table[2:]
     if trajectory.jumps:

@@ -22,7 +22,7 @@ from assur.planner.legs.limits import rates, too_fast
 from assur.planner.legs.phase_law import CORNER_SAMPLES, STEEPER, TABLE, Bends, quickest, slowed_at_bends
 from assur.planner.legs.state import State, TimedLeg
 from assur.planner.legs.straight import CLOSE_ROUNDS, by_law, constant_law
-from assur.planner.legs.tilt import tilt_of
+from assur.planner.legs.tilt import flange_of, tilt_of
 from assur.planner.legs.tracking import Tracked, cut
 from assur.planner.model.outcome import Traced
 from assur.planner.model.path import Path
@@ -99,11 +99,10 @@ def _course(
 
 def tool_in(scene: Scene, frame: str, q: FloatArray, t: float) -> Pose:
     """The pose of the tool in a frame with the joints `q` (n,) at a time."""
-    position, yaw = scene.robot.forward(q)
-    flange = Pose(float(position[0]), float(position[1]), float(position[2]), float(yaw))
     at = scene.frames[frame].law.motion(np.array(t))
-    there = Pose(float(at.p[0]), float(at.p[1]), float(at.p[2]), float(at.yaw))
-    return there.inverse().then(flange.then(scene.tool.tcp))
+    x, y, z = at.p.tolist()
+    there = Pose(x, y, z, float(at.yaw))
+    return there.inverse().then(flange_of(scene.robot, q).then(scene.tool.tcp))
 
 
 def path_from(move: Move, step: int, begin: Pose) -> Path | Refusal:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from assur.planner.claim.obligations import loads_of
 from assur.planner.collision.nearest import nearest, nearest_pairs
 from assur.planner.collision.proof import Prover
 from assur.planner.legs.limits import instants, least_margins, parts, used
@@ -86,18 +86,12 @@ def contacts(phases: tuple[Phase, ...]) -> tuple[Contact, ...]:
 def carried(scene: Scene, phases: tuple[Phase, ...]) -> tuple[Carried, ...]:
     """What the flange carries, one entry for all phases that follow each other with the same part in the gripper."""
     found = list[Carried]()
-    for phase in phases:
-        if phase.step < 0:
-            continue  # the arm stands still
-        held = phase.attached.held
-        part = None if held is None else held.part
-        if found and found[-1].part == part:
-            found[-1] = replace(found[-1], t1=phase.t1)
-            continue
+    for part, t0, t1 in loads_of(phases):
         load = next(load for load in scene.loads if load.part == part)
+        held = next(phase.attached.held for phase in phases if phase.t0 == t0 and phase.attached.part == part)
         inertia = scene.loads[0].inertia_kgm2
         if inertia is not None and held is not None:
             body = scene.index[held.part]
             inertia += held_inertia(body.body, body.mass_kg or 0.0, held.in_flange)
-        found.append(Carried(part, load.mass_kg, inertia, load.share, phase.t0, phase.t1))
+        found.append(Carried(part, load.mass_kg, inertia, load.share, t0, t1))
     return tuple(found)

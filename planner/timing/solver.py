@@ -110,7 +110,7 @@ Numbers = tuple[Row, Row, Row]
 def accepted(names: Sequence[str], rows: Sequence[Row], n: int) -> None:
     """Accepts rows of n finite numbers each; `InputError` naming the first that is not."""
     # a sum is finite only if every number is
-    if n > 0 and all(len(row) == n for row in rows) and math.isfinite(sum(map(sum, rows))):
+    if n > 0 and set(map(len, rows)) == {n} and math.isfinite(sum(map(sum, rows))):
         return
     for name, row in zip(names, rows, strict=True):
         if not (len(row) == n > 0 and math.isfinite(sum(row))):
@@ -136,22 +136,19 @@ def lowered_limits(start: Numbers, goal: Numbers, allowed: Allowed) -> Limits | 
     ease = [_at_ease(*joint) for joint in states]
     if all(ease):
         return usual
-    out = Limits([], [], [], [], [])
+    rows = list[tuple[float, ...]]()
     for i, (v, a, j) in enumerate(zip(allowed.velocity, allowed.acceleration, allowed.jerk, strict=True)):
+        lowered_v, lowered_a, lowered_j = usual.velocity[i], usual.acceleration[i], usual.jerk[i]
         if ease[i]:
-            out.velocity.append(usual.velocity[i])
-            out.backward.append(usual.backward[i])
-            out.acceleration.append(usual.acceleration[i])
-            out.braking.append(usual.braking[i])
-            out.jerk.append(usual.jerk[i])
+            rows.append((lowered_v, -lowered_v, lowered_a, -lowered_a, lowered_j))
             continue
         need_a = (0.0, a0[i], a1[i])
         worst = max(map(abs, need_a))
         if not worst <= a * (1 + LIMIT_TOLERANCE):
             return TimingRefusal("limits", worst / a - 1, f"joint {i}: acceleration {worst}, limit {a}")
-        for lowered_j in (usual.jerk[i], j):
-            after = v0[i] + a0[i] * abs(a0[i]) / (2 * lowered_j)
-            before = v1[i] - a1[i] * abs(a1[i]) / (2 * lowered_j)
+        for given_j in (lowered_j, j):
+            after = v0[i] + a0[i] * abs(a0[i]) / (2 * given_j)
+            before = v1[i] - a1[i] * abs(a1[i]) / (2 * given_j)
             need_v = (0.0, v0[i], v1[i], after, before)
             worst = max(map(abs, need_v))
             if worst <= v * (1 + LIMIT_TOLERANCE):
@@ -159,13 +156,10 @@ def lowered_limits(start: Numbers, goal: Numbers, allowed: Allowed) -> Limits | 
         else:
             return TimingRefusal("limits", worst / v - 1, f"joint {i}: velocity comes to {worst}, limit {v}")
         # The solver compares without tolerance: a few roundings more than is needed.
-        lowered_v, lowered_a = usual.velocity[i], usual.acceleration[i]
-        out.velocity.append(max(lowered_v, max(need_v) * (1 + 1e-14)))
-        out.backward.append(min(-lowered_v, min(need_v) * (1 + 1e-14)))
-        out.acceleration.append(max(lowered_a, max(need_a) * (1 + 1e-14)))
-        out.braking.append(min(-lowered_a, min(need_a) * (1 + 1e-14)))
-        out.jerk.append(lowered_j)
-    return out
+        needs = [end * (1 + 1e-14) for end in (max(need_v), min(need_v), max(need_a), min(need_a))]
+        forward, pull = max(lowered_v, needs[0]), max(lowered_a, needs[2])
+        rows.append((forward, min(-lowered_v, needs[1]), pull, min(-lowered_a, needs[3]), given_j))
+    return Limits(*map(list, zip(*rows, strict=True)))
 
 
 def _at_ease(v0: float, a0: float, v1: float, a1: float, v: float, a: float, j: float) -> bool:

@@ -204,12 +204,12 @@ class Trajectory:
         the true range by at most 1e-13 of the largest Bernstein coefficient, plus the rounding of the coefficients.
         Where the acceleration jumps both of its sides count, and the jerk has no bound: −∞ and ∞.
         """
-        low, high = self._extremes[derivative]
+        low, high = self.extremes[derivative]
         return low, high
 
     @cached_property
-    def _extremes(self) -> FloatArray:
-        """Lowest and highest value of q and its derivatives, (4, 2, n)."""
+    def extremes(self) -> FloatArray:
+        """The smallest and the largest value of q and its derivatives as `extrema` has them, (4, 2, n)."""
         from assur.planner.kernels.limits import spline_extremes
 
         found = np.empty((4, 2, self.n))
