@@ -17,7 +17,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.model.outcome import Planned
 from assur.planner.pipeline import plan
-from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.timing import TimingRefusal, fastest_motion
 from assur.planner.trajectory import Trajectory
 from assur.scenes.requests import scene_of
 from assur.scenes.scenarios import shipped
@@ -57,11 +57,11 @@ def by_ruckig(through: FloatArray, move: ParabolicBlend) -> list[Trajectory]:
     """The same poses, each met and stopped at, with the speeds and accelerations of the blended move as limits."""
     velocity = np.abs(move.velocities).max(0)
     acceleration = np.abs(np.diff(move.velocities, axis=0)[[0, -1]]).max(0) / (2 * move.tau)
-    still, found = np.zeros(through.shape[1]), []
+    found = []
     for q0, q1 in pairwise(through):
-        profile = time_joints(
-            q0, still, still, q1, still, still, velocity, acceleration, acceleration / JERK_RAMP_S, duration=None
-        )
+        start, goal = ((q.tolist(), [0.0] * len(q), [0.0] * len(q)) for q in (q0, q1))
+        limits = velocity.tolist(), acceleration.tolist(), (acceleration / JERK_RAMP_S).tolist()
+        profile = fastest_motion(start, goal, limits)
         if isinstance(profile, TimingRefusal):
             raise FaultError(profile.detail)
         found.append(profile)

@@ -50,6 +50,20 @@ class _Terms:
         """Radius, height and yaw that count in full, of all causes."""
         return [float(each) for each in sum(self.full.values(), np.zeros(3))]
 
+    def only(self, cause: Cause) -> _Terms:
+        """Those of one cause."""
+        signed = [each for each in self.signed if each[0] is cause]
+        full = {cause: self.full[cause]} if cause in self.full else {}
+        return _Terms(signed, self.late, self.late_s, full) if cause is Cause.LATE else _Terms(signed, full=full)
+
+    def combined(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """All combinations of signs (S, N), and for each and each lateness the sum of all vectors (S, K, 3), how far it
+        is off on the level and along the vertical (S, K), m, with what counts in full."""
+        signs = _signs(len(self.signed))
+        vectors = np.array([vector for _, _, vector in self.signed]).reshape(-1, 3)
+        sums, (flat, upright, _) = (signs @ vectors)[:, None, :] + self.late[None, :, :], self.whole
+        return signs, sums, np.hypot(sums[..., 0], sums[..., 1]) + flat, np.abs(sums[..., 2]) + upright
+
     def add(self, cause: Cause, flat: float = 0.0, upright: float = 0.0, yaw: float = 0.0) -> None:
         if max(flat, upright, yaw) > 0.0:
             self.full[cause] = self.full.get(cause, np.zeros(3)) + np.array([flat, upright, yaw])
@@ -204,11 +218,7 @@ def _turned(scene: Scene, q: FloatArray, lag: FloatArray, swept: Sweep) -> float
 
 def _worst(terms: _Terms, grasp: float) -> ArrivalError:
     """The worst combination of signs and lateness, and what each cause adds at most."""
-    vectors = np.array([vector for _, _, vector in terms.signed]).reshape(-1, 3)
-    signs = _signs(len(vectors))
-    sums = (signs @ vectors)[:, None, :] + terms.late[None, :, :]
-    flat, upright, yaw = terms.whole
-    level, height = np.hypot(sums[..., 0], sums[..., 1]) + flat, np.abs(sums[..., 2]) + upright
+    (signs, sums, level, height), (flat, _, yaw) = terms.combined(), terms.whole
     size = np.hypot(level, height)
     row, k = np.unravel_index(int(size.argmax()), size.shape)
     worst = [(name, float(sign)) for (_, name, _), sign in zip(terms.signed, signs[row].tolist(), strict=True)]
@@ -237,16 +247,9 @@ def _signs(count: int) -> FloatArray:
 def _shares(terms: _Terms) -> tuple[Share, ...]:
     found = []
     for cause in Cause:
-        signed = [vector for own, _, vector in terms.signed if own is cause]
-        if not signed and cause is not Cause.LATE and cause not in terms.full:
-            continue
-        vectors = np.array(signed).reshape(-1, 3)
-        sums = _signs(len(vectors)) @ vectors
-        if cause is Cause.LATE:
-            sums = terms.late
-        flat, upright, yaw = terms.full.get(cause, np.zeros(3)).tolist()
-        level, height = np.hypot(sums[:, 0], sums[:, 1]) + flat, np.abs(sums[:, 2]) + upright
-        position = float(np.hypot(level, height).max())
+        one = terms.only(cause)
+        _, _, level, height = one.combined()
+        position, yaw = float(np.hypot(level, height).max()), one.whole[2]
         if position > LEAST or yaw > LEAST:
             found.append(Share(cause, position, yaw))
     return tuple(sorted(found, key=lambda share: (-share.position_m, -share.yaw_rad)))

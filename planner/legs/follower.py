@@ -67,33 +67,8 @@ FINE = 4001
 """Times at which a phase law is evaluated to find when the tool is where."""
 
 
-class Phase(Protocol):
-    """A law s of the time since the leg began."""
-
-    @property
-    def duration(self) -> float:
-        """s."""
-
-    @property
-    def time(self) -> FloatArray:
-        """Times (K,), s, at which it is less smooth than between them."""
-
-    def states(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """s, ṡ, s̈ (T, 1) at times t (T,) within [0, duration]."""
-
-
-class Uniform:
-    """The phase s = t, by which derivatives by time are those by s."""
-
-    duration = 1.0
-
-    @property
-    def time(self) -> FloatArray:
-        return np.array([0.0, 1.0])
-
-    def states(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        s = t[:, None]
-        return s, np.ones_like(s), np.zeros_like(s)
+UNIFORM = Trajectory(np.array([0.0, 1.0]), np.array([[0.0], [1.0]]), np.ones((2, 1)), np.zeros((2, 1)))
+"""The phase s = t, by which derivatives by time are those by s."""
 
 
 class Course(Protocol):
@@ -105,14 +80,14 @@ class Course(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """A motion of the flange: a course under a phase law that begins at `begin`, s; `frame`: that whose law has to be
-    known for it (None: there are several). Refusals have the stage and the step."""
+    """A motion of the flange: a course under the law of its `phase` s, whose time counts from `begin`, s; `frame`: that
+    whose law has to be known for it (None: there are several). Refusals have the stage and the step."""
 
     scene: Scene
     stage: Stage
     step: int
     course: Course
-    phase: Phase
+    phase: Trajectory
     begin: float
     frame: str | None = None
 
@@ -139,14 +114,6 @@ class Way:
         """Times at which the phase is s, to within a part of `FINE`."""
         clock = np.union1d(np.linspace(0.0, self.phase.duration, FINE), self.phase.time)
         return np.asarray(self.begin + np.interp(s, np.maximum.accumulate(self.phase.states(clock)[0][:, 0]), clock))
-
-
-@dataclass(frozen=True, eq=False)
-class _Times:
-    """Times of knots (T,), and which jump the pieces between them reach over (T - 1,): its number, or -1."""
-
-    t: FloatArray
-    over: IntArray
 
 
 @dataclass(eq=False)
@@ -177,15 +144,16 @@ class Jumps:
         inside = (np.abs(t[:, None] - self.at) < self.half * (1 + 1e-6)).any(1)
         return np.asarray(t[~inside])
 
-    def times(self, marks: FloatArray) -> _Times:
-        """The knots: `marks`, and the ends of the pieces over jumps."""
+    def times(self, marks: FloatArray) -> tuple[FloatArray, IntArray]:
+        """Times of knots (T,): `marks`, and the ends of the pieces over jumps; and which jump the pieces between them
+        reach over (T - 1,): its number, or -1."""
         t = _apart(np.concatenate([self.free(marks), self.at - self.half, self.at + self.half]), CLOSEST_S)
         middle, over = (t[1:] + t[:-1]) / 2, np.full(len(t) - 1, -1)
         for k, at in enumerate(self.at):
             i = int(np.searchsorted(t, at)) - 1
             if abs(middle[i] - at) < self.half[k]:
                 over[i] = k
-        return _Times(t, over)
+        return t, over
 
 
 def _apart(times: FloatArray, least: float) -> FloatArray:
@@ -225,17 +193,17 @@ def followed(way: Way, state: State, mode: int, rests: tuple[float, float] | Non
         marks = marks[(marks <= rests[0] + MERGED_S) | (marks >= rests[1] - MERGED_S)]
     for _ in range(ROUNDS):
         look()
-        grid = jumps.times(marks)
-        made = _joints(way, state, mode, grid.t)
+        t, over = jumps.times(marks)
+        made = _joints(way, state, mode, t)
         if isinstance(made, Refusal):
             return made
-        off = _off(way, made, grid)
+        off = _off(way, made, t, over)
         if not off.any():
             return made
-        worst = float(grid.t[int(off.argmax())])
-        wide = grid.over[off]
+        worst = float(t[int(off.argmax())])
+        wide = over[off]
         jumps.half[wide[wide >= 0]] *= NARROWER
-        middle = ((grid.t[1:] + grid.t[:-1]) / 2)[off & (grid.over < 0)]
+        middle = ((t[1:] + t[:-1]) / 2)[off & (over < 0)]
         marks = np.unique(np.append(marks, middle))
     traced = way.stage is Stage.TRACKING and isinstance(way.course, PathCourse)
     obstacle = Obstacle.PROCESS_SPEED if traced else Obstacle.NOT_SMOOTH
@@ -346,13 +314,13 @@ def _first(way: Way, t: FloatArray, mode: int, row: int, lost: Callable[[Inverse
     return high
 
 
-def _off(way: Way, trajectory: Trajectory, grid: _Times) -> BoolArray:
-    """Which pieces (T - 1,) leave the course by too much."""
-    t = (grid.t[:-1] + SHARES * np.diff(grid.t)).ravel()
+def _off(way: Way, trajectory: Trajectory, knots: FloatArray, over: IntArray) -> BoolArray:
+    """Which pieces (T - 1,) between `knots` (T,), s, which reach `over` jumps, leave the course by too much."""
+    t = (knots[:-1] + SHARES * np.diff(knots)).ravel()
     q, path, robot = trajectory.evaluate(t), way.motion(t), way.scene.robot
     off = np.linalg.norm(robot.forward(q)[0] - path.p, axis=1).reshape(len(SHARES), -1).max(0)
     turned = tilt_off(robot, q, path).reshape(len(SHARES), -1).max(0)
-    return np.asarray(~((off <= np.where(grid.over >= 0, BEND_M, PATH_M)) & (turned <= PATH_RAD)))
+    return np.asarray(~((off <= np.where(over >= 0, BEND_M, PATH_M)) & (turned <= PATH_RAD)))
 
 
 def first_beyond(scene: Scene, spline: Trajectory, joint: str | None) -> float:

@@ -12,6 +12,7 @@ and intervals are halved until that is so.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -90,8 +91,7 @@ def allowed_branches(scene: Scene, point: ControlPoint, branches: list[Branch]) 
         if may.all():
             kept.append(branch)
         elif may.any():
-            rows, numbers = branch.meetings[may].copy(), branch.numbers[may]
-            kept.append(Branch(branch.mode, rows, numbers, branch.still))
+            kept.append(replace(branch, table=branch.table[may].copy(), numbers=branch.numbers[may]))
         else:
             refusals.append(_unmet(scene, point, branch, yaws, outside.tolist(), free))
     return kept, None if kept else min(refusals, key=_amount)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.model.assembly_mode import has_loop
 from assur.planner.model.refusal import (
     RATES,
@@ -28,42 +28,46 @@ from assur.planner.model.refusal import (
 from assur.planner.model.scene import Scene, beyond
 from assur.planner.robots.facts import Code, Inverse, Limits
 from assur.planner.robots.robot import Robot
-from assur.planner.trajectory import LimitCheck, LimitReport, Trajectory, accepted_bands, check_limits, keeps_bands
+from assur.planner.trajectory import Trajectory, accepted_bands, keeps_bands
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rates:
-    """Peaks of velocity, acceleration and jerk over their limits, the worst joint each; `ok`: all are kept; `ratios`
-    (3, n): those of all joints, without the jerk (2, n) where the acceleration may jump; `limits`: of what they are
-    shares."""
+    """How a motion uses its `limits`: the lowest and the highest q and derivatives, `extremes` (4, 2, n), which are
+    exact; the peaks of velocity, acceleration and jerk over their limits, `ratios` (3, n), 0 for a jerk that has no
+    limit; and which positions and rates are `kept` (4, n)."""
 
-    velocity: float
-    acceleration: float
-    jerk: float
-    ok: bool
-    ratios: FloatArray
     limits: Limits
+    extremes: FloatArray
+    ratios: FloatArray
+    kept: BoolArray
+
+    @property
+    def ok(self) -> bool:
+        return bool(self.kept.all())
 
     @property
     def ratio(self) -> float:
         """By what the speed of the leg is to be divided for it to reach its limits, if rates scale with it."""
-        return max(self.velocity, math.sqrt(self.acceleration), math.pow(self.jerk, 1 / 3))
+        velocity, acceleration, jerk = self.ratios.max(1).tolist()
+        return float(max(velocity, math.sqrt(acceleration), math.pow(jerk, 1 / 3)))
+
+
+def used(trajectory: Trajectory, limits: Limits) -> Rates:
+    """How a motion uses its limits; its jerk has none where its acceleration may jump."""
+    extremes, bands = trajectory.extremes, _bands(limits, trajectory.jumps)
+    kept = (bands[:, 0] <= extremes[:, 0]) & (extremes[:, 1] <= bands[:, 1])
+    ratios = np.abs(extremes[1:]).max(1) / limits.table[2:]
+    if trajectory.jumps:
+        ratios[2] = 0.0
+    return Rates(limits, extremes, ratios, kept)
 
 
 def rates(scene: Scene, stage: Stage, step: int, trajectory: Trajectory, limits: Limits) -> Rates | Refusal:
     """How fast the leg is for the limits that hold with its load; a refusal where a joint position is beyond its limit,
     which no slowing down mends."""
-    report = _report(limits, trajectory)
-    if not report.position.ok:
-        return _beyond(scene, stage, step, trajectory, report.position)
-    ratios = np.stack([check.ratio for check in report.checks[1:]])
-    velocity, acceleration, jerk = (*ratios.max(1).tolist(), 0.0)[:3]
-    return Rates(velocity, acceleration, jerk, report.ok, ratios, limits)
-
-
-def _report(limits: Limits, trajectory: Trajectory) -> LimitReport:
-    jerk = None if trajectory.jumps else limits.jerk
-    return check_limits(trajectory, limits.lower, limits.upper, limits.velocity, limits.acceleration, jerk)
+    fast = used(trajectory, limits)
+    return fast if fast.kept[0].all() else _beyond(scene, stage, step, trajectory)
 
 
 @lru_cache(maxsize=16)
@@ -84,7 +88,7 @@ def beyond_limits(scene: Scene, step: int, trajectory: Trajectory, limits: Limit
         return fast
     if fast.ok:
         return None
-    return too_fast(scene, Stage.LIMITS, step, fast)
+    return too_fast(scene, Stage.LIMITS, step, fast.ratios, limits)
 
 
 def parts(trajectory: Trajectory, spans: Sequence[tuple[float, Limits]]) -> list[tuple[Trajectory, Limits]]:
@@ -99,18 +103,19 @@ def parts(trajectory: Trajectory, spans: Sequence[tuple[float, Limits]]) -> list
             continue
         last = int(np.searchsorted(knots[:, 0], end)) if k + 1 < len(spans) else len(knots) - 1
         if last > begin:
-            found.append((Trajectory.of_knots(knots[begin : last + 1].copy()), limits))
+            found.append((Trajectory.of_knots(knots[begin : last + 1].copy(), jumps=trajectory.jumps), limits))
         begin = last
     return found
 
 
-def too_fast(scene: Scene, stage: Stage, step: int, fast: Rates, frame: str | None = None) -> Refusal:
-    """The refusal of rates that are not `ok`: the joint and the rate whose share of its limit is greatest; `frame`:
-    which the tool tracks."""
-    limits = fast.limits
-    kind, joint = (int(k) for k in np.unravel_index(int(fast.ratios.argmax()), fast.ratios.shape))
-    limit = float((limits.velocity, limits.acceleration, limits.jerk)[kind][joint])
-    what, value = scene.robot.joints[joint], float(fast.ratios[kind, joint]) * limit
+def too_fast(
+    scene: Scene, stage: Stage, step: int, ratios: FloatArray, limits: Limits, frame: str | None = None
+) -> Refusal:
+    """The refusal of rates whose `ratios` (3, n) to their limits are too large: the joint and the rate with the
+    greatest; `frame`: which the tool tracks."""
+    kind, joint = (int(k) for k in np.unravel_index(int(ratios.argmax()), ratios.shape))
+    limit = float(limits.table[2 + kind, joint])
+    what, value = scene.robot.joints[joint], float(ratios[kind, joint]) * limit
     obstacle = Obstacle.FRAME_TOO_FAST if frame else Obstacle.RATE
     return Refusal(
         stage=stage,
@@ -122,11 +127,12 @@ def too_fast(scene: Scene, stage: Stage, step: int, fast: Rates, frame: str | No
     )
 
 
-def _beyond(scene: Scene, stage: Stage, step: int, trajectory: Trajectory, position: LimitCheck) -> Refusal:
+def _beyond(scene: Scene, stage: Stage, step: int, trajectory: Trajectory) -> Refusal:
     """The joint that is farthest beyond its limit of position for its range, and by how much."""
-    limits, joint = scene.robot.limits, position.joint or 0
-    below = float(limits.lower[joint] - position.lower[joint])
-    above = float(position.upper[joint] - limits.upper[joint])
+    limits, (low, high) = scene.robot.limits, trajectory.extrema(0)
+    over = np.array([limits.lower - low, high - limits.upper])
+    joint = int((over.max(0) / (limits.upper - limits.lower)).argmax())
+    below, above = over[:, joint].tolist()
     what = scene.robot.joints[joint]
     return Refusal(
         stage=stage,
@@ -135,7 +141,7 @@ def _beyond(scene: Scene, stage: Stage, step: int, trajectory: Trajectory, posit
         subject=JointName(what.name),
         interval=(trajectory.start, trajectory.end),
         amount=of_joint(what.kind, max(below, above)),
-        facts=beyond(scene, joint, float((position.lower if below > above else position.upper)[joint])),
+        facts=beyond(scene, joint, float((low if below > above else high)[joint])),
     )
 
 
@@ -203,12 +209,6 @@ def _around(margin: Callable[[FloatArray], FloatArray], trajectory: Trajectory, 
 
 # How near an arm would be to a singular position, as facts of a refusal: serial and parallel apart.
 
-LOOKED_S = 1e-3
-"""Margins of a motion that is made are looked at so often, s: knots are farther apart, and between them the arm may
-come nearer. The checker allows 1e-3, and at 100 rad/s² an elbow leaves its chord by 1e-5 rad in this time."""
-MOST = 100_000
-"""So many of these times at most, where the arm moves; where it stands still there are none."""
-
 
 @dataclass(frozen=True, slots=True)
 class Near:
@@ -272,7 +272,8 @@ def too_near(scene: Scene, stage: Stage, step: int, trajectory: Trajectory, t0: 
     asked, robot = scene.options.singularity_margin, scene.robot
     if not (asked > 0.0 and t1 > t0):
         return None
-    t = _looked_at(trajectory, t0, t1)
+    t, _ = instants(trajectory)
+    t = np.concatenate([[t0], t[(t0 < t) & (t < t1)], [t1]])
     q = trajectory.evaluate(t)
     margin, parallel = robot.margin(q), robot.parallel_margin(q) if robot.parallel_least > 0.0 else None
     kept = margin >= asked if parallel is None else (margin >= asked) & (parallel >= asked)
@@ -281,17 +282,3 @@ def too_near(scene: Scene, stage: Stage, step: int, trajectory: Trajectory, t0: 
     rows = np.flatnonzero(~kept)
     near = nearest(robot, Margins(robot.singularity(q), margin, parallel), asked, rows, best=False)
     return near.refusal(stage, step, (float(t[rows[0]]), float(t[rows[-1]])))
-
-
-def _looked_at(trajectory: Trajectory, t0: float, t1: float) -> FloatArray:
-    """Times (T,) from t0 to t1, `LOOKED_S` apart at most where the arm moves for no longer than `MOST` of these."""
-    inside = (trajectory.time > t0) & (trajectory.time < t1)
-    edges = np.unique(np.concatenate([[t0], trajectory.time[inside], [t1]]))
-    middles = trajectory.evaluate(0.5 * (edges[1:] + edges[:-1]))
-    ends = trajectory.evaluate(edges)
-    moves = (ends[1:] != ends[:-1]).any(axis=1) | (middles != ends[1:]).any(axis=1)
-    lengths = np.diff(edges)
-    apart = max(LOOKED_S, float(lengths[moves].sum()) / MOST)
-    counts = np.where(moves, np.ceil(lengths / apart), 1).astype(np.int64)
-    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    return np.append(within * np.repeat(lengths / counts, counts) + np.repeat(edges[:-1], counts), t1)

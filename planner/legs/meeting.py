@@ -155,7 +155,7 @@ class _Evaluated:
             turned = np.array(choice, dtype=np.float64)
             many = turned_states(robot.row, self.states, self.verdicts, limits.within, turned, rows, numbers)
             if many:
-                found.append(Branch(mode, rows[:many], numbers[:many], any_time))
+                found.append(Branch(rows[:many], mode, numbers[:many], any_time))
         return found
 
     def joints(self, order: int) -> FloatArray:

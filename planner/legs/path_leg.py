@@ -7,7 +7,7 @@ tool moves with the frame.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -17,12 +17,12 @@ from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.legs.course import PathCourse, spot
-from assur.planner.legs.follower import Jumps, Uniform, Way, first_beyond, followed, looks, marks_of
-from assur.planner.legs.limits import Rates, rates, too_fast
-from assur.planner.legs.phase_law import CORNER_SAMPLES, STEEPER, TABLE, Bends, faster, quickest, slowed_at_bends
+from assur.planner.legs.follower import UNIFORM, Jumps, Way, first_beyond, followed, looks, marks_of
+from assur.planner.legs.limits import rates, too_fast
+from assur.planner.legs.phase_law import CORNER_SAMPLES, STEEPER, TABLE, Bends, quickest, slowed_at_bends
 from assur.planner.legs.state import State, TimedLeg
-from assur.planner.legs.straight import CLOSE_ROUNDS, Paced, as_fast, by_law, constant_law
-from assur.planner.legs.tilt import tilt_of
+from assur.planner.legs.straight import CLOSE_ROUNDS, by_law, constant_law
+from assur.planner.legs.tilt import flange_of, tilt_of
 from assur.planner.legs.tracking import Tracked, cut
 from assur.planner.model.outcome import Traced
 from assur.planner.model.path import Path
@@ -39,7 +39,6 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Move, Scene, Trace
 from assur.planner.robots.facts import Code, Limits
-from assur.planner.timing import TimingRefusal
 from assur.planner.trajectory import Trajectory
 
 
@@ -54,11 +53,11 @@ def along_path(
     course = _course(scene, point, state, modes, tracked)
     if isinstance(course, Refusal):
         return course
-    way = Way(scene, Stage.STRAIGHT, point.step, course, Uniform(), state.time, point.frame)
+    way = Way(scene, Stage.STRAIGHT, point.step, course, UNIFORM, state.time, point.frame)
     mode, limits = modes[0], point.limits
-    found = [by_law(way, state, mode, paced, CLOSE_ROUNDS, limits) for paced in _laws(way, course, mode, limits)]
+    found = [by_law(way, state, mode, law, CLOSE_ROUNDS, limits) for law in _laws(way, course, mode, limits)]
     if not (point.still and any(isinstance(leg, TimedLeg) for leg in found)):
-        plain = by_law(way, state, mode, constant_law, 0, limits)
+        plain = by_law(way, state, mode, constant_law(), 0, limits)
         found.append(_placed(way, state, mode, plain) if isinstance(plain, Refusal) else plain)
     legs = [leg for leg in found if isinstance(leg, TimedLeg)]
     return min(legs, key=lambda leg: leg.knots.end) if legs else found[-1]
@@ -66,10 +65,9 @@ def along_path(
 
 def _placed(way: Way, state: State, mode: int, refusal: Refusal) -> Refusal:
     """A refusal of a joint's range with where on the path it is beyond."""
-    law = constant_law(1.0)
-    if not isinstance(refusal.facts, BeyondRange) or refusal.joint is None or isinstance(law, TimingRefusal):
+    if not isinstance(refusal.facts, BeyondRange) or refusal.joint is None:
         return refusal
-    way = replace(way, phase=law)
+    way = replace(way, phase=constant_law())
     made = followed(way, state, mode)
     if isinstance(made, Refusal):
         return refusal
@@ -101,11 +99,10 @@ def _course(
 
 def tool_in(scene: Scene, frame: str, q: FloatArray, t: float) -> Pose:
     """The pose of the tool in a frame with the joints `q` (n,) at a time."""
-    position, yaw = scene.robot.forward(q)
-    flange = Pose(float(position[0]), float(position[1]), float(position[2]), float(yaw))
     at = scene.frames[frame].law.motion(np.array(t))
-    there = Pose(float(at.p[0]), float(at.p[1]), float(at.p[2]), float(at.yaw))
-    return there.inverse().then(flange.then(scene.tool.tcp))
+    x, y, z = at.p.tolist()
+    there = Pose(x, y, z, float(at.yaw))
+    return there.inverse().then(flange_of(scene.robot, q).then(scene.tool.tcp))
 
 
 def path_from(move: Move, step: int, begin: Pose) -> Path | Refusal:
@@ -118,7 +115,7 @@ def path_from(move: Move, step: int, begin: Pose) -> Path | Refusal:
     return path
 
 
-def _laws(way: Way, course: PathCourse, mode: int, limits: Limits) -> list[Paced]:
+def _laws(way: Way, course: PathCourse, mode: int, limits: Limits) -> list[Trajectory]:
     """Laws made for the path in the frame as it stands when the leg begins: one that slows down where the path bends,
     and the quickest that is found without parts."""
     stands, curve, robot = replace(way, course=replace(course, stands=way.begin)), course.path.curve, way.scene.robot
@@ -132,10 +129,8 @@ def _laws(way: Way, course: PathCourse, mode: int, limits: Limits) -> list[Paced
         if not (found.code == Code.ASSEMBLED).all():
             return []
         bends.append(Bends(end - begin, found.qd / curve.length, found.qdd / curve.length**2, over.get(begin, 0.0)))
-    laws = list[Paced]()
     slow = slowed_at_bends(bends, limits.velocity, limits.acceleration, limits.jerk)
-    if slow is not None:
-        laws.append(lambda scale: faster(slow, scale))
+    laws = [] if slow is None else [slow]
     s = np.linspace(0.0, 1.0, TABLE)
     found = robot.inverse(stands.motion(way.begin + s), mode, 2)
     if not (found.code == Code.ASSEMBLED).all():
@@ -147,7 +142,7 @@ def _laws(way: Way, course: PathCourse, mode: int, limits: Limits) -> list[Paced
         if 0 <= i < k < TABLE:
             bend[i : k + 1] = np.linspace(bend[i], bend[k], k - i + 1)
     quick = quickest((found.qd, bend, np.gradient(bend, s, axis=0)), limits)
-    return laws if quick is None else [*laws, as_fast(quick)]
+    return laws if quick is None else [*laws, quick]
 
 
 # Traces: the tool point goes along a path in a frame that may move, at a process speed (equations Q6 and Q7).
@@ -163,44 +158,26 @@ RESERVE_M, RESERVE_SHARE = 1e-6, 1e-3
 """Added to what is found at these times; the checker bounds what lies between."""
 
 
-@dataclass(frozen=True, eq=False)
-class Process:
+def _times(step: Trace) -> tuple[float, float, float]:
+    """When a trace comes to its path and leaves it, and when its lead-out ends, s since its lead-in began: from rest
+    the mean speed of a lead is half of the process speed."""
+    met = 2.0 * step.lead_in_m / step.speed_m_s
+    left = met + step.dwell_s
+    return met, left, left + 2.0 * step.lead_out_m / step.speed_m_s
+
+
+def _process(step: Trace) -> Trajectory:
     """The arc length of a trace, m from the path's first point, over the time since its lead-in began (Q6)."""
-
-    step: Trace
-
-    @property
-    def met(self) -> float:
-        """How long the lead-in takes, s: from rest its mean speed is half of the process speed."""
-        return 2.0 * self.step.lead_in_m / self.step.speed_m_s
-
-    @property
-    def left(self) -> float:
-        """When the path ends, s."""
-        return self.met + self.step.dwell_s
-
-    @property
-    def duration(self) -> float:
-        return self.left + 2.0 * self.step.lead_out_m / self.step.speed_m_s
-
-    @property
-    def time(self) -> FloatArray:
-        """Begin and end of lead-in, path and lead-out, s."""
-        return np.array([0.0, self.met, self.left, self.duration])
-
-    def states(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Arc length (T, 1), m, and its two derivatives at times t (T,)."""
-        v, length = self.step.speed_m_s, self.step.path.length
-        s, sd, sdd = v * (t - self.met), np.full(len(t), v), np.zeros(len(t))
-        for rows, lasts, sign, edge, place in (
-            (t < self.met, self.met, 1.0, 0.0, -self.step.lead_in_m),
-            (t > self.left, self.duration - self.left, -1.0, self.duration, length + self.step.lead_out_m),
-        ):
-            u = np.clip(sign * (t[rows] - edge) / lasts, 0.0, 1.0)
-            s[rows] = place + sign * v * lasts * u**3 * (1.0 - u / 2.0)
-            sd[rows] = v * u**2 * (3.0 - 2.0 * u)
-            sdd[rows] = sign * v / lasts * 6.0 * u * (1.0 - u)
-        return s[:, None], sd[:, None], sdd[:, None]
+    (met, left, end), v, length = _times(step), step.speed_m_s, step.path.length
+    knots = np.array(
+        [
+            [0.0, -step.lead_in_m, 0.0, 0.0],
+            [met, 0.0, v, 0.0],
+            [left, length, v, 0.0],
+            [end, length + step.lead_out_m, 0.0, 0.0],
+        ]
+    )
+    return Trajectory.of_knots(knots[0 if met > 0.0 else 1 : 4 if end > left else 3])
 
 
 def lead_in_begin(point: ControlPoint) -> Spot:
@@ -210,7 +187,7 @@ def lead_in_begin(point: ControlPoint) -> Spot:
 
 def lead(point: ControlPoint) -> float:
     """Seconds from the beginning of the lead-in to that of the path."""
-    return Process(_trace(point)).met
+    return _times(_trace(point))[0]
 
 
 def left_at(point: ControlPoint) -> ControlPoint:
@@ -236,7 +213,7 @@ def _way(point: ControlPoint, begin: float) -> Way:
     beside = point.pose.position - step.path.curve.at(np.array(edges[:1]))[0][0]
     tilts = None if point.tilt is None else (point.tilt, point.tilt)
     course = PathCourse(scene, point.frame, step.path, edges, 1.0, Pose(), beside, (point.pose.yaw, 0.0), tilts)
-    return Way(scene, Stage.TRACKING, point.step, course, Process(step), begin, point.frame)
+    return Way(scene, Stage.TRACKING, point.step, course, _process(step), begin, point.frame)
 
 
 def trace(point: ControlPoint, state: State, mode: int) -> Tracked | Refusal:
@@ -244,16 +221,17 @@ def trace(point: ControlPoint, state: State, mode: int) -> Tracked | Refusal:
 
     Refused, with the place on the path: out of reach, too near a singularity, a joint beyond its range or its rates.
     """
-    way, law = _way(point, state.time), Process(_trace(point))
+    way, step = _way(point, state.time), _trace(point)
     spline = followed(way, state, mode)
     if isinstance(spline, Refusal):
         if not isinstance(spline.facts, MotionLimit):
             return spline
-        spline = replace(spline, facts=replace(spline.facts, speed_m_s=law.step.speed_m_s))
+        spline = replace(spline, facts=replace(spline.facts, speed_m_s=step.speed_m_s))
         jumps = Jumps.of(way)
         return _too_fast(way, point, mode, jumps.free(marks_of(way, jumps))) or spline
     refusal = _refused_rates(way, point, spline)
-    return refusal or cut(spline, way.begin + law.met, way.begin + law.left)
+    met, left, _ = _times(step)
+    return refusal or cut(spline, way.begin + met, way.begin + left)
 
 
 def _refused_rates(way: Way, point: ControlPoint, spline: Trajectory) -> Refusal | None:
@@ -268,7 +246,7 @@ def _refused_rates(way: Way, point: ControlPoint, spline: Trajectory) -> Refusal
         return None
     kind, joint = (int(k) for k in np.unravel_index(int(fast.ratios.argmax()), fast.ratios.shape))
     t = looks(spline.time)
-    return _at(way, point, fast, float(t[int(np.abs(spline.evaluate(t, kind + 1)[:, joint]).argmax())]))
+    return _at(way, point, fast.ratios, float(t[int(np.abs(spline.evaluate(t, kind + 1)[:, joint]).argmax())]))
 
 
 def _too_fast(way: Way, point: ControlPoint, mode: int, t: FloatArray) -> Refusal | None:
@@ -280,14 +258,13 @@ def _too_fast(way: Way, point: ControlPoint, mode: int, t: FloatArray) -> Refusa
         return None
     worst = np.zeros((3, ratios.shape[2]))
     worst[:2] = ratios.max(1)
-    velocity, acceleration, jerk = worst.max(1).tolist()
-    fast = Rates(velocity, acceleration, jerk, ok=False, ratios=worst, limits=limits)
-    return _at(way, point, fast, float(t[int(ratios.max((0, 2)).argmax())]))
+    return _at(way, point, worst, float(t[int(ratios.max((0, 2)).argmax())]))
 
 
-def _at(way: Way, point: ControlPoint, fast: Rates, when: float) -> Refusal:
-    """The refusal of a joint that is too fast for a path, with where on it that is at its worst."""
-    refusal = too_fast(way.scene, way.stage, way.step, fast, point.frame)
+def _at(way: Way, point: ControlPoint, ratios: FloatArray, when: float) -> Refusal:
+    """The refusal of a joint that is too fast for a path, with where on it that is at its worst; `ratios` (3, n) of its
+    rates to their limits."""
+    refusal = too_fast(way.scene, way.stage, way.step, ratios, point.limits, point.frame)
     if not isinstance(refusal.facts, MotionLimit):
         raise FaultError("a joint too fast without its facts")
     speed = _trace(point).speed_m_s

@@ -8,14 +8,14 @@ is a proposal: what runs is a spline through knots, whose exact extrema decide (
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.legs.line import FLAT, Rates, Seen
 from assur.planner.robots.facts import Limits
-from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.timing import RawProfile, Solver, TimingRefusal, trajectory_of
 from assur.planner.trajectory import Trajectory
 
 PIECES = 12
@@ -40,62 +40,7 @@ SHORTEST_S = 1e-3
 """A law of less is not proposed: knots some 10 µs apart do not carry its jerk."""
 
 
-@dataclass(frozen=True, eq=False)
-class PhaseLaw:
-    """s(t) from 0 to 1, at rest at both ends, over [0, `duration`] s. `jerks` (N,): s⃛ for a duration of 1, on N equal
-    parts, such that the end conditions hold (L3)."""
-
-    duration: float
-    jerks: FloatArray
-
-    def __post_init__(self) -> None:
-        self.jerks.flags.writeable = False
-
-    def slower(self, factor: float) -> PhaseLaw:
-        """The same shape in `factor` times the duration: rates of order k are divided by factor^k."""
-        return replace(self, duration=self.duration * factor)
-
-    @property
-    def time(self) -> FloatArray:
-        """Times at which the jerk jumps, both ends among them, s."""
-        return np.linspace(0.0, self.duration, len(self.jerks) + 1)
-
-    def evaluate(self, t: FloatArray, derivative: int = 0) -> FloatArray:
-        """s or a derivative (0 to 3) at times t (T,) within [0, duration]: (T, 1). The end state is exact."""
-        return self._orders(np.asarray(t))[derivative]
-
-    def states(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """s, ṡ, s̈ (T, 1) at times t (T,) within [0, duration]."""
-        return self._orders(t)[:3]
-
-    def _orders(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        n = len(self.jerks)
-        x = t / self.duration
-        part = np.minimum((x * n).astype(int), n - 1)
-        # The last part is counted from the end, where it is (1, 0, 0), the others from where they begin.
-        last = part == n - 1
-        s, sd, sdd = (np.where(last, end, c[part]) for c, end in zip(self._begins(), (1.0, 0.0, 0.0), strict=True))
-        tau, j = np.where(last, x - 1.0, x - part / n), self.jerks[part]
-        place = s + tau * (sd + tau * (sdd / 2 + tau * j / 6))
-        orders = place, sd + tau * (sdd + tau * j / 2), sdd + tau * j, j
-        first, second, third, fourth = (x[:, None] / self.duration**k for k, x in enumerate(orders))
-        return first, second, third, fourth
-
-    def forwards(self) -> bool:
-        """Whether s nowhere falls, exactly: ṡ is least where a part begins, or where its s̈ passes zero."""
-        _, sd, sdd = self._begins()
-        h, j = 1 / len(self.jerks), self.jerks
-        tau = np.clip(np.divide(-sdd, j, out=np.zeros_like(j), where=j != 0), 0.0, h)
-        return bool(np.minimum(sd, sd + tau * (sdd + tau * j / 2)).min() >= -BACK)
-
-    def _begins(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """s, ṡ, s̈ (N,) where the parts begin, for a duration of 1."""
-        n = len(self.jerks)
-        states = (_BEGINS if n == PIECES else _states(n, np.arange(n) / n)) @ self.jerks
-        return states[:, 0], states[:, 1], states[:, 2]
-
-
-def quickest(derivatives: tuple[FloatArray, FloatArray, FloatArray], limits: Limits) -> PhaseLaw | None:
+def quickest(derivatives: tuple[FloatArray, FloatArray, FloatArray], limits: Limits) -> Trajectory | None:
     """The law found for a line whose joints' q', q'', q''' by s, each (M, n), are given at M even s from 0 to 1.
 
     None where there is none to find: a derivative is not a number, no joint moves, or not far enough for the knots to
@@ -111,8 +56,17 @@ def quickest(derivatives: tuple[FloatArray, FloatArray, FloatArray], limits: Lim
         longest = float(seen.times.max())
         if longest < best:
             best, found = longest, y
-    law = PhaseLaw(best, _PLAIN + _FREE @ found)
-    return law if best >= SHORTEST_S and law.forwards() else None
+    if not best >= SHORTEST_S:
+        return None
+    law = law_of_jerks(best, _PLAIN + _FREE @ found)
+    return law if best * float(law.extrema(1)[0][0]) >= -BACK else None
+
+
+def law_of_jerks(duration: float, jerks: FloatArray) -> Trajectory:
+    """s(t) from 0 to 1, at rest at both ends, over [0, `duration`] s. `jerks` (`PIECES`,): s⃛ for a duration of 1, on
+    equal parts, such that the end conditions hold (L3)."""
+    states = np.concatenate([_BEGINS @ jerks, [[1.0, 0.0, 0.0]]]) / duration ** np.arange(3)
+    return Trajectory.of_knots(np.column_stack([np.linspace(0.0, duration, PIECES + 1), states]))
 
 
 def _descended(
@@ -278,31 +232,21 @@ def _reachable(v0: float, zone: _Zone) -> float:
 
 
 def _timed(zones: list[_Zone], speeds: list[float]) -> Trajectory | None:
-    none, place, tables = np.zeros(1), 0.0, list[FloatArray]()
-    whole, begin = sum(zone.length for zone in zones), 0.0
+    place, begins, profiles = 0.0, [0.0], list[RawProfile]()
     for zone, v0, v1 in zip(zones, speeds[:-1], speeds[1:], strict=True):
-        found = time_joints(
-            np.array([place]),
-            np.array([v0]),
-            none,
-            np.array([place + zone.length]),
-            np.array([v1]),
-            none,
-            np.array([max(zone.speed, v0, v1)]),
-            np.array([zone.acceleration]),
-            np.array([zone.jerk]),
-            begin=begin,
-        )
+        solver = Solver([max(zone.speed, v0, v1)], [zone.acceleration], [zone.jerk])
+        found = solver.raw_profile(([place], [v0], [0.0]), ([place + zone.length], [v1], [0.0]))
         if isinstance(found, TimingRefusal):
             return None
-        tables.append(found.knots if not tables else found.knots[1:])
-        place, begin = place + zone.length, found.end
-    table = np.concatenate(tables)
-    table[:, 1:] /= whole
+        profiles.append(found)
+        begins.append(begins[-1] + found.duration)
+        place += zone.length
+    table = trajectory_of(profiles, begins).knots.copy()
+    table[:, 1:] /= place
     if not (np.diff(table[:, 1]) > 0.0).all():
         return None
     table[-1, 1] = 1.0
-    return Trajectory.of_knots(np.ascontiguousarray(table))
+    return Trajectory.of_knots(table)
 
 
 def faster(law: Trajectory, scale: float) -> Trajectory:

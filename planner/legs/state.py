@@ -28,8 +28,8 @@ class State:
 
 
 @dataclass(frozen=True, eq=False)
-class Knots:
-    """Knots of a part of a motion: a table (K, 1 + 3n) of time, q, q̇, q̈."""
+class States:
+    """States of the joints in rows: a table (K, 1 + 3n) of time, q, q̇, q̈."""
 
     table: FloatArray
 
@@ -56,6 +56,11 @@ class Knots:
     def qdd(self) -> FloatArray:
         """(K, n)."""
         return np.asarray(self.table[:, 1 + 2 * self.n :])
+
+
+@dataclass(frozen=True, eq=False)
+class Knots(States):
+    """Knots of a part of a motion."""
 
     @property
     def begin(self) -> float:
@@ -110,49 +115,23 @@ class TimedLeg:
 
 
 @dataclass(frozen=True, eq=False)
-class Branch:
-    """The meetings of one mode with one choice of turns, (R, 1 + 3n) as `assur.planner.kernels.meetings` has them: the
-    times, which do not decrease, and the joint states. `numbers` (R,): which times of the grid these are; `still`: the
-    point can be met at any time, as in the first row."""
+class Branch(States):
+    """The meetings of one mode with one choice of turns, a row each, at times that do not decrease. `numbers` (R,):
+    which times of the grid these are; `still`: the point can be met at any time, as in the first row."""
 
     mode: int
-    meetings: FloatArray
     numbers: IntArray
     still: bool
 
-    @property
-    def n(self) -> int:
-        return int(self.meetings.shape[1] - 1) // 3
-
-    @property
-    def time(self) -> FloatArray:
-        """(R,) s."""
-        return np.asarray(self.meetings[:, 0])
-
-    @property
-    def q(self) -> FloatArray:
-        """(R, n)."""
-        return np.asarray(self.meetings[:, 1 : 1 + self.n])
-
-    @property
-    def qd(self) -> FloatArray:
-        """(R, n)."""
-        return np.asarray(self.meetings[:, 1 + self.n : 1 + 2 * self.n])
-
-    @property
-    def qdd(self) -> FloatArray:
-        """(R, n)."""
-        return np.asarray(self.meetings[:, 1 + 2 * self.n :])
-
     def velocity_times(self, q: list[float], velocity: list[float]) -> FloatArray:
         """Seconds (R,) that the joints take at least from q to each meeting, by their velocities alone."""
-        found = np.empty(len(self.meetings))
-        velocity_times(np.array(q), self.meetings, np.array(velocity), found)
+        found = np.empty(len(self.table))
+        velocity_times(np.array(q), self.table, np.array(velocity), found)
         return found
 
     def least_durations(self, start: FloatArray, limits: Limits, every: int, *, jerk_limited: bool) -> FloatArray:
         """Lower bounds, s, of the durations from the state `start` (3, n) to every so many-th meeting."""
-        rows = self.meetings if every == 1 else np.ascontiguousarray(self.meetings[::every])
+        rows = self.table if every == 1 else np.ascontiguousarray(self.table[::every])
         found = np.empty(len(rows))
         least_durations(start, rows, limits.table, jerk_limited, found)
         return found

@@ -10,18 +10,19 @@ frames are taken to stand, and Ruckig's with constant limits of s. The faster le
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion, like
 from assur.planner.legs.course import PathCourse
-from assur.planner.legs.follower import Phase, Uniform, Way, followed
+from assur.planner.legs.follower import UNIFORM, Way, followed
 from assur.planner.legs.limits import rates
 from assur.planner.legs.line import Along, Line, Rates
-from assur.planner.legs.phase_law import TABLE, PhaseLaw, quickest
+from assur.planner.legs.phase_law import TABLE, faster, quickest
 from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.model.outcome import Course, LegKind, Route
 from assur.planner.model.path import LONGEST_S
@@ -38,7 +39,7 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import Limits
-from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.timing import TimingRefusal, fastest_motion
 from assur.planner.trajectory import Trajectory
 
 ROUNDS = 12
@@ -62,9 +63,6 @@ between two points of the table, and then neither is."""
 LOOKS = 201
 """Points of a line at which its distance from a singular position is looked at."""
 
-Paced = Callable[[float], Phase | TimingRefusal]
-"""A phase law `scale` times as fast."""
-
 
 def straight(
     scene: Scene, step: int, state: State, mode: int, left: Along, met: Along, held: str | None = None
@@ -76,46 +74,44 @@ def straight(
     of the spline. Refused: out of reach, too near a singularity, a joint position beyond its limit.
     """
     start, limits = np.array([state.time]), scene.limits_with(held)
-    line = Way(scene, Stage.STRAIGHT, step, Line(left, met, scene.tool.tcp), Uniform(), state.time)
+    line = Way(scene, Stage.STRAIGHT, step, Line(left, met, scene.tool.tcp), UNIFORM, state.time)
 
-    def by(paced: Paced, closely: int) -> TimedLeg | Refusal:
-        return by_law(line, state, mode, paced, closely, limits)
+    def by(law: Trajectory, closely: int) -> TimedLeg | Refusal:
+        return by_law(line, state, mode, law, closely, limits)
 
     leg: TimedLeg | Refusal | None = None
     standing = _still(left, start) and _still(met, start)
     if standing:
         law, surely = _made_for(scene, mode, left(start), met(start), limits)
         if law is not None:
-            leg = by(as_fast(law), CLOSE_ROUNDS)
+            leg = by(law, CLOSE_ROUNDS)
         if law is not None and isinstance(leg, TimedLeg):
             t = leg.knots.time
             told = abs(leg.duration / law.duration - 1) <= AS_TOLD
             if told and leg.duration <= surely and _still(left, t) and _still(met, t):
                 return leg
-    plain = by(constant_law, 0)
+    plain = by(constant_law(), 0)
     if isinstance(plain, Refusal):
         return plain
     if not standing:
         # the line that is gone is rather that from where one frame is left to where the other is met
         law, _ = _made_for(scene, mode, left(start), met(plain.knots.time[-1:]), limits)
         if law is not None:
-            leg = by(as_fast(law), CLOSE_ROUNDS)
+            leg = by(law, CLOSE_ROUNDS)
     return leg if isinstance(leg, TimedLeg) and leg.duration < plain.duration else plain
 
 
-def as_fast(law: PhaseLaw) -> Paced:
-    """A law made for a path, faster or slower."""
-    return lambda scale: law.slower(1 / scale)
+@cache
+def constant_law() -> Trajectory:
+    """Ruckig's law from 0 to 1 with the constant limits `FIRST` of s."""
+    v, a, j = FIRST
+    law = fastest_motion(([0.0], [0.0], [0.0]), ([1.0], [0.0], [0.0]), ([v], [a], [j]))
+    if isinstance(law, TimingRefusal):
+        raise FaultError(f"no constant law: {law.detail}")
+    return law
 
 
-def constant_law(scale: float) -> Trajectory | TimingRefusal:
-    """Ruckig's law from 0 to 1 with constant limits of s, `scale` times as fast as by `FIRST`."""
-    v, a, j = (np.array([FIRST[order] * scale ** (order + 1)]) for order in range(3))
-    none = np.zeros(1)
-    return time_joints(none, none, none, np.ones(1), none, none, v, a, j)
-
-
-def _made_for(scene: Scene, mode: int, a: Motion, b: Motion, limits: Limits) -> tuple[PhaseLaw | None, float]:
+def _made_for(scene: Scene, mode: int, a: Motion, b: Motion, limits: Limits) -> tuple[Trajectory | None, float]:
     """The law made for the line between two poses (1,) that stand, if there is one, and the time below which a leg is
     surely faster than one of the constant law.
 
@@ -126,8 +122,8 @@ def _made_for(scene: Scene, mode: int, a: Motion, b: Motion, limits: Limits) -> 
     line = Line(lambda _: a.at_rest()[row], lambda _: b.at_rest()[row], scene.tool.tcp)
     along = scene.robot.inverse(line.motion(s, s, np.ones(TABLE), np.zeros(TABLE)), mode, 3)
     derivatives = along.qd, along.qdd, along.qddd
-    law, plain = quickest(derivatives, limits), constant_law(1.0)
-    if law is None or isinstance(plain, TimingRefusal):
+    law, plain = quickest(derivatives, limits), constant_law()
+    if law is None:
         return None, 0.0
     t = np.linspace(0.0, plain.duration, CONSTANT_LOOKS)
     shape = np.concatenate([plain.evaluate(t, order) * plain.duration**order for order in range(4)], 1)
@@ -141,7 +137,7 @@ def _still(along: Along, t: FloatArray) -> bool:
     return not (motion.v.any() or motion.a.any() or motion.yaw_d.any() or motion.yaw_dd.any())
 
 
-def by_law(way: Way, state: State, mode: int, paced: Paced, closely: int, limits: Limits) -> TimedLeg | Refusal:
+def by_law(way: Way, state: State, mode: int, law: Trajectory, closely: int, limits: Limits) -> TimedLeg | Refusal:
     """The leg on the course of `way` by a phase law, as fast as keeps the joints' `limits`; in so many rounds to begin
     with, closely so."""
     scale, on_path = 1.0, isinstance(way.course, PathCourse)
@@ -150,8 +146,8 @@ def by_law(way: Way, state: State, mode: int, paced: Paced, closely: int, limits
         close = number < closely
         if kept is not None and not close:
             break
-        phase = paced(scale)
-        if isinstance(phase, TimingRefusal) or (on_path and phase.duration > LONGEST_S):
+        phase = faster(law, scale)
+        if phase.duration > LONGEST_S:
             return unmoved(way.stage, way.step, Obstacle.NO_PROFILE)
         spline = followed(replace(way, phase=phase), state, mode)
         if isinstance(spline, Refusal):

@@ -8,7 +8,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.frames.motion import Motion, Tilt, TiltedMotion
+from assur.planner.frames.motion import Motion, Pose, Tilt, TiltedMotion
 from assur.planner.model.scene import Scene, Step
 from assur.planner.robots.robot import Robot
 
@@ -20,14 +20,27 @@ SAME_RAD = 1e-9
 """Pitches nearer to each other than this are one: rounding."""
 
 
+def flange_of(robot: Robot, q: FloatArray) -> Pose:
+    """The pose of the flange in the world, pitch and roll aside, in the joint position q (n,)."""
+    position, yaw = robot.forward(q)
+    x, y, z = position.tolist()
+    return Pose(x, y, z, float(yaw))
+
+
 def tilt_of(robot: Robot, q: FloatArray) -> Tilt | None:
     """Pitch and roll, rad, of the arm's hand in the joint position q (n,); None for an arm that has none."""
+    there = _hand(robot, q)
+    if there is None:
+        return None
+    pitch, roll = there.tolist()
+    return pitch, roll
+
+
+def _hand(robot: Robot, q: FloatArray) -> FloatArray | None:
+    """Pitch and roll (..., 2), rad, in joint positions (..., n)."""
     none = np.zeros_like(q)
     motion = robot.link_motion(robot.links.index("flange"), q, none, none, none)
-    if not isinstance(motion, TiltedMotion):
-        return None
-    pitch, roll = motion.tilt.tolist()
-    return pitch, roll
+    return motion.tilt if isinstance(motion, TiltedMotion) else None
 
 
 def tilts(scene: Scene, step: Step, q: FloatArray) -> tuple[Tilt | None, ...]:
@@ -56,19 +69,13 @@ def tilt_off(robot: Robot, q: FloatArray, path: Motion) -> FloatArray:
     for a path that has none."""
     if not isinstance(path, TiltedMotion):
         return np.zeros(len(q))
-    none = np.zeros_like(q)
-    motion = robot.link_motion(robot.links.index("flange"), q, none, none, none)
-    if not isinstance(motion, TiltedMotion):
+    there = _hand(robot, q)
+    if there is None:
         raise FaultError(f"{robot.name} has no pitch and roll to keep to a path")
-    off = motion.tilt - path.tilt
+    off = there - path.tilt
     return np.asarray(np.abs(off - 2 * np.pi * np.round(off / (2 * np.pi))).max(-1))
 
 
 def pitch_free(scene: Scene, step: Step) -> bool:
     """Whether a step leaves the pitch to choose, so that what was tried is not all there is."""
     return "pitch" in scene.robot.coordinates and (step.target is None or step.target.pitch is None)
-
-
-def roll_free(scene: Scene, step: Step) -> bool:
-    """Whether a step leaves the roll to choose."""
-    return "roll" in scene.robot.coordinates and (step.target is None or step.target.roll is None)

@@ -35,19 +35,19 @@ def lift_most(scene: Scene, *, carried: bool) -> float:
     return LIFTED * limit if carried and limit is not None else math.inf
 
 
-def tool_peaks(scene: Scene, trajectory: Trajectory, t0: float, t1: float, step: float = STEP_S) -> ToolPeaks:
+def tool_peaks(scene: Scene, trajectory: Trajectory, t0: float, t1: float) -> ToolPeaks:
     """The largest speed and acceleration of the tool point over [t0, t1], within the trajectory, and when, by samples
-    every `step` s (`PARTS` of each piece of the spline at least) and closer ones around the largest."""
+    every `STEP_S` (`PARTS` of each piece of the spline at least) and closer ones around the largest."""
     found, tcp = np.empty(4), scene.tool.tcp
-    step = max(step, (t1 - t0) / MOST_SAMPLES)
+    step = max(STEP_S, (t1 - t0) / MOST_SAMPLES)
     row, edges, c = scene.robot.row, trajectory.edges, trajectory.coefficients
     sampled_peaks(row, edges, c, tcp.x, tcp.y, t0, t1, step, PARTS, found)
     return ToolPeaks(*found.tolist())
 
 
-def tool_peak(scene: Scene, trajectory: Trajectory, t0: float, t1: float, step: float = STEP_S) -> tuple[float, float]:
+def tool_peak(scene: Scene, trajectory: Trajectory, t0: float, t1: float) -> tuple[float, float]:
     """Largest acceleration, m/s², of the tool point over [t0, t1] (`tool_peaks`), and when."""
-    found = tool_peaks(scene, trajectory, t0, t1, step)
+    found = tool_peaks(scene, trajectory, t0, t1)
     return found.acceleration, found.acceleration_time
 
 

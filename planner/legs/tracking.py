@@ -22,7 +22,7 @@ from assur.planner.model.outcome import LegKind
 from assur.planner.model.refusal import Obstacle, Refusal, Stage, unmoved
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import Limits
-from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.timing import TimingRefusal, fastest_motion
 from assur.planner.trajectory import Trajectory
 
 SAME_S = 1e-12
@@ -42,45 +42,15 @@ class Tracked:
     end: float
 
 
-@dataclass(frozen=True, eq=False)
-class _Heights:
-    """Height above the point over all of them: down, at the point, up; each part may be missing. Times count from where
-    the way down begins, s."""
+def _heights(down: Trajectory | None, left: float, up: Trajectory | None) -> Trajectory:
+    """Height above the point, m, over the time since the way down began: down, at the point until `left`, s, and up.
 
-    down: Trajectory | None
-    dwell: float
-    up: Trajectory | None
-
-    @property
-    def met(self) -> float:
-        return self.down.duration if self.down else 0.0
-
-    @property
-    def left(self) -> float:
-        return self.met + self.dwell
-
-    @property
-    def duration(self) -> float:
-        return self.left + (self.up.duration if self.up else 0.0)
-
-    @property
-    def _parts(self) -> list[tuple[float, Trajectory]]:
-        """What begins when, s."""
-        return [(begin, part) for begin, part in ((0.0, self.down), (self.left, self.up)) if part]
-
-    @property
-    def time(self) -> FloatArray:
-        """Times at which the jerk jumps, s."""
-        ends = np.array([0.0, self.met, self.left, self.duration])
-        return np.concatenate([ends, *(begin + part.time for begin, part in self._parts)])
-
-    def states(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Height, its rate and acceleration (T, 1) at t (T,)."""
-        heights = np.zeros((3, len(t), 1))
-        for begin, part in self._parts:
-            rows = (t < self.met) if part is self.down else (t > self.left)
-            heights[:, rows] = part.states(np.clip(t[rows] - begin, 0.0, part.duration))
-        return heights[0], heights[1], heights[2]
+    Each part may be missing, but not all of them.
+    """
+    first = np.zeros((1, 4)) if down is None else down.knots
+    last = np.zeros((1, 4)) if up is None else up.knots.copy()
+    last[:, 0] += left
+    return Trajectory.of_knots(np.concatenate([first, last if left > first[-1, 0] else last[1:]]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,12 +91,13 @@ def track(
             return down
         if isinstance(up, Refusal):
             return up
-        heights = _Heights(down, point.dwell, up)
-        if not heights.duration > 0.0:
+        met = 0.0 if down is None else down.duration
+        left = met + point.dwell
+        if down is None and up is None and not point.dwell > 0.0:
             touch = Knots.made(np.array([state.time]), state.q[None], state.qd[None], state.qdd[None])
             return Tracked((TimedLeg(LegKind.FOLLOW, touch),), state.time, state.time)
+        heights, met, left = _heights(down, left, up), state.time + met, state.time + left
         way = Way(scene, Stage.TRACKING, point.step, _Above(point), heights, state.time, point.frame)
-        met, left = state.time + heights.met, state.time + heights.left
         spline = followed(way, state, mode, (met, left) if point.still else None)
         if isinstance(spline, Refusal):
             return spline
@@ -135,7 +106,7 @@ def track(
             return fast
         if fast.ok:
             return cut(spline, met, left)
-        refusal = too_fast(scene, Stage.TRACKING, point.step, fast, point.frame)
+        refusal = too_fast(scene, Stage.TRACKING, point.step, fast.ratios, fast.limits, point.frame)
         if point.entry is not None or leaves is not None:
             break  # a moving end has one speed: stops are other candidates
         effort *= min(0.8, 0.95 / fast.ratio**2)
@@ -175,18 +146,8 @@ def _way(
     if lift is not None:
         v, a, j = float(limits.velocity[lift]), float(limits.acceleration[lift]), float(limits.jerk[lift])
     a = min(a, lift_most(scene, carried=point.carries(up=high == 0.0)))
-    none = np.zeros(1)
-    found = time_joints(
-        np.array([high]),
-        none,
-        none,
-        np.array([low]),
-        none,
-        none,
-        np.array([v * effort**0.5]),
-        np.array([a * effort]),
-        np.array([j * effort**1.5]),
-    )
+    limited = [v * effort**0.5], [a * effort], [j * effort**1.5]
+    found = fastest_motion(([high], [0.0], [0.0]), ([low], [0.0], [0.0]), limited)
     if isinstance(found, TimingRefusal):
         return unmoved(Stage.TRACKING, point.step, Obstacle.NO_PROFILE)
     return found

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from assur.planner.claim.obligations import loads_of
 from assur.planner.collision.nearest import nearest, nearest_pairs
 from assur.planner.collision.proof import Prover
-from assur.planner.legs.limits import instants, least_margins, parts
+from assur.planner.legs.limits import instants, least_margins, parts, used
 from assur.planner.legs.tool_motion import carrying_peak, tool_peaks
 from assur.planner.model.load import Carried, held_inertia
 from assur.planner.model.outcome import Contact, JointPeak, Margins
@@ -54,13 +54,12 @@ def _peaks(scene: Scene, trajectory: Trajectory, phases: tuple[Phase, ...]) -> t
     """The peaks of all joints, and the limit of which most is used. No jerk where it has no limit. A ratio is the
     greatest of all phases, each with the limits of its load."""
     joints, kinds = scene.robot.joints, RATES if scene.options.jerk_limited else RATES[:2]
-    tops, ratios = np.zeros((len(kinds), len(joints))), np.zeros((len(kinds), len(joints)))
+    tops, ratios = np.zeros((2, 3, len(joints)))
     spans = [(phase.t1, phase.attached.limits(scene)) for phase in phases if phase.t1 <= trajectory.end]
     for part, limits in parts(trajectory, spans):
-        for k, limit in enumerate((limits.velocity, limits.acceleration, limits.jerk)[: len(kinds)]):
-            low, high = part.extrema(k + 1)
-            top = np.maximum(np.abs(low), np.abs(high))
-            tops[k], ratios[k] = np.maximum(tops[k], top), np.maximum(ratios[k], top / limit)
+        rates = used(part, limits)
+        tops, ratios = np.maximum(tops, np.abs(rates.extremes[1:]).max(1)), np.maximum(ratios, rates.ratios)
+    tops, ratios = tops[: len(kinds)], ratios[: len(kinds)]
     binding = max(
         (ratio, joint.name, str(kind))
         for kind, of_kind in zip(kinds, ratios.tolist(), strict=True)
@@ -87,18 +86,12 @@ def contacts(phases: tuple[Phase, ...]) -> tuple[Contact, ...]:
 def carried(scene: Scene, phases: tuple[Phase, ...]) -> tuple[Carried, ...]:
     """What the flange carries, one entry for all phases that follow each other with the same part in the gripper."""
     found = list[Carried]()
-    for phase in phases:
-        if phase.step < 0:
-            continue  # the arm stands still
-        held = phase.attached.held
-        part = None if held is None else held.part
-        if found and found[-1].part == part:
-            found[-1] = replace(found[-1], t1=phase.t1)
-            continue
+    for part, t0, t1 in loads_of(phases):
         load = next(load for load in scene.loads if load.part == part)
+        held = next(phase.attached.held for phase in phases if phase.t0 == t0 and phase.attached.part == part)
         inertia = scene.loads[0].inertia_kgm2
         if inertia is not None and held is not None:
             body = scene.index[held.part]
             inertia += held_inertia(body.body, body.mass_kg or 0.0, held.in_flange)
-        found.append(Carried(part, load.mass_kg, inertia, load.share, phase.t0, phase.t1))
+        found.append(Carried(part, load.mass_kg, inertia, load.share, t0, t1))
     return tuple(found)

@@ -52,7 +52,7 @@ class Population:
     ) -> None:
         self.options, self.score, self.rng, self.adaptive = options, score, rng, adaptive
         self.may_stop = may_stop(scene, partial.step)
-        self.freedom = _freedom(scene, partial, options)
+        self.freedom = Freedom(scene, partial, options)
         self.shares = np.array([tuning.DIRECT if self.freedom.moving else 0.0, tuning.ONE_VIA, tuning.TWO_VIAS])
         most = tuning.MOST_ROWS // (tuning.INSTANTS * max(1, score.pairs))
         self.sizes = tuple(min(size, max(tuning.FEWEST, most)) for size in tuning.EVALUATED)
@@ -114,21 +114,6 @@ class Population:
     def _candidate(self, row: FloatArray) -> Candidate:
         there = at_the_point(self.rng, may_stop=self.may_stop)
         return Candidate(self.options[int(row[OPTION])], shape_of(row), *there)
-
-
-def _freedom(scene: Scene, partial: PartialPlan, options: tuple[Option, ...]) -> Freedom:
-    step = scene.task[partial.step]
-    weights = tuning.TOWARDS * np.power(1 - tuning.TOWARDS, np.arange(len(options)))
-    return Freedom(
-        robot=scene.robot,
-        start=partial.state.q,
-        goals=np.array([option.branch.q[0] for option in options]),
-        weights=weights / weights.sum(),
-        waits=can_wait(scene, partial),
-        moving=not all_stand(scene.frames.values()),
-        late=np.array([not option.branch.still for option in options]),
-        via=step.via,
-    )
 
 
 LEAST_RISE_M = 1e-3

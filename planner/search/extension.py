@@ -8,7 +8,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.frames.motion import Motion, Pose, TiltedMotion
+from assur.planner.frames.motion import Motion, TiltedMotion
 from assur.planner.legs.accuracy import arrival_error, too_far
 from assur.planner.legs.control_point import WINDOW_S, ControlPoint
 from assur.planner.legs.forbidden_yaw import turns_into
@@ -19,7 +19,7 @@ from assur.planner.legs.missed import by_law
 from assur.planner.legs.path_leg import along_path, left_at, trace, traced
 from assur.planner.legs.state import Knots, TimedLeg
 from assur.planner.legs.straight import mode_changes, straight
-from assur.planner.legs.tilt import tilt_of
+from assur.planner.legs.tilt import flange_of, tilt_of
 from assur.planner.legs.tool_motion import RESERVE, carrying_peak
 from assur.planner.legs.tracking import track
 from assur.planner.model.assembly_mode import leaves_assembly
@@ -42,7 +42,7 @@ from assur.planner.robots.facts import Limits
 from assur.planner.robots.robot import Robot
 from assur.planner.search.meeting_options import ends_too_late, laws_over, shifted_out, stops_at_via, tracked_too_long
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, paced
-from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.timing import TimingRefusal, fastest_motion
 from assur.planner.trajectory import Trajectory
 
 STILL = 1e-9
@@ -152,8 +152,7 @@ def _line(scene: Scene, partial: PartialPlan, point: ControlPoint, wait: float, 
         def left(t: FloatArray) -> Motion:
             return before.flange(t, before.depart)
     elif state.resting:
-        p, yaw = scene.robot.forward(state.q)
-        pose, tilt = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw)), tilt_of(scene.robot, state.q)
+        pose, tilt = flange_of(scene.robot, state.q), tilt_of(scene.robot, state.q)
 
         def left(t: FloatArray) -> Motion:
             still = Motion.still(pose, np.shape(t))
@@ -313,8 +312,9 @@ def _at_rest(step: int, legs: list[TimedLeg], pace: float, limits: Limits) -> li
     duration = pace * float(np.max(np.abs(last.qd) / limits.acceleration + 2 * limits.acceleration / limits.jerk))
     # what an even braking over that time covers
     target = np.clip(last.q + last.qd * duration / 2, limits.lower, limits.upper)
-    none, rates = np.zeros_like(last.q), (limits.velocity, limits.acceleration, limits.jerk)
-    found = time_joints(last.q, last.qd, last.qdd, target, none, none, *rates, begin=last.time)
+    start, rest = (last.q.tolist(), last.qd.tolist(), last.qdd.tolist()), [0.0] * len(last.q)
+    velocity, acceleration, jerk = limits.table[2:].tolist()
+    found = fastest_motion(start, (target.tolist(), rest, rest), (velocity, acceleration, jerk), last.time)
     if isinstance(found, TimingRefusal):
         return unmoved(Stage.TIMING, step, Obstacle.NO_PROFILE)
     return [*legs, TimedLeg(LegKind.MOVE, Knots.of(found), Route(Course.TO_REST))]
@@ -346,8 +346,7 @@ def arrival(
     scene: Scene, point: ControlPoint, partial: PartialPlan, trajectory: Trajectory, begin: float, end: float
 ) -> Arrival:
     """The arrival at the control point that ends `partial` at `begin`, s, where the tool tracks it until `end`."""
-    p, yaw = scene.robot.forward(trajectory.evaluate(np.array(begin)))
-    pose = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw)).then(scene.tool.tcp)
+    pose = flange_of(scene.robot, trajectory.evaluate(begin)).then(scene.tool.tcp)
     along = point.along(np.array(begin))
     return Arrival(
         step=point.step,
@@ -361,7 +360,5 @@ def arrival(
         window_left_s=window_left(point, begin),
         pitch=None if point.tilt is None else point.tilt[0],
         roll=None if point.tilt is None else point.tilt[1],
-        error=arrival_error(
-            scene, point.step, partial.attached, partial.handled, trajectory.evaluate(np.array(end)), end
-        ),
+        error=arrival_error(scene, point.step, partial.attached, partial.handled, trajectory.evaluate(end), end),
     )

@@ -54,7 +54,7 @@ def options(scene: Scene, partial: PartialPlan, found: list[Meetings]) -> tuple[
     for meeting in found:
         look()
         for branch in meeting.branches:
-            every = 1 + len(branch.meetings) // EVALUATED_MEETINGS
+            every = 1 + len(branch.table) // EVALUATED_MEETINGS
             least = branch.least_durations(start, limits, every, jerk_limited=scene.options.jerk_limited)
             if not branch.still:
                 # the earliest of these times that the least duration allows

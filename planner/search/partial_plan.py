@@ -19,7 +19,6 @@ from assur.planner.legs.path_leg import lead as lead_of_trace
 from assur.planner.legs.state import Branch, Knots, State, TimedLeg
 from assur.planner.legs.tool_motion import lift_most
 from assur.planner.legs.tracking import lead_time
-from assur.planner.model.arrival_error import ArrivalError
 from assur.planner.model.outcome import Arrival, BestCandidate, Course, Leg, LegKind, Route
 from assur.planner.model.phases import (
     AT_START,
@@ -227,15 +226,14 @@ def best_candidate(scene: Scene, refused: RefusedMotion | None, proved: PartialP
 
 def _with_known_errors(arrivals: tuple[Arrival, ...]) -> tuple[Arrival, ...]:
     """Arrivals without errors that have no bound: so large a lag may take the arm where it cannot be."""
-    return tuple(each if _is_bounded(each.error) else replace(each, error=None) for each in arrivals)
-
-
-def _is_bounded(error: ArrivalError | None) -> bool:
-    """Whether all numbers of an error are finite."""
-    if error is None:
-        return True
-    within = error.within
-    return math.isfinite(error.position_m + within.position_m + within.vertical_m + within.yaw_rad)
+    found = list[Arrival]()
+    for each in arrivals:
+        if each.error is not None:
+            lengths = each.error.position_m, each.error.within.position_m, each.error.within.vertical_m
+            if not math.isfinite(sum(lengths) + each.error.within.yaw_rad):
+                each = replace(each, error=None)
+        found.append(each)
+    return tuple(found)
 
 
 def _of_motion(scene: Scene, motion: TimedCandidate | Extension, refusal: Refusal) -> BestCandidate:

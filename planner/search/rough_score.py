@@ -26,7 +26,7 @@ class RoughMotions:
         self._start, self._time = np.array([state.q, state.qd]), float(state.time)
         first, rows, meetings = 0, [], []
         for branch in (option.branch for option in options):
-            some = branch.meetings[:1] if branch.still else branch.meetings
+            some = branch.table[:1] if branch.still else branch.table
             rows.append((first, len(some), branch.still))
             first += len(some)
             meetings.append(some)

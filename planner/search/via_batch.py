@@ -6,12 +6,9 @@ their coarse score (`rough_score`) tells which are worth it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-
 import numpy as np
 
-from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.kernels.candidates import (
     EFFORT,
     FIRST_VIA,
@@ -38,8 +35,12 @@ from assur.planner.kernels.drawing import (
     free_via,
     vary,
 )
+from assur.planner.laws import all_stand
 from assur.planner.legs.joint import Shape, Via
+from assur.planner.model.scene import Scene
 from assur.planner.robots.robot import Robot
+from assur.planner.search.partial_plan import Option, PartialPlan, can_wait
+from assur.planner.search.tuning import TOWARDS
 
 
 def roles(robot: Robot) -> IntArray:
@@ -72,19 +73,19 @@ def shape_of(row: FloatArray) -> Shape:
     return Shape(wait, late, vias, effort=effort, through=through)
 
 
-@dataclass(frozen=True, eq=False)
 class Freedom:
-    """What the candidates from one partial plan may differ in. `goals` (M, n): joints about where each option is met;
-    `weights` (M,) of the options; whether waiting, being late and passing the control point are possible."""
+    """What the candidates from one partial plan to its options may differ in: the option, the vias, and where that is
+    possible the wait, how late they are, and how they pass the control point."""
 
-    robot: Robot
-    start: FloatArray
-    goals: FloatArray
-    weights: FloatArray
-    waits: bool
-    moving: bool
-    late: BoolArray
-    via: bool
+    def __init__(self, scene: Scene, partial: PartialPlan, options: tuple[Option, ...]) -> None:
+        weights = TOWARDS * np.power(1 - TOWARDS, np.arange(len(options)))
+        self.goals = np.array([option.branch.q[0] for option in options])
+        late = np.array([float(not option.branch.still) for option in options])
+        self.start, self.via = partial.state.q, scene.task[partial.step].via
+        self.waits, self.moving = can_wait(scene, partial), not all_stand(scene.frames.values())
+        limits, start, shares = scene.robot.limits.table, np.array(self.start), np.cumsum(weights / weights.sum())
+        self._tables = limits, roles(scene.robot), start, self.goals, late, shares
+        """What `draw` takes, from limits to options."""
 
     def drawn(self, rng: np.random.Generator, count: int, shares: FloatArray) -> FloatArray:
         """`count` new ones; `shares`: weights of direct ones (if they may wait or be late), and of one and two vias."""
@@ -110,13 +111,6 @@ class Freedom:
         limits, late = self._tables[0], self._tables[4]
         vary(limits, late, self.waits and self.moving, parents, chances, normals, rows)
         return rows
-
-    @cached_property
-    def _tables(self) -> tuple[FloatArray, IntArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-        """What `draw` takes, from limits to options."""
-        late = self.late.astype(np.float64)
-        weights = np.cumsum(self.weights)
-        return self.robot.limits.table, roles(self.robot), np.array(self.start), np.array(self.goals), late, weights
 
     def _rows(self, count: int) -> FloatArray:
         return np.zeros((count, FIRST_VIA + MOST_VIAS * len(self.start)))

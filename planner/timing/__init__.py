@@ -1,6 +1,14 @@
 """When joints are where: phases of constant jerk, the door to the solver that makes them, and lower bounds."""
 
-from assur.planner.timing.solver import SHORTEST, Numbers, RawProfile, Solver, TimingRefusal, time_joints, trajectory_of
+from assur.planner.timing.solver import (
+    SHORTEST,
+    Numbers,
+    RawProfile,
+    Solver,
+    TimingRefusal,
+    fastest_motion,
+    trajectory_of,
+)
 
 __all__ = [
     "SHORTEST",
@@ -8,6 +16,6 @@ __all__ = [
     "RawProfile",
     "Solver",
     "TimingRefusal",
-    "time_joints",
+    "fastest_motion",
     "trajectory_of",
 ]

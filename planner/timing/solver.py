@@ -107,21 +107,10 @@ Numbers = tuple[Row, Row, Row]
 """q, q̇, q̈, n numbers each: for four joints NumPy takes three times as long."""
 
 
-def numbers(arguments: Sequence[FloatArray]) -> list[Row]:
-    """Vectors as lists, of one length; `InputError` naming the one that is none. `arguments`: states, then limits."""
-    rows: list[Row] = []
-    for name, argument in zip((*STATE_NAMES, *LIMIT_NAMES), arguments, strict=True):
-        row = np.asarray(argument, dtype=np.float64)
-        if row.ndim != 1 or len(row) != len(rows[0] if rows else row) or not len(row):
-            raise InputError(f"timing.{name}", argument, f"a vector of {len(rows[0]) if rows else 'some'} numbers")
-        rows.append(row.tolist())
-    return rows
-
-
 def accepted(names: Sequence[str], rows: Sequence[Row], n: int) -> None:
     """Accepts rows of n finite numbers each; `InputError` naming the first that is not."""
     # a sum is finite only if every number is
-    if n > 0 and all(len(row) == n for row in rows) and math.isfinite(sum(map(sum, rows))):
+    if n > 0 and set(map(len, rows)) == {n} and math.isfinite(sum(map(sum, rows))):
         return
     for name, row in zip(names, rows, strict=True):
         if not (len(row) == n > 0 and math.isfinite(sum(row))):
@@ -147,22 +136,19 @@ def lowered_limits(start: Numbers, goal: Numbers, allowed: Allowed) -> Limits | 
     ease = [_at_ease(*joint) for joint in states]
     if all(ease):
         return usual
-    out = Limits([], [], [], [], [])
+    rows = list[tuple[float, ...]]()
     for i, (v, a, j) in enumerate(zip(allowed.velocity, allowed.acceleration, allowed.jerk, strict=True)):
+        lowered_v, lowered_a, lowered_j = usual.velocity[i], usual.acceleration[i], usual.jerk[i]
         if ease[i]:
-            out.velocity.append(usual.velocity[i])
-            out.backward.append(usual.backward[i])
-            out.acceleration.append(usual.acceleration[i])
-            out.braking.append(usual.braking[i])
-            out.jerk.append(usual.jerk[i])
+            rows.append((lowered_v, -lowered_v, lowered_a, -lowered_a, lowered_j))
             continue
         need_a = (0.0, a0[i], a1[i])
         worst = max(map(abs, need_a))
         if not worst <= a * (1 + LIMIT_TOLERANCE):
             return TimingRefusal("limits", worst / a - 1, f"joint {i}: acceleration {worst}, limit {a}")
-        for lowered_j in (usual.jerk[i], j):
-            after = v0[i] + a0[i] * abs(a0[i]) / (2 * lowered_j)
-            before = v1[i] - a1[i] * abs(a1[i]) / (2 * lowered_j)
+        for given_j in (lowered_j, j):
+            after = v0[i] + a0[i] * abs(a0[i]) / (2 * given_j)
+            before = v1[i] - a1[i] * abs(a1[i]) / (2 * given_j)
             need_v = (0.0, v0[i], v1[i], after, before)
             worst = max(map(abs, need_v))
             if worst <= v * (1 + LIMIT_TOLERANCE):
@@ -170,13 +156,10 @@ def lowered_limits(start: Numbers, goal: Numbers, allowed: Allowed) -> Limits | 
         else:
             return TimingRefusal("limits", worst / v - 1, f"joint {i}: velocity comes to {worst}, limit {v}")
         # The solver compares without tolerance: a few roundings more than is needed.
-        lowered_v, lowered_a = usual.velocity[i], usual.acceleration[i]
-        out.velocity.append(max(lowered_v, max(need_v) * (1 + 1e-14)))
-        out.backward.append(min(-lowered_v, min(need_v) * (1 + 1e-14)))
-        out.acceleration.append(max(lowered_a, max(need_a) * (1 + 1e-14)))
-        out.braking.append(min(-lowered_a, min(need_a) * (1 + 1e-14)))
-        out.jerk.append(lowered_j)
-    return out
+        needs = [end * (1 + 1e-14) for end in (max(need_v), min(need_v), max(need_a), min(need_a))]
+        forward, pull = max(lowered_v, needs[0]), max(lowered_a, needs[2])
+        rows.append((forward, min(-lowered_v, needs[1]), pull, min(-lowered_a, needs[3]), given_j))
+    return Limits(*map(list, zip(*rows, strict=True)))
 
 
 def _at_ease(v0: float, a0: float, v1: float, a1: float, v: float, a: float, j: float) -> bool:
@@ -242,34 +225,19 @@ END_POSITION, END_VELOCITY, END_ACCELERATION = 1e-7, 1e-7, 1e-6
 """rad or m, and s. What the solver may miss an end state by: it promises 1e-8; more cannot be trusted."""
 
 
-def time_joints(
-    q0: FloatArray,
-    v0: FloatArray,
-    a0: FloatArray,
-    q1: FloatArray,
-    v1: FloatArray,
-    a1: FloatArray,
-    velocity: FloatArray,
-    acceleration: FloatArray,
-    jerk: FloatArray,
-    duration: float | None = None,
-    begin: float = 0.0,
-) -> Trajectory | TimingRefusal:
-    """The fastest motion from state 0 to state 1 in which all joints arrive together, or the one of `duration`.
+def fastest_motion(start: Numbers, goal: Numbers, limits: Numbers, begin: float = 0.0) -> Trajectory | TimingRefusal:
+    """The fastest motion from one state to another in which all joints arrive together, from `begin`, s, on.
 
-    The limits are the robot's own: the solver is given `JERK_RESERVE` and `RATE_RESERVE` less, so that the spline
-    through the knots keeps them in all but one of some thousand motions, but never less than what the two states need.
+    The limits of velocity, acceleration and jerk are the robot's own: the solver is given `JERK_RESERVE` and
+    `RATE_RESERVE` less, so that the spline through the knots keeps them in all but one of some thousand motions, but
+    never less than what the two states need. From rest to rest a motion takes `SHORTEST` at least. Positions may leave
+    the box of start and goal: not checked here, like every position limit.
 
-    Arguments: positions, velocities, accelerations of n joints, each (n,), rad or m, and symmetric limits (n,);
-    `duration` in s or None; `begin`: when it begins, s. From rest to rest the fastest motion takes `SHORTEST` at least.
-    Positions may leave the box of start and goal: not checked here, like every position limit.
-
-    Raises `InputError` for lengths that differ, numbers that are not finite, limits that are not positive, a duration
-    that is not. Source: Berscheid and Kröger, Jerk-limited Real-time Trajectory Generation with Arbitrary Target States
-    (RSS 2021), by way of the library `ruckig`.
+    Raises `InputError` for lengths that differ, numbers that are not finite, limits that are not positive. Source:
+    Berscheid and Kröger, Jerk-limited Real-time Trajectory Generation with Arbitrary Target States (RSS 2021), by way
+    of the library `ruckig`.
     """
-    q0_, v0_, a0_, q1_, v1_, a1_, *limits = numbers((q0, v0, a0, q1, v1, a1, velocity, acceleration, jerk))
-    found = Solver(*limits).raw_profile((q0_, v0_, a0_), (q1_, v1_, a1_), duration)
+    found = Solver(*limits).raw_profile(start, goal)
     return found if isinstance(found, TimingRefusal) else trajectory_of([found], [begin, begin + found.duration])
 
 
@@ -286,7 +254,7 @@ class Solver:
         self._ruckig, self._given = ruckig.Ruckig(self._n), ruckig.InputParameter(self._n)
 
     def raw_profile(self, start: Numbers, goal: Numbers, duration: float | None = None) -> RawProfile | TimingRefusal:
-        """What `time_joints` makes a trajectory of."""
+        """The fastest motion, or the one of `duration`, s."""
         accepted_duration(duration)
         lowered = self._lowered(start, goal)
         if duration is not None and not duration <= LONGEST:

@@ -3,21 +3,15 @@
 from assur.planner.trajectory.trajectory import (
     JERK_TOLERANCE,
     LIMIT_TOLERANCE,
-    LimitCheck,
-    LimitReport,
     Trajectory,
     accepted_bands,
-    check_limits,
     keeps_bands,
 )
 
 __all__ = [
     "JERK_TOLERANCE",
     "LIMIT_TOLERANCE",
-    "LimitCheck",
-    "LimitReport",
     "Trajectory",
     "accepted_bands",
-    "check_limits",
     "keeps_bands",
 ]

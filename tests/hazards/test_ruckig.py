@@ -13,9 +13,10 @@ import ruckig
 from numpy.typing import NDArray
 
 from assur.planner.errors import InputError
-from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.timing import TimingRefusal
 from assur.planner.trajectory import Trajectory
 from tests.hazards.known import mended_since
+from tests.planner.timing.legs import time_joints
 
 Floats = NDArray[np.float64]
 LAST_SEEN = "0.19.4"
@@ -48,7 +49,7 @@ def _timed(*, duration: Any = None, **changed: Any) -> Trajectory | TimingRefusa
     """The same question to our door."""
     states = {"q0": [0.0], "v0": [0.0], "a0": [0.0], "q1": [1.0], "v1": [0.0], "a1": [0.0], **LIMITS, **changed}
     arguments: dict[str, Any] = {name: np.array(value, dtype=np.float64) for name, value in states.items()}
-    return time_joints(**arguments, duration=duration)
+    return time_joints(*arguments.values(), duration=duration)
 
 
 def test_a_duration_that_is_not_a_number_is_ignored_by_ruckig_and_bad_input_for_us() -> None:

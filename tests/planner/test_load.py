@@ -14,7 +14,7 @@ from assur.planner.checker import Code
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
-from assur.planner.legs.limits import parts
+from assur.planner.legs.limits import parts, used
 from assur.planner.model.claims import Claims
 from assur.planner.model.load import Carried, LoadLimits, Tool
 from assur.planner.model.outcome import NotPlanned, Plan, Planned
@@ -24,11 +24,11 @@ from assur.planner.model.scene import Holding, Move, Place, Scene, Target
 from assur.planner.pipeline import plan
 from assur.planner.report.sentence import sentence
 from assur.planner.robots.facts import lowered
-from assur.planner.timing import time_joints
 from assur.planner.timing.solver import JERK_RESERVE, RATE_RESERVE
-from assur.planner.trajectory import Trajectory, check_limits
+from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CUP, arm, cell, go, stands, table_to_table
 from tests.planner.checker.hand_made import sealed
+from tests.planner.timing.legs import time_joints
 
 HEAVY = LoadLimits(rated_kg=2.0, max_kg=5.0)
 
@@ -127,10 +127,9 @@ def peaks(scene: Scene, found: Planned) -> list[tuple[str | None, float]]:
     for load in found.carried:
         rows = (path.time >= load.t0) & (path.time <= load.t1)
         part = Trajectory(path.time[rows], path.q[rows], path.qd[rows], path.qdd[rows])
-        kinds = limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk
-        report = check_limits(part, *kinds)
-        assert report.ok
-        result.append((load.part, float(report.acceleration.ratio.max())))
+        rates = used(part, limits)
+        assert rates.ok
+        result.append((load.part, float(rates.ratios[1].max())))
     return result
 
 
@@ -162,7 +161,7 @@ def test_a_loaded_straight_leg_keeps_its_share() -> None:
     assert 0.25 * 0.95 <= max(ratio for part, ratio in peaks(scene, slow) if part) <= 0.25 * (1.0 + 1e-9)
 
 
-def used(acceleration: float, jerk: float) -> tuple[float, float]:
+def lowered_rates(acceleration: float, jerk: float) -> tuple[float, float]:
     """What the solver gets of limits."""
     return acceleration * (1 - RATE_RESERVE), jerk * (1 - JERK_RESERVE)
 
@@ -172,7 +171,7 @@ def test_a_move_from_rest_to_rest_takes_as_long_as_the_scaled_limits_say(share: 
     """One joint that does not come to its full speed: T = a/j + √((a/j)² + 4 D/a), and a/j does not change; and over a
     distance in which it does not come to its full acceleration: T = (32 D/j)^(1/3)."""
     limits = lowered(arm().limits, share)
-    a, j = used(float(limits.acceleration[0]), float(limits.jerk[0]))
+    a, j = lowered_rates(float(limits.acceleration[0]), float(limits.jerk[0]))
     rates = limits.velocity[:1], limits.acceleration[:1], limits.jerk[:1]
     none = np.zeros(1)
     for distance, expected in (
@@ -194,7 +193,7 @@ def test_a_plan_with_a_tool_above_the_rated_load_takes_as_long_as_its_share_says
 
     for mass, share in ((1.0, 1.0), (4.0, 0.5)):
         found = turn(mass)
-        a, j = used(share * 50.0, share * 1000.0)
+        a, j = lowered_rates(share * 50.0, share * 1000.0)
         expected = a / j + math.sqrt((a / j) ** 2 + 4 * 0.4 / a)
         assert found.plan.trajectory.duration == pytest.approx(expected, rel=1e-9)
         # nothing is quicker: the bound is made of the limits with the load, too

@@ -25,7 +25,6 @@ from assur.planner.model.refusal import Reason, Stage
 from assur.planner.model.scene import Arch, Clearance, Execution, Follow, Move, Pick, Place, Scene, Target, Window
 from assur.planner.model.task import Tolerance
 from assur.planner.pipeline import plan
-from assur.planner.trajectory import check_limits
 from tests.planner.cells import (
     CRANKED,
     CUP,
@@ -44,6 +43,7 @@ from tests.planner.cells import (
     table_to_table,
 )
 from tests.planner.robots.five_bars import five_bar
+from tests.planner.trajectory.splines import keeps_limits
 
 GATE = stands("bar", box(0.3, 0.02, 0.1), 0.15, 0.0, 0.0, frame="gate")
 
@@ -336,7 +336,7 @@ def test_what_is_planned_passes_the_checker_and_keeps_every_limit(name: str) -> 
     scene = MOVES[name]()
     outcome = planned(scene)
     path, limits = outcome.plan.trajectory, scene.robot.limits
-    assert check_limits(path, limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk).ok
+    assert keeps_limits(path, limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk)
     assert path.start == scene.start.time
     assert np.array_equal(path.q[0], scene.start.q)
     assert np.array_equal(path.qd[0], scene.start.qd)

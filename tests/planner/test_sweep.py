@@ -8,9 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from assur.planner.timing import time_joints
 from assur.planner.trajectory import Trajectory
-from tests.planner.timing.legs import question
+from tests.planner.timing.legs import question, time_joints
 from tests.planner.trajectory.splines import bernstein, splines, sweep
 
 Floats = NDArray[np.float64]

@@ -15,9 +15,9 @@ from assur.planner.laws import Frame, Law, conveyor, keyframes, linear, swing, t
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene, Tool
-from assur.planner.timing import time_joints
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import Around, Shape, arm, block, cell, go, rotation, solid
+from tests.planner.timing.legs import time_joints
 
 BALL = Pose(0.03, -0.02, -0.05)
 """Where the ball is on the flange."""

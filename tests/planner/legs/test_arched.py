@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 from assur.planner.arrays import FloatArray
 from assur.planner.legs.line import Pace
 from assur.planner.legs.missed import Hop, arch
-from assur.planner.timing import RawProfile, TimingRefusal, time_joints, trajectory_of
-from assur.planner.trajectory import Trajectory, check_limits
+from assur.planner.timing import RawProfile, TimingRefusal, trajectory_of
+from assur.planner.trajectory import Trajectory
 from tests.planner.cells import limits
-from tests.planner.timing.legs import Floats, numbers
+from tests.planner.timing.legs import Floats, numbers, time_joints
+from tests.planner.trajectory.splines import keeps_limits
 
 LIFT = 2
 LIMITS = limits()
@@ -64,7 +65,7 @@ def path(arched: RawProfile, begin: float = 0.0) -> Trajectory:
 
 
 def keeps(trajectory: Trajectory) -> bool:
-    return check_limits(trajectory, np.full(4, -50.0), np.full(4, 50.0), *RATES).ok
+    return keeps_limits(trajectory, np.full(4, -50.0), np.full(4, 50.0), *RATES)
 
 
 SHARES = st.sampled_from([0.0, 0.2, 0.5, 0.9, 1.0])
@@ -147,7 +148,7 @@ def test_an_arch_to_a_moving_end_takes_the_time_it_is_given_within_all_limits(
         assert found.reason in ("blocked", "too short")
         return
     assert found.duration == pytest.approx(first.duration + more, abs=1e-12)
-    assert keeps(path(found)), check_limits(path(found), np.full(4, -50.0), np.full(4, 50.0), *RATES)
+    assert keeps(path(found))
 
 
 def test_an_arch_in_less_time_than_it_takes_is_refused_with_the_seconds_that_are_missing() -> None:

@@ -14,9 +14,10 @@ from assur.planner.legs.meeting import FARTHER, RANGE_M, entering, leaving, may_
 from assur.planner.model.phases import AT_START
 from assur.planner.model.scene import Arch, Move, Pick, Place, Scene, Step, Target
 from assur.planner.robots.robot import Robot
-from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.timing import TimingRefusal
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import arm, cell, limits, stands
+from tests.planner.timing.legs import time_joints
 
 LIMITS = limits()
 HEIGHT = 0.004

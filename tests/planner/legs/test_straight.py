@@ -13,18 +13,19 @@ from hypothesis import strategies as st
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion, Pose, TiltedMotion
 from assur.planner.laws import Law, conveyor, fixed, turntable
-from assur.planner.legs.follower import Uniform, Way
+from assur.planner.legs.follower import UNIFORM, Way
 from assur.planner.legs.line import Along, Line
 from assur.planner.legs.state import State, TimedLeg
 from assur.planner.legs.straight import by_law, constant_law, mode_changes, straight
 from assur.planner.model.refusal import Reason, Refusal, Singular, Stage
 from assur.planner.model.scene import Scene
 from assur.planner.robots.robot import Robot
-from assur.planner.trajectory import Trajectory, check_limits
+from assur.planner.trajectory import Trajectory
 from assur.scenes.catalogue import arm_named
 from benchmarks.legs import fastest_joint_move
 from tests.planner.cells import amount_of, arm, cell, go, limits, unit_of
 from tests.planner.five_axis_cells import five_axis_arm
+from tests.planner.trajectory.splines import keeps_limits
 
 LIMITS = limits()
 ON_THE_LINE_M = 2e-6
@@ -44,8 +45,8 @@ def begin(scene: Scene, law: Law, pose: Pose, t: float, mode: int) -> State:
 
 
 def by_the_constant_law(scene: Scene, state: State, mode: int, left: Along, met: Along) -> TimedLeg | Refusal:
-    way = Way(scene, Stage.STRAIGHT, 0, Line(left, met, scene.tool.tcp), Uniform(), state.time)
-    return by_law(way, state, mode, constant_law, 0, scene.robot.limits)
+    way = Way(scene, Stage.STRAIGHT, 0, Line(left, met, scene.tool.tcp), UNIFORM, state.time)
+    return by_law(way, state, mode, constant_law(), 0, scene.robot.limits)
 
 
 def path(leg: TimedLeg) -> Trajectory:
@@ -123,9 +124,7 @@ def test_a_straight_leg_begins_and_ends_with_its_frames_and_keeps_all_limits(
     assert np.abs(tool.v - wanted.v).max() <= 1e-8
     assert np.abs(tool.a - wanted.a).max() <= 1e-6
     assert np.abs(tool.yaw_d - wanted.yaw_d).max() <= 1e-8
-    assert check_limits(
-        found, LIMITS.lower - 10, LIMITS.upper + 10, LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk
-    ).ok
+    assert keeps_limits(found, LIMITS.lower - 10, LIMITS.upper + 10, LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk)
 
 
 def still(x: float, y: float, z: float = 0.1) -> tuple[Law, Pose]:
@@ -266,7 +265,7 @@ def test_no_leg_is_slower_than_by_the_constant_law_and_what_that_refuses_is_refu
             refused += 1
             continue
         found = path(leg)
-        assert check_limits(found, given.lower, given.upper, given.velocity, given.acceleration, given.jerk).ok
+        assert keeps_limits(found, given.lower, given.upper, given.velocity, given.acceleration, given.jerk)
         ratios.append(found.duration / path(before).duration)
     assert refused > 0
     assert max(ratios) <= 1.01

@@ -25,8 +25,9 @@ from assur.planner.model.scene import Follow, Pick, Scene, Start, Target, Tool
 from assur.planner.robots.facts import Code, Limits
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.tilting import ElbowArm, PolarArm
-from assur.planner.trajectory import Trajectory, check_limits
+from assur.planner.trajectory import Trajectory
 from tests.planner.cells import BARE, CRANKED, CUP, amount_of, arm, cell, frame, limits, stands, unit_of
+from tests.planner.trajectory.splines import keeps_limits
 
 LIMITS = limits()
 FOLLOWED_M = 1e-6
@@ -143,9 +144,7 @@ def test_a_block_begins_in_its_state_keeps_all_limits_and_ends_with_the_frame(se
     assert block.end - block.begin == pytest.approx(0.1, abs=1e-12)
     assert block.legs[1].knots.time[0] == pytest.approx(block.begin, abs=1e-12)
     assert block.legs[1].knots.time[-1] == pytest.approx(block.end, abs=1e-12)
-    assert check_limits(
-        path, LIMITS.lower - 10, LIMITS.upper + 10, LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk
-    ).ok
+    assert keeps_limits(path, LIMITS.lower - 10, LIMITS.upper + 10, LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk)
     assert np.abs(np.diff(path.q, axis=0)).max() < 1.0
     # at the end it moves as the frame does: forward kinematics by differences, the law's own velocity
     end = np.array([path.end - 2e-6, path.end - 1e-6, path.end])
@@ -271,8 +270,7 @@ def test_an_arm_without_a_lift_goes_straight_down_to_a_moving_point_and_up_again
         knots = leg.knots
         path = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
         limits = robot.limits
-        report = check_limits(path, *(getattr(limits, name) for name in LIMIT_NAMES))
-        assert report.ok
+        assert keeps_limits(path, *(getattr(limits, name) for name in LIMIT_NAMES))
         t = np.linspace(path.start, path.end, 301)
         position, _ = robot.forward(path.evaluate(t))
         off = position - point.flange(t).p

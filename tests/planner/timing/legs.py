@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from assur.planner.timing import Numbers, Solver
+from assur.planner.timing import Numbers, Solver, TimingRefusal, trajectory_of
+from assur.planner.trajectory import Trajectory
 
 Floats = NDArray[np.float64]
 
@@ -107,3 +108,11 @@ def question(rng: np.random.Generator, robot: str, kind: str, n: int = 4, least:
         states = [v0, a0, v1, a1]
     q0 = rng.uniform(-3, 3, n)
     return Question(q0, states[0], states[1], q0 + way, states[2], states[3], v, a, j)
+
+
+def time_joints(*rows: Floats, duration: float | None = None, begin: float = 0.0) -> Trajectory | TimingRefusal:
+    """The fastest motion, or the one of `duration`, s, that begins at `begin`, s. `rows`: q, q̇, q̈ of start and goal,
+    and limits of velocity, acceleration and jerk, each (n,)."""
+    start, goal, limits = (numbers(rows[k : k + 3]) for k in (0, 3, 6))  # type: ignore[arg-type]
+    found = Solver(*limits).raw_profile(start, goal, duration)
+    return found if isinstance(found, TimingRefusal) else trajectory_of([found], [begin, begin + found.duration])

@@ -8,11 +8,10 @@ import ruckig
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assur.planner.timing import time_joints
 from assur.planner.timing.solver import TimingRefusal
 from assur.planner.trajectory import Trajectory
 from tests.planner.timing.least import least_duration, rest_to_rest_time
-from tests.planner.timing.legs import KINDS, ROBOTS, Question, question
+from tests.planner.timing.legs import KINDS, ROBOTS, Question, question, time_joints
 
 
 def true_minimum(asked: Question) -> float:

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import ruckig
 
-from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.timing import TimingRefusal
 from assur.planner.timing.solver import Allowed, lowered_limits
 from assur.planner.trajectory import Trajectory
-from tests.planner.timing.legs import KINDS, ROBOTS, Question, numbers, question
+from tests.planner.timing.legs import KINDS, ROBOTS, Question, numbers, question, time_joints
 from tests.planner.trajectory.splines import keeps_limits
 
 WIDE = 1e3

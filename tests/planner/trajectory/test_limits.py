@@ -9,15 +9,12 @@ from hypothesis import strategies as st
 
 from assur.planner.errors import InputError
 from assur.planner.kernels.limits import NONE, first_beyond
-from assur.planner.trajectory import (
-    JERK_TOLERANCE,
-    LIMIT_TOLERANCE,
-    Trajectory,
-    check_limits,
-)
+from assur.planner.legs.limits import rates, used
+from assur.planner.model.refusal import Refusal, Stage
+from assur.planner.robots.facts import Limits
+from assur.planner.trajectory import JERK_TOLERANCE, LIMIT_TOLERANCE, Trajectory
+from tests.planner.cells import table_to_table
 from tests.planner.trajectory.splines import Floats, keeps_limits, spline, splines
-
-KINDS = ("position", "velocity", "acceleration", "jerk")
 
 
 def snug(path: Trajectory) -> list[Floats]:
@@ -34,11 +31,10 @@ def moving(seed: int) -> Trajectory:
 @pytest.mark.parametrize("seed", range(5))
 def test_a_trajectory_at_its_limits_keeps_them_with_ratio_one(seed: int) -> None:
     path = moving(seed)
-    report = check_limits(path, *snug(path))
-    assert report.ok
-    for check, kind in zip(report.checks, KINDS, strict=True):
-        assert (check.kind, check.ok, check.joint) == (kind, True, None)
-        assert check.ratio == pytest.approx(np.ones(3), abs=1e-12)
+    found = used(path, Limits(*snug(path)))
+    assert found.ok
+    assert found.ratios == pytest.approx(np.ones((3, 3)), abs=1e-12)
+    assert found.ratio == pytest.approx(1.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("kind", range(4))
@@ -53,30 +49,27 @@ def test_a_limit_lowered_by_ten_tolerances_is_broken_by_that_joint_there(kind: i
         for share, ok in ((0.5, True), (10.0, False)):
             lowered = [limit.copy() for limit in limits]
             lowered[which][joint] -= share * tolerance * width
-            report = check_limits(path, *lowered)
-            assert report.ok is ok
+            found = used(path, Limits(*lowered))
+            assert found.ok is ok
             assert keeps_limits(path, *lowered) is ok
-            check = report.checks[kind]
-            assert check.ok is ok
-            if not ok:
-                assert check.joint == joint
-                others = [c.ok for k, c in enumerate(report.checks) if k != kind]
-                assert all(others)
+            broken = [] if ok else [[kind, joint]]
+            assert np.argwhere(~found.kept).tolist() == broken
 
 
 def test_the_joint_that_is_named_is_the_one_that_keeps_its_limit_least() -> None:
-    t = np.linspace(0, 4, 41)
+    scene, t = table_to_table(), np.linspace(0, 4, 41)[:, None]
+    limits = scene.robot.limits
+    middle, half = (limits.lower + limits.upper) / 2, (limits.upper - limits.lower) / 2
     # Joint 0 swings out from 2 s on, joint 1 already at 1 s but less far.
-    q = np.stack([high * np.exp(-((t - at) ** 2) * 20) for at, high in ((2.5, 1.0), (1.0, 0.6))], 1)
-    qd = q * np.stack([-40 * (t - 2.5), -40 * (t - 1.0)], 1)
-    qdd = q * np.stack([(40 * (t - 2.5)) ** 2 - 40, (40 * (t - 1.0)) ** 2 - 40], 1)
-    wide = np.full(2, 1e6)
-    path = Trajectory(t, q, qd, qdd)
-    report = check_limits(path, np.full(2, -1.0), np.full(2, 0.5), wide, wide, wide)
-    assert (report.position.ok, report.position.joint) == (False, 0)
-    assert report.position.upper == pytest.approx([1.0, 0.6], abs=1e-4)
-    assert report.velocity.ok
-    assert not report.ok
+    at, high = np.array([2.5, 1.0, 2.0, 2.0]), half * np.array([1.5, 1.1, 0.0, 0.0])
+    swing = high * np.exp(-((t - at) ** 2) * 20)
+    path = Trajectory(t[:, 0], middle + swing, -40 * (t - at) * swing, ((40 * (t - at)) ** 2 - 40) * swing)
+    found = rates(scene, Stage.LIMITS, 0, path, limits)
+    assert isinstance(found, Refusal)
+    assert found.joint == scene.robot.joints[0].name
+    assert found.amount is not None
+    assert found.amount.value == pytest.approx(0.5 * half[0], abs=1e-4 * half[0])
+    assert used(path, limits).kept[0].tolist() == [False, False, True, True]
 
 
 def test_an_excess_between_samples_is_found() -> None:
@@ -96,7 +89,7 @@ def test_the_quick_answer_is_the_full_one(path: Trajectory, factor: float, kind:
     halves = [half, *rates]
     halves[kind] = halves[kind] * factor
     arguments = (middle - halves[0], middle + halves[0], *halves[1:])
-    assert keeps_limits(path, *arguments) is check_limits(path, *arguments).ok
+    assert keeps_limits(path, *arguments) is used(path, Limits(*arguments)).ok
 
 
 @pytest.mark.parametrize(
@@ -104,13 +97,12 @@ def test_the_quick_answer_is_the_full_one(path: Trajectory, factor: float, kind:
     [(0, np.nan), (1, np.inf), (2, 0.0), (3, -1.0), (4, np.nan), (0, 5.0)],
 )
 def test_limits_that_are_none_are_refused(which: int, value: float) -> None:
-    path = moving(0)
-    limits = snug(path)
+    limits = snug(moving(0))
     limits[which] = np.array([1e3, 1e3, value]) if which else np.array([-1e3, -1e3, 1e3 * value])
     with pytest.raises(InputError):
-        check_limits(path, *limits)
+        Limits(*limits)
     with pytest.raises(InputError):
-        check_limits(path, *(limit[:2] for limit in snug(path)))
+        Limits(*(limit[:2] if k == which else limit for k, limit in enumerate(snug(moving(0)))))
 
 
 def test_no_jerk_is_kept_by_a_trajectory_that_jumps() -> None:
@@ -118,12 +110,11 @@ def test_no_jerk_is_kept_by_a_trajectory_that_jumps() -> None:
     qd, qdd = np.array([[0.0], [1.0], [1.0], [0.0]]), np.array([[1.0], [1.0], [-1.0], [-1.0]])
     path = Trajectory(time, np.array([[0.0], [0.5], [0.5], [1.0]]), qd, qdd, jumps=True)
     limits = np.array([-1.0]), np.array([2.0]), np.array([2.0]), np.array([2.0])
-    report = check_limits(path, *limits, np.array([1e9]))
-    assert not report.ok
-    assert [check.ratio[0] for check in report.checks[1:]] == [pytest.approx(0.5), pytest.approx(0.5), np.inf]
+    found = used(path, Limits(*limits, np.array([1e9])))
+    assert found.ok
+    assert found.ratios[:, 0].tolist() == [pytest.approx(0.5), pytest.approx(0.5), 0.0]
     assert not keeps_limits(path, *limits, np.array([1e9]))
     assert keeps_limits(path, *limits, None)
-    assert check_limits(path, *limits, None).ok
 
 
 @given(splines, st.floats(0.5, 1.5), st.integers(0, 3))
