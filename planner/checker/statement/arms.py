@@ -284,10 +284,10 @@ def require_knots(report: Requirements, robot: Robot, path: Trajectory, claim: c
     own, behind = knots[first : first + count], len(knots) - first - count
     same = (
         behind in (0, 1)
-        and np.array_equal(own[:, c.KNOT_TIME], path.time)
-        and np.array_equal(own[:, c.KNOT_Q : c.KNOT_Q + n], path.q)
-        and np.array_equal(own[:, c.KNOT_QD : c.KNOT_QD + n], path.qd)
-        and np.array_equal(own[:, c.KNOT_QDD : c.KNOT_QDD + n], path.qdd)
+        and bool((own[:, c.KNOT_TIME] == path.time).all())
+        and bool((own[:, c.KNOT_Q : c.KNOT_Q + n] == path.q).all())
+        and bool((own[:, c.KNOT_QD : c.KNOT_QD + n] == path.qd).all())
+        and bool((own[:, c.KNOT_QDD : c.KNOT_QDD + n] == path.qdd).all())
     )
     for k, beside in [(0, 1)] * first + [(-1, -2)] * behind:
         rests = not knots[[k, beside], c.KNOT_QD :].any()
