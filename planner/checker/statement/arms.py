@@ -170,7 +170,7 @@ def _require_chain(report: Requirements, robot: Robot, arm: int, claim: c.Claim)
 def textbook(robot: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Places (L, m, 3), m, and yaw, pitch and roll (L, m, 3), rad, of the links of an arm in the world for joint values
     q (m, n); NaN where its loop does not close. Raises `FaultError` for an arm of another family."""
-    chain, ones = chain_of(robot), np.column_stack([np.ones(len(q)), q]).T
+    chain, ones = chain_of(robot), np.concatenate([np.ones((1, len(q))), q.T])
     local, angles = ((each @ ones).transpose(0, 2, 1) for each in (chain.origins, chain.angles))
     places = _stacked(chain.parents, local, angles)
     if chain.loop:

@@ -276,8 +276,8 @@ class Handling(Requirements):
             times = list(dict.fromkeys([time, *(arrival.time for arrival in self.plan.arrivals)]))
             q = np.array([self.state_at(t)[0] for t in times])
             places, angles = (each[int(self.flange)] for each in arms.textbook(self.scene.robot, q))
-            rows = np.column_stack([places, angles[:, 0]]).tolist()
-            self._tools |= {t: then((x, y, z, yaw), self.tcp) for t, (x, y, z, yaw) in zip(times, rows, strict=True)}
+            for t, (x, y, z), yaw in zip(times, places.tolist(), angles[:, 0].tolist(), strict=True):
+                self._tools[t] = then((x, y, z, yaw), self.tcp)
         return self._tools[time]
 
     def uncertainty(self, name: str, handed: Sequence[int]) -> PoseUncertainty | None:

@@ -53,10 +53,11 @@ def _require_seats(statement: Statement, names: list[str]) -> None:
     seats, off = _required_seats(statement)
     stages, stated = statement.stages, statement.claim.seats[statement.claim.seated.astype(int)]
     apart = np.abs(stated - seats)
-    apart[:, :, -1] = np.abs(np.remainder(apart[:, :, -1] + math.pi, math.tau) - math.pi)
-    same_seats, known = (apart <= SAME).all(2), statement.claim.off >= off - SAME
-    if same_seats.all() and known.all():
+    known = statement.claim.off >= off - SAME
+    if (apart <= SAME).all() and known.all():
         return
+    apart[:, :, -1] = np.abs(np.remainder(apart[:, :, -1] + math.pi, math.tau) - math.pi)
+    same_seats = (apart <= SAME).all(2)
     for phase, body in np.argwhere(~same_seats).tolist():
         what = f"{names[body]} is fixed to something else, or at another pose"
         statement.require(False, Code.SEAT, what, stages[phase].when)
