@@ -7,13 +7,13 @@ require. Neither trusts the writer of the claim, who is no part of `checker`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from assur.planner.checker.claim.verdict import ClaimFinding, check_claim
-from assur.planner.checker.statement import state_answer, state_cell, state_legs, state_motion, state_plan
+from assur.planner.checker.statement import Handling, state_answer, state_cell, state_legs, state_motion, state_plan
 from assur.planner.checker.statement.differences import at
 from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.claim import columns as c
@@ -75,10 +75,11 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     here, and there is no verdict then. A plan of another task or robot gets findings, not exceptions. Not checked: that
     the plan is good.
     """
-    strange = _strange(scene, plan)
+    handling = Handling(scene, plan)
+    strange = _strange(scene, plan, handling.bodies)
     if strange:
         return Verdict.of(strange)
-    of_legs = state_legs(scene, plan)
+    of_legs = state_legs(scene, plan, handling)
     if any(each.code is not Code.DIGEST for each in of_legs):
         return Verdict.of(of_legs)  # who holds what follows from the legs: with others, nothing can be shown
     between()
@@ -89,7 +90,7 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
         return claim if claims is NOTHING else with_answer(base, claim, plan, of_plan, claims)
 
     def compare(claim: Claim) -> list[Finding]:
-        different = state_plan(scene, plan, claim)
+        different = state_plan(scene, plan, claim, handling)
         return different if different or claims is NOTHING else state_answer(scene, plan, claims, claim)
 
     judged = _judged(scene, plan, of_plan, claims, fill, compare, between)
@@ -179,8 +180,9 @@ def _named(
     return Finding(finding.code, what, amount, "" if math.isnan(amount) else "m", where)
 
 
-def _strange(scene: Scene, plan: Plan) -> list[Finding]:
-    """Findings about a plan that is none for this robot and task, so that nothing after has to ask."""
+def _strange(scene: Scene, plan: Plan, bodies: Collection[str]) -> list[Finding]:
+    """Findings about a plan that is none for this robot and task, so that nothing after has to ask. `bodies`: the names
+    of all bodies."""
     findings = []
     knots, n, names = plan.trajectory, len(scene.robot.joints), plan.certificate.names
     if knots.n != n:
@@ -198,19 +200,16 @@ def _strange(scene: Scene, plan: Plan) -> list[Finding]:
     for what, step in steps:
         if not step < len(scene.task):
             findings.append(Finding(Code.FORM, f"a plan with {what}s of step {step}, which the task has not"))
-    bodies = {
-        *scene.index,
-        *(item.body.name for item in scene.robot.bodies),
-        *(body.name for body in scene.tool.bodies),
-    }
     unknown = [name for name in names if name not in bodies]
     if unknown:
         findings.append(Finding(Code.ROW, f"the certificate names a body that there is not: {unknown[0]!r:.60}"))
     found, many = plan.certificate, len(names)
     known = (found.first >= 0) & (found.first < many) & (found.second >= -1) & (found.second < many)
-    for row in np.flatnonzero(~known)[:1].tolist():
+    if not known.all():
+        row = int(np.argmin(known))
         findings.append(Finding(Code.ROW, f"row {row} of the certificate is about a body that it does not name"))
-    units = np.abs(np.linalg.norm(found.normal, axis=1) - 1.0) <= UNIT
-    for row in np.flatnonzero(~units)[:1].tolist():
+    units = np.abs(np.sqrt((found.normal**2).sum(1)) - 1.0) <= UNIT
+    if not units.all():
+        row = int(np.argmin(units))
         findings.append(Finding(Code.ROW, f"the normal of row {row} of the certificate is no unit vector"))
     return findings

@@ -17,6 +17,7 @@ from assur.planner.claim.distances import Distances, is_limited
 from assur.planner.claim.frames import Frames, frames_of
 from assur.planner.claim.joint_sums import Postures, sums_of
 from assur.planner.claim.obligations import (
+    EMPTY,
     Carriers,
     JointLimits,
     Seats,
@@ -26,6 +27,7 @@ from assur.planner.claim.obligations import (
     phases_of,
     seats_of,
     solids_of,
+    table_of,
 )
 from assur.planner.claim.points import Rows as NamedRows
 from assur.planner.claim.points import axes_of, guides_of, points_of, rates_of
@@ -35,9 +37,6 @@ from assur.planner.model.outcome import Certificate, Plan
 from assur.planner.model.phases import Phase
 from assur.planner.model.phases import phases as phases_in
 from assur.planner.model.scene import Scene
-
-EMPTY = {name: c.table(name, []) for name in c.WIDTHS}
-"""Tables without rows, which many claims share."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +103,7 @@ def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = Non
         **{**cell.tables, "required": required},
         **cell.frames.around(path, robot_until),
         **phases_of(scene, cell.carriers, base.seats, phases),
-        **{name: c.table(name, own) if own else EMPTY[name] for name, own in rows.items()},
+        **{name: table_of(name, own) for name, own in rows.items()},
         limits=base.limits.over(path.start, phases),
         rows=rows_of(plan.certificate, cell.carriers.body),
         gap_rows=EMPTY["gap_rows"],

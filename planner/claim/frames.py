@@ -160,9 +160,9 @@ class Frames:
         """The same with the knots of a robot that follows `path` and then rests until `robot_until`, s. Raises
         `InputError` for a path that does not end at rest, and is needed longer."""
         arms, knots = self.tables["arms"].copy(), knots_of(path, path.start, robot_until)
-        arms[0, c.ARM_KNOTS] = len(knots)
-        arms[1:, c.ARM_KNOT] += len(knots)
-        others = self.tables["knots"]
+        arms[0, c.ARM_KNOTS], others = len(knots), self.tables["knots"]
+        if len(others):
+            arms[1:, c.ARM_KNOT] += len(knots)
         return {**self.tables, "arms": arms, "knots": np.concatenate((knots, others)) if len(others) else knots}
 
 

@@ -16,6 +16,14 @@ from assur.planner.model.phases import Attachments, Phase, at_start, contact_gap
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import Limits
 
+EMPTY = {name: c.table(name, []) for name in c.WIDTHS}
+"""Tables without rows, which many claims share."""
+
+
+def table_of(name: str, rows: Sequence[Sequence[float]]) -> FloatArray:
+    """Rows as the table of this name."""
+    return c.table(name, rows) if rows else EMPTY[name]
+
 
 @dataclass(frozen=True, eq=False)
 class Carriers:
@@ -113,17 +121,20 @@ def phases_of(scene: Scene, carriers: Carriers, seats: Seats, phases: Sequence[P
         "seated": seated,
         "off": off,
         "shares": shares_of(scene, phases),
-        "contacts": c.table("contacts", contacts),
-        "put_down": c.table("put_down", put_down),
-        "supports": np.array(supports, dtype=float).reshape(len(supports), many),
+        "contacts": table_of("contacts", contacts),
+        "put_down": table_of("put_down", put_down),
+        "supports": np.array(supports) if supports else np.empty((0, many)),
     }
 
 
 def shares_of(scene: Scene, phases: Sequence[Phase]) -> FloatArray:
     """The share (phases, 2 F) that the tool has in the displacement of each frame along its line: at least, at most."""
-    many, number = len(scene.frames), {name: k for k, name in enumerate(scene.frames)}
+    many = len(scene.frames)
     found = np.zeros((len(phases), 2 * many))
-    for p, phase in enumerate(phases if scene.execution.belt_correction else ()):
+    if not scene.execution.belt_correction:
+        return found
+    number = {name: k for k, name in enumerate(scene.frames)}
+    for p, phase in enumerate(phases):
         shares = dict.fromkeys(phase.corrected, (0.0, 1.0))
         if phase.tracked is not None:
             always = 1.0 if scene.corrects_all(phase.tracked) else 0.0

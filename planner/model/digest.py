@@ -11,12 +11,19 @@ the columns are, so no two plans have the same bytes. Columns are float64 or int
 from __future__ import annotations
 
 import hashlib
-from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from assur.planner.model.outcome import INDICES, Arrival, Certificate, Leg
+from assur.planner.model.arrival_error import ArrivalError
+from assur.planner.model.outcome import (
+    INDICES,
+    Arrival,
+    Certificate,
+    Leg,
+    Traced,
+)
 from assur.planner.trajectory import Trajectory
 
 FORMAT = "assur-plan-7"
@@ -34,12 +41,12 @@ def digest(
 
     The certificate's own `digest` does not count. Not looked at: whether any of it is true.
     """
-    knots = np.column_stack([trajectory.time, trajectory.q, trajectory.qd, trajectory.qdd])
+    knots = _table("<f8", trajectory.time, trajectory.q, trajectory.qd, trajectory.qdd)
     columns = [certificate.t0, certificate.t1, certificate.normal]
     if certificate.shift0 is not None and certificate.shift1 is not None:
         columns += [certificate.shift0, certificate.shift1]
-    rows = np.column_stack(columns)
-    indices = np.column_stack([getattr(certificate, name) for name in INDICES])
+    rows = _table("<f8", *columns)
+    indices = _table("<i8", *(getattr(certificate, name) for name in INDICES))
     text = ascii(
         [
             FORMAT,
@@ -47,42 +54,70 @@ def digest(
             bool(trajectory.jumps),
             list(map(str, certificate.covers)),
             list(map(str, certificate.names)),
-            [_plain(leg) for leg in legs],
+            [_leg(leg) for leg in legs],
             [_arrival(arrival) for arrival in arrivals],
             knots.shape,
             rows.shape,
         ]
     ).encode()
     found = hashlib.sha256(len(text).to_bytes(8, "little") + text)
-    for table, kind in ((knots, "<f8"), (rows, "<f8"), (indices, "<i8")):
-        found.update(np.ascontiguousarray(table + 0, dtype=kind).tobytes())
+    for table in (knots, rows, indices):
+        found.update(table.tobytes())
     return found.hexdigest()
 
 
-FLAT = ("pose", "within", "joints")
-"""Fields whose numbers are in the list of what has them, and not in one of their own."""
+def _table(kind: str, *columns: NDArray[Any]) -> NDArray[Any]:
+    """Columns (N,) and groups of columns (N, K) as one table; −0 as 0."""
+    widths = [1 if each.ndim == 1 else each.shape[1] for each in columns]
+    found, first = np.empty((len(columns[0]), sum(widths)), kind), 0
+    for each, width in zip(columns, widths, strict=True):
+        found[:, first : first + width] = each[:, None] if each.ndim == 1 else each
+        first += width
+    found += 0
+    return found
+
+
+def _leg(leg: Leg) -> list[Any]:
+    route = leg.route
+    way = None if route is None else [str(route.course), int(route.vias), bool(route.after_wait), bool(route.later)]
+    return [str(leg.kind), int(leg.step), *_numbers(leg.t0, leg.t1), way]
 
 
 def _arrival(arrival: Arrival) -> list[Any]:
-    """The fields of an arrival, whether it is matched before its times. How far tool or support are from the part only
-    where one of both is stated: plans from before it was have neither."""
-    found: list[Any] = _plain(arrival)
-    found.insert(2, found.pop(8))
-    return found if found[-2:] != [None, None] else found[:-2]
+    pose, missed = arrival.pose, arrival.missed_by
+    known = (arrival.along_m, arrival.window_left_s, arrival.pitch, arrival.roll)
+    return [
+        int(arrival.step),
+        str(arrival.control_point),
+        bool(arrival.matched),
+        *_numbers(arrival.time, arrival.until, pose.x, pose.y, pose.z, pose.yaw, arrival.yaw_offset),
+        *(None if value is None else float(value) + 0.0 for value in known),
+        None if missed is None else _numbers(*missed.joints, missed.distance_m),
+        None if arrival.error is None else _error(arrival.error),
+        None if arrival.trace is None else _trace(arrival.trace),
+        *_touching(arrival),
+    ]
 
 
-def _plain(value: object, kind: str = "") -> Any:
-    """A value as nested lists of texts, truth values, None and Python's own numbers, −0 as 0: their shortest texts are
-    different if the numbers are. `kind`: how its field is declared."""
-    if is_dataclass(value):
-        found = list[Any]()
-        for each in fields(value):
-            plain = _plain(getattr(value, each.name), str(each.type))
-            found += plain if each.name in FLAT else [plain]
-        return found
-    if isinstance(value, tuple):
-        return [_plain(each) for each in value]
-    if value is None or isinstance(value, str):
-        return None if value is None else str(value)
-    numbers = {"bool": bool, "int": int}
-    return numbers[kind](value) if kind in numbers else float(value) + 0.0  # type: ignore[arg-type]
+def _touching(arrival: Arrival) -> list[float | None]:
+    """How far tool or support are from the part; nothing where neither is said, as in plans from before it was."""
+    said = (arrival.grip_m, arrival.support_m)
+    return [] if said == (None, None) else [None if value is None else float(value) + 0.0 for value in said]
+
+
+def _trace(trace: Traced) -> list[float]:
+    return _numbers(trace.length_m, trace.slowest_m_s, trace.fastest_m_s, trace.error_m)
+
+
+def _error(error: ArrivalError) -> list[Any]:
+    within = error.within
+    return [
+        *_numbers(error.position_m, within.position_m, within.vertical_m, within.yaw_rad),
+        [[str(share.cause), *_numbers(share.position_m, share.yaw_rad)] for share in error.shares],
+        [[str(name), float(value) + 0.0] for name, value in error.worst],
+    ]
+
+
+def _numbers(*values: float) -> list[float]:
+    """Python's own floats, −0 as 0: their shortest texts are different if the numbers are."""
+    return [float(value) + 0.0 for value in values]

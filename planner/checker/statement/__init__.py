@@ -49,7 +49,7 @@ from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Plan
 from assur.planner.model.scene import Scene
 
-__all__ = ["state_answer", "state_cell", "state_legs", "state_motion", "state_plan"]
+__all__ = ["Handling", "state_answer", "state_cell", "state_legs", "state_motion", "state_plan"]
 
 OF_MOTIONS = (require_execution, require_phases, require_known, require_limits, require_rates, require_yaws)
 """What is required of every motion, with a task or without."""
@@ -82,9 +82,10 @@ def state_cell(scene: Scene, claim: Claim) -> list[Finding]:
     return report.findings
 
 
-def state_legs(scene: Scene, plan: Plan) -> list[Finding]:
-    """Findings about the digest, and about legs and arrivals, which need no claim."""
-    handling = Handling(scene, plan)
+def state_legs(scene: Scene, plan: Plan, handling: Handling | None = None) -> list[Finding]:
+    """Findings about the digest, and about legs and arrivals, which need no claim. `handling`: that of the plan, if it
+    is shared with `state_plan`."""
+    handling = handling or Handling(scene, plan)
     own = digest(scene.digest, plan.trajectory, plan.legs, plan.arrivals, plan.certificate)
     what = "request, plan and certificate do not belong together"
     handling.require(plan.certificate.digest == own, Code.DIGEST, what)
@@ -92,10 +93,10 @@ def state_legs(scene: Scene, plan: Plan) -> list[Finding]:
     return handling.findings
 
 
-def state_plan(scene: Scene, plan: Plan, claim: Claim) -> list[Finding]:
+def state_plan(scene: Scene, plan: Plan, claim: Claim, handling: Handling | None = None) -> list[Finding]:
     """Findings about what depends on the task and the plan, for a claim with whose cell nothing is wrong, and a plan
-    with whose legs nothing is wrong."""
-    return _stated(Statement(scene, plan, claim), OF_MOTIONS + OF_TASKS)
+    with whose legs nothing is wrong. `handling`: as in `state_legs`."""
+    return _stated(Statement(scene, plan, claim, handling), OF_MOTIONS + OF_TASKS)
 
 
 def state_motion(scene: Scene, plan: Plan, claim: Claim) -> list[Finding]:

@@ -170,7 +170,7 @@ def _require_chain(report: Requirements, robot: Robot, arm: int, claim: c.Claim)
 def textbook(robot: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Places (L, m, 3), m, and yaw, pitch and roll (L, m, 3), rad, of the links of an arm in the world for joint values
     q (m, n); NaN where its loop does not close. Raises `FaultError` for an arm of another family."""
-    chain, ones = chain_of(robot), np.column_stack([np.ones(len(q)), q]).T
+    chain, ones = chain_of(robot), np.concatenate([np.ones((1, len(q))), q.T])
     local, angles = ((each @ ones).transpose(0, 2, 1) for each in (chain.origins, chain.angles))
     places = _stacked(chain.parents, local, angles)
     if chain.loop:
@@ -284,10 +284,10 @@ def require_knots(report: Requirements, robot: Robot, path: Trajectory, claim: c
     own, behind = knots[first : first + count], len(knots) - first - count
     same = (
         behind in (0, 1)
-        and np.array_equal(own[:, c.KNOT_TIME], path.time)
-        and np.array_equal(own[:, c.KNOT_Q : c.KNOT_Q + n], path.q)
-        and np.array_equal(own[:, c.KNOT_QD : c.KNOT_QD + n], path.qd)
-        and np.array_equal(own[:, c.KNOT_QDD : c.KNOT_QDD + n], path.qdd)
+        and bool((own[:, c.KNOT_TIME] == path.time).all())
+        and bool((own[:, c.KNOT_Q : c.KNOT_Q + n] == path.q).all())
+        and bool((own[:, c.KNOT_QD : c.KNOT_QD + n] == path.qd).all())
+        and bool((own[:, c.KNOT_QDD : c.KNOT_QDD + n] == path.qdd).all())
     )
     for k, beside in [(0, 1)] * first + [(-1, -2)] * behind:
         rests = not knots[[k, beside], c.KNOT_QD :].any()

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -51,21 +51,23 @@ class Stage:
     shares: dict[str, tuple[float, float]] = field(default_factory=dict)
 
 
-class Handling(Requirements):
-    """What the steps of a task do with parts, in a plan. `steps` are numbers of steps in the task; steps whose part
-    has changed hands before some time are the `handed` ones, in their order."""
+class Given:
+    """What follows from a request alone, which all plans for it share."""
 
-    def __init__(self, scene: Scene, plan: Plan) -> None:
-        super().__init__()
-        self.scene, self.plan = scene, plan
-        self.arrivals = {arrival.step: arrival for arrival in plan.arrivals}
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
         self.tcp, self.flange = numbers(scene.tool.tcp), float(arms.flange_row(scene.robot))
         self.frames = {name: number for number, name in enumerate(scene.frames)}
         self.bodies = {body.name: number for number, body in enumerate(bodies_of(scene))}
-        self.whole = (float(plan.trajectory.time[0]), float(plan.trajectory.time[-1]))
-        self._places: dict[tuple[str, float], Four] = {}
-        self._radius: dict[str, float] = {}
-        self._supports: dict[int, set[str]] = {}
+        self.motions: dict[str, laws.Formula] = {}
+        self.seats: tuple[FloatArray, FloatArray] | None = None
+        """Of each body before any step: its seat (B, 7), and how far it may be off it (B, 2), m."""
+
+    def motion(self, frame: str) -> laws.Formula:
+        """The formula of a frame that is no link of an arm; the times at which its pieces end are left out."""
+        if frame not in self.motions:
+            self.motions[frame] = laws.formula_of(self.scene.frames[frame].law, 0.0, 0.0)
+        return self.motions[frame]
 
     @cached_property
     def parts(self) -> list[str]:
@@ -83,6 +85,27 @@ class Handling(Requirements):
         frames = [frame.uncertainty for frame in scene.frames.values()]
         known = all(within == EXACT for within in poses) and all(each == Uncertainty() for each in frames)
         return known and not any((*scene.execution.lag, scene.execution.start_tolerance_s))
+
+
+given_by = lru_cache(maxsize=4)(Given)
+"""`Given` of a scene, kept for the plans that follow."""
+
+
+class Handling(Requirements):
+    """What the steps of a task do with parts, in a plan. `steps` are numbers of steps in the task; steps whose part
+    has changed hands before some time are the `handed` ones, in their order."""
+
+    def __init__(self, scene: Scene, plan: Plan) -> None:
+        super().__init__()
+        self.scene, self.plan = scene, plan
+        self.arrivals = {arrival.step: arrival for arrival in plan.arrivals}
+        self.given = given = given_by(scene)
+        self.tcp, self.flange, self.frames, self.bodies = given.tcp, given.flange, given.frames, given.bodies
+        self.whole = (float(plan.trajectory.time[0]), float(plan.trajectory.time[-1]))
+        self._places: dict[tuple[str, float], Four] = {}
+        self._tools: dict[float, Four] = {}
+        self._tool_points: dict[int, tuple[str, Four]] = {}
+        self._supports: dict[int, set[str]] = {}
 
     @cached_property
     def stages(self) -> list[Stage]:
@@ -172,6 +195,11 @@ class Handling(Requirements):
 
     def tool_point(self, number: int) -> tuple[str, Four]:
         """Frame and pose that the tool point has when a step meets its control point."""
+        if number not in self._tool_points:
+            self._tool_points[number] = self._find_tool_point(number)
+        return self._tool_points[number]
+
+    def _find_tool_point(self, number: int) -> tuple[str, Four]:
         step, (frame, at) = self.scene.task[number], self.point(number)
         if isinstance(step, Pick):
             return frame, then(at, self.grasp(number))
@@ -206,15 +234,18 @@ class Handling(Requirements):
                 found.add(body.name)
         return found
 
-    def along(self, number: int, time: float) -> float | None:
-        """How far, m, the control point of a step is along its belt at a time, from the pose that the request has for
-        the belt; None: it is on no belt."""
-        frame, pose = self.point(number)
+    def along(self, number: int, times: Sequence[float]) -> FloatArray | None:
+        """How far, m, the control point of a step is along its belt at times (T,), from the pose that the request has
+        for the belt; None: it is on no belt."""
+        frame, (x, y, z, _) = self.point(number)
         measured = laws.measured_along(self.scene.frames[frame].law)
         if measured is None:
             return None
-        direction, zero = measured
-        return float((np.array(self.in_world((frame, pose), time)[:3]) - zero[:3]) @ np.array(direction))
+        (ahead, aside, up), zero = measured
+        places = self.given.motion(frame).place(np.array(times)) - (*zero[:3], 0.0)
+        cosine, sine = np.cos(places[:, 3]), np.sin(places[:, 3])
+        there = (cosine * x - sine * y + places[:, 0], sine * x + cosine * y + places[:, 1], z + places[:, 2])
+        return np.asarray(ahead * there[0] + aside * there[1] + up * there[2])
 
     def in_world(self, where: Where, time: float) -> Four:
         """The pose in the world of what is fixed to a frame, at a time."""
@@ -224,7 +255,8 @@ class Handling(Requirements):
         if (frame, time) not in self._places:
             law = self.scene.frames[frame].law
             link = laws.link_of(law)
-            self._places[frame, time] = laws.place_at(law, time) if link is None else arms.place_at(*link, time)
+            x, y, z, yaw = self.given.motion(frame).place_at(time) if link is None else arms.place_at(*link, time)
+            self._places[frame, time] = (x, y, z, yaw)
         return then(self._places[frame, time], pose)
 
     def way(self, number: int) -> Interval:
@@ -239,7 +271,14 @@ class Handling(Requirements):
 
     def tool_at(self, time: float) -> Four:
         """Place and yaw of the tool point in the world at a time; of a flange that tilts the heading of the arm."""
-        return then(arms.link_at(self.scene.robot, self.state_at(time)[0], int(self.flange)), self.tcp)
+        if time not in self._tools:
+            # one call for all arrivals
+            times = list(dict.fromkeys([time, *(arrival.time for arrival in self.plan.arrivals)]))
+            q = np.array([self.state_at(t)[0] for t in times])
+            places, angles = (each[int(self.flange)] for each in arms.textbook(self.scene.robot, q))
+            for t, (x, y, z), yaw in zip(times, places.tolist(), angles[:, 0].tolist(), strict=True):
+                self._tools[t] = then((x, y, z, yaw), self.tcp)
+        return self._tools[time]
 
     def uncertainty(self, name: str, handed: Sequence[int]) -> PoseUncertainty | None:
         """How uncertain the pose of a body of the surroundings is after some steps; None: not at all.
@@ -285,14 +324,16 @@ class Handling(Requirements):
 
     def radius(self, name: str) -> float:
         """Horizontal distance of the points of a body of the surroundings from its origin at most, m."""
-        if name not in self._radius:
-            pieces = self.scene.index[name].body.pieces
-            self._radius[name] = max(
-                float(np.hypot(*_corners(piece)[:, :2].T).max()) + _rounding(piece, 1.0) for piece in pieces
-            )
-        return self._radius[name]
+        return _radius(self.scene.index[name].body)
 
 
+@lru_cache(maxsize=1024)
+def _radius(body: Body) -> float:
+    """Horizontal distance of the points of a body from its origin at most, m."""
+    return max(float(np.hypot(*_corners(piece)[:, :2].T).max()) + _rounding(piece, 1.0) for piece in body.pieces)
+
+
+@lru_cache(maxsize=1024)
 def _reach(body: Body, up: float) -> float:
     """How far a body reaches upwards (1) or downwards (-1) from its origin, m (S1)."""
     tilted = (math.hypot(piece.rotation[2, 0], piece.rotation[2, 1]) for piece in body.pieces)

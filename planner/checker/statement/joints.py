@@ -7,6 +7,7 @@ Rows of sums bound a sum of shares of the joints, or a derivative of it. Pitch a
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.model.claims import Claims
 from assur.planner.model.outcome import LegKind
+from assur.planner.model.scene import Scene
 from assur.planner.robots.five_axis_arm import FiveAxisArm
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.robot import Robot
@@ -272,13 +274,18 @@ def mode_at(robot: Robot, q: FloatArray) -> str:
     return robot.modes[fits.index(True)]
 
 
+@lru_cache(maxsize=4)
+def _mode_at_start(scene: Scene) -> str:
+    return mode_at(scene.robot, scene.start.q)
+
+
 def require_modes(statement: Statement) -> None:
     """Every control point is met in the working mode that is required; of a via that is missed, that of the pose that
     is missed."""
     robot, required = statement.scene.robot, statement.scene.options.elbow
     if required == "auto":
         return
-    mode = mode_at(robot, statement.scene.start.q) if required == "keep" else required
+    mode = _mode_at_start(statement.scene) if required == "keep" else required
     for arrival in statement.plan.arrivals:
         when = (arrival.time, arrival.time)
         if arrival.missed_by is None:

@@ -8,6 +8,7 @@ sines. Places are (x, y, z, yaw) in the world, m and rad; times are s.
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
@@ -33,7 +34,7 @@ AHEAD, CLIMB, TURN = np.eye(4)[[0, 2, 3]]
 class Formula:
     """A law over an interval: polynomials of this degree at most, which end at some times, and sines in addition. The
     times are those of many periods if the interval is long: they are computed one by one, and can be read once. After a
-    `period`, s (0: none), the place is `step` (4,) further on."""
+    `period`, s (0: none), the place is `step` (4,) further on. `begins`, `powers`: as of `polynomials`, as lists."""
 
     degree: int
     ends: Iterable[float]
@@ -41,6 +42,21 @@ class Formula:
     sines: Sequence[Sine] = ()
     period: float = 0.0
     step: Sequence[float] = (0.0, 0.0, 0.0, 0.0)
+    begins: Sequence[float] = ()
+    powers: Sequence[Sequence[Sequence[float]]] = ()
+
+    def place_at(self, time: float) -> list[float]:
+        """The place at one time, sines included."""
+        begin, period = self.begins[0], self.period
+        whole = math.floor((time - begin) / period) if period > 0.0 else 0
+        local = time - whole * period
+        i = max(bisect_right(self.begins, local) - 1, 0)
+        since, found = local - self.begins[i], [whole * step for step in self.step]
+        for k, powers in enumerate(self.powers[i]):
+            found[k] += sum(power * since**n for n, power in enumerate(powers))
+        for k, amplitude, rate, phase in self.sines:
+            found[k] += amplitude * math.sin(rate * time + phase)
+        return found
 
 
 def polynomials(
@@ -65,8 +81,9 @@ def polynomials(
             found += powers[i, :, k] * since**k
         return found
 
-    ends = (float(t + k * period) for k in range(first, last + 2) for t in begins.tolist())
-    return Formula(powers.shape[2] - 1, ends if len(begins) > 1 or period > 0.0 else (), place, sines, period, step)
+    ends: Iterable[float] = (float(t + k * period) for k in range(first, last + 2) for t in begins.tolist())
+    ends = ends if len(begins) > 1 or period > 0.0 else ()
+    return Formula(powers.shape[2] - 1, ends, place, sines, period, step, begins.tolist(), powers.tolist())
 
 
 def link_of(law: Law) -> tuple[Robot, Trajectory, int] | None:
@@ -105,11 +122,8 @@ def formula_of(law: Law, begin: float, end: float) -> Formula:
 
 def place_at(law: Law, time: float) -> Four:
     """Where a frame that is no link of an arm is at a time."""
-    formula = formula_of(law, time, time)
-    place = formula.place(np.array([time]))[0].tolist()
-    for coordinate, amplitude, rate, phase in formula.sines:
-        place[coordinate] += amplitude * math.sin(rate * time + phase)
-    return (place[0], place[1], place[2], place[3])
+    x, y, z, yaw = formula_of(law, time, time).place_at(time)
+    return (x, y, z, yaw)
 
 
 def known(law: Law) -> Interval:

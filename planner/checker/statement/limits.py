@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from itertools import groupby
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement.differences import Four, Interval, inverse
 from assur.planner.checker.statement.holding import Handling, Stage
-from assur.planner.checker.statement.statement import ROUNDING, Statement, all_of, at_least, at_most
+from assur.planner.checker.statement.statement import ROUNDING, Bound, Statement, all_of, at_least, at_most
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.geometry.shapes import Body, Hull
@@ -66,6 +67,7 @@ def share_of(scene: Scene, mass: float) -> float:
     return 1.0 if load.rated_kg is None else load.rated_kg / max(mass, load.rated_kg)
 
 
+@lru_cache(maxsize=4)
 def tool_inertia(scene: Scene) -> float:
     """Of the tool about the flange's axis, kg·m²."""
     tool = scene.tool
@@ -86,6 +88,7 @@ def part_inertia(scene: Scene, part: str, in_flange: Four) -> float:
     return float(mass * (square - 2.0 * (x * first + y * second) + (x * x + y * y) * volume) / volume)
 
 
+@lru_cache(maxsize=256)
 def integrals(body: Body) -> tuple[float, float, float, float]:
     """The integrals of 1, x, y and x² + y² over a body, in its frame."""
     if body.surface is not None:
@@ -151,16 +154,22 @@ def require_limits(statement: Statement) -> None:
 
 def _is_limited(statement: Statement, share: float, when: Interval) -> bool:
     """Whether a row of the claim has limits that are no wider, for as long, with this share of the accelerations and
-    jerks; of the jerk where the timing that is requested has such a limit."""
-    own = statement.scene.robot.limits
+    jerks."""
+    return statement.states("limits", all_of(when), *_bounds(statement.scene, share))
+
+
+@lru_cache(maxsize=16)
+def _bounds(scene: Scene, share: float) -> list[Bound]:
+    """Of the numbers of limits: of the jerk where the timing that is requested has such a limit."""
+    own = scene.robot.limits
     upper = {c.LIMIT_UPPER: own.upper, c.LIMIT_VELOCITY: own.velocity, c.LIMIT_ACCELERATION: share * own.acceleration}
-    bounds = [all_of(when), at_most(c.LIMIT_SHARE, *SHARES)]
+    bounds = [at_most(c.LIMIT_SHARE, *SHARES)]
     bounds.append(at_least(c.LIMIT_LOWER, *(own.lower - ROUNDING * np.abs(own.lower)).tolist()))
-    if statement.scene.options.jerk_limited:
+    if scene.options.jerk_limited:
         upper[c.LIMIT_JERK] = share * own.jerk
         bounds.append(at_least(c.LIMIT_JERKS, 1.0))
     bounds += [at_most(column, *(most + ROUNDING * np.abs(most)).tolist()) for column, most in upper.items()]
-    return statement.states("limits", *bounds)
+    return bounds
 
 
 def require_rates(statement: Statement) -> None:

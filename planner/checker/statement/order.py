@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -87,7 +87,7 @@ def _require_arrival(handling: Handling, number: int, own: list[Leg], *, is_last
             f"{name} goes on behind its control point",
         ),
         (
-            error is not None or handling.is_exact,
+            error is not None or handling.given.is_exact,
             f"no error is stated at {name}, and not everything is exact",
         ),
         (
@@ -121,22 +121,26 @@ def _require_window(handling: Handling, number: int, arrival: Arrival) -> None:
     if step.window.along is None:
         return
     frame, _ = handling.point(number)
-    if handling.along(number, arrival.time) is None:
+    if laws.measured_along(handling.scene.frames[frame].law) is None:
         handling.require(False, Code.WINDOW, f"{step.name} has a window in metres, and is on no belt", when)
         return
 
-    def way(times: Iterable[float]) -> FloatArray:
-        return np.array([handling.along(number, time) for time in times], dtype=float)
+    def way(times: Sequence[float]) -> FloatArray:
+        return np.asarray(handling.along(number, times))
 
-    formula = laws.formula_of(handling.scene.frames[frame].law, *when)
-    times = edges = [arrival.time, *(t for t in formula.ends if arrival.time < t < arrival.until), arrival.until]
+    begins = handling.given.motion(frame).begins  # what goes along a line has no period
+    times = edges = [arrival.time, *(t for t in begins if arrival.time < t < arrival.until), arrival.until]
     for a, b in pairwise(edges):  # between two of them the way is a cubic, which may turn round
-        cubic = np.polyfit(np.arange(4.0), way(np.linspace(a, b, 4).tolist()), 3)
-        if not np.isfinite(cubic).all():
+        first, second, third, fourth = way([a, a + (b - a) / 3.0, b - (b - a) / 3.0, b]).tolist()
+        rise, bend, turn = second - first, third - 2.0 * second + first, fourth - 3.0 * (third - second) - first
+        # its derivative is p u² + q u + r, with u from 0 to 3 (Newton's forward differences)
+        p, q, r = turn / 2.0, bend - turn, rise - bend / 2.0 + turn / 3.0
+        if not math.isfinite(p + q + r):
             times = [math.nan]
             break
-        turns = (u for u in np.roots(np.polyder(cubic)).real.tolist() if 0.0 < u < 3.0)
-        times = [*times, *(a + (b - a) * u / 3.0 for u in turns)]
+        half = -(q + math.copysign(math.sqrt(max(q * q - 4.0 * p * r, 0.0)), q)) / 2.0
+        turns = (x / y for x, y in ((half, p), (r, half)) if y != 0.0)
+        times = [*times, *(a + (b - a) * u / 3.0 for u in turns if 0.0 < u < 3.0)]
     ways, (low, high) = way(times), step.window.along
     inside = low - MEET <= ways.min() and ways.max() <= high + MEET
     handling.require(inside, Code.WINDOW, f"{step.name} is met outside of its window along the belt", when)

@@ -42,7 +42,8 @@ def require_phases(statement: Statement) -> None:
             shares[phase, :, statement.frames[frame]] = share
     # the tool may have any share in the error of a frame that belt correction may give it
     least, most = statement.claim.shares[:, :count], statement.claim.shares[:, count:]
-    for phase, number in np.argwhere(~((least <= shares[:, 0]) & (most >= shares[:, 1]))).tolist():
+    given = (least <= shares[:, 0]) & (most >= shares[:, 1])
+    for phase, number in [] if given.all() else np.argwhere(~given).tolist():
         what = f"the tool may have another share in the error of {list(statement.frames)[number]}"
         statement.require(False, Code.UNCERTAINTY, what, stages[phase].when)
 
@@ -52,11 +53,15 @@ def _require_seats(statement: Statement, names: list[str]) -> None:
     seats, off = _required_seats(statement)
     stages, stated = statement.stages, statement.claim.seats[statement.claim.seated.astype(int)]
     apart = np.abs(stated - seats)
+    known = statement.claim.off >= off - SAME
+    if (apart <= SAME).all() and known.all():
+        return
     apart[:, :, -1] = np.abs(np.remainder(apart[:, :, -1] + math.pi, math.tau) - math.pi)
-    for phase, body in np.argwhere(~(apart.max(2) <= SAME)).tolist():
+    same_seats = (apart <= SAME).all(2)
+    for phase, body in np.argwhere(~same_seats).tolist():
         what = f"{names[body]} is fixed to something else, or at another pose"
         statement.require(False, Code.SEAT, what, stages[phase].when)
-    for phase, column in np.argwhere(~(statement.claim.off >= off - SAME)).tolist():
+    for phase, column in np.argwhere(~known).tolist():
         what = f"{names[column % len(names)]} may be farther off than the claim states"
         statement.require(False, Code.UNCERTAINTY, what, stages[phase].when)
 
@@ -70,19 +75,20 @@ def _required_seats(statement: Statement) -> tuple[FloatArray, FloatArray]:
         frame, pose = where
         return (body, flange, -1.0, *pose) if frame is None else (body, -1.0, statement.frames[frame], *pose)
 
-    links = [item.link for item in scene.robot.bodies] + [flange] * len(scene.tool.bodies)
-    seats: list[tuple[float, ...]] = [(k, link, -1.0, *IDENTITY) for k, link in enumerate(links)]
-    seats += [seat(k, statement.place(body.name, ())) for k, body in enumerate(scene.bodies, start=len(links))]
-    off = [(0.0, 0.0)] * len(links) + [statement.displaced(body.name, ()) for body in scene.bodies]
+    if statement.given.seats is None:
+        links = [item.link for item in scene.robot.bodies] + [flange] * len(scene.tool.bodies)
+        seats: list[tuple[float, ...]] = [(k, link, -1.0, *IDENTITY) for k, link in enumerate(links)]
+        seats += [seat(k, statement.place(body.name, ())) for k, body in enumerate(scene.bodies, start=len(links))]
+        off = [(0.0, 0.0)] * len(links) + [statement.displaced(body.name, ()) for body in scene.bodies]
+        statement.given.seats = np.array(seats, dtype=float).reshape(-1, c.SEAT), np.array(off).reshape(-1, 2)
     # parts that are handled have others, phase by phase
-    all_seats = np.array(seats, dtype=float).reshape(1, -1, c.SEAT).repeat(len(stages), 0)
-    all_off = np.array(off, dtype=float).reshape(1, -1, 2).repeat(len(stages), 0)
-    for part in statement.parts:
+    all_seats, all_off = (each[None].repeat(len(stages), 0) for each in statement.given.seats)
+    for part in statement.given.parts:
         k = statement.bodies[part]
         for p, stage in enumerate(stages):
             all_seats[p, k] = seat(k, statement.place(part, stage.handed))
             all_off[p, k] = statement.displaced(part, stage.handed)
-    return all_seats, all_off.transpose(0, 2, 1).reshape(len(stages), 2 * len(seats))
+    return all_seats, all_off.transpose(0, 2, 1).reshape(len(stages), -1)
 
 
 def _require_contacts(statement: Statement, names: list[str]) -> None:

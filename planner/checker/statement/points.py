@@ -8,8 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
 from assur.planner.checker.statement.differences import (
     MEET,
     SAME,
@@ -98,11 +96,12 @@ def _require_point(
         bounds += [(c.POINT_T0, when[:1], when[:1]), (c.POINT_RATE, (0.0,) * len(rates), rates)]
     if not heights[1] > 0.0:
         bounds.append(at_most(c.POINT_HEIGHT, -1.0))
-    rows, slack = statement.rows("points", *bounds), TRACKED_M + SAME
-    middle, half = rows[:, c.POINT_MIDDLE], np.maximum(rows[:, c.POINT_HEIGHT], 0.0)
-    high = (middle - half >= heights[0] - slack) & (middle + half <= heights[1] + slack)
+    slack, is_there = TRACKED_M + SAME, False
+    for row in statement.listed("points", *bounds):
+        middle, half = row[c.POINT_MIDDLE], max(row[c.POINT_HEIGHT], 0.0)
+        is_there |= middle - half >= heights[0] - slack and middle + half <= heights[1] + slack
     what = f"the tool is not stated to be at {statement.scene.task[number].name}"
-    statement.require(high.any(), Code.POINT, what, when)
+    statement.require(is_there, Code.POINT, what, when)
 
 
 # Is what an arrival states of its control point so? Name, pose, way along a belt, velocity, a yaw that is kept, and how
@@ -131,8 +130,8 @@ def require_arrivals(statement: Statement) -> None:
         tool, pose = statement.tool_at(arrival.time), numbers(arrival.pose)
         off = max(math.dist(tool[:3], pose[:3]), abs(math.remainder(tool[3] - pose[3], math.tau)))
         statement.require(off <= MEET, Code.ARRIVAL, f"the tool is not at the pose that is stated at {name}", when)
-        way = None if arrival.along_m is None else statement.along(number, arrival.time)
-        so_far = arrival.along_m is None if way is None else abs(way - (arrival.along_m or 0.0)) <= MEET
+        way = None if arrival.along_m is None else statement.along(number, [arrival.time])
+        so_far = arrival.along_m is None if way is None else abs(way[0] - (arrival.along_m or 0.0)) <= MEET
         statement.require(so_far, Code.ARRIVAL, f"{name} is not so far along its belt", when)
         kept = step.target is None or not step.target.yaw_keep or _keeps_yaw(statement, number)
         statement.require(kept, Code.DIRECTION, f"the tool is not stated to keep its yaw until {name}", when)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from itertools import count
 
 import numpy as np
 
@@ -56,9 +57,14 @@ def within(when: Interval) -> Bound:
 class Statement(Handling):
     """A claim that has to state what a request requires of a plan."""
 
-    def __init__(self, scene: Scene, plan: Plan, claim: c.Claim) -> None:
-        super().__init__(scene, plan)
+    def __init__(self, scene: Scene, plan: Plan, claim: c.Claim, handling: Handling | None = None) -> None:
+        """`handling`: that of the same plan, if it is derived already."""
+        if handling is None:
+            super().__init__(scene, plan)
+        else:
+            vars(self).update(vars(handling), findings=[])
         self.claim = claim
+        self._lists: dict[str, list[list[float]]] = {}
         self._numbers: dict[str, dict[tuple[float, ...], list[tuple[float, ...]]]] = {}
 
     def rows(self, table: str, *bounds: Bound) -> FloatArray:
@@ -67,18 +73,31 @@ class Statement(Handling):
         low, high = [-math.inf] * stated.shape[1], [math.inf] * stated.shape[1]
         for column, least, most in bounds:
             low[column : column + len(least)], high[column : column + len(most)] = least, most
-        numbers, yaws = stated, YAWS.get(table)
-        if yaws is not None:
-            numbers = stated.copy()
-            for yaw in yaws:
-                middle = (low[yaw] + high[yaw]) / 2.0
-                numbers[:, yaw] -= math.tau * np.rint((stated[:, yaw] - middle) / math.tau)
         box = np.array((low, high))
-        return np.asarray(stated[((box[0] <= numbers) & (numbers <= box[1])).all(1)])
+        return np.asarray(stated[((box[0] <= stated) & (stated <= box[1])).all(1)])
+
+    def listed(self, table: str, *bounds: Bound) -> list[list[float]]:
+        """The same of a table that has few rows, as lists; yaws may differ by full turns."""
+        if table not in self._lists:
+            self._lists[table] = getattr(self.claim, table).tolist()
+        box = [each for column, least, most in bounds for each in zip(count(column), least, most, strict=False)]
+        yaws = YAWS.get(table, ())
+
+        def fits(row: list[float]) -> bool:
+            for column, low, high in box:
+                x = row[column]
+                if column in yaws:
+                    middle = (low + high) / 2.0
+                    x = middle + math.remainder(x - middle, math.tau)
+                if not low <= x <= high:
+                    return False
+            return True
+
+        return [row for row in self._lists[table] if fits(row)]
 
     def states(self, table: str, *bounds: Bound) -> bool:
-        """Whether a row of a table has numbers within bounds."""
-        return len(self.rows(table, *bounds)) > 0
+        """Whether a row of a table that has few rows has numbers within bounds."""
+        return len(self.listed(table, *bounds)) > 0
 
     def keeps(
         self, table: str, about: Sequence[float], least: float, most: float, when: Interval, *, once: bool = False
