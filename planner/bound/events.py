@@ -209,23 +209,38 @@ def _curves(law: Law) -> list[tuple[list[FloatArray], FloatArray, BoolArray]]:
     for number, piece in enumerate(pieces):
         pull = piece[c.POWER :].reshape(4, c.MOST_POWERS)[:, :most].T
         speed = np.vstack([piece[c.RATE : c.CORNER], pull / np.arange(1.0, most + 1.0)[:, None]])
-        turns = [np.roots(np.polyder(way[::-1], order)).real for way in pull.T for order in range(min(3, most))]
+        turns = [
+            np.roots(np.polyder(way[::-1], order)).real for way in pull.T if way.any() for order in range(min(3, most))
+        ]
         jumps = np.zeros(4, dtype=bool)
         if number + 1 < len(pieces) or law.row[c.PERIOD] > 0.0:
             behind = pieces[(number + 1) % len(pieces), c.POWER :: c.MOST_POWERS]
             off = np.abs(polyval(piece[c.PIECE_END] - piece[c.PIECE_BEGIN], pull) - behind)
             jumps = ~(off <= JUMP * (1.0 + np.abs(behind) + np.abs(pull[0])))
-        found.append(([speed, pull, polyder(pull)], np.concatenate(turns), jumps))
+        found.append(([speed, pull, polyder(pull)], np.concatenate([*turns, []]), jumps))
     return found
 
 
 def rates(law: Law, arm_m: float, begin: FloatArray, end: FloatArray) -> FloatArray:
     """Bounds (N, 9) as `assur.planner.bound.guided` has them, of a point `arm_m` metres from a frame's axis,
     over [begin, end] (N,), s: of the velocity, acceleration and jerk of the point in the plane, of its height, and of
-    the frame's yaw. Infinite: not bounded, as everything is of a link of another arm. A law that repeats has the same
-    bounds at all times (R1)."""
+    the frame's yaw. Infinite: not bounded, as everything is of a link of another arm (R1)."""
     if law.link is not None:
         return np.full((len(begin), RATES), math.inf)
+    # what repeats, and what does not accelerate but by sines, has the same bounds at all times
+    if law.row[c.PERIOD] > 0.0 or (law.row[c.COUNT] <= 1.0 and not law.row[c.POWERS] > 0.0):
+        return np.repeat(_steady_rates(law, arm_m), len(begin), axis=0)
+    return _rates(law, arm_m, begin, end)
+
+
+@lru_cache(maxsize=64)
+def _steady_rates(law: Law, arm_m: float) -> FloatArray:
+    """Bounds (1, 9) of a point whose bounds are the same at all times."""
+    return _rates(law, arm_m, np.zeros(1), np.zeros(1))
+
+
+def _rates(law: Law, arm_m: float, begin: FloatArray, end: FloatArray) -> FloatArray:
+    """Bounds (N, 9) from the tables of a law."""
     most, curves, repeats = np.zeros((3, 4, len(begin))), _curves(law), law.row[c.PERIOD] > 0.0
     for number, (curve, turns, jumps) in enumerate(curves):
         first, last = law.side[number, [c.PIECE_BEGIN, c.PIECE_END]]
