@@ -10,11 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
+from assur.planner.claim.columns import LINK, LINK_OFFSET
 from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
-from assur.planner.kernels.links import L1
+from assur.planner.kernels.links import CHAIN, LINKS
 from assur.planner.kernels.postures import tool_peaks
 from assur.planner.kernels.solids import REQUIRED
 from assur.planner.laws import conveyor
@@ -265,7 +266,7 @@ def test_of_both_sides_of_a_jump_the_larger_counts_unless_it_is_outside() -> Non
 def test_a_peak_of_what_is_not_known_is_not_a_number() -> None:
     scene = cell(go(0.35, -0.2))
     row = scene.robot.row.copy()
-    row[L1] = np.nan
+    row[CHAIN + LINK_OFFSET : CHAIN + LINK * int(row[LINKS]) : LINK] = np.nan
     path = Trajectory(np.array([0.0, 1.0]), *np.zeros((3, 2, 4)))
     peaks = np.zeros(4)
     tool_peaks(row, path.edges, path.coefficients, 0.0, 0.0, 0.0, 1.0, 0.1, 8, peaks)

@@ -109,7 +109,7 @@ def same(one: Any, other: Any) -> bool:
         return len(one) == len(other) and all(same(a, b) for a, b in zip(one, other, strict=True))
     if one is None or other is None:
         return one is other
-    a, b = np.asarray(one, dtype=np.float64), np.asarray(other, dtype=np.float64)
+    a, b = np.asarray(one, dtype=np.complex128), np.asarray(other, dtype=np.complex128)
     # beside the largest number of the array a small one has the rounding of the large ones
     size = float(np.abs(a[np.isfinite(a)]).max(initial=0.0))
     return bool(np.isclose(a, b, rtol=RELATIVE, atol=ABSOLUTE + RELATIVE * size, equal_nan=True).all())
