@@ -18,6 +18,7 @@ from assur.planner.checker.claim.solids import (
     inverse,
     jet,
     joined,
+    length,
     minus,
     plus,
     put,
@@ -40,6 +41,21 @@ def vector(jets: FloatArray, on: int, axis: int, own: FloatArray, is_point: bool
         if own[m] != 0.0:
             total = plus(total, scaled(own[m], jet(jets, on, 3 + 3 * m + axis)))
     return total
+
+
+@kernel(types.void(F3, F2, F1, i8, types.boolean, F1))
+def write_seen(
+    jets: FloatArray, result: FloatArray, rounds: FloatArray, on: int, is_point: bool, own: FloatArray
+) -> None:
+    """Writes the jets of a point or of a vector of a carrier, (3, 6), with its rounding."""
+    size = length(own, 0, 3)
+    for axis in range(3):
+        seen, value = result[axis], vector(jets, on, axis, own, is_point)
+        seen[0], seen[1], seen[2], seen[3], seen[4], seen[5] = value
+        for order in range(3):
+            off = size * rounds[2 * order + tb.ROUND_TURN]
+            off += rounds[2 * order + tb.ROUND_PLACE] if is_point else 0.0
+            seen[2 * order + 1] += off
 
 
 @kernel(types.void(tb.CLAIM, i8, tb.SCRATCH), inline=True)

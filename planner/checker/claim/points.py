@@ -10,8 +10,8 @@ import math
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
-from assur.planner.checker.claim.chain import slot_of, vector
-from assur.planner.checker.claim.solids import Jet, constant, jet, length, minus, plus, product, put, times, widened
+from assur.planner.checker.claim.chain import slot_of, write_seen
+from assur.planner.checker.claim.solids import Jet, constant, jet, minus, plus, product, put, times, widened
 from assur.planner.checker.claim.tables import F1, F2, F3, JET, f8, i8
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
@@ -20,21 +20,6 @@ from assur.planner.compiled import kernel, types
 POINTS, RATES, AXES, GUIDES, CORRECTED, SUMS, DISTANCES, ERRORS = range(8)
 """Tables whose rows are claims: `points`, `rates`, `axes`, `guides`, `phases` (with corrections), `sums`, `distances`,
 `errors`. All begin with the begin and the end of their time, but the last two."""
-
-
-@kernel(types.void(F3, F2, F1, i8, types.boolean, F1))
-def write_seen(
-    jets: FloatArray, result: FloatArray, rounds: FloatArray, on: int, is_point: bool, own: FloatArray
-) -> None:
-    """Writes the jets of a point or of a vector of a carrier, (3, 6), with its rounding."""
-    size = length(own, 0, 3)
-    for axis in range(3):
-        seen, value = result[axis], vector(jets, on, axis, own, is_point)
-        seen[0], seen[1], seen[2], seen[3], seen[4], seen[5] = value
-        for order in range(3):
-            off = size * rounds[2 * order + tb.ROUND_TURN]
-            off += rounds[2 * order + tb.ROUND_PLACE] if is_point else 0.0
-            seen[2 * order + 1] += off
 
 
 @kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, i8, i8, types.boolean, F1, f8, f8), inline=True)
