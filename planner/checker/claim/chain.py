@@ -18,6 +18,7 @@ from assur.planner.checker.claim.solids import (
     inverse,
     jet,
     joined,
+    length,
     minus,
     plus,
     put,
@@ -26,7 +27,7 @@ from assur.planner.checker.claim.solids import (
     times,
     turned,
 )
-from assur.planner.checker.claim.tables import F1, F3, JET, f8, i8
+from assur.planner.checker.claim.tables import F1, F2, F3, JET, f8, i8
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.compiled import kernel, types
@@ -42,7 +43,22 @@ def vector(jets: FloatArray, on: int, axis: int, own: FloatArray, is_point: bool
     return total
 
 
-@kernel(types.void(tb.CLAIM, i8, tb.SCRATCH))
+@kernel(types.void(F3, F2, F1, i8, types.boolean, F1))
+def write_seen(
+    jets: FloatArray, result: FloatArray, rounds: FloatArray, on: int, is_point: bool, own: FloatArray
+) -> None:
+    """Writes the jets of a point or of a vector of a carrier, (3, 6), with its rounding."""
+    size = length(own, 0, 3)
+    for axis in range(3):
+        seen, value = result[axis], vector(jets, on, axis, own, is_point)
+        seen[0], seen[1], seen[2], seen[3], seen[4], seen[5] = value
+        for order in range(3):
+            off = size * rounds[2 * order + tb.ROUND_TURN]
+            off += rounds[2 * order + tb.ROUND_PLACE] if is_point else 0.0
+            seen[2 * order + 1] += off
+
+
+@kernel(types.void(tb.CLAIM, i8, tb.SCRATCH), inline=True)
 def turn(k: Claim, arm: int, s: tb.Scratch) -> None:
     """Cosine and sine of all angles of an arm."""
     first, n = int(k.arms[arm, c.ARM_ANGLE]), int(k.arms[arm, c.ARM_JOINTS])
@@ -114,7 +130,7 @@ def tilted(jets: FloatArray, on: int, cosine: Jet, sine: Jet, cp: Jet, sp: Jet, 
     put(jets, on, 11, times(cr, cp))
 
 
-@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, i8, F3, tb.SCRATCH))
+@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, i8, F3, tb.SCRATCH), inline=True)
 def chain(k: Claim, g: tb.Geometry, arm: int, jets: FloatArray, s: tb.Scratch) -> bool:
     """Jets of all links of an arm, from those of its joints in `s.joints`. False: its loop may come apart."""
     turn(k, arm, s)
@@ -154,7 +170,7 @@ def chain(k: Claim, g: tb.Geometry, arm: int, jets: FloatArray, s: tb.Scratch) -
     return True
 
 
-@kernel(i8(tb.CLAIM, tb.GEOMETRY, i8, i8, f8, f8, F3, tb.SCRATCH))
+@kernel(i8(tb.CLAIM, tb.GEOMETRY, i8, i8, f8, f8, F3, tb.SCRATCH), inline=True)
 def frame_over(k: Claim, g: tb.Geometry, f: int, on: int, t0: float, t1: float, jets: FloatArray, s: tb.Scratch) -> int:
     """Jets of a frame with a law over [t0, t1] (N6), with its sines. Returns KNOWN; NOT_GIVEN; or TOO_WIDE, where
     this is longer than a period."""
@@ -194,27 +210,36 @@ def frame_over(k: Claim, g: tb.Geometry, f: int, on: int, t0: float, t1: float, 
     return tb.KNOWN
 
 
-@kernel(i8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, i8, f8, f8))
-def slot_of(k: Claim, g: tb.Geometry, s: tb.Scratch, on: int, t0: float, t1: float) -> int:
-    """The slot of `s.jets` that has a carrier over [t0, t1], computed now or before. Less than 0: it is not known, and
-    the value is -1 - NOT_GIVEN or -1 - TOO_WIDE. All links of an arm are computed together."""
-    arm = int(g.carriers[on, tb.CARRIER_ARM])
-    key, lasts = on if arm < 0 else int(k.arms[arm, c.ARM_LINK]), t1 > t0
-    begin, many = (tb.INSTANTS, tb.INTERVALS) if lasts else (0, tb.INSTANTS)
-    if g.carriers[on, tb.CARRIER_FIXED] > 0.0:
-        if s.known[0, on, 2] == 0.0:
-            frame_over(k, g, int(g.carriers[on, tb.CARRIER_FRAME]), on, t0, t0, s.jets[0], s)
-            s.known[0, on, 2] = tb.KNOWN
+@kernel(i8(F2, F3, i8, f8, f8))
+def kept_slot(carriers: FloatArray, known: FloatArray, on: int, t0: float, t1: float) -> int:
+    """What `slot_of` returns if that was computed before, else -1 - NOT_KEPT. What never moves is always in slot 0."""
+    own, lasts = carriers[on], t1 > t0
+    if own[tb.CARRIER_FIXED] > 0.0:
         return 0
+    key, begin, many = int(own[tb.CARRIER_FIRST]), tb.INSTANTS if lasts else 0, tb.INTERVALS if lasts else tb.INSTANTS
     for slot in range(begin, begin + many):
-        if s.known[slot, key, 0] == t0 and s.known[slot, key, 1] == t1:
-            return slot if s.known[slot, key, 2] == tb.KNOWN else int(-1 - s.known[slot, key, 2])
-    slot = begin + int(s.next_slot[key, int(lasts)])
-    s.next_slot[key, int(lasts)] = (s.next_slot[key, int(lasts)] + 1.0) % many
-    state = tb.NOT_GIVEN
+        if known[slot, key, 0] == t0 and known[slot, key, 1] == t1:
+            return slot if known[slot, key, 2] == tb.KNOWN else int(-1 - known[slot, key, 2])
+    return -1 - tb.NOT_KEPT
+
+
+@kernel(i8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, i8, f8, f8))
+def new_slot(k: Claim, g: tb.Geometry, s: tb.Scratch, on: int, t0: float, t1: float) -> int:
+    """What `slot_of` returns, computed now. All links of an arm are computed together."""
+    arm, key, lasts = int(g.carriers[on, tb.CARRIER_ARM]), int(g.carriers[on, tb.CARRIER_FIRST]), t1 > t0
+    slot, state = int(s.next_slot[key, int(lasts)]) + (tb.INSTANTS if lasts else 0), tb.NOT_GIVEN
+    s.next_slot[key, int(lasts)] = (s.next_slot[key, int(lasts)] + 1.0) % (tb.INTERVALS if lasts else tb.INSTANTS)
     if arm < 0:
         state = frame_over(k, g, int(g.carriers[on, tb.CARRIER_FRAME]), on, t0, t1, s.jets[slot], s)
     elif joints_over(g, arm, int(k.arms[arm, c.ARM_JOINTS]), t0, t1, s):
         state = tb.KNOWN if chain(k, g, arm, s.jets[slot], s) else tb.TOO_WIDE
     s.known[slot, key, 0], s.known[slot, key, 1], s.known[slot, key, 2] = t0, t1, state
     return slot if state == tb.KNOWN else -1 - state
+
+
+@kernel(i8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, i8, f8, f8), inline=True)
+def slot_of(k: Claim, g: tb.Geometry, s: tb.Scratch, on: int, t0: float, t1: float) -> int:
+    """The slot of `s.jets` that has a carrier over [t0, t1], computed now or before. Less than 0: it is not known, and
+    the value is -1 - NOT_GIVEN or -1 - TOO_WIDE."""
+    slot = kept_slot(g.carriers, s.known, on, t0, t1)
+    return new_slot(k, g, s, on, t0, t1) if slot == -1 - tb.NOT_KEPT else slot

@@ -52,6 +52,11 @@ MISFITS = {
 }
 
 
+WIDTHS = tuple(c.WIDTHS.get(name, -1) for name in Claim._fields)
+"""Columns of each table of a claim; -1: other tables determine it."""
+FLOAT = np.dtype(np.float64)
+
+
 def bounds() -> FloatArray:
     """`columns.BOUNDS` and `RANGES` as a table, for `misfit`."""
     names = list(Claim._fields)
@@ -79,14 +84,13 @@ def bound_name(row: int) -> str:
 
 
 def wrong_table(claim: Claim) -> str:
-    """The first table that is no C-ordered (rows, columns) of float64 with the right number of columns; "": none."""
+    """The first table that is no aligned, writeable, C-ordered (rows, columns) of float64 with the right number of
+    columns; "": none."""
     tables: tuple[object, ...] = claim
-    for name, table in zip(Claim._fields, tables, strict=True):
-        if not (isinstance(table, np.ndarray) and table.dtype == np.float64 and table.ndim == 2):
+    for name, width, table in zip(Claim._fields, WIDTHS, tables, strict=True):
+        if not (isinstance(table, np.ndarray) and table.dtype == FLOAT and table.ndim == 2 and table.flags.carray):
             return name
-        if not (table.flags.c_contiguous and table.flags.aligned and table.flags.writeable):
-            return name
-        if table.shape[1] != c.WIDTHS.get(name, table.shape[1]):
+        if width >= 0 and table.shape[1] != width:
             return name
     return ""
 

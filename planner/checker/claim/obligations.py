@@ -278,7 +278,7 @@ def corrected_within(k: Claim, g: tb.Geometry, s: tb.Scratch, p: int, t0: float,
     return True
 
 
-@kernel(f8(tb.CLAIM, F1, i8, f8))
+@kernel(f8(tb.CLAIM, F1, i8, f8), inline=True)
 def displaced_gap(k: Claim, about: FloatArray, p: int, t: float) -> float:
     """By how much displacements of frames may bring both bodies of a row nearer along its normal until t, m."""
     first, total, normal = k.required[0, c.REQUIRED_TOOL], 0.0, about[tb.OBJECT_NORMAL :]
@@ -296,7 +296,7 @@ def displaced_gap(k: Claim, about: FloatArray, p: int, t: float) -> float:
     return float(total)
 
 
-@kernel(f8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, i8, i8, f8, f8))
+@kernel(f8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, i8, i8, f8, f8), inline=True)
 def own_gap(
     k: Claim, g: tb.Geometry, s: tb.Scratch, about: FloatArray, side: int, p: int, t0: float, t1: float
 ) -> float:
@@ -321,7 +321,7 @@ def own_gap(
     return float(total)
 
 
-@kernel(f8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, F1, f8, f8))
+@kernel(f8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, F1, f8, f8), inline=True)
 def required_gap(
     k: Claim, g: tb.Geometry, s: tb.Scratch, about: FloatArray, pair: FloatArray, t0: float, t1: float
 ) -> float:

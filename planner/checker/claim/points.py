@@ -10,8 +10,8 @@ import math
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
-from assur.planner.checker.claim.chain import slot_of, vector
-from assur.planner.checker.claim.solids import Jet, constant, jet, length, minus, plus, product, put, times, widened
+from assur.planner.checker.claim.chain import slot_of, write_seen
+from assur.planner.checker.claim.solids import Jet, constant, jet, minus, plus, product, put, times, widened
 from assur.planner.checker.claim.tables import F1, F2, F3, JET, f8, i8
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
@@ -22,19 +22,15 @@ POINTS, RATES, AXES, GUIDES, CORRECTED, SUMS, DISTANCES, ERRORS = range(8)
 `errors`. All begin with the begin and the end of their time, but the last two."""
 
 
-@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, i8, i8, types.boolean, F1, f8, f8))
+@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, i8, i8, types.boolean, F1, f8, f8), inline=True)
 def see(
     k: Claim, g: tb.Geometry, s: tb.Scratch, i: int, on: int, is_point: bool, own: FloatArray, t0: float, t1: float
 ) -> bool:
     """Writes to row i of `s.vectors` the jets over [t0, t1] of a point or of a vector of a carrier in the world, with
     its rounding. `own` begins with its coordinates on the carrier. False: not known."""
-    slot, size, rounds = slot_of(k, g, s, on, t0, t1), length(own, 0, 3), g.rounds[on]
-    for axis in range(3 if slot >= 0 else 0):
-        put(s.vectors, i, axis, vector(s.jets[slot], on, axis, own, is_point))
-        for order in range(3):
-            off = size * rounds[2 * order + tb.ROUND_TURN]
-            off += rounds[2 * order + tb.ROUND_PLACE] if is_point else 0.0
-            s.vectors[i, axis, 2 * order + 1] += off
+    slot = slot_of(k, g, s, on, t0, t1)
+    if slot >= 0:
+        write_seen(s.jets[slot], s.vectors[i], g.rounds[on], on, is_point, own)
     return slot >= 0
 
 
@@ -58,7 +54,7 @@ def dot(vectors: FloatArray, i: int, j: int) -> Jet:
     return widened(total, 16.0 * tb.ULP * x, 16.0 * tb.ULP * y, 16.0 * tb.ULP * z)
 
 
-@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, f8, f8))
+@kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, f8, f8), inline=True)
 def see_point(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, t0: float, t1: float) -> bool:
     """The way of the tool from its point, as vector 0, and the difference of both x axes, as vector 2."""
     on, target_on = int(own[c.POINT_LINK]), int(g.on[int(own[c.POINT_FRAME]), 0])
@@ -165,6 +161,9 @@ def is_near_chord(
     `sizes`: room for six numbers. Writes by how much a distance is larger than is claimed to `state`."""
     flat, h, bows = kind == POINTS and own[c.POINT_HEIGHT] >= 0.0, t1 - t0, sizes[3:]
     bows[:3], state[tb.AMOUNT] = 0.0 if kind == AXES else tb.SLACK, math.nan
+    most = 0.5 * (own[c.AXIS_HIGH] - own[c.AXIS_LOW]) if kind == AXES else 0.0
+    if kind != AXES:
+        most = own[c.GUIDE_MOST if kind == GUIDES else c.POINT_POSITION]
     for end in range(3 if h > 0.0 else 1):
         a, b, known = t0 if end < 2 else t1, t1 if end != 1 else t0, False
         if kind == POINTS:
@@ -179,6 +178,9 @@ def is_near_chord(
             write_sizes(s, flat, 2, sizes)
             for n in range(3):
                 bows[n] += sizes[n] * h * h / 8.0
+            # then both ends need not be computed; a bow that is within the slack leaves the amount to them
+            if not bows[0] <= most + 2.0 * tb.SLACK:
+                return False
             continue
         write_sizes(s, flat, 0, sizes)
         if kind == AXES:
@@ -186,7 +188,6 @@ def is_near_chord(
             if not own[c.AXIS_LOW] <= value - off <= value + off <= own[c.AXIS_HIGH]:
                 return False
             continue
-        most = own[c.GUIDE_MOST if kind == GUIDES else c.POINT_POSITION]
         if not sizes[0] + bows[0] <= most:
             state[tb.AMOUNT] = sizes[0] + bows[0] - most
             return False
@@ -256,13 +257,10 @@ NO_LIMITS, KEPT = -2, -1
 """What `first_joint_beyond` returns in place of a joint."""
 
 
-@kernel(types.boolean(F1, i8, f8, f8, F2, F1))
-def bounded(control: FloatArray, degree: int, low: float, high: float, stack: FloatArray, state: FloatArray) -> bool:
-    """Whether a polynomial with these Bernstein coefficients stays between two numbers."""
-    top = 1
-    for m in range(degree + 1):
-        stack[0, m] = control[m]
-    stack[0, tb.POWERS] = 0.0
+@kernel(types.boolean(i8, f8, f8, F2, F1))
+def bounded(degree: int, low: float, high: float, stack: FloatArray, state: FloatArray) -> bool:
+    """Whether a polynomial stays between two numbers. Its Bernstein coefficients are in the first row of `stack`."""
+    top, stack[0, tb.POWERS] = 1, 0.0
     while top > 0:
         top -= 1
         own, within = stack[top], True
@@ -343,7 +341,7 @@ def sum_within(k: Claim, own: FloatArray, more: float, stack: FloatArray, state:
     `more`: by how much it may exceed its bounds; if that is not negative, pieces count as a whole. Where a failing
     piece begins is in the last place of `stack`."""
     knots, order, t0, t1 = int(k.arms[0, c.ARM_KNOTS]), int(own[c.SUM_ORDER]), own[c.SUM_T0], own[c.SUM_T1]
-    control, ends, sizes = stack[len(stack) - 1], stack[len(stack) - 2], stack[len(stack) - 3]
+    control, ends, sizes = stack[0], stack[len(stack) - 2], stack[len(stack) - 3]
     low, high, last = own[c.SUM_LOW], own[c.SUM_HIGH], k.knots[knots - 1, 0]
     state[tb.WORK] -= 0.01 * knots
     if not (k.knots[0, 0] <= t0 and t1 <= last and state[tb.WORK] > 0.0):
@@ -355,7 +353,7 @@ def sum_within(k: Claim, own: FloatArray, more: float, stack: FloatArray, state:
         if not (h > 0.0 and counts):
             continue
         state[tb.WORK] -= 0.2
-        ends[:], sizes[:] = 0.0, 0.0
+        ends[:7], sizes[:7] = 0.0, 0.0
         for j in range(int(k.arms[0, c.ARM_JOINTS])):
             if own[c.SUM_SHARE + j] != 0.0:
                 add_joint(one, other, j, own[c.SUM_SHARE + j], ends, sizes)
@@ -365,8 +363,8 @@ def sum_within(k: Claim, own: FloatArray, more: float, stack: FloatArray, state:
             cut(control, 5 - order, (max(t0, begin) - begin) / h, 1.0 if t1 >= end else (t1 - begin) / h)
         off -= max(more, 0.0)
         least, most = low + off + 4.0 * tb.ULP * abs(low), high - off - 4.0 * tb.ULP * abs(high)
-        if not bounded(control, 5 - order, least, most, stack, state):
-            control[tb.POWERS] = begin
+        if not bounded(5 - order, least, most, stack, state):
+            stack[len(stack) - 1, tb.POWERS] = begin
             return False
     return True
 

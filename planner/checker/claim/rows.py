@@ -75,7 +75,7 @@ def resolve(k: Claim, g: tb.Geometry, proof: tb.Proof) -> None:
         proof.state[tb.ROWS] += 1.0
 
 
-@kernel(i8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, F1, f8, f8, f8, f8))
+@kernel(i8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, F1, F1, f8, f8, f8, f8), inline=True)
 def row_on(
     k: Claim,
     g: tb.Geometry,
@@ -198,7 +198,7 @@ def first_wrong_row(k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof) ->
     return -1
 
 
-@kernel(types.boolean(tb.CLAIM, tb.PROOF, i8, F2))
+@kernel(types.boolean(tb.CLAIM, tb.PROOF, i8, F2), inline=True)
 def covered(k: Claim, proof: tb.Proof, d: int, reached: FloatArray) -> bool:
     """Whether the rows of pair d cover all of its phase, for all times by which one body may be ahead. Times are
     compared as they are. `reached`: room for (pieces, pieces) of both bodies."""

@@ -21,7 +21,7 @@ def length(v: FloatArray, first: int, last: int) -> float:
     return math.sqrt(total)
 
 
-@kernel(f8(tb.GEOMETRY, i8, f8, f8, f8))
+@kernel(f8(tb.GEOMETRY, i8, f8, f8, f8), inline=True)
 def extent(g: tb.Geometry, solid: int, u: float, v: float, w: float) -> float:
     """The largest m·x of a solid, m, for a unit vector m = (u, v, w) in the axes of its carrier (N2)."""
     own, total = g.solids[solid], g.solids[solid, tb.SOLID_BALL]
@@ -39,7 +39,7 @@ def extent(g: tb.Geometry, solid: int, u: float, v: float, w: float) -> float:
     return float(total + most)
 
 
-@kernel(f8(tb.GEOMETRY, F4, i8, i8, i8, F1, f8))
+@kernel(f8(tb.GEOMETRY, F4, i8, i8, i8, F1, f8), inline=True)
 def support(g: tb.Geometry, jets: FloatArray, slot: int, solid: int, on: int, normal: FloatArray, sign: float) -> float:
     """The largest m·x of a solid at an instant, m, for a unit vector m = `sign` * `normal` of the world (N2)."""
     at, x, y, z = jets[slot, on], sign * normal[0], sign * normal[1], sign * normal[2]
@@ -49,7 +49,7 @@ def support(g: tb.Geometry, jets: FloatArray, slot: int, solid: int, on: int, no
     return float(x * at[0, 0] + y * at[1, 0] + z * at[2, 0] + extent(g, solid, u, v, w))
 
 
-@kernel(f8(tb.GEOMETRY, F4, i8, i8, i8, i8, F1, f8))
+@kernel(f8(tb.GEOMETRY, F4, i8, i8, i8, i8, F1, f8), inline=True)
 def derivative_bound(
     g: tb.Geometry, jets: FloatArray, slot: int, order: int, solid: int, on: int, normal: FloatArray, sign: float
 ) -> float:

@@ -20,8 +20,9 @@ DEEPEST = 24
 """Halvings of one interval, after which it is refused."""
 INSTANTS, INTERVALS = 6, 3
 """How many instants, and intervals, are kept of each carrier. One row needs four and two."""
-NOT_GIVEN, TOO_WIDE, KNOWN = range(3)
-"""Of a carrier over a time: its motion is not given; its loop may come apart on an interval of this length; known."""
+NOT_GIVEN, TOO_WIDE, KNOWN, NOT_KEPT = range(4)
+"""Of a carrier over a time: its motion is not given; its loop may come apart on an interval of this length; known; not
+computed yet, or replaced since."""
 POWERS, LAW_POWERS = 6, c.MOST_POWERS + 2
 """Coefficients of a quintic, and of a coordinate of a law."""
 TOUCHED = LAW_POWERS + 1
@@ -30,8 +31,9 @@ CURVE_BEGIN, CURVE_END, CURVE_DEGREE, CURVE_POWER = range(4)
 CURVE, LAW_ERROR = CURVE_POWER + POWERS * c.MOST_JOINTS, CURVE_POWER + 4 * LAW_POWERS
 LAW_CURVE = LAW_ERROR + 5
 """Pieces of laws have room for the errors of one coordinate."""
-CARRIER_ARM, CARRIER_FRAME, CARRIER_UPRIGHT, CARRIER_FIXED, CARRIER = range(5)
-"""Arm and frame (-1: none), whether it turns about the vertical only, whether it never moves."""
+CARRIER_ARM, CARRIER_FRAME, CARRIER_UPRIGHT, CARRIER_FIXED, CARRIER_FIRST, CARRIER = range(6)
+"""Arm and frame (-1: none), whether it turns about the vertical only, whether it never moves; the first link of its
+arm, or itself."""
 ROUND_PLACE, ROUND_TURN, ROUNDS = 0, 1, 6
 """By how much a place (m) and a column of the rotation (rad) round; the same for rates and second derivatives follows,
 two columns for each order."""

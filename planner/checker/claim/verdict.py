@@ -9,6 +9,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker.claim import tables as tb
+from assur.planner.checker.claim.chain import frame_over
 from assur.planner.checker.claim.enclosure import first_within, link_rows, open_body
 from assur.planner.checker.claim.form import FITS, MISFITS, bound_name, bounds, misfit, wrong_table
 from assur.planner.checker.claim.motion import make_curves, make_laws
@@ -30,7 +31,7 @@ MOST_FINDINGS = 8
 """Findings after which a check ends."""
 
 
-KNOTS, PHASES, LIMIT, ROW, COVER, WITHIN, GAP_ROW, GAP_COVER, MUCH = range(ERRORS + 1, ERRORS + 10)
+KNOTS, PHASES, LIMIT, ROW, COVER, WITHIN, GAP_ROW, GAP_COVER, MUCH, FORM = range(ERRORS + 1, ERRORS + 11)
 KINDS = (
     (Code.POINT, "points", "the tool is not at its point, or does not move with it"),
     (Code.RATE, "rates", "the tool is faster or slower, or accelerates harder, than is claimed"),
@@ -49,6 +50,7 @@ KINDS = (
     (Code.NEAREST, "gap_rows", "the smallest clearance is not shown"),
     (Code.NEAREST, "phases", "the smallest clearance is not shown"),
     (Code.WORK, "", "more work than is allowed"),
+    (Code.FORM, "", "tables do not fit together"),
 )
 """Of what kernels report by number: the code, the table of the row that it is about, and what is not shown."""
 FINDING_KIND, FINDING_ROW, FINDING_WHEN, FINDING_AMOUNT, FINDING = range(5)
@@ -84,7 +86,8 @@ class ClaimVerdict(NamedTuple):
 
 @kernel(types.Tuple((tb.GEOMETRY, tb.SCRATCH))(tb.CLAIM), allocates=True)
 def prepare(k: Claim) -> tuple[tb.Geometry, tb.Scratch]:
-    """Room for the geometry and the jets of a claim that fits together; carriers are written."""
+    """Room for the geometry and the jets of a claim that fits together. Carriers are written, and the jets of those
+    that never move."""
     links, frames, solids, vertices, lags = len(k.links), len(k.frames), 0, 0, 0
     for s in range(len(k.seats)):
         body = k.bodies[int(k.seats[s, c.SEAT_BODY])]
@@ -116,19 +119,21 @@ def prepare(k: Claim) -> tuple[tb.Geometry, tb.Scratch]:
         np.zeros(tb.LAW_POWERS + 2),
         np.zeros((links + frames, 2)),
     )
-    scratch.known[0, :, 2] = 0.0
     scratch.jets[:, :, 11, 0] = 1.0
     for a in range(len(k.arms)):
         for i in range(int(k.arms[a, c.ARM_LINK]), int(k.arms[a, c.ARM_LINK] + k.arms[a, c.ARM_LINKS])):
             own = geometry.carriers[i]
-            own[tb.CARRIER_ARM], own[tb.CARRIER_FRAME] = a, -1.0
+            own[tb.CARRIER_ARM], own[tb.CARRIER_FRAME], own[tb.CARRIER_FIRST] = a, -1.0, k.arms[a, c.ARM_LINK]
             own[tb.CARRIER_UPRIGHT] = 1.0 if k.links[i, c.LINK_PITCH] < 0.0 else 0.0
     for f in range(frames):
         frame, own = k.frames[f], geometry.carriers[links + f]
         alone = frame[c.FRAME_ARM] < 0.0
         geometry.on[f, 0] = links + f if alone else frame[c.FRAME_LINK]
-        own[tb.CARRIER_ARM], own[tb.CARRIER_FRAME], own[tb.CARRIER_UPRIGHT] = -1.0, f, 1.0
-        own[tb.CARRIER_FIXED] = 1.0 if alone and frame[c.FRAME_PIECES] + frame[c.FRAME_WAVES] == 0.0 else 0.0
+        own[tb.CARRIER_ARM], own[tb.CARRIER_FRAME], own[tb.CARRIER_FIRST] = -1.0, f, links + f
+        own[tb.CARRIER_UPRIGHT] = 1.0
+        if alone and frame[c.FRAME_PIECES] + frame[c.FRAME_WAVES] == 0.0:
+            own[tb.CARRIER_FIXED] = 1.0
+            frame_over(k, geometry, f, links + f, 0.0, 0.0, scratch.jets[0], scratch)
     return geometry, scratch
 
 
@@ -177,12 +182,18 @@ def add_proof_findings(
     return many
 
 
-@kernel(types.Tuple((F2, F2, F1))(tb.CLAIM, I1, I1), allocates=True)
-def check_tables(k: Claim, order: IntArray, gap_order: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """What is not shown of a claim that fits together (.., FINDING), the pairs that must keep apart (.., PAIR), and the
-    numbers of the check (STATE,). `order`, `gap_order`: of its rows and gap rows, by begin and end."""
+@kernel(types.Tuple((F2, F2, F1))(tb.CLAIM, F2, I1, I1), allocates=True)
+def check_tables(
+    k: Claim, table: FloatArray, order: IntArray, gap_order: IntArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """What is not shown of a claim (.., FINDING), or what does not fit together (`misfit`, with its `table`); the pairs
+    that must keep apart (.., PAIR), and the numbers of the check (STATE,). `order`, `gap_order`: of its rows and gap
+    rows, by begin and end."""
     findings, state, many = np.zeros((MOST_FINDINGS + 2, FINDING)), np.zeros(tb.STATE), 0
-    state[tb.WORK] = MOST_WORK
+    state[tb.WORK], fits = MOST_WORK, misfit(k, table)
+    if fits != FITS:
+        many = add_finding(findings, 0, FORM, fits, math.nan)
+        return findings[:many], np.empty((0, tb.PAIR)), state
     g, s = prepare(k)
     moves = make_laws(k, g, s) and make_curves(k, g, s)
     if not (moves and phases_fit(k)):
@@ -236,17 +247,14 @@ def check_claim(claim: Claim) -> ClaimVerdict:
     name = wrong_table(claim)
     if name:
         return _refused(ClaimFinding(Code.FORM, f"{name}: not the table of a claim", name))
-    row = misfit(claim, BOUNDS)
-    if row != FITS:
-        return _refused(ClaimFinding(Code.FORM, MISFITS.get(row) or bound_name(row)))
-    body = open_body(claim)
-    if body >= 0:
-        return _refused(ClaimFinding(Code.SURFACE, "the surface is not closed", bodies=(body,)))
     order, gap_order = [np.lexsort((rows[:, c.ROW_T1], rows[:, c.ROW_T0])) for rows in (claim.rows, claim.gap_rows)]
     try:
-        rows, pairs, state = check_tables(claim, order, gap_order)
+        rows, pairs, state = check_tables(claim, BOUNDS, order, gap_order)
     except (ZeroDivisionError, OverflowError, ValueError, IndexError) as error:
         return _refused(ClaimFinding(Code.FORM, f"numbers that overflow, or a division by 0: {type(error).__name__}"))
+    body = open_body(claim) if len(rows) == 0 or rows[0, FINDING_KIND] != FORM else -1
+    if body >= 0:
+        return _refused(ClaimFinding(Code.SURFACE, "the surface is not closed", bodies=(body,)))
     findings = tuple(_finding(claim, row, pairs) for row in rows)
     needed, many, halvings, deepest = [int(state[number]) for number in (tb.ROWS, tb.PAIRS, tb.HALVINGS, tb.DEPTH)]
     return ClaimVerdict(not findings, findings, needed, many, halvings, deepest, int(MOST_WORK - state[tb.WORK]))
@@ -264,6 +272,8 @@ def _finding(claim: Claim, own: FloatArray, pairs: FloatArray) -> ClaimFinding:
         bodies, row = pairs[row, [tb.PAIR_A, tb.PAIR_B]], int(pairs[row, tb.PAIR_PHASE])
     elif kind in (ROW, GAP_ROW):
         bodies = (claim.rows if kind == ROW else claim.gap_rows)[row, c.ROW_BODY : c.ROW_PIECE]
+    elif kind == FORM:
+        row, what = -1, MISFITS.get(row) or bound_name(row)
     elif kind == LIMIT and row == NO_LIMITS:
         table, what = "", "no limits are for all of the motion"
     when, amount = float(own[FINDING_WHEN]), float(own[FINDING_AMOUNT])
