@@ -272,12 +272,8 @@ class Handling(Requirements):
     def tool_at(self, time: float) -> Four:
         """Place and yaw of the tool point in the world at a time; of a flange that tilts the heading of the arm."""
         if time not in self._tools:
-            # one call for all arrivals
-            times = list(dict.fromkeys([time, *(arrival.time for arrival in self.plan.arrivals)]))
-            q = np.array([self.state_at(t)[0] for t in times])
-            places, angles = (each[int(self.flange)] for each in arms.textbook(self.scene.robot, q))
-            for t, (x, y, z), yaw in zip(times, places.tolist(), angles[:, 0].tolist(), strict=True):
-                self._tools[t] = then((x, y, z, yaw), self.tcp)
+            flange = arms.link_at(self.scene.robot, self.state_at(time)[0].tolist(), int(self.flange))
+            self._tools[time] = then(flange, self.tcp)
         return self._tools[time]
 
     def uncertainty(self, name: str, handed: Sequence[int]) -> PoseUncertainty | None:

@@ -221,7 +221,7 @@ def _require_miss(handling: Handling, pieces: _Pieces, arrival: Arrival, stated:
     late = abs(t - float(pieces.begin[k]) - tau) if pieces.accelerates[k] else 0.0
     miss = tau * (pieces.rates[k, 1] - pieces.rates[k, 0]) / 4.0
     past = handling.state_at(t)[0] - miss
-    tool = then(link_at(robot, past, int(handling.flange)), handling.tcp)
+    tool = then(link_at(robot, past.tolist(), int(handling.flange)), handling.tcp)
     goal = handling.in_world(handling.tool_point(arrival.step), t)
     turned = abs(math.remainder(tool[3] - goal[3], math.tau)) if "yaw" in robot.coordinates else 0.0
     if "pitch" in robot.coordinates:
