@@ -141,15 +141,14 @@ def _require_chain(report: Requirements, robot: Robot, arm: int, claim: c.Claim)
         return
     sums = [*claim.angles[:, : 1 + n].tolist(), [0.0] * (1 + n)]  # a link that stays upright has no row, -1
     for name, link, own in zip(robot.links, chain.links, links, strict=True):
-        same = max(own[c.LINK_PARENT] - first, -1.0) == link.parent and own[c.LINK_COUPLER] == link.coupler
         axis, joint = link.slide or (-1, -1)
-        same = same and own[c.LINK_SLIDE] == joint
-        pairs = list(zip(own[c.LINK_OFFSET : c.LINK_SLIDE], link.offset, strict=True))
-        if joint >= 0:
-            pairs += zip(own[c.LINK_AXIS : c.LINK_YAW], (float(k == axis) for k in range(3)), strict=True)
+        same = max(own[c.LINK_PARENT] - first, -1.0) == link.parent and own[c.LINK_COUPLER] == link.coupler
+        same = same and own[c.LINK_SLIDE] == joint and _are_near(own[c.LINK_OFFSET : c.LINK_SLIDE], link.offset)
+        along = [float(k == axis) for k in range(3)]
+        same = same and (joint < 0 or _are_near(own[c.LINK_AXIS : c.LINK_YAW], along))
         for number, (constant, joints) in zip(own[c.LINK_YAW :], link.angles(robot.base.yaw), strict=False):
-            pairs += zip(sums[int(number)], (constant, *(float(k in joints) for k in range(n))), strict=True)
-        same = same and all(abs(x - y) <= COPIED for x, y in pairs)
+            shares = [float(k in joints) for k in range(n)]
+            same = same and _are_near(sums[int(number)], [constant, *shares])
         report.require(same, Code.LINK, f"{name} of {robot.name} is not where the request has it")
     if chain.loop:
         loop = claim.loops[row[c.ARM_LOOP]].tolist()
@@ -158,6 +157,10 @@ def _require_chain(report: Requirements, robot: Robot, arm: int, claim: c.Claim)
         report.require(all(near), Code.LINK, f"the loop of {robot.name} is another")
         far = loop[c.LOOP_LEAST] >= robot.parallel_least
         report.require(far, Code.LINK, f"{robot.name} may come nearer to a singularity of its loop")
+
+
+def _are_near(stated: list[float], required: Sequence[float]) -> bool:
+    return stated == required or all(abs(x - y) <= COPIED for x, y in zip(stated, required, strict=True))
 
 
 def textbook(robot: Robot, q: Sequence[float]) -> list[tuple[Three, Three]]:

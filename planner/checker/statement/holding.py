@@ -61,7 +61,7 @@ class Given:
         self.bodies = {body.name: number for number, body in enumerate(bodies_of(scene))}
         self.motions: dict[str, laws.Formula] = {}
         self.seats: tuple[FloatArray, FloatArray] | None = None
-        """Of each body before any step: its seat (B, 7), and how far it may be off it (B, 2), m."""
+        """Of all bodies before any step: seats (1, B, 7), and how far each may be off it (1, 2 B), m."""
 
     def motion(self, frame: str) -> laws.Formula:
         """The formula of a frame that is no link of an arm; the times at which its pieces end are left out."""
