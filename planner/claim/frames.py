@@ -96,11 +96,11 @@ NO_PERIOD = (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class StatedLaw(NamedTuple):
-    """A law in a claim: `at` (8), its pose and rate when its first piece begins; `pieces` (K, c.LAW); its sines; its
+    """A law in a claim: `at` (8), its pose and rate when its first piece begins; rows of `laws`; its sines; its
     period, s, and by how much it has gone on after that (4)."""
 
     at: list[float]
-    pieces: FloatArray
+    pieces: list[list[float]]
     waves: list[tuple[float, ...]]
     period: tuple[float, ...] = NO_PERIOD
 
@@ -115,31 +115,32 @@ def law_of(law: Law, early: float) -> StatedLaw:
     Raises `InputError` for a law that begins too early or too late for any claim.
     """
     count, period = int(law.row[own.COUNT]), float(law.row[own.PERIOD])
-    pieces, waves = law.side[:count], [tuple(each) for each in law.side[count:, : c.WAVE].tolist()]
+    pieces, waves = law.side[:count].tolist(), [tuple(each) for each in law.side[count:, : c.WAVE].tolist()]
     # the first one that ends later; all of them if none does
-    left_out = 0 if period > 0.0 else int(np.argmax(pieces[:, own.PIECE_END] > early))
+    later = (k for k, piece in enumerate(pieces) if period > 0.0 or piece[own.PIECE_END] > early)
+    left_out = next(later, 0)
     pieces = pieces[left_out:]
-    pose, rate, powers = pieces[0, own.POSE : own.RATE], pieces[0, own.RATE : own.CORNER], pieces[:, own.POWER :]
+    pose, rate = pieces[0][own.POSE : own.RATE], pieces[0][own.RATE : own.CORNER]
     if law.is_fixed or waves:
-        return StatedLaw([*pose.tolist(), 0.0, 0.0, 0.0, 0.0], c.table("laws", []), waves)
-    starts, ends = pieces[:, own.PIECE_BEGIN].copy(), pieces[:, own.PIECE_END].copy()
+        return StatedLaw([*pose, 0.0, 0.0, 0.0, 0.0], [], waves)
+    starts, ends = [piece[own.PIECE_BEGIN] for piece in pieces], [piece[own.PIECE_END] for piece in pieces]
     repeated = NO_PERIOD
     if period > 0.0:
-        step, start = law.row[own.STEP : own.STEP + 4], float(law.row[own.START])
+        step, start = law.row[own.STEP : own.STEP + 4].tolist(), float(law.row[own.START])
         whole = -math.ceil(max(start - early, 0.0) / period) + math.ceil(max(-c.LATEST_S - start, 0.0) / period)
-        starts, pose = starts + (start + whole * period), pose + whole * step
-        ends = np.append(starts[1:], starts[0] + period)
-        repeated = (period, *step.tolist())
-    elif left_out == 0 and not powers[0].any():
+        starts = [t + (start + whole * period) for t in starts]
+        pose = [x + whole * far for x, far in zip(pose, step, strict=True)]
+        ends = [*starts[1:], starts[0] + period]
+        repeated = (period, *step)
+    elif left_out == 0 and not any(pieces[0][own.POWER :]):
         begin = max(min(early, law.stated_s, starts[0]), -c.LATEST_S)
-        pose, starts[0] = pose - (starts[0] - begin) * rate, begin
-    ends = np.minimum(ends, c.LATEST_S)
-    kept = starts < ends  # some last no time
-    if not (kept.any() and starts[0] >= -c.LATEST_S):
+        pose = [x - (starts[0] - begin) * v for x, v in zip(pose, rate, strict=True)]
+        starts[0] = begin
+    times = zip(starts, (min(t, c.LATEST_S) for t in ends), pieces, strict=True)
+    found = [[t0, t1, *piece[own.POWER :]] for t0, t1, piece in times if t0 < t1]  # some last no time
+    if not (found and starts[0] >= -c.LATEST_S):
         raise unstated(f"a frame whose motion begins before {-c.LATEST_S:g} s or after {c.LATEST_S:g} s")
-    found = np.zeros((int(kept.sum()), c.LAW))
-    found[:, c.LAW_BEGIN], found[:, c.LAW_END], found[:, c.LAW_POWER :] = starts[kept], ends[kept], powers[kept]
-    return StatedLaw([*pose.tolist(), *rate.tolist()], found, waves, repeated)
+    return StatedLaw([*pose, *rate], found, waves, repeated)
 
 
 BEYOND_S = 1e-3
@@ -175,8 +176,8 @@ def early_of(scene: Scene) -> float:
 
 def frames_of(scene: Scene) -> Frames:
     """The frames of a cell. Raises `InputError` for an arm or a law that cannot be stated."""
-    arms, rows, waves, laws = Arms(), list[list[float]](), list[tuple[float, ...]](), [c.table("laws", [])]
-    followed, first, pieces = list[tuple[Robot, Trajectory]](), list[int](), 0
+    arms, rows, waves, laws = Arms(), list[list[float]](), list[tuple[float, ...]](), list[list[float]]()
+    followed, first = list[tuple[Robot, Trajectory]](), list[int]()
     early = early_of(scene)
     arms.add(scene.robot)
     for frame in scene.frames.values():
@@ -184,17 +185,16 @@ def frames_of(scene: Scene) -> Frames:
         if link is None:
             law = law_of(frame.law, early)
         else:
-            law = StatedLaw([0.0] * 8, laws[0], [])
+            law = StatedLaw([0.0] * 8, [], [])
             same = [k for k, (robot, path) in enumerate(followed) if robot is link.robot and path is link.trajectory]
             if not same:
                 same = [len(followed)]
                 followed.append((link.robot, link.trajectory))
                 first.append(arms.add(link.robot))
             on = same[0] + 1, first[same[0]] + link.link
-        own = pieces, len(law.pieces), len(waves), len(law.waves)
+        own = len(laws), len(law.pieces), len(waves), len(law.waves)
         rows.append([*on, *law.at, *own, *known.shift_s, known.yaw_rad, *law.period])
-        laws.append(law.pieces)
-        pieces += len(law.pieces)
+        laws += law.pieces
         waves += law.waves
     tables = arms.tables()
     knots = [knots_at_rest(path) for _, path in followed]
@@ -202,7 +202,7 @@ def frames_of(scene: Scene) -> Frames:
     tables["arms"][:, c.ARM_KNOT], tables["arms"][:, c.ARM_KNOTS] = np.cumsum(counts) - counts, counts
     tables |= {
         "frames": c.table("frames", rows),
-        "laws": np.concatenate(laws),
+        "laws": c.table("laws", laws),
         "waves": c.table("waves", waves),
         "displaced": displaced_of(scene),
         "knots": np.concatenate((c.table("knots", []), *knots)),

@@ -60,7 +60,7 @@ def law_document(law: Law, begin: float) -> Document:
     """A frame that moves by a law, from `begin` on at least, in a bundle."""
     at, pieces, waves, period = law_of(law, begin)
     frame = [-1.0, -1.0, *at, 0.0, len(pieces), 0.0, len(waves), 0.0, 0.0, 0.0, *period]
-    rows = {"frames": [frame], "laws": pieces.tolist(), "waves": list(map(list, waves)), "displaced": []}
+    rows = {"frames": [frame], "laws": pieces, "waves": list(map(list, waves)), "displaced": []}
     return written.frame_document(rows, 0, "frame")
 
 

@@ -148,9 +148,9 @@ class Link(NamedTuple):
 
 def links_at(scene: Scene, q: FloatArray) -> list[Link]:
     """The links of the arm at joint values q (n,), in the order of `arms.link_names`."""
-    places, angles = (each[:, 0] for each in arms.textbook(scene.robot, q[None]))
-    rotations = [arms.rotated(np.tile(own, (3, 1)), np.eye(3)).T for own in angles]
-    return [Link(p, r, tuple(own.tolist())) for p, r, own in zip(places, rotations, angles, strict=True)]
+    links, axes = arms.textbook(scene.robot, q.tolist()), np.eye(3).tolist()
+    turned = [np.transpose([arms.rotated(own, axis) for axis in axes]) for _, own in links]
+    return [Link(np.array(p), r, own) for (p, own), r in zip(links, turned, strict=True)]
 
 
 def flange_at(scene: Scene, q: FloatArray) -> Link:

@@ -1,20 +1,20 @@
 """Are the links of a claim's arms those of textbooks, and do the arms move as plan and request state it?
 
 The chain of each family of arms is here a second time, by its lengths (docs/kinematics.md): the angles of links are
-sums of joint values. The rows of the claim are compared with it. World frame, m and rad; (m, n) are m vectors of n
-joint values.
+sums of joint values. The rows of the claim are compared with it. World frame, m and rad.
 """
 
 from __future__ import annotations
 
+import cmath
 import math
+from collections.abc import Sequence
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.differences import Four, Requirements
 from assur.planner.checker.verdict import Code
@@ -30,7 +30,7 @@ from assur.planner.trajectory import Trajectory
 
 COPIED = 1e-12
 """m or rad. The numbers of an arm are copied from the request, so they differ by no more."""
-Complex = NDArray[np.complexfloating[Any, Any]]
+Three = tuple[float, float, float]
 ORIGIN = (0.0, 0.0, 0.0)
 AHEAD, UP = 0, 2
 """Axes of a link."""
@@ -42,23 +42,25 @@ class Link(NamedTuple):
     roll; and the coupler from whose direction its yaw counts (-1: none)."""
 
     parent: int
-    offset: tuple[float, float, float] = ORIGIN
+    offset: Three = ORIGIN
     slide: tuple[int, int] | None = None
     yaw: tuple[int, ...] | None = ()
     pitch: tuple[int, ...] = ()
     roll: tuple[int, ...] = ()
     coupler: int = -1
 
+    def angles(self, base: float) -> list[tuple[float, tuple[int, ...]]]:
+        """Yaw, pitch and roll: a constant, rad, and the joints that are added. `base`: the yaw of the arm's base. What
+        counts from a coupler has its direction in addition."""
+        yaw = 0.0 if self.yaw is None or self.coupler >= 0 else base
+        return [(yaw, self.yaw or ()), (0.0, self.pitch), (0.0, self.roll)]
+
 
 class Chain(NamedTuple):
-    """L links of an arm with n joints. `origins` in the axes of the parents, m, and `angles`, yaw, pitch and roll in
-    the world, rad, (L, 3, 1 + n): a constant, and the share of each joint. `loop`: the numbers of both cranks, their
-    lengths, those of both couplers, and the side on which these meet; () for none."""
+    """The links of an arm. `loop`: the numbers of both cranks, their lengths, those of both couplers, and the side on
+    which these meet; () for none."""
 
-    parents: IntArray
-    couplers: IntArray
-    origins: FloatArray
-    angles: FloatArray
+    links: tuple[Link, ...]
     loop: tuple[float, ...]
 
 
@@ -91,17 +93,7 @@ def chain_of(robot: Robot) -> Chain:
                 links.append(Link(4, (robot.l3, 0.0, 0.0), yaw=(0,), pitch=wrist, roll=(4,)))
     else:
         raise FaultError(f"no textbook has the arm {type(robot).__name__}")
-    origins, angles = np.zeros((2, len(links), 3, 1 + len(robot.joints)))
-    for k, link in enumerate(links):
-        origins[k, :, 0] = link.offset
-        if link.slide is not None:
-            axis, joint = link.slide
-            origins[k, axis, 1 + joint] = 1.0
-        angles[k, 0, 0] = 0.0 if link.yaw is None or link.coupler >= 0 else robot.base.yaw
-        for row, joints in enumerate((link.yaw or (), link.pitch, link.roll)):
-            angles[k, row, [1 + joint for joint in joints]] = 1.0
-    parents, couplers = (np.array([link[k] for link in links]) for k in (0, -1))
-    return Chain(parents, couplers, origins, angles, loop)
+    return Chain(tuple(links), loop)
 
 
 def link_names(robot: Robot) -> tuple[str, ...]:
@@ -141,72 +133,80 @@ def require_links(report: Requirements, scene: Scene, claim: c.Claim) -> None:
 
 def _require_chain(report: Requirements, robot: Robot, arm: int, claim: c.Claim) -> None:
     """The links of an arm are those of its chain, and its loop is as far from singular positions."""
-    row, chain, n = claim.arms[arm].astype(int), chain_of(robot), len(robot.joints)
-    first, links = int(row[c.ARM_LINK]), claim.links[row[c.ARM_LINK] :][: row[c.ARM_LINKS]]
+    row, chain, n = claim.arms[arm].astype(int).tolist(), chain_of(robot), len(robot.joints)
+    first, links = row[c.ARM_LINK], claim.links[row[c.ARM_LINK] :][: row[c.ARM_LINKS]].tolist()
     if len(links) != len(robot.links) or row[c.ARM_JOINTS] != n or (row[c.ARM_LOOP] >= 0) != bool(chain.loop):
         what = f"{robot.name} has {len(robot.links)} links, {n} joints and {'a' if chain.loop else 'no'} loop"
         report.require(False, Code.LINK, what)
         return
-    origins, slides = np.zeros_like(chain.origins), links[:, c.LINK_SLIDE].astype(int)
-    origins[:, :, 0] = links[:, c.LINK_OFFSET : c.LINK_SLIDE]
-    for k in np.flatnonzero(slides >= 0):
-        origins[k, :, 1 + slides[k]] = links[k, c.LINK_AXIS : c.LINK_YAW]
-    sums = np.vstack([claim.angles[:, : 1 + n], np.zeros(1 + n)])  # a link that stays upright has no row, -1
-    angles = sums[links[:, c.LINK_YAW : c.LINK_COUPLER].astype(int)]
-    off = np.maximum(np.abs(origins - chain.origins), np.abs(angles - chain.angles)).max((1, 2))
-    same = off <= COPIED
-    same &= np.maximum(links[:, c.LINK_PARENT] - first, -1.0) == chain.parents
-    same &= links[:, c.LINK_COUPLER] == chain.couplers
-    for name, is_same in zip(robot.links, same.tolist(), strict=True):
-        report.require(is_same, Code.LINK, f"{name} of {robot.name} is not where the request has it")
+    sums = [*claim.angles[:, : 1 + n].tolist(), [0.0] * (1 + n)]  # a link that stays upright has no row, -1
+    for name, link, own in zip(robot.links, chain.links, links, strict=True):
+        axis, joint = link.slide or (-1, -1)
+        same = max(own[c.LINK_PARENT] - first, -1.0) == link.parent and own[c.LINK_COUPLER] == link.coupler
+        same = same and own[c.LINK_SLIDE] == joint and _are_near(own[c.LINK_OFFSET : c.LINK_SLIDE], link.offset)
+        along = [float(k == axis) for k in range(3)]
+        same = same and (joint < 0 or _are_near(own[c.LINK_AXIS : c.LINK_YAW], along))
+        for number, (constant, joints) in zip(own[c.LINK_YAW :], link.angles(robot.base.yaw), strict=False):
+            shares = [float(k in joints) for k in range(n)]
+            same = same and _are_near(sums[int(number)], [constant, *shares])
+        report.require(same, Code.LINK, f"{name} of {robot.name} is not where the request has it")
     if chain.loop:
-        loop = claim.loops[row[c.ARM_LOOP]]
-        off = np.abs(loop[: c.LOOP_LEAST] - chain.loop - np.array([first] * 2 + [0.0] * 5))
-        report.require((off <= COPIED).all(), Code.LINK, f"the loop of {robot.name} is another")
+        loop = claim.loops[row[c.ARM_LOOP]].tolist()
+        pairs = list(zip(loop[: c.LOOP_LEAST], chain.loop, strict=True))
+        near = [abs(x - y - (first if k < 2 else 0.0)) <= COPIED for k, (x, y) in enumerate(pairs)]
+        report.require(all(near), Code.LINK, f"the loop of {robot.name} is another")
         far = loop[c.LOOP_LEAST] >= robot.parallel_least
         report.require(far, Code.LINK, f"{robot.name} may come nearer to a singularity of its loop")
 
 
-def textbook(robot: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Places (L, m, 3), m, and yaw, pitch and roll (L, m, 3), rad, of the links of an arm in the world for joint values
-    q (m, n); NaN where its loop does not close. Raises `FaultError` for an arm of another family."""
-    chain, ones = chain_of(robot), np.concatenate([np.ones((1, len(q))), q.T])
-    local, angles = ((each @ ones).transpose(0, 2, 1) for each in (chain.origins, chain.angles))
-    places = _stacked(chain.parents, local, angles)
-    if chain.loop:
-        lengths = zip((int(crank) for crank in chain.loop[:2]), chain.loop[2:4], strict=True)
-        ends = (places[k] + rotated(angles[k], np.array([length, 0.0, 0.0])) for k, length in lengths)
-        directions = np.array(_couplers(*(end[:, 0] + 1j * end[:, 1] for end in ends), *chain.loop[4:]))
-        angles[:, :, 0] += np.where(chain.couplers[:, None] >= 0, directions[chain.couplers], 0.0)
-        places = _stacked(chain.parents, local, angles)
-    return places, angles
+def _are_near(stated: list[float], required: Sequence[float]) -> bool:
+    return stated == required or all(abs(x - y) <= COPIED for x, y in zip(stated, required, strict=True))
 
 
-def _stacked(parents: IntArray, local: FloatArray, angles: FloatArray) -> FloatArray:
-    """Places (L, m, 3) of links whose origins are at `local` in the axes of their parents."""
-    places = rotated(angles[parents], local)
-    places[0] = local[0]
-    for k, parent in enumerate(parents[1:].tolist(), start=1):
-        places[k] += places[parent]
-    return places
+def textbook(robot: Robot, q: Sequence[float]) -> list[tuple[Three, Three]]:
+    """The place, m, and yaw, pitch and roll, rad, of each link of an arm in the world for joint values; NaN where its
+    loop does not close. Raises `FaultError` for an arm of another family."""
+    chain, found, couplers = chain_of(robot), list[tuple[Three, Three]](), list[float]()
+    for link in chain.links:
+        local = list(link.offset)
+        if link.slide is not None:
+            local[link.slide[0]] += q[link.slide[1]]
+        yaw, pitch, roll = (rad + sum(q[k] for k in joints) for rad, joints in link.angles(robot.base.yaw))
+        if link.coupler >= 0:
+            couplers = couplers or _couplers(found, chain.loop)
+            yaw += couplers[link.coupler]
+        x, y, z = local
+        if link.parent >= 0:
+            (x, y, z), angles = found[link.parent]
+            u, v, w = rotated(angles, local)
+            x, y, z = x + u, y + v, z + w
+        found.append(((x, y, z), (yaw, pitch, roll)))
+    return found
 
 
-def rotated(angles: FloatArray, vectors: FloatArray) -> FloatArray:
-    """Rz(yaw) Ry(-pitch) Rx(roll) times vectors (..., 3), for angles (..., 3)."""
-    (cy, cp, cr), (sy, sp, sr), (x, y, z) = (each.T for each in (np.cos(angles), np.sin(angles), vectors))
+def rotated(angles: Three, vector: Sequence[float]) -> Three:
+    """Rz(yaw) Ry(-pitch) Rx(roll) times a vector."""
+    (cy, cp, cr), (sy, sp, sr), (x, y, z) = map(math.cos, angles), map(math.sin, angles), vector
     y, z = cr * y - sr * z, sr * y + cr * z
     x, z = cp * x - sp * z, sp * x + cp * z
-    return np.array([cy * x - sy * y, sy * x + cy * y, z]).T
+    return (cy * x - sy * y, sy * x + cy * y, z)
 
 
-def _couplers(one: Complex, two: Complex, a: float, b: float, side: float) -> tuple[FloatArray, FloatArray]:
-    """Directions (m,) from two points (m,) to where circles of radii a and b about them meet: to the left of the line
-    from the first point to the second (side 1) or to its right (-1). NaN where they do not meet."""
-    apart = np.abs(two - one)
-    with np.errstate(invalid="ignore"):
-        opening = np.arccos((apart**2 + a**2 - b**2) / (2.0 * apart * a))
-    first = np.angle(two - one) + side * opening
-    return first, np.angle(one + a * np.exp(1j * first) - two)
+def _couplers(links: Sequence[tuple[Three, Three]], loop: Sequence[float]) -> list[float]:
+    """Directions from the ends of both cranks to where the couplers meet: to the left of the line from the first end to
+    the second (side 1) or to its right (-1). NaN where they do not meet."""
+    ends = list[complex]()
+    for crank, length in zip(loop[:2], loop[2:4], strict=True):
+        place, angles = links[int(crank)]
+        x, y, _ = rotated(angles, (length, 0.0, 0.0))
+        ends.append(complex(place[0] + x, place[1] + y))
+    (one, two), (a, b, side) = ends, loop[4:]
+    apart = abs(two - one)
+    cosine = (apart**2 + a**2 - b**2) / (2.0 * apart * a) if apart > 0.0 else math.nan
+    if not abs(cosine) <= 1.0:
+        return [math.nan, math.nan]
+    first = cmath.phase(two - one) + side * math.acos(cosine)
+    return [first, cmath.phase(one + cmath.rect(a, first) - two)]
 
 
 class Limb(NamedTuple):
@@ -261,19 +261,19 @@ def states_at(path: Trajectory, time: float) -> FloatArray:
 
 def place_at(robot: Robot, path: Trajectory, link: int, time: float) -> Four:
     """Where link number `link` (in the robot's own order), which stays upright, is at a time."""
-    return link_at(robot, states_at(path, time)[0], link)
+    return link_at(robot, states_at(path, time)[0].tolist(), link)
 
 
-def link_at(robot: Robot, q: FloatArray, row: int) -> Four:
-    """Place and yaw of a link, by its number in a claim, with joints at q (n,); of one that tilts the heading."""
-    places, angles = textbook(robot, q[None, :])
-    x, y, z = (float(value) for value in places[row, 0])
-    return (x, y, z, float(angles[row, 0, 0]))
+def link_at(robot: Robot, q: Sequence[float], row: int) -> Four:
+    """Place and yaw of a link, by its number in a claim, with joints at q; of one that tilts the heading."""
+    (x, y, z), (yaw, _, _) = textbook(robot, q)[row]
+    return (x, y, z, yaw)
 
 
 def hand_shares(robot: Robot) -> FloatArray:
     """The shares (2, n) of the joints in pitch and roll of the flange, which are sums of joint values (H2)."""
-    return chain_of(robot).angles[-1, 1:, 1:]
+    flange, joints = chain_of(robot).links[-1], range(len(robot.joints))
+    return np.array([[float(k in own) for k in joints] for own in (flange.pitch, flange.roll)])
 
 
 def require_knots(report: Requirements, robot: Robot, path: Trajectory, claim: c.Claim, arm: int) -> None:

@@ -1,20 +1,21 @@
 """Do the frames of a claim move as the laws of the request say, and is as much uncertain of them?
 
 A claim has the acceleration of a frame as polynomials on pieces of time (N6 of docs/bundle.md). Two polynomials of
-degree d are the same if they agree at d + 1 instants, so each piece is compared with the law's formula at so many.
+degree d are the same if they agree at d + 1 instants, so each piece is compared with the law's formula at so many,
+unless the powers of both show it already.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from itertools import islice
+from itertools import islice, zip_longest
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import laws
-from assur.planner.checker.statement.differences import SAME, Interval, Requirements, is_same
+from assur.planner.checker.statement.differences import SAME, Interval, Requirements
 from assur.planner.checker.statement.statement import Statement
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
@@ -28,8 +29,9 @@ def require_frames(report: Requirements, frames: Mapping[str, Frame], claim: c.C
     """The frames are those of the request, in its order. Links of other arms: see `arms`."""
     many = f"the claim has {len(claim.frames)} frames, not {len(frames)}"
     report.require(len(claim.frames) == len(frames), Code.LAW, many)
+    displaced = claim.displaced.tolist()
     for number, (frame, row) in enumerate(zip(frames.values(), claim.frames, strict=False)):
-        _require_uncertainty(report, number, frame, row.tolist(), claim)
+        _require_uncertainty(report, frame, row.tolist(), [each for each in displaced if each[0] == number])
         if laws.link_of(frame.law) is None:
             _require_motion(report, frame, row, claim)
 
@@ -58,8 +60,9 @@ def require_known(statement: Statement) -> None:
             statement.require(False, Code.LAW, what, (t0, t1))
 
 
-def _require_uncertainty(report: Requirements, number: int, frame: Frame, row: list[float], claim: c.Claim) -> None:
-    """At least as much is uncertain of the frame: its time, its yaw, and displacements along some directions."""
+def _require_uncertainty(report: Requirements, frame: Frame, row: list[float], stated: list[list[float]]) -> None:
+    """At least as much is uncertain of the frame: its time, its yaw, and displacements along some directions. `stated`:
+    the frame's displacements."""
     required, name = frame.uncertainty, frame.name
     least, most = required.shift_s
     late = row[c.FRAME_SHIFT] <= least and row[c.FRAME_SHIFT + 1] >= most
@@ -70,12 +73,13 @@ def _require_uncertainty(report: Requirements, number: int, frame: Frame, row: l
     if line is not None and math.hypot(line[0], line[1]) > 0.0:
         length = math.hypot(line[0], line[1])
         side = (-line[1] / length, line[0] / length, 0.0)
-    stated = [each for each in claim.displaced.tolist() if each[c.DISPLACED_FRAME] == number]
     for along, direction, amount, growth, shared in (
         ("its line", line, required.position_m, required.speed_m_s, True),
         ("the horizontal across it", side, required.lateral_m, 0.0, False),
         ("the vertical", (0.0, 0.0, 1.0), required.vertical_m, 0.0, False),
     ):
+        if not (amount > 0.0 or growth > 0.0):
+            continue
         fits = [
             each
             for each in stated
@@ -84,11 +88,10 @@ def _require_uncertainty(report: Requirements, number: int, frame: Frame, row: l
             and (shared or each[c.DISPLACED_SHARED] == 0.0)
             and _is_along(each, direction)
         ]
-        if amount > 0.0 or growth > 0.0:
-            what = f"{name} may be displaced by more along {along} than the claim states"
-            report.require(fits, Code.UNCERTAINTY, what)
-            if fits:
-                stated.remove(fits[0])  # two displacements along one direction add up: each has a row of its own
+        what = f"{name} may be displaced by more along {along} than the claim states"
+        report.require(fits, Code.UNCERTAINTY, what)
+        if fits:
+            stated.remove(fits[0])  # two displacements along one direction add up: each has a row of its own
 
 
 def _is_along(row: list[float], direction: tuple[float, ...] | None) -> bool:
@@ -112,7 +115,8 @@ def _require_motion(report: Requirements, frame: Frame, row: FloatArray, claim: 
     formula = laws.formula_of(law, begin, end)
     report.require(_are_same_sines(sines, formula.sines), Code.LAW, f"the sines of {name} are others")
     if not count:
-        same = formula.degree == 0 and is_same(row[c.FRAME_POSE : c.FRAME_RATE], formula.place(np.zeros(1))[0])
+        pairs = zip(row[c.FRAME_POSE : c.FRAME_RATE].tolist(), formula.powers[0], strict=True)
+        same = formula.degree == 0 and all(abs(x - y) <= SAME for x, (y, *_) in pairs)
         report.require(same, Code.LAW, f"{name} is at another pose, or moves")
         return
     period = row[c.FRAME_PERIOD]
@@ -122,9 +126,33 @@ def _require_motion(report: Requirements, frame: Frame, row: FloatArray, claim: 
         if not (period == formula.period and abs(end - begin - period) <= SAME and off <= SAME):
             report.require(False, Code.LAW, f"{name} has another period, or goes on by another step")
             return
+    elif formula.period == 0.0 and _has_powers(row.tolist(), pieces.tolist(), formula):
+        return
     when, most = _farthest_off(row, pieces, formula)
     what = f"{name} is up to {most:.2g} m or rad from where its law has it"
     report.require(most <= SAME, Code.LAW, what, when)
+
+
+def _has_powers(frame: list[float], pieces: list[list[float]], formula: laws.Formula) -> bool:
+    """Whether a motion without a period is that of the formula, by the powers of their difference: on a piece that
+    lasts h it is no larger than sum |d_n| h^n. If it may be larger, instants have to show it."""
+    now, places, rates = pieces[0][c.LAW_BEGIN], frame[c.FRAME_POSE : c.FRAME_RATE], frame[c.FRAME_RATE :]
+    for begin, end, *accelerations in pieces:
+        required, h, count = formula.powers_from(begin, end), end - begin, c.MOST_POWERS
+        if required is None or begin != now or not h > 0.0:
+            return False
+        while count and not any(accelerations[count - 1 :: c.MOST_POWERS]):
+            count -= 1
+        for k, other in enumerate(required):
+            own = accelerations[k * c.MOST_POWERS :][:count]
+            powers = [places[k], rates[k], *(a / ((n + 1) * (n + 2)) for n, a in enumerate(own))]
+            pairs = zip_longest(powers, other, fillvalue=0.0)
+            if not sum(abs(x - y) * h**n for n, (x, y) in enumerate(pairs)) <= SAME:
+                return False
+            places[k] = sum(x * h**n for n, x in enumerate(powers))
+            rates[k] += sum(a * h ** (n + 1) / (n + 1) for n, a in enumerate(own))
+        now = end
+    return True
 
 
 def _are_same_sines(stated: list[list[float]], required: Sequence[laws.Sine]) -> bool:
@@ -138,8 +166,8 @@ def _farthest_off(frame: FloatArray, pieces: FloatArray, formula: laws.Formula) 
     """Where the motion of a frame differs most from the formula: a piece, and by how much, m or rad. What repeats is
     compared over several periods."""
     starts, whole = pieces[:, c.LAW_BEGIN], (float(pieces[0, c.LAW_BEGIN]), float(pieces[-1, c.LAW_END]))
-    period = float(frame[c.FRAME_PERIOD])
-    stated = laws.polynomials(starts, _integrated(frame, pieces), whole, (), period, frame[c.FRAME_STEP :].tolist())
+    period, powers = float(frame[c.FRAME_PERIOD]), _integrated(frame, pieces).tolist()
+    stated = laws.Formula(starts.tolist(), powers, whole, (), period, frame[c.FRAME_STEP :].tolist())
     # if the law has many more pieces than the claim, the claim is wrong, and the others need not be computed
     most = 2 * len(pieces) + 8
     inside = list(islice((t for t in formula.ends if whole[0] < t < whole[1]), most))

@@ -61,7 +61,7 @@ class Given:
         self.bodies = {body.name: number for number, body in enumerate(bodies_of(scene))}
         self.motions: dict[str, laws.Formula] = {}
         self.seats: tuple[FloatArray, FloatArray] | None = None
-        """Of each body before any step: its seat (B, 7), and how far it may be off it (B, 2), m."""
+        """Of all bodies before any step: seats (1, B, 7), and how far each may be off it (1, 2 B), m."""
 
     def motion(self, frame: str) -> laws.Formula:
         """The formula of a frame that is no link of an arm; the times at which its pieces end are left out."""
@@ -272,12 +272,8 @@ class Handling(Requirements):
     def tool_at(self, time: float) -> Four:
         """Place and yaw of the tool point in the world at a time; of a flange that tilts the heading of the arm."""
         if time not in self._tools:
-            # one call for all arrivals
-            times = list(dict.fromkeys([time, *(arrival.time for arrival in self.plan.arrivals)]))
-            q = np.array([self.state_at(t)[0] for t in times])
-            places, angles = (each[int(self.flange)] for each in arms.textbook(self.scene.robot, q))
-            for t, (x, y, z), yaw in zip(times, places.tolist(), angles[:, 0].tolist(), strict=True):
-                self._tools[t] = then((x, y, z, yaw), self.tcp)
+            flange = arms.link_at(self.scene.robot, self.state_at(time)[0].tolist(), int(self.flange))
+            self._tools[time] = then(flange, self.tcp)
         return self._tools[time]
 
     def uncertainty(self, name: str, handed: Sequence[int]) -> PoseUncertainty | None:

@@ -251,23 +251,23 @@ def signs_of(robot: Robot, mode: str) -> list[float]:
 
 def values(robot: Robot, q: FloatArray) -> list[float]:
     """The numbers of an arm with joints at q (n,)."""
-    places, angles = (each[:, 0] for each in arms.textbook(robot, q[None, :]))
-    found = []
+    links, found = arms.textbook(robot, q.tolist()), list[float]()
     for link, other, along, length in numbers_of(robot):
         if length > 0.0:
-            yaw, pitch = angles[other, :2]
-            ahead = np.array([math.cos(yaw) * math.cos(pitch), math.sin(yaw) * math.cos(pitch), math.sin(pitch)])
-            found.append(float((places[link] - places[other]) @ ahead) / length)
+            yaw, pitch, _ = links[other][1]
+            ahead = (math.cos(yaw) * math.cos(pitch), math.sin(yaw) * math.cos(pitch), math.sin(pitch))
+            way = zip(links[link][0], links[other][0], ahead, strict=True)
+            found.append(sum((x - y) * u for x, y, u in way) / length)
         else:
-            turned = angles[link, along.index(1.0) - 1] - angles[other, along.index(1.0) - 1]
-            found.append(math.sin(float(turned)))
+            k = along.index(1.0) - 1
+            found.append(math.sin(links[link][1][k] - links[other][1][k]))
     return found
 
 
 def mode_at(robot: Robot, q: FloatArray) -> str:
     """The working mode of joints q (n,); "" for none."""
     own = values(robot, q)
-    if not np.isfinite(own).all():
+    if not all(map(math.isfinite, own)):
         return ""
     signs = [1.0 if value > 0.0 or (k == 1 and value == 0.0) else -1.0 for k, value in enumerate(own)]
     fits = [all(x in (0.0, y) for x, y in zip(signs_of(robot, mode), signs, strict=True)) for mode in robot.modes]

@@ -1,7 +1,7 @@
 """The motions of frames by their textbook formulas, (F1) to (F9) of docs/kinematics.md.
 
 This module alone knows the kinds of laws and their numbers. A law is a polynomial of time on each of some pieces of
-time, plus sines. So a `Formula` says the degree, the times at which pieces end, the place, and the numbers of the
+time, plus sines. So a `Formula` has the powers of these pieces, the times at which they begin, and the numbers of the
 sines. Places are (x, y, z, yaw) in the world, m and rad; times are s.
 """
 
@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -22,28 +23,52 @@ from assur.planner.laws.ramps import Change
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 
-Place = Callable[[FloatArray], FloatArray]
-"""Times (m,) to places (m, 4)."""
 Sine = tuple[int, float, float, float]
 """Coordinate (0 to 3), amplitude, rate in rad/s and phase in rad of amplitude * sin(rate * t + phase)."""
-AHEAD, CLIMB, TURN = np.eye(4)[[0, 2, 3]]
-"""Directions of places: along the x axis, up, and round the vertical."""
+TURN = (0.0, 0.0, 0.0, 1.0)
+"""The direction of places round the vertical."""
 
 
 @dataclass(frozen=True)
 class Formula:
-    """A law over an interval: polynomials of this degree at most, which end at some times, and sines in addition. The
-    times are those of many periods if the interval is long: they are computed one by one, and can be read once. After a
-    `period`, s (0: none), the place is `step` (4,) further on. `begins`, `powers`: as of `polynomials`, as lists."""
+    """A law over the interval `when`: polynomials, and sines in addition. `begins` (K,), `powers` (K, 4, D) of the time
+    since each begins; the first one holds before it begins, too, if there is no period. After a `period`, s (0: none),
+    the place is `step` (4,) further on."""
 
-    degree: int
-    ends: Iterable[float]
-    place: Place
+    begins: Sequence[float]
+    powers: Sequence[Sequence[Sequence[float]]]
+    when: Interval
     sines: Sequence[Sine] = ()
     period: float = 0.0
     step: Sequence[float] = (0.0, 0.0, 0.0, 0.0)
-    begins: Sequence[float] = ()
-    powers: Sequence[Sequence[Sequence[float]]] = ()
+
+    @property
+    def degree(self) -> int:
+        """Of the polynomials at most."""
+        return len(self.powers[0][0]) - 1
+
+    @property
+    def ends(self) -> Iterator[float]:
+        """The times at which pieces end, of many periods if the interval is long: they are computed one by one."""
+        many, period = len(self.begins) > 1 or self.period > 0.0, self.period
+        first, last = (math.floor((t - self.begins[0]) / period) if period > 0.0 else 0 for t in self.when)
+        return (t + k * period for k in range(first, last + 2) for t in self.begins if many)
+
+    @cached_property
+    def _arrays(self) -> tuple[FloatArray, FloatArray]:
+        return np.array(self.begins), np.array(self.powers)
+
+    def place(self, t: FloatArray) -> FloatArray:
+        """The places (m, 4) at times (m,), without sines."""
+        begins, powers = self._arrays
+        whole = np.floor((t - begins[0]) / self.period) if self.period > 0.0 else np.zeros(len(t))
+        local = t - whole * self.period
+        i = np.maximum(np.searchsorted(begins, local, side="right") - 1, 0)
+        since = (local - begins[i])[:, None]
+        found = np.outer(whole, self.step)
+        for k in range(powers.shape[2]):
+            found += powers[i, :, k] * since**k
+        return found
 
     def place_at(self, time: float) -> list[float]:
         """The place at one time, sines included."""
@@ -58,32 +83,20 @@ class Formula:
             found[k] += amplitude * math.sin(rate * time + phase)
         return found
 
-
-def polynomials(
-    begins: FloatArray,
-    powers: FloatArray,
-    when: Interval,
-    sines: Sequence[Sine] = (),
-    period: float = 0.0,
-    step: Sequence[float] = (0.0, 0.0, 0.0, 0.0),
-) -> Formula:
-    """The formula of polynomials with powers (K, 4, D) of the time since each begins, (K,); the first one holds before
-    it begins, too, if there is no period. Its pieces end within `when`."""
-    first, last = (math.floor((t - begins[0]) / period) if period > 0.0 else 0 for t in when)
-
-    def place(t: FloatArray) -> FloatArray:
-        whole = np.floor((t - begins[0]) / period) if period > 0.0 else np.zeros(len(t))
-        local = t - whole * period
-        i = np.maximum(np.searchsorted(begins, local, side="right") - 1, 0)
-        since = (local - begins[i])[:, None]
-        found = np.outer(whole, step)
-        for k in range(powers.shape[2]):
-            found += powers[i, :, k] * since**k
+    def powers_from(self, begin: float, end: float) -> list[list[float]] | None:
+        """The powers (4, D) of the time since `begin`, of a law without a period; None: its pieces change before
+        `end`."""
+        i = max(bisect_right(self.begins, begin) - 1, 0)
+        if i + 1 < len(self.begins) and self.begins[i + 1] < end:
+            return None
+        since, found = begin - self.begins[i], [list(powers) for powers in self.powers[i]]
+        for powers in found:
+            while powers and powers[-1] == 0.0:
+                powers.pop()
+            for first in range(len(powers) - 1) if since != 0.0 else ():
+                for k in range(len(powers) - 2, first - 1, -1):  # Horner's scheme, again and again
+                    powers[k] += since * powers[k + 1]
         return found
-
-    ends: Iterable[float] = (float(t + k * period) for k in range(first, last + 2) for t in begins.tolist())
-    ends = ends if len(begins) > 1 or period > 0.0 else ()
-    return Formula(powers.shape[2] - 1, ends, place, sines, period, step, begins.tolist(), powers.tolist())
 
 
 def link_of(law: Law) -> tuple[Robot, Trajectory, int] | None:
@@ -96,27 +109,31 @@ def formula_of(law: Law, begin: float, end: float) -> Formula:
     kind, of, when = law.kind, law.numbers, (begin, end)
     if kind == "keyframes":
         return _keyframes(of, when)
-    pose = np.array(numbers(of.pose))
-    ahead = np.array([math.cos(pose[3]), math.sin(pose[3]), 0.0, 0.0])
+    pose = numbers(of.pose)
     if kind in ("fixed", "swing", "oscillation"):
-        return polynomials(np.zeros(1), pose[None, :, None], when, _sines(law))
+        return Formula([0.0], [[[x] for x in pose]], when, _sines(law))
     if kind == "linear":
-        return polynomials(np.array([of.at_time]), np.array([[*zip(pose, (*of.velocity, 0.0), strict=True)]]), when)
+        return Formula([of.at_time], [[*zip(pose, (*of.velocity, 0.0), strict=True)]], when)
+    ahead = (math.cos(pose[3]), math.sin(pose[3]), 0.0, 0.0)
     if kind in ("conveyor", "turntable"):
         belt = kind == "conveyor"
         begins, ways = _travel(of.speed if belt else of.rate, of.changes, of.at_time)
-        powers = ways[:, None, :] * (ahead if belt else TURN)[:, None]
-        powers[:, :, 0] += pose + np.outer(begins - of.at_time, of.rise * CLIMB)
-        powers[:, :, 1] += of.rise * CLIMB
-        return polynomials(begins, powers, when)
+        powers = [[[x * along for x in way] for along in (ahead if belt else TURN)] for way in ways]
+        for zero, piece in zip(begins, powers, strict=True):
+            for own, x in zip(piece, pose, strict=True):
+                own[0] += x
+            piece[2][0] += (zero - of.at_time) * of.rise
+            piece[2][1] += of.rise
+        return Formula(begins, powers, when)
     if kind == "indexer":
         # steps by the polynomial without velocity, acceleration and jerk at both ends (F3), and dwells between them
-        way = of.step * (TURN if of.turns else ahead)
-        powers = np.zeros((2, 4, 8))
-        powers[0, :, 4:] = np.outer(way, np.array([35.0, -84.0, 70.0, -20.0]) / of.move_s ** np.arange(4.0, 8.0))
-        powers[:, :, 0] = pose, pose + way
-        begins = of.start + np.array([0.0, of.move_s])
-        return polynomials(begins, powers, when, period=of.move_s + of.dwell_s, step=way.tolist())
+        way, shares = [of.step * x for x in (TURN if of.turns else ahead)], (35.0, -84.0, 70.0, -20.0)
+        moves = [
+            [x, 0.0, 0.0, 0.0, *(far * share / of.move_s**k for k, share in enumerate(shares, start=4))]
+            for x, far in zip(pose, way, strict=True)
+        ]
+        rests = [[x + far, *[0.0] * 7] for x, far in zip(pose, way, strict=True)]
+        return Formula([of.start, of.start + of.move_s], [moves, rests], when, (), of.move_s + of.dwell_s, way)
     raise FaultError(f"no formula for the motion {kind}")
 
 
@@ -190,7 +207,7 @@ def _sines(law: Law) -> list[Sine]:
     return []
 
 
-def _travel(speed: float, changes: Iterable[Change], zero: float) -> tuple[FloatArray, FloatArray]:
+def _travel(speed: float, changes: Iterable[Change], zero: float) -> tuple[list[float], list[list[float]]]:
     """The times (K,) at which the acceleration of something jumps that has a speed and changes it by S-curves (F7), and
     how far it has come since the time `zero`: powers (K, 4) of the time since each."""
     rows: list[tuple[float, float, float, float, float]] = []  # begin, way, speed, acceleration, jerk
@@ -213,10 +230,12 @@ def _travel(speed: float, changes: Iterable[Change], zero: float) -> tuple[Float
             speed, now = speed + lasts * (a + lasts * j / 2.0), now + lasts
         speed = change.speed
         rows.append((now, way, speed, 0.0, 0.0))
-    table = np.array(rows or [(0.0, 0.0, speed, 0.0, 0.0)])
-    begins, ways = table[:, 0], table[:, 1:] / (1.0, 1.0, 2.0, 6.0)
-    i = max(int(np.searchsorted(begins, zero, side="right")) - 1, 0)
-    ways[:, 0] -= ways[i] @ (zero - begins[i]) ** np.arange(4.0)
+    rows = rows or [(0.0, 0.0, speed, 0.0, 0.0)]
+    begins, ways = [row[0] for row in rows], [[way, rate, a / 2.0, j / 6.0] for _, way, rate, a, j in rows]
+    i = max(bisect_right(begins, zero) - 1, 0)
+    gone = sum(x * (zero - begins[i]) ** k for k, x in enumerate(ways[i]))
+    for own in ways:
+        own[0] -= gone
     return begins, ways
 
 
@@ -245,4 +264,4 @@ def _keyframes(of: Numbers, when: Interval) -> Formula:
     turn = math.tau * round((of.poses[-1].yaw - of.poses[0].yaw) / math.tau)
     # what repeats is where it was, but for whole turns
     period = float(times[-1] - times[0]) if of.ends == "periodic" else 0.0
-    return polynomials(times[:-1], powers, when, period=period, step=(0.0, 0.0, 0.0, turn))
+    return Formula(times[:-1].tolist(), powers.tolist(), when, (), period, (0.0, 0.0, 0.0, turn))

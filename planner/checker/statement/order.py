@@ -12,7 +12,7 @@ import numpy as np
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.arms import hand_shares, link_at
-from assur.planner.checker.statement.differences import MEET, SAME, is_same, then
+from assur.planner.checker.statement.differences import MEET, SAME, then
 from assur.planner.checker.statement.holding import Handling
 from assur.planner.checker.verdict import Code
 from assur.planner.model.outcome import Arrival, Leg, LegKind, Missed
@@ -33,10 +33,11 @@ def require_order(handling: Handling) -> None:
     """Start, end, and the legs and arrivals of each step."""
     scene, plan, start, options = handling.scene, handling.plan, handling.scene.start, handling.scene.options
     path, legs, (first, last) = plan.trajectory, plan.legs, handling.whole
-    state = (path.q[0], start.q), (path.qd[0], start.qd), (path.qdd[0], start.qdd)
-    begins = abs(first - start.time) <= SAME and all(is_same(*each) for each in state)
+    states = zip((path.q, path.qd, path.qdd), (start.q, start.qd, start.qdd), strict=True)
+    pairs = (pair for knots, own in states for pair in zip(knots[0].tolist(), own.tolist(), strict=True))
+    begins = abs(first - start.time) <= SAME and all(abs(x - y) <= SAME for x, y in pairs)
     handling.require(begins, Code.START, "the motion begins in another state")
-    rests = options.end != "rest" or max(abs(path.qd[-1]).max(), abs(path.qdd[-1]).max()) <= SAME
+    rests = options.end != "rest" or all(abs(x) <= SAME for x in (*path.qd[-1].tolist(), *path.qdd[-1].tolist()))
     handling.require(rests, Code.END, "the motion does not end at rest")
     ends = options.latest_end_s is None or last <= options.latest_end_s + SAME
     handling.require(ends, Code.END, "the motion ends too late")
@@ -221,7 +222,7 @@ def _require_miss(handling: Handling, pieces: _Pieces, arrival: Arrival, stated:
     late = abs(t - float(pieces.begin[k]) - tau) if pieces.accelerates[k] else 0.0
     miss = tau * (pieces.rates[k, 1] - pieces.rates[k, 0]) / 4.0
     past = handling.state_at(t)[0] - miss
-    tool = then(link_at(robot, past, int(handling.flange)), handling.tcp)
+    tool = then(link_at(robot, past.tolist(), int(handling.flange)), handling.tcp)
     goal = handling.in_world(handling.tool_point(arrival.step), t)
     turned = abs(math.remainder(tool[3] - goal[3], math.tau)) if "yaw" in robot.coordinates else 0.0
     if "pitch" in robot.coordinates:

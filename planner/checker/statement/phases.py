@@ -68,7 +68,7 @@ def _require_seats(statement: Statement, names: list[str]) -> None:
 
 def _required_seats(statement: Statement) -> tuple[FloatArray, FloatArray]:
     """The seat of each body in each stage, (P, B, 7), and by how much each may be off it: (P, 2 B), horizontally, and
-    then up or down, m."""
+    then up or down, m. One row for all stages if no part is handled."""
     scene, stages, flange = statement.scene, statement.stages, statement.flange
 
     def seat(body: int, where: Where) -> tuple[float, ...]:
@@ -80,15 +80,17 @@ def _required_seats(statement: Statement) -> tuple[FloatArray, FloatArray]:
         seats: list[tuple[float, ...]] = [(k, link, -1.0, *IDENTITY) for k, link in enumerate(links)]
         seats += [seat(k, statement.place(body.name, ())) for k, body in enumerate(scene.bodies, start=len(links))]
         off = [(0.0, 0.0)] * len(links) + [statement.displaced(body.name, ()) for body in scene.bodies]
-        statement.given.seats = np.array(seats, dtype=float).reshape(-1, c.SEAT), np.array(off).reshape(-1, 2)
+        statement.given.seats = np.array([seats], dtype=float), np.array(off).T.reshape(1, -1)
+    if not statement.given.parts:
+        return statement.given.seats
     # parts that are handled have others, phase by phase
-    all_seats, all_off = (each[None].repeat(len(stages), 0) for each in statement.given.seats)
+    all_seats, all_off = (each.repeat(len(stages), 0) for each in statement.given.seats)
     for part in statement.given.parts:
         k = statement.bodies[part]
         for p, stage in enumerate(stages):
             all_seats[p, k] = seat(k, statement.place(part, stage.handed))
-            all_off[p, k] = statement.displaced(part, stage.handed)
-    return all_seats, all_off.transpose(0, 2, 1).reshape(len(stages), -1)
+            all_off[p, k :: len(statement.bodies)] = statement.displaced(part, stage.handed)
+    return all_seats, all_off
 
 
 def _require_contacts(statement: Statement, names: list[str]) -> None:

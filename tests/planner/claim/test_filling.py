@@ -130,15 +130,15 @@ def test_a_law_that_begins_beyond_all_times_of_claims_is_refused() -> None:
 
 def test_a_law_is_stated_to_its_end_from_the_piece_on_that_lasts_when_a_plan_may_begin() -> None:
     law = law_of(keyframes((0.0, 1.0, 3.0), POSES, valid=(1.5, 9.0)), 0.5)
-    assert law.pieces[:, [c.LAW_BEGIN, c.LAW_END]].tolist() == [[0.0, 1.0], [1.0, 3.0]]
+    assert [piece[: c.LAW_POWER] for piece in law.pieces] == [[0.0, 1.0], [1.0, 3.0]]
     assert law.waves == []
     later = law_of(keyframes((0.0, 1.0, 3.0), POSES), 1.5)
-    assert later.pieces[:, [c.LAW_BEGIN, c.LAW_END]].tolist() == [[1.0, 3.0]]
+    assert [piece[: c.LAW_POWER] for piece in later.pieces] == [[1.0, 3.0]]
     assert later.at[0] == pytest.approx(0.1)
     for early, stated, begin in ((-3.0, 5.0, -3.0), (0.0, -2.0, -2.0), (4.1, 9.0, 4.0), (-1e9, 0.0, -c.LATEST_S)):
         at, pieces, _, period = law_of(conveyor(Pose(1.0), 0.5, (Change(4.0, 0.0, 1.0, 1.0),), stated), early)
-        assert pieces[0, c.LAW_BEGIN] == begin
-        assert pieces[-1, c.LAW_END] == c.LATEST_S
+        assert pieces[0][c.LAW_BEGIN] == begin
+        assert pieces[-1][c.LAW_END] == c.LATEST_S
         assert at[0] == pytest.approx(1.0 + 0.5 * (begin - min(stated, 4.0)) - 0.25 * (stated > 4.0), abs=0.26)
         assert not any(period)
 
@@ -147,10 +147,10 @@ def test_a_law_is_stated_to_its_end_from_the_piece_on_that_lasts_when_a_plan_may
 def test_a_law_with_a_period_is_stated_for_one_period_wherever_it_begins(start: float) -> None:
     law = indexer(Pose(yaw=0.5), 0.3, 0.6, 0.4, start=start)
     at, pieces, _, (period, *step) = law_of(law, 0.0)
-    begin = float(pieces[0, c.LAW_BEGIN])
+    begin = pieces[0][c.LAW_BEGIN]
     assert (-c.LATEST_S if start < -c.LATEST_S else -0.75) <= begin <= 0.0
     assert (period, step) == (1.0, [0.0, 0.0, 0.0, 0.3])
-    assert pieces[:, c.LAW_END].tolist() == [begin + 0.6, begin + 1.0]
+    assert [piece[c.LAW_END] for piece in pieces] == [begin + 0.6, begin + 1.0]
     assert at[3] == pytest.approx(float(law.motion(np.array(begin)).yaw), abs=1e-6)
 
 
