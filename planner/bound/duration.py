@@ -41,6 +41,8 @@ UNBOUNDED_JERK_S = 1e-9
 """Where the jerk has no limit, the acceleration counts as reached in this time, s, and as much is not claimed."""
 INTERVALS, ROUNDS, FINEST_S = 8, 24, 1e-7
 """Into so many intervals the time in question is cut, at most so often, until one is as short as this, s."""
+SHARES = np.arange(INTERVALS + 1.0) / INTERVALS
+"""Where the edges of these intervals are, as shares of that time."""
 FIRST_S = 0.3
 """The time that is searched first, s; twice as much where all of it is excluded."""
 WAITS_S = (0.8, 0.4, 0.2, 0.1, 0.05)
@@ -224,8 +226,9 @@ class _Way:
         """The motion (T, 4, 4) of the flange at times (T,): a row an order, columns x, y, z, yaw."""
         motion = self.scene.frames[self.event.frame].law.motion(t).at(pose)
         found = np.empty((len(t), 4, 4))
-        found[:, :, :3] = np.stack([motion.p, motion.v, motion.a, motion.j], axis=1)
-        found[:, :, 3] = np.stack([motion.yaw, motion.yaw_d, motion.yaw_dd, motion.yaw_ddd], axis=1)
+        found[:, 0, :3], found[:, 1, :3], found[:, 2, :3], found[:, 3, :3] = motion.p, motion.v, motion.a, motion.j
+        found[:, 0, 3], found[:, 1, 3], found[:, 2, 3] = motion.yaw, motion.yaw_d, motion.yaw_dd
+        found[:, 3, 3] = motion.yaw_ddd
         if self.event.free:
             found[:, :, 3] = np.nan
         return found
@@ -238,24 +241,26 @@ class _Way:
         early = float(guides.max(initial=0.0))
         low = max(self.floor - early, law.valid[0])
         end = min(law.valid[1], max(left.until, self.floor)) - early
-        span, arm_m = FIRST_S, math.hypot(pose.x, pose.y)
+        span, arm_m, ahead, chosen = FIRST_S, math.hypot(pose.x, pose.y), early - guides, np.array(modes)
         for _ in range(ROUNDS):
-            edges = np.linspace(low, min(low + span, end), INTERVALS + 1)
-            if not edges[-1] > edges[0]:
+            high = min(low + span, end)
+            if not high > low:
                 break
+            edges = SHARES * (high - low) + low
+            edges[-1] = high
             k = first_open(
                 edges,
                 self._points(pose, edges[1:]),
                 rates(law, arm_m, edges[:-1], edges[1:]),
                 self._outside(edges + early),
                 scene.robot.row,
-                np.array(modes),
+                chosen,
                 event.kind == STOPS,
                 event.kind == PASSES,
                 left.states,
                 left.kept,
                 left.times,
-                early - guides,
+                ahead,
                 self.limits,
             )
             if k == INTERVALS:

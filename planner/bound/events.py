@@ -217,7 +217,8 @@ def _curves(law: Law) -> list[tuple[list[FloatArray], FloatArray, BoolArray]]:
             behind = pieces[(number + 1) % len(pieces), c.POWER :: c.MOST_POWERS]
             off = np.abs(polyval(piece[c.PIECE_END] - piece[c.PIECE_BEGIN], pull) - behind)
             jumps = ~(off <= JUMP * (1.0 + np.abs(behind) + np.abs(pull[0])))
-        found.append(([speed, pull, polyder(pull)], np.concatenate([*turns, []]), jumps))
+        # what has one power is constant: its derivative is a zero of the same shape
+        found.append(([speed, pull, polyder(pull) if most > 1 else 0.0 * pull], np.concatenate([*turns, []]), jumps))
     return found
 
 

@@ -249,8 +249,9 @@ class Pairs:
     def rule(self, one: int, other: int) -> tuple[Rule, float]:
         """What says how far the bodies of two roots must stay apart, before what is uncertain of them, and how far, m:
         less than 0 for a pair that may touch."""
-        units = self.rows[:, FIRST : SECOND + 1]
-        number = int(np.flatnonzero((units == (one, other)).all(1) | (units == (other, one)).all(1))[0])
+        first, second = self.rows[:, FIRST], self.rows[:, SECOND]
+        either = ((first == one) & (second == other)) | ((first == other) & (second == one))
+        number = int(either.nonzero()[0][0])
         return RULES[self.rules[number]], float(self.rows[number, REQUIRED])
 
 
@@ -285,7 +286,7 @@ class PairTables:
         around = np.flatnonzero(link < 0)
         mine = np.flatnonzero(link >= 0) if phase.robot else np.zeros(0, dtype=np.int64)
         across = len(mine) * len(around)
-        i, k = (mine[each] for each in np.triu_indices(len(mine), 1))
+        i, k = (mine[each] for each in np.nonzero(mine[:, None] < mine))
         within = (link[i] != link[k]) & (self.tables["self_pairs"][link[i], link[k]] > 0.0)
         moves = np.where(link < 0, self._moves[frame] if len(self._moves) else False, False)
         others, done = [np.zeros((2, 0), dtype=np.int64)], list[int]()

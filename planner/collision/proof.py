@@ -102,10 +102,10 @@ class Search:
         self.state, self.stack = np.zeros(STATE_COLUMNS), np.zeros((STACK, 4))
         count, many = len(pairs), 1 + len(spans)
         self.items = np.zeros((ROOM + (many + 1) * count, ITEM_COLUMNS))
+        mine = self.items[: many * count].reshape(many, count, ITEM_COLUMNS)
+        mine[:, :, :2], mine[:, :, 2] = pairs[:, FIRST : SECOND + 1], np.arange(count)
+        mine[:, :, ITEM_FROM : ITEM_TO + 1] = pairs[:, EARLY : LATE + 1]
         for k, (t0, t1) in enumerate(((phase.t0, phase.t1), *spans)):
-            mine = self.items[k * count : (k + 1) * count]
-            mine[:, :2], mine[:, 2] = pairs[:, FIRST : SECOND + 1], np.arange(count)
-            mine[:, ITEM_FROM : ITEM_TO + 1] = pairs[:, EARLY : LATE + 1]
             self.stack[k] = t0, t1, k * count, count
         self.state[TOP], self.done = many, False
 

@@ -111,6 +111,10 @@ class Law:
         row[c.FIRST], row[c.LAST] = max(self.valid[0], -FURTHEST_S), min(self.valid[1], FURTHEST_S)
         object.__setattr__(self, "row", row)
 
+    def __hash__(self) -> int:
+        # a few of the numbers tell laws apart; what is kept of laws is looked up often
+        return hash((self.kind, self.numbers.pose, self.valid))
+
     @property
     def is_fixed(self) -> bool:
         """Whether the frame never moves."""
@@ -256,6 +260,8 @@ def check_rounding(field: str, law: Law, reach: float, begin: float, lasts: floa
 
 ROUNDING = 1e-14
 """Bounds are raised by this part of the sum of the terms of a polynomial: ten times its rounding."""
+NO_CURVE = (math.inf,) * c.CORNERS + (0.0,) * (4 * c.MOST_POWERS)
+"""The columns of a piece at constant speed behind its rates."""
 
 
 Piece = tuple[float, Sequence[float], Sequence[float], Sequence[Sequence[float]]]
@@ -297,13 +303,19 @@ def tables(
     if repeat is not None:
         row[c.START : c.WHOLE + 1] = repeat.start, repeat.period, *repeat.step, repeat.whole
     for (begin, pose, rates, powers), until in zip(pieces, ends, strict=True):
+        if not powers:
+            # at constant speed
+            side.append([begin, until, *pose, *rates, *NO_CURVE])
+            row[c.SLACK] = max(row[c.SLACK], ROUNDING * sum(abs(rate) for rate in rates[:3]))
+            row[c.SLACK + 2] = max(row[c.SLACK + 2], ROUNDING * abs(rates[3]))
+            continue
         curved = any(len(way) > 2 for way in powers)
         turning = corners if curved else [-way[0] / way[1] for way in powers if len(way) == 2 and way[1] != 0.0]
         side.append([begin, until, *pose, *rates, *turning, *[math.inf] * (c.CORNERS - len(turning))])
-        for way in powers or ((),) * 4:
+        for way in powers:
             side[-1] += [*way, *[0.0] * (c.MOST_POWERS - len(way))]
             most = max(most, len(way))
-        sizes = [_largest(rate, way, until - begin) for rate, way in zip(rates, powers or ((),) * 4, strict=True)]
+        sizes = [_largest(rate, way, until - begin) for rate, way in zip(rates, powers, strict=True)]
         for n in range(2):
             row[c.SLACK + n] = max(row[c.SLACK + n], ROUNDING * sum(size[n] for size in sizes[:3]))
             row[c.SLACK + 2 + n] = max(row[c.SLACK + 2 + n], ROUNDING * sizes[3][n])

@@ -126,9 +126,13 @@ class Frames:
         return below, carrier.then(pose)
 
 
+STILL = Frame(WORLD, laws.fixed(Pose()))
+"""The frame that does not move."""
+
+
 def frames_of(frames: Mapping[str, FrameDocument], faults: Gathered) -> Frames:
     """The frames, `world` among them. `faults` gets what a law refuses, and what leads to no frame."""
-    found = Frames({WORLD: Frame(WORLD, laws.fixed(Pose()))}, {})
+    found = Frames({WORLD: STILL}, {})
     for name, item in frames.items():
         look()
         with faults.part(partial(found.unread.add, name)), within("frames", name):

@@ -150,8 +150,8 @@ def joint_values(values: JointValues, conventions: Conventions, rate: str) -> Fl
     given = values.model_extra or {}
     _hold_names(given, keys, faults)
     for key in keys:
-        with faults.part():
-            if key not in given:
+        if key not in given:
+            with faults.part():
                 raise Refused(f"{key} or {twin_of(key)}, which must be given", key)
     faults.settle()
     turned = converted_rates if rate else converted
@@ -161,8 +161,8 @@ def joint_values(values: JointValues, conventions: Conventions, rate: str) -> Fl
 def _hold_names(given: Iterable[str], keys: Sequence[str], faults: Gathered) -> None:
     """Gives `faults` each name of a joint that the robot has not."""
     for key in given:
-        with faults.part():
-            if key not in keys:
+        if key not in keys:
+            with faults.part():
                 raise Refused(f"one of {', '.join(keys)} (or in deg, mm)", key)
 
 

@@ -82,7 +82,10 @@ def moved_to_limits(item: JointValues | None, start: Start, conventions: Convent
     """A sentence for each joint of a request's start that was outside of its range by no more than `READ_BACK`."""
     if item is None:
         return ()
-    given, taken = as_maker(joint_values(item, conventions, ""), conventions), as_maker(start.q, conventions)
+    values = joint_values(item, conventions, "")
+    if (values == start.q).all():
+        return ()
+    given, taken = as_maker(values, conventions), as_maker(start.q, conventions)
     return tuple(
         f"start: {joint.name} is given at {was!r} {joint.unit}, which is outside of its range by {abs(was - now):.2g}; "
         f"it is taken at the end of the range, {now!r} {joint.unit}"
@@ -96,7 +99,7 @@ def position(item: JointValues, given: Equipped, share: float = 0.0) -> FloatArr
     end. Raises `Refused` unless each joint has its value, within limits, and a five-bar's couplers meet."""
     q = joint_values(item, given.conventions, "")
     limits = given.robot.limits
-    nearest = np.clip(q, limits.lower, limits.upper)
+    nearest = np.minimum(np.maximum(q, limits.lower), limits.upper)
     q = np.where(np.abs(q - nearest) <= share * (limits.upper - limits.lower), nearest, q)
     hold(q, (limits.lower, limits.upper), given.conventions, "")
     _refuse_open_chain(given.robot, q)
