@@ -80,7 +80,8 @@ def _required_seats(statement: Statement) -> tuple[FloatArray, FloatArray]:
         seats: list[tuple[float, ...]] = [(k, link, -1.0, *IDENTITY) for k, link in enumerate(links)]
         seats += [seat(k, statement.place(body.name, ())) for k, body in enumerate(scene.bodies, start=len(links))]
         off = [(0.0, 0.0)] * len(links) + [statement.displaced(body.name, ()) for body in scene.bodies]
-        statement.given.seats = np.array([seats], dtype=float), np.array(off).T.reshape(1, -1)
+        table = np.array(seats, dtype=float).reshape(1, len(seats), c.SEAT)
+        statement.given.seats = table, np.array(off).T.reshape(1, -1)
     if not statement.given.parts:
         return statement.given.seats
     # parts that are handled have others, phase by phase
