@@ -146,7 +146,7 @@ GRIP_M = 0.01
 OVERLAP_M = 0.001
 """By so much a body may be inside another, m: it was placed by hand."""
 MOST_OVERLAPS = 5
-"""So many overlaps are told: more are a model that is made so."""
+"""So many overlaps are reported: more come from a model that is made so."""
 AXES = np.concatenate([np.eye(3), -np.eye(3)])
 
 
@@ -225,7 +225,7 @@ measured so, m."""
 
 def odd_supports(scene: Scene, prover: Prover, arrivals: Sequence[Arrival]) -> tuple[InputWarning, ...]:
     """A warning for each body that a pick or place names as touched by its part and that is farther than `OFF_M` from
-    it, in the order of the task. What moves against the part is looked at where there is an arrival. Raises
+    it, in the order of the task. What moves against the part is checked where there is an arrival. Raises
     `OutOfTimeError` where the deadline in force passes."""
     attached, found = at_start(scene), list[InputWarning]()
     until = {arrival.step: arrival.until for arrival in arrivals}

@@ -236,7 +236,7 @@ def radius(piece: Piece) -> float:
     return farthest + piece.shape.disc + piece.shape.ball
 
 
-# All convex pieces of a cell's bodies as flat arrays: the raw shapes, read once, for whoever computes with many.
+# All convex pieces of a cell's bodies as flat arrays: the raw shapes, read once, for callers that compute with many.
 
 
 @dataclass(frozen=True, eq=False)

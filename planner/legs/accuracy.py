@@ -1,7 +1,7 @@
 """How far the tool may be from its control point: the worst of all that a request does not know (equation N15).
 
 The error is part less tool. What a frame, a late start and lagging joints add has a direction each, so the worst is one
-of the combinations of their signs: all are looked at. What is the same in every horizontal direction adds to the
+of the combinations of their signs: all are evaluated. What is the same in every horizontal direction adds to the
 longest of them. A point that joints move by small angles leaves the straight line of their Jacobian by half the bound
 of its acceleration at most, which is added.
 """
@@ -28,7 +28,7 @@ RESERVE_M, RESERVE_RAD = 2e-6, 2e-6
 LEAST = 1e-12
 """m or rad. Less than this is rounding, and no error."""
 LATE_STEPS = 16
-"""Parts of the time by which a start may be late, at whose ends a frame's way is looked at."""
+"""Parts of the time by which a start may be late, at whose ends a frame's way is evaluated."""
 UP = np.array([0.0, 0.0, 1.0])
 LATE, DIRECTION = "late start s", "direction rad"
 """Names in a realisation: by how much the robot is late, s; the direction of what is the same in all horizontal ones,

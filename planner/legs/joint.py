@@ -215,7 +215,7 @@ class JointMotion:
 CELLS = 48
 """Pieces of the spline over a motion."""
 PER_CELL = 8
-"""Instants of a piece at which the pull is looked at."""
+"""Instants of a piece at which the pull is evaluated."""
 ROUNDS, GENTLER = 6, 0.98
 """Motions that are made, each for as much less of the limit as the one before was beyond it, and a little less."""
 SLOWEST = 0.02

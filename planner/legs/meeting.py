@@ -70,7 +70,7 @@ def every_turn(robot: Robot) -> bool:
 @dataclass(frozen=True, eq=False)
 class Meetings:
     """All branches of a control point that are legal at some time, and why others are not. `last`: the last time that
-    was looked at, s, where the end of the frame's law makes it the last one."""
+    was examined, s, where the end of the frame's law makes it the last one."""
 
     point: ControlPoint
     branches: tuple[Branch, ...]

@@ -22,7 +22,7 @@ PIECES = 12
 """Parts of a law. Over Ruckig's joint move (median, lines of the benchmark) 8 reach 1.11, 12 reach 1.05, 24 reach 1.02;
 each part adds two or three knots to a leg."""
 SAMPLES = 4
-"""Steps per part at whose ends the rates are looked at: between them they rise by a few tenths of a percent."""
+"""Steps per part at whose ends the rates are compared: between them they rise by a few tenths of a percent."""
 TABLE = 401
 """Points of a line at which the joints' derivatives by s are tabled, linear in between; 2 mm on a line of 0.8 m."""
 STAGES = ((8, 5), (32, 5), (128, 5))
@@ -147,7 +147,7 @@ def _shape(y: FloatArray) -> FloatArray:
 # limits.
 
 CORNER_SAMPLES = 33
-"""Places on each part at which the joints' derivatives are looked at."""
+"""Places on each part at which the joints' derivatives are evaluated."""
 OF_BENDS = 0.6
 """Share of the limits of acceleration and jerk that bends may take; the rest is for the motion along the path."""
 STEEPER = 2.25

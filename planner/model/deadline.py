@@ -1,4 +1,4 @@
-"""Until when a request may be worked on. Made when the request is read, and looked at between blocks of work.
+"""Until when a request may be worked on. Made when the request is read, and checked between blocks of work.
 
 Work that ends by a clock asks the deadline that is in force where it runs, so that no function hands it on:
 

@@ -39,7 +39,7 @@ def digest(
 ) -> str:
     """SHA-256, in hexadecimal, of the request's digest, the knots, legs, arrivals and all columns of the certificate.
 
-    The certificate's own `digest` does not count. Not looked at: whether any of it is true.
+    The certificate's own `digest` does not count. Not checked: whether any of it is true.
     """
     knots = _table("<f8", trajectory.time, trajectory.q, trajectory.qd, trajectory.qdd)
     columns = [certificate.t0, certificate.t1, certificate.normal]
