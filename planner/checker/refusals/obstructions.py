@@ -112,8 +112,10 @@ def _at_height(scene: Scene, way: Way, mode: str, above: float) -> Iterator[list
         if beyond(wide.joints[k], low, high, turns=turns) > least:
             middle = exact.joints[k].middle
             by = beyond(Span(middle, middle), low, high, turns=turns)
-            ends = (beyond_range(scene, k, value) for value in (low - by, high + by))
-            facts = [replace(end, mode=mode, above_m=above, **way.on_path) for end in ends]
+            # the end that it is beyond, by the best full turn; both where both are as near
+            off = {value: value - middle for value in (low - by, high + by)}
+            ends = [v for v, d in off.items() if abs(math.remainder(d, math.tau) if turns else d) <= STATED]
+            facts = [replace(beyond_range(scene, k, v), mode=mode, above_m=above, **way.on_path) for v in ends]
             subject, amount = JointName(joint.name), of_joint(joint.kind, by)
             yield [Shown(Reason.JOINT_LIMIT, each, amount, subject, STATED) for each in facts]
     # the margin that is required where the tool tracks the point, and that to a type 2 singularity everywhere
