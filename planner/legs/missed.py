@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -224,6 +225,8 @@ def too_high(scene: Scene, number: int, q: FloatArray, rounding: float = 0.0) ->
 
 Vertical = tuple[RawProfile, RawProfile]
 """The lift joint's motion up and its motion down."""
+SHORTEST_PART_S = 1e-3
+"""s. Parts of an arch last at least so long: a part makes up for what its shared switches miss."""
 
 
 def vertical(start: Numbers, goal: Numbers, top: float, pace: Pace) -> Vertical | TimingRefusal:
@@ -279,7 +282,11 @@ def arch(
 def _laid_over(
     start: Numbers, goal: Numbers, lifted: Vertical, across: RawProfile, before: float, total: float, pace: Pace
 ) -> RawProfile:
-    """Up from 0, down to the end, the joints across from `before` on; in between each stands still."""
+    """Up from 0, down to the end, the joints across from `before` on; in between each stands still.
+
+    The arch is cut into parts where a motion begins or ends that does not fill it: there the states are exact. What
+    shared switches miss is then made up for within the part, and what stands still does so to the bit, however long.
+    """
     up, down = lifted
     stands, flat = up.phases.shape[2], across.phases.shape[2]
     phases = np.zeros((len(start[0]), 2, max(stands + 1 + down.phases.shape[2], 1 + flat)))
@@ -289,4 +296,34 @@ def _laid_over(
     phases[pace.lift, :, stands + 1 : stands + 1 + down.phases.shape[2]] = down.phases
     phases[pace.others, 0, 0] = before
     phases[pace.others, :, 1 : 1 + flat] = across.phases
-    return RawProfile(total, start, goal, phases)
+    high, there = (up.duration, total - down.duration), (before, before + across.duration)
+    cuts = [0.0, total]
+    for t in (*high, *there):
+        if all(abs(t - cut) >= SHORTEST_PART_S for cut in cuts):
+            cuts.append(t)
+    cuts.sort()
+    states = [start]
+    for t in cuts[1:-1]:
+        lift = up.goal if high[0] <= t <= high[1] else up.at(t) if t < high[0] else down.at(t - high[1])
+        others = across.begin if t <= there[0] else across.goal if t >= there[1] else across.at(t - there[0])
+        states.append(_together(lift, others, pace))
+    states.append(goal)
+    ends = phases[:, 0].cumsum(1)
+    begins, parts = ends - phases[:, 0], list[RawProfile]()
+    for (begin, end), (first, last) in zip(pairwise(cuts), pairwise(states), strict=True):
+        own = phases.copy()
+        own[:, 0] = ends.clip(begin, end) - begins.clip(begin, end)
+        if high[0] <= begin and end <= high[1]:
+            own[pace.lift] = 0.0
+        if end <= there[0] or begin >= there[1]:
+            own[pace.others] = 0.0
+        parts.append(RawProfile(end - begin, first, last, own))
+    return RawProfile(total, start, goal, phases, tuple(parts))
+
+
+def _together(lift: Numbers, others: Numbers, pace: Pace) -> Numbers:
+    """The state of all joints from that of the lift joint and that of the others."""
+    rows = [row.copy() for row in others]
+    for row, (value,) in zip(rows, lift, strict=True):
+        row.insert(pace.lift[0], value)
+    return rows[0], rows[1], rows[2]

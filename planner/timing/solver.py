@@ -23,7 +23,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -41,6 +41,10 @@ JERK_RESERVE = 0.02
 150,000 random motions (see `kernels.knots`)."""
 RATE_RESERVE = 1e-3
 """Fraction of the velocity and acceleration limits that the solver does not get, likewise."""
+RAMP_S = 1e-3
+"""s. The solver gets no more jerk than reaches the limit of acceleration, or by way of it that of velocity, in this
+time: a controller's cycle. Shorter phases would share a knot, and their acceleration would be lost (`kernels.knots`). A
+motion takes a few milliseconds more at most; robots need some 20 ms for either."""
 LIMIT_TOLERANCE = 1e-9
 """Relative. States up to this beyond a limit count as at the limit: the tolerance of the trajectory's own check."""
 
@@ -94,7 +98,8 @@ class Allowed:
                 raise InputError(f"timing.{name}", row, "positive limits")
         velocity = [v * (1 - RATE_RESERVE) for v in self.velocity]
         acceleration = [a * (1 - RATE_RESERVE) for a in self.acceleration]
-        jerk = [j * (1 - JERK_RESERVE) for j in self.jerk]
+        rates = zip(self.jerk, acceleration, velocity, strict=True)
+        jerk = [min(j * (1 - JERK_RESERVE), a / RAMP_S, v / RAMP_S**2) for j, a, v in rates]
         lowered = Limits(velocity, [-v for v in velocity], acceleration, [-a for a in acceleration], jerk)
         object.__setattr__(self, "lowered", lowered)
 
@@ -177,13 +182,28 @@ class RawProfile:
     """Motion of n joints over [0, `duration`] s from the state `begin` to `goal`, which the phases all but meet.
 
     `phases` (n, 2, S): durations in s and jerks of each joint, from 0 on. A joint whose phases end before the duration
-    goes on with constant acceleration.
+    goes on with constant acceleration. `parts`: profiles in a row that are the same motion, whose ends it passes
+    exactly; none: it is one part.
     """
 
     duration: float
     begin: Numbers
     goal: Numbers
     phases: FloatArray
+    parts: tuple[RawProfile, ...] = ()
+
+    def at(self, t: float) -> Numbers:
+        """q, q̇, q̈ after t s, of which the phases are summed up."""
+        rows: Numbers = [], [], []
+        for q, v, a, (lengths, jerks) in zip(*self.begin, self.phases.tolist(), strict=True):
+            left = t
+            for length, j in [*zip(lengths, jerks, strict=True), (math.inf, 0.0)]:
+                h = min(length, left)
+                q, v, a = q + h * (v + h * (a / 2 + h * j / 6)), v + h * (a + h * j / 2), a + h * j
+                left -= h
+            for row, value in zip(rows, (q, v, a), strict=True):
+                row.append(value)
+        return rows
 
 
 def trajectory_of(profiles: Sequence[RawProfile], begins: Sequence[float]) -> Trajectory:
@@ -194,8 +214,13 @@ def trajectory_of(profiles: Sequence[RawProfile], begins: Sequence[float]) -> Tr
 
     Raises `FaultError` for times that do not increase.
     """
+    whole, profiles, begins = begins, list(profiles), list(begins)
+    for k in range(len(profiles) - 1, -1, -1):
+        if profiles[k].parts:
+            ends = list(accumulate((part.duration for part in profiles[k].parts[:-1]), initial=begins[k]))
+            begins[k : k + 1], profiles[k : k + 1] = ends, profiles[k].parts
     if not all(a < b for a, b in pairwise(begins)):
-        raise FaultError(f"profiles that begin at {list(begins)} s")
+        raise FaultError(f"profiles that begin at {list(whole)} s")
     if len(profiles) == 1:
         phases = profiles[0].phases[None]
     else:
