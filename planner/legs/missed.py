@@ -282,11 +282,7 @@ def arch(
 def _laid_over(
     start: Numbers, goal: Numbers, lifted: Vertical, across: RawProfile, before: float, total: float, pace: Pace
 ) -> RawProfile:
-    """Up from 0, down to the end, the joints across from `before` on; in between each stands still.
-
-    The arch is cut into parts where a motion begins or ends that does not fill it: there the states are exact. What
-    shared switches miss is then made up for within the part, and what stands still does so to the bit, however long.
-    """
+    """Up from 0, down to the end, the joints across from `before` on; in between each stands still."""
     up, down = lifted
     stands, flat = up.phases.shape[2], across.phases.shape[2]
     phases = np.zeros((len(start[0]), 2, max(stands + 1 + down.phases.shape[2], 1 + flat)))
@@ -296,29 +292,48 @@ def _laid_over(
     phases[pace.lift, :, stands + 1 : stands + 1 + down.phases.shape[2]] = down.phases
     phases[pace.others, 0, 0] = before
     phases[pace.others, :, 1 : 1 + flat] = across.phases
-    high, there = (up.duration, total - down.duration), (before, before + across.duration)
-    cuts = [0.0, total]
-    for t in (*high, *there):
-        if all(abs(t - cut) >= SHORTEST_PART_S for cut in cuts):
-            cuts.append(t)
-    cuts.sort()
-    states = [start]
-    for t in cuts[1:-1]:
-        lift = up.goal if high[0] <= t <= high[1] else up.at(t) if t < high[0] else down.at(t - high[1])
-        others = across.begin if t <= there[0] else across.goal if t >= there[1] else across.at(t - there[0])
-        states.append(_together(lift, others, pace))
-    states.append(goal)
-    ends = phases[:, 0].cumsum(1)
-    begins, parts = ends - phases[:, 0], list[RawProfile]()
-    for (begin, end), (first, last) in zip(pairwise(cuts), pairwise(states), strict=True):
-        own = phases.copy()
-        own[:, 0] = ends.clip(begin, end) - begins.clip(begin, end)
-        if high[0] <= begin and end <= high[1]:
-            own[pace.lift] = 0.0
-        if end <= there[0] or begin >= there[1]:
-            own[pace.others] = 0.0
-        parts.append(RawProfile(end - begin, first, last, own))
-    return RawProfile(total, start, goal, phases, tuple(parts))
+    return ArchProfile(total, start, goal, phases, lifted, across, before, pace)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ArchProfile(RawProfile):
+    """An arch: the lift joint up from 0, and down to the end, the joints `across` from `before` on.
+
+    It is cut into parts at its top: where the lift joint comes there and leaves it, and where the others arrive in
+    between. There the states are exact. What shared switches miss is made up for within the part, and what rests at the
+    top does so to the bit, however long.
+    """
+
+    lifted: Vertical
+    across: RawProfile
+    before: float
+    pace: Pace
+
+    @property
+    def parts(self) -> list[RawProfile]:
+        (up, down), across, pace = self.lifted, self.across, self.pace
+        high, arrived = (up.duration, self.duration - down.duration), self.before + across.duration
+        cuts = [0.0, self.duration]
+        for t in (*high, min(max(arrived, high[0]), high[1])):
+            if all(abs(t - cut) >= SHORTEST_PART_S for cut in cuts):
+                cuts.append(t)
+        cuts.sort()
+        states = [self.begin]
+        for t in cuts[1:-1]:
+            others = across.begin if t <= self.before else across.goal if t >= arrived else across.at(t - self.before)
+            states.append(_together(up.goal, others, pace))
+        states.append(self.goal)
+        ends, edges = self.phases[:, 0].cumsum(1), np.array(cuts)[:, None, None]
+        begins, own = ends - self.phases[:, 0], np.repeat(self.phases[None], len(cuts) - 1, axis=0)
+        own[:, :, 0] = ends.clip(edges[:-1], edges[1:]) - begins.clip(edges[:-1], edges[1:])
+        found = list[RawProfile]()
+        for (t0, t1), (first, last), phases in zip(pairwise(cuts), pairwise(states), own, strict=True):
+            if high[0] <= t0 and t1 <= high[1]:
+                phases[pace.lift] = 0.0
+            if t1 <= self.before or t0 >= arrived:
+                phases[pace.others] = 0.0
+            found.append(RawProfile(t1 - t0, first, last, phases))
+        return found
 
 
 def _together(lift: Numbers, others: Numbers, pace: Pace) -> Numbers:

@@ -182,15 +182,18 @@ class RawProfile:
     """Motion of n joints over [0, `duration`] s from the state `begin` to `goal`, which the phases all but meet.
 
     `phases` (n, 2, S): durations in s and jerks of each joint, from 0 on. A joint whose phases end before the duration
-    goes on with constant acceleration. `parts`: profiles in a row that are the same motion, whose ends it passes
-    exactly; none: it is one part.
+    goes on with constant acceleration.
     """
 
     duration: float
     begin: Numbers
     goal: Numbers
     phases: FloatArray
-    parts: tuple[RawProfile, ...] = ()
+
+    @property
+    def parts(self) -> Sequence[RawProfile]:
+        """Profiles in a row that are the same motion, whose ends it passes exactly: itself."""
+        return (self,)
 
     def at(self, t: float) -> Numbers:
         """q, q̇, q̈ after t s, of which the phases are summed up."""
@@ -199,8 +202,9 @@ class RawProfile:
             left = t
             for length, j in [*zip(lengths, jerks, strict=True), (math.inf, 0.0)]:
                 h = min(length, left)
-                q, v, a = q + h * (v + h * (a / 2 + h * j / 6)), v + h * (a + h * j / 2), a + h * j
-                left -= h
+                if h > 0.0:
+                    q, v, a = q + h * (v + h * (a / 2 + h * j / 6)), v + h * (a + h * j / 2), a + h * j
+                    left -= h
             for row, value in zip(rows, (q, v, a), strict=True):
                 row.append(value)
         return rows
@@ -214,13 +218,12 @@ def trajectory_of(profiles: Sequence[RawProfile], begins: Sequence[float]) -> Tr
 
     Raises `FaultError` for times that do not increase.
     """
-    whole, profiles, begins = begins, list(profiles), list(begins)
-    for k in range(len(profiles) - 1, -1, -1):
-        if profiles[k].parts:
-            ends = list(accumulate((part.duration for part in profiles[k].parts[:-1]), initial=begins[k]))
-            begins[k : k + 1], profiles[k : k + 1] = ends, profiles[k].parts
     if not all(a < b for a, b in pairwise(begins)):
-        raise FaultError(f"profiles that begin at {list(whole)} s")
+        raise FaultError(f"profiles that begin at {list(begins)} s")
+    cut = [(begin, profile.parts) for begin, profile in zip(begins[:-1], profiles, strict=True)]
+    profiles = [part for _, parts in cut for part in parts]
+    ends = [t for begin, parts in cut for t in accumulate((part.duration for part in parts[:-1]), initial=begin)]
+    begins = [*ends, begins[-1]]
     if len(profiles) == 1:
         phases = profiles[0].phases[None]
     else:
