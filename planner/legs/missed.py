@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -224,6 +225,8 @@ def too_high(scene: Scene, number: int, q: FloatArray, rounding: float = 0.0) ->
 
 Vertical = tuple[RawProfile, RawProfile]
 """The lift joint's motion up and its motion down."""
+SHORTEST_PART_S = 1e-3
+"""s. Parts of an arch last at least so long: a part makes up for what its shared switches miss."""
 
 
 def vertical(start: Numbers, goal: Numbers, top: float, pace: Pace) -> Vertical | TimingRefusal:
@@ -289,4 +292,53 @@ def _laid_over(
     phases[pace.lift, :, stands + 1 : stands + 1 + down.phases.shape[2]] = down.phases
     phases[pace.others, 0, 0] = before
     phases[pace.others, :, 1 : 1 + flat] = across.phases
-    return RawProfile(total, start, goal, phases)
+    return ArchProfile(total, start, goal, phases, lifted, across, before, pace)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ArchProfile(RawProfile):
+    """An arch: the lift joint up from 0, and down to the end, the joints `across` from `before` on.
+
+    It is cut into parts at its top: where the lift joint comes there and leaves it, and where the others arrive in
+    between. There the states are exact. What shared switches miss is made up for within the part, and what rests at the
+    top does so to the bit, however long.
+    """
+
+    lifted: Vertical
+    across: RawProfile
+    before: float
+    pace: Pace
+
+    @property
+    def parts(self) -> list[RawProfile]:
+        (up, down), across, pace = self.lifted, self.across, self.pace
+        high, arrived = (up.duration, self.duration - down.duration), self.before + across.duration
+        cuts = [0.0, self.duration]
+        for t in (*high, min(max(arrived, high[0]), high[1])):
+            if all(abs(t - cut) >= SHORTEST_PART_S for cut in cuts):
+                cuts.append(t)
+        cuts.sort()
+        states = [self.begin]
+        for t in cuts[1:-1]:
+            others = across.begin if t <= self.before else across.goal if t >= arrived else across.at(t - self.before)
+            states.append(_together(up.goal, others, pace))
+        states.append(self.goal)
+        ends, edges = self.phases[:, 0].cumsum(1), np.array(cuts)[:, None, None]
+        begins, own = ends - self.phases[:, 0], np.repeat(self.phases[None], len(cuts) - 1, axis=0)
+        own[:, :, 0] = ends.clip(edges[:-1], edges[1:]) - begins.clip(edges[:-1], edges[1:])
+        found = list[RawProfile]()
+        for (t0, t1), (first, last), phases in zip(pairwise(cuts), pairwise(states), own, strict=True):
+            if high[0] <= t0 and t1 <= high[1]:
+                phases[pace.lift] = 0.0
+            if t1 <= self.before or t0 >= arrived:
+                phases[pace.others] = 0.0
+            found.append(RawProfile(t1 - t0, first, last, phases))
+        return found
+
+
+def _together(lift: Numbers, others: Numbers, pace: Pace) -> Numbers:
+    """The state of all joints from that of the lift joint and that of the others."""
+    rows = [row.copy() for row in others]
+    for row, (value,) in zip(rows, lift, strict=True):
+        row.insert(pace.lift[0], value)
+    return rows[0], rows[1], rows[2]

@@ -193,6 +193,7 @@ class Obstacle(StrEnum):
     NO_PATH_LAW = "no path law"
     NO_PROFILE = "no profile"
     NO_SUCH_DURATION = "no such duration"
+    NO_ARCH = "no arch"
     STOPS_AT_VIA = "stops at via"
     STRAIGHT_FROM_MOTION = "straight from motion"
     POINT_TOO_FAST = "point too fast"

@@ -313,6 +313,7 @@ OBSTACLES = {
     Obstacle.NO_PATH_LAW: "no motion along the straight line was found that keeps the limits of all joints",
     Obstacle.NO_PROFILE: "no motion was found that keeps the limits of all joints",
     Obstacle.NO_SUCH_DURATION: "no motion was found that takes exactly the time to a meeting",
+    Obstacle.NO_ARCH: "the lift would go down before the top of the arch, or up after it",
     Obstacle.STOPS_AT_VIA: "the arm would stop at the point before, which is to be flown by",
     Obstacle.STRAIGHT_FROM_MOTION: "a straight leg must begin at rest or while a frame is tracked",
     Obstacle.POINT_TOO_FAST: "the control point moves too fast to be met",

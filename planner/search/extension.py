@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.claim.lifts import goes_over
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion, TiltedMotion
 from assur.planner.legs.accuracy import arrival_error, too_far
@@ -64,6 +65,8 @@ def timed(
     reached = JointMotion(scene, partial.step, partial.state, candidate.shape, candidate.branch, ahead, pace).meet()
     if isinstance(reached, Refusal):
         return by_law(point, candidate.option.meeting.last, reached)
+    if candidate.shape.hop is not None and not _is_arch(scene, reached):
+        return unmoved(Stage.TIMING, partial.step, Obstacle.NO_ARCH)
     if not point.tracks:
         missed = _window_refusal(point, reached.end)
         if missed is not None:
@@ -72,6 +75,14 @@ def timed(
     if unknown is not None:
         return unknown
     return TimedCandidate(partial, candidate, reached, (partial.way(scene, reached.end),), ahead)
+
+
+def _is_arch(scene: Scene, path: Trajectory) -> bool:
+    """Whether the lift goes up and then down: from a state in motion, or to one, it may go the wrong way first."""
+    n, lift = path.n, scene.robot.lift or 0
+    rates, accelerations = path.knots[[0, -1], 1 + n + lift].tolist(), path.knots[[0, -1], 1 + 2 * n + lift].tolist()
+    wrong = rates[0] < 0.0 or rates[1] > 0.0 or min(accelerations) < 0.0
+    return not wrong or goes_over(path, lift)
 
 
 def extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:

@@ -23,7 +23,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -41,6 +41,10 @@ JERK_RESERVE = 0.02
 150,000 random motions (see `kernels.knots`)."""
 RATE_RESERVE = 1e-3
 """Fraction of the velocity and acceleration limits that the solver does not get, likewise."""
+RAMP_S = 1e-3
+"""s. The solver gets no more jerk than reaches the limit of acceleration, or by way of it that of velocity, in this
+time: a controller's cycle. Shorter phases would share a knot, and their acceleration would be lost (`kernels.knots`). A
+motion takes a few milliseconds more at most; robots need some 20 ms for either."""
 LIMIT_TOLERANCE = 1e-9
 """Relative. States up to this beyond a limit count as at the limit: the tolerance of the trajectory's own check."""
 
@@ -94,7 +98,8 @@ class Allowed:
                 raise InputError(f"timing.{name}", row, "positive limits")
         velocity = [v * (1 - RATE_RESERVE) for v in self.velocity]
         acceleration = [a * (1 - RATE_RESERVE) for a in self.acceleration]
-        jerk = [j * (1 - JERK_RESERVE) for j in self.jerk]
+        rates = zip(self.jerk, acceleration, velocity, strict=True)
+        jerk = [min(j * (1 - JERK_RESERVE), a / RAMP_S, v / RAMP_S**2) for j, a, v in rates]
         lowered = Limits(velocity, [-v for v in velocity], acceleration, [-a for a in acceleration], jerk)
         object.__setattr__(self, "lowered", lowered)
 
@@ -185,6 +190,25 @@ class RawProfile:
     goal: Numbers
     phases: FloatArray
 
+    @property
+    def parts(self) -> Sequence[RawProfile]:
+        """Profiles in a row that are the same motion, whose ends it passes exactly: itself."""
+        return (self,)
+
+    def at(self, t: float) -> Numbers:
+        """q, q̇, q̈ after t s, of which the phases are summed up."""
+        rows: Numbers = [], [], []
+        for q, v, a, (lengths, jerks) in zip(*self.begin, self.phases.tolist(), strict=True):
+            left = t
+            for length, j in [*zip(lengths, jerks, strict=True), (math.inf, 0.0)]:
+                h = min(length, left)
+                if h > 0.0:
+                    q, v, a = q + h * (v + h * (a / 2 + h * j / 6)), v + h * (a + h * j / 2), a + h * j
+                    left -= h
+            for row, value in zip(rows, (q, v, a), strict=True):
+                row.append(value)
+        return rows
+
 
 def trajectory_of(profiles: Sequence[RawProfile], begins: Sequence[float]) -> Trajectory:
     """The trajectory of profiles in a row (equations T4 and T5), which repeats the states between them to the bit.
@@ -196,6 +220,10 @@ def trajectory_of(profiles: Sequence[RawProfile], begins: Sequence[float]) -> Tr
     """
     if not all(a < b for a, b in pairwise(begins)):
         raise FaultError(f"profiles that begin at {list(begins)} s")
+    cut = [(begin, profile.parts) for begin, profile in zip(begins[:-1], profiles, strict=True)]
+    profiles = [part for _, parts in cut for part in parts]
+    ends = [t for begin, parts in cut for t in accumulate((part.duration for part in parts[:-1]), initial=begin)]
+    begins = [*ends, begins[-1]]
     if len(profiles) == 1:
         phases = profiles[0].phases[None]
     else:

@@ -8,10 +8,14 @@ from pathlib import Path
 import pytest
 
 from assur.planner.checker import Code, Finding, Verdict
+from assur.planner.model.refusal import Obstacle
 from assur.planner.search import census
-from assur.scenes.requests import plan_document, validate
+from assur.scenes.requests import check_document, plan_document, validate
 from benchmarks import hard_requests
+from benchmarks.checker_refusals import Document, codes_of
 from benchmarks.hard_requests import HARD, Tally, count, hard_request, later, table_of
+from benchmarks.oracle.impossible import random_request
+from benchmarks.oracle.kinds import random_cell
 
 EACH = 7
 """Requests of each kind: 63 of all kinds."""
@@ -33,6 +37,38 @@ def test_each_answer_is_planned_and_checked_or_refused_or_counted_against_the_ch
     assert tally.planned + tally.refused.total() + tally.lost == EACH
     assert tally.by_checker <= MOST[kind], tally.codes
     assert tally.planned > 0
+
+
+@pytest.mark.parametrize(("kind", "seed"), [("tiny limits", 27), ("tiny limits", 264), ("tiny limits", 1293)])
+def test_an_arch_whose_lift_reaches_its_acceleration_in_microseconds_rises(kind: str, seed: int) -> None:
+    assert codes_and_status(hard_request(kind, seed)) == ([], "planned")
+
+
+@pytest.mark.parametrize("seed", [196, 954])
+def test_a_peak_of_the_jerk_in_a_short_piece_is_shown(seed: int) -> None:
+    assert codes_and_status(hard_request("tiny limits", seed)) == ([], "planned")
+
+
+def test_the_top_of_an_arch_is_as_high_as_is_required_where_switches_share_knots() -> None:
+    assert codes_and_status(random_request("arch", 1262)) == ([], "planned")
+
+
+def test_an_arch_to_a_lift_that_rises_as_it_arrives_is_one() -> None:
+    """The lift is a millimetre below the end before it rises; each piece of the motion was stated to sink all along."""
+    assert codes_and_status(hard_request("moves flown by", 213)) == ([], "planned")
+
+
+def test_a_motion_that_goes_down_before_its_top_is_no_arch() -> None:
+    request = random_cell("start in motion, five-bar", 45)
+    assert codes_and_status(request) == ([], "planned")
+    lines = plan_document(request)["census"]["lines"]
+    assert Obstacle.NO_ARCH in [line["facts"].get("obstacle") for line in lines]
+
+
+def codes_and_status(request: Document) -> tuple[list[str], str]:
+    """The codes with which the checker refuses plans of a request, and what becomes of it."""
+    answer = plan_document(request, certificate="full")
+    return codes_of(answer, check_document(request, answer)["findings"]), answer["status"]
 
 
 def test_an_error_without_a_bound_is_no_number_of_an_answer() -> None:

@@ -23,6 +23,18 @@ def test_a_derivative_is_largest_where_the_exact_extremes_are(name: str, order: 
     assert own == pytest.approx(value, rel=1e-9, abs=1e-9 * np.abs(value).max())
 
 
+def test_a_jerk_that_is_constant_is_largest_where_its_piece_begins() -> None:
+    """There it rounds least. It is not the jerk of the piece before, which ends at that instant."""
+    half = [(0.0, 0.0, 0.0, 1.0), (0.5, 0.0208, 0.125, 0.5), (0.51, 0.0221, 0.13, 0.49)]
+    time = np.array([t for t, *_ in half])
+    path = Trajectory(time, *(np.array([[row[k]] for row in half]) for k in (1, 2, 3)))
+    jerks = path.evaluate(time[:-1], 3)[:, 0]
+    t, value = largest(path, 3, path.start, path.end)
+    begin = int(np.abs(jerks).argmax())
+    assert value[0] == jerks[begin]
+    assert t[0] == time[begin]
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_within_an_interval_nothing_is_larger(name: str) -> None:
     path = planned(name)[1].trajectory

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
 from assur.planner.legs.line import Pace
-from assur.planner.legs.missed import Hop, arch
+from assur.planner.legs.missed import SHORTEST_PART_S, Hop, arch
 from assur.planner.timing import RawProfile, TimingRefusal, trajectory_of
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import limits
@@ -158,3 +158,41 @@ def test_an_arch_in_less_time_than_it_takes_is_refused_with_the_seconds_that_are
     found = over(start, goal, Hop(0.22, 0.5, 0.5), whole - 0.01)
     assert isinstance(found, TimingRefusal)
     assert found.excess == pytest.approx(0.01, abs=1e-9)
+
+
+@pytest.mark.parametrize("more", [0.0, 5e-4, 0.02, 1.0, 9_999.0])
+def test_an_arch_rests_at_its_top_to_the_bit_however_long(more: float) -> None:
+    """The others set out some microseconds before or after a switch of the lift joint, so they share a knot."""
+    start = (np.array([-0.8, 1.0, 0.08, 0.0]), NONE, NONE)
+    goal = (np.array([0.8, 1.2, 0.09, 0.5]), NONE, NONE)
+    for k in range(12):
+        top = 0.2 + 1e-4 * k
+        up, across, down = parts(start, goal, top)
+        hop = Hop(top, (up - 0.02 + 2e-6 * (k - 6)) / up, 0.5)
+        duration = made(start, goal, hop).duration + more
+        way = path(made(start, goal, hop, duration), 2.0)
+        low, high = way.extrema(0)
+        assert keeps(way)
+        assert high[LIFT] <= top + 1e-13
+        assert low[LIFT] >= 0.08 - 1e-13
+        at_top = 2.0 + up + np.linspace(1e-9, 1.0 - 1e-9, 50) * (duration - up - down)
+        assert (way.evaluate(at_top)[:, LIFT] == top).all()
+        assert not way.evaluate(at_top, 1)[:, LIFT].any()
+        arrived = 2.0 + hop.rise * up + across + 1e-9
+        assert more < 1.0 or (way.evaluate(np.linspace(arrived, way.end, 50))[:, [0, 1, 3]] == [0.8, 1.2, 0.5]).all()
+
+
+def test_the_parts_of_an_arch_are_the_same_motion() -> None:
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        start, goal = state(rng), state(rng)
+        found = made(start, goal, Hop(0.22, float(rng.random()), float(rng.random())))
+        assert sum(part.duration for part in found.parts) == pytest.approx(found.duration, abs=1e-12)
+        assert (found.parts[0].begin, found.parts[-1].goal) == (found.begin, found.goal)
+        begin = 0.0
+        for part in found.parts:
+            assert part.duration >= SHORTEST_PART_S
+            for t in np.linspace(0.0, part.duration, 5).tolist():
+                for own, whole in zip(part.at(t), found.at(begin + t), strict=True):
+                    assert own == pytest.approx(whole, abs=1e-6)
+            begin += part.duration

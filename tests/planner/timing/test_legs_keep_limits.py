@@ -7,7 +7,7 @@ import pytest
 import ruckig
 
 from assur.planner.timing import TimingRefusal
-from assur.planner.timing.solver import Allowed, lowered_limits
+from assur.planner.timing.solver import JERK_RESERVE, RAMP_S, RATE_RESERVE, Allowed, lowered_limits
 from assur.planner.trajectory import Trajectory
 from tests.planner.timing.legs import KINDS, ROBOTS, Question, numbers, question, time_joints
 from tests.planner.trajectory.splines import keeps_limits
@@ -94,6 +94,30 @@ def test_the_spline_repeats_the_solvers_cubics(kind: str) -> None:
     assert len(worst) >= 60
     assert np.median(worst) <= 1e-12
     assert max(worst) <= 5e-5
+
+
+def test_a_joint_that_would_reach_its_limits_within_microseconds_moves_as_it_is_timed() -> None:
+    """Its acceleration is at its limit after 4 µs of the greatest jerk, or its velocity after 0.1 ms."""
+    zero, way = np.zeros(2), np.array([0.03, 0.1])
+    for velocity, acceleration in ((0.04, 4e-4), (1e-6, 1.0)):
+        rates = np.array([velocity, 0.02]), np.array([acceleration, 0.5]), np.array([100.0, 10.0])
+        asked = Question(zero, zero, zero, way * (1.0 if velocity > 1e-3 else 1e-3), zero, zero, *rates)
+        profile = asked.solver.raw_profile(*asked.states)
+        assert not isinstance(profile, TimingRefusal)
+        lengths = profile.phases[0, 0]
+        assert lengths[lengths > 0.0].min() >= RAMP_S * (1.0 - 1e-9)
+        path = timed(asked)
+        assert keeps_limits(path, np.full(2, -WIDE), np.full(2, WIDE), *rates)
+        t = np.linspace(0.0, path.end, 200)
+        motion = np.array([profile.at(x)[0] for x in t.tolist()])
+        assert (np.abs(path.evaluate(t) - motion).max(0) <= 1e-4 * asked.q1).all()
+
+
+def test_the_jerk_of_a_robot_that_needs_longer_is_what_it_was() -> None:
+    usual = Allowed([1.0], [2.0], [2.0 / RAMP_S]).lowered.jerk
+    assert usual == [2.0 / RAMP_S * (1.0 - JERK_RESERVE)]
+    assert Allowed([1.0], [2.0], [9.0 / RAMP_S]).lowered.jerk == [2.0 * (1.0 - RATE_RESERVE) / RAMP_S]
+    assert Allowed([1e-6], [2.0], [2.0]).lowered.jerk == [1e-6 * (1.0 - RATE_RESERVE) / RAMP_S**2]
 
 
 def test_a_solver_that_is_asked_again_answers_like_a_new_one_whatever_it_was_asked_before() -> None:

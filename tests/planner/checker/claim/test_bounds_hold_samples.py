@@ -12,6 +12,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.chain import slot_of
 from assur.planner.checker.claim.motion import make_curves, make_laws, over
+from assur.planner.checker.claim.points import sum_within
 from assur.planner.checker.claim.solids import Jet, inverse, polynomial, root, times, turned
 from assur.planner.checker.claim.verdict import prepare
 from assur.planner.claim import columns as c
@@ -57,8 +58,8 @@ def test_jets_of_carriers_hold_samples(name: str) -> None:
     assert tested > 1000
 
 
-def exact(knots: FloatArray, j: int, t: float) -> tuple[Fraction, Fraction, Fraction]:
-    """Value, rate and second derivative of a joint between two knots, without rounding."""
+def exact(knots: FloatArray, j: int, t: float) -> tuple[Fraction, Fraction, Fraction, Fraction]:
+    """Value and three derivatives of a joint between two knots, without rounding."""
     (t0, *one), (t1, *other) = [[Fraction(float(x)) for x in row] for row in knots]
     n = c.MOST_JOINTS
     x, v, p = one[j], one[j + n], one[j + 2 * n]
@@ -69,7 +70,7 @@ def exact(knots: FloatArray, j: int, t: float) -> tuple[Fraction, Fraction, Frac
     a5 = (12 * d - 6 * (v + w) * h + (q - p) * h**2) / (2 * h**5)
     value = x + v * s + p / 2 * s**2 + a3 * s**3 + a4 * s**4 + a5 * s**5
     rate = v + p * s + 3 * a3 * s**2 + 4 * a4 * s**3 + 5 * a5 * s**4
-    return value, rate, p + 6 * a3 * s + 12 * a4 * s**2 + 20 * a5 * s**3
+    return value, rate, p + 6 * a3 * s + 12 * a4 * s**2 + 20 * a5 * s**3, 6 * a3 + 24 * a4 * s + 60 * a5 * s**2
 
 
 @pytest.mark.parametrize("name", ["demo", "two-robots-neighbour", "parabolic-blend"])
@@ -90,6 +91,50 @@ def test_joints_round_by_no_more_than_is_stated(name: str) -> None:
         curve += 1
     assert (worst <= geometry.rounds[0, tb.ROUND_TURN :: 2]).all()
     assert (worst > 0.0).all()
+
+
+def within(claim: Claim, knots: FloatArray, t: float, order: int, low: float, high: float) -> bool:
+    """Whether the checker shows bounds of a derivative of the first joint at an instant, of a motion of two knots."""
+    arms, own, state = claim.arms.copy(), np.zeros(c.SUM), np.zeros(tb.STATE)
+    arms[0, c.ARM_KNOTS] = 2.0
+    own[[c.SUM_T0, c.SUM_T1, c.SUM_ORDER, c.SUM_SHARE, c.SUM_LOW, c.SUM_HIGH]] = t, t, order, 1.0, low, high
+    state[tb.WORK] = 1e6
+    stack = np.zeros((2 * tb.DEEPEST + 8, max(tb.POWERS + 1, c.SUM, tb.OBJECT)))
+    return bool(sum_within(claim._replace(knots=knots, arms=arms), own, -1.0, stack, state))
+
+
+def rounded(knots: FloatArray, h: float, order: int) -> float:
+    """(R5), for the first joint of two knots."""
+    x, v, a = (np.abs(knots[:, column]).sum() for column in (c.KNOT_Q, c.KNOT_QD, c.KNOT_QDD))
+    if order == 0:
+        return float(4.0 * tb.ULP * (x + h * v + h * h * a))
+    terms = 5.0 * abs(knots[1, c.KNOT_Q] - knots[0, c.KNOT_Q]) / h + 2.0 * v + 0.25 * h * a
+    return float(4.0 * tb.ULP * terms * (8.0 / h) ** (order - 1))
+
+
+@pytest.mark.parametrize("order", [0, 1, 2, 3])
+@pytest.mark.parametrize("h", [2e-5, 1e-3, 0.3])
+def test_bounds_at_an_instant_hold_without_rounding_and_are_near_that(order: int, h: float) -> None:
+    """What coefficients on a part of a piece may round by is taken off, and little more; where a piece begins no more
+    than those of the whole (R5)."""
+    claim, _, _ = prepared("demo")
+    rng, columns = np.random.default_rng(order), [0, c.KNOT_Q, c.KNOT_QD, c.KNOT_QDD]
+    for k in range(200):
+        at_begin, knots = k % 3 == 0, np.zeros((2, claim.knots.shape[1]))
+        size, begin = 10.0 ** rng.uniform(-3, 0.5), rng.choice([0.0, 1.0, 9_000.0])
+        a, b, j = rng.uniform(-1, 1, 3) * size
+        knots[0, columns] = begin, size, a, b
+        knots[1, columns] = begin + h, size + h * (a + h * (b / 2 + h * j / 6)), a + h * (b + h * j / 2), b + h * j
+        t = knots[0, 0] if at_begin else rng.uniform(knots[0, 0], np.nextafter(knots[1, 0], 0.0))
+        right = exact(knots, 0, t)[order]
+        value = float(right)
+        above = np.nextafter(value, np.inf) if Fraction(value) <= right else value
+        below = np.nextafter(value, -np.inf) if Fraction(value) >= right else value
+        assert not within(claim, knots, t, order, above, np.inf)
+        assert not within(claim, knots, t, order, -np.inf, below)
+        off = rounded(knots, knots[1, 0] - knots[0, 0], order) * (1.0 if at_begin else 1.0 + 3.0 * (5 - order))
+        off = 2.0 * off + 8.0 * tb.ULP * abs(value)
+        assert within(claim, knots, t, order, value - off, value + off)
 
 
 def jet_of(powers: FloatArray, a: float, b: float) -> Jet:
