@@ -68,7 +68,6 @@ class _Run:
 def plan(
     scene: Scene,
     *,
-    adaptive: bool = True,
     started: float | None = None,
     nearest_pairs: int = 0,
     watch: Watch | None = None,
@@ -84,15 +83,14 @@ def plan(
     costs about as much as the smallest clearance of all.
     `watch` is told how far the search has come, at each of its rounds; what it raises ends the planning.
     `laps` measures the stages `search`, with proof and check, `explain` (what would have helped) and `margins`.
-    `adaptive=False` samples without learning from what was refused (for experiments). Every plan was accepted by the
-    checker. What the prover accepts and the checker refuses is a fault of the planner: it is no answer, the census
-    counts it at the stage `checker`, and the sentence of a refusal begins with it.
+    Every plan was accepted by the checker. What the prover accepts and the checker refuses is a fault of the planner:
+    it is no answer, the census counts it at the stage `checker`, and the sentence of a refusal begins with it.
     """
     if started is None and not is_compiled():
         load_defined()  # to compile takes minutes, which are none of the budget
     run = _Run(time.perf_counter() if started is None else started, watch, laps or Stopwatch())
     prover = Prover(scene)
-    outcome = _outcome(scene, run, prover, adaptive=adaptive, pairs=nearest_pairs)
+    outcome = _outcome(scene, run, prover, pairs=nearest_pairs)
     if isinstance(outcome, NotPlanned):
         with run.tail(scene):
             told, late = _warnings(scene, prover, ())
@@ -120,7 +118,7 @@ def _warnings(scene: Scene, prover: Prover, arrivals: tuple[Arrival, ...]) -> tu
     return tuple(found), False
 
 
-def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: int) -> Outcome:
+def _outcome(scene: Scene, run: _Run, prover: Prover, *, pairs: int) -> Outcome:
     """A plan, or why there is none; without warnings."""
     try:
         with Deadline(run.started, scene.options.budget_s):
@@ -136,7 +134,7 @@ def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: 
     if never is not None:
         proof = shown(scene, prover, never)
         return _not_planned(scene, run, never, Counter().census(), proof=proof, cut=False)
-    found = _search_of(scene)(scene, prover, run.started, adaptive=adaptive, watch=run.watch).run()
+    found = _search_of(scene)(scene, prover, run.started, watch=run.watch).run()
     run.laps.lap("search")
     if found.plan is None:
         with run.tail(scene):

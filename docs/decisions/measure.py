@@ -163,7 +163,7 @@ def scores(limit: int) -> None:
             ways = options(scene, chain, met)[:MOST_OPTIONS]
             if not ways:
                 continue
-            population = Population(scene, chain, ways, CoarseScore(prover, chain, ways), rng, adaptive=False)
+            population = Population(scene, chain, ways, CoarseScore(prover, chain, ways), rng)
             rows = population.freedom.drawn(rng, DRAWN, population.shares)
             began = time.perf_counter()
             bad, _ = population.score(rows, rng)

@@ -24,7 +24,7 @@ from assur.planner.model.refusal import AccelerationTime, Reason, Refusal
 from assur.planner.search.beam import Search
 from assur.planner.search.candidates import LEAST_RISE_M, Sampler
 from assur.planner.search.meeting_options import preference
-from assur.planner.search.partial_plan import Candidate, Extension, Option, PartialPlan, TimedCandidate
+from assur.planner.search.partial_plan import Candidate, Extension, Option, PartialPlan, TimedMotion
 from assur.planner.search.rough_score import CoarseScore
 from assur.planner.search.tuning import ANY_OPTION, ARCHED, ELITE, MOST_OPTIONS
 from assur.planner.search.via_batch import free_vias
@@ -81,7 +81,7 @@ class RunSampler(Sampler):
         run = cast("Run", candidate)
         if bad > 0 and not any(run.frees) and run.stations not in self.blocked:
             self.blocked.append(run.stations)
-        if self.adaptive and end < math.inf:
+        if end < math.inf:
             self.best = sorted([*self.best, (bad, run)], key=lambda pair: pair[0])[:ELITE]
 
     def _legs(self, way: Way) -> list[tuple[FloatArray, FloatArray]]:
@@ -102,7 +102,7 @@ class RunSampler(Sampler):
 
     def _random(self) -> Run:
         rng = self.rng
-        if self.adaptive and self.best and rng.random() < VARIED:
+        if self.best and rng.random() < VARIED:
             return self._varied_run()
         ways, frees = self.blocked or self.ways, []
         way = ways[min(len(ways), int(rng.geometric(ANY_OPTION))) - 1]
@@ -150,11 +150,9 @@ class BlendSearch(Search):
             if not choices[-1] or not self.scene.task[step].via:
                 break
         score = bound(CoarseScore, self.prover, partial, choices[-1])
-        return RunSampler(self.scene, partial, choices[-1], self.rng, score, self.adaptive, choices=tuple(choices))
+        return RunSampler(self.scene, partial, choices[-1], self.rng, score, choices=tuple(choices))
 
-    def _in_order(
-        self, partial: PartialPlan, sampler: Sampler, batch: list[Candidate]
-    ) -> Iterator[TimedCandidate | Extension]:
+    def _in_order(self, partial: PartialPlan, sampler: Sampler, batch: list[Candidate]) -> Iterator[TimedMotion]:
         """The motions of a batch, the quickest first."""
         made, refusals = list[Extension](), list[Refusal]()
         for run in batch:

@@ -34,6 +34,7 @@ from assur.planner.kernels.solids import (
     REQUIRED,
     SECOND,
     SET,
+    Units,
     place,
 )
 from assur.planner.kernels.uncertainty import (
@@ -127,12 +128,13 @@ class Arrangement:
         """(3,) where the centre of a unit is in the axes of its shape."""
         return np.asarray(self.bodies.offset[unit])
 
-    def placed(self, carriers: FloatArray, units: Iterable[int]) -> FloatArray:
-        """(1, U, POSE_COLUMNS) centre and axes in the world of `units`, with their carriers (K, 12) where they are."""
+    def placed(self, carriers: FloatArray, units: Iterable[int]) -> Units:
+        """Rows, vertices, and (1, U, POSE_COLUMNS) centre and axes in the world of `units`, with their carriers (K, 12)
+        where they are."""
         placed = np.empty((1, len(self.rows), POSE_COLUMNS))
         for unit in units:
             place(self.rows, unit, carriers, placed, 0)
-        return placed
+        return self.rows, self.bodies.vertices, placed
 
 
 class Bodies:

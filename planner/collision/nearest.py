@@ -199,8 +199,7 @@ class Simplex(NamedTuple):
 def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int, enough_m: float = ENOUGH_M) -> Simplex:
     """That of units a and b, which are pieces, with their carriers (K, 12) where they are, when the distance is known
     to `enough_m`."""
-    rows, vertices = arrangement.rows, arrangement.bodies.vertices
-    placed = arrangement.placed(carriers, (a, b))
+    rows, _, placed = units = arrangement.placed(carriers, (a, b))
     axes = np.concatenate([placed[0, unit, 3:12].reshape(3, 3) for unit in (a, b)], axis=1)
     turn = TURNS[np.argmax(np.abs(TURNS @ axes).min(axis=1))]
     balls, work = float(rows[a, BALL] + rows[b, BALL]), np.empty((3, 4))
@@ -214,8 +213,8 @@ def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int, enou
         way /= np.linalg.norm(way)
         point = np.zeros((1, 3))
         x, y, z = way.tolist()
-        add_farthest(rows, vertices, placed, 0, b, -x, -y, -z, 1.0, point, 0)
-        add_farthest(rows, vertices, placed, 0, a, x, y, z, -1.0, point, 0)
+        add_farthest(units, 0, b, (-x, -y, -z), 1.0, point, 0)
+        add_farthest(units, 0, a, (x, y, z), -1.0, point, 0)
         point[0] -= balls * way
         # no direction brings the pieces nearer than this, and the point is none that is known
         if count and (length - float(way @ point[0]) <= enough_m or (points[:count] == point[0]).all(axis=1).any()):

@@ -11,7 +11,7 @@ from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.collision.bodies import Arrangement, Bodies, Pairs, PairTables
 from assur.planner.collision.fcl_door import Collider, Posed
 from assur.planner.collision.rows import Rows, Unproved
-from assur.planner.kernels.carriers import place_carriers
+from assur.planner.kernels.carriers import Carried, place_carriers
 from assur.planner.kernels.intervals import (
     DONE,
     FOUND,
@@ -41,13 +41,14 @@ from assur.planner.kernels.proof import (
     T0,
     T1,
     UNIT,
+    Planes,
     behind,
     drop_spare,
     not_behind,
 )
 from assur.planner.kernels.screening import HIT_COLUMNS, HIT_GAP, HITS, depths, sampled_behind
 from assur.planner.kernels.solids import EARLY, FIRST, LATE, PAIR_COLUMNS, REQUIRED, SECOND, SET
-from assur.planner.kernels.spline import spline_state
+from assur.planner.kernels.spline import Spline, spline_state
 from assur.planner.kernels.uncertainty import SET_COLUMNS, Doubt, growing_for
 from assur.planner.kernels.walk import PROVE, SCREEN, walk
 from assur.planner.laws import law_tables
@@ -57,7 +58,7 @@ from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import Rule
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
-from assur.planner.trajectory.spline import Spline, spline_table
+from assur.planner.trajectory.spline import spline_table
 
 MOST_ROWS = 200_000
 """A phase that needs more rows than this is not certified: it would be neither quick nor small."""
@@ -149,8 +150,7 @@ class Prover:
         self.arrangement = Bodies(scene)
         self.pairs = PairTables(scene, self.arrangement)
         self.laws, self.side = law_tables([frame.law for frame in scene.frames.values()])
-        self.carried_by = scene.robot.row, self.laws, self.side
-        """What says where the carriers are: robot, laws of frames and their side table."""
+        self.carried_by: Carried = scene.robot.row, self.laws, self.side
         self.collider = Collider()
         none = np.zeros(len(scene.robot.joints))
         self.exact: Doubt = (np.zeros((0, SET_COLUMNS)), none, np.array([scene.start.time, 0.0, 0.0, 0.0]))
@@ -186,7 +186,7 @@ class Prover:
 
     def motion(self, spline: Spline) -> Motion:
         """What moves the carriers, as kernels read it."""
-        return (*self.carried_by, spline.tk, spline.c, spline.whole)
+        return self.carried_by, spline
 
     def prove(self, phase: Phase, trajectory: Trajectory) -> Rows | Unproved:
         """Rows that cover every asked pair over the whole phase, or the first pair that resists."""
@@ -273,11 +273,12 @@ class Prover:
         """Those of `rows` (P, PAIR_COLUMNS) of a phase that no plane of `least` keeps as far apart as is required;
         `used` (R, 6) becomes 1 for planes that are needed for the others."""
         left, used = np.empty_like(rows), np.zeros_like(least) if used is None else used
+        return left[: not_behind(self._beyond(phase, pairs, least), rows, used, left)]
+
+    def _beyond(self, phase: Phase, pairs: Pairs, least: FloatArray) -> Planes:
+        """The planes of `least` in a phase, as kernels read them."""
         arrangement, lasts = self.of(phase), growing_for(pairs.doubt[2], phase.t1)
-        many = not_behind(
-            arrangement.boxes, rows, pairs.number(arrangement), least, pairs.doubt[0], lasts, used, left
-        )  # fmt: skip
-        return left[:many]
+        return arrangement.boxes, pairs.number(arrangement), least, pairs.doubt[0], lasts
 
     def _planes(self, phase: Phase, spline: Spline, pairs: Pairs) -> tuple[FloatArray, FloatArray]:
         """Rows of single units of the robot, and the pairs that they do not keep apart."""
@@ -287,8 +288,7 @@ class Prover:
         least = self.behind(phase, spline, pairs, edges)
         used = np.zeros_like(least)
         left = self.not_behind(phase, pairs, pairs.rows, least, used)
-        arrangement, lasts = self.of(phase), growing_for(pairs.doubt[2], phase.t1)
-        drop_spare(arrangement.boxes, pairs.rows, pairs.number(arrangement), least, pairs.doubt[0], lasts, used)
+        drop_spare(self._beyond(phase, pairs, least), pairs.rows, used)
         # what does not move needs no parts
         ends = edges[[0, -1]]
         whole: BoolArray = np.all(self.behind(phase, spline, pairs, ends) >= least, axis=1)
@@ -325,18 +325,18 @@ class Prover:
         if pairs.many:
             least = np.empty((len(pairs.mine), SIDES))
             flat = q.reshape(-1, q.shape[-1]), t.reshape(-1)
-            sampled_behind(*self.carried_by, *flat, arrangement.cell, pairs.mine, least)
+            sampled_behind(self.carried_by, *flat, arrangement.cell, pairs.mine, least)
             asked = self.not_behind(phase, pairs, pairs.rows, least)
         depths(
-            *self.carried_by, self.scene.robot.limits.table, q, t, arrangement.cell, asked, pairs.doubt[0],
+            self.carried_by, self.scene.robot.limits.table, q, t, arrangement.cell, asked, pairs.doubt[0],
             growing_for(pairs.doubt[2], phase.t1), deepest, most, found,
         )  # fmt: skip
         return found
 
     def touch(self, arrangement: Arrangement, spline: Spline, t: float, a: int, b: int, ahead: float = 0.0) -> bool:
         """Whether units a and b touch at time t of a motion, by FCL, the second being `ahead` s of the clock."""
-        q = np.empty(spline.c.shape[1])
-        spline_state(spline.tk, spline.c, t, q)
+        q = np.empty(spline[1].shape[1])
+        spline_state(spline, t, q)
         return self.touching(arrangement, q, t, a, b, ahead)
 
     def touching(self, arrangement: Arrangement, q: FloatArray, t: float, a: int, b: int, ahead: float = 0.0) -> bool:
@@ -353,12 +353,12 @@ class Prover:
     def carriers(self, q: FloatArray, t: float) -> FloatArray:
         """Where links and frames are at time t with joints q: (K, 12), position and rotation, row by row."""
         found = np.empty((len(self.scene.robot.links) + len(self.laws), POSE_COLUMNS))
-        place_carriers(*self.carried_by, np.array(q), t, found)
+        place_carriers(self.carried_by, np.array(q), t, found)
         return found
 
     def posed(self, arrangement: Arrangement, q: FloatArray, t: float, units: IntArray) -> list[Posed]:
         """The shapes of units (N,), which are pieces, where they are at time t with joints q."""
-        placed, names = arrangement.placed(self.carriers(q, t), units), arrangement.names
+        (_, _, placed), names = arrangement.placed(self.carriers(q, t), units), arrangement.names
         axes = placed[0, :, 3:].reshape(-1, 3, 3)
         return [
             Posed(

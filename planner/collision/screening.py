@@ -20,13 +20,12 @@ from assur.planner.collision.rows import Unproved
 from assur.planner.kernels.intervals import DONE, HIT, RESERVE_M, RESISTED
 from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_GAP, HIT_NEED, HIT_S, HIT_T
 from assur.planner.kernels.solids import FIRST, REQUIRED, SECOND
-from assur.planner.kernels.spline import spline_state
+from assur.planner.kernels.spline import Spline, spline_state
 from assur.planner.kernels.walk import SCREEN
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Separation, Stage
 from assur.planner.trajectory import Trajectory
-from assur.planner.trajectory.spline import Spline
 
 EXACT_M = 1e-6
 """Gaps that differ by no more are one, m: GJK is near enough by then."""
@@ -106,8 +105,8 @@ def _refused(prover: Prover, phase: Phase, spline: Spline, hits: FloatArray) -> 
         if other not in deepest or row[HIT_GAP] < deepest[other][HIT_GAP]:
             deepest[other] = row
     order = sorted(deepest.values(), key=itemgetter(HIT_GAP))[:MOST_BODIES]
-    q = np.empty(spline.c.shape[1])
-    spline_state(spline.tk, spline.c, order[0][HIT_T], q)
+    q = np.empty(spline[1].shape[1])
+    spline_state(spline, order[0][HIT_T], q)
     return Screened(tuple(_encounter(prover, phase, row, q) for row in order))
 
 

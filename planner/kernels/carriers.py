@@ -16,55 +16,53 @@ from assur.planner.compiled import kernel
 from assur.planner.kernels.jets import BALL, CUBE, Ball, sweep_links
 from assur.planner.kernels.laws import place_frame, sweep_frame
 from assur.planner.kernels.links import LINKS, place_links
-from assur.planner.kernels.solids import CARRIER, CENTRE, DISC, HALF, NORMAL, ROTATION, TABLE
+from assur.planner.kernels.solids import CARRIER, CENTRE, DISC, HALF, NORMAL, ROTATION, ROW, TABLE, Normal
 
+CARRIED = f"Tuple(({ROW}, {TABLE}, {TABLE}))"
+"""Type of `robot`, `laws` and `side`, all that moves the carriers, in the signatures of kernels."""
+Carried = tuple[FloatArray, FloatArray, FloatArray]
+"""The same in Python."""
 ON_AXIS = 1e-12
 """A disc whose axis is off that of its carrier by no more counts as one about that axis (no unit)."""
 
 
-@kernel("void(float64[::1], float64[:, ::1], float64[:, ::1], float64[::1], float64, float64[:, ::1])")
-def place_carriers(
-    robot: FloatArray, laws: FloatArray, pieces: FloatArray, q: FloatArray, t: float, placed: FloatArray
-) -> None:
+@kernel(f"void({CARRIED}, {ROW}, float64, {TABLE})")
+def place_carriers(carried: Carried, q: FloatArray, t: float, placed: FloatArray) -> None:
     """Fills `placed` (L + F, 12) for joints `q` (n,) and time t: position, m, and rotation matrix, row by row.
 
     NaN for a frame whose law is not known at t, and for links that do not assemble.
     """
+    robot, laws, side = carried
     place_links(robot, q, placed)
     links = int(robot[LINKS])
     for f in range(len(laws)):
-        place_frame(laws[f], pieces, t, placed, links + f)
+        place_frame(laws[f], side, t, placed, links + f)
 
 
-@kernel(f"void(float64[::1], {TABLE}, {TABLE}, float64, float64, {TABLE}, {CUBE}, {CUBE})")
+@kernel(f"void({CARRIED}, float64, float64, {TABLE}, {CUBE}, {CUBE})")
 def sweep_carriers(
-    robot: FloatArray,
-    laws: FloatArray,
-    pieces: FloatArray,
-    t0: float,
-    t1: float,
-    joints: FloatArray,
-    turns: FloatArray,
-    jets: FloatArray,
+    carried: Carried, t0: float, t1: float, joints: FloatArray, turns: FloatArray, jets: FloatArray
 ) -> None:
     """Fills `jets` (L + F, JETS, JET_COLUMNS) for the closed interval [t0, t1], from those of the joints over it.
 
     `turns` (A, 2, JET_COLUMNS) is room to work in.
     """
+    robot, laws, side = carried
     sweep_links(robot, joints, turns, jets)
     links = int(robot[LINKS])
     for f in range(len(laws)):
-        sweep_frame(laws[f], pieces, t0, t1, jets, links + f)
+        sweep_frame(laws[f], side, t0, t1, jets, links + f)
 
 
 @kernel(f"{BALL}({TABLE}, {CUBE}, int64, int64, {NORMAL})")
-def derivative(bodies: FloatArray, jets: FloatArray, i: int, order: int, nx: float, ny: float, nz: float) -> Ball:
+def derivative(bodies: FloatArray, jets: FloatArray, i: int, order: int, normal: Normal) -> Ball:
     """What the derivative of that order (1 or 2) of n·x may be over an interval, for all points x of unit i (K43).
 
     A hull counts as the box around it. What keeps its shape adds nothing: a ball, and a disc about the axis of its
     carrier while that axis keeps its direction. The radius is infinite where nothing is known.
     """
     at, o, r = jets[int(bodies[i, CARRIER])], 2 * order, 2 * order + 1
+    nx, ny, nz = normal
     ax, ay, az = abs(nx), abs(ny), abs(nz)
     u, v, w = (
         nx * at[3, o] + ny * at[4, o] + nz * at[5, o],

@@ -13,14 +13,16 @@ from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
 from assur.planner.kernels.solids import (
     BALL,
-    CUBE,
     DISC,
     HALF,
     NORMAL,
     ROW,
     TABLE,
+    UNITS,
     VERTEX,
     VERTICES,
+    Normal,
+    Units,
     gap,
     own_axes,
 )
@@ -38,22 +40,11 @@ FLAT = 1e-18
 """A tetrahedron of six times this volume or less has no inside, m³."""
 
 
-@kernel(f"void({TABLE}, {TABLE}, {CUBE}, int64, int64, {NORMAL}, float64, {TABLE}, int64)")
-def add_farthest(
-    bodies: FloatArray,
-    vertices: FloatArray,
-    placed: FloatArray,
-    m: int,
-    i: int,
-    nx: float,
-    ny: float,
-    nz: float,
-    sign: float,
-    points: FloatArray,
-    k: int,
-) -> None:
+@kernel(f"void({UNITS}, int64, int64, {NORMAL}, float64, {TABLE}, int64)")
+def add_farthest(units: Units, m: int, i: int, normal: Normal, sign: float, points: FloatArray, k: int) -> None:
     """Adds `sign` times the point of unit i, without its ball, that is farthest along n to row k of `points`."""
-    ux, uy, uz = own_axes(placed, m, i, nx, ny, nz)
+    bodies, vertices, placed = units
+    ux, uy, uz = own_axes(placed, m, i, normal)
     count = int(bodies[i, VERTICES])
     if count == 0:
         px = bodies[i, HALF] if ux >= 0.0 else -bodies[i, HALF]
@@ -180,13 +171,11 @@ def nearest_to_origin(points: FloatArray, count: int, work: FloatArray) -> bool:
 
 
 @kernel(
-    f"UniTuple(float64, 5)({TABLE}, {TABLE}, {CUBE}, int64, int64, int64, float64, {TABLE}, int64, float64, {TABLE},"
+    f"Tuple((float64, {NORMAL}, float64))({UNITS}, int64, int64, int64, float64, {TABLE}, int64, float64, {TABLE},"
     f" {TABLE})"
 )
 def separate(
-    bodies: FloatArray,
-    vertices: FloatArray,
-    placed: FloatArray,
+    units: Units,
     m: int,
     a: int,
     b: int,
@@ -196,17 +185,18 @@ def separate(
     lasts: float,
     points: FloatArray,
     work: FloatArray,
-) -> tuple[float, float, float, float, float]:
+) -> tuple[float, Normal, float]:
     """The gap of two units along the best normal found, that normal, and a length that their distance is not above.
 
     Ends once the gap exceeds `enough`. Where the units meet, the last is 0 and no normal need be of use; where nothing
     is known, the gap is −inf or NaN. With a set number k of `sets` (-1: none) the second unit counts as enlarged by it
     while the normal is looked for. `points` (4, 3) and `work` (3, 4) are room to work in.
     """
+    bodies, _, placed = units
     balls = bodies[a, BALL] + bodies[b, BALL]
     vx, vy = placed[m, b, 0] - placed[m, a, 0], placed[m, b, 1] - placed[m, a, 1]
     vz = placed[m, b, 2] - placed[m, a, 2]
-    best, bx, by, bz, above = -math.inf, 0.0, 0.0, 1.0, math.inf
+    best, normal, above = -math.inf, (0.0, 0.0, 1.0), math.inf
     count, first = 0, True
     for _ in range(ITERATIONS):
         length = math.sqrt(vx * vx + vy * vy + vz * vz)
@@ -216,12 +206,12 @@ def separate(
         nx, ny, nz = vx / length, vy / length, vz / length
         for j in range(3):
             points[count, j] = 0.0
-        add_farthest(bodies, vertices, placed, m, b, -nx, -ny, -nz, 1.0, points, count)
-        add_farthest(bodies, vertices, placed, m, a, nx, ny, nz, -1.0, points, count)
-        add_spread(sets, k, lasts, nx, ny, nz, -1.0, points, count)
+        add_farthest(units, m, b, (-nx, -ny, -nz), 1.0, points, count)
+        add_farthest(units, m, a, (nx, ny, nz), -1.0, points, count)
+        add_spread(sets, k, lasts, (nx, ny, nz), -1.0, points, count)
         along = nx * points[count, 0] + ny * points[count, 1] + nz * points[count, 2]
         if along > best:
-            best, bx, by, bz = along, nx, ny, nz
+            best, normal = along, (nx, ny, nz)
             if best - balls > enough:
                 break
         if not first:
@@ -256,4 +246,4 @@ def separate(
         if count == 4:
             break
     # what is claimed is the gap along the normal as it was rounded
-    return gap(bodies, vertices, placed, m, a, b, bx, by, bz), bx, by, bz, above
+    return gap(units, m, a, b, normal), normal, above

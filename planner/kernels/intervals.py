@@ -10,14 +10,17 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+import numpy as np
+
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.compiled import kernel
-from assur.planner.kernels.carriers import derivative, place_carriers, sweep_carriers
-from assur.planner.kernels.jets import Ball
+from assur.planner.kernels.carriers import CARRIED, Carried, derivative, place_carriers, sweep_carriers
+from assur.planner.kernels.jets import JET_COLUMNS, JETS, Ball
+from assur.planner.kernels.links import ANGLE_COUNT, LINKS, POSE_COLUMNS
 from assur.planner.kernels.solids import (
     CARRIER,
+    CELL,
     CUBE,
-    MOTION,
     NORMAL,
     NUMBERS,
     OPENED,
@@ -25,14 +28,18 @@ from assur.planner.kernels.solids import (
     RADIUS,
     ROW,
     TABLE,
+    UNITS,
+    Normal,
+    Units,
     place,
 )
-from assur.planner.kernels.spline import spline_state, sweep_joints
+from assur.planner.kernels.spline import SPLINE, Spline, spline_state, sweep_joints
 
 Cell: TypeAlias = tuple[FloatArray, FloatArray, IntArray]
 """`bodies`, `vertices`, `still`."""
-Motion: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
-"""`robot`, `laws`, `side`, `tk`, `c`, `whole`."""
+MOTION = f"Tuple(({CARRIED}, {SPLINE}))"
+Motion: TypeAlias = tuple[Carried, Spline]
+"""What moves the carriers, and how the joints move."""
 
 ITEM_FROM, ITEM_TO, ITEM_COLUMNS = 6, 7, 8
 """Columns of an item: the least and the greatest shift, s, and how many there are; its normal is from 3 on."""
@@ -51,42 +58,49 @@ KEPT_STILL = 1 << 60
 """Number of the interval for which a unit that stands still was placed: it is placed once."""
 
 
-@kernel(f"void({MOTION}, float64, float64, {ROW}, {TABLE}, {CUBE}, {CUBE}, {CUBE})")
-def survey(
-    motion: Motion,
-    t0: float,
-    t1: float,
-    q: FloatArray,
-    joints: FloatArray,
-    turns: FloatArray,
-    carriers: FloatArray,
-    jets: FloatArray,
-) -> None:
-    """Fills `carriers` (3, K, 12) at both ends and in the middle of [t0, t1], and `joints` (n, JET_COLUMNS) and `jets`
-    (K, JETS, JET_COLUMNS) over it.
+ROOM = f"Tuple(({ROW}, {TABLE}, {CUBE}, {TABLE}, {CUBE}))"
+Room: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+"""Room to work in for one interval after the other: joints `q` (n,) and their jets `joints` (n, JET_COLUMNS), cosines
+and sines of the angles (A, 2, JET_COLUMNS); of joints that lag the jets (n, JET_COLUMNS), and of their links (L, JETS,
+JET_COLUMNS)."""
 
-    `q` (n,) and `turns` (A, 2, JET_COLUMNS) are room to work in.
-    """
-    robot, laws, side, tk, c, whole = motion
+
+@kernel(f"{ROOM}({MOTION})", allocates=True)
+def room_for(motion: Motion) -> Room:
+    """Room to work in for a motion."""
+    (robot, _, _), (_, c, _) = motion
+    n, angles, links = c.shape[1], int(robot[ANGLE_COUNT]), int(robot[LINKS])
+    joints, lagging = np.empty((n, JET_COLUMNS)), np.empty((n, JET_COLUMNS))
+    turns, lagged = np.empty((angles, 2, JET_COLUMNS)), np.zeros((links, JETS, JET_COLUMNS))
+    return np.empty(n), joints, turns, lagging, lagged
+
+
+@kernel(f"Tuple(({CUBE}, {UNITS}))({CELL}, int64)", allocates=True)
+def places_for(cell: Cell, moments: int) -> tuple[FloatArray, Units]:
+    """Carriers and units of a cell, still to be placed, at so many instants."""
+    bodies, vertices, still = cell
+    carriers, placed = np.empty((moments, len(still), POSE_COLUMNS)), np.empty((moments, len(bodies), POSE_COLUMNS))
+    return carriers, (bodies, vertices, placed)
+
+
+@kernel(f"void({MOTION}, float64, float64, {ROOM}, {CUBE}, {CUBE})")
+def survey(motion: Motion, t0: float, t1: float, room: Room, carriers: FloatArray, jets: FloatArray) -> None:
+    """Fills `carriers` (3, K, 12) at both ends and in the middle of [t0, t1], and over it `jets` (K, JETS, JET_COLUMNS)
+    and those of the joints in `room`."""
+    carried, spline = motion
+    q, joints, turns, _, _ = room
     for moment in range(3):
         t = t0 if moment == 0 else (0.5 * (t0 + t1) if moment == 1 else t1)
-        spline_state(tk, c, t, q)
-        place_carriers(robot, laws, side, q, t, carriers[moment])
-    sweep_joints(tk, c, whole, t0, t1, joints)
-    sweep_carriers(robot, laws, side, t0, t1, joints, turns, jets)
+        spline_state(spline, t, q)
+        place_carriers(carried, q, t, carriers[moment])
+    sweep_joints(spline, t0, t1, joints)
+    sweep_carriers(carried, t0, t1, joints, turns, jets)
 
 
-@kernel(f"void({TABLE}, int64, {CUBE}, {CUBE}, {NUMBERS}, int64, {NUMBERS})")
-def fetch(
-    bodies: FloatArray,
-    i: int,
-    carriers: FloatArray,
-    placed: FloatArray,
-    stamp: IntArray,
-    number: int,
-    still: IntArray,
-) -> None:
+@kernel(f"void({UNITS}, int64, {CUBE}, {NUMBERS}, int64, {NUMBERS})")
+def fetch(units: Units, i: int, carriers: FloatArray, stamp: IntArray, number: int, still: IntArray) -> None:
     """Places unit i at the instants of `carriers` of interval number `number`, unless it has been."""
+    bodies, _, placed = units
     if stamp[i] < number:
         for moment in range(len(carriers)):
             place(bodies, i, carriers[moment], placed, moment)
@@ -101,31 +115,32 @@ def least_between(g0: float, g1: float, bend: float, h: float) -> float:
 
 
 @kernel(f"UniTuple(float64, 2)({TABLE}, {CUBE}, {CUBE}, int64, int64, {NORMAL})")
-def gap_bend(
-    bodies: FloatArray, jets: FloatArray, ahead: FloatArray, a: int, b: int, nx: float, ny: float, nz: float
-) -> Ball:
+def gap_bend(bodies: FloatArray, jets: FloatArray, ahead: FloatArray, a: int, b: int, normal: Normal) -> Ball:
     """Upper bounds of the second derivative of the gap of units a and b along n, and of what unit b adds to it, from
     the jets of their carriers: those of b's in `ahead`."""
-    one, other = derivative(bodies, jets, a, 2, nx, ny, nz), derivative(bodies, ahead, b, 2, nx, ny, nz)
+    one, other = derivative(bodies, jets, a, 2, normal), derivative(bodies, ahead, b, 2, normal)
     added = other[0] + other[1]
     return added - one[0] + one[1], added
 
 
 @kernel(f"float64({TABLE}, {CUBE}, int64, int64, {NORMAL}, float64, float64, float64)")
 def least_gap(
-    bodies: FloatArray,
-    jets: FloatArray,
-    a: int,
-    b: int,
-    nx: float,
-    ny: float,
-    nz: float,
-    g0: float,
-    g1: float,
-    h: float,
+    bodies: FloatArray, jets: FloatArray, a: int, b: int, normal: Normal, g0: float, g1: float, h: float
 ) -> float:
     """A lower bound of the gap of units a and b along n over an interval of length h, from those at its ends."""
-    return float(least_between(g0, g1, gap_bend(bodies, jets, jets, a, b, nx, ny, nz)[0], h))
+    return float(least_between(g0, g1, gap_bend(bodies, jets, jets, a, b, normal)[0], h))
+
+
+@kernel(f"{NORMAL}({TABLE}, int64)")
+def normal_of(items: FloatArray, i: int) -> Normal:
+    """The normal of item i."""
+    return items[i, 3], items[i, 4], items[i, 5]
+
+
+@kernel(f"void({TABLE}, int64, {NORMAL})")
+def keep_normal(items: FloatArray, i: int, normal: Normal) -> None:
+    """Writes the normal of item i."""
+    items[i, 3], items[i, 4], items[i, 5] = normal
 
 
 @kernel(f"boolean({TABLE}, int64, int64)")

@@ -18,7 +18,7 @@ from assur.planner.kernels import law_columns as c
 from assur.planner.kernels.dyads import fill_rows
 from assur.planner.kernels.jets import ACCELERATION, CUBE, JET_COLUMNS, RATE, put_yaw, sweep_links, turned, unknown
 from assur.planner.kernels.links import ANGLE_COUNT, JOINTS, LINKS, POSE_COLUMNS, SIZE, place_links, put_upright
-from assur.planner.kernels.spline import spline_state, sweep_joints
+from assur.planner.kernels.spline import SPLINE, Spline, spline_state, sweep_joints
 
 CYCLE_ROUNDING = 4.0 * 2.0**-52
 """Intervals are widened by this part of the times that they were reduced from, and of the period: the rounding of t
@@ -161,29 +161,31 @@ def coordinate_rates(
     return low, high, low_d, high_d
 
 
-@kernel("UniTuple(int64, 6)(float64[::1], float64[:, ::1])")
-def trajectory_of(law: FloatArray, pieces: FloatArray) -> tuple[int, int, int, int, int, int]:
-    """Where in the side table, read as one run of numbers, the parts of a link begin, and their sizes.
-
-    Robot row, times of the knots (P + 1), coefficients (P, n, 6), `whole` of `piece_bounds` (P + 1, 9 n); then P and n.
+@kernel(f"Tuple((float64[::1], {SPLINE}))(float64[::1], float64[:, ::1])", allocates=True)
+def trajectory_of(law: FloatArray, pieces: FloatArray) -> tuple[FloatArray, Spline]:
+    """The row of the neighbour and its spline, which follow each other in the side table, read as one run of numbers:
+    robot row, times of the knots (P + 1), coefficients (P, n, 6), `whole` of `piece_bounds` (P + 1, 9 n).
     """
     robot = int(law[c.BEGIN]) * pieces.shape[1]
     count, n = int(law[c.COUNT]), int(pieces[int(law[c.BEGIN]), JOINTS])
     times = robot + int(pieces[int(law[c.BEGIN]), SIZE])
     coefficients = times + count + 1
-    return robot, times, coefficients, coefficients + count * n * 6, count, n
+    whole = coefficients + count * n * 6
+    run = pieces.reshape(pieces.size)
+    return run[robot:times], (
+        run[times:coefficients], run[coefficients:whole].reshape((count, n, 6)),
+        run[whole : whole + (count + 1) * 9 * n].reshape((count + 1, 9 * n)),
+    )  # fmt: skip
 
 
 @kernel("void(float64[::1], float64[:, ::1], float64, float64[:, ::1], int64)", allocates=True)
 def _place_link(law: FloatArray, pieces: FloatArray, t: float, placed: FloatArray, k: int) -> None:
     """F6: the link where the neighbour's spline has it."""
-    robot, times, coefficients, whole, count, n = trajectory_of(law, pieces)
-    run = pieces.reshape(pieces.size)
-    row = run[robot:times]
-    links = int(row[LINKS])
+    row, spline = trajectory_of(law, pieces)
+    n, links = spline[1].shape[1], int(row[LINKS])
     scratch = np.empty(n + links * POSE_COLUMNS)
     q, found = scratch[:n], scratch[n:].reshape((links, POSE_COLUMNS))
-    spline_state(run[times:coefficients], run[coefficients:whole].reshape((count, n, 6)), t, q)
+    spline_state(spline, t, q)
     place_links(row, q, found)
     link = int(law[c.LINK])
     for i in range(POSE_COLUMNS):
@@ -229,19 +231,10 @@ def place_frame(law: FloatArray, pieces: FloatArray, t: float, placed: FloatArra
 @kernel(f"void(float64[::1], float64[:, ::1], float64, float64, {CUBE}, int64)", allocates=True)
 def _sweep_link(law: FloatArray, pieces: FloatArray, t0: float, t1: float, jets: FloatArray, k: int) -> None:
     """F6: what is known of the link of that arm holds for the frame, which is the link's."""
-    robot, times, coefficients, whole, count, n = trajectory_of(law, pieces)
-    run = pieces.reshape(pieces.size)
-    row = run[robot:times]
-    joints, turns = np.empty((n, JET_COLUMNS)), np.empty((int(row[ANGLE_COUNT]), 2, JET_COLUMNS))
+    row, spline = trajectory_of(law, pieces)
+    joints, turns = np.empty((spline[1].shape[1], JET_COLUMNS)), np.empty((int(row[ANGLE_COUNT]), 2, JET_COLUMNS))
     found = np.zeros((int(row[LINKS]), jets.shape[1], JET_COLUMNS))
-    sweep_joints(
-        run[times:coefficients],
-        run[coefficients:whole].reshape((count, n, 6)),
-        run[whole : whole + (count + 1) * 9 * n].reshape((count + 1, 9 * n)),
-        t0,
-        t1,
-        joints,
-    )
+    sweep_joints(spline, t0, t1, joints)
     sweep_links(row, joints, turns, found)
     link = int(law[c.LINK])
     for i in range(jets.shape[1]):

@@ -11,13 +11,12 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
 from assur.planner.kernels.dyads import RRR_COLUMNS, WORK_ROWS
-from assur.planner.kernels.intervals import Motion
 from assur.planner.kernels.inverse import LOOP, POSTURE_COLUMNS, posture
 from assur.planner.kernels.jets import JET_COLUMNS
 from assur.planner.kernels.links import LINKS, PARALLEL_LEAST, assembled
 from assur.planner.kernels.motion import COORDINATES, ORDERS, link_motion
-from assur.planner.kernels.solids import CUBE, MOTION, ROW, TABLE
-from assur.planner.kernels.spline import piece_at, piece_motion, piece_state, spline_state, sweep_joints
+from assur.planner.kernels.solids import CUBE, ROW, TABLE
+from assur.planner.kernels.spline import SPLINE, Spline, piece_at, piece_motion, piece_state, spline_state, sweep_joints
 from assur.planner.kernels.uncertainty import (
     DOUBT,
     SHIFT,
@@ -33,11 +32,11 @@ STACK = 64
 """Intervals on the stack at a time: one for each halving, and no motion is halved so often."""
 
 
-@kernel(f"UniTuple(float64, 2)({ROW}, {ROW}, {CUBE}, {TABLE})", allocates=True)
-def first_lost(robot: FloatArray, tk: FloatArray, c: FloatArray, whole: FloatArray) -> tuple[float, float]:
+@kernel(f"UniTuple(float64, 2)({ROW}, {SPLINE})", allocates=True)
+def first_lost(robot: FloatArray, spline: Spline) -> tuple[float, float]:
     """When the robot is first not proved to stay assembled with its least parallel margin, and its margin then, NaN
     where it does not assemble; an infinite time: it stays assembled."""
-    n = c.shape[1]
+    tk, n = spline[0], spline[1].shape[1]
     lower, upper, q, joints = np.empty(n), np.empty(n), np.empty(n), np.empty((n, JET_COLUMNS))
     out, work = np.empty(POSTURE_COLUMNS), np.empty((WORK_ROWS, RRR_COLUMNS))
     stack, top = np.empty((STACK, 2)), 1
@@ -45,13 +44,13 @@ def first_lost(robot: FloatArray, tk: FloatArray, c: FloatArray, whole: FloatArr
     while top > 0:
         top -= 1
         t0, t1 = stack[top, 0], stack[top, 1]
-        sweep_joints(tk, c, whole, t0, t1, joints)
+        sweep_joints(spline, t0, t1, joints)
         for j in range(n):
             lower[j], upper[j] = joints[j, 0] - joints[j, 1], joints[j, 0] + joints[j, 1]
         if assembled(robot, lower, upper):
             continue
         middle = 0.5 * (t0 + t1)
-        spline_state(tk, c, middle, q)
+        spline_state(spline, middle, q)
         posture(robot, q, out, work)
         if not (out[LOOP] >= robot[PARALLEL_LEAST] and t1 - t0 > FINEST_S and top + 2 <= STACK):
             return middle, out[LOOP]
@@ -66,18 +65,19 @@ FITS, SINGULAR = -2, -1
 """What is found where no joint goes beyond its range."""
 
 
-@kernel(f"int64({MOTION}, {TABLE}, {DOUBT}, float64, float64, {ROW})", allocates=True)
-def correction_fits(motion: Motion, limits: FloatArray, doubt: Doubt, t0: float, t1: float, found: FloatArray) -> int:
+@kernel(f"int64({ROW}, {SPLINE}, {TABLE}, {DOUBT}, float64, float64, {ROW})", allocates=True)
+def correction_fits(
+    robot: FloatArray, spline: Spline, limits: FloatArray, doubt: Doubt, t0: float, t1: float, found: FloatArray
+) -> int:
     """The joint that a correction may bring beyond its range over [t0, t1], SINGULAR or FITS; `found` (2,) takes when,
     s, and by how much, rad. `limits` (≥ 2, n): the lower and the upper ends of the joints."""
-    robot, _, _, tk, c, whole = motion
-    n, lag, clock = c.shape[1], doubt[1], doubt[2]
+    n, lag, clock = spline[1].shape[1], doubt[1], doubt[2]
     joints, stack, top = np.empty((n, JET_COLUMNS)), np.empty((HALVED + 2, 3)), 1
     stack[0, 0], stack[0, 1], stack[0, 2] = t0, t1, 0.0
     while top > 0:
         top -= 1
         a, b, depth = stack[top, 0], stack[top, 1], stack[top, 2]
-        sweep_joints(tk, c, whole, a, b, joints)
+        sweep_joints(spline, a, b, joints)
         shift = clock[SHIFT] + clock[SHIFT_GROWTH] * growing_for(clock, b)
         first, second = corrected_angles(
             robot, joints[1, 0] - joints[1, 1] - lag[1], joints[1, 0] + joints[1, 1] + lag[1], shift

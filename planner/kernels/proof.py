@@ -19,22 +19,25 @@ from assur.planner.kernels.intervals import (
     FINEST_S,
     ITEM_FROM,
     ITEM_TO,
+    MOTION,
     RESERVE_M,
     Cell,
     Motion,
     fetch,
+    keep_normal,
     least_between,
     least_gap,
+    normal_of,
+    places_for,
+    room_for,
     survey,
 )
 from assur.planner.kernels.jets import ACCELERATION, JET_COLUMNS, JETS
-from assur.planner.kernels.links import ANGLE_COUNT, LINKS, POSE_COLUMNS
 from assur.planner.kernels.solids import (
     CARRIER,
     CELL,
     CUBE,
     FIRST,
-    MOTION,
     NORMAL,
     NUMBERS,
     PAIR_COLUMNS,
@@ -45,6 +48,9 @@ from assur.planner.kernels.solids import (
     SECOND,
     SET,
     TABLE,
+    UNITS,
+    Normal,
+    Units,
     gap,
     likely,
     support,
@@ -76,38 +82,24 @@ PROVED, OPEN, HALVE, HALVE_SHIFT, TOO_NEAR = range(5)
 """What became of one item on one interval."""
 
 
-@kernel(f"boolean({TABLE}, {TABLE}, {CUBE}, {CUBE}, int64, int64, {NORMAL}, float64, float64)")
-def shown(
-    bodies: FloatArray,
-    vertices: FloatArray,
-    placed: FloatArray,
-    jets: FloatArray,
-    a: int,
-    b: int,
-    nx: float,
-    ny: float,
-    nz: float,
-    h: float,
-    need: float,
-) -> bool:
-    """Whether the normal n keeps units a and b apart by `need` over all of an interval of length h (N3)."""
-    g0 = gap(bodies, vertices, placed, 0, a, b, nx, ny, nz)
+@kernel(f"boolean({UNITS}, {CUBE}, int64, int64, {NORMAL}, float64, float64)")
+def shown(units: Units, jets: FloatArray, a: int, b: int, normal: Normal, h: float, need: float) -> bool:
+    """Whether a normal keeps units a and b apart by `need` over all of an interval of length h (N3)."""
+    g0 = gap(units, 0, a, b, normal)
     if not g0 > need:
         return False
-    g1 = gap(bodies, vertices, placed, 2, a, b, nx, ny, nz)
+    g1 = gap(units, 2, a, b, normal)
     if not g1 > need:
         return False
-    return bool(least_gap(bodies, jets, a, b, nx, ny, nz, g0, g1, h) >= need)
+    return bool(least_gap(units[0], jets, a, b, normal, g0, g1, h) >= need)
 
 
 @kernel(
-    f"int64({TABLE}, {TABLE}, {CUBE}, {CUBE}, {SHIFTED}, {TABLE}, {TABLE}, {TABLE}, float64, float64, {TABLE}, int64,"
-    f" {TABLE}, {TABLE}, {ROW})"
+    f"int64({UNITS}, {CUBE}, {SHIFTED}, {TABLE}, {TABLE}, {TABLE}, float64, float64, {TABLE}, int64, {TABLE}, {TABLE},"
+    f" {ROW})"
 )
 def settle(
-    bodies: FloatArray,
-    vertices: FloatArray,
-    placed: FloatArray,
+    units: Units,
     jets: FloatArray,
     shifted: Shifted,
     pairs: FloatArray,
@@ -130,50 +122,46 @@ def settle(
     """
     a, b, p, sways = int(items[i, 0]), int(items[i, 1]), int(items[i, 2]), len(sway) > 0
     d, asked, unsure = items[i, ITEM_TO] - items[i, ITEM_FROM], pairs[p, REQUIRED] + RESERVE_M, pairs[p, SET] >= 0.0
-    late = d > 0.0 or items[i, ITEM_TO] != 0.0
-    view, m = (shifted[1], MIDDLE) if late else (placed, 1)
-    best, need, nx, ny, nz = -math.inf, asked, items[i, 3], items[i, 4], items[i, 5]
+    late, bodies = d > 0.0 or items[i, ITEM_TO] != 0.0, units[0]
+    view, m = ((bodies, units[1], shifted[1]), MIDDLE) if late else (units, 1)
+    best, need, kept = -math.inf, asked, normal_of(items, i)
     for attempt in range(4):
         if attempt == 0:
-            mx, my, mz = nx, ny, nz
-            if mx == 0.0 and my == 0.0 and mz == 0.0:
+            normal = kept
+            if normal == (0.0, 0.0, 0.0):
                 continue
-            other = gap(bodies, vertices, view, m, a, b, mx, my, mz)
+            other = gap(view, m, a, b, normal)
         elif attempt == 1:
             # the vertical before the others: heights change slowly, so it does for long intervals
-            mx, my, mz = 0.0, 0.0, 1.0 if view[m, b, 2] >= view[m, a, 2] else -1.0
-            other = gap(bodies, vertices, view, m, a, b, mx, my, mz)
+            normal = (0.0, 0.0, 1.0 if view[2][m, b, 2] >= view[2][m, a, 2] else -1.0)
+            other = gap(view, m, a, b, normal)
         elif attempt == 2:
-            other, mx, my, mz = likely(bodies, vertices, view, m, a, b, math.inf)
+            other, normal = likely(view, m, a, b, math.inf)
         else:
             # where there is room in the middle it is the interval that is too long
             if best > NARROW_M:
                 break
-            other, mx, my, mz, _ = separate(
-                bodies, vertices, view, m, a, b, math.inf, sets, int(pairs[p, SET]), lasts, points, work
-            )
+            other, normal, _ = separate(view, m, a, b, math.inf, sets, int(pairs[p, SET]), lasts, points, work)
         wanted = asked
         if unsure or sways:
-            wanted += doubtful(pairs, sets, p, bodies, sway, lasts, sways, a, b, mx, my, mz)
+            wanted += doubtful(pairs, sets, p, bodies, sway, lasts, sways, a, b, normal)
         if not (other - wanted > best or other > wanted):
             continue
         if other - wanted > best:
-            best, need, nx, ny, nz = other - wanted, wanted, mx, my, mz
+            best, need, kept = other - wanted, wanted, normal
         if other > wanted:
             if late:
-                proved = least_shifted(
-                    bodies, vertices, view, jets, shifted[2], a, b, mx, my, mz, h, d
-                )[0] >= wanted  # fmt: skip
+                proved = least_shifted(view, jets, shifted[2], a, b, normal, h, d)[0] >= wanted
             else:
-                proved = shown(bodies, vertices, placed, jets, a, b, mx, my, mz, h, wanted)
+                proved = shown(units, jets, a, b, normal, h, wanted)
             if proved:
-                items[i, 3], items[i, 4], items[i, 5] = mx, my, mz
+                keep_normal(items, i, normal)
                 return PROVED
-    items[i, 3], items[i, 4], items[i, 5] = nx, ny, nz
+    keep_normal(items, i, kept)
     found[0], found[1] = best + need if best > -math.inf else math.nan, need
     if best > 0.0:
         if d > FINEST_S:
-            _, over_time, over_shift = least_shifted(bodies, vertices, view, jets, shifted[2], a, b, nx, ny, nz, h, d)
+            _, over_time, over_shift = least_shifted(view, jets, shifted[2], a, b, kept, h, d)
             if over_shift > over_time:
                 return HALVE_SHIFT
         return HALVE
@@ -192,21 +180,20 @@ SPARED = 512.0
 what a checker may miss of a plane that it proves over eighths of the interval (N3)."""
 
 
-@kernel("UniTuple(float64, 3)(int64)")
-def side_normal(side: int) -> tuple[float, float, float]:
+@kernel(f"{NORMAL}(int64)")
+def side_normal(side: int) -> Normal:
     """The unit normal of a side."""
     sign = 1.0 if side < 3 else -1.0
     axis = side % 3
     return (sign if axis == 0 else 0.0), (sign if axis == 1 else 0.0), (sign if axis == 2 else 0.0)
 
 
-@kernel(f"float64({TABLE}, {TABLE}, {CUBE}, int64, int64, {NORMAL})")
-def ahead(
-    bodies: FloatArray, vertices: FloatArray, placed: FloatArray, m: int, i: int, nx: float, ny: float, nz: float
-) -> float:
+@kernel(f"float64({UNITS}, int64, int64, {NORMAL})")
+def ahead(units: Units, m: int, i: int, normal: Normal) -> float:
     """How far the plane n·x = 0 is ahead of all points of unit i at instant m, m."""
+    (nx, ny, nz), placed = normal, units[2]
     along = nx * placed[m, i, 0] + ny * placed[m, i, 1] + nz * placed[m, i, 2]
-    return float(-along - support(bodies, vertices, placed, m, i, nx, ny, nz))
+    return float(-along - support(units, m, i, normal))
 
 
 @kernel(f"void({MOTION}, {CELL}, {DOUBT}, {NUMBERS}, {ROW}, {TABLE})", allocates=True)
@@ -217,74 +204,59 @@ def behind(motion: Motion, cell: Cell, doubt: Doubt, units: IntArray, edges: Flo
     It is proved over each of the intervals between `edges` (N3), and is the smallest of them. What the checker may
     miss of it is taken off: it proves a plane over eighths of an interval, by bounds of its own.
     """
-    bodies, vertices, still = cell
-    robot, n = motion[0], motion[4].shape[1]
-    links = int(robot[LINKS])
-    carriers, placed = np.empty((3, len(still), POSE_COLUMNS)), np.empty((3, len(bodies), POSE_COLUMNS))
+    bodies, _, still = cell
+    (carriers, seen), room, sway = places_for(cell, 3), room_for(motion), np.zeros((len(still), SWAY_COLUMNS))
     jets, stamp = np.zeros((len(still), JETS, JET_COLUMNS)), np.zeros(len(bodies), dtype=np.int64)
-    q, joints, lagging = np.empty(n), np.empty((n, JET_COLUMNS)), np.empty((n, JET_COLUMNS))
-    turns, lagged = np.empty((int(robot[ANGLE_COUNT]), 2, JET_COLUMNS)), np.zeros((links, JETS, JET_COLUMNS))
-    sway = np.zeros((len(still), SWAY_COLUMNS))
     least[:] = math.inf
     for part in range(len(edges) - 1):
         t0, t1 = edges[part], edges[part + 1]
-        survey(motion, t0, t1, q, joints, turns, carriers, jets)
-        sways = sway_links(robot, joints, doubt, t1, lagging, turns, lagged, sway)
+        survey(motion, t0, t1, room, carriers, jets)
+        sways = sway_links(motion[0][0], room, doubt, t1, sway)
         for r in range(len(units)):
             i = units[r]
-            fetch(bodies, i, carriers, placed, stamp, part + 1, still)
+            fetch(seen, i, carriers, stamp, part + 1, still)
             turning, square = jets[int(bodies[i, CARRIER])], (t1 - t0) * (t1 - t0)
             turned = 0.0
             for j in range(3, JETS):
                 turned += (abs(turning[j, ACCELERATION]) + turning[j, ACCELERATION + 1]) ** 2
             for k in range(SIDES):
-                nx, ny, nz = side_normal(k)
-                g0 = ahead(bodies, vertices, placed, 0, i, nx, ny, nz)
-                g1 = ahead(bodies, vertices, placed, 2, i, nx, ny, nz)
-                middle, radius = derivative(bodies, jets, i, 2, nx, ny, nz)
-                shown = least_between(g0, g1, radius - middle, t1 - t0)
+                normal = side_normal(k)
+                middle, radius = derivative(bodies, jets, i, 2, normal)
+                shown = least_between(ahead(seen, 0, i, normal), ahead(seen, 2, i, normal), radius - middle, t1 - t0)
                 shown -= (abs(middle) + radius + bodies[i, RADIUS] * math.sqrt(turned)) * square / SPARED
                 if sways:
-                    shown -= displaced(bodies, sway, i, nx, ny, nz)
+                    shown -= displaced(bodies, sway, i, normal)
                 # what is not a number shows nothing
                 least[r, k] = min(least[r, k], shown) if shown > -math.inf else -math.inf
 
 
-@kernel(f"float64({TABLE}, {TABLE}, int64, {TABLE}, int64, {TABLE}, float64, int64)")
-def spare_beyond(
-    boxes: FloatArray, pairs: FloatArray, p: int, least: FloatArray, r: int, sets: FloatArray, lasts: float, side: int
-) -> float:
-    """How much farther than required the second unit of pair p is from the plane of a side that unit number r of the
-    robot stays behind, m; NaN for what does not stand still."""
-    b = int(pairs[p, SECOND])
-    nx, ny, nz = side_normal(side)
+PLANES = f"Tuple(({TABLE}, {NUMBERS}, {TABLE}, {TABLE}, float64))"
+Planes = tuple[FloatArray, IntArray, FloatArray, FloatArray, float]
+"""`boxes`, NaN for what does not stand still; `number` (U,), the row in `least` of each unit of the robot, -1 for all
+others; `least` (R, 6), the result of `behind`; `sets`: by how much more pairs must be apart, where errors have grown
+for so many seconds."""
+
+
+@kernel(f"float64({PLANES}, {TABLE}, int64, int64)")
+def spare_beyond(planes: Planes, pairs: FloatArray, p: int, side: int) -> float:
+    """How much farther than required the second unit of pair p is from the plane of a side that the first, one of the
+    robot, stays behind, m; NaN for what does not stand still."""
+    boxes, number, least, sets, lasts = planes
+    r, b = number[int(pairs[p, FIRST])], int(pairs[p, SECOND])
     found = least[r, side] + (boxes[b, side] if side < 3 else -boxes[b, side]) - pairs[p, REQUIRED] - RESERVE_M
-    return float(found - spread(sets, int(pairs[p, SET]), lasts, nx, ny, nz))
+    return float(found - spread(sets, int(pairs[p, SET]), lasts, side_normal(side)))
 
 
-@kernel(f"int64({TABLE}, {TABLE}, {NUMBERS}, {TABLE}, {TABLE}, float64, {TABLE}, {TABLE})")
-def not_behind(
-    boxes: FloatArray,
-    pairs: FloatArray,
-    number: IntArray,
-    least: FloatArray,
-    sets: FloatArray,
-    lasts: float,
-    used: FloatArray,
-    left: FloatArray,
-) -> int:
+@kernel(f"int64({PLANES}, {TABLE}, {TABLE}, {TABLE})")
+def not_behind(planes: Planes, pairs: FloatArray, used: FloatArray, left: FloatArray) -> int:
     """Writes the `pairs` (P, PAIR_COLUMNS) that no plane keeps apart to `left` (P, PAIR_COLUMNS); returns how many they
-    are.
-
-    `number` (U,): the row of `least` (R, 6) of each unit of the robot, -1 for all others. `least` is the result of
-    `behind`; `used` (R, 6) becomes 1 where it is needed. `boxes` are NaN for what does not stand still. `sets`: by how
-    much more pairs must be apart, where errors have grown for `lasts` seconds.
+    are. `used` (R, 6) becomes 1 where a plane is needed.
     """
-    count = 0
+    count, number = 0, planes[1]
     for p in range(len(pairs)):
         r, best, side, apart = number[int(pairs[p, FIRST])], -math.inf, 0, False
         for k in range(SIDES if r >= 0 else 0):
-            spare = spare_beyond(boxes, pairs, p, least, r, sets, lasts, k)
+            spare = spare_beyond(planes, pairs, p, k)
             apart = apart or (used[r, k] > 0.0 and spare >= 0.0)
             if spare > best:
                 best, side = spare, k
@@ -299,28 +271,21 @@ def not_behind(
     return count
 
 
-@kernel(f"void({TABLE}, {TABLE}, {NUMBERS}, {TABLE}, {TABLE}, float64, {TABLE})")
-def drop_spare(
-    boxes: FloatArray,
-    pairs: FloatArray,
-    number: IntArray,
-    least: FloatArray,
-    sets: FloatArray,
-    lasts: float,
-    used: FloatArray,
-) -> None:
+@kernel(f"void({PLANES}, {TABLE}, {TABLE})")
+def drop_spare(planes: Planes, pairs: FloatArray, used: FloatArray) -> None:
     """Sets `used` (R, 6) to 0 for planes that do nothing which another one does not do: a certificate stays small."""
-    for r in range(len(least)):
+    number = planes[1]
+    for r in range(len(used)):
         for plane in range(SIDES):
             needed = False
             for p in range(len(pairs) if used[r, plane] > 0.0 else 0):
                 if number[int(pairs[p, FIRST])] != r:
                     continue
-                if spare_beyond(boxes, pairs, p, least, r, sets, lasts, plane) >= 0.0:
+                if spare_beyond(planes, pairs, p, plane) >= 0.0:
                     needed = True
                     for k in range(SIDES):
                         if k != plane and used[r, k] > 0.0:
-                            needed = needed and not spare_beyond(boxes, pairs, p, least, r, sets, lasts, k) >= 0.0
+                            needed = needed and not spare_beyond(planes, pairs, p, k) >= 0.0
                     if needed:
                         break
             if not needed:

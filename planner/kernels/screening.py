@@ -12,17 +12,30 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.compiled import kernel
-from assur.planner.kernels.carriers import place_carriers
+from assur.planner.kernels.carriers import CARRIED, Carried, place_carriers
 from assur.planner.kernels.gjk import separate
-from assur.planner.kernels.intervals import FINEST_S, ITEM_FROM, ITEM_TO, RESERVE_M, Cell, Motion, fetch, least_gap
+from assur.planner.kernels.intervals import (
+    FINEST_S,
+    ITEM_FROM,
+    ITEM_TO,
+    MOTION,
+    RESERVE_M,
+    Cell,
+    Motion,
+    fetch,
+    keep_normal,
+    least_gap,
+    normal_of,
+    places_for,
+)
 from assur.planner.kernels.laws import place_frame
-from assur.planner.kernels.links import LINKS, POSE_COLUMNS, assembled, place_links
-from assur.planner.kernels.proof import HALVE, OPEN, PROVED, SIDES, side_normal
+from assur.planner.kernels.links import LINKS, assembled, place_links
+from assur.planner.kernels.proof import HALVE, OPEN, PROVED, SIDES, ahead, side_normal
 from assur.planner.kernels.solids import (
     CELL,
     CUBE,
     FIRST,
-    MOTION,
+    NORMAL,
     NUMBERS,
     PIECES,
     REQUIRED,
@@ -30,11 +43,13 @@ from assur.planner.kernels.solids import (
     SECOND,
     SET,
     TABLE,
+    UNITS,
+    Normal,
+    Units,
     gap,
     likely,
     place,
     spheres_apart,
-    support,
 )
 from assur.planner.kernels.spline import spline_state
 from assur.planner.kernels.uncertainty import spread
@@ -68,28 +83,23 @@ def note_hit(hits: FloatArray, state: FloatArray, items: FloatArray, i: int, t: 
     state[HITS] = max(state[HITS], count + 1.0)
 
 
-@kernel(f"UniTuple(float64, 4)({TABLE}, {TABLE}, {CUBE}, int64, int64, {TABLE}, int64, float64)")
-def widest(
-    bodies: FloatArray, vertices: FloatArray, placed: FloatArray, a: int, b: int, sets: FloatArray, k: int, lasts: float
-) -> tuple[float, float, float, float]:
+@kernel(f"Tuple((float64, {NORMAL}))({UNITS}, int64, int64, {TABLE}, int64, float64)")
+def widest(units: Units, a: int, b: int, sets: FloatArray, k: int, lasts: float) -> tuple[float, Normal]:
     """How much two units are apart at the first instant beyond what is not known of them (set k), along the better of
     the vertical and the likely normal, and that normal."""
-    up = 1.0 if placed[0, b, 2] >= placed[0, a, 2] else -1.0
-    above = gap(bodies, vertices, placed, 0, a, b, 0.0, 0.0, up) - spread(sets, k, lasts, 0.0, 0.0, up)
-    found, nx, ny, nz = likely(bodies, vertices, placed, 0, a, b, math.inf)
-    found -= spread(sets, k, lasts, nx, ny, nz)
-    return (found, nx, ny, nz) if found >= above else (above, 0.0, 0.0, up)
+    up = (0.0, 0.0, 1.0 if units[2][0, b, 2] >= units[2][0, a, 2] else -1.0)
+    above = gap(units, 0, a, b, up) - spread(sets, k, lasts, up)
+    found, normal = likely(units, 0, a, b, math.inf)
+    found -= spread(sets, k, lasts, normal)
+    return (found, normal) if found >= above else (above, up)
 
 
 @kernel(
-    f"void({ROW}, {TABLE}, {TABLE}, {TABLE}, {CUBE}, {TABLE}, {CELL}, {TABLE}, {TABLE}, float64, float64, float64,"
-    f" {ROW})",
+    f"void({CARRIED}, {TABLE}, {CUBE}, {TABLE}, {CELL}, {TABLE}, {TABLE}, float64, float64, float64, {ROW})",
     allocates=True,
 )
 def depths(
-    robot: FloatArray,
-    laws: FloatArray,
-    side: FloatArray,
+    carried: Carried,
     limits: FloatArray,
     q: FloatArray,
     t: FloatArray,
@@ -108,11 +118,11 @@ def depths(
     Only the likely normals are tried, and bodies of several pieces count as their bounding boxes: a score, not a
     verdict. `limits` (≥ 2, n): the lower and the upper ends of the joints; beyond them an instant counts as 1.
     """
-    bodies, vertices, still = cell
+    (robot, laws, side), (bodies, _, still) = carried, cell
     links, n = int(robot[LINKS]), q.shape[2]
-    carriers, placed = np.empty((1, len(still), POSE_COLUMNS)), np.empty((1, len(bodies), POSE_COLUMNS))
+    (carriers, units), met = places_for(cell, 1), 0
     stamp, normals = np.zeros(len(bodies), dtype=np.int64), np.zeros((len(pairs), 3))
-    number, met = 0, 0
+    number = 0
     for w in range(len(q)):
         depth[w] = 0.0
         for i in range(q.shape[1]):
@@ -135,53 +145,42 @@ def depths(
                 if p >= len(pairs) or pairs[p, REQUIRED] < 0.0:
                     continue
                 a, b, need = int(pairs[p, FIRST]), int(pairs[p, SECOND]), pairs[p, REQUIRED] + RESERVE_M
-                fetch(bodies, a, carriers, placed, stamp, number, still)
-                fetch(bodies, b, carriers, placed, stamp, number, still)
-                if spheres_apart(bodies, placed, 0, a, b, need):
+                fetch(units, a, carriers, stamp, number, still)
+                fetch(units, b, carriers, stamp, number, still)
+                if spheres_apart(units, 0, a, b, need):
                     continue
-                nx, ny, nz = normals[p, 0], normals[p, 1], normals[p, 2]
-                k = int(pairs[p, SET])
-                if nx != 0.0 or ny != 0.0 or nz != 0.0:
-                    spare = gap(bodies, vertices, placed, 0, a, b, nx, ny, nz) - need
-                    if spare > 0.0 and (k < 0 or spare > spread(sets, k, lasts, nx, ny, nz)):
+                normal, k = (normals[p, 0], normals[p, 1], normals[p, 2]), int(pairs[p, SET])
+                if normal != (0.0, 0.0, 0.0):
+                    spare = gap(units, 0, a, b, normal) - need
+                    if spare > 0.0 and (k < 0 or spare > spread(sets, k, lasts, normal)):
                         continue
                 if k < 0:
-                    found, nx, ny, nz = likely(bodies, vertices, placed, 0, a, b, need)
+                    found, normal = likely(units, 0, a, b, need)
                 else:
-                    found, nx, ny, nz = widest(bodies, vertices, placed, a, b, sets, k, lasts)
+                    found, normal = widest(units, a, b, sets, k, lasts)
                 if not found > need:
                     # what is not known counts as deep
                     depth[w] += min(1.0, (need - found) / deepest) if found > -math.inf else 1.0
                     met = p
                     break
-                normals[p, 0], normals[p, 1], normals[p, 2] = nx, ny, nz
+                normals[p, 0], normals[p, 1], normals[p, 2] = normal
             if depth[w] > most:
                 break
 
 
-@kernel(f"void({ROW}, {TABLE}, {TABLE}, {TABLE}, {ROW}, {CELL}, {NUMBERS}, {TABLE})", allocates=True)
+@kernel(f"void({CARRIED}, {TABLE}, {ROW}, {CELL}, {NUMBERS}, {TABLE})", allocates=True)
 def sampled_behind(
-    robot: FloatArray,
-    laws: FloatArray,
-    side: FloatArray,
-    q: FloatArray,
-    t: FloatArray,
-    cell: Cell,
-    units: IntArray,
-    least: FloatArray,
+    carried: Carried, q: FloatArray, t: FloatArray, cell: Cell, mine: IntArray, least: FloatArray
 ) -> None:
-    """Fills `least` (R, 6): at all instants each of `units` is behind the plane n·x = −least of each side."""
-    bodies, vertices, still = cell
-    carriers, placed = np.empty((1, len(still), POSE_COLUMNS)), np.empty((1, len(bodies), POSE_COLUMNS))
+    """Fills `least` (R, 6): at all instants each unit of `mine` is behind the plane n·x = −least of each side."""
+    carriers, units = places_for(cell, 1)
     least[:] = math.inf
     for i in range(len(t)):
-        place_carriers(robot, laws, side, q[i], t[i], carriers[0])
-        for r in range(len(units)):
-            place(bodies, units[r], carriers[0], placed, 0)
+        place_carriers(carried, q[i], t[i], carriers[0])
+        for r in range(len(mine)):
+            place(units[0], mine[r], carriers[0], units[2], 0)
             for k in range(SIDES):
-                nx, ny, nz = side_normal(k)
-                found = -(nx * placed[0, units[r], 0] + ny * placed[0, units[r], 1] + nz * placed[0, units[r], 2])
-                found -= support(bodies, vertices, placed, 0, units[r], nx, ny, nz)
+                found = ahead(units, 0, mine[r], side_normal(k))
                 least[r, k] = min(least[r, k], found) if found > -math.inf else -math.inf
 
 
@@ -199,11 +198,9 @@ SHORT = 16.0
 """An interval of no more `FINEST_S` is not halved further for a normal that keeps a pair apart in its middle."""
 
 
-@kernel(f"int64({TABLE}, {TABLE}, {CUBE}, {CUBE}, float64, float64, {TABLE}, int64, {TABLE}, {TABLE}, {ROW})")
+@kernel(f"int64({UNITS}, {CUBE}, float64, float64, {TABLE}, int64, {TABLE}, {TABLE}, {ROW})")
 def bounded(
-    bodies: FloatArray,
-    vertices: FloatArray,
-    placed: FloatArray,
+    units: Units,
     jets: FloatArray,
     t0: float,
     t1: float,
@@ -217,38 +214,36 @@ def bounded(
 
     The state takes what is found, the item its best normal.
     """
-    a, b, h = int(items[i, 0]), int(items[i, 1]), t1 - t0
-    nx, ny, nz = items[i, 3], items[i, 4], items[i, 5]
+    a, b, h, bodies = int(items[i, 0]), int(items[i, 1]), t1 - t0, units[0]
+    normal = normal_of(items, i)
     enough, best = state[UPPER] - WITHIN_M, -math.inf
     several = bodies[a, PIECES] > 0.0 or bodies[b, PIECES] > 0.0
     for attempt in range(3):
         if attempt == 0:
-            if nx == 0.0 and ny == 0.0 and nz == 0.0:
+            if normal == (0.0, 0.0, 0.0):
                 continue
         elif attempt == 1:
-            _, nx, ny, nz = likely(bodies, vertices, placed, 1, a, b, math.inf)
+            _, normal = likely(units, 1, a, b, math.inf)
         else:
             # where another normal keeps them apart in the middle it is the interval that is too long; of a short one it
             # may be the normal, which only just does
             long = h > SHORT * FINEST_S
-            if not several and long and gap(bodies, vertices, placed, 1, a, b, nx, ny, nz) >= enough:
+            if not several and long and gap(units, 1, a, b, normal) >= enough:
                 break
-            _, nx, ny, nz, above = separate(bodies, vertices, placed, 1, a, b, math.inf, points, -1, 0.0, points, work)
+            _, normal, above = separate(units, 1, a, b, math.inf, points, -1, 0.0, points, work)
             if above < state[UPPER] and bodies[a, PIECES] == 0.0 and bodies[b, PIECES] == 0.0:
                 state[UPPER], state[NEAREST_T], state[NEAREST_A], state[NEAREST_B] = above, 0.5 * (t0 + t1), a, b
                 enough = above - WITHIN_M
-        g0 = gap(bodies, vertices, placed, 0, a, b, nx, ny, nz)
-        g1 = gap(bodies, vertices, placed, 2, a, b, nx, ny, nz)
-        found = least_gap(bodies, jets, a, b, nx, ny, nz, g0, g1, h)
-        best = max(best, found)
+        ends = gap(units, 0, a, b, normal), gap(units, 2, a, b, normal)
+        best = max(best, least_gap(bodies, jets, a, b, normal, *ends, h))
         if best >= enough:
             break
-    items[i, 3], items[i, 4], items[i, 5] = nx, ny, nz
+    keep_normal(items, i, normal)
     if best >= enough or not (several or h > FINEST_S):
         if not best >= state[LOWER]:
             state[LOWER] = best
         return PROVED
-    if several and not gap(bodies, vertices, placed, 1, a, b, nx, ny, nz) > state[UPPER]:
+    if several and not gap(units, 1, a, b, normal) > state[UPPER]:
         return OPEN
     return HALVE
 
@@ -258,26 +253,25 @@ def sample_distance(
     motion: Motion, cell: Cell, pairs: FloatArray, t0: float, t1: float, many: int, state: FloatArray
 ) -> None:
     """Lowers the smallest distance found, at `many` instants of [t0, t1]; bodies of several pieces are left out."""
-    robot, laws, side, tk, c, _ = motion
-    bodies, vertices, still = cell
-    carriers, placed = np.empty((1, len(still), POSE_COLUMNS)), np.empty((1, len(bodies), POSE_COLUMNS))
-    stamp, q = np.zeros(len(bodies), dtype=np.int64), np.empty(c.shape[1])
+    (carried, spline), (bodies, _, still) = motion, cell
+    carriers, units = places_for(cell, 1)
+    stamp, q = np.zeros(len(bodies), dtype=np.int64), np.empty(spline[1].shape[1])
     points, work = np.empty((4, 3)), np.empty((3, 4))
     for i in range(many):
         t = t0 + (t1 - t0) * i / max(many - 1, 1)
-        spline_state(tk, c, t, q)
-        place_carriers(robot, laws, side, q, t, carriers[0])
+        spline_state(spline, t, q)
+        place_carriers(carried, q, t, carriers[0])
         for p in range(len(pairs)):
             a, b = int(pairs[p, FIRST]), int(pairs[p, SECOND])
             if pairs[p, REQUIRED] < 0.0 or bodies[a, PIECES] > 0.0 or bodies[b, PIECES] > 0.0:
                 continue
-            fetch(bodies, a, carriers, placed, stamp, i + 1, still)
-            fetch(bodies, b, carriers, placed, stamp, i + 1, still)
-            if spheres_apart(bodies, placed, 0, a, b, state[UPPER]):
+            fetch(units, a, carriers, stamp, i + 1, still)
+            fetch(units, b, carriers, stamp, i + 1, still)
+            if spheres_apart(units, 0, a, b, state[UPPER]):
                 continue
-            found = likely(bodies, vertices, placed, 0, a, b, state[UPPER])[0]
+            found = likely(units, 0, a, b, state[UPPER])[0]
             if found > state[UPPER] or not found > -math.inf:
                 continue
-            _, _, _, _, above = separate(bodies, vertices, placed, 0, a, b, state[UPPER], points, -1, 0.0, points, work)
+            above = separate(units, 0, a, b, state[UPPER], points, -1, 0.0, points, work)[2]
             if above < state[UPPER]:
                 state[UPPER], state[NEAREST_T], state[NEAREST_A], state[NEAREST_B] = above, t, a, b

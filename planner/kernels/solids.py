@@ -64,12 +64,15 @@ SAME_M = 1e-9
 
 TABLE, CUBE, ROW = "float64[:, ::1]", "float64[:, :, ::1]", "float64[::1]"
 NUMBERS = "int64[::1]"
-NORMAL = "float64, float64, float64"
+NORMAL = "UniTuple(float64, 3)"
+UNITS = f"Tuple(({TABLE}, {TABLE}, {CUBE}))"
 """Types in the signatures of kernels."""
+Normal = tuple[float, float, float]
+"""A unit vector, x, y, z, in the world; or in the axes of a unit."""
+Units = tuple[FloatArray, FloatArray, FloatArray]
+"""`bodies`, `vertices`, `placed`: units where they are."""
 CELL = f"Tuple(({TABLE}, {TABLE}, {NUMBERS}))"
 """The units of an arrangement: `bodies`, `vertices`, and which carriers stand `still` throughout (1), (K,)."""
-MOTION = f"Tuple(({ROW}, {TABLE}, {TABLE}, {ROW}, {CUBE}, {TABLE}))"
-"""What moves the carriers: `robot`, `laws` and `side` of the frames; `tk`, `c`, `whole` of the joints."""
 
 
 @kernel(f"void({TABLE}, int64, {TABLE}, {CUBE}, int64)")
@@ -88,9 +91,10 @@ def place(bodies: FloatArray, i: int, carriers: FloatArray, placed: FloatArray, 
             )
 
 
-@kernel(f"UniTuple(float64, 3)({CUBE}, int64, int64, {NORMAL})")
-def own_axes(placed: FloatArray, m: int, i: int, nx: float, ny: float, nz: float) -> tuple[float, float, float]:
-    """The vector n in the axes of unit i at instant m."""
+@kernel(f"{NORMAL}({CUBE}, int64, int64, {NORMAL})")
+def own_axes(placed: FloatArray, m: int, i: int, normal: Normal) -> Normal:
+    """A normal n in the axes of unit i at instant m."""
+    nx, ny, nz = normal
     ux = nx * placed[m, i, 3] + ny * placed[m, i, 6] + nz * placed[m, i, 9]
     uy = nx * placed[m, i, 4] + ny * placed[m, i, 7] + nz * placed[m, i, 10]
     uz = nx * placed[m, i, 5] + ny * placed[m, i, 8] + nz * placed[m, i, 11]
@@ -98,23 +102,23 @@ def own_axes(placed: FloatArray, m: int, i: int, nx: float, ny: float, nz: float
 
 
 @kernel(f"float64({TABLE}, int64, {NORMAL})")
-def width(bodies: FloatArray, i: int, ux: float, uy: float, uz: float) -> float:
-    """Support of unit i along (ux, uy, uz) in its own axes (S1); of a hull, that of the box around it."""
+def width(bodies: FloatArray, i: int, own: Normal) -> float:
+    """Support of unit i along a normal in its own axes (S1); of a hull, that of the box around it."""
+    ux, uy, uz = own
     sigma = bodies[i, HALF] * abs(ux) + bodies[i, HALF + 1] * abs(uy) + bodies[i, HALF + 2] * abs(uz)
     if bodies[i, DISC] > 0.0:
         sigma += bodies[i, DISC] * math.sqrt(ux * ux + uy * uy)
     return float(sigma + bodies[i, BALL])
 
 
-@kernel(f"float64({TABLE}, {TABLE}, {CUBE}, int64, int64, {NORMAL})")
-def support(
-    bodies: FloatArray, vertices: FloatArray, placed: FloatArray, m: int, i: int, nx: float, ny: float, nz: float
-) -> float:
+@kernel(f"float64({UNITS}, int64, int64, {NORMAL})")
+def support(units: Units, m: int, i: int, normal: Normal) -> float:
     """max of n·(x − centre) over unit i at instant m (S1)."""
-    ux, uy, uz = own_axes(placed, m, i, nx, ny, nz)
+    bodies, vertices, placed = units
+    ux, uy, uz = own = own_axes(placed, m, i, normal)
     count = int(bodies[i, VERTICES])
     if count == 0:
-        return width(bodies, i, ux, uy, uz)
+        return width(bodies, i, own)
     first = int(bodies[i, VERTEX])
     # begins with the first vertex, so that NaN stays
     best = ux * vertices[first, 0] + uy * vertices[first, 1] + uz * vertices[first, 2]
@@ -123,53 +127,40 @@ def support(
     return float(best)
 
 
-@kernel(f"float64({TABLE}, {TABLE}, {CUBE}, int64, int64, int64, {NORMAL})")
-def gap(
-    bodies: FloatArray,
-    vertices: FloatArray,
-    placed: FloatArray,
-    m: int,
-    a: int,
-    b: int,
-    nx: float,
-    ny: float,
-    nz: float,
-) -> float:
+@kernel(f"float64({UNITS}, int64, int64, int64, {NORMAL})")
+def gap(units: Units, m: int, a: int, b: int, normal: Normal) -> float:
     """Gap of units a and b at instant m along the unit normal n from a to b: no more than their distance (N3)."""
+    (nx, ny, nz), placed = normal, units[2]
     between = (
         nx * (placed[m, b, 0] - placed[m, a, 0])
         + ny * (placed[m, b, 1] - placed[m, a, 1])
         + nz * (placed[m, b, 2] - placed[m, a, 2])
     )
-    return float(
-        between
-        - support(bodies, vertices, placed, m, a, nx, ny, nz)
-        - support(bodies, vertices, placed, m, b, -nx, -ny, -nz)
-    )
+    return float(between - support(units, m, a, normal) - support(units, m, b, (-nx, -ny, -nz)))
 
 
-@kernel(f"boolean({TABLE}, {CUBE}, int64, int64, int64, float64)")
-def spheres_apart(bodies: FloatArray, placed: FloatArray, m: int, a: int, b: int, required: float) -> bool:
+@kernel(f"boolean({UNITS}, int64, int64, int64, float64)")
+def spheres_apart(units: Units, m: int, a: int, b: int, required: float) -> bool:
     """Whether the spheres around two units are further apart than `required`."""
+    bodies, _, placed = units
     dx, dy = placed[m, b, 0] - placed[m, a, 0], placed[m, b, 1] - placed[m, a, 1]
     dz = placed[m, b, 2] - placed[m, a, 2]
     least = bodies[a, RADIUS] + bodies[b, RADIUS] + required
     return bool(least >= 0.0 and dx * dx + dy * dy + dz * dz > least * least)
 
 
-@kernel(f"UniTuple(float64, 4)({TABLE}, {TABLE}, {CUBE}, int64, int64, int64, float64)")
-def likely(
-    bodies: FloatArray, vertices: FloatArray, placed: FloatArray, m: int, a: int, b: int, enough: float
-) -> tuple[float, float, float, float]:
+@kernel(f"Tuple((float64, {NORMAL}))({UNITS}, int64, int64, int64, float64)")
+def likely(units: Units, m: int, a: int, b: int, enough: float) -> tuple[float, Normal]:
     """The largest gap, and its normal, of those along which two units are likely to be apart.
 
     They are the vertical, the horizontal between the centres, and the axes of both units; the first along which the gap
     exceeds `enough` ends the search. The gap is −inf where nothing is known. A hull counts as the box around it until
     the best normal is found; the gap that is returned is that of the hull.
     """
+    bodies, _, placed = units
     dx, dy = placed[m, b, 0] - placed[m, a, 0], placed[m, b, 1] - placed[m, a, 1]
     dz = placed[m, b, 2] - placed[m, a, 2]
-    best, n0, n1, n2 = -math.inf, 0.0, 0.0, 1.0
+    best, normal = -math.inf, (0.0, 0.0, 1.0)
     for k in range(8):
         if k == 0:
             nx, ny, nz = 0.0, 0.0, 1.0
@@ -187,13 +178,12 @@ def likely(
         along = nx * dx + ny * dy + nz * dz
         found = abs(along)
         for i in (a, b):
-            ux, uy, uz = own_axes(placed, m, i, nx, ny, nz)
-            found -= width(bodies, i, ux, uy, uz)
+            found -= width(bodies, i, own_axes(placed, m, i, (nx, ny, nz)))
         if found > best:
             sign = 1.0 if along >= 0.0 else -1.0
-            best, n0, n1, n2 = found, sign * nx, sign * ny, sign * nz
+            best, normal = found, (sign * nx, sign * ny, sign * nz)
             if best > enough:
                 break
     if best > -math.inf and (bodies[a, VERTICES] > 0.0 or bodies[b, VERTICES] > 0.0):
-        best = max(best, gap(bodies, vertices, placed, m, a, b, n0, n1, n2))
-    return best, n0, n1, n2
+        best = max(best, gap(units, m, a, b, normal))
+    return best, normal

@@ -19,6 +19,10 @@ from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
 from assur.planner.kernels.limits import HULL_COLUMNS, TIME, first_column, piece_hulls
 
+SPLINE = "Tuple((float64[::1], float64[:, :, ::1], float64[:, ::1]))"
+"""Type of `tk`, `c` and `whole`, what `piece_bounds` fills, in the signatures of kernels."""
+Spline = tuple[FloatArray, FloatArray, FloatArray]
+"""The same in Python."""
 ROUNDING = 1e-12
 """Relative, of each bound and of the largest value on the whole trajectory: added to every bound. Horner's scheme and
 the hulls round by some 1e-15 of that."""
@@ -37,9 +41,10 @@ def piece_at(tk: FloatArray, t: float) -> int:
     return low
 
 
-@kernel("void(float64[::1], float64[:, :, ::1], float64, float64[::1])")
-def spline_state(tk: FloatArray, c: FloatArray, t: float, q: FloatArray) -> None:
+@kernel(f"void({SPLINE}, float64, float64[::1])")
+def spline_state(spline: Spline, t: float, q: FloatArray) -> None:
     """Fills `q` (n,) at time `t`. Before its first and after its last knot the arm stands still."""
+    tk, c, _ = spline
     held = min(max(t, tk[0]), tk[len(tk) - 1])
     p = piece_at(tk, held)
     u = held - tk[p]
@@ -147,14 +152,15 @@ def piece_bounds(knots: FloatArray, whole: FloatArray) -> None:
     end[4] = 1.0 if rests(knots, len(knots) - 1) else 0.0
 
 
-@kernel("void(float64[::1], float64[:, :, ::1], float64[:, ::1], float64, float64, float64[:, ::1])")
-def sweep_joints(tk: FloatArray, c: FloatArray, whole: FloatArray, t0: float, t1: float, joints: FloatArray) -> None:
+@kernel(f"void({SPLINE}, float64, float64, float64[:, ::1])")
+def sweep_joints(spline: Spline, t0: float, t1: float, joints: FloatArray) -> None:
     """Fills `joints` (n, 6) with the jets of the joints over [t0, t1], from what `piece_bounds` has filled.
 
     Before its first knot and after its last one the arm stands still, if that knot is exactly at rest, and rates of 0
     count there; if it is not, an interval that reaches there has infinite bounds. So has one that ends before it
     begins, or is not a number.
     """
+    tk, c, whole = spline
     pieces, n = len(c), c.shape[1]
     start, end, last = tk[0], tk[pieces], whole[pieces]
     known = t0 <= t1 and (t0 >= start or last[3] == 1.0) and (t1 <= end or last[4] == 1.0)

@@ -23,12 +23,27 @@ import math
 
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
+from assur.planner.kernels.carriers import CARRIED, Carried
 from assur.planner.kernels.dyads import fill_rows
-from assur.planner.kernels.intervals import gap_bend
+from assur.planner.kernels.intervals import ROOM, Room, gap_bend
 from assur.planner.kernels.jets import ACCELERATION, RATE, sweep_links
 from assur.planner.kernels.laws import place_frame, sweep_frame
 from assur.planner.kernels.links import KIND, L1, L2, LINKS, SCARA
-from assur.planner.kernels.solids import CARRIER, CENTRE, CUBE, NORMAL, RADIUS, ROW, SET, TABLE, gap, place
+from assur.planner.kernels.solids import (
+    CARRIER,
+    CENTRE,
+    CUBE,
+    NORMAL,
+    RADIUS,
+    ROW,
+    SET,
+    TABLE,
+    UNITS,
+    Normal,
+    Units,
+    gap,
+    place,
+)
 
 FLAT, FLAT_GROWTH, UPRIGHT, UPRIGHT_GROWTH = range(4)
 """Columns of a set: radius of the disc, m, by how much it grows, m/s, and the same of the vertical."""
@@ -58,11 +73,11 @@ def growing_for(clock: FloatArray, t1: float) -> float:
 
 
 @kernel(f"float64({TABLE}, int64, float64, {NORMAL})")
-def spread(sets: FloatArray, k: int, lasts: float, nx: float, ny: float, nz: float) -> float:
+def spread(sets: FloatArray, k: int, lasts: float, normal: Normal) -> float:
     """The support S(n) of set k, m, where errors have grown for `lasts` seconds (N8); 0 for no set (-1)."""
     if k < 0:
         return 0.0
-    row = sets[k]
+    row, (nx, ny, nz) = sets[k], normal
     found = (row[FLAT] + row[FLAT_GROWTH] * lasts) * math.sqrt(nx * nx + ny * ny)
     found += (row[UPRIGHT] + row[UPRIGHT_GROWTH] * lasts) * abs(nz)
     for i in range(SEGMENTS, SET_COLUMNS, SEGMENT):
@@ -73,13 +88,12 @@ def spread(sets: FloatArray, k: int, lasts: float, nx: float, ny: float, nz: flo
 
 
 @kernel(f"void({TABLE}, int64, float64, {NORMAL}, float64, {TABLE}, int64)")
-def add_spread(
-    sets: FloatArray, k: int, lasts: float, nx: float, ny: float, nz: float, sign: float, points: FloatArray, i: int
-) -> None:
+def add_spread(sets: FloatArray, k: int, lasts: float, normal: Normal, sign: float, points: FloatArray, i: int) -> None:
     """Adds `sign` times the point of set k that is farthest along n to row i of `points`."""
     if k < 0:
         return
-    row, flat = sets[k], math.sqrt(nx * nx + ny * ny)
+    row, (nx, ny, nz) = sets[k], normal
+    flat = math.sqrt(nx * nx + ny * ny)
     if flat > 0.0:
         disc = sign * (row[FLAT] + row[FLAT_GROWTH] * lasts) / flat
         points[i, 0] += disc * nx
@@ -130,23 +144,11 @@ def corrected_angles(robot: FloatArray, theta_low: float, theta_high: float, shi
     return shift * l2 / cross, shift * l1 / cross
 
 
-@kernel(f"boolean({ROW}, {TABLE}, {DOUBT}, float64, {TABLE}, {CUBE}, {CUBE}, {TABLE})")
-def sway_links(
-    robot: FloatArray,
-    joints: FloatArray,
-    doubt: Doubt,
-    t1: float,
-    lagging: FloatArray,
-    turns: FloatArray,
-    jets: FloatArray,
-    sway: FloatArray,
-) -> bool:
+@kernel(f"boolean({ROW}, {ROOM}, {DOUBT}, float64, {TABLE})")
+def sway_links(robot: FloatArray, room: Room, doubt: Doubt, t1: float, sway: FloatArray) -> bool:
     """Fills the first rows of `sway` (K, SWAY_COLUMNS) with how far links may be from where they are planned while
-    joints are as `joints` (n, JET_COLUMNS) has it, and until t1 (N8, N10). False: they cannot be.
-
-    `lagging`, as `joints`, `turns` and `jets` are room to work in.
-    """
-    _, lag, clock = doubt
+    joints are as `survey` has put them into `room`, and until t1 (N8, N10). False: they cannot be."""
+    (_, lag, clock), (_, joints, turns, lagging, jets) = doubt, room
     shift = clock[SHIFT] + clock[SHIFT_GROWTH] * growing_for(clock, t1)
     lags = lag.any()
     if not (lags or shift > 0.0):
@@ -178,12 +180,13 @@ def sway_links(
 
 
 @kernel(f"float64({TABLE}, {TABLE}, int64, {NORMAL})")
-def displaced(bodies: FloatArray, sway: FloatArray, i: int, nx: float, ny: float, nz: float) -> float:
+def displaced(bodies: FloatArray, sway: FloatArray, i: int, normal: Normal) -> float:
     """By how much points of unit i may be displaced along n, m: 0 for what no link carries.
 
     The unit counts as the ball around it, and both horizontal coordinates count in full: a checker may bound a
     displacement by the sum of what each joint adds to it, and its bound must not be larger.
     """
+    nx, ny, nz = normal
     own, radius, flat = sway[int(bodies[i, CARRIER])], bodies[i, RADIUS], math.sqrt(nx * nx + ny * ny)
     x, y, z = abs(bodies[i, CENTRE]), abs(bodies[i, CENTRE + 1]), abs(bodies[i, CENTRE + 2])
     level, up = 0.0, own[2] + own[5] * x + own[8] * y + own[11] * z
@@ -206,14 +209,12 @@ def doubtful(
     sways: bool,
     a: int,
     b: int,
-    nx: float,
-    ny: float,
-    nz: float,
+    normal: Normal,
 ) -> float:
     """By how much units a and b of pair p may be nearer along n than planned, m."""
-    found = spread(sets, int(pairs[p, SET]), lasts, nx, ny, nz)
+    found = spread(sets, int(pairs[p, SET]), lasts, normal)
     if sways:
-        found += displaced(bodies, sway, a, nx, ny, nz) + displaced(bodies, sway, b, nx, ny, nz)
+        found += displaced(bodies, sway, a, normal) + displaced(bodies, sway, b, normal)
     return found
 
 
@@ -225,24 +226,17 @@ what of each carrier is known, (K, 3): number of the interval and both shifts.""
 SHIFTED = f"Tuple(({CUBE}, {CUBE}, {CUBE}, {TABLE}))"
 
 
-@kernel(f"void({TABLE}, {TABLE}, {TABLE}, int64, int64, {CUBE}, int64, int64, float64[::1], {SHIFTED})")
+@kernel(f"void({CARRIED}, {UNITS}, int64, int64, int64, float64[::1], {SHIFTED})")
 def place_shifted(
-    laws: FloatArray,
-    side: FloatArray,
-    bodies: FloatArray,
-    links: int,
-    number: int,
-    placed: FloatArray,
-    a: int,
-    b: int,
-    span: FloatArray,
-    shifted: Shifted,
+    carried: Carried, units: Units, number: int, a: int, b: int, span: FloatArray, shifted: Shifted
 ) -> None:
     """Places units a and b of one item: the first where `placed` (3, U, 12) has it, the second ahead of the clock.
 
     `span` (4,): begin and end of interval number `number`, and of the shift, s. The second is carried by a frame.
     """
     carriers, both, jets, known = shifted
+    (robot, laws, side), (bodies, _, placed) = carried, units
+    links = int(robot[LINKS])
     k, t0, t1, s0, s1 = int(bodies[b, CARRIER]), span[0], span[1], span[2], span[3]
     if not (known[k, 0] == number and known[k, 1] == s0 and known[k, 2] == s1):
         known[k, 0], known[k, 1], known[k, 2] = number, s0, s1
@@ -259,26 +253,15 @@ def place_shifted(
             both[m, a, i] = placed[moment, a, i]
 
 
-@kernel(f"UniTuple(float64, 3)({TABLE}, {TABLE}, {CUBE}, {CUBE}, {CUBE}, int64, int64, {NORMAL}, float64, float64)")
+@kernel(f"UniTuple(float64, 3)({UNITS}, {CUBE}, {CUBE}, int64, int64, {NORMAL}, float64, float64)")
 def least_shifted(
-    bodies: FloatArray,
-    vertices: FloatArray,
-    both: FloatArray,
-    jets: FloatArray,
-    ahead: FloatArray,
-    a: int,
-    b: int,
-    nx: float,
-    ny: float,
-    nz: float,
-    h: float,
-    d: float,
+    both: Units, jets: FloatArray, ahead: FloatArray, a: int, b: int, normal: Normal, h: float, d: float
 ) -> tuple[float, float, float]:
     """A lower bound of the gap along n over an interval of length h and a shift of length d (N4); and what is lost to
     both lengths at most."""
-    bend, added = gap_bend(bodies, jets, ahead, a, b, nx, ny, nz)
+    bend, added = gap_bend(both[0], jets, ahead, a, b, normal)
     over_time, over_shift = max(bend, 0.0) * h * h / 8.0, max(added, 0.0) * d * d / 8.0
     least = math.inf
     for corner in range(4):
-        least = min(least, gap(bodies, vertices, both, corner, a, b, nx, ny, nz))
+        least = min(least, gap(both, corner, a, b, normal))
     return least - over_time - over_shift, over_time, over_shift

@@ -28,8 +28,10 @@ from assur.planner.kernels.solids import (
     RADIUS,
     ROTATION,
     TABLE,
+    UNITS,
     VERTEX,
     VERTICES,
+    Units,
     place,
     support,
 )
@@ -60,14 +62,14 @@ def write_hull(corners: FloatArray, first: int, rows: FloatArray, u: int, count:
             rows[u, CENTRE + i] += rows[u, ROTATION + 3 * i + j] * offset[u, j]
 
 
-@kernel(f"void({TABLE}, {TABLE}, {CUBE}, int64, {TABLE}, int64)")
-def write_box(rows: FloatArray, vertices: FloatArray, placed: FloatArray, u: int, boxes: FloatArray, b: int) -> None:
-    """Row b of `boxes` (..., 6) becomes the least and the greatest coordinates of unit u where `placed` (1, U, 12) has
-    it."""
+@kernel(f"void({UNITS}, int64, {TABLE}, int64)")
+def write_box(units: Units, u: int, boxes: FloatArray, b: int) -> None:
+    """Row b of `boxes` (..., 6) becomes the least and the greatest coordinates of unit u at the only instant."""
+    centre = units[2][0, u]
     for axis in range(3):
         x, y, z = 1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0
-        boxes[b, axis] = placed[0, u, axis] - support(rows, vertices, placed, 0, u, -x, -y, -z)
-        boxes[b, 3 + axis] = placed[0, u, axis] + support(rows, vertices, placed, 0, u, x, y, z)
+        boxes[b, axis] = centre[axis] - support(units, 0, u, (-x, -y, -z))
+        boxes[b, 3 + axis] = centre[axis] + support(units, 0, u, (x, y, z))
 
 
 @kernel(
@@ -116,7 +118,7 @@ def write_units(
                 own[u, RADIUS] = math.hypot(across, core[piece, 2]) + core[piece, 4]
             for i in range(POSE_COLUMNS):
                 placed[0, u, i] = own[u, CENTRE + i]
-            write_box(own, vertices, placed, u, box, 0)
+            write_box((own, vertices, placed), u, box, 0)
             for i in range(3):
                 low[i], high[i] = min(low[i], box[0, i]), max(high[i], box[0, 3 + i])
             u, piece = u + 1, piece + 1
@@ -160,4 +162,4 @@ def seat_bodies(
                 rows[u, CENTRE + i] = placed[0, u, i]
             rows[u, CARRIER] = link if link >= 0 else links + frame
             place(rows, u, carriers, placed, 0)
-            write_box(rows, vertices, placed, u, boxes, u)
+            write_box((rows, vertices, placed), u, boxes, u)

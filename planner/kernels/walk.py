@@ -20,6 +20,7 @@ from assur.planner.kernels.intervals import (
     ITEM_FROM,
     ITEM_TO,
     ITEMS_FULL,
+    MOTION,
     RESERVE_M,
     RESISTED,
     ROWS_FULL,
@@ -31,11 +32,13 @@ from assur.planner.kernels.intervals import (
     halve_shift,
     move_items,
     open_box,
+    places_for,
     push,
+    room_for,
     survey,
 )
 from assur.planner.kernels.jets import JET_COLUMNS, JETS
-from assur.planner.kernels.links import ANGLE_COUNT, LINKS, POSE_COLUMNS
+from assur.planner.kernels.links import POSE_COLUMNS
 from assur.planner.kernels.proof import (
     ALONG,
     FROM,
@@ -57,7 +60,7 @@ from assur.planner.kernels.proof import (
     settle,
 )
 from assur.planner.kernels.screening import HITS, bounded, note_hit
-from assur.planner.kernels.solids import CELL, EARLY, LATE, MOTION, ROW, TABLE
+from assur.planner.kernels.solids import CELL, EARLY, LATE, ROW, TABLE
 from assur.planner.kernels.uncertainty import (
     DOUBT,
     MOMENTS,
@@ -95,10 +98,9 @@ def walk(
     how many items no interval is begun. If rows, items or work run out, the state is such that the call can be repeated
     with more room.
     """
-    robot, laws, side, _, c, _ = motion
-    bodies, vertices, still = cell
-    many, n = len(still), c.shape[1]
-    carriers, placed = np.empty((3, many, POSE_COLUMNS)), np.empty((3, len(bodies), POSE_COLUMNS))
+    (carried, _), (bodies, _, still) = motion, cell
+    many = len(still)
+    (carriers, units), room = places_for(cell, 3), room_for(motion)
     jets, sway, steady = np.zeros((many, JETS, JET_COLUMNS)), np.zeros((many, SWAY_COLUMNS)), np.zeros((0, 1))
     ahead = 0
     for p in range(len(pairs)):
@@ -107,10 +109,7 @@ def walk(
         np.empty((MOMENTS, many if ahead > 0 else 0, POSE_COLUMNS)), np.empty((MOMENTS, ahead, POSE_COLUMNS)),
         np.zeros((many if ahead > 0 else 0, JETS, JET_COLUMNS)), np.full((many, 3), np.nan),
     )  # fmt: skip
-    span, links = np.empty(4), int(robot[LINKS])
-    lagging, lagged = np.empty((n, JET_COLUMNS)), np.zeros((links, JETS, JET_COLUMNS))
-    stamp, q, joints = np.zeros(len(bodies), dtype=np.int64), np.empty(n), np.empty((n, JET_COLUMNS))
-    turns = np.empty((int(robot[ANGLE_COUNT]), 2, JET_COLUMNS))
+    span, stamp = np.empty(4), np.zeros(len(bodies), dtype=np.int64)
     points, work, found = np.empty((4, 3)), np.empty((3, 4)), np.empty(2)
     number = 0
     while state[TOP] > 0.0:
@@ -124,10 +123,10 @@ def walk(
         middle = 0.5 * (t0 + t1)
         state[TOP] = top
         number += 1
-        survey(motion, t0, t1, q, joints, turns, carriers, jets)
+        survey(motion, t0, t1, room, carriers, jets)
         lasts, sways = growing_for(doubt[2], t1), False
         if task != NEAREST:
-            sways = sway_links(robot, joints, doubt, t1, lagging, turns, lagged, sway)
+            sways = sway_links(carried[0], room, doubt, t1, sway)
         end, left, i, free, h = first + count, 0, first, state[HITS] == 0.0, t1 - t0
         while i < end:
             r, status = int(state[FOUND]), DONE
@@ -137,17 +136,17 @@ def walk(
             else:
                 budget -= 1
                 a, b = int(items[i, 0]), int(items[i, 1])
-                fetch(bodies, a, carriers, placed, stamp, number, still)
-                fetch(bodies, b, carriers, placed, stamp, number, still)
+                fetch(units, a, carriers, stamp, number, still)
+                fetch(units, b, carriers, stamp, number, still)
                 if task == NEAREST:
-                    verdict = bounded(bodies, vertices, placed, jets, t0, t1, items, i, points, work, state)
+                    verdict = bounded(units, jets, t0, t1, items, i, points, work, state)
                 else:
                     if items[i, ITEM_FROM] != 0.0 or items[i, ITEM_TO] != 0.0:
                         span[0], span[1], span[2], span[3] = t0, t1, items[i, ITEM_FROM], items[i, ITEM_TO]
-                        place_shifted(laws, side, bodies, links, number, placed, a, b, span, shifted)
+                        place_shifted(carried, units, number, a, b, span, shifted)
                     verdict = settle(
-                        bodies, vertices, placed, jets, shifted, pairs, doubt[0], sway if sways else steady, lasts, h,
-                        items, i, points, work, found,
+                        units, jets, shifted, pairs, doubt[0], sway if sways else steady, lasts, h, items, i, points,
+                        work, found,
                     )  # fmt: skip
                 if verdict == PROVED:
                     # an instant is no interval

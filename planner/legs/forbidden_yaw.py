@@ -160,7 +160,7 @@ def _bounded(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
     while stack:
         t0, t1, first, last = stack.pop()
         h = t1 - t0
-        sweep_joints(spline.tk, spline.c, spline.whole, t0, t1, joints)
+        sweep_joints(spline, t0, t1, joints)
         nearest = np.maximum(first, last)
         if (nearest + robot.sweep(joints, flange).turning(2) * h * h / 8.0 < most).all():
             continue

@@ -28,8 +28,7 @@ def leaves_assembly(robot: Robot, step: int, trajectory: Trajectory) -> Refusal 
     from assur.planner.kernels.postures import first_lost
     from assur.planner.trajectory.spline import spline_table
 
-    spline = spline_table(trajectory)
-    t, margin = first_lost(robot.row, spline.tk, spline.c, spline.whole)
+    t, margin = first_lost(robot.row, spline_table(trajectory))
     return None if t == math.inf else lost_at(robot, Stage.LIMITS, step, np.array([t]), np.array([margin]))
 
 

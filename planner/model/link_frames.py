@@ -52,8 +52,8 @@ def _tables(robot: Robot, trajectory: Trajectory, link: int) -> tuple[FloatArray
     """Row and side table of the law: robot and spline as one run of numbers
     (`assur.planner.kernels.laws.trajectory_of`)."""
     spline, row = spline_table(trajectory), np.zeros(c.LAW_COLUMNS)
-    run = np.concatenate([part.ravel() for part in (robot.row, spline.tk, spline.c, spline.whole)])
-    row[[c.LINKED, c.LINK, c.COUNT]] = 1.0, link, len(spline.c)
+    run = np.concatenate([part.ravel() for part in (robot.row, *spline)])
+    row[[c.LINKED, c.LINK, c.COUNT]] = 1.0, link, len(spline[1])
     side = np.zeros((math.ceil(run.size / c.PIECE_COLUMNS), c.PIECE_COLUMNS))
     side.ravel()[: run.size] = run
     return row, side

@@ -30,10 +30,10 @@ from assur.planner.search.extension import extended, straight_extension, timed, 
 from assur.planner.search.meeting_options import ahead, free_yaws, options
 from assur.planner.search.partial_plan import (
     Candidate,
-    Extension,
     PartialPlan,
     RefusedMotion,
     TimedCandidate,
+    TimedMotion,
     initial,
     prepared,
 )
@@ -60,7 +60,7 @@ class Found:
     longest: PartialPlan | None = None
     """The partial plan through most steps, the first of them."""
 
-    def refused(self, motion: TimedCandidate | Extension, encounters: tuple[Encounter, ...]) -> tuple[Encounter, ...]:
+    def refused(self, motion: TimedMotion, encounters: tuple[Encounter, ...]) -> tuple[Encounter, ...]:
         """Remembers a motion that was refused, if none came further; the encounters again."""
         if self.best is None:
             new = RefusedMotion(motion, encounters)
@@ -72,10 +72,8 @@ class Found:
 class Search:
     """One run over one scene. `started`: the reading of `time.perf_counter` from which the budget counts."""
 
-    def __init__(
-        self, scene: Scene, prover: Prover, started: float, *, adaptive: bool = True, watch: Watch | None = None
-    ) -> None:
-        self.scene, self.prover, self.adaptive, self.watch = scene, prover, adaptive, watch
+    def __init__(self, scene: Scene, prover: Prover, started: float, *, watch: Watch | None = None) -> None:
+        self.scene, self.prover, self.watch = scene, prover, watch
         self.started, self.deadline = started, Deadline(started, scene.options.budget_s)
         self.rng = np.random.default_rng(scene.options.seed)
         self.pool: list[list[PartialPlan]] = [[] for _ in range(len(scene.task) + 1)]
@@ -174,12 +172,10 @@ class Search:
                 break
         return bool(batch)
 
-    def _in_order(
-        self, partial: PartialPlan, sampler: Sampler, batch: list[Candidate]
-    ) -> Iterator[TimedCandidate | Extension]:
+    def _in_order(self, partial: PartialPlan, sampler: Sampler, batch: list[Candidate]) -> Iterator[TimedMotion]:
         """The motions of a batch, the quickest first: each is timed when it is asked for, if a score says how long
         it takes, and else all are timed at once."""
-        made: list[TimedCandidate | Extension] = []
+        made: list[TimedMotion] = []
         for candidate in batch:
             if self._late():
                 break
@@ -199,7 +195,7 @@ class Search:
         scene, attitudes = self.scene, tilts(self.scene, self.scene.task[partial.step], partial.state.q)
         found = options(scene, partial, self._met(partial))[: max(MOST_OPTIONS, len(attitudes))]
         score = bound(CoarseScore, self.prover, partial, found)
-        sampler = Sampler(scene, partial, found, self.rng, score, self.adaptive)
+        sampler = Sampler(scene, partial, found, self.rng, score)
         high = sampler.too_high()
         if high is not None:
             self.found.census.note(high)
@@ -241,21 +237,21 @@ class Search:
             return tuple(range(len(robot.modes)))
         return (partial.mode if elbow == "keep" else robot.modes.index(elbow),)
 
-    def _timed(self, partial: PartialPlan, candidate: Candidate) -> TimedCandidate | Extension | Refusal:
+    def _timed(self, partial: PartialPlan, candidate: Candidate) -> TimedMotion | Refusal:
         """A candidate, timed."""
         self.found.census.candidates += 1
         if self.scene.task[partial.step].leg == "cartesian":
             return straight_extension(self.scene, partial, candidate)
         return timed(self.scene, partial, candidate, ahead(self.scene, partial, candidate.branch))
 
-    def _of_use(self, motion: TimedCandidate | Extension) -> bool:
+    def _of_use(self, motion: TimedMotion) -> bool:
         """Whether the partial plan that a motion leads to would be continued, or be the best plan."""
         earlier = [other for other in self.pool[motion.before.step + 1] if other.state.time <= motion.end]
         kind = motion.candidate.branch.mode, motion.candidate.stops
         of_kind = any((other.mode, other.stops) == kind for other in earlier)
         return self._may_win(motion) and (len(earlier) < BEAM or not of_kind)
 
-    def _may_win(self, motion: TimedCandidate | Extension) -> bool:
+    def _may_win(self, motion: TimedMotion) -> bool:
         """Whether a plan through a motion may be better than the best so far: end sooner, or turn the wrist less."""
         best = self.found.best
         if best is None or motion.end < min(best.state.time, self.found.soonest):
@@ -294,7 +290,7 @@ class Search:
         """Candidates of one batch after whose proof the others are left alone."""
         return 1 if self.scene.options.stop == "first" else PROVED_A_BATCH
 
-    def _tried(self, motion: TimedCandidate | Extension) -> tuple[Screened, bool | None]:
+    def _tried(self, motion: TimedMotion) -> tuple[Screened, bool | None]:
         """Screens a timed candidate and, if nothing is in its way, proves it and adds the partial plan it leads to.
 
         Also returns whether it was proved; None: it was not needed any more.
@@ -312,7 +308,7 @@ class Search:
         self._add(partial)
         return screened, True
 
-    def _proved(self, motion: TimedCandidate | Extension) -> PartialPlan | tuple[Encounter, ...]:
+    def _proved(self, motion: TimedMotion) -> PartialPlan | tuple[Encounter, ...]:
         """The partial plan that a motion leads to, with the proofs of all its phases; or why there is none."""
         made = extended(self.scene, motion) if isinstance(motion, TimedCandidate) else motion
         if isinstance(made, Refusal):

@@ -47,10 +47,8 @@ class Population:
         options: tuple[Option, ...],
         score: CoarseScore,
         rng: np.random.Generator,
-        *,
-        adaptive: bool,
     ) -> None:
-        self.options, self.score, self.rng, self.adaptive = options, score, rng, adaptive
+        self.options, self.score, self.rng = options, score, rng
         self.may_stop = may_stop(scene, partial.step)
         self.freedom = Freedom(scene, partial, options)
         self.shares = np.array([tuning.DIRECT if self.freedom.moving else 0.0, tuning.ONE_VIA, tuning.TWO_VIAS])
@@ -94,7 +92,7 @@ class Population:
         return int((~self.tried & (self.end < before) & (self.bad <= tuning.NEARLY_FREE)).sum())
 
     def _new(self, count: int) -> FloatArray:
-        varied = int(tuning.VARIED * count) if self.adaptive and self.rounds else 0
+        varied = int(tuning.VARIED * count) if self.rounds else 0
         self.rounds += 1
         drawn = self.freedom.drawn(self.rng, count - varied, self.shares)
         if not varied:
@@ -129,7 +127,6 @@ class Sampler:
     options: tuple[Option, ...]
     rng: np.random.Generator
     score: Callable[[], CoarseScore]
-    adaptive: bool = True
     visits: int = 0
     population: Population | None = None
     elite: list[tuple[float, float, Candidate]] = field(default_factory=list)
@@ -150,8 +147,7 @@ class Sampler:
         if self.step.arch is not None:
             return [self._arch() for _ in range(tuning.BATCH)]
         if self.population is None:
-            parts = self.scene, self.partial, self.options, self.score(), self.rng
-            self.population = Population(*parts, adaptive=self.adaptive)
+            self.population = Population(self.scene, self.partial, self.options, self.score(), self.rng)
         found = self.population.batch(before)
         arches = max(tuning.FILLED - len(found), int(self.rng.random() < tuning.ARCHES_TOO)) if self._tops() else 0
         return found + [self._arch() for _ in range(arches)] or [self.population.anyone()]
@@ -163,8 +159,6 @@ class Sampler:
     def learn(self, candidate: Candidate, bad: float, end: float = math.inf, at: float | None = None) -> None:
         """`bad`: how deep a candidate was in something (`score_of`); 0: it was free; 1: it was refused for something
         else. `end`: when it ends, `at`: when something was in its way, s."""
-        if not self.adaptive:
-            return
         if self.population is not None:
             self.population.learn(candidate, bad, at)
         if candidate.shape.hop is not None:
@@ -254,7 +248,7 @@ class Sampler:
     def _arch(self) -> Candidate:
         """An arch of random height and corners, or a variation of a good one."""
         rng = self.rng
-        if self.adaptive and self.elite and rng.random() < tuning.VARIED:
+        if self.elite and rng.random() < tuning.VARIED:
             return self._varied()
         option, tops = self._any_option(), self._tops()
         top = float(rng.uniform(min(tops), max(tops))) if rng.random() < 0.5 else max(tops)

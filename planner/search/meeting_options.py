@@ -203,7 +203,6 @@ def shifted_out(scene: Scene, step: int, trajectory: Trajectory, phases: list[Ph
     spline, lag = spline_table(trajectory), np.zeros(trajectory.n)
     if execution.lags:
         lag[:] = execution.lag
-    motion = (robot.row, np.zeros((0, 1)), np.zeros((0, 1)), spline.tk, spline.c, spline.whole)
     displaced = displaced_of(scene)
     for phase, shares in zip(phases, shares_of(scene, phases), strict=True):
         shift = shift_of(displaced, shares)
@@ -212,7 +211,7 @@ def shifted_out(scene: Scene, step: int, trajectory: Trajectory, phases: list[Ph
         clock = np.array([scene.start.time, execution.start_tolerance_s, *shift])
         found = np.empty(2)
         doubt = (np.zeros((0, 1)), lag, clock)
-        joint = correction_fits(motion, robot.limits.table, doubt, phase.t0, phase.t1, found)
+        joint = correction_fits(robot.row, spline, robot.limits.table, doubt, phase.t0, phase.t1, found)
         if joint == FITS:
             continue
         when = float(found[0])

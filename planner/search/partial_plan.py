@@ -100,19 +100,25 @@ class Candidate:
 
 
 @dataclass(frozen=True, eq=False)
-class TimedCandidate:
-    """A joint leg to the next control point, timed; before it the arm stands still, and what follows at the point is
-    not known yet."""
+class _Timed:
+    """A motion from a partial plan by a candidate, in phases."""
 
     before: PartialPlan
     candidate: Candidate
     trajectory: Trajectory
     phases: tuple[Phase, ...]
-    ahead: FloatArray | None = None
 
     @property
     def end(self) -> float:
         return self.trajectory.end
+
+
+@dataclass(frozen=True, eq=False)
+class TimedCandidate(_Timed):
+    """A joint leg to the next control point, timed; before it the arm stands still, and what follows at the point is
+    not known yet."""
+
+    ahead: FloatArray | None = None
 
     @property
     def standing(self) -> bool:
@@ -121,19 +127,14 @@ class TimedCandidate:
 
 
 @dataclass(frozen=True, eq=False)
-class Extension:
+class Extension(_Timed):
     """The whole motion that continues a partial plan to its next control point, within limits; `after`: the partial
     plan that it leads to once it is proved."""
 
-    before: PartialPlan
-    candidate: Candidate
-    trajectory: Trajectory
-    phases: tuple[Phase, ...]
     after: PartialPlan
 
-    @property
-    def end(self) -> float:
-        return self.trajectory.end
+
+TimedMotion = TimedCandidate | Extension
 
 
 def initial(scene: Scene) -> PartialPlan:
@@ -199,7 +200,7 @@ class RefusedMotion:
     """A motion that was timed, and why it was refused: for bodies that are too near at one instant, the deepest first,
     or for something else. It refers to what the search has anyway: keeping one costs nothing."""
 
-    motion: TimedCandidate | Extension
+    motion: TimedMotion
     encounters: tuple[Encounter, ...]
 
     @property
@@ -236,7 +237,7 @@ def _with_known_errors(arrivals: tuple[Arrival, ...]) -> tuple[Arrival, ...]:
     return tuple(found)
 
 
-def _of_motion(scene: Scene, motion: TimedCandidate | Extension, refusal: Refusal) -> BestCandidate:
+def _of_motion(scene: Scene, motion: TimedMotion, refusal: Refusal) -> BestCandidate:
     facts, interval = refusal.facts, refusal.interval
     if isinstance(motion, Extension):
         knots, legs, arrivals = motion.after.knots, motion.after.legs, motion.after.arrivals
@@ -260,7 +261,7 @@ def _of_motion(scene: Scene, motion: TimedCandidate | Extension, refusal: Refusa
     )
 
 
-def _leg_of(motion: TimedCandidate) -> tuple[tuple[Leg, ...], tuple[Arrival, ...]]:
+def _leg_of(motion: TimedMotion) -> tuple[tuple[Leg, ...], tuple[Arrival, ...]]:
     """The legs up to a control point that a timed candidate comes to, and the arrivals before it."""
     before, shape, step = motion.before, motion.candidate.shape, motion.before.step
     begin, end = motion.trajectory.start, motion.trajectory.end

@@ -2,28 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from assur.planner.arrays import FloatArray
-from assur.planner.kernels.spline import piece_bounds
+from assur.planner.kernels.spline import Spline, piece_bounds
 from assur.planner.trajectory import Trajectory
 
 
-@dataclass(frozen=True, eq=False)
-class Spline:
-    """Times `tk` (P + 1,), coefficients `c` (P, n, 6) in the time since each knot, bounds `whole` (P + 1, 9 n) of every
-    piece."""
-
-    tk: FloatArray
-    c: FloatArray
-    whole: FloatArray
-
-
 def spline_table(trajectory: Trajectory) -> Spline:
-    """The tables of a trajectory."""
+    """The tables of a trajectory: times `tk` (P + 1,), coefficients `c` (P, n, 6) in the time since each knot, bounds
+    `whole` (P + 1, 9 n) of every piece."""
     tk, c = trajectory.edges, trajectory.coefficients
     whole = np.empty((len(tk), 9 * trajectory.n))
     piece_bounds(trajectory.knots, whole)
-    return Spline(tk, c, whole)
+    return tk, c, whole

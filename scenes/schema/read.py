@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import difflib
 import json
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from types import UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
@@ -298,14 +298,13 @@ MOST_UNKNOWN = 20
 
 @dataclass(frozen=True, eq=False)
 class _Shape:
-    """What may stand at a place: of a list or an open mapping how many items at most (None: any number) and what they
-    are, of a model its fields that hold such things, how many fields it has, and how many keys are names (`named`)."""
+    """What may be at a place: how many items or keys at most (None: any number), the words of a refusal, which take
+    their number, and what they are: all alike (`item`), or by the name of a field. Single values are left out."""
 
-    most: int | None = None
+    most: int | None
+    allowed: str
     item: _Shape | None = None
-    fields: dict[str, _Shape] | None = None
-    keys: int = 0
-    named: int = 0
+    fields: dict[str, _Shape] = field(default_factory=dict)
 
 
 def check_sizes(model: type[BaseModel], document: object) -> None:
@@ -314,47 +313,29 @@ def check_sizes(model: type[BaseModel], document: object) -> None:
 
 
 def _check(shape: _Shape, value: object, path: Path) -> None:
-    if isinstance(value, list):
-        if shape.most is not None and len(value) > shape.most:
-            raise DocumentError(dotted(path), value, f"at most {shape.most} items, not {len(value)}")
-        if shape.item is not None:
-            for i, item in enumerate(value):
-                _check(shape.item, item, (*path, i))
-    elif isinstance(value, dict):
-        if shape.fields is not None:
-            _check_model(shape, shape.fields, value, path)
-        elif shape.most is not None and len(value) > shape.most:
-            raise DocumentError(dotted(path), value, f"at most {shape.most} items, not {len(value)}")
-        elif shape.item is not None:
-            for key, item in value.items():
-                _check(shape.item, item, (*path, str(key)))
-
-
-def _check_model(shape: _Shape, fields: dict[str, _Shape], value: dict[Any, Any], path: Path) -> None:
-    if shape.named:
-        if len(value) > shape.keys + shape.named:
-            also = f" and {shape.keys} other fields" if shape.keys else ""
-            raise DocumentError(dotted(path), value, f"at most {shape.named} joints{also}, not {len(value)} keys")
-    elif len(value) > shape.keys + MOST_UNKNOWN:
-        raise DocumentError(dotted(path), value, f"at most {shape.keys} fields, not {len(value)} keys")
-    if not fields:
+    if not isinstance(value, dict) and (shape.item is None or not isinstance(value, list)):
         return
-    for key, item in value.items():
-        if isinstance(item, dict | list):
+    if shape.most is not None and len(value) > shape.most:
+        raise DocumentError(dotted(path), value, shape.allowed.format(len(value)))
+    items: Iterable[tuple[Any, Any]] = value.items() if isinstance(value, dict) else enumerate(value)
+    for key, item in items:
+        below = shape.item
+        if shape.fields and isinstance(item, dict | list):
             twin = si_key(key)
-            below = fields.get(key if twin is None else twin[0])
-            if below is not None:
-                _check(below, item, (*path, key))
+            below = shape.fields.get(key if twin is None else twin[0])
+        if below is not None:
+            _check(below, item, (*path, str(key) if isinstance(value, dict) else key))
 
 
 @cache
 def _of_model(model: type[BaseModel]) -> _Shape:
-    found = {}
-    for name, field in model.model_fields.items():
-        shape = _of(field.annotation, tuple(field.metadata))
-        if shape is not None:
-            found[field.alias or name] = shape
-    return _Shape(fields=found, keys=len(model.model_fields), named=MAX_JOINTS if issubclass(model, ByName) else 0)
+    fields, keys = model.model_fields.items(), len(model.model_fields)
+    shapes = {field.alias or name: _of(field.annotation, tuple(field.metadata)) for name, field in fields}
+    most, allowed = keys + MOST_UNKNOWN, f"at most {keys} fields, not {{}} keys"
+    if issubclass(model, ByName):
+        also = f" and {keys} other fields" if keys else ""
+        most, allowed = keys + MAX_JOINTS, f"at most {MAX_JOINTS} joints{also}, not {{}} keys"
+    return _Shape(most, allowed, fields={key: shape for key, shape in shapes.items() if shape is not None})
 
 
 def _of(annotation: Any, metadata: tuple[Any, ...]) -> _Shape | None:
@@ -369,7 +350,8 @@ def _of(annotation: Any, metadata: tuple[Any, ...]) -> _Shape | None:
         return _of_model(annotation)
     if get_origin(annotation) in (list, dict):
         item = _of(get_args(annotation)[-1], ())
-        return None if item is None else _Shape(most=_most(metadata), item=item)
+        most = _most(metadata)
+        return None if item is None else _Shape(most, f"at most {most} items, not {{}}", item)
     return None
 
 

@@ -85,13 +85,12 @@ def _closest_points(arrangement: Arrangement, carriers: FloatArray, a: int, b: i
     """A point of unit a and a point of unit b, each (3,) in the world, whose distance is that of the units; the same
     point for units that overlap."""
     shown = simplex(arrangement, carriers, a, b, POINTS_M)
-    rows, vertices = arrangement.rows, arrangement.bodies.vertices
-    placed, points = arrangement.placed(carriers, (a, b)), np.zeros((2, 3))
+    units, points = arrangement.placed(carriers, (a, b)), np.zeros((2, 3))
     for weight, way in zip(shown.weights.tolist(), shown.directions, strict=True):
         for k, (unit, along) in enumerate(((a, way), (b, -way))):
             x, y, z = along.tolist()
-            add_farthest(rows, vertices, placed, 0, unit, x, y, z, weight, points, k)
-            points[k] += weight * rows[unit, c.BALL] * along
+            add_farthest(units, 0, unit, (x, y, z), weight, points, k)
+            points[k] += weight * arrangement.rows[unit, c.BALL] * along
     if shown.distance_m <= MEET_M:
         points[:] = points.mean(0)
     return points[0], points[1]

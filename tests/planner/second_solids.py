@@ -12,7 +12,7 @@ from assur.planner.collision.fcl_door import Posed
 from assur.planner.collision.rows import Rows
 from assur.planner.geometry.shapes import Hull
 from assur.planner.kernels.gjk import separate
-from assur.planner.kernels.solids import CENTRE, ROTATION
+from assur.planner.kernels.solids import CENTRE, ROTATION, Units
 from assur.planner.kernels.solids import gap as kernel_gap
 from assur.planner.kernels.solids import likely as kernel_likely
 from assur.planner.model.scene import Scene
@@ -112,34 +112,34 @@ def gaps(a: Placed, b: Placed, n: FloatArray) -> FloatArray:
     return found
 
 
-def tables(a: Placed, b: Placed, row: int) -> tuple[FloatArray, FloatArray, FloatArray, int, int]:
-    """Rows, vertices, places (1, U, 12) and units of the pair in a row, as the kernels want them."""
+def tables(a: Placed, b: Placed, row: int) -> tuple[Units, int, int]:
+    """Rows, vertices and places (1, U, 12), and units of the pair in a row, as the kernels want them."""
     placed = np.full((1, len(a.arrangement.rows), 12), np.nan)
     for each in (a, b):
         placed[0, each.unit[row], :3], placed[0, each.unit[row], 3:] = each.centre[row], each.axes[row].ravel()
-    return a.arrangement.rows, a.arrangement.bodies.vertices, placed, int(a.unit[row]), int(b.unit[row])
+    return (a.arrangement.rows, a.arrangement.bodies.vertices, placed), int(a.unit[row]), int(b.unit[row])
 
 
 def kernel_gaps(a: Placed, b: Placed, n: FloatArray) -> FloatArray:
     """`gaps` by the kernel."""
     found = np.empty(n.shape[:2])
     for row in range(len(n)):
-        rows, vertices, placed, i, j = tables(a, b, row)
-        found[row] = [kernel_gap(rows, vertices, placed, 0, i, j, *normal) for normal in n[row].tolist()]
+        units, i, j = tables(a, b, row)
+        found[row] = [kernel_gap(units, 0, i, j, tuple(normal)) for normal in n[row].tolist()]
     return found
 
 
 def likely(a: Placed, b: Placed, row: int = 0, enough: float = np.inf) -> tuple[float, FloatArray]:
     """The kernel's largest gap along the likely normals, and the normal."""
-    rows, vertices, placed, i, j = tables(a, b, row)
-    found, *normal = kernel_likely(rows, vertices, placed, 0, i, j, enough)
+    units, i, j = tables(a, b, row)
+    found, normal = kernel_likely(units, 0, i, j, enough)
     return found, np.array(normal)
 
 
 def distance_by_gjk(a: Placed, b: Placed, row: int = 0) -> tuple[float, FloatArray, float]:
     """The kernel's gap along the best normal, that normal, and a length that the distance is not above."""
-    rows, vertices, placed, i, j = tables(a, b, row)
-    found, *normal, above = separate(
-        rows, vertices, placed, 0, i, j, np.inf, np.empty((0, 1)), -1, 0.0, np.empty((4, 3)), np.empty((3, 4))
+    units, i, j = tables(a, b, row)
+    found, normal, above = separate(
+        units, 0, i, j, np.inf, np.empty((0, 1)), -1, 0.0, np.empty((4, 3)), np.empty((3, 4))
     )
     return found, np.array(normal), above

@@ -740,13 +740,6 @@ def test_legs_are_in_the_words_of_the_shop() -> None:
     assert top >= 0.23 - 1e-9
 
 
-def test_without_learning_the_planner_plans_too() -> None:
-    scene = cell(go(0.3, -0.3), bodies=(stands("wall", box(0.2, 0.02, 0.2), 0.35, 0.0, 0.1),))
-    outcome = plan(scene, adaptive=False)
-    assert isinstance(outcome, Planned)
-    assert check(scene, outcome.plan).ok
-
-
 def test_a_place_in_the_same_task_is_where_the_next_pick_finds_the_part() -> None:
     scene = table_to_table(
         Pick("again", "part", Pose(z=0.01), 0.03, 0.05, 0.04),

@@ -28,8 +28,8 @@ def normals(seed: int, count: int = 200) -> FloatArray:
 
 def supports(a: Placed, n: FloatArray) -> FloatArray:
     """max of n·(x − centre) by the kernel, for directions n (N, 3)."""
-    rows, vertices, where, unit, _ = tables(a, a, 0)
-    return np.array([kernel_support(rows, vertices, where, 0, unit, *normal) for normal in n.tolist()])
+    units, unit, _ = tables(a, a, 0)
+    return np.array([kernel_support(units, 0, unit, tuple(normal)) for normal in n.tolist()])
 
 
 @given(pairs(), st.integers(0, 10**6))
@@ -83,8 +83,8 @@ def test_a_likely_gap_is_a_lower_bound_along_its_own_unit_normal(both: tuple[Pie
 @given(pairs(), st.floats(-0.05, 0.3))
 def test_spheres_that_are_apart_hold_solids_that_are(both: tuple[Piece, Piece], required: float) -> None:
     a, b = placed([both])
-    rows, _, where, i, j = tables(a, b, 0)
-    if spheres_apart(rows, where, 0, i, j, required):
+    units, i, j = tables(a, b, 0)
+    if spheres_apart(units, 0, i, j, required):
         assert distance(*both) > required - ROUNDING_M
 
 
@@ -102,14 +102,15 @@ def test_unknown_places_give_no_gap(where: str) -> None:
         [(Piece(shape_of(first, (0.1, 0.1, 0.1), 1)), Piece(box(0.1, 0.1, 0.1), np.ones(3))) for first in KINDS]
     )
     for row in range(len(KINDS)):
-        rows, _, at, i, j = tables(a, b, row)
+        units, i, j = tables(a, b, row)
+        at = units[2]
         at[0, i, {"centre": slice(3), "axes": slice(3, 12), "both": slice(12)}[where]] = np.nan
         lost = Placed(
             a.arrangement, a.unit, at[:, i, :3].repeat(len(KINDS), 0), at[:, i, 3:].reshape(-1, 3, 3).repeat(5, 0)
         )
         assert not likely(lost, b, row)[0] > -np.inf
         assert not (kernel_gaps(lost, b, normals(1)[None].repeat(len(KINDS), 0))[row] > -np.inf).any()
-        assert not spheres_apart(rows, at, 0, i, j, 0.0) or where == "axes"
+        assert not spheres_apart(units, 0, i, j, 0.0) or where == "axes"
 
 
 @given(st.tuples(*[st.integers(1, 4)] * 6), st.tuples(*[st.integers(-9, 9)] * 3))

@@ -74,12 +74,12 @@ def of_arm(name: str, rows: FloatArray, pieces: FloatArray) -> dict[str, FloatAr
     lower, upper, t = q - half, q + half, rng.uniform(-0.2, 1.2, (2, SIZE))
     points, proved = np.empty((SIZE, 2)), np.empty(SIZE, dtype=np.bool_)
     for i in range(SIZE):
-        place_carriers(robot.row, rows, pieces, q[i], t[0, i], placed[i])
+        place_carriers((robot.row, rows, pieces), q[i], t[0, i], placed[i])
         ends = (min(t[:, i]), max(t[:, i]))
         joints = joint_jets(lower[i], upper[i], rates[0, i], rates[1, i])
-        sweep_carriers(robot.row, rows, pieces, *ends, joints, turns, jets[i])
+        sweep_carriers((robot.row, rows, pieces), *ends, joints, turns, jets[i])
         unit[0, CARRIER] = i % carriers
-        points[i] = derivative(unit, jets[i], 0, 1 + i % 2, 0.6, 0.0, 0.8)
+        points[i] = derivative(unit, jets[i], 0, 1 + i % 2, (0.6, 0.0, 0.8))
     ranges_assembled(robot.row, lower, upper, proved)
     joints = np.stack([q, *rng.normal(size=(3, *q.shape))], 1)
     moved = np.empty((len(robot.links), SIZE, 4, 6))
@@ -110,10 +110,10 @@ def of_splines() -> dict[str, FloatArray]:
         out, motion, q = np.zeros((SIZE, 3, JET_COLUMNS)), np.empty((SIZE, 4, 3)), np.empty((SIZE, 3))
         times = np.linspace(path.start - 0.1, path.end + 0.1, SIZE + 1)
         for i in range(SIZE):
-            sweep_joints(table.tk, table.c, table.whole, times[i], times[i + 1], out[i])
-            spline_state(table.tk, table.c, times[i], q[i])
-            piece_motion(table.tk, table.c, times[i], motion[i])
-        found |= {f"{regime}: swept": out, f"{regime}: state": q, f"{regime}: motion": motion, f"{regime}": table.whole}
+            sweep_joints(table, times[i], times[i + 1], out[i])
+            spline_state(table, times[i], q[i])
+            piece_motion(*table[:2], times[i], motion[i])
+        found |= {f"{regime}: swept": out, f"{regime}: state": q, f"{regime}: motion": motion, f"{regime}": table[2]}
     return found
 
 

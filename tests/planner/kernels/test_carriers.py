@@ -68,10 +68,10 @@ def test_a_solid_moves_no_faster_than_its_bound_and_over_an_instant_as_fast(name
             along /= np.linalg.norm(along)
             for order in (1, 2):
                 rates = points @ jets[:, 2 * order].reshape(4, 3) @ along
-                found = derivative(unit(centre, turn, half, 0.0, 0.3), jets[None], 0, order, *along)
+                found = derivative(unit(centre, turn, half, 0.0, 0.3), jets[None], 0, order, tuple(along.tolist()))
                 assert found[0] + found[1] == pytest.approx(rates.max(), rel=1e-9, abs=1e-9)
                 assert found[0] - found[1] == pytest.approx(rates.min(), rel=1e-9, abs=1e-9)
-                wider = derivative(unit(centre, turn, half, 0.1, 0.3), jets[None], 0, order, *along)
+                wider = derivative(unit(centre, turn, half, 0.1, 0.3), jets[None], 0, order, tuple(along.tolist()))
                 assert wider[0] == found[0]
                 assert wider[1] >= found[1]
 
@@ -83,9 +83,9 @@ def test_what_keeps_its_shape_adds_nothing() -> None:
     joints[:, 2] = 1.0, 2.0, 0.5
     jets, none, flat = robot.sweep(joints, 2).jets[None], np.zeros(3), np.eye(3)
     for order in (1, 2):
-        point = derivative(unit(none, flat, none, 0.0, 0.0), jets, 0, order, 0.6, 0.0, 0.8)
-        assert derivative(unit(none, flat, none, 0.2, 0.3), jets, 0, order, 0.6, 0.0, 0.8) == point
-        side = derivative(unit(none, flat[:, [2, 0, 1]], none, 0.2, 0.0), jets, 0, order, 0.6, 0.0, 0.8)
+        point = derivative(unit(none, flat, none, 0.0, 0.0), jets, 0, order, (0.6, 0.0, 0.8))
+        assert derivative(unit(none, flat, none, 0.2, 0.3), jets, 0, order, (0.6, 0.0, 0.8)) == point
+        side = derivative(unit(none, flat[:, [2, 0, 1]], none, 0.2, 0.0), jets, 0, order, (0.6, 0.0, 0.8))
         assert side[1] > point[1] + 0.05
 
 
@@ -98,12 +98,12 @@ def test_of_a_link_of_which_nothing_is_known_nothing_is_bounded(name: str) -> No
             joints = np.zeros((len(robot.joints), JET_COLUMNS))
             joints[0, column] = bad
             jets = robot.sweep(joints, last).jets[None]
-            assert derivative(solid, jets, 0, 2, 1.0, 0.0, 0.0) == (0.0, math.inf)
+            assert derivative(solid, jets, 0, 2, (1.0, 0.0, 0.0)) == (0.0, math.inf)
     known = np.zeros((1, JETS, JET_COLUMNS))
-    assert derivative(solid, known, 0, 2, 1.0, 0.0, 0.0) == (0.0, 0.0)
-    assert derivative(solid, known, 0, 2, math.nan, 0.0, 0.0) == (0.0, math.inf)
+    assert derivative(solid, known, 0, 2, (1.0, 0.0, 0.0)) == (0.0, 0.0)
+    assert derivative(solid, known, 0, 2, (math.nan, 0.0, 0.0)) == (0.0, math.inf)
     solid[0, CENTRE] = math.nan
-    assert derivative(solid, known, 0, 2, 1.0, 0.0, 0.0) == (0.0, math.inf)
+    assert derivative(solid, known, 0, 2, (1.0, 0.0, 0.0)) == (0.0, math.inf)
 
 
 def placed_by(law: Law, t: FloatArray) -> FloatArray:
@@ -184,13 +184,13 @@ def test_the_spline_is_the_trajectory(path: Trajectory, seed: int) -> None:
     q, state = np.empty(path.n), np.empty((4, path.n))
     for each in t:
         held = min(max(each, path.start), path.end)
-        spline_state(table.tk, table.c, each, q)
+        spline_state(table, each, q)
         same(q, path.evaluate(held))
-        piece_motion(table.tk, table.c, each, state)
+        piece_motion(*table[:2], each, state)
         for order in range(1, 4):
             size = np.abs(bernstein(path, order)).max()
             assert np.all(np.abs(state[order] - path.evaluate(held, order)) <= CLOSE * (1.0 + size))
-    spline_state(table.tk, table.c, math.nan, q)
+    spline_state(table, math.nan, q)
     assert np.isnan(q).all()
 
 

@@ -44,7 +44,7 @@ def asked(scene: Scene) -> tuple[Prover, tuple[Option, ...], Population]:
     assert isinstance(meeting, Meetings)
     found = options(scene, chain, [meeting])
     rng = np.random.default_rng(1)
-    return prover, found, Population(scene, chain, found, CoarseScore(prover, chain, found), rng, adaptive=True)
+    return prover, found, Population(scene, chain, found, CoarseScore(prover, chain, found), rng)
 
 
 def drawn(population: Population, count: int, seed: int = 0) -> FloatArray:

@@ -31,7 +31,7 @@ def sweep(path: Trajectory, t0: Floats, t1: Floats) -> tuple[Floats, Floats]:
     """The least and the greatest q, q̇ and q̈ (N, n, 3) of the joints over intervals (N,), by the kernel."""
     table, found = spline_table(path), np.empty((len(t0), path.n, JET_COLUMNS))
     for i in range(len(t0)):
-        sweep_joints(table.tk, table.c, table.whole, t0[i], t1[i], found[i])
+        sweep_joints(table, t0[i], t1[i], found[i])
     return found[..., ::2] - found[..., 1::2], found[..., ::2] + found[..., 1::2]
 
 
