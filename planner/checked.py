@@ -13,7 +13,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.checker.claim.verdict import ClaimFinding, check_claim
-from assur.planner.checker.statement import Handling, state_answer, state_cell, state_legs, state_motion, state_plan
+from assur.planner.checker.statement import (
+    Given,
+    Handling,
+    state_answer,
+    state_cell,
+    state_legs,
+    state_motion,
+    state_plan,
+)
 from assur.planner.checker.statement.differences import at
 from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.claim import columns as c
@@ -32,10 +40,11 @@ from assur.planner.model.scene import Scene
 
 @dataclass(eq=False)
 class KeptCell:
-    """The claim of a scene whose cell is kept. `is_stated`: the statement checker has no difference in what depends on
-    the cell alone."""
+    """The claim of a scene whose cell is kept. `given`: what the statement checker derives of the scene alone;
+    `is_stated`: it has no difference in what depends on the cell alone."""
 
     base: SceneClaim
+    given: Given
     is_stated: bool = False
 
     def fits(self, scene: Scene) -> bool:
@@ -61,7 +70,7 @@ def kept_cell(scene: Scene) -> KeptCell:
         return last
     known = last if last is not None and last.fits(scene) else None
     base = claim_of(scene, None if known is None else known.base.cell)
-    kept = KeptCell(base, is_stated=known is not None and known.is_stated)
+    kept = KeptCell(base, Given(scene), is_stated=known is not None and known.is_stated)
     _last[:] = [kept]
     return kept
 
@@ -75,11 +84,15 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     here, and there is no verdict then. A plan of another task or robot gets findings, not exceptions. Not checked: that
     the plan is good.
     """
-    handling = Handling(scene, plan)
+    try:
+        kept = kept_cell(scene)
+    except InputError as error:
+        return Verdict.of([Finding(Code.FORM, str(error))])
+    handling = Handling(scene, plan, kept.given)
     strange = _strange(scene, plan, handling.bodies)
     if strange:
         return Verdict.of(strange)
-    of_legs = state_legs(scene, plan, handling)
+    of_legs = state_legs(handling)
     if any(each.code is not Code.DIGEST for each in of_legs):
         return Verdict.of(of_legs)  # who holds what follows from the legs: with others, nothing can be shown
     between()
@@ -90,29 +103,33 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
         return claim if claims is NOTHING else with_answer(base, claim, plan, of_plan, claims)
 
     def compare(claim: Claim) -> list[Finding]:
-        different = state_plan(scene, plan, claim, handling)
-        return different if different or claims is NOTHING else state_answer(scene, plan, claims, claim)
+        different = state_plan(handling, claim)
+        return different if different or claims is NOTHING else state_answer(handling, claims, claim)
 
-    judged = _judged(scene, plan, of_plan, claims, fill, compare, between)
+    judged = _judged(kept, plan, of_plan, claims, fill, compare, between)
     return Verdict.of(of_legs + list(judged.findings))
 
 
 def check_motion(scene: Scene, plan: Plan, of_motion: tuple[Phase, ...]) -> Verdict:
     """Whether a motion that has no task keeps limits and keeps everything apart. `plan` has one leg, in travel, and no
     arrivals; `of_motion`: its phases."""
+    try:
+        kept = kept_cell(scene)
+    except InputError as error:
+        return Verdict.of([Finding(Code.FORM, str(error))])
     return _judged(
-        scene,
+        kept,
         plan,
         of_motion,
         NOTHING,
         lambda base: with_plan(base, plan, of_motion),
-        lambda claim: state_motion(scene, plan, claim),
+        lambda claim: state_motion(Handling(scene, plan, kept.given), claim),
         nothing,
     )
 
 
 def _judged(
-    scene: Scene,
+    kept: KeptCell,
     plan: Plan,
     of_plan: tuple[Phase, ...],
     claims: Claims,
@@ -122,7 +139,6 @@ def _judged(
 ) -> Verdict:
     """The verdict on a claim that `fill` makes, which is compared with the request by `state_cell` and `compare`."""
     try:
-        kept = kept_cell(scene)
         claim = fill(kept.base)
     except InputError as error:
         return Verdict.of([Finding(Code.FORM, str(error))])
@@ -131,7 +147,7 @@ def _judged(
     if any(finding.code == Code.FORM for finding in findings):
         return Verdict.of(findings)  # the statement checker reads only tables that are those of a claim
     between()
-    different = [] if kept.is_stated else state_cell(scene, claim)
+    different = [] if kept.is_stated else state_cell(kept.base.scene, claim)
     kept.is_stated = not different
     return Verdict.of(findings + (different or compare(claim)))
 

@@ -27,7 +27,6 @@ from assur.planner.claim.obligations import (
     phases_of,
     seats_of,
     solids_of,
-    table_of,
 )
 from assur.planner.claim.points import Rows as NamedRows
 from assur.planner.claim.points import axes_of, guides_of, points_of, rates_of
@@ -41,7 +40,8 @@ from assur.planner.model.scene import Scene
 
 @dataclass(frozen=True, eq=False)
 class CellClaim:
-    """What follows from robot, tool, frames, bodies and what is required of them, whatever the task is."""
+    """What follows from robot, tool, frames, bodies and what is required of them, whatever the task is. `tables`: those
+    of the cell, and those that have no rows where a plan needs none."""
 
     bodies: tuple[Body, ...]
     carriers: Carriers
@@ -73,8 +73,9 @@ def cell_of(scene: Scene) -> CellClaim:
     """The part of a scene's claim that depends on its cell alone. Raises `InputError` for what cannot be stated."""
     bodies = bodies_in(scene)
     carriers = carriers_of(scene, [body.name for body in bodies])
-    tables = {**solids_of(bodies, scene.pieces), **distances_of(scene, carriers)}
-    return CellClaim(bodies, carriers, frames_of(scene), tables)
+    frames = frames_of(scene)
+    tables = {**EMPTY, **frames.tables, **solids_of(bodies, scene.pieces), **distances_of(scene, carriers)}
+    return CellClaim(bodies, carriers, frames, tables)
 
 
 def claim_of(scene: Scene, cell: CellClaim | None = None) -> SceneClaim:
@@ -92,22 +93,21 @@ def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = Non
         phases = phases_in(scene, plan.legs, plan.arrivals)
     required = cell.tables["required"].copy()
     required[0, c.REQUIRED_UNTIL], required[0, c.REQUIRED_SINCE] = phases[-1].t1, scene.start.time
+    of_plan = {
+        "required": required,
+        **cell.frames.around(path, max([phase.t1 for phase in phases if phase.robot])),
+        **phases_of(scene, cell.carriers, base.seats, phases),
+        "limits": base.limits.over(path.start, phases),
+        "rows": rows_of(plan.certificate, cell.carriers.body),
+    }
     rows = {name: [row for _, row in named] for name, named in named_rows(base, plan, phases).items()} | {
         "sums": sums_of(scene, plan),
         "guides": guides_of(scene, plan, phases),
         "distances": base.distances(plan, phases).required() if is_limited(scene) else [],
         "errors": errors_of(scene, plan, phases),
     }
-    robot_until = max(phase.t1 for phase in phases if phase.robot)
-    return Claim(
-        **{**cell.tables, "required": required},
-        **cell.frames.around(path, robot_until),
-        **phases_of(scene, cell.carriers, base.seats, phases),
-        **{name: table_of(name, own) for name, own in rows.items()},
-        limits=base.limits.over(path.start, phases),
-        rows=rows_of(plan.certificate, cell.carriers.body),
-        gap_rows=EMPTY["gap_rows"],
-    )
+    of_plan |= {name: c.table(name, own) for name, own in rows.items() if own}
+    return Claim(**{**cell.tables, **of_plan})
 
 
 def named_rows(base: SceneClaim, plan: Plan, phases: Sequence[Phase]) -> dict[str, NamedRows]:
@@ -120,8 +120,8 @@ def named_rows(base: SceneClaim, plan: Plan, phases: Sequence[Phase]) -> dict[st
 
 
 def rows_of(certificate: Certificate, number: dict[str, int]) -> FloatArray:
-    """All rows, sorted by their times; where a row is against a plane its second body is -1. `number`: the claim's rows
-    of bodies by name."""
+    """All rows, in their order; where a row is against a plane its second body is -1. `number`: the claim's rows of
+    bodies by name."""
     found = np.zeros((len(certificate), c.ROW))
     found[:, c.ROW_T0], found[:, c.ROW_T1] = certificate.t0, certificate.t1
     shifts = ((c.ROW_S0, certificate.shift0, -math.inf), (c.ROW_S1, certificate.shift1, math.inf))
@@ -133,4 +133,4 @@ def rows_of(certificate: Certificate, number: dict[str, int]) -> FloatArray:
     found[:, c.ROW_BODY], found[:, c.ROW_BODY + 1] = at[certificate.first], at[certificate.second]
     found[:, c.ROW_PIECE], found[:, c.ROW_PIECE + 1] = certificate.first_piece, certificate.second_piece
     found[:, c.ROW_NORMAL :] = certificate.normal
-    return found[np.lexsort((found[:, c.ROW_T1], found[:, c.ROW_T0]))]
+    return found

@@ -158,13 +158,13 @@ class Frames:
     """From when on all motions are stated that have no begin, s."""
 
     def around(self, path: Trajectory, robot_until: float) -> dict[str, FloatArray]:
-        """The same with the knots of a robot that follows `path` and then rests until `robot_until`, s. Raises
-        `InputError` for a path that does not end at rest, and is needed longer."""
+        """The tables of arms and knots with those of a robot that follows `path` and then rests until `robot_until`, s.
+        Raises `InputError` for a path that does not end at rest, and is needed longer."""
         arms, knots = self.tables["arms"].copy(), knots_of(path, path.start, robot_until)
         arms[0, c.ARM_KNOTS], others = len(knots), self.tables["knots"]
         if len(others):
             arms[1:, c.ARM_KNOT] += len(knots)
-        return {**self.tables, "arms": arms, "knots": np.concatenate((knots, others)) if len(others) else knots}
+        return {"arms": arms, "knots": np.concatenate((knots, others)) if len(others) else knots}
 
 
 def early_of(scene: Scene) -> float:

@@ -14,7 +14,6 @@ import hashlib
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assur.planner.model.arrival_error import ArrivalError
 from assur.planner.model.outcome import (
@@ -41,12 +40,11 @@ def digest(
 
     The certificate's own `digest` does not count. Not checked: whether any of it is true.
     """
-    knots = _table("<f8", trajectory.time, trajectory.q, trajectory.qd, trajectory.qdd)
-    columns = [certificate.t0, certificate.t1, certificate.normal]
+    columns = [certificate.t0[:, None], certificate.t1[:, None], certificate.normal]
     if certificate.shift0 is not None and certificate.shift1 is not None:
-        columns += [certificate.shift0, certificate.shift1]
-    rows = _table("<f8", *columns)
-    indices = _table("<i8", *(getattr(certificate, name) for name in INDICES))
+        columns += [certificate.shift0[:, None], certificate.shift1[:, None]]
+    knots, rows = trajectory.knots + 0.0, np.concatenate(columns, 1) + 0.0  # −0 as 0
+    indices = np.array([getattr(certificate, name) for name in INDICES]).T
     text = ascii(
         [
             FORMAT,
@@ -61,20 +59,9 @@ def digest(
         ]
     ).encode()
     found = hashlib.sha256(len(text).to_bytes(8, "little") + text)
-    for table in (knots, rows, indices):
-        found.update(table.tobytes())
+    for table, kind in ((knots, "<f8"), (rows, "<f8"), (indices, "<i8")):
+        found.update(np.asarray(table, kind).tobytes())
     return found.hexdigest()
-
-
-def _table(kind: str, *columns: NDArray[Any]) -> NDArray[Any]:
-    """Columns (N,) and groups of columns (N, K) as one table; −0 as 0."""
-    widths = [1 if each.ndim == 1 else each.shape[1] for each in columns]
-    found, first = np.empty((len(columns[0]), sum(widths)), kind), 0
-    for each, width in zip(columns, widths, strict=True):
-        found[:, first : first + width] = each[:, None] if each.ndim == 1 else each
-        first += width
-    found += 0
-    return found
 
 
 def _leg(leg: Leg) -> list[Any]:

@@ -21,7 +21,7 @@ from assur.planner.checker.statement.differences import Requirements
 from assur.planner.checker.statement.distances import require_distances, require_execution
 from assur.planner.checker.statement.frames import require_frames, require_known
 from assur.planner.checker.statement.guides import require_guides
-from assur.planner.checker.statement.holding import Handling
+from assur.planner.checker.statement.holding import Given, Handling
 from assur.planner.checker.statement.joints import (
     require_arches,
     require_hands,
@@ -46,10 +46,9 @@ from assur.planner.checker.verdict import Code, Finding
 from assur.planner.claim.columns import Claim
 from assur.planner.model.claims import Claims
 from assur.planner.model.digest import digest
-from assur.planner.model.outcome import Plan
 from assur.planner.model.scene import Scene
 
-__all__ = ["Handling", "state_answer", "state_cell", "state_legs", "state_motion", "state_plan"]
+__all__ = ["Given", "Handling", "state_answer", "state_cell", "state_legs", "state_motion", "state_plan"]
 
 OF_MOTIONS = (require_execution, require_phases, require_known, require_limits, require_rates, require_yaws)
 """What is required of every motion, with a task or without."""
@@ -82,26 +81,25 @@ def state_cell(scene: Scene, claim: Claim) -> list[Finding]:
     return report.findings
 
 
-def state_legs(scene: Scene, plan: Plan, handling: Handling | None = None) -> list[Finding]:
-    """Findings about the digest, and about legs and arrivals, which need no claim. `handling`: that of the plan, if it
-    is shared with `state_plan`."""
-    handling = handling or Handling(scene, plan)
-    own = digest(scene.digest, plan.trajectory, plan.legs, plan.arrivals, plan.certificate)
+def state_legs(handling: Handling) -> list[Finding]:
+    """Findings about the digest, and about legs and arrivals, which need no claim. `handling`: of the plan."""
+    plan = handling.plan
+    own = digest(handling.scene.digest, plan.trajectory, plan.legs, plan.arrivals, plan.certificate)
     what = "request, plan and certificate do not belong together"
     handling.require(plan.certificate.digest == own, Code.DIGEST, what)
     require_order(handling)
     return handling.findings
 
 
-def state_plan(scene: Scene, plan: Plan, claim: Claim, handling: Handling | None = None) -> list[Finding]:
+def state_plan(handling: Handling, claim: Claim) -> list[Finding]:
     """Findings about what depends on the task and the plan, for a claim with whose cell nothing is wrong, and a plan
-    with whose legs nothing is wrong. `handling`: as in `state_legs`."""
-    return _stated(Statement(scene, plan, claim, handling), OF_MOTIONS + OF_TASKS)
+    with whose legs nothing is wrong."""
+    return _stated(Statement(handling, claim), OF_MOTIONS + OF_TASKS)
 
 
-def state_motion(scene: Scene, plan: Plan, claim: Claim) -> list[Finding]:
-    """Findings about a motion that has no task: `plan` has one leg, in travel, and no arrivals."""
-    return _stated(Statement(scene, plan, claim), OF_MOTIONS)
+def state_motion(handling: Handling, claim: Claim) -> list[Finding]:
+    """Findings about a motion that has no task: its plan has one leg, in travel, and no arrivals."""
+    return _stated(Statement(handling, claim), OF_MOTIONS)
 
 
 def _stated(statement: Statement, requirements: Iterable[Callable[[Statement], None]]) -> list[Finding]:
@@ -111,10 +109,10 @@ def _stated(statement: Statement, requirements: Iterable[Callable[[Statement], N
     return statement.findings
 
 
-def state_answer(scene: Scene, plan: Plan, claims: Claims, claim: Claim) -> list[Finding]:
+def state_answer(handling: Handling, claims: Claims, claim: Claim) -> list[Finding]:
     """Findings about what an answer states in addition to its plan, for a claim with whose cell and plan nothing is
     wrong."""
-    statement = Statement(scene, plan, claim)
+    statement = Statement(handling, claim)
     require_loads(statement, claims.carried)
     if claims.peaks is not None:
         require_peaks(statement, claims.peaks)

@@ -58,10 +58,11 @@ class Link(NamedTuple):
 
 class Chain(NamedTuple):
     """The links of an arm. `loop`: the numbers of both cranks, their lengths, those of both couplers, and the side on
-    which these meet; () for none."""
+    which these meet; () for none. `angles`: of each link (`Link.angles`)."""
 
     links: tuple[Link, ...]
     loop: tuple[float, ...]
+    angles: list[list[tuple[float, tuple[int, ...]]]]
 
 
 @lru_cache(maxsize=64)
@@ -93,7 +94,7 @@ def chain_of(robot: Robot) -> Chain:
                 links.append(Link(4, (robot.l3, 0.0, 0.0), yaw=(0,), pitch=wrist, roll=(4,)))
     else:
         raise FaultError(f"no textbook has the arm {type(robot).__name__}")
-    return Chain(tuple(links), loop)
+    return Chain(tuple(links), loop, [link.angles(robot.base.yaw) for link in links])
 
 
 def link_names(robot: Robot) -> tuple[str, ...]:
@@ -140,13 +141,13 @@ def _require_chain(report: Requirements, robot: Robot, arm: int, claim: c.Claim)
         report.require(False, Code.LINK, what)
         return
     sums = [*claim.angles[:, : 1 + n].tolist(), [0.0] * (1 + n)]  # a link that stays upright has no row, -1
-    for name, link, own in zip(robot.links, chain.links, links, strict=True):
+    for name, link, angles, own in zip(robot.links, chain.links, chain.angles, links, strict=True):
         axis, joint = link.slide or (-1, -1)
         same = max(own[c.LINK_PARENT] - first, -1.0) == link.parent and own[c.LINK_COUPLER] == link.coupler
         same = same and own[c.LINK_SLIDE] == joint and _are_near(own[c.LINK_OFFSET : c.LINK_SLIDE], link.offset)
         along = [float(k == axis) for k in range(3)]
         same = same and (joint < 0 or _are_near(own[c.LINK_AXIS : c.LINK_YAW], along))
-        for number, (constant, joints) in zip(own[c.LINK_YAW :], link.angles(robot.base.yaw), strict=False):
+        for number, (constant, joints) in zip(own[c.LINK_YAW :], angles, strict=False):
             shares = [float(k in joints) for k in range(n)]
             same = same and _are_near(sums[int(number)], [constant, *shares])
         report.require(same, Code.LINK, f"{name} of {robot.name} is not where the request has it")
@@ -167,11 +168,11 @@ def textbook(robot: Robot, q: Sequence[float]) -> list[tuple[Three, Three]]:
     """The place, m, and yaw, pitch and roll, rad, of each link of an arm in the world for joint values; NaN where its
     loop does not close. Raises `FaultError` for an arm of another family."""
     chain, found, couplers = chain_of(robot), list[tuple[Three, Three]](), list[float]()
-    for link in chain.links:
+    for link, turns in zip(chain.links, chain.angles, strict=True):
         local = list(link.offset)
         if link.slide is not None:
             local[link.slide[0]] += q[link.slide[1]]
-        yaw, pitch, roll = (rad + sum(q[k] for k in joints) for rad, joints in link.angles(robot.base.yaw))
+        yaw, pitch, roll = [rad + sum([q[k] for k in joints]) for rad, joints in turns]
         if link.coupler >= 0:
             couplers = couplers or _couplers(found, chain.loop)
             yaw += couplers[link.coupler]
@@ -186,10 +187,13 @@ def textbook(robot: Robot, q: Sequence[float]) -> list[tuple[Three, Three]]:
 
 def rotated(angles: Three, vector: Sequence[float]) -> Three:
     """Rz(yaw) Ry(-pitch) Rx(roll) times a vector."""
-    (cy, cp, cr), (sy, sp, sr), (x, y, z) = map(math.cos, angles), map(math.sin, angles), vector
-    y, z = cr * y - sr * z, sr * y + cr * z
-    x, z = cp * x - sp * z, sp * x + cp * z
-    return (cy * x - sy * y, sy * x + cy * y, z)
+    (yaw, pitch, roll), (x, y, z) = angles, vector
+    if pitch != 0.0 or roll != 0.0:
+        (c, s), (v, w) = (math.cos(roll), math.sin(roll)), (math.cos(pitch), math.sin(pitch))
+        y, z = c * y - s * z, s * y + c * z
+        x, z = v * x - w * z, w * x + v * z
+    c, s = math.cos(yaw), math.sin(yaw)
+    return (c * x - s * y, s * x + c * y, z)
 
 
 def _couplers(links: Sequence[tuple[Three, Three]], loop: Sequence[float]) -> list[float]:
@@ -278,17 +282,13 @@ def hand_shares(robot: Robot) -> FloatArray:
 
 def require_knots(report: Requirements, robot: Robot, path: Trajectory, claim: c.Claim, arm: int) -> None:
     """The arm has the knots of the path, and one before and one behind at most, up to which it does not move."""
-    row, n, count = claim.arms[arm], path.n, len(path.time)
+    row, count = claim.arms[arm], len(path.time)
     knots = claim.knots[int(row[c.ARM_KNOT]) :][: int(row[c.ARM_KNOTS])]
     first = int(knots[0, 0] < path.time[0])
-    own, behind = knots[first : first + count], len(knots) - first - count
-    same = (
-        behind in (0, 1)
-        and bool((own[:, c.KNOT_TIME] == path.time).all())
-        and bool((own[:, c.KNOT_Q : c.KNOT_Q + n] == path.q).all())
-        and bool((own[:, c.KNOT_QD : c.KNOT_QD + n] == path.qd).all())
-        and bool((own[:, c.KNOT_QDD : c.KNOT_QDD + n] == path.qdd).all())
-    )
+    behind = len(knots) - first - count
+    columns = [k + j for k in (c.KNOT_Q, c.KNOT_QD, c.KNOT_QDD) for j in range(path.n)]
+    own = knots[first : first + count].take([c.KNOT_TIME, *columns], 1)
+    same = behind in (0, 1) and bool((own == path.knots).all())
     for k, beside in [(0, 1)] * first + [(-1, -2)] * behind:
         rests = not knots[[k, beside], c.KNOT_QD :].any()
         same = same and rests and np.array_equal(knots[k, c.KNOT_Q :], knots[beside, c.KNOT_Q :])

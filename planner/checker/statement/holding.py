@@ -60,6 +60,8 @@ class Given:
         self.frames = {name: number for number, name in enumerate(scene.frames)}
         self.bodies = {body.name: number for number, body in enumerate(bodies_of(scene))}
         self.motions: dict[str, laws.Formula] = {}
+        self.single: list[list[float]] = np.eye(len(scene.robot.joints)).tolist()
+        """The shares in a sum that is one joint, of each."""
         self.seats: tuple[FloatArray, FloatArray] | None = None
         """Of all bodies before any step: seats (1, B, 7), and how far each may be off it (1, 2 B), m."""
 
@@ -87,19 +89,16 @@ class Given:
         return known and not any((*scene.execution.lag, scene.execution.start_tolerance_s))
 
 
-given_by = lru_cache(maxsize=4)(Given)
-"""`Given` of a scene, kept for the plans that follow."""
-
-
 class Handling(Requirements):
     """What the steps of a task do with parts, in a plan. `steps` are numbers of steps in the task; steps whose part
     has changed hands before some time are the `handed` ones, in their order."""
 
-    def __init__(self, scene: Scene, plan: Plan) -> None:
+    def __init__(self, scene: Scene, plan: Plan, given: Given | None = None) -> None:
+        """`given`: that of the scene, if it is kept."""
         super().__init__()
         self.scene, self.plan = scene, plan
         self.arrivals = {arrival.step: arrival for arrival in plan.arrivals}
-        self.given = given = given_by(scene)
+        self.given = given = given or Given(scene)
         self.tcp, self.flange, self.frames, self.bodies = given.tcp, given.flange, given.frames, given.bodies
         self.whole = (float(plan.trajectory.time[0]), float(plan.trajectory.time[-1]))
         self._places: dict[tuple[str, float], Four] = {}

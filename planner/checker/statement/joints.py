@@ -39,13 +39,12 @@ BESIDE_S, WAY = 0.01, 1e-9
 
 def require_joints(statement: Statement) -> None:
     """The arm stands while it waits, rests where a step matches the position, and goes on at vias."""
-    single = np.eye(len(statement.scene.robot.joints)).tolist()
     for leg in statement.plan.legs:
         if leg.kind is LegKind.WAIT:
             when, values = (leg.t0, leg.t1), statement.state_at(leg.t0)[0].tolist()
             stands = all(
                 statement.sum_keeps(0, joint, q - STANDS, q + STANDS, when)
-                for joint, q in zip(single, values, strict=True)
+                for joint, q in zip(statement.given.single, values, strict=True)
             )
             statement.require(stands, Code.JOINTS, "the arm is not stated to stand while it waits", when)
     for number, step in enumerate(statement.scene.task):
@@ -55,7 +54,7 @@ def require_joints(statement: Statement) -> None:
             what = f"the arm may stop at {step.name}, which is to be flown by"
             statement.require(goes_on, Code.JOINTS, what, (time, time))
         elif step.match == "position":
-            rests = all(statement.sum_keeps(1, joint, -MEET, MEET, (time, time)) for joint in single)
+            rests = all(statement.sum_keeps(1, each, -MEET, MEET, (time, time)) for each in statement.given.single)
             what = f"the arm is not stated to rest at {step.name}"
             statement.require(rests, Code.JOINTS, what, (time, time))
 
@@ -167,7 +166,7 @@ def _goes_over(statement: Statement, when: Interval) -> bool:
     if robot.lift is None:
         return False
     lift = [float(joint == robot.lift) for joint in range(c.MOST_JOINTS)]
-    heights = [(t, low, high) for t, until, low, high in statement.bounds("sums", 0.0, *lift) if t == until]
+    heights = [(t, low, high) for t, until, low, high in statement.bounds("sums", (0.0, *lift)) if t == until]
     ends = [[high for t, _, high in heights if t == end] for end in when]
     if not all(ends):
         return False
@@ -178,7 +177,7 @@ def _goes_over(statement: Statement, when: Interval) -> bool:
     back = 0.0
     for first, last, is_up in ((t0, turn, True), (turn, t1, False)):
         # how fast the lift may go back: down on the way up, and up on the way down
-        own = ((a, b, -least if is_up else most) for a, b, least, most in statement.bounds("sums", 1.0, *lift))
+        own = ((a, b, -least if is_up else most) for a, b, least, most in statement.bounds("sums", (1.0, *lift)))
         rates = sorted((a, b, rate) for a, b, rate in own if first <= a < b <= last and rate < c.GREATEST)
         if [first, *(b for _, b, _ in rates)] != [*(a for a, _, _ in rates), last]:
             return False

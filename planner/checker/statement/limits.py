@@ -17,6 +17,7 @@ from assur.planner.claim import columns as c
 from assur.planner.geometry.shapes import Body, Hull
 from assur.planner.model.load import Carried
 from assur.planner.model.scene import Scene
+from assur.planner.robots.facts import Limits
 
 # What the flange carries: masses, and moments of inertia about the axis of the wrist (G1), (G2).
 
@@ -155,20 +156,21 @@ def require_limits(statement: Statement) -> None:
 def _is_limited(statement: Statement, share: float, when: Interval) -> bool:
     """Whether a row of the claim has limits that are no wider, for as long, with this share of the accelerations and
     jerks."""
-    return statement.states("limits", all_of(when), *_bounds(statement.scene, share))
+    scene = statement.scene
+    return statement.states("limits", all_of(when), _bounds(scene.robot.limits, share, scene.options.jerk_limited))
 
 
 @lru_cache(maxsize=16)
-def _bounds(scene: Scene, share: float) -> list[Bound]:
+def _bounds(own: Limits, share: float, jerk_limited: bool) -> Bound:
     """Of the numbers of limits: of the jerk where the timing that is requested has such a limit."""
-    own = scene.robot.limits
     upper = {c.LIMIT_UPPER: own.upper, c.LIMIT_VELOCITY: own.velocity, c.LIMIT_ACCELERATION: share * own.acceleration}
-    bounds = [at_most(c.LIMIT_SHARE, *SHARES)]
-    bounds.append(at_least(c.LIMIT_LOWER, *(own.lower - ROUNDING * np.abs(own.lower)).tolist()))
-    if scene.options.jerk_limited:
+    bounds = at_most(c.LIMIT_SHARE, *SHARES)
+    bounds += at_least(c.LIMIT_LOWER, *(own.lower - ROUNDING * np.abs(own.lower)).tolist())
+    if jerk_limited:
         upper[c.LIMIT_JERK] = share * own.jerk
-        bounds.append(at_least(c.LIMIT_JERKS, 1.0))
-    bounds += [at_most(column, *(most + ROUNDING * np.abs(most)).tolist()) for column, most in upper.items()]
+        bounds += at_least(c.LIMIT_JERKS, 1.0)
+    for column, most in upper.items():
+        bounds += at_most(column, *(most + ROUNDING * np.abs(most)).tolist())
     return bounds
 
 

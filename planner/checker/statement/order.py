@@ -33,11 +33,10 @@ def require_order(handling: Handling) -> None:
     """Start, end, and the legs and arrivals of each step."""
     scene, plan, start, options = handling.scene, handling.plan, handling.scene.start, handling.scene.options
     path, legs, (first, last) = plan.trajectory, plan.legs, handling.whole
-    states = zip((path.q, path.qd, path.qdd), (start.q, start.qd, start.qdd), strict=True)
-    pairs = (pair for knots, own in states for pair in zip(knots[0].tolist(), own.tolist(), strict=True))
-    begins = abs(first - start.time) <= SAME and all(abs(x - y) <= SAME for x, y in pairs)
+    state = [start.time, *start.q.tolist(), *start.qd.tolist(), *start.qdd.tolist()]
+    begins = math.dist(path.knots[0].tolist(), state) <= SAME
     handling.require(begins, Code.START, "the motion begins in another state")
-    rests = options.end != "rest" or all(abs(x) <= SAME for x in (*path.qd[-1].tolist(), *path.qdd[-1].tolist()))
+    rests = options.end != "rest" or math.hypot(*path.knots[-1, 1 + path.n :].tolist()) <= SAME
     handling.require(rests, Code.END, "the motion does not end at rest")
     ends = options.latest_end_s is None or last <= options.latest_end_s + SAME
     handling.require(ends, Code.END, "the motion ends too late")

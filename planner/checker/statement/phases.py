@@ -22,30 +22,24 @@ from assur.planner.model.scene import Pick, Place
 
 def require_phases(statement: Statement) -> None:
     """The phases are the stages of the plan; first their number and times, without which nothing else is compared."""
-    stages, phases = statement.stages, statement.claim.phases
-    if phases[:, c.PHASE_T0 : c.PHASE_T1 + 1].tolist() != [list(stage.when) for stage in stages]:
+    stages, phases, claim = statement.stages, statement.claim.phases.tolist(), statement.claim
+    if [row[: c.PHASE_NEAR] for row in phases] != [list(stage.when) for stage in stages]:
         statement.require(False, Code.PHASE, "the phases are not the legs of the plan and what comes behind them")
         return
     names = list(statement.bodies)
     _require_seats(statement, names)
     _require_contacts(statement, names)
-    count = len(statement.frames)
-    shares = np.zeros((len(stages), 2, count))
-    for phase, (stage, (near, robot)) in enumerate(
-        zip(stages, phases[:, [c.PHASE_NEAR, c.PHASE_ROBOT]].tolist(), strict=True)
-    ):
+    for stage, (_, _, near, robot), shares in zip(stages, phases, claim.shares.tolist(), strict=True):
         what = "the smaller distance, near a control point, is stated"
         statement.require(near == 0.0 or (near == 1.0 and stage.near), Code.DISTANCE, what, stage.when)
         what = "the robot need not keep clear in the claim"
         statement.require(robot == 1.0 or not stage.robot, Code.DISTANCE, what, stage.when)
-        for frame, share in stage.shares.items():
-            shares[phase, :, statement.frames[frame]] = share
-    # the tool may have any share in the error of a frame that belt correction may give it
-    least, most = statement.claim.shares[:, :count], statement.claim.shares[:, count:]
-    given = (least <= shares[:, 0]) & (most >= shares[:, 1])
-    for phase, number in [] if given.all() else np.argwhere(~given).tolist():
-        what = f"the tool may have another share in the error of {list(statement.frames)[number]}"
-        statement.require(False, Code.UNCERTAINTY, what, stages[phase].when)
+        # the tool may have any share in the error of a frame that belt correction may give it
+        for number, frame in enumerate(statement.frames):
+            least, most = stage.shares.get(frame, (0.0, 0.0))
+            if not (shares[number] <= least and shares[len(statement.frames) + number] >= most):
+                what = f"the tool may have another share in the error of {frame}"
+                statement.require(False, Code.UNCERTAINTY, what, stage.when)
 
 
 def _require_seats(statement: Statement, names: list[str]) -> None:

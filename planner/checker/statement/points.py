@@ -90,10 +90,10 @@ def _require_point(
         at_most(c.POINT_POSITION, position),
     ]
     if yaw < math.inf and "yaw" in statement.scene.robot.coordinates:
-        bounds.append((c.POINT_YAW, (0.0,), (yaw,)))
+        bounds.append([(c.POINT_YAW, 0.0, yaw)])
     if rates:
         # velocities are compared when the row begins
-        bounds += [(c.POINT_T0, when[:1], when[:1]), (c.POINT_RATE, (0.0,) * len(rates), rates)]
+        bounds += [[(c.POINT_T0, when[0], when[0])], [(k, 0.0, x) for k, x in enumerate(rates, c.POINT_RATE)]]
     if not heights[1] > 0.0:
         bounds.append(at_most(c.POINT_HEIGHT, -1.0))
     slack, is_there = TRACKED_M + SAME, False
@@ -167,7 +167,7 @@ def _is_error(statement: Statement, number: int, error: ArrivalError) -> bool:
     return any(
         statement.states(
             "errors",
-            (c.ERROR_TIME, (arrival.until, phase), (arrival.until, phase)),
+            [(c.ERROR_TIME, arrival.until, arrival.until), (c.ERROR_PHASE, phase, phase)],
             same(c.ERROR_FRAME, statement.frames[frame], statement.flange, *tool, *point),
             at_least(c.ERROR_OFF, *(x - SAME for x in off)),
             at_most(c.ERROR_FAR, *(x + ROUNDED for x in most)),

@@ -6,8 +6,7 @@ All that is required of a row is that some of its numbers are within bounds. So 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from itertools import count
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -15,11 +14,9 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement.differences import SAME, Interval
 from assur.planner.checker.statement.holding import Handling
 from assur.planner.claim import columns as c
-from assur.planner.model.outcome import Plan
-from assur.planner.model.scene import Scene
 
-Bound = tuple[int, Sequence[float], Sequence[float]]
-"""The first of some columns, and the least and the greatest number that each of them may have."""
+Bound = list[tuple[int, float, float]]
+"""Columns, each with the least and the greatest number that it may have."""
 YAWS = {
     "points": [c.POINT_TOOL + 3, c.POINT_TARGET + 3],
     "errors": [c.ERROR_TOOL + 3, c.ERROR_TARGET + 3],
@@ -31,38 +28,35 @@ ROUNDING = 1e-12
 
 def same(column: int, *numbers: float) -> Bound:
     """These numbers, from a column on."""
-    return column, [x - SAME for x in numbers], [x + SAME for x in numbers]
+    return [(k, x - SAME, x + SAME) for k, x in enumerate(numbers, column)]
 
 
 def at_least(column: int, *numbers: float) -> Bound:
     """Numbers that are no smaller, from a column on."""
-    return column, numbers, [math.inf] * len(numbers)
+    return [(k, x, math.inf) for k, x in enumerate(numbers, column)]
 
 
 def at_most(column: int, *numbers: float) -> Bound:
     """Numbers that are no larger, from a column on."""
-    return column, [-math.inf] * len(numbers), numbers
+    return [(k, -math.inf, x) for k, x in enumerate(numbers, column)]
 
 
 def all_of(when: Interval) -> Bound:
     """Rows that hold over all of an interval."""
-    return 0, (-math.inf, when[1]), (when[0], math.inf)
+    return [(0, -math.inf, when[0]), (1, when[1], math.inf)]
 
 
 def within(when: Interval) -> Bound:
     """Rows that hold over a part of an interval, or at an instant in it."""
-    return 0, (when[0] - SAME, -math.inf), (math.inf, when[1] + SAME)
+    return [(0, when[0] - SAME, math.inf), (1, -math.inf, when[1] + SAME)]
 
 
 class Statement(Handling):
     """A claim that has to state what a request requires of a plan."""
 
-    def __init__(self, scene: Scene, plan: Plan, claim: c.Claim, handling: Handling | None = None) -> None:
-        """`handling`: that of the same plan, if it is derived already."""
-        if handling is None:
-            super().__init__(scene, plan)
-        else:
-            vars(self).update(vars(handling), findings=[])
+    def __init__(self, handling: Handling, claim: c.Claim) -> None:
+        """`handling`: of the plan whose claim it is; what was derived of it is not derived again."""
+        vars(self).update(vars(handling), findings=[])
         self.claim = claim
         self._lists: dict[str, list[list[float]]] = {}
         self._numbers: dict[str, dict[tuple[float, ...], list[tuple[float, ...]]]] = {}
@@ -70,23 +64,20 @@ class Statement(Handling):
     def rows(self, table: str, *bounds: Bound) -> FloatArray:
         """The rows of a table whose numbers are within bounds; NaN is not."""
         stated: FloatArray = getattr(self.claim, table)
-        low, high = [-math.inf] * stated.shape[1], [math.inf] * stated.shape[1]
-        for column, least, most in bounds:
-            low[column : column + len(least)], high[column : column + len(most)] = least, most
-        box = np.array((low, high))
-        return np.asarray(stated[((box[0] <= stated) & (stated <= box[1])).all(1)])
+        columns, low, high = zip(*(each for bound in bounds for each in bound), strict=True)
+        own = stated[:, columns]
+        return np.asarray(stated[((np.array(low) <= own) & (own <= np.array(high))).all(1)])
 
     def listed(self, table: str, *bounds: Bound) -> list[list[float]]:
         """The same of a table that has few rows, as lists; yaws may differ by full turns."""
         if table not in self._lists:
             self._lists[table] = getattr(self.claim, table).tolist()
-        box = [each for column, least, most in bounds for each in zip(count(column), least, most, strict=False)]
-        yaws = YAWS.get(table, ())
+        box, yaws = [each for bound in bounds for each in bound], YAWS.get(table, ())
 
         def fits(row: list[float]) -> bool:
             for column, low, high in box:
                 x = row[column]
-                if column in yaws:
+                if not low <= x <= high and column in yaws:
                     middle = (low + high) / 2.0
                     x = middle + math.remainder(x - middle, math.tau)
                 if not low <= x <= high:
@@ -100,12 +91,12 @@ class Statement(Handling):
         return len(self.listed(table, *bounds)) > 0
 
     def keeps(
-        self, table: str, about: Sequence[float], least: float, most: float, when: Interval, *, once: bool = False
+        self, table: str, about: tuple[float, ...], least: float, most: float, when: Interval, *, once: bool = False
     ) -> bool:
         """Whether rows of `rates`, `axes` or `sums` state that a number is from `least` to `most` over all of an
         interval, or (`once`) for a part of it."""
         low, high = least - SAME - ROUNDING * abs(least), most + SAME + ROUNDING * abs(most)
-        spans = [(t0, t1) for t0, t1, lower, upper in self.bounds(table, *about) if low <= lower and upper <= high]
+        spans = [(t0, t1) for t0, t1, lower, upper in self.bounds(table, about) if low <= lower and upper <= high]
         if once:
             return any(when[0] - SAME <= t0 and t1 <= when[1] + SAME for t0, t1 in spans)
         reached = -math.inf
@@ -114,7 +105,7 @@ class Statement(Handling):
                 reached = max(reached, t1)
         return reached >= when[1]
 
-    def bounds(self, table: str, *about: float) -> list[tuple[float, ...]]:
+    def bounds(self, table: str, about: tuple[float, ...]) -> list[tuple[float, ...]]:
         """Times and bounds of the rows of `rates`, `axes` or `sums` about a number: the columns between both."""
         if table not in self._numbers:
             self._numbers[table] = {}
@@ -130,8 +121,8 @@ class Statement(Handling):
         self, order: int, shares: Iterable[float], least: float, most: float, when: Interval, *, once: bool = False
     ) -> bool:
         """`keeps` for a sum of shares of the joints, or a derivative of it."""
-        about = [float(order), *shares]
-        about += [0.0] * (1 + c.MOST_JOINTS - len(about))
+        about = (float(order), *shares)
+        about += (0.0,) * (1 + c.MOST_JOINTS - len(about))
         return self.keeps("sums", about, least, most, when, once=once)
 
     def tool_keeps(

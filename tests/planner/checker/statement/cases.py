@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 import assur
-from assur.planner.checker.statement import state_cell, state_legs, state_plan
+from assur.planner.checker.statement import Handling, state_cell, state_legs, state_plan
 from assur.planner.checker.statement.solids import bodies_of
 from assur.planner.checker.verdict import Finding
 from assur.planner.claim import filling
@@ -59,7 +59,8 @@ class Case:
 def differences(case: Case, claim: Claim | None = None, plan: Plan | None = None) -> list[Finding]:
     """What the statement checker reports of a case, or of another claim or plan for its request."""
     claim, plan = claim or case.claim, plan or case.plan
-    return state_legs(case.scene, plan) or state_cell(case.scene, claim) or state_plan(case.scene, plan, claim)
+    handling = Handling(case.scene, plan)
+    return state_legs(handling) or state_cell(case.scene, claim) or state_plan(handling, claim)
 
 
 def sealed(scene: Scene, plan: Plan) -> Plan:

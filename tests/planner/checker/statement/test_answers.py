@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from assur.planner.checker.claim.verdict import check_claim
-from assur.planner.checker.statement import state_answer
+from assur.planner.checker.statement import Handling, state_answer
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.claim import columns as c
 from assur.planner.claim import filling
@@ -42,7 +42,7 @@ def answered(name: str) -> tuple[Case, Claim]:
 def reported(name: str, claims: Claims | None = None, plan: Plan | None = None) -> list[Finding]:
     """What is reported of other statements about a case, or of another plan, whose claim is that of the right one."""
     case, claim = answered(name)
-    return state_answer(case.scene, plan or case.plan, claims or case.claims, claim)
+    return state_answer(Handling(case.scene, plan or case.plan), claims or case.claims, claim)
 
 
 @pytest.mark.parametrize("name", sorted(set(shipped_scenarios()) - NOT_PLANNED))
@@ -57,7 +57,7 @@ def test_the_claim_of_the_answer_of_a_shipped_scenario_is_accepted(name: str) ->
 def test_an_answer_that_states_nothing_needs_no_rows() -> None:
     case, _ = answered("demo")
     arrivals = tuple(replace(each, grip_m=None, support_m=None) for each in case.plan.arrivals)
-    assert state_answer(case.scene, replace(case.plan, arrivals=arrivals), NOTHING, case.claim) == []
+    assert state_answer(Handling(case.scene, replace(case.plan, arrivals=arrivals)), NOTHING, case.claim) == []
 
 
 def changed(what: Any, changes: dict[str, Any]) -> Any:
@@ -238,7 +238,7 @@ def test_a_fault_in_the_claim_of_an_answer_is_reported(name: str) -> None:
     numbers = getattr(claim, table).copy()
     numbers[rows, column] += more
     bad = claim._replace(**{table: numbers})
-    found = state_answer(case.scene, case.plan, case.claims, bad)
+    found = state_answer(Handling(case.scene, case.plan), case.claims, bad)
     assert topic in {each.code for each in found}
 
 
@@ -250,7 +250,7 @@ def test_no_row_of_an_answer_can_be_spared(table: str) -> None:
         less = claim._replace(**{table: np.delete(getattr(claim, table), row, axis=0)})
         others = [getattr(claim, table)[k] for k in range(len(getattr(claim, table))) if k != row]
         if not any(np.array_equal(getattr(claim, table)[row], other) for other in others):
-            assert state_answer(case.scene, case.plan, case.claims, less), (table, row)
+            assert state_answer(Handling(case.scene, case.plan), case.claims, less), (table, row)
 
 
 def test_modes_margins_grips_and_supports_that_a_request_asks_for_are_stated() -> None:
