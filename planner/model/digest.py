@@ -41,7 +41,7 @@ def digest(
 
     The certificate's own `digest` does not count. Not checked: whether any of it is true.
     """
-    knots = _table("<f8", trajectory.time, trajectory.q, trajectory.qd, trajectory.qdd)
+    knots = _table("<f8", trajectory.knots)
     columns = [certificate.t0, certificate.t1, certificate.normal]
     if certificate.shift0 is not None and certificate.shift1 is not None:
         columns += [certificate.shift0, certificate.shift1]
