@@ -46,6 +46,12 @@ def folder() -> Path:
     return (Path(users) if users else Path.home() / ".cache") / "assur" / "kernels" / digest()
 
 
+_whole: set[Path] = set()
+"""Folders in which all kernels were: a request does not ask the file system again."""
+
+
 def is_compiled() -> bool:
     """Whether all kernels were compiled into the folder once, by whatever processor."""
-    return (folder() / WHOLE).is_file()
+    if folder() not in _whole and (folder() / WHOLE).is_file():
+        _whole.add(folder())
+    return folder() in _whole

@@ -245,6 +245,8 @@ class within:
         pass
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if error is None:
+            return
         if isinstance(error, Refused):
             error.at(*self._path)
         elif isinstance(error, InputError) and not isinstance(error, DocumentError):

@@ -216,14 +216,15 @@ class Pairs:
     """What must be kept apart in phases of one kind. Distances in m, times in s.
 
     `rows` (P, PAIR_COLUMNS): the robot's bodies against all of the surroundings, which are the first `across` pairs;
-    then those within the robot, and of parts that were put down with what passes by. `rules` (P,): what requires the
-    distance of each pair, a number of `RULES`. `mine` (R,): units of the robot's bodies. `doubt`: the sets, and what
-    else kernels know of uncertainty.
+    then those within the robot, with which the first `own` pairs end; then those of parts that were put down with what
+    passes by. `rules` (P,): what requires the distance of each pair, a number of `RULES`. `mine` (R,): units of the
+    robot's bodies. `doubt`: the sets, and what else kernels know of uncertainty.
     """
 
     rows: FloatArray
     rules: IntArray
     across: int
+    own: int
     mine: IntArray
     doubt: Doubt
 
@@ -244,9 +245,9 @@ class Pairs:
     def exactly(self, arm: float, placed: float) -> FloatArray:
         """Pairs (P, PAIR_COLUMNS) that may not touch, with other distances, m, where nothing is uncertain: `arm` with a
         unit of the robot, `placed` without one. Those of which less than 0 is required are left out."""
-        found = certain(self.rows[self.rows[:, REQUIRED] >= 0.0])
-        found[:, REQUIRED] = np.where(np.isin(found[:, FIRST], self.mine), arm, placed)
-        return found[found[:, REQUIRED] >= 0.0]
+        found = certain(self.rows)
+        found[: self.own, REQUIRED], found[self.own :, REQUIRED] = arm, placed
+        return found[(self.rows[:, REQUIRED] >= 0.0) & (found[:, REQUIRED] >= 0.0)]
 
     def rule(self, one: int, other: int) -> tuple[Rule, float]:
         """What says how far the bodies of two roots must stay apart, before what is uncertain of them, and how far, m:
@@ -265,7 +266,6 @@ class PairTables:
         self.tables, self.displaced = distances_of(scene, bodies.carriers), displaced_of(scene)
         self.required = self.tables["required"][0]
         known = [frame.uncertainty for frame in scene.frames.values()]
-        self._radii = np.array([body.radius for body in bodies_in(scene)])
         self._yaw = np.array([each.yaw_rad for each in known])
         moves = bodies.still[bodies.links :, None] == 0
         self._late = np.array([each.shift_s for each in known]).reshape(-1, 2) * moves
@@ -285,39 +285,38 @@ class PairTables:
     def _pairs(self, arrangement: Arrangement, phase: Phase) -> Pairs:
         story, seats = phases_of(self.scene, self.bodies.carriers, self.bodies.seats, [phase]), arrangement.seats
         link, frame = seats[:, c.SEAT_LINK].astype(np.int64), seats[:, c.SEAT_FRAME].astype(np.int64)
-        around = np.flatnonzero(link < 0)
-        mine = np.flatnonzero(link >= 0) if phase.robot else np.zeros(0, dtype=np.int64)
+        around, mine = (link < 0).nonzero()[0], ((link >= 0) & phase.robot).nonzero()[0]
         across = len(mine) * len(around)
-        i, k = (mine[each] for each in np.nonzero(mine[:, None] < mine))
+        i, k = (mine[each] for each in (mine[:, None] < mine).nonzero())
         within = (link[i] != link[k]) & (self.tables["self_pairs"][link[i], link[k]] > 0.0)
         moves = np.where(link < 0, self._moves[frame] if len(self._moves) else False, False)
-        others, done = [np.zeros((2, 0), dtype=np.int64)], list[int]()
+        first = [np.repeat(mine, len(around)), i[within]]
+        second, done = [np.tile(around, len(mine)), k[within]], list[int]()
+        own = across + len(first[1])
         for part, supports in zip(story["put_down"][:, c.PUT_BODY].astype(np.int64), story["supports"], strict=True):
             # what does not move against a part, it was proved to stay clear of while it was put down
             passes = (link < 0) & (frame != frame[part]) & (moves | moves[part]) & (supports == 0.0)
             passes[done] = False
             done.append(part)
             b = np.flatnonzero(passes)
-            others.append(np.stack((np.full(len(b), part), b)))
-        placed = np.concatenate(others, 1)
-        first = np.concatenate((np.repeat(mine, len(around)), i[within], placed[0]))
-        second = np.concatenate((np.tile(around, len(mine)), k[within], placed[1]))
-        near = np.full(len(first), phase.near)
-        near[len(first) - placed.shape[1] :] = True
-        rows = np.empty((len(first), PAIR_COLUMNS))
-        rows[:, FIRST], rows[:, SECOND] = arrangement.roots[first], arrangement.roots[second]
-        rows[:, REQUIRED], rules = self._distances(first, second, near, story["contacts"])
-        sets, rows[:, SET] = self._sets(first, second, across, seats, story)
-        # the robot may start late, and then all else is ahead of it while it moves
-        behind, ahead = np.zeros(len(link)), np.full(len(link), self.required[c.REQUIRED_LATE])
-        if len(self._late):
-            behind, ahead = np.where(link < 0, self._late[frame].T, (behind, ahead))
-        rows[:, EARLY] = np.where(moves[second], behind[first] - ahead[second], 0.0)
-        rows[:, LATE] = np.where(moves[second], ahead[first] - behind[second], 0.0)
+            first.append(np.full(len(b), part))
+            second.append(b)
+        one, other = np.concatenate(first), np.concatenate(second)
+        near = np.ones(len(one), dtype=bool)
+        near[:own] = phase.near
+        rows = np.zeros((len(one), PAIR_COLUMNS))
+        rows[:, FIRST], rows[:, SECOND] = arrangement.roots[one], arrangement.roots[other]
+        rows[:, REQUIRED], rules = self._distances(one, other, near, story["contacts"])
+        sets, rows[:, SET] = self._sets(one, other, across, seats, story)
+        if moves.any():
+            # the robot may start late, and then all else is ahead of it while it moves
+            late = np.where(link < 0, self._late[frame].T, [[0.0], [self.required[c.REQUIRED_LATE]]])
+            rows[:, EARLY] = np.where(moves[other], late[0, one] - late[1, other], 0.0)
+            rows[:, LATE] = np.where(moves[other], late[1, one] - late[0, other], 0.0)
         shift = shift_of(self.displaced, story["shares"][0])
         clock = np.array([self.required[c.REQUIRED_SINCE], self.required[c.REQUIRED_LATE], *shift])
         lag = self.required[c.REQUIRED_LAG :][: len(self.scene.robot.joints)].copy()
-        return Pairs(rows, rules, across, arrangement.roots[mine], (sets, lag, clock))
+        return Pairs(rows, rules, across, own, arrangement.roots[mine], (sets, lag, clock))
 
     def _distances(
         self, first: IntArray, second: IntArray, near: BoolArray, contacts: FloatArray
@@ -346,7 +345,8 @@ class PairTables:
         frame = seats[:, c.SEAT_FRAME].astype(np.int64)
         sets: FloatArray = np.zeros((len(first), SET_COLUMNS))
         flat, upright = off.reshape(2, -1)
-        far = np.hypot(seats[:, c.SEAT_POSE], seats[:, c.SEAT_POSE + 1]) + self._radii
+        radii = np.array([body.radius for body in bodies_in(self.scene)])
+        far = np.hypot(seats[:, c.SEAT_POSE], seats[:, c.SEAT_POSE + 1]) + radii
         flat = flat + np.where(link < 0.0, self._yaw[frame] * far, 0.0)
         sets[:, FLAT], sets[:, UPRIGHT] = flat[first] + flat[second], upright[first] + upright[second]
         free, tool = np.full(len(first), SEGMENTS), link >= self.required[c.REQUIRED_TOOL]
@@ -378,6 +378,8 @@ class PairTables:
 def shift_of(displaced: FloatArray, shares: FloatArray) -> tuple[float, float]:
     """How far, m, corrections may shift the tool, which has these `shares` (2 F) in displacements of frames, and by how
     much that grows, m/s."""
+    if not len(displaced):
+        return 0.0, 0.0
     most = shares.reshape(2, -1)[1, displaced[:, c.DISPLACED_FRAME].astype(np.int64)] * displaced[:, c.DISPLACED_SHARED]
     amount, growth = most @ displaced[:, c.DISPLACED_AMOUNT : c.DISPLACED_GROWTH + 1]
     return float(amount), float(growth)

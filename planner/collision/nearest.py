@@ -118,15 +118,13 @@ def _counted(
 ) -> FloatArray:  # fmt: skip
     """The rows of pairs of a kind that may not touch and whose bodies are not in `without`, where all is where it is
     planned."""
-    pairs = certain(asked.rows[asked.rows[:, REQUIRED] >= 0.0])
-    units = pairs[:, FIRST : SECOND + 1].astype(np.int64)
-    counted: BoolArray = np.ones(len(pairs), dtype=np.bool_)
-    if of != "all":
-        counted = (arrangement.carrier[units] >= arrangement.links).all(axis=1) == (of == "placed")
+    rows = asked.rows if of == "all" else asked.rows[: asked.own] if of == "arm" else asked.rows[asked.own :]
+    pairs = certain(rows[rows[:, REQUIRED] >= 0.0])
     if without:
-        names = [[arrangement.names[body] for body in two] for two in arrangement.body[units].tolist()]
-        counted &= np.array([pair(*two) not in without for two in names], dtype=np.bool_)
-    return pairs[counted]
+        bodies = arrangement.body[pairs[:, FIRST : SECOND + 1].astype(np.int64)].tolist()
+        names = [[arrangement.names[body] for body in two] for two in bodies]
+        pairs = pairs[np.array([pair(*two) not in without for two in names], dtype=np.bool_)]
+    return pairs
 
 
 def _search(
@@ -139,7 +137,7 @@ def _search(
 ) -> None:
     """Goes on with the search over one phase."""
     arrangement, spline = prover.of(phase), prover.spline(trajectory)
-    motion, asked, within = prover.motion(spline), prover.pairs(arrangement, phase), NEARBY_M
+    motion, asked, within = prover.motion(spline), prover.pairs_of(phase), NEARBY_M
     pairs = counted = _counted(arrangement, asked, without, of)
     if not len(counted):
         return
@@ -270,8 +268,10 @@ def closest(
     stands = prover.standing(q, phase.t0)
     pairs = certain(prover.near(phase, stands))
     one, other = (arrangement.body[pairs[:, column].astype(np.int64)] for column in (FIRST, SECOND))
-    names = [pair(arrangement.names[a], arrangement.names[b]) for a, b in zip(one, other, strict=True)]
-    wanted = np.array([each not in contacts for each in names], dtype=bool)
+    wanted: BoolArray = np.ones(len(pairs), dtype=np.bool_)
+    for first, second in contacts:
+        a, b = arrangement.number[first], arrangement.number[second]
+        wanted &= ~(((one == a) & (other == b)) | ((one == b) & (other == a)))
     if among is not None:
         hanging, named = _hanging(scene, arrangement, among)
         wanted &= hanging[one] & named[other]

@@ -157,20 +157,33 @@ class Prover:
         """What kernels are told where all is where it is planned."""
         self.has_loop = has_loop(scene.robot)
         self._boxes: dict[int, tuple[FloatArray, FloatArray, FloatArray]] = {}
+        self._phase: Phase | None = None
+        self._arrangement: Arrangement
+        self._pairs: Pairs | None = None
         self._spline: tuple[Trajectory, Spline] | None = None
         self._rows: dict[Phase, FloatArray] = {}
         """Rows that screening found for phases of that trajectory."""
 
     def of(self, phase: Phase) -> Arrangement:
-        """The arrangement of a phase."""
-        return self.arrangement(phase.attached)
+        """The arrangement of a phase. That of the last phase is kept, as its pairs are: to look them up takes longer
+        than to compare two phases by their identity."""
+        if self._phase is not phase:
+            self._phase, self._arrangement, self._pairs = phase, self.arrangement(phase.attached), None
+        return self._arrangement
+
+    def pairs_of(self, phase: Phase) -> Pairs:
+        """The pairs of a phase."""
+        arrangement = self.of(phase)
+        if self._pairs is None:
+            self._pairs = self.pairs(arrangement, phase)
+        return self._pairs
 
     def rule(self, phase: Phase, *names: str) -> tuple[Rule, float]:
         """What says how far two bodies must stay apart in a phase, before what is uncertain of them, and how far, m:
         less than 0 for a pair that may touch."""
         arrangement = self.of(phase)
         one, other = (int(arrangement.roots[arrangement.number[name]]) for name in names)
-        return self.pairs(arrangement, phase).rule(one, other)
+        return self.pairs_of(phase).rule(one, other)
 
     def spline(self, trajectory: Trajectory) -> Spline:
         """The tables of a trajectory; those of the last one are kept, for its phases are proved one after the other."""
@@ -180,9 +193,9 @@ class Prover:
 
     def standing(self, q: FloatArray, t: float) -> Spline:
         """The arm at rest at q (n,) from time t on."""
-        still = np.zeros((2, len(q)))
-        path = Trajectory(np.array([t, t + 1.0]), np.array([q, q]), still, still)
-        return spline_table(path)
+        knots = np.zeros((2, 1 + 3 * len(q)))
+        knots[:, 0], knots[:, 1 : 1 + len(q)] = (t, t + 1.0), q
+        return spline_table(Trajectory.of_knots(knots))
 
     def motion(self, spline: Spline) -> Motion:
         """What moves the carriers, as kernels read it."""
@@ -190,7 +203,7 @@ class Prover:
 
     def prove(self, phase: Phase, trajectory: Trajectory) -> Rows | Unproved:
         """Rows that cover every asked pair over the whole phase, or the first pair that resists."""
-        spline, pairs = self.spline(trajectory), self.pairs(self.of(phase), phase)
+        spline, pairs = self.spline(trajectory), self.pairs_of(phase)
         known = self._rows.get(phase)
         if known is None:
             known, asked = self._planes(phase, spline, pairs)
@@ -201,7 +214,7 @@ class Prover:
     def prove_gaps(self, phase: Phase, trajectory: Trajectory, arm: float, placed: float) -> Rows | Unproved:
         """The same for other distances, m, where all is where it is planned: `arm` for pairs with a body of the robot,
         `placed` for those of parts that were put down; less than 0: none is required. Pairs in contact do not count."""
-        pairs = self.pairs(self.of(phase), phase).exactly(arm, placed)
+        pairs = self.pairs_of(phase).exactly(arm, placed)
         return self._shown(phase, self.spline(trajectory), np.zeros((0, ROW_COLUMNS)), pairs, self.exact)
 
     def _shown(
@@ -229,7 +242,7 @@ class Prover:
         that is shown to be nothing, at any instant, the rows that show it are kept for `prove`."""
         spline = self.spline(trajectory)
         search = self.hits(phase, spline, self.near(phase, spline))
-        if search.done and not self.pairs(self.of(phase), phase).many:
+        if search.done and not self.pairs_of(phase).many:
             self._rows[phase] = search.proved
         return search.too_near
 
@@ -241,7 +254,7 @@ class Prover:
         instants = [phase.t1] * (phase.t1 > phase.t0)
         instants += [phase.t0] * (phase.t0 == self.scene.start.time < phase.t1)
         ends = tuple((t, t) for t in instants)
-        doubt = self.pairs(self.of(phase), phase).doubt if doubted else self.exact
+        doubt = self.pairs_of(phase).doubt if doubted else self.exact
         search = Search(self, phase, spline, asked, doubt, ends, MOST_HITS)
         while search.go_on(SCREEN) not in (DONE, HIT, RESISTED) and not search.over:
             pass
@@ -249,7 +262,7 @@ class Prover:
 
     def near(self, phase: Phase, spline: Spline) -> FloatArray:
         """The pairs (P, PAIR_COLUMNS) of a phase that are not kept apart by planes, if there are many."""
-        pairs = self.pairs(self.of(phase), phase)
+        pairs = self.pairs_of(phase)
         if not pairs.many:
             return pairs.rows
         return self.not_behind(phase, pairs, pairs.rows, self.behind(phase, spline, pairs))
@@ -320,7 +333,7 @@ class Prover:
         """How deep (W,) motions are in something at instants `t` (W, T) with joints `q` (W, T, n), up to about `most`
         (`kernels.screening.depths`)."""
         arrangement, found = self.of(phase), np.empty(len(t))
-        pairs = self.pairs(arrangement, phase)
+        pairs = self.pairs_of(phase)
         asked = pairs.rows
         if pairs.many:
             least = np.empty((len(pairs.mine), SIDES))

@@ -140,7 +140,7 @@ def _encounter(prover: Prover, phase: Phase, hit: list[float], q: FloatArray) ->
 def deepest(prover: Prover, phase: Phase, trajectory: Trajectory, unproved: Unproved) -> Unproved:
     """A pair that may touch and was not proved in a phase, where it is deepest: there, or at an end of the phase."""
     arrangement, spline = prover.of(phase), prover.spline(trajectory)
-    pairs = prover.pairs(arrangement, phase)
+    pairs = prover.pairs_of(phase)
     body = arrangement.body[pairs.rows[:, [FIRST, SECOND]].astype(np.int64)]
     ours = [arrangement.number[name] for name in unproved.bodies]
     touching = pairs.rows[(body == ours).all(1) & (pairs.rows[:, REQUIRED] < 0.0)]

@@ -51,11 +51,12 @@ PARTS = 512
 def out_of_range(scene: Scene, number: int) -> Refusal | None:
     """Why no joint position meets the control point of a step, or what is required above it, however the part is held;
     None: one does, or nobody knows, for it moves."""
-    first, refusal = point_of(scene, ways(scene, number)[0]), None
-    if not first.still:
-        return _never_near(scene, first)
+    refusal = None
     for way in ways(scene, number):
-        beyond = _in_no_mode(scene, point_of(scene, way))
+        point = point_of(scene, way)
+        if not point.still:
+            return _never_near(scene, point)  # as all points of the step, which are on one frame
+        beyond = _in_no_mode(scene, point)
         if beyond is None:
             return None
         refusal = refusal or beyond

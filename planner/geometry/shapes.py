@@ -230,9 +230,10 @@ def radius(piece: Piece) -> float:
     (a, b, c), (d, e, f), _ = piece.rotation.tolist()
     x, y, _ = piece.position.tolist()
     hx, hy, hz = piece.shape.half
-    signs = ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0))
-    flat = ((a * hx + s * b * hy + t * c * hz, d * hx + s * e * hy + t * f * hz) for s, t in signs)
-    farthest = max(max(math.hypot(x + u, y + v), math.hypot(x - u, y - v)) for u, v in flat)
+    farthest = 0.0
+    for s, t in ((hy, hz), (hy, -hz), (-hy, hz), (-hy, -hz)):
+        u, v = a * hx + b * s + c * t, d * hx + e * s + f * t
+        farthest = max(farthest, math.hypot(x + u, y + v), math.hypot(x - u, y - v))
     return farthest + piece.shape.disc + piece.shape.ball
 
 

@@ -149,6 +149,7 @@ def _beyond(scene: Scene, stage: Stage, step: int, trajectory: Trajectory) -> Re
 
 AROUND, ROUNDS = 32, 4
 """Parts of the surroundings of an instant that is near, and how often they are parted: 1 ms to less than 1 ns."""
+_PARTS = np.arange(AROUND + 1.0)
 FINE_S = 0.001
 """Apart as a rule, s, are the instants at which all of a motion is evaluated."""
 MOST_FINE = 100_000
@@ -192,16 +193,20 @@ def _least(margin: Callable[[FloatArray], FloatArray], trajectory: Trajectory, t
 def _lows(found: FloatArray) -> list[int]:
     """Instants around which the least of all may be: none beside one of them has less, and the least is no farther
     below it than it changes from there to the instants beside."""
-    steps = np.diff(found)
-    falls = np.append(True, steps < 0.0) & np.append(steps >= 0.0, True)
-    sizes = np.abs(steps)
-    change = np.maximum(np.append(0.0, sizes), np.append(sizes, 0.0))
+    steps = found[1:] - found[:-1]
+    falls, change, sizes = np.ones(len(found), dtype=bool), np.zeros(len(found)), np.abs(steps)
+    falls[1:] = steps < 0.0
+    falls[:-1] &= steps >= 0.0
+    change[1:] = sizes
+    np.maximum(change[:-1], sizes, out=change[:-1])
     return [int(k) for k in np.flatnonzero(falls & (found - change <= found.min()))]
 
 
 def _around(margin: Callable[[FloatArray], FloatArray], trajectory: Trajectory, t: FloatArray, k: int) -> Least:
     for _ in range(ROUNDS):
-        t = np.linspace(t[max(k - 1, 0)], t[min(k + 1, len(t) - 1)], AROUND + 1)
+        low, high = t[max(k - 1, 0)], t[min(k + 1, len(t) - 1)]
+        t = _PARTS * ((high - low) / AROUND) + low  # as `linspace`, which takes five times as long
+        t[-1] = high
         found = margin(trajectory.evaluate(t))
         k = int(np.argmin(found))  # of what is no number, the first
     return float(found[k]), float(t[k])

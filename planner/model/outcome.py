@@ -229,7 +229,7 @@ class Certificate:
     covers: tuple[str, ...] = COVERS
 
     def __post_init__(self) -> None:
-        given: dict[str, Any] = {name: getattr(self, name) for name in Certificate.__dataclass_fields__}
+        given: dict[str, Any] = vars(self)
         rows = np.shape(given["t0"])
         if (self.shift0 is None) != (self.shift1 is None):
             raise InputError("certificate.shift0", self.shift0, "both ends of shifts, or none")
@@ -238,7 +238,7 @@ class Certificate:
             column, shape = given[name], (*rows, 3) if name == "normal" else rows
             if not (isinstance(column, np.ndarray) and column.dtype.kind == kind and column.dtype.itemsize == 8):
                 raise InputError(f"certificate.{name}", column, "an array of int64 or float64")
-            if column.shape != shape or len(rows) != 1 or not np.isfinite(column).all():
+            if column.shape != shape or len(rows) != 1 or not (kind == "i" or np.isfinite(column).all()):
                 raise InputError(f"certificate.{name}", column.shape, f"finite numbers of shape {shape}")
         names, covers = given["names"], given["covers"]
         if not (isinstance(names, tuple) and all(isinstance(name, str) for name in names)):

@@ -6,7 +6,7 @@ Seeded and adaptive: what was free or nearly free is varied.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -30,9 +30,10 @@ from assur.planner.search.via_batch import Freedom, shape_of
 # Drawing and scoring one costs a small share of timing and screening it, so many are scored for each that is tried.
 
 
-def at_the_point(rng: np.random.Generator, *, may_stop: bool) -> tuple[float, float, bool]:
-    """How hard tracking legs go, how gently the arm comes to rest in the end, whether it stops behind the depart."""
-    effort, pace, stop = rng.random(3).tolist()
+def at_the_point(chances: Sequence[float], *, may_stop: bool) -> tuple[float, float, bool]:
+    """How hard tracking legs go, how gently the arm comes to rest in the end, whether it stops behind the depart, by
+    three `chances`, uniform in [0, 1)."""
+    effort, pace, stop = chances
     efforts = tuning.TRACKING_EFFORTS
     return efforts[int(effort * len(efforts))], 1.0 + pace, may_stop and stop < tuning.STOPS
 
@@ -71,12 +72,12 @@ class Population:
         chosen = left[: max(least, min(most, self._promising(before)))]
         chosen = chosen[np.argsort(self.end[chosen], kind="stable")].tolist()
         self.tried[chosen] = True
-        self.number = {self._candidate(self.rows[i]): i for i in chosen}
+        self.number = dict(zip(self._candidates(self.rows[chosen]), chosen, strict=True))
         return list(self.number)
 
     def anyone(self) -> Candidate:
         """A new one, whatever its score: that nothing seems worth a try in one round ends no search."""
-        return self._candidate(self.freedom.drawn(self.rng, 1, self.shares)[0])
+        return self._candidates(self.freedom.drawn(self.rng, 1, self.shares))[0]
 
     def learn(self, candidate: Candidate, bad: float, at: float | None) -> None:
         """What came of one that was tried: how deep it was in something (`score_of`), and when."""
@@ -109,9 +110,12 @@ class Population:
         self.rows = np.concatenate([self.rows, new])[order]
         self.bad, self.end, self.tried = bad[order], end[order], tried[order]
 
-    def _candidate(self, row: FloatArray) -> Candidate:
-        there = at_the_point(self.rng, may_stop=self.may_stop)
-        return Candidate(self.options[int(row[OPTION])], shape_of(row), *there)
+    def _candidates(self, rows: FloatArray) -> list[Candidate]:
+        chances = self.rng.random((len(rows), 3)).tolist()
+        return [
+            Candidate(self.options[int(row[OPTION])], shape_of(row), *at_the_point(each, may_stop=self.may_stop))
+            for row, each in zip(rows, chances, strict=True)
+        ]
 
 
 LEAST_RISE_M = 1e-3
@@ -272,5 +276,5 @@ class Sampler:
         return replace(parent, shape=shape)
 
     def _candidate(self, option: Option, shape: Shape) -> Candidate:
-        there = at_the_point(self.rng, may_stop=may_stop(self.scene, self.partial.step))
+        there = at_the_point(self.rng.random(3).tolist(), may_stop=may_stop(self.scene, self.partial.step))
         return Candidate(option, shape, *there)

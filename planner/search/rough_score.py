@@ -57,7 +57,7 @@ class CoarseScore:
         self.prover, self.partial = prover, partial
         self.rough = RoughMotions(partial.attached.limits(prover.scene), partial, options)
         way = partial.way(prover.scene, partial.state.time)
-        self.pairs = len(prover.pairs(prover.arrangement(partial.attached), way))
+        self.pairs = len(prover.pairs_of(way))
         """How many pairs of bodies must be kept apart on the way."""
         self.times: list[float] = []
         """When candidates that had seemed free were in the way of something, s."""

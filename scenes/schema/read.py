@@ -19,7 +19,7 @@ from assur.planner.errors import FaultError
 from assur.scenes.bounds import FAR_M, MAX_JOINTS
 from assur.scenes.faults import MOST_FAULTS, DocumentError, Path, as_written, dotted, likeliest, together
 from assur.scenes.schema.model import NAME, REFERENCE, ByName
-from assur.scenes.schema.normal import normal
+from assur.scenes.schema.normal import LEAVES, normal
 from assur.scenes.schema.stated import PLAIN, STATED
 from assur.scenes.units import SI_UNITS, any_unit, from_si, si_key, twin_of, unit_of
 
@@ -320,9 +320,9 @@ def _check(shape: _Shape, value: object, path: Path) -> None:
     items: Iterable[tuple[Any, Any]] = value.items() if isinstance(value, dict) else enumerate(value)
     for key, item in items:
         below = shape.item
-        if shape.fields and isinstance(item, dict | list):
-            twin = si_key(key)
-            below = shape.fields.get(key if twin is None else twin[0])
+        # most are single values, and their types are quicker to look up than to test
+        if shape.fields and type(item) not in LEAVES and isinstance(item, dict | list):
+            below = shape.fields.get(key) or shape.fields.get((si_key(key) or (key,))[0])
         if below is not None:
             _check(below, item, (*path, str(key) if isinstance(value, dict) else key))
 
