@@ -27,6 +27,7 @@ def test_a_joint_is_beyond_the_end_of_its_range_that_is_nearer(
     scene = cell(go(*place))
     outcome = refused(scene)
     refusal, ends = outcome.refusal, scene.robot.limits
+    assert refusal is not None
     assert (refusal.stage, type(refusal.facts)) == (Stage.CONTROL_POINT, BeyondRange)
     assert isinstance(refusal.facts, BeyondRange)
     low, high = float(ends.lower[joint]), float(ends.upper[joint])
