@@ -274,11 +274,12 @@ def least_shifted(
     h: float,
     d: float,
 ) -> tuple[float, float, float]:
-    """A lower bound of the gap along n over an interval of length h and a shift of length d (N4); and what is lost to
-    both lengths at most."""
+    """A lower bound of the gap along n over an interval of length h and a shift of length d (N4); and by how much it
+    may differ along each of both."""
     bend, added = gap_bend(bodies, jets, ahead, a, b, nx, ny, nz)
     over_time, over_shift = max(bend, 0.0) * h * h / 8.0, max(added, 0.0) * d * d / 8.0
-    least = math.inf
-    for corner in range(4):
-        least = min(least, gap(bodies, vertices, both, corner, a, b, nx, ny, nz))
-    return least - over_time - over_shift, over_time, over_shift
+    one, two = gap(bodies, vertices, both, 0, a, b, nx, ny, nz), gap(bodies, vertices, both, 1, a, b, nx, ny, nz)
+    three, four = gap(bodies, vertices, both, 2, a, b, nx, ny, nz), gap(bodies, vertices, both, 3, a, b, nx, ny, nz)
+    least = min(one, two, three, four) - over_time - over_shift
+    over_time += max(abs(two - one), abs(four - three))
+    return least, over_time, over_shift + max(abs(three - one), abs(four - two))
