@@ -19,8 +19,6 @@ from assur.planner.trajectory import Trajectory
 
 # What writers of rows need of a motion: parts of it in which no acceleration jumps, and where a joint is largest.
 
-LONG_S = 60.0
-"""A piece that lasts longer is a part of its own."""
 BESIDE = 1e-9
 """Share of a piece of the motion by which instants are before its end, where accelerations or jerks jump."""
 SHARES = np.linspace(0.0, 1.0, 17)
@@ -31,10 +29,8 @@ neighbours of the instant at which it is."""
 
 
 def between_jumps(path: Trajectory, t0: float, t1: float) -> list[tuple[float, float]]:
-    """[t0, t1] in parts within which no acceleration jumps, and which hold no long piece and others."""
-    cut = np.diff(path.edges) > LONG_S  # halving a long piece never reaches the short pieces next to it
-    cuts = path.edges if path.jumps else path.edges[np.append(cut, False) | np.append(False, cut)]
-    inside = cuts[(cuts > t0) & (cuts < t1)].tolist()
+    """[t0, t1] in parts within which no acceleration jumps."""
+    inside = path.edges[(path.edges > t0) & (path.edges < t1)].tolist() if path.jumps else []
     return list(pairwise([t0, *inside, t1]))
 
 

@@ -14,7 +14,7 @@ from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.collision.bodies import Arrangement, Pairs, certain
 from assur.planner.collision.proof import Prover, Search
 from assur.planner.geometry.containment import inside
-from assur.planner.kernels.gjk import add_farthest, nearest_to_origin
+from assur.planner.kernels.gjk import nearest_to_origin
 from assur.planner.kernels.intervals import DONE, RESERVE_M, STATE_COLUMNS
 from assur.planner.kernels.proof import SIDES
 from assur.planner.kernels.screening import (
@@ -30,7 +30,7 @@ from assur.planner.kernels.screening import (
     UPPER,
     sample_distance,
 )
-from assur.planner.kernels.solids import BALL, FIRST, PAIR_COLUMNS, REQUIRED, SECOND, SET
+from assur.planner.kernels.solids import BALL, DISC, FIRST, HALF, PAIR_COLUMNS, REQUIRED, SECOND, SET, VERTEX, VERTICES
 from assur.planner.kernels.walk import NEAREST
 from assur.planner.model.deadline import look, out_of_time
 from assur.planner.model.outcome import Nearest
@@ -181,6 +181,8 @@ ENOUGH_M = 2e-6
 two points are equally far."""
 MEET_M = 1e-9
 """Points this near have no direction, m."""
+CHOSEN_M = 1e-9
+"""What a direction does not choose by more than this, m, or as a sine, is in the middle, as in a row of a claim."""
 ITERATIONS = 200
 """Round bodies converge linearly."""
 
@@ -194,14 +196,36 @@ class Simplex(NamedTuple):
     directions: FloatArray
 
 
+def chosen_point(arrangement: Arrangement, placed: FloatArray, unit: int, way: FloatArray) -> FloatArray:
+    """The point (3,), world, of a unit that is a piece, which is farthest along a unit direction (3,), by the rule of
+    the rows `distances` of a claim (`claim.columns`). `placed` (12,): where the unit is.
+
+    This is the rule of the checkers. With another one they would evaluate another point where two points are equally
+    far but for rounding.
+    """
+    row, axes = arrangement.rows[unit], placed[3:].reshape(3, 3)
+    local = way @ axes
+    first, many = int(row[VERTEX]), int(row[VERTICES])
+    if many > 0:
+        corners = arrangement.bodies.vertices[first : first + many]
+        heights = corners @ local
+        here = corners[int(np.argmax(heights >= heights.max() - CHOSEN_M))]
+    else:
+        edges = zip(row[HALF : HALF + 3].tolist(), local.tolist(), strict=True)
+        here = np.array([math.copysign(half, x) if abs(half * x) > CHOSEN_M else 0.0 for half, x in edges])
+        across = math.hypot(local[0], local[1])
+        if across > CHOSEN_M:
+            here[:2] += row[DISC] / across * local[:2]
+    return np.asarray(placed[:3] + axes @ here + row[BALL] * way)
+
+
 def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int, enough_m: float = ENOUGH_M) -> Simplex:
     """That of units a and b, which are pieces, with their carriers (K, 12) where they are, when the distance is known
     to `enough_m`."""
-    rows, _, placed = units = arrangement.placed(carriers, (a, b))
+    placed = arrangement.placed(carriers, (a, b))[2]
     axes = np.concatenate([placed[0, unit, 3:12].reshape(3, 3) for unit in (a, b)], axis=1)
     turn = TURNS[np.argmax(np.abs(TURNS @ axes).min(axis=1))]
-    balls, work = float(rows[a, BALL] + rows[b, BALL]), np.empty((3, 4))
-    points, directions = np.zeros((4, 3)), np.zeros((4, 3))
+    points, directions, work = np.zeros((4, 3)), np.zeros((4, 3)), np.empty((3, 4))
     weights, count, between = np.zeros(4), 0, placed[0, b, :3] - placed[0, a, :3]
     for _ in range(ITERATIONS):
         length = float(np.linalg.norm(between))
@@ -209,15 +233,11 @@ def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int, enou
             break
         way = (between / length if length > MEET_M else np.zeros(3)) + turn
         way /= np.linalg.norm(way)
-        point = np.zeros((1, 3))
-        x, y, z = way.tolist()
-        add_farthest(units, 0, b, (-x, -y, -z), 1.0, point, 0)
-        add_farthest(units, 0, a, (x, y, z), -1.0, point, 0)
-        point[0] -= balls * way
+        point = chosen_point(arrangement, placed[0, b], b, -way) - chosen_point(arrangement, placed[0, a], a, way)
         # no direction brings the pieces nearer than this, and the point is none that is known
-        if count and (length - float(way @ point[0]) <= enough_m or (points[:count] == point[0]).all(axis=1).any()):
+        if count and (length - float(way @ point) <= enough_m or (points[:count] == point).all(axis=1).any()):
             break
-        points[count], directions[count] = point[0], way
+        points[count], directions[count] = point, way
         count += 1
         if not nearest_to_origin(points, count, work):
             weights = np.linalg.lstsq(np.vstack([points.T, np.ones(4)]), np.array([0.0, 0.0, 0.0, 1.0]), rcond=None)[0]

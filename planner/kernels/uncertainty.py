@@ -257,11 +257,12 @@ def place_shifted(
 def least_shifted(
     both: Units, jets: FloatArray, ahead: FloatArray, a: int, b: int, normal: Normal, h: float, d: float
 ) -> tuple[float, float, float]:
-    """A lower bound of the gap along n over an interval of length h and a shift of length d (N4); and what is lost to
-    both lengths at most."""
+    """A lower bound of the gap along n over an interval of length h and a shift of length d (N4); and by how much it
+    may differ along each of both."""
     bend, added = gap_bend(both[0], jets, ahead, a, b, normal)
     over_time, over_shift = max(bend, 0.0) * h * h / 8.0, max(added, 0.0) * d * d / 8.0
-    least = math.inf
-    for corner in range(4):
-        least = min(least, gap(both, corner, a, b, normal))
-    return least - over_time - over_shift, over_time, over_shift
+    one, two = gap(both, 0, a, b, normal), gap(both, 1, a, b, normal)
+    three, four = gap(both, 2, a, b, normal), gap(both, 3, a, b, normal)
+    least = min(one, two, three, four) - over_time - over_shift
+    over_time += max(abs(two - one), abs(four - three))
+    return least, over_time, over_shift + max(abs(three - one), abs(four - two))

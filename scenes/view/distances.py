@@ -9,10 +9,9 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.bodies import Arrangement
-from assur.planner.collision.nearest import MEET_M, nearest_at, pairs_of_pieces, simplex
+from assur.planner.collision.nearest import MEET_M, chosen_point, nearest_at, pairs_of_pieces, simplex
 from assur.planner.collision.proof import Prover
 from assur.planner.kernels import solids as c
-from assur.planner.kernels.gjk import add_farthest
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
@@ -85,12 +84,10 @@ def _closest_points(arrangement: Arrangement, carriers: FloatArray, a: int, b: i
     """A point of unit a and a point of unit b, each (3,) in the world, whose distance is that of the units; the same
     point for units that overlap."""
     shown = simplex(arrangement, carriers, a, b, POINTS_M)
-    units, points = arrangement.placed(carriers, (a, b)), np.zeros((2, 3))
+    placed, points = arrangement.placed(carriers, (a, b))[2][0], np.zeros((2, 3))
     for weight, way in zip(shown.weights.tolist(), shown.directions, strict=True):
         for k, (unit, along) in enumerate(((a, way), (b, -way))):
-            x, y, z = along.tolist()
-            add_farthest(units, 0, unit, (x, y, z), weight, points, k)
-            points[k] += weight * arrangement.rows[unit, c.BALL] * along
+            points[k] += weight * chosen_point(arrangement, placed[unit], unit, along)
     if shown.distance_m <= MEET_M:
         points[:] = points.mean(0)
     return points[0], points[1]

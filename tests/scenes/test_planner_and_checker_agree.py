@@ -5,6 +5,7 @@ A line of the census of stage `checker` is a fault of the planner: no search her
 
 from __future__ import annotations
 
+import copy
 import math
 from typing import Any
 
@@ -165,3 +166,56 @@ def test_a_plan_for_a_turned_tool_is_refused_where_an_arm_has_no_yaw() -> None:
     codes = {each["code"] for each in check_document(asked, answer)["findings"]}
     assert "ARRIVAL" in codes
     assert cell_of(asked).scene.robot.coordinates == ("x", "y", "z")
+
+
+def test_the_peak_of_a_five_bar_near_the_edge_of_its_reach() -> None:
+    """Bounds of a closed loop round its acceleration by most of what a peak may be off at its instant."""
+    robot = {"model": "mitsubishi-rp-5ah", "tool": {"tcp_m": [0.0, 0.0, -0.025]}}
+    joints = {"j1_rad": 0.5057149525077078, "j2_rad": -0.6042824685483593, "j3_m": 0.0950952676500108,
+              "j4_rad": -0.010798768505105933}  # fmt: skip
+    goal = {"at_m": [0.05831636114666705, -0.12326142898673302, 0.035], "yaw_rad": -1.6566503445902563}
+    asked: Document = {
+        "schema": "assur/1", "robot": robot, "start": {"joints": joints}, "task": [{"move": {"to": goal}}],
+        "options": {"seed": 26, "budget_s": 60, "max_candidates": 1, "stop": "first", "elbow": "auto",
+                    "singularity_margin": 0.0},
+    }  # fmt: skip
+    answer = agreed(asked)
+    for share in (0.999, 1.001):
+        wrong = copy.deepcopy(answer)
+        wrong["margins"]["tool"]["acceleration_m_s2"] *= share
+        assert "RATE" in {each["code"] for each in check_document(asked, wrong)["findings"]}
+
+
+def test_a_neighbour_that_may_start_late_needs_few_rows() -> None:
+    """How far it is ahead was halved twelve times where its time had to be: more rows than the checker evaluates."""
+    tolerance, at, base = 0.009740278632485869, 34290.471744081355, [0.4449925364705781, -0.3772476736992115, -0.434]
+    task = [
+        {"move": {"to": {"at_m": [0.08555357471108502, -0.22266002327170192, -0.5711], "yaw_free": True}, "via": True}},
+        {"move": {"to": {"at_m": [0.05155063172427035, -0.3054069523255666, -0.6155], "yaw_rad": -3.0282545929479405}}},
+    ]
+    position = [[-0.22561328474076645, 0.9153887581251855, 0.13899577522641418, 3.1250505342177592],
+                [0.47271733742130284, 1.2064388405744546, 0.18066336146217732, 1.7342041612750918],
+                [0.2787272688731496, -1.133471202491422, 0.19756120495805282, -1.3219014167356975]]  # fmt: skip
+    rest = [[0.0] * 4] * 3
+    neighbour = {
+        "name": "other", "start_uncertainty_s": 0.0181508361107226,
+        "robot": {"model": "benchmark-scara", "tool": {"tcp_m": [0.0, 0.0, 0.0]},
+                  "base": {"at_m": [0.8056520028266455, 0.22774039552266023, -0.434], "yaw_rad": 3.6317110454944936}},
+        "trajectory": {"joint_names": ["q1", "q2", "z", "q4"], "joint_units": ["rad", "rad", "m", "rad"],
+                       "time_s": [34290.84863638996, 34291.62325356116, 34292.14994659851],
+                       "position": position, "velocity": rest, "acceleration": rest},
+    }  # fmt: skip
+    asked: Document = {
+        "schema": "assur/1",
+        "robot": {"model": "fiuba-scara", "tool": {"tcp_m": [0.0, 0.0, -0.08021834966420908]},
+                  "base": {"at_m": base, "yaw_rad": 0.42271066262071866}},
+        "start": {"at_s": at, "joints": {"theta1_rad": 1.2933525968289126, "theta2_rad": -1.8049787384764144,
+                                         "d3_m": -0.06151864220919173, "theta4_rad": -2.800462526799759}},
+        "task": task, "neighbours": [neighbour], "execution": {"start_tolerance_s": tolerance},
+        "options": {"seed": 138, "budget_s": 60, "max_candidates": 24, "stop": "first", "elbow": "auto",
+                    "singularity_margin": 0.17, "stay_safe_s": 0.52,
+                    "clearance_m": {"travel": 1.4e-4, "near": 6.4e-4}},
+    }  # fmt: skip
+    answer = agreed(asked)
+    assert answer["status"] == "planned"
+    assert len(answer["certificate"]["t0_s"]) < 500

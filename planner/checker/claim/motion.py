@@ -89,16 +89,18 @@ def round_links(k: Claim, g: tb.Geometry, a: int, s: tb.Scratch) -> None:
     for i in range(int(arm[c.ARM_ANGLE]), int(arm[c.ARM_ANGLE] + arm[c.ARM_ANGLES])):
         angle_errors(k, i, n, joints, errors)
     for i in links:
-        link = k.links[i]
-        size += abs(link[c.LINK_OFFSET]) + abs(link[c.LINK_OFFSET + 1]) + abs(link[c.LINK_OFFSET + 2])
+        link, parent = k.links[i], int(k.links[i, c.LINK_PARENT])
+        far = abs(link[c.LINK_OFFSET]) + abs(link[c.LINK_OFFSET + 1]) + abs(link[c.LINK_OFFSET + 2])
         turns = 3.0 if link[c.LINK_PITCH] >= 0.0 else turns
         if link[c.LINK_SLIDE] >= 0.0:
-            own = joints[int(link[c.LINK_SLIDE])]
-            along = abs(link[c.LINK_AXIS]) + abs(link[c.LINK_AXIS + 1]) + abs(link[c.LINK_AXIS + 2])
+            own, upright = joints[int(link[c.LINK_SLIDE])], parent < 0 or g.carriers[parent, tb.CARRIER_UPRIGHT] > 0.0
+            far += abs(link[c.LINK_AXIS + 2]) * (1.0 if upright else 3.0 + own[ERRORS])
             # what turns may slide at the same time: both rates are in the second derivative
-            size += along * (3.0 + own[ERRORS])
+            far += (abs(link[c.LINK_AXIS]) + abs(link[c.LINK_AXIS + 1])) * (3.0 + own[ERRORS])
             for m in range(ERRORS):
                 errors[m] = max(own[m], errors[m])
+        size += far
+        g.rounds[i, tb.ROUND_PLACE] = far + (g.rounds[parent, tb.ROUND_PLACE] if parent >= 0 else 1.0)
     if loop >= 0:
         one, other = k.links[int(k.loops[loop, c.LOOP_CRANK])], k.links[int(k.loops[loop, c.LOOP_CRANK + 1])]
         apart = 0.0
@@ -113,8 +115,9 @@ def round_links(k: Claim, g: tb.Geometry, a: int, s: tb.Scratch) -> None:
         errors[m] = turns * errors[m] + cranks[m]
     off = turn_errors(errors)
     for i in links:
+        far = g.rounds[i, tb.ROUND_PLACE]
         for order in range(3):
-            g.rounds[i, 2 * order + tb.ROUND_PLACE] = (1.0 + size) * off[order]
+            g.rounds[i, 2 * order + tb.ROUND_PLACE] = far * off[order]
             g.rounds[i, 2 * order + tb.ROUND_TURN] = off[order]
 
 

@@ -290,14 +290,15 @@ def error_within(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, state
 
 @kernel(f8(tb.GEOMETRY, f8, f8))
 def middle(g: tb.Geometry, t0: float, t1: float) -> float:
-    """Where an interval is divided: where two pieces of the robot's motion meet, if that is once, for there its
-    acceleration may jump; else in its middle."""
+    """Where an interval is divided: where two pieces of the robot's motion meet, for there its acceleration may jump;
+    else in its middle. As many pieces are on either side, for halves of a time never reach a piece that is far shorter
+    than its neighbours."""
     first = int(g.spans[0, 0])
     last = first + int(g.spans[0, 1]) - 1
-    i = piece_at(g.curves, first, last, t0)
-    if i < last and t0 < g.curves[i, 1] < t1 <= g.curves[i + 1, 1]:
-        return float(g.curves[i, 1])
-    return 0.5 * (t0 + t1)
+    i, j = piece_at(g.curves, first, last, t0), piece_at(g.curves, first, last, t1)
+    if g.curves[j, 0] >= t1:
+        j -= 1
+    return float(g.curves[(i + j + 1) // 2, 0]) if i < j else 0.5 * (t0 + t1)
 
 
 @kernel(types.boolean(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, i8, i8, F1, F2, F1))

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assur.planner.claim.lifts import LONG_S, between_jumps, largest
-from assur.planner.trajectory import Trajectory
+from assur.planner.claim.lifts import between_jumps, largest
 from tests.prover.bundles import planned
 
 NAMES = ("demo", "five-bar", "rv-m1", "parabolic-blend")
@@ -50,11 +49,10 @@ def test_within_an_interval_nothing_is_larger(name: str) -> None:
     assert (t.tolist(), value.tolist()) == ([t1] * path.n, [0.0] * path.n)
 
 
-def test_parts_of_a_motion_end_at_jumps_and_at_long_pieces() -> None:
-    time, none = np.array([0.0, 1.0, 1.5, 1.5 + 2.0 * LONG_S, 90.0 + 2.0 * LONG_S]), np.zeros((5, 1))
-    path = Trajectory(time, none, none, none)
-    assert between_jumps(path, 0.5, 100.0) == [(0.5, 1.5), (1.5, 100.0)]
-    assert between_jumps(path, 0.0, float(time[4])) == [(0.0, 1.5), (1.5, float(time[3])), (float(time[3]), time[4])]
-    assert between_jumps(path, 0.25, 0.75) == [(0.25, 0.75)]
+def test_parts_of_a_motion_end_where_its_acceleration_jumps() -> None:
+    path = planned("demo")[1].trajectory
+    assert between_jumps(path, path.start, path.end) == [(path.start, path.end)]
     path = planned("parabolic-blend")[1].trajectory
     assert [t for t, _ in between_jumps(path, path.start, path.end)] == path.edges[:-1].tolist()
+    t0, t1 = (0.5 * (path.edges[:2] + path.edges[1:3])).tolist()
+    assert between_jumps(path, t0, t1) == [(t0, path.edges[1]), (path.edges[1], t1)]

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
 from fractions import Fraction
 
 import numpy as np
 import pytest
+from flint import arb, ctx
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
@@ -17,6 +19,7 @@ from assur.planner.checker.claim.solids import Jet, inverse, polynomial, root, t
 from assur.planner.checker.claim.verdict import prepare
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
+from assur.prover import prove as prover
 from tests.planner.checker.claim.forgeries import read
 from tests.prover.bundles import bundle
 
@@ -135,6 +138,42 @@ def test_bounds_at_an_instant_hold_without_rounding_and_are_near_that(order: int
         off = rounded(knots, knots[1, 0] - knots[0, 0], order) * (1.0 if at_begin else 1.0 + 3.0 * (5 - order))
         off = 2.0 * off + 8.0 * tb.ULP * abs(value)
         assert within(claim, knots, t, order, value - off, value + off)
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_links_round_by_no_more_than_is_stated(name: str) -> None:
+    """At instants, against places, columns and both derivatives of them in balls of 160 bits."""
+    claim, geometry, scratch = prepared(name)
+    before, (ctx.prec, ctx.cap) = (ctx.prec, ctx.cap), (prover.BITS, prover.TERMS)
+    try:
+        exact_links = prover.World(prover.read(json.dumps(bundle(name)).encode()))
+        rng, worst = np.random.default_rng(6), np.zeros(3)
+        begin, end = claim.knots[0, 0], claim.knots[int(claim.arms[0, c.ARM_KNOTS]) - 1, 0]
+        for t in rng.uniform(begin, end, 40).tolist():
+            for on in range(int(claim.arms[0, c.ARM_LINKS])):
+                slot, rounds = slot_of(claim, geometry, scratch, on, t, t), geometry.rounds[on]
+                link = exact_links.carrier(on, -1, t, t)
+                assert slot >= 0
+                vectors = [link.place, *link.columns]
+                for row, series in enumerate(number for vector in vectors for number in vector):
+                    for order in range(3):
+                        right = series[order] * math.factorial(order)
+                        off = float(abs(right - arb(scratch.jets[slot, on, row, 2 * order])).upper())
+                        most = float(rounds[2 * order + (tb.ROUND_PLACE if row < 3 else tb.ROUND_TURN)])
+                        assert off <= most, (on, row, order)
+                        worst[order] = max(worst[order], off)
+    finally:
+        ctx.prec, ctx.cap = before
+    assert (worst > 0.0).all()
+
+
+def test_a_vertical_slide_of_an_upright_link_turns_nothing() -> None:
+    """Its 3 m, counted for each link that slides, made the bounds of a five-bar twice as large as its reach does."""
+    claim, geometry, _ = prepared("five-bar")
+    slides = np.flatnonzero(claim.links[:, c.LINK_SLIDE] >= 0.0)
+    far = geometry.rounds[slides, tb.ROUND_PLACE] / geometry.rounds[slides, tb.ROUND_TURN]
+    assert len(slides) > 0
+    assert (far < 3.0).all()
 
 
 def jet_of(powers: FloatArray, a: float, b: float) -> Jet:
