@@ -224,7 +224,7 @@ def _strange(scene: Scene, plan: Plan, bodies: Collection[str]) -> list[Finding]
     if not known.all():
         row = int(np.argmin(known))
         findings.append(Finding(Code.ROW, f"row {row} of the certificate is about a body that it does not name"))
-    units = np.abs(np.sqrt((found.normal**2).sum(1)) - 1.0) <= UNIT
+    units = np.abs(np.sqrt(np.vecdot(found.normal, found.normal)) - 1.0) <= UNIT
     if not units.all():
         row = int(np.argmin(units))
         findings.append(Finding(Code.ROW, f"the normal of row {row} of the certificate is no unit vector"))

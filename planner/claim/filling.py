@@ -129,7 +129,7 @@ def rows_of(certificate: Certificate, number: dict[str, int]) -> FloatArray:
         if ahead is not None and ahead.any():
             # windows are sums of two numbers, which the rows have rounded
             found[:, column] = np.where(ahead != 0.0, np.nextafter(ahead, end), 0.0)
-    at = np.array([*(number[name] for name in certificate.names), -1])
+    at = np.array([*map(number.__getitem__, certificate.names), -1])
     found[:, c.ROW_BODY], found[:, c.ROW_BODY + 1] = at[certificate.first], at[certificate.second]
     found[:, c.ROW_PIECE], found[:, c.ROW_PIECE + 1] = certificate.first_piece, certificate.second_piece
     found[:, c.ROW_NORMAL :] = certificate.normal

@@ -44,7 +44,7 @@ def digest(
     if certificate.shift0 is not None and certificate.shift1 is not None:
         columns += [certificate.shift0[:, None], certificate.shift1[:, None]]
     knots, rows = trajectory.knots + 0.0, np.concatenate(columns, 1) + 0.0  # −0 as 0
-    indices = np.array([getattr(certificate, name) for name in INDICES]).T
+    indices = [getattr(certificate, name) for name in INDICES]
     text = ascii(
         [
             FORMAT,
@@ -58,10 +58,9 @@ def digest(
             rows.shape,
         ]
     ).encode()
-    found = hashlib.sha256(len(text).to_bytes(8, "little") + text)
-    for table, kind in ((knots, "<f8"), (rows, "<f8"), (indices, "<i8")):
-        found.update(np.asarray(table, kind).tobytes())
-    return found.hexdigest()
+    tables = np.asarray(knots, "<f8"), np.asarray(rows, "<f8"), np.array(indices, "<i8").T
+    parts = [len(text).to_bytes(8, "little"), text, *(table.tobytes() for table in tables)]
+    return hashlib.sha256(b"".join(parts)).hexdigest()
 
 
 def _leg(leg: Leg) -> list[Any]:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
+from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.differences import Four, Requirements
 from assur.planner.checker.verdict import Code
@@ -172,7 +172,7 @@ def textbook(robot: Robot, q: Sequence[float]) -> list[tuple[Three, Three]]:
         local = list(link.offset)
         if link.slide is not None:
             local[link.slide[0]] += q[link.slide[1]]
-        yaw, pitch, roll = [rad + sum([q[k] for k in joints]) for rad, joints in turns]
+        yaw, pitch, roll = [rad + sum([q[k] for k in joints]) if joints else rad for rad, joints in turns]
         if link.coupler >= 0:
             couplers = couplers or _couplers(found, chain.loop)
             yaw += couplers[link.coupler]
@@ -253,7 +253,7 @@ def states_at(path: Trajectory, time: float) -> FloatArray:
     within = min(max(time, float(path.time[0])), float(path.time[-1]))
     i = int(np.searchsorted(path.time, within, side="right")) - 1
     if path.time[i] == within:
-        return np.array([path.q[i], path.qd[i], path.qdd[i]])
+        return path.knots[i, 1:].reshape(3, path.n)
     h, since = float(path.time[i + 1] - path.time[i]), within - float(path.time[i])
 
     def powers(t: float) -> FloatArray:
@@ -280,14 +280,19 @@ def hand_shares(robot: Robot) -> FloatArray:
     return np.array([[float(k in own) for k in joints] for own in (flange.pitch, flange.roll)])
 
 
+@lru_cache(maxsize=c.MOST_JOINTS)
+def knot_columns(n: int) -> IntArray:
+    """The columns of the knots of an arm with n joints in a claim: times, positions, velocities and accelerations."""
+    return np.array([c.KNOT_TIME, *(k + j for k in (c.KNOT_Q, c.KNOT_QD, c.KNOT_QDD) for j in range(n))])
+
+
 def require_knots(report: Requirements, robot: Robot, path: Trajectory, claim: c.Claim, arm: int) -> None:
     """The arm has the knots of the path, and one before and one behind at most, up to which it does not move."""
     row, count = claim.arms[arm], len(path.time)
     knots = claim.knots[int(row[c.ARM_KNOT]) :][: int(row[c.ARM_KNOTS])]
     first = int(knots[0, 0] < path.time[0])
     behind = len(knots) - first - count
-    columns = [k + j for k in (c.KNOT_Q, c.KNOT_QD, c.KNOT_QDD) for j in range(path.n)]
-    own = knots[first : first + count].take([c.KNOT_TIME, *columns], 1)
+    own = knots[first : first + count].take(knot_columns(path.n), 1)
     same = behind in (0, 1) and bool((own == path.knots).all())
     for k, beside in [(0, 1)] * first + [(-1, -2)] * behind:
         rests = not knots[[k, beside], c.KNOT_QD :].any()

@@ -59,6 +59,9 @@ class Given:
         self.tcp, self.flange = numbers(scene.tool.tcp), float(arms.flange_row(scene.robot))
         self.frames = {name: number for number, name in enumerate(scene.frames)}
         self.bodies = {body.name: number for number, body in enumerate(bodies_of(scene))}
+        start = scene.start
+        self.start = [start.time, *start.q.tolist(), *start.qd.tolist(), *start.qdd.tolist()]
+        """Time, positions, velocities and accelerations of the joints when a plan begins."""
         self.motions: dict[str, laws.Formula] = {}
         self.single: list[list[float]] = np.eye(len(scene.robot.joints)).tolist()
         """The shares in a sum that is one joint, of each."""

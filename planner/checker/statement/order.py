@@ -31,10 +31,9 @@ LETTERS = {
 
 def require_order(handling: Handling) -> None:
     """Start, end, and the legs and arrivals of each step."""
-    scene, plan, start, options = handling.scene, handling.plan, handling.scene.start, handling.scene.options
+    scene, plan, options = handling.scene, handling.plan, handling.scene.options
     path, legs, (first, last) = plan.trajectory, plan.legs, handling.whole
-    state = [start.time, *start.q.tolist(), *start.qd.tolist(), *start.qdd.tolist()]
-    begins = math.dist(path.knots[0].tolist(), state) <= SAME
+    begins = math.dist(path.knots[0].tolist(), handling.given.start) <= SAME
     handling.require(begins, Code.START, "the motion begins in another state")
     rests = options.end != "rest" or math.hypot(*path.knots[-1, 1 + path.n :].tolist()) <= SAME
     handling.require(rests, Code.END, "the motion does not end at rest")
@@ -51,10 +50,11 @@ def require_order(handling: Handling) -> None:
         step, own, is_last = scene.task[number], handling.legs(number), number == every[-1]
         letters = "".join(LETTERS[leg.kind] for leg in own)
         fits = re.fullmatch(_pattern(step) + "M?" * is_last, letters)
-        kinds = ", ".join(leg.kind for leg in own) or "none"
-        handling.require(fits, Code.LEGS, f"{step.name} cannot have these legs: {kinds}")
         if fits:
             _require_arrival(handling, number, own, is_last=is_last)
+        else:
+            kinds = ", ".join(leg.kind for leg in own) or "none"
+            handling.require(False, Code.LEGS, f"{step.name} cannot have these legs: {kinds}")
 
 
 def _pattern(step: Step) -> str:

@@ -46,10 +46,9 @@ def _require_seats(statement: Statement, names: list[str]) -> None:
     """Each body is fixed to its link or frame, at its pose, and as much of it is uncertain as is required."""
     seats, off = _required_seats(statement)
     stages, stated = statement.stages, statement.claim.seats[statement.claim.seated.astype(int)]
-    apart = np.abs(stated - seats)
-    known = statement.claim.off >= off - SAME
-    if (apart <= SAME).all() and known.all():
+    if (stated == seats).all() and (statement.claim.off >= off).all():
         return
+    apart, known = np.abs(stated - seats), statement.claim.off >= off - SAME
     apart[:, :, -1] = np.abs(np.remainder(apart[:, :, -1] + math.pi, math.tau) - math.pi)
     same_seats = (apart <= SAME).all(2)
     for phase, body in np.argwhere(~same_seats).tolist():

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from itertools import chain
 
 import numpy as np
 
@@ -64,7 +65,7 @@ class Statement(Handling):
     def rows(self, table: str, *bounds: Bound) -> FloatArray:
         """The rows of a table whose numbers are within bounds; NaN is not."""
         stated: FloatArray = getattr(self.claim, table)
-        columns, low, high = zip(*(each for bound in bounds for each in bound), strict=True)
+        columns, low, high = zip(*chain(*bounds), strict=True)
         own = stated[:, columns]
         return np.asarray(stated[((np.array(low) <= own) & (own <= np.array(high))).all(1)])
 
@@ -72,19 +73,18 @@ class Statement(Handling):
         """The same of a table that has few rows, as lists; yaws may differ by full turns."""
         if table not in self._lists:
             self._lists[table] = getattr(self.claim, table).tolist()
-        box, yaws = [each for bound in bounds for each in bound], YAWS.get(table, ())
-
-        def fits(row: list[float]) -> bool:
+        box, yaws, found = list(chain(*bounds)), YAWS.get(table, ()), list[list[float]]()
+        for row in self._lists[table]:
             for column, low, high in box:
                 x = row[column]
                 if not low <= x <= high and column in yaws:
                     middle = (low + high) / 2.0
                     x = middle + math.remainder(x - middle, math.tau)
                 if not low <= x <= high:
-                    return False
-            return True
-
-        return [row for row in self._lists[table] if fits(row)]
+                    break
+            else:
+                found.append(row)
+        return found
 
     def states(self, table: str, *bounds: Bound) -> bool:
         """Whether a row of a table that has few rows has numbers within bounds."""
