@@ -50,7 +50,7 @@ def compare(arm: Arm, p: FloatArray, v: FloatArray) -> Compared:
     """Over targets `p` (N, 3), m, that move with `v` (N, 3), m/s, in every working mode."""
     robot, none = arm.robot, np.zeros(len(p))
     still = np.zeros_like(p)
-    target = Motion(p, v, still, still, none, none, none, none)
+    target = Motion.of(p, v, still, still, none, none, none, none)
     far, apart, rates, det, margin = (np.zeros(len(p)) for _ in range(5))
     for mode, name in enumerate(robot.modes):
         ours = robot.inverse(target, mode, 1)

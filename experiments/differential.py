@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import TiltedMotion
 from assur.planner.robots.robot import Robot
 
 LEAST_MARGIN = 1e-12
@@ -31,7 +30,7 @@ def jacobian(robot: Robot, q: FloatArray) -> FloatArray:
     rest = np.zeros_like(each)
     flange = robot.link_motion(len(robot.links) - 1, np.broadcast_to(q[..., None, :], each.shape), each, rest, rest)
     rates = {"x": flange.v[..., 0], "y": flange.v[..., 1], "z": flange.v[..., 2], "yaw": flange.yaw_d}
-    if isinstance(flange, TiltedMotion):
+    if flange.tilted:
         rates |= {"pitch": flange.tilt_d[..., 0], "roll": flange.tilt_d[..., 1]}
     return np.stack([rates[name] for name in robot.coordinates], -2)
 

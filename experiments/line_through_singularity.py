@@ -60,7 +60,7 @@ def along(l1: float, l2: float, y: float) -> Line:
     v[:, 0] = SPEED
     wide = np.full(3, 10.0)
     arm = Scara(name="line", l1=l1, l2=l2, axes=3, limits=Limits(-wide, wide, wide, wide, wide))
-    found = arm.inverse(Motion(p, v, still, still, none, none, none, none), MODE, 2)
+    found = arm.inverse(Motion.of(p, v, still, still, none, none, none, none), MODE, 2)
     return Line(t, found.q[:, :2], found.qd[:, :2], found.qdd[:, :2], found.margin)
 
 

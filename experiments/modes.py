@@ -39,7 +39,7 @@ def formulations(p: FloatArray, l1: float, l2: float, mode: str) -> dict[str, Fl
     wide = np.full(4, 10.0)
     robot = Scara(name="modes", l1=l1, l2=l2, axes=4, limits=Limits(-wide, wide, wide, wide, wide))
     still = np.zeros_like(p)
-    found = robot.inverse(Motion(p, still, still, still, zero, zero, zero, zero), Scara.modes.index(mode), 0)
+    found = robot.inverse(Motion.of(p, still, still, still, zero, zero, zero, zero), Scara.modes.index(mode), 0)
     return {
         "planner": found.q[..., :2],
         "000": np.stack([first, -second], -1),  # its θ2 has the opposite sign

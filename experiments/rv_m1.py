@@ -10,7 +10,7 @@ from assur.experiments import printed_five_axes as printed
 from assur.experiments.experiment import Drawing, Result, paragraphs
 from assur.experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion, Pose, TiltedMotion
+from assur.planner.frames.motion import Motion, Pose
 from assur.planner.robots.facts import Code, principal
 from assur.planner.robots.five_axis_arm import FiveAxisArm
 from assur.scenes.catalogue import arm_named
@@ -38,7 +38,7 @@ def arm() -> FiveAxisArm:
 def by_planner(robot: FiveAxisArm, p: FloatArray, tilt: FloatArray, mode: int) -> FloatArray:
     """Joints (..., 5) for tool points p (..., 3) with pitch and roll (..., 2); NaN: out of reach."""
     none, turn = np.zeros_like(p), np.zeros(p.shape[:-1])
-    found = robot.inverse(TiltedMotion.of(Motion(p, none, none, none, turn, turn, turn, turn), tilt), mode, 0)
+    found = robot.inverse(Motion.of(p, none, none, none, turn, turn, turn, turn).with_tilt(tilt), mode, 0)
     return np.where((found.code == Code.ASSEMBLED)[..., None], found.q, np.nan)
 
 

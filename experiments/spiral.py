@@ -61,7 +61,7 @@ def inverse(scene: Scene, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatA
     """θ1, θ2 (as the planner counts), z with two derivatives (3, T, 3) along equation 16, margin and code."""
     p, v, a, j = printed.spiral(t)
     none = np.zeros(len(t))
-    found = scene.robot.inverse(Motion(p, v, a, j, none, none, none, none), MODE)
+    found = scene.robot.inverse(Motion.of(p, v, a, j, none, none, none, none), MODE)
     return np.stack([found.q, found.qd, found.qdd]), found.margin, found.code.astype(np.float64)
 
 

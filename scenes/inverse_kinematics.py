@@ -10,7 +10,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError, InputError
-from assur.planner.frames.motion import Motion, Pose, TiltedMotion
+from assur.planner.frames.motion import Motion, Pose
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import AT_START, Phase, pair
 from assur.planner.model.refusal import Bodies, Enclosed, Reason, Refusal, Separation, Stage
@@ -137,7 +137,7 @@ def _tool(asked: _Asked, flange: Motion) -> Iterator[tuple[str, written.ToolPose
         pose: written.ToolPose = {"at_m": [local.x, local.y, local.z]}
         if has_yaw:
             pose["yaw_rad"] = local.yaw
-        if isinstance(tool, TiltedMotion):
+        if tool.tilted:
             pose["pitch_rad"], pose["roll_rad"] = (number(angle) for angle in tool.tilt.tolist())
         yield name, pose
 

@@ -13,7 +13,7 @@ from numpy.polynomial.polynomial import polyder, polyval
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.bound.fastest import EXACT, FREE, KINDS, STATE, soonest
 from assur.planner.bound.guided import RATES
-from assur.planner.frames.motion import Motion, Pose, TiltedMotion
+from assur.planner.frames.motion import Motion, Pose
 from assur.planner.kernels import law_columns as c
 from assur.planner.laws import Law
 from assur.planner.model.phases import at_start, yaw_offsets
@@ -141,7 +141,7 @@ def places(
     given = [0.0 if math.isnan(angle) else angle for angle in (yaw, pitch, roll)]
     flange, tilts = Motion.still(Pose(x, y, z, given[0])), "pitch" in robot.coordinates
     if tilts:
-        flange = TiltedMotion.of(flange, np.array(given[1:]))
+        flange = flange.with_tilt(np.array(given[1:]))
     found: list[tuple[float, ...]] = []
     for mode in modes:
         if tilts and math.isnan(pitch):

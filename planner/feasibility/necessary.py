@@ -18,7 +18,7 @@ from assur.planner.checker.refusals.windows import overshoots
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.hits import hit_at_start, hits, point_of, posture, refusal_of
 from assur.planner.feasibility.witnesses import shown
-from assur.planner.frames.motion import Motion, TiltedMotion
+from assur.planner.frames.motion import Motion
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.missed import never_in_window, too_high
 from assur.planner.legs.path_leg import lead_in_begin
@@ -108,7 +108,7 @@ def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusa
     else:
         distance = float(np.hypot(target[0] - robot.base.x, target[1] - robot.base.y))
         short = float(np.maximum(-robot.reach_margin(motion, mode)[0], 0.0))
-        pitch = float(motion.tilt[0, 0]) if isinstance(motion, TiltedMotion) else None
+        pitch = float(motion.tilt[0, 0]) if motion.tilted else None
         facts = OutOfReach(from_axis_m=distance, pitch_rad=pitch, **lead_in)
     return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=short, facts=facts)
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -52,58 +52,78 @@ class Pose:
         return Pose(-c * self.x - s * self.y, s * self.x - c * self.y, -self.z, -self.yaw)
 
 
-_UP = np.array([0.0, 0.0, 1.0])
+class _Part:
+    """One of the arrays in the table of a motion: of an order, a column or several."""
+
+    def __init__(self, order: int, columns: int | slice | list[int]) -> None:
+        self.order, self.columns = order, columns
+
+    def __get__(self, motion: Motion, _: object = None) -> FloatArray:
+        return np.asarray(motion.table[..., self.order, self.columns])
+
+
+ORDERS = range(4)
+"""Of a motion: the pose and three time derivatives."""
 
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """Pose of a frame in the world over times of shape (...), with three time derivatives.
+    """Pose of a frame in the world over times of shape (...), with three time derivatives: a table (..., 4, 4), a row
+    an order, columns x, y, z, yaw; or (..., 4, 6), with pitch and roll behind them.
 
-    `p, v, a, j` are (..., 3) in m, m/s, m/s², m/s³; `yaw, yaw_d, yaw_dd, yaw_ddd` are (...) in rad, rad/s, ...
+    `p, v, a, j` are (..., 3) in m, m/s, m/s², m/s³; `yaw, yaw_d, yaw_dd, yaw_ddd` are (...) in rad, rad/s, ...; `tilt`
+    and so on are pitch and roll (..., 2) of a motion that is `tilted`; of another one they raise `IndexError`.
     """
 
-    p: FloatArray
-    v: FloatArray
-    a: FloatArray
-    j: FloatArray
-    yaw: FloatArray
-    yaw_d: FloatArray
-    yaw_dd: FloatArray
-    yaw_ddd: FloatArray
+    table: FloatArray
+
+    p, v, a, j = (_Part(order, slice(3)) for order in ORDERS)
+    yaw, yaw_d, yaw_dd, yaw_ddd = (_Part(order, 3) for order in ORDERS)
+    tilt, tilt_d, tilt_dd, tilt_ddd = (_Part(order, [4, 5]) for order in ORDERS)
+
+    @staticmethod
+    def of(*parts: FloatArray) -> Motion:
+        """The motion with `p, v, a, j` (..., 3) and `yaw, yaw_d, yaw_dd, yaw_ddd` (...)."""
+        table = np.empty((*parts[0].shape[:-1], 4, 4))
+        for order in ORDERS:
+            table[..., order, :3], table[..., order, 3] = parts[order], parts[4 + order]
+        return Motion(table)
+
+    @property
+    def tilted(self) -> bool:
+        """Whether it has pitch and roll; motions that stay upright have none."""
+        return bool(self.table.shape[-1] > 4)
+
+    def with_tilt(self, *tilts: FloatArray) -> Motion:
+        """This motion with pitch and roll (..., 2) and their derivatives, 0 where left out."""
+        table = np.zeros((*self.table.shape[:-1], 6))
+        table[..., :4] = self.table[..., :4]
+        for order, each in enumerate(tilts):
+            table[..., order, 4:] = each
+        return Motion(table)
 
     def at(self, offset: Pose) -> Motion:
-        """Motion of a frame that is fixed in this one at `offset`.
+        """Motion of a frame that is fixed in this one at `offset`; of a hand that tilts, beside it: `offset` is then in
+        a frame that has its heading and stays upright.
 
         With r = R(yaw) offset and r⊥ = ẑ × r:  ṙ = ω r⊥,  r̈ = α r⊥ − ω² r,  r⃛ = (α̇ − ω³) r⊥ − 3 ω α r.
         """
-        w, dw, ddw = self.yaw_d, self.yaw_dd, self.yaw_ddd
+        table = self.table.copy()
+        table[..., 0, 2] += offset.z
+        table[..., 0, 3] += offset.yaw
         if offset.x == 0.0 and offset.y == 0.0:
-            # on the axis: r⊥ is zero
-            return Motion(self.p + offset.z * _UP, self.v, self.a, self.j, self.yaw + offset.yaw, w, dw, ddw)
+            return Motion(table)  # on the axis: r⊥ is zero
         c, s = np.cos(self.yaw), np.sin(self.yaw)
         rx, ry = c * offset.x - s * offset.y, s * offset.x + c * offset.y
-        if not (w.any() or dw.any() or ddw.any()):
-            p = self.p + offset.z * _UP
-            p[..., 0] += rx
-            p[..., 1] += ry
-            return Motion(p, self.v, self.a, self.j, self.yaw + offset.yaw, w, dw, ddw)
-        flat, turned = np.zeros((2, *self.p.shape))
-        turned[..., 1] = flat[..., 0] = rx
-        flat[..., 1] = ry
-        turned[..., 0] = -ry
-        r = flat.copy()
-        r[..., 2] = offset.z
-        w_, dw_, ddw_ = w[..., None], dw[..., None], ddw[..., None]
-        return Motion(
-            self.p + r,
-            self.v + w_ * turned,
-            self.a + dw_ * turned - w_**2 * flat,
-            self.j + (ddw_ - w_**3) * turned - 3 * w_ * dw_ * flat,
-            self.yaw + offset.yaw,
-            w,
-            dw,
-            ddw,
-        )
+        r, turned = np.stack([rx, ry], -1), np.stack([-ry, rx], -1)
+        p, v, a, j = (table[..., order, :2] for order in ORDERS)
+        p += r
+        if self.table[..., 1:, 3].any():
+            w, dw, ddw = (self.table[..., order, 3:4] for order in ORDERS[1:])
+            v += w * turned
+            a[...] = a + dw * turned - w**2 * r
+            j[...] = j + (ddw - w**3) * turned - 3 * w * dw * r
+        return Motion(table)
 
     def carrying(self, place: FloatArray, rate: FloatArray, bend: FloatArray, *yaws: FloatArray | float) -> Motion:
         """Motion of a frame that moves in this one: its place (T, 3), velocity and acceleration in it; `yaws`: by which
@@ -122,7 +142,7 @@ class Motion:
         turned[..., 0], turned[..., 1] = -r[..., 1], r[..., 0]
         turned_d[..., 0], turned_d[..., 1] = -rd[..., 1], rd[..., 0]
         w, dw = self.yaw_d[..., None], self.yaw_dd[..., None]
-        return Motion(
+        return Motion.of(
             self.p + r,
             self.v + w * turned + rd,
             self.a + dw * turned - w**2 * flat + 2 * w * turned_d + rdd,
@@ -133,23 +153,22 @@ class Motion:
             self.yaw_ddd,
         )
 
-    def __getitem__(self, key: object) -> Motion:
+    def __getitem__(self, key: Any) -> Motion:
         """The motion at some of the times."""
-        return Motion(*(getattr(self, name)[key] for name in Motion.__slots__))
+        return Motion(self.table[key])
 
     def at_rest(self) -> Motion:
         """The same poses with all derivatives zero: met in position only."""
-        still, unturned = np.zeros((3, *self.p.shape)), np.zeros((3, *self.yaw.shape))
-        return Motion(self.p, still[0], still[1], still[2], self.yaw, unturned[0], unturned[1], unturned[2])
+        table = np.zeros_like(self.table)
+        table[..., 0, :] = self.table[..., 0, :]
+        return Motion(table)
 
     @staticmethod
     def still(pose: Pose, shape: tuple[int, ...] = ()) -> Motion:
         """A pose that does not move, repeated over `shape` times."""
-        p = np.empty((*shape, 3))
-        p[...] = pose.position
-        yaw = np.full(shape, pose.yaw)
-        still, unturned = np.zeros((3, *shape, 3)), np.zeros((3, *shape))
-        return Motion(p, still[0], still[1], still[2], yaw, unturned[0], unturned[1], unturned[2])
+        table = np.zeros((*shape, 4, 4))
+        table[..., 0, :] = pose.x, pose.y, pose.z, pose.yaw
+        return Motion(table)
 
 
 # How far points that a link or a frame carries move at most over an interval, from its jets.
@@ -187,43 +206,3 @@ class Sweep:
 
 Tilt: TypeAlias = tuple[float, float]
 """Pitch and roll, rad."""
-
-
-@dataclass(frozen=True, slots=True)
-class TiltedMotion(Motion):
-    """A motion with pitch and roll: `tilt` (..., 2) in rad, and three time derivatives. Upright motions have none."""
-
-    tilt: FloatArray
-    tilt_d: FloatArray
-    tilt_dd: FloatArray
-    tilt_ddd: FloatArray
-
-    @staticmethod
-    def of(motion: Motion, tilt: FloatArray, *rates: FloatArray) -> TiltedMotion:
-        """`motion` with pitch and roll (..., 2) and their three derivatives; without `rates` they do not change."""
-        tilt = np.broadcast_to(tilt, (*motion.yaw.shape, 2))
-        d, dd, ddd = rates or (np.zeros(tilt.shape),) * 3
-        place, turn = (
-            (motion.p, motion.v, motion.a, motion.j),
-            (motion.yaw, motion.yaw_d, motion.yaw_dd, motion.yaw_ddd),
-        )
-        return TiltedMotion(*place, *turn, tilt, d, dd, ddd)
-
-    def at(self, offset: Pose) -> TiltedMotion:
-        """Motion of a frame beside this one, `offset` being in a frame that has its heading and stays upright."""
-        beside = Motion.at(self, offset)
-        return TiltedMotion.of(beside, self.tilt, self.tilt_d, self.tilt_dd, self.tilt_ddd)
-
-    def __getitem__(self, key: object) -> TiltedMotion:
-        """The motion at some of the times."""
-        names = (*Motion.__slots__, *TiltedMotion.__slots__)
-        return TiltedMotion(*(getattr(self, name)[key] for name in names))
-
-    def at_rest(self) -> TiltedMotion:
-        """The same poses with all derivatives zero: met in position only."""
-        return TiltedMotion.of(Motion.at_rest(self), self.tilt)
-
-
-def like(motion: Motion, pattern: Motion) -> Motion:
-    """`motion` with the pitch and roll that `pattern` begins with, if it has any; they stay."""
-    return TiltedMotion.of(motion, pattern.tilt.reshape(-1, 2)[0]) if isinstance(pattern, TiltedMotion) else motion

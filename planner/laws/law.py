@@ -41,10 +41,7 @@ class ArmLink:
         # At rest the first three are zero by themselves; the jerk is not, it jumps.
         moving = (path.start <= t) & (t < path.end)
         moved = self.robot.link_motion(self.link, q, qd, qdd, np.where(moving[..., None], qddd, 0.0))
-        if known.all():
-            return moved
-        parts = [getattr(moved, name) for name in Motion.__slots__]
-        return Motion(*(np.where(known if x.ndim == t.ndim else known[..., None], x, math.nan) for x in parts))
+        return Motion(np.where(known[..., None, None], moved.table, math.nan))
 
 
 Kind = Literal[
@@ -155,7 +152,7 @@ class Law:
             return self.link.motion(t, self.knows(t))
         vectors, angles = np.empty((4, t.size, 3)), np.empty((4, t.size))
         frame_motions(self.row, self.side, np.ascontiguousarray(t.ravel()), vectors, angles)
-        return Motion(*vectors.reshape(4, *t.shape, 3), *angles.reshape(4, *t.shape))
+        return Motion.of(*vectors.reshape(4, *t.shape, 3), *angles.reshape(4, *t.shape))
 
     def sweep(self, t0: float, t1: float) -> Sweep:
         """How the frame moves over the closed interval [t0, t1], s (K44)."""

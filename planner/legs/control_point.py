@@ -10,7 +10,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames.motion import Motion, Pose, Tilt, TiltedMotion
+from assur.planner.frames.motion import Motion, Pose, Tilt
 from assur.planner.laws.belt_window import inside, outside_for_good, travelled
 from assur.planner.model.phases import Attachments
 from assur.planner.model.scene import Scene, Step, Trace, Window
@@ -117,7 +117,7 @@ class ControlPoint:
         """Motion of the flange (world) that tracks the point, `above` metres over it, at times t (...)."""
         lifted = replace(self.pose, z=self.pose.z + above)
         motion = self.scene.frames[self.frame].law.motion(np.asarray(t, dtype=np.float64)).at(lifted)
-        return motion if self.tilt is None else TiltedMotion.of(motion, np.array(self.tilt))
+        return motion if self.tilt is None else motion.with_tilt(np.array(self.tilt))
 
     def entered(self, t: FloatArray) -> Motion:
         """Motion of the flange (world) with which the point is met at times t (...), `approach` above it."""
@@ -126,10 +126,10 @@ class ControlPoint:
             motion = motion.at_rest()
         if self.entry is None:
             return motion
-        v, a = motion.v.copy(), motion.a.copy()
-        v[..., 2] += self.entry.rate
-        a[..., 2] += self.entry.acceleration
-        return replace(motion, v=v, a=a)
+        table = motion.table.copy()
+        table[..., 1, 2] += self.entry.rate
+        table[..., 2, 2] += self.entry.acceleration
+        return Motion(table)
 
     @property
     def span(self) -> tuple[float, float]:

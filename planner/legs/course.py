@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion, Pose, Tilt, TiltedMotion
+from assur.planner.frames.motion import Motion, Pose, Tilt
 from assur.planner.model.path import Path
 from assur.planner.model.refusal import PathPart, Spot
 from assur.planner.model.scene import Scene
@@ -57,8 +57,7 @@ class PathCourse:
         one = np.array(self.tilts[0])
         gone = np.array(self.tilts[1]) - one
         gone -= 2 * np.pi * np.round(gone / (2 * np.pi))
-        rows = (one + s[:, None] * gone, sd[:, None] * gone, sdd[:, None] * gone)
-        return TiltedMotion.of(motion, *rows, np.zeros_like(rows[0]))
+        return motion.with_tilt(one + s[:, None] * gone, sd[:, None] * gone, sdd[:, None] * gone)
 
     def spot(self, s: float) -> Spot:
         """Where on the path the tool is in a phase."""

@@ -17,7 +17,7 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.errors import FaultError
-from assur.planner.frames.motion import Motion, TiltedMotion
+from assur.planner.frames.motion import Motion
 from assur.planner.legs.course import BEND_M, PathCourse
 from assur.planner.legs.limits import nearest
 from assur.planner.legs.state import State
@@ -240,10 +240,7 @@ def _joints(way: Way, state: State, mode: int, t: FloatArray) -> Trajectory | Re
 
 def _rests(motion: Motion) -> BoolArray:
     """Whether the flange is at rest (T,)."""
-    first, second = [motion.v, motion.yaw_d[:, None]], [motion.a, motion.yaw_dd[:, None]]
-    if isinstance(motion, TiltedMotion):
-        first, second = [*first, motion.tilt_d], [*second, motion.tilt_dd]
-    rates, pulls = (np.abs(np.concatenate(each, 1)).max(1) for each in (first, second))
+    rates, pulls = np.abs(motion.table[:, 1:3]).max(-1).T
     return np.asarray((rates <= RESTS) & (pulls <= RESTS_2))
 
 

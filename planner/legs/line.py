@@ -19,7 +19,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.frames.motion import Motion, Pose, TiltedMotion
+from assur.planner.frames.motion import Motion, Pose
 from assur.planner.robots.facts import Limits
 from assur.planner.timing import Numbers, Solver
 
@@ -39,32 +39,17 @@ class Line:
     def motion(self, t: FloatArray, s: FloatArray, sd: FloatArray, sdd: FloatArray) -> Motion:
         """Motion (T,) of the flange, equation L1, at times t (T,) in these phases (T,)."""
         beside = Pose(self.tcp.x, self.tcp.y)
-        a, b = self.left(t).at(beside), self.met(t).at(beside)
-        turn = np.round((b.yaw[0] - a.yaw[0]) / (2 * np.pi)) * 2 * np.pi
-        p, v, acceleration = _between(a.p, a.v, a.a, b.p, b.v, b.a, s[:, None], sd[:, None], sdd[:, None])
-        yaw, yaw_d, yaw_dd = _between(a.yaw, a.yaw_d, a.yaw_dd, b.yaw - turn, b.yaw_d, b.yaw_dd, s, sd, sdd)
-        motion = Motion(p, v, acceleration, np.zeros_like(p), yaw, yaw_d, yaw_dd, np.zeros_like(yaw))
-        if not (isinstance(a, TiltedMotion) and isinstance(b, TiltedMotion)):
-            return motion.at(beside.inverse())
-        turns = np.round((b.tilt[0] - a.tilt[0]) / (2 * np.pi)) * 2 * np.pi
-        rates = a.tilt_d, a.tilt_dd, b.tilt - turns, b.tilt_d, b.tilt_dd
-        tilt = _between(a.tilt, *rates, s[:, None], sd[:, None], sdd[:, None])
-        return TiltedMotion.of(motion, *tilt, np.zeros_like(tilt[0]))
-
-
-def _between(
-    a: FloatArray,
-    ad: FloatArray,
-    add: FloatArray,
-    b: FloatArray,
-    bd: FloatArray,
-    bdd: FloatArray,
-    s: FloatArray,
-    sd: FloatArray,
-    sdd: FloatArray,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    gap, gap_d, gap_dd = b - a, bd - ad, bdd - add
-    return a + s * gap, ad + s * gap_d + sd * gap, add + s * gap_dd + 2 * sd * gap_d + sdd * gap
+        a, b = self.left(t).at(beside).table, self.met(t).at(beside).table
+        width = min(a.shape[-1], b.shape[-1])
+        a, b = a[..., :width], b[..., :width].copy()
+        b[:, 0, 3:] -= np.round((b[0, 0, 3:] - a[0, 0, 3:]) / (2 * np.pi)) * 2 * np.pi
+        gap = b - a
+        table, s, sd, sdd = np.zeros_like(gap), s[:, None], sd[:, None], sdd[:, None]
+        table[:, 0] = a[:, 0] + s * gap[:, 0]
+        table[:, 1] = a[:, 1] + s * gap[:, 1] + sd * gap[:, 0]
+        table[:, 2] = a[:, 2] + s * gap[:, 2] + 2 * sd * gap[:, 1] + sdd * gap[:, 0]
+        motion = Motion(table)
+        return motion if motion.tilted else motion.at(beside.inverse())
 
 
 # What the joints of a line do under a law of its phase, and how long they need for it (equations L2 and L4).

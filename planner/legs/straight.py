@@ -17,7 +17,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.frames.motion import Motion, like
+from assur.planner.frames.motion import Motion
 from assur.planner.legs.course import PathCourse
 from assur.planner.legs.follower import UNIFORM, Way, followed
 from assur.planner.legs.limits import rates
@@ -173,11 +173,9 @@ def mode_changes(scene: Scene, step: int, state: State, modes: tuple[int, int], 
     robot, t = scene.robot, np.array([state.time])
     begin, end = left(t), met(t)
     s = np.linspace(0.0, 1.0, LOOKS)
-    p = begin.p + s[:, None] * (end.p - begin.p)
-    still = np.zeros_like(p)
-    none = np.zeros(LOOKS)
-    line = like(Motion(p, still, still, still, np.full(LOOKS, begin.yaw[0]), none, none, none), begin)
-    found = robot.inverse(line, modes[0], 0)
+    line = begin.at_rest().table.repeat(LOOKS, axis=0)
+    line[:, 0, :3] = begin.p + s[:, None] * (end.p - begin.p)
+    found = robot.inverse(Motion(line), modes[0], 0)
     change = (robot.modes[modes[0]], robot.modes[modes[1]])
     if not np.isfinite(found.q).all():
         return out_of_reach(Stage.STRAIGHT, step, facts=OutOfReach(modes=change))

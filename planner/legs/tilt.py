@@ -8,7 +8,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.frames.motion import Motion, Pose, Tilt, TiltedMotion
+from assur.planner.frames.motion import Motion, Pose, Tilt
 from assur.planner.model.scene import Scene, Step
 from assur.planner.robots.robot import Robot
 
@@ -40,7 +40,7 @@ def _hand(robot: Robot, q: FloatArray) -> FloatArray | None:
     """Pitch and roll (..., 2), rad, in joint positions (..., n)."""
     none = np.zeros_like(q)
     motion = robot.link_motion(robot.links.index("flange"), q, none, none, none)
-    return motion.tilt if isinstance(motion, TiltedMotion) else None
+    return motion.tilt if motion.tilted else None
 
 
 def tilts(scene: Scene, step: Step, q: FloatArray) -> tuple[Tilt | None, ...]:
@@ -67,7 +67,7 @@ def tilts(scene: Scene, step: Step, q: FloatArray) -> tuple[Tilt | None, ...]:
 def tilt_off(robot: Robot, q: FloatArray, path: Motion) -> FloatArray:
     """How far (T,), rad, the hand in the joint positions q (T, n) is turned against the pitch and roll of its path; 0
     for a path that has none."""
-    if not isinstance(path, TiltedMotion):
+    if not path.tilted:
         return np.zeros(len(q))
     there = _hand(robot, q)
     if there is None:

@@ -6,7 +6,7 @@ match by construction and approach and retreat are straight in the frame of the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -61,12 +61,9 @@ class _Above:
 
     def motion(self, t: FloatArray, s: FloatArray, sd: FloatArray, sdd: FloatArray) -> Motion:
         """Motion (T,) of the flange in the world at times t (T,) at these heights (T,)."""
-        motion = self.point.flange(t)
-        p, v, a = motion.p.copy(), motion.v.copy(), motion.a.copy()
-        p[:, 2] += s
-        v[:, 2] += sd
-        a[:, 2] += sdd
-        return replace(motion, p=p, v=v, a=a)
+        table = self.point.flange(t).table.copy()
+        table[:, :3, 2] += np.stack([s, sd, sdd], 1)
+        return Motion(table)
 
 
 def lead_time(scene: Scene, point: ControlPoint, effort: float) -> float | Refusal:

@@ -14,7 +14,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError, InputError
-from assur.planner.frames.motion import Motion, TiltedMotion
+from assur.planner.frames.motion import Motion
 from assur.planner.robots.facts import Chain, Link, ring_margin
 from assur.planner.robots.tilting import LINK2, LINK3, SIGNS, ElbowArm
 
@@ -57,7 +57,7 @@ class FiveAxisArm(ElbowArm):
 
     def reach_margin(self, flange: Motion, mode: int) -> FloatArray:
         """As `Robot.reach_margin`: that of the wrist (H2). Raises `FaultError` for a motion without pitch."""
-        if not isinstance(flange, TiltedMotion):
+        if not flange.tilted:
             raise FaultError("FiveAxisArm.reach_margin: a motion without pitch and roll")
         radius, height = self.in_plane(flange, mode)
         pitch = flange.tilt[..., 0]

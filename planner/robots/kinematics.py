@@ -12,7 +12,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
-from assur.planner.frames.motion import Motion, TiltedMotion
+from assur.planner.frames.motion import Motion
 from assur.planner.kernels import links as of
 from assur.planner.kernels.motion import COORDINATES, ORDERS, link_motions
 
@@ -62,13 +62,7 @@ def row_of(arm: Robot) -> FloatArray:
 def targets_of(flange: Motion, order: int) -> FloatArray:
     """A motion as the kernels take it, (..., 4, 6), up to a derivative; what is beyond is 0."""
     targets = np.zeros((*flange.yaw.shape, ORDERS, COORDINATES))
-    places, turns = (flange.p, flange.v, flange.a, flange.j), (flange.yaw, flange.yaw_d, flange.yaw_dd, flange.yaw_ddd)
-    for k in range(order + 1):
-        targets[..., k, :3], targets[..., k, 3] = places[k], turns[k]
-    if isinstance(flange, TiltedMotion):
-        tilts = (flange.tilt, flange.tilt_d, flange.tilt_dd, flange.tilt_ddd)
-        for k in range(order + 1):
-            targets[..., k, 4:] = tilts[k]
+    targets[..., : order + 1, : flange.table.shape[-1]] = flange.table[..., : order + 1, :]
     return targets
 
 
@@ -81,11 +75,3 @@ def moved(arm: Robot, link: int, *orders: FloatArray) -> FloatArray:
     flat = joints.reshape(-1, ORDERS, joints.shape[-1])
     link_motions(arm.row, link, flat, out.reshape(-1, ORDERS, COORDINATES))
     return out
-
-
-def motion_of(table: FloatArray, tilted: bool) -> Motion:
-    """The motion that a table (..., 4, 6) holds."""
-    p, v, a, j = (table[..., k, :3] for k in range(ORDERS))
-    yaw, yaw_d, yaw_dd, yaw_ddd = (table[..., k, 3] for k in range(ORDERS))
-    motion = Motion(p, v, a, j, yaw, yaw_d, yaw_dd, yaw_ddd)
-    return TiltedMotion.of(motion, *(table[..., k, 4:] for k in range(ORDERS))) if tilted else motion

@@ -14,7 +14,7 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.errors import FaultError, InputError
-from assur.planner.frames.motion import Motion, Pose, Sweep, TiltedMotion
+from assur.planner.frames.motion import Motion, Pose, Sweep
 from assur.planner.robots.facts import UP, Chain, Inverse, Joint, Limits, RobotBody, Rows, upright
 
 
@@ -85,7 +85,7 @@ class Robot(ABC):
     @cached_property
     def coordinates(self) -> tuple[str, ...]:
         """Task coordinates it can follow, out of x, y, z, yaw, pitch, roll (a three-axis SCARA has no yaw of its own;
-        pitch and roll come together, and the flange of such an arm moves as a `TiltedMotion`)."""
+        pitch and roll come together, and the motion of the flange of such an arm is tilted)."""
         return self.ways[: self.count]
 
     @cached_property
@@ -155,7 +155,7 @@ class Robot(ABC):
         """Joint motion that gives the flange this motion (world) in working mode number `mode`: K10, K23 to K25, K35.
 
         Derivatives above `order` are not computed and NaN. An arm without a wrist does not read the yaw; a flange that
-        pitches and rolls moves as a `TiltedMotion`. Rows that are not ASSEMBLED: see `Inverse`; a row that is not
+        pitches and rolls has a tilted motion. Rows that are not ASSEMBLED: see `Inverse`; a row that is not
         finite in what is read is OUT_OF_REACH. Revolute joints are in (−π, π]. Not checked: joint limits (`within`).
         Raises `FaultError` for a mode or an order that there is not, and for a motion without pitch and roll.
         """
@@ -165,7 +165,7 @@ class Robot(ABC):
 
         if mode not in range(len(self.modes)) or order not in range(4):
             raise FaultError(f"{type(self).__name__}.inverse: mode {mode}, order {order}")
-        if "pitch" in self.coordinates and not isinstance(flange, TiltedMotion):
+        if "pitch" in self.coordinates and not flange.tilted:
             raise FaultError(f"{type(self).__name__}.inverse: a motion without pitch and roll")
         shape, n = flange.yaw.shape, len(self.joints)
         joints, margins = np.empty((*shape, ORDERS, n)), np.empty((*shape, 2))
@@ -185,17 +185,17 @@ class Robot(ABC):
         return found[..., 0, :3].copy(), found[..., 0, 3].copy()
 
     def link_motion(self, link: int, q: FloatArray, qd: FloatArray, qdd: FloatArray, qddd: FloatArray) -> Motion:
-        """Motion of link frame number `link` in the world for joint motion (..., n), K12, K23; a `TiltedMotion` if it
-        is a flange that pitches and rolls. NaN where the joint motion is not finite or does not assemble.
+        """Motion of link frame number `link` in the world for joint motion (..., n), K12, K23; tilted if it is
+        a flange that pitches and rolls. NaN where the joint motion is not finite or does not assemble.
 
         Raises `FaultError` for a link that does not exist.
         """
-        from assur.planner.robots.kinematics import motion_of, moved
+        from assur.planner.robots.kinematics import moved
 
         if link not in range(len(self.links)):
             raise FaultError(f"{type(self).__name__}.link_motion: link {link}")
         tilted = "pitch" in self.coordinates and link == len(self.links) - 1
-        return motion_of(moved(self, link, q, qd, qdd, qddd), tilted)
+        return Motion(moved(self, link, q, qd, qdd, qddd)[..., : 6 if tilted else 4])
 
     def placements(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Link frames in the world for q (..., n): positions (..., L, 3) and rotations (..., L, 3, 3), K9, K31, K34."""

@@ -9,7 +9,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.claim.lifts import goes_over
 from assur.planner.errors import FaultError
-from assur.planner.frames.motion import Motion, TiltedMotion
+from assur.planner.frames.motion import Motion
 from assur.planner.legs.accuracy import arrival_error, too_far
 from assur.planner.legs.control_point import WINDOW_S, ControlPoint
 from assur.planner.legs.forbidden_yaw import turns_into
@@ -167,7 +167,7 @@ def _line(scene: Scene, partial: PartialPlan, point: ControlPoint, wait: float, 
 
         def left(t: FloatArray) -> Motion:
             still = Motion.still(pose, np.shape(t))
-            return still if tilt is None else TiltedMotion.of(still, np.array(tilt))
+            return still if tilt is None else still.with_tilt(np.array(tilt))
     else:
         return unmoved(Stage.STRAIGHT, partial.step, Obstacle.STRAIGHT_FROM_MOTION)
 

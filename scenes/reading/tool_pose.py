@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion, TiltedMotion
+from assur.planner.frames.motion import Motion
 from assur.planner.laws.law import Law
 from assur.planner.report.number_format import SHOWN_AS, amount
 from assur.planner.report.sentence import POSITIONS
@@ -48,7 +48,7 @@ def flange_of(item: ToolPoseDocument, given: Equipped, frames: Frames, places: P
     flange = law.motion(np.array(t)).at(pose.then(given.tool.tcp.inverse())).at_rest()
     if item.pitch_rad is None:
         return flange
-    return TiltedMotion.of(flange, np.array([item.pitch_rad, item.roll_rad]))
+    return flange.with_tilt(np.array([item.pitch_rad, item.roll_rad]))
 
 
 def knows(law: Law, t: float) -> bool:

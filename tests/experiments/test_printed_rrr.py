@@ -101,7 +101,7 @@ def test_on_the_spiral_of_the_source_the_scara_moves_as_printed(mode: int) -> No
     )
     path = printed.spiral(np.linspace(0.0, 8.0, 4001))
     none = np.zeros(4001)
-    got = robot.inverse(Motion(*path, none, none, none, none), {1: 0, 2: 1}[mode])
+    got = robot.inverse(Motion.of(*path, none, none, none, none), {1: 0, 2: 1}[mode])
     theta1, theta2 = printed.scara(point(*path[:3]), printed.L_AB, printed.L_BC, mode)
     assert (got.code == Code.ASSEMBLED).all()
     assert (got.q[:, 1] < 0).all() if mode == 1 else (got.q[:, 1] > 0).all()

@@ -12,7 +12,7 @@ import pytest
 
 from assur.planner.checked import check
 from assur.planner.errors import InputError
-from assur.planner.frames.motion import Pose, TiltedMotion
+from assur.planner.frames.motion import Motion, Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.laws import conveyor
 from assur.planner.legs.tilt import PITCHES, pitch_free, tilt_of, tilts
@@ -40,12 +40,12 @@ def refused(scene: Scene) -> NotPlanned:
     return outcome
 
 
-def hand(scene: Scene, outcome: Outcome, t: Any) -> TiltedMotion:
+def hand(scene: Scene, outcome: Outcome, t: Any) -> Motion:
     """The flange's motion at times t."""
     assert isinstance(outcome, Planned)
     line = outcome.plan.trajectory
     found = scene.robot.link_motion(5, *(line.evaluate(np.asarray(t), order) for order in range(4)))
-    assert isinstance(found, TiltedMotion)
+    assert found.tilted
     return found
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion, TiltedMotion
+from assur.planner.frames.motion import Motion
 from assur.scenes.catalogue import models
 from assur.scenes.conventions import as_maker
 from assur.scenes.reading.robots import Equipped, equipped
@@ -98,6 +98,6 @@ def pose_document(motion: Motion, given: Equipped) -> dict[str, Any]:
     found: dict[str, Any] = {"at_m": motion.p.tolist()}
     if "yaw" in given.robot.coordinates:
         found["yaw_rad"] = float(motion.yaw)
-    if isinstance(motion, TiltedMotion):
+    if motion.tilted:
         found["pitch_rad"], found["roll_rad"] = motion.tilt.tolist()
     return found

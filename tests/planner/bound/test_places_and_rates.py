@@ -11,7 +11,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.bound.events import LEAST_MARGIN, Unplaced, climbs, modes_asked, places, rates
 from assur.planner.bound.fastest import STATE
 from assur.planner.bound.guided import BOUNDED, DYAD, NOWHERE, UNKNOWN, guided
-from assur.planner.frames.motion import Motion, Pose, TiltedMotion
+from assur.planner.frames.motion import Motion, Pose
 from assur.planner.laws import (
     Law,
     conveyor,
@@ -53,7 +53,7 @@ LAWS: dict[str, Law] = {
 
 
 def row(robot: Robot, motion: Motion, k: int) -> tuple[float, ...]:
-    tilt = motion.tilt[k].tolist() if isinstance(motion, TiltedMotion) else (math.nan, math.nan)
+    tilt = motion.tilt[k].tolist() if motion.tilted else (math.nan, math.nan)
     return (*motion.p[k].tolist(), float(motion.yaw[k]), *tilt)
 
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from assur.planner.arrays import FloatArray
 from assur.planner.laws import Motion, Pose
 from tests.planner.laws.laws import Case, cases
-from tests.planner.laws.test_motions_of_laws import STEP_S, stacked
+from tests.planner.laws.test_motions_of_laws import PARTS, STEP_S, stacked
 
 coordinates = st.one_of(st.sampled_from([0.0, 1.0, -0.5, math.pi / 2, math.pi]), st.floats(-10, 10))
 poses = st.builds(Pose, coordinates, coordinates, coordinates, coordinates)
@@ -65,7 +65,7 @@ def test_the_motion_at_an_offset_has_the_difference_quotients_of_its_position(
 def test_offsets_chain_like_poses(case: Case, first: Pose, then: Pose, where: float) -> None:
     motion = case.law.motion(np.array([case.window[0] + where * (case.window[1] - case.window[0])]))
     once, twice = motion.at(first.then(then)), motion.at(first).at(then)
-    for name in Motion.__slots__:
+    for name in PARTS:
         value = getattr(once, name)
         np.testing.assert_allclose(getattr(twice, name), value, rtol=1e-9, atol=1e-9 * (1 + np.abs(value).max()))
 

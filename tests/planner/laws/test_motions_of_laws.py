@@ -12,6 +12,8 @@ from assur.planner.arrays import FloatArray
 from assur.planner.laws import Change, Law, Motion, Pose, conveyor
 from tests.planner.laws.laws import Case, cases
 
+PARTS = ("p", "v", "a", "j", "yaw", "yaw_d", "yaw_dd", "yaw_ddd")
+"""Arrays of a motion."""
 STEP_S = 2e-4
 """Step of the differences, which are of fourth order."""
 SNAP = 1e7
@@ -60,7 +62,7 @@ def test_nothing_below_the_allowed_order_jumps_at_a_switch(case: Case) -> None:
 def test_a_motion_has_the_shape_of_its_times_and_each_row_is_that_of_its_time(case: Case) -> None:
     t = np.linspace(*case.window, 6)
     row, table = case.law.motion(t), case.law.motion(t.reshape(2, 3))
-    for name in Motion.__slots__:
+    for name in PARTS:
         tail = (3,) if name in "pvaj" else ()
         assert getattr(table, name).shape == (2, 3, *tail)
         np.testing.assert_array_equal(getattr(table, name).reshape(6, *tail), getattr(row, name))

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion, Pose, TiltedMotion, like
+from assur.planner.frames.motion import Motion, Pose
+from tests.planner.laws.test_motions_of_laws import PARTS
 
 TILTS = ("tilt", "tilt_d", "tilt_dd", "tilt_ddd")
 OFFSET = Pose(0.1, -0.2, 0.3, 0.4)
@@ -13,12 +15,12 @@ OFFSET = Pose(0.1, -0.2, 0.3, 0.4)
 
 def upright(times: int = 5) -> Motion:
     rng = np.random.default_rng(3)
-    return Motion(*rng.normal(size=(4, times, 3)), *rng.normal(size=(4, times)))
+    return Motion.of(*rng.normal(size=(4, times, 3)), *rng.normal(size=(4, times)))
 
 
-def tilted(times: int = 5) -> TiltedMotion:
+def tilted(times: int = 5) -> Motion:
     rates: FloatArray = np.random.default_rng(4).normal(size=(4, times, 2))
-    return TiltedMotion.of(upright(times), *rates)
+    return upright(times).with_tilt(*rates)
 
 
 def same(one: Motion, other: Motion, names: tuple[str, ...]) -> bool:
@@ -27,7 +29,7 @@ def same(one: Motion, other: Motion, names: tuple[str, ...]) -> bool:
 
 def test_beside_a_hand_a_point_moves_as_it_does_beside_an_upright_frame_and_has_the_hands_pitch_and_roll() -> None:
     beside = tilted().at(OFFSET)
-    assert same(beside, upright().at(OFFSET), tuple(Motion.__slots__))
+    assert same(beside, upright().at(OFFSET), PARTS)
     assert same(beside, tilted(), TILTS)
 
 
@@ -35,10 +37,8 @@ def test_some_of_the_times_are_those_of_every_array() -> None:
     whole = tilted()
     for key in (2, slice(1, 4), np.array([4, 0])):
         part = whole[key]
-        assert isinstance(part, TiltedMotion)
-        assert all(
-            np.array_equal(getattr(part, name), getattr(whole, name)[key]) for name in (*Motion.__slots__, *TILTS)
-        )
+        assert part.tilted
+        assert all(np.array_equal(getattr(part, name), getattr(whole, name)[key]) for name in (*PARTS, *TILTS))
 
 
 def test_a_hand_at_rest_keeps_its_attitude_and_nothing_else() -> None:
@@ -48,16 +48,14 @@ def test_a_hand_at_rest_keeps_its_attitude_and_nothing_else() -> None:
 
 
 def test_one_attitude_without_rates_holds_at_all_times() -> None:
-    held = TiltedMotion.of(upright(), np.array([-1.5, 0.2]))
+    held = upright().with_tilt(np.array([-1.5, 0.2]))
     assert held.tilt.tolist() == [[-1.5, 0.2]] * 5
     assert not any(getattr(held, name).any() for name in TILTS[1:])
 
 
-def test_a_motion_like_a_hands_has_its_first_attitude_and_one_like_an_upright_frames_has_none() -> None:
-    found = like(upright(), tilted())
-    assert isinstance(found, TiltedMotion)
-    assert found.tilt.tolist() == [tilted().tilt[0].tolist()] * 5
-    single = like(upright(), tilted()[3])
-    assert isinstance(single, TiltedMotion)
-    assert single.tilt[0].tolist() == tilted().tilt[3].tolist()
-    assert like(upright(), upright()).__class__ is Motion
+def test_motions_that_stay_upright_have_no_tilt_also_where_they_are_read_at_a_single_time() -> None:
+    assert tilted()[3].tilted
+    assert not upright().tilted
+    assert not upright()[3].at(OFFSET).at_rest().tilted
+    with pytest.raises(IndexError):
+        _ = upright().tilt

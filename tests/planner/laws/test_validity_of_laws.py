@@ -28,6 +28,7 @@ from assur.planner.laws import (
 )
 from assur.planner.laws.validity import FURTHEST_S
 from tests.planner.laws.bounded import bounded
+from tests.planner.laws.test_motions_of_laws import PARTS
 
 HOME = Pose(0.1, -0.2, 0.3, 0.4)
 STOP = Change(1.0, 0.0, 2.0, 20.0)
@@ -49,7 +50,7 @@ MAKERS: dict[str, Callable[[tuple[float, float]], Law]] = {
 
 def known(motion: Motion) -> list[bool]:
     """Row by row; each row must be known in all fields or in none."""
-    fields = np.stack([getattr(motion, name).reshape(len(motion.yaw), -1).sum(axis=1) for name in Motion.__slots__])
+    fields = np.stack([getattr(motion, name).reshape(len(motion.yaw), -1).sum(axis=1) for name in PARTS])
     finite = np.isfinite(fields)
     assert (finite.all(axis=0) == finite.any(axis=0)).all()
     return [bool(row) for row in finite.all(axis=0)]
@@ -102,7 +103,7 @@ def test_a_law_cannot_be_changed_and_survives_the_way_to_another_process(kind: s
         law.valid = (0.0, 1.0)  # type: ignore[misc]
     copy = pickle.loads(pickle.dumps(law))
     t = np.linspace(-2, 2, 7)
-    for name in Motion.__slots__:
+    for name in PARTS:
         np.testing.assert_array_equal(getattr(copy.motion(t), name), getattr(law.motion(t), name))
 
 

@@ -26,7 +26,7 @@ def along(robot: Scara, a: FloatArray, b: FloatArray, points: int = TABLE) -> Ta
     s, none = np.linspace(0, 1, points), np.zeros(points)
     p = a + s[:, None] * (b - a)
     still = np.zeros_like(p)
-    found = robot.inverse(Motion(p, still + (b - a), still, still, none, none, none, none), 0, 3)
+    found = robot.inverse(Motion.of(p, still + (b - a), still, still, none, none, none, none), 0, 3)
     return found.qd, found.qdd, found.qddd
 
 

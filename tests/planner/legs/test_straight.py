@@ -11,7 +11,7 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion, Pose, TiltedMotion
+from assur.planner.frames.motion import Motion, Pose
 from assur.planner.laws import Law, conveyor, fixed, turntable
 from assur.planner.legs.follower import UNIFORM, Way
 from assur.planner.legs.line import Along, Line
@@ -233,7 +233,7 @@ def drawn(rng: np.random.Generator, robot: Robot, mode: int, moving: bool) -> Al
 
     def motion(t: FloatArray) -> Motion:
         found = law.motion(np.asarray(t)).at(Pose())
-        return TiltedMotion.of(found, place.tilt) if isinstance(place, TiltedMotion) else found
+        return found.with_tilt(place.tilt) if place.tilted else found
 
     return motion
 
@@ -318,7 +318,7 @@ def test_a_frame_that_stands_at_first_and_then_moves_is_followed() -> None:
         p[..., 0] += 0.2 * u**3
         v[..., 0] += 0.6 * u**2
         a[..., 0] += 1.2 * u
-        return Motion(p, v, a, still_one.j, *(getattr(still_one, k) for k in ("yaw", "yaw_d", "yaw_dd", "yaw_ddd")))
+        return Motion.of(p, v, a, still_one.j, *(getattr(still_one, k) for k in ("yaw", "yaw_d", "yaw_dd", "yaw_ddd")))
 
     scene = cell(go(0.3, 0.0), robot=arm(j4=12.0))
     state, left = begin(scene, *still(0.3, -0.2), 0.0, 0), along(*still(0.3, -0.2))
@@ -347,11 +347,11 @@ def test_where_the_line_was_not_told_rightly_the_faster_leg_is_still_taken() -> 
 
     def left(t: FloatArray) -> Motion:
         x, y, z = first.p.tolist()
-        assert isinstance(first, TiltedMotion)
-        return TiltedMotion.of(Motion.still(Pose(x, y, z, float(first.yaw)), np.shape(t)), first.tilt)
+        assert first.tilted
+        return Motion.still(Pose(x, y, z, float(first.yaw)), np.shape(t)).with_tilt(first.tilt)
 
     def met(t: FloatArray) -> Motion:
-        return TiltedMotion.of(Motion.still(goal, np.shape(t)), np.array([-0.7751324364, 0.0762509788]))
+        return Motion.still(goal, np.shape(t)).with_tilt(np.array([-0.7751324364, 0.0762509788]))
 
     scene, state = cell(go(0.3, 0.0), robot=robot, q=tuple(q.tolist())), State(0.0, q, none, none)
     before = by_the_constant_law(scene, state, 1, left, met)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion, Pose, TiltedMotion
+from assur.planner.frames.motion import Motion, Pose
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.five_axis_arm import FiveAxisArm
 from assur.planner.robots.robot import Robot
@@ -119,6 +119,6 @@ def random_motion(robot: Robot, seed: int, size: int, mode: int | None = None) -
     return q, *(scale * rng.normal(size=q.shape) for scale in (1.0, 10.0, 100.0))
 
 
-def tilted(motion: Motion) -> TiltedMotion:
-    assert isinstance(motion, TiltedMotion)
+def tilted(motion: Motion) -> Motion:
+    assert motion.tilted
     return motion

@@ -9,7 +9,7 @@ it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -19,7 +19,7 @@ import pytest
 from assur.experiments.differential import determinant, inverse_jacobian, jacobian, transforms
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.frames.motion import Motion, TiltedMotion
+from assur.planner.frames.motion import Motion
 from assur.planner.robots.facts import Code
 from assur.planner.robots.robot import Robot
 from tests.planner.robots.families import NAMES, STENCIL, far, flange_of, random_motion, random_q, robot_named, tilted
@@ -113,9 +113,12 @@ def flange_motion(robot: Robot, seed: int, size: int, mode: int) -> Motion:
 
 def changed(motion: Motion, change: Callable[[str, FloatArray], FloatArray]) -> Motion:
     """The motion with fields that `change` makes of their names and values."""
-    names = [field for orders in ORDERS for field in orders if hasattr(motion, field)]
-    made = {name: change(name, np.array(getattr(motion, name))) for name in names}
-    return replace(motion, **made)
+    upright, tilts = (
+        [change(name, np.array(getattr(motion, name))) for orders in rows for name in orders]
+        for rows in (ORDERS[:2], ORDERS[2:] if motion.tilted else ())
+    )
+    made = Motion.of(*upright)
+    return made.with_tilt(*tilts) if tilts else made
 
 
 @every_mode
@@ -207,7 +210,7 @@ def test_every_link_frame_moves_as_its_differences_say(name: str) -> None:
     for link in range(len(robot.links)):
         motions = [row[link] for row in around]
         for ladder in ORDERS:
-            for below, above in pairwise(ladder if hasattr(motions[4], ladder[0]) else ()):
+            for below, above in pairwise(ladder if motions[4].tilted or ladder[0] != "tilt" else ()):
                 rows = np.stack([getattr(m, below) for m in motions])
                 if below in ("yaw", "tilt"):
                     rows = np.unwrap(rows, axis=0)
@@ -322,8 +325,8 @@ def test_what_is_wrong_in_a_call_is_a_fault(name: str) -> None:
         (f"link {len(robot.links)}", lambda: robot.link_motion(len(robot.links), q, q, q, q)),
         ("link -1", lambda: robot.link_motion(-1, q, q, q, q)),
     ]
-    if isinstance(flange, TiltedMotion):
-        upright = Motion(*(getattr(flange, field.name) for field in fields(Motion)))
+    if flange.tilted:
+        upright = Motion(flange.table[..., :4])
         wrong.append(("pitch and roll", lambda: robot.inverse(upright, 0)))
     for told, call in wrong:
         with pytest.raises(FaultError, match=told):

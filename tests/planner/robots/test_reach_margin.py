@@ -7,7 +7,7 @@ import pytest
 
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.frames.motion import Motion, TiltedMotion, like
+from assur.planner.frames.motion import Motion
 from assur.planner.robots.facts import Code
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.tilting import PolarArm
@@ -25,8 +25,9 @@ def flange(robot: Robot, q: FloatArray) -> Motion:
 
 def put(motion: Motion, p: FloatArray) -> Motion:
     """The first pose of a motion, at other positions."""
-    still, none = np.zeros_like(p), np.zeros(len(p))
-    return like(Motion(p, still, still, still, none + motion.yaw[0], none, none, none), motion)
+    table = motion.at_rest().table[:1].repeat(len(p), axis=0)
+    table[:, 0, :3] = p
+    return Motion(table)
 
 
 def reached(robot: Robot, poses: Motion, mode: int) -> BoolArray:
@@ -74,7 +75,7 @@ def test_within_reach_the_margin_is_the_distance_from_a_stretched_or_folded_arm(
 
 def test_an_arm_with_pitch_is_asked_with_one() -> None:
     still, none = np.zeros((1, 3)), np.zeros(1)
-    motion = Motion(still, still, still, still, none, none, none, none)
+    motion = Motion.of(still, still, still, still, none, none, none, none)
     with pytest.raises(FaultError, match="without pitch"):
         five_axis().reach_margin(motion, 0)
-    assert np.isfinite(five_axis().reach_margin(TiltedMotion.of(motion, np.zeros(2)), 0)).all()
+    assert np.isfinite(five_axis().reach_margin(motion.with_tilt(np.zeros(2)), 0)).all()

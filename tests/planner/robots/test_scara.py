@@ -56,7 +56,7 @@ def test_near_a_singularity_the_inverse_still_comes_back_to_its_flange(
     q = np.array([theta1, theta2, 0.2, 1.0])
     p, yaw = robot.forward(q)
     zero = np.zeros(3)
-    got = robot.inverse(Motion(p, zero, zero, zero, yaw, *(np.array(0.0),) * 3), mode)
+    got = robot.inverse(Motion.of(p, zero, zero, zero, yaw, *(np.array(0.0),) * 3), mode)
     assert got.code == Code.ASSEMBLED
     back, back_yaw = robot.forward(got.q)
     assert np.abs(back - p).max() < 1e-14

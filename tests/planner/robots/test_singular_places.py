@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.experiments.differential import determinant, jacobian
-from assur.planner.frames.motion import Motion, Pose, TiltedMotion
+from assur.planner.frames.motion import Motion, Pose
 from assur.planner.robots.facts import Code
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
@@ -54,11 +54,11 @@ def targets(robot: Robot, rows: list[tuple[float, float, float, Code]], mode: in
     base = robot.base
     p = np.stack([np.cos(base.yaw) * x, np.sin(base.yaw) * x, h + HEIGHT[robot.name]], -1) + base.position
     one, turn = np.ones_like(p), np.ones_like(x)
-    motion = Motion(p, one, one, one, turn, turn, turn, turn)
+    motion = Motion.of(p, one, one, one, turn, turn, turn, turn)
     if robot.name != "five":
         return motion
     tilt = np.stack([pitch, 0.3 * turn], -1)
-    return TiltedMotion.of(motion, tilt, *(0.1 * np.ones((3, *tilt.shape))))
+    return motion.with_tilt(tilt, *(0.1 * np.ones((3, *tilt.shape))))
 
 
 @pytest.mark.parametrize(

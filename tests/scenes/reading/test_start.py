@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from assur.planner.errors import InputError
-from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.motion import Pose
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import principal
 from assur.scenes.conventions import zeros
@@ -209,7 +209,7 @@ def test_a_five_bar_without_a_lift_is_at_one_height() -> None:
     given, robot = built("five-bar of two axes"), robot_document("five-bar of two axes")
     (q,) = positions(given, 1, seed=5)
     motion = tool_at(q, given)
-    higher = Motion(motion.p + np.array([0, 0, 0.004]), *(getattr(motion, key) for key in Motion.__slots__[1:]))
+    higher = motion.at(Pose(z=0.004))
     error = refused({"tool": pose_document(higher, given)}, robot)
     assert "(4 mm out of reach)" in error.allowed
 

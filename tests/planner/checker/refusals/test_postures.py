@@ -69,12 +69,12 @@ def test_what_is_out_of_reach_is_so_by_the_margin_of_the_robot(name: str) -> Non
         x, y = goal.x * away, goal.y * away
         far = Goal(x, y, goal.z, goal.yaw, goal.pitch, goal.roll)
         for number, mode in enumerate(robot.modes):
-            from assur.planner.frames.motion import Pose, TiltedMotion
+            from assur.planner.frames.motion import Pose
             from assur.planner.laws import fixed
 
             motion = fixed(Pose(far.x.middle, far.y.middle, far.z.middle)).motion(np.zeros(1))
             if "pitch" in robot.coordinates:
-                motion = TiltedMotion.of(motion, np.array([far.pitch.middle, far.roll.middle]))
+                motion = motion.with_tilt(np.array([far.pitch.middle, far.roll.middle]))
             short = -float(robot.reach_margin(motion, number)[0])
             assert posture(robot, mode, far).short.middle == pytest.approx(short, abs=1e-9)
 
