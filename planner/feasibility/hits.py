@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -153,10 +154,15 @@ class AtStart:
 
     def __init__(self, scene: Scene, prover: Prover) -> None:
         self.scene, self.prover = scene, prover
-        carriers = prover.carriers(scene.start.q, scene.start.time)[len(scene.robot.links) :]
-        self._frames = dict(zip(scene.frames, carriers, strict=True))
         self._posed: dict[tuple[str, str, Pose], list[Posed]] = {}
         self._table: FloatArray | None = None
+
+    @cached_property
+    def _frames(self) -> dict[str, FloatArray]:
+        """Where the frames are, (12,) each."""
+        scene = self.scene
+        carriers = self.prover.carriers(scene.start.q, scene.start.time)[len(scene.robot.links) :]
+        return dict(zip(scene.frames, carriers, strict=True))
 
     def place(self, name: str, attached: Attachments = AT_START) -> FloatArray:
         """Where the origin of a body is in the world, (3,) m; NaN: the motion of its frame is not known then."""

@@ -187,14 +187,15 @@ def start_collides(scene: Scene, prover: Prover, *, hollow: bool = False) -> Ref
     return None if hit is None else refusal_of(scene, prover, hit)
 
 
-def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
+def points_impossible(scene: Scene, prover: Prover, *, start_is_free: bool = False) -> Refusal | None:
     """A start that collides, or a control point that can never be met: it is out of range, or what hangs on the flange
     would be too near what never moves against it, there or where a straight part ends; and the checker is shown it.
+    `start_is_free`: the start is known not to collide.
 
     Called only when the first candidates have failed: where they have not, the arm can leave and the points can be met.
     """
     never = (each for number in range(len(scene.task)) for each in _never(scene, prover, number))
-    colliding = start_collides(scene, prover)
+    colliding = None if start_is_free else start_collides(scene, prover)
     for refusal in chain([] if colliding is None else [colliding], never):
         if shown(scene, prover, refusal):
             return refusal

@@ -191,6 +191,16 @@ class Body:
         return () if self.surface is None else cut_of(self.pieces, self.surface)
 
     @cached_property
+    def numbers(self) -> FloatArray:
+        """A row (17,) for each piece: its position and rotation, row by row, and half, disc and ball of a primitive."""
+        found = np.zeros((len(self.pieces), 17))
+        for row, piece in zip(found, self.pieces, strict=True):
+            row[:3], row[3:12], shape = piece.position, piece.rotation.ravel(), piece.shape
+            if isinstance(shape, Primitive):
+                row[12:] = (*shape.half, shape.disc, shape.ball)
+        return found
+
+    @cached_property
     def radius(self) -> float:
         """Horizontal distance, m, of its points from its own origin at most."""
         return max(radius(piece) for piece in self.pieces)
@@ -260,8 +270,7 @@ class Pieces:
     hulls: tuple[Hull, ...]
 
 
-NO_CORE = (0.0, 0.0, 0.0, 0.0, 0.0)
-NO_POINTS, NO_AXES = np.zeros(0), np.zeros((0, 3))
+NO_NUMBERS = np.zeros((0, 17))
 """What stands in front, so that there may be no body."""
 
 
@@ -270,19 +279,17 @@ def pieces(bodies: Sequence[Body]) -> Pieces:
     every = [piece for body in bodies for piece in body.pieces]
     shapes = tuple(piece.shape for piece in every)
     count = np.array([len(body.pieces) for body in bodies], dtype=np.int64)
-    hulls = tuple(shape for shape in shapes if isinstance(shape, Hull))
-    core = np.array([NO_CORE if isinstance(s, Hull) else (*s.half, s.disc, s.ball) for s in shapes]).reshape(-1, 5)
-    hull = np.full(len(shapes), -1)
-    if hulls:
-        hull[[isinstance(shape, Hull) for shape in shapes]] = np.arange(len(hulls))
+    hulls, hull = tuple(shape for shape in shapes if isinstance(shape, Hull)), np.full(len(shapes), -1)
+    hull[[k for k, shape in enumerate(shapes) if isinstance(shape, Hull)]] = np.arange(len(hulls))
+    table = np.concatenate([NO_NUMBERS, *(body.numbers for body in bodies)])
     found = Pieces(
         first=np.cumsum(count) - count,
         count=count,
-        position=np.concatenate([NO_POINTS, *(piece.position for piece in every)]).reshape(-1, 3),
-        rotation=np.concatenate([NO_AXES, *(piece.rotation for piece in every)]).reshape(-1, 3, 3),
-        half=core[:, :3].copy(),
-        disc=core[:, 3].copy(),
-        ball=core[:, 4].copy(),
+        position=table[:, :3].copy(),
+        rotation=table[:, 3:12].reshape(-1, 3, 3),
+        half=table[:, 12:15].copy(),
+        disc=table[:, 15].copy(),
+        ball=table[:, 16].copy(),
         hull=hull,
         shapes=shapes,
         hulls=hulls,

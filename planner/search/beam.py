@@ -22,7 +22,7 @@ from assur.planner.legs.tilt import tilts
 from assur.planner.model.deadline import Deadline, OutOfTimeError, Progress, Watch, look, out_of_time
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import yaw_offsets
-from assur.planner.model.refusal import Refusal
+from assur.planner.model.refusal import Refusal, Separation
 from assur.planner.model.scene import Pick, Scene
 from assur.planner.search.candidates import Sampler
 from assur.planner.search.census import Counter, completed, refused_proof
@@ -81,6 +81,8 @@ class Search:
         self.until_first = scene.options.stop == "first"
         """Whether the first plan ends the search. It says nothing about how that one is found."""
         self.found = Found()
+        self.start_is_free = False
+        """Whether a candidate from the start was screened that is near nothing there, with all errors."""
         self._bound: list[float | None] = []
         """What no plan beats, once it was asked for."""
 
@@ -105,7 +107,7 @@ class Search:
                         return self.found
             round_number += 1
             if round_number == 1 and self.found.best is None:
-                self.found.never = points_impossible(self.scene, self.prover)
+                self.found.never = points_impossible(self.scene, self.prover, start_is_free=self.start_is_free)
                 if self.found.never is not None:
                     return self.found
             if not explored:
@@ -164,6 +166,9 @@ class Search:
             screened, proved = self._tried(motion)
             refusal = screened.refusal
             at = None if refusal is None or refusal.interval is None else refusal.interval[0]
+            if refusal is None or isinstance(refusal.facts, Separation):
+                # what is near at the start is reported for that instant, before any other
+                self.start_is_free |= motion.phases[0].t0 == self.scene.start.time != at
             sampler.learn(motion.candidate, score_of(refusal), motion.end, at)
             if proved is False and refusal is None:
                 sampler.learn(motion.candidate, 1.0)
