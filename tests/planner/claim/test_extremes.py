@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from assur.planner.claim.lifts import between_jumps, largest
+from assur.planner.trajectory import Trajectory
 from tests.prover.bundles import planned
 
 NAMES = ("demo", "five-bar", "rv-m1", "parabolic-blend")
