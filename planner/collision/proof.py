@@ -332,8 +332,7 @@ class Prover:
     def depths(self, phase: Phase, q: FloatArray, t: FloatArray, deepest: float, most: float) -> FloatArray:
         """How deep (W,) motions are in something at instants `t` (W, T) with joints `q` (W, T, n), up to about `most`
         (`kernels.screening.depths`)."""
-        arrangement, found = self.of(phase), np.empty(len(t))
-        pairs = self.pairs_of(phase)
+        arrangement, pairs, found = self.of(phase), self.pairs_of(phase), np.empty(len(t))
         asked = pairs.rows
         if pairs.many:
             least = np.empty((len(pairs.mine), SIDES))
