@@ -146,11 +146,6 @@ def fact_of(kind: type[Fact], item: Any, **own: Any) -> Fact:
     return kind(**{**given, **own})
 
 
-@cache
-def _hints(kind: Any) -> dict[str, Any]:
-    return get_type_hints(kind)
-
-
 def _fact(hint: Any, value: Any) -> Any:
     """A value of a document as what is in facts at this type."""
     if isinstance(value, dict):
