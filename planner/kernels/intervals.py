@@ -70,16 +70,16 @@ def room_for(motion: Motion) -> Room:
     """Room to work in for a motion."""
     (robot, _, _), (_, c, _) = motion
     n, angles, links = c.shape[1], int(robot[ANGLE_COUNT]), int(robot[LINKS])
-    joints, lagging = np.empty((n, JET_COLUMNS)), np.empty((n, JET_COLUMNS))
-    turns, lagged = np.empty((angles, 2, JET_COLUMNS)), np.zeros((links, JETS, JET_COLUMNS))
-    return np.empty(n), joints, turns, lagging, lagged
+    joints, lagging = np.zeros((n, JET_COLUMNS)), np.zeros((n, JET_COLUMNS))
+    turns, lagged = np.zeros((angles, 2, JET_COLUMNS)), np.zeros((links, JETS, JET_COLUMNS))
+    return np.zeros(n), joints, turns, lagging, lagged
 
 
 @kernel(f"Tuple(({CUBE}, {UNITS}))({CELL}, int64)", allocates=True)
 def places_for(cell: Cell, moments: int) -> tuple[FloatArray, Units]:
     """Carriers and units of a cell, still to be placed, at so many instants."""
     bodies, vertices, still = cell
-    carriers, placed = np.empty((moments, len(still), POSE_COLUMNS)), np.empty((moments, len(bodies), POSE_COLUMNS))
+    carriers, placed = np.zeros((moments, len(still), POSE_COLUMNS)), np.zeros((moments, len(bodies), POSE_COLUMNS))
     return carriers, (bodies, vertices, placed)
 
 

@@ -233,7 +233,7 @@ ROWS = [
     Forgery("a normal points the other way", "demo", put("rows.lasting.normal", times(-1.0)), ROW),
     Forgery("a normal is zero", "demo", put("rows.lasting.normal", [0.0, 0.0, 0.0]), COVER),
     Forgery("a normal is turned", "demo", put("rows.lasting.normal", lambda n: n[1:] + n[:1]), ROW),
-    Forgery("a row is of another body", "demo", lambda d: put("rows.lasting.bodies.0", body(d, "shaft"))(d), COVER),
+    Forgery("a row is of another body", "demo", lambda d: put("rows.lasting.bodies.0", body(d, "shaft"))(d), ROW),
     Forgery("a row is of one body twice", "demo", put("rows.lasting.bodies", lambda b: [b[1], b[1]]), COVER),
     Forgery("bodies of all rows change places", "demo", swapped, ROW),
     Forgery("no rows", "demo", put("rows", []), COVER),
