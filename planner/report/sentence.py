@@ -49,9 +49,9 @@ def sentence(scene: Scene, refusal: Refusal | None, line: CensusLine | None, cen
     if line is not None and refusal.stage in OF_CANDIDATES and census.candidates:
         most = _most_frequent(line, census)
         others = _others(line, census, most)
-        tail = f"{others} ({line.count} of {census.candidates} candidates{_span(refusal)})"
+        tail = f"{others} ({_counted(line, census)} candidates{_span(refusal)})"
         if most is not None:
-            tail += f"; most frequent: {_named(scene, most.refusal)} ({most.count} of {census.candidates})"
+            tail += f"; most frequent: {_named(scene, most.refusal)} ({_counted(most, census)})"
         if cut:
             tail += f"; the budget of {budget} was spent"
     step = "" if refusal.stage is Stage.START else f"{scene.task[refusal.step].name}: "
@@ -171,6 +171,11 @@ def _forbidden_yaw(refusal: Refusal, facts: ForbiddenYaw, short: str) -> str:
     if refusal.stage is Stage.INVERSE:
         return f"to a yaw of {yaw} the tool would have to turn through the forbidden range {ends}{_mode(facts.mode)}"
     return f"on its way the tool would turn into the forbidden range of yaw {ends}, by {short}"
+
+
+def _counted(line: CensusLine, census: Census) -> str:
+    """How often it was refused; more often than candidates were: before there was a candidate, too."""
+    return f"{line.count} {'of' if line.count <= census.refused else 'times, beside'} {census.candidates}"
 
 
 def _most_frequent(line: CensusLine, census: Census) -> CensusLine | None:

@@ -89,6 +89,8 @@ def test_a_sentence_names_the_step_the_bodies_the_count_and_the_time() -> None:
     found = said(line(30), Census(40, 40, (line(30),)))
     assert found.startswith("drop: cup would hit gate: overlap up to 1 mm, required 11 mm (30 of 40 candidates, ")
     assert found.endswith(", between 1.00 s and 2.00 s).")
+    before = said(line(30), Census(20, 12, (line(30),)))  # most of them were refused before there was a candidate
+    assert "(30 times, beside 20 candidates, " in before
     at_once = said(line(30, interval=(1.0, 1.001)), Census(40, 40, (line(30),)))
     assert "at 1.00 s" in at_once
     assert "the budget of" in said(line(30), Census(40, 40, (line(30),)), cut=True)
