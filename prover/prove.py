@@ -981,8 +981,7 @@ def claimed(world: World, alone: float, rows: int, pairs: int, gap_rows: int, ga
 
     speeds, pulls = ([each["most"] for each in bundle["rates"] if each["order"] == order] for order in (1, 2))
     axes, sums = ([each["high"] - each["low"] for each in bundle[key]] for key in ("axes", "sums"))
-    second = [must[key] if must[key] >= 0 else "not claimed" for key in ("nearest", "placed")]
-    second = [each if each != 1e300 else "no pair" for each in second]
+    second = [{1e300: "no pair"}.get(x, x) if x >= 0 else "not claimed" for x in (must["nearest"], must["placed"])]
     return {
         **{key: bundle[key] for key in ("plan_digest", "request_digest")},
         "the robot keeps clear from and until, s": [own[0], alone],

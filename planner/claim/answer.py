@@ -28,13 +28,13 @@ from assur.planner.trajectory import Trajectory
 WITHIN = (1e-6, 1e-6, 1e-3)
 """By how much a peak of velocity, acceleration and jerk may be off, as a share of the joint's limit: rounding. Jerk is
 a third difference of the knots' numbers, which over pieces of 10 µs rounds to 1e-4 of a usual limit."""
-BETWEEN, REACHED, ROUNDING, LEAST = 0.01, 1e-3, 1e-4, 1e-6
+BETWEEN, REACHED, ROUNDING, LEAST = 0.01, 1e-3, 5e-4, 1e-6
 """Shares by which a peak of the tool, found at instants, may be exceeded between them; by which the largest
 acceleration with a part may be missed, whose instant is not stated; and by which a peak may be off at its instant. And
 m/s or m/s²: what is no faster stands."""
 OFF = (1e-6, 1e-3)
-"""By how much a speed, m/s, and an acceleration, m/s², of the tool may be off at its instant in addition: bounds of a
-closed chain round the acceleration by 0.5 mm/s²."""
+"""By how much a speed, m/s, and an acceleration, m/s², of the tool may be off at its instant in addition: the
+acceleration of a closed chain is known to 0.5 mm/s², and to 0.03 % near the edge of its reach."""
 BESIDE_S = 1e-9
 """How far from a jump of the acceleration, s, either of its sides is evaluated."""
 Row = tuple[float, ...]

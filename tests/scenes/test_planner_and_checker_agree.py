@@ -186,6 +186,27 @@ def test_the_peak_of_a_five_bar_near_the_edge_of_its_reach() -> None:
         assert "RATE" in {each["code"] for each in check_document(asked, wrong)["findings"]}
 
 
+def test_the_peak_of_a_five_bar_whose_couplers_are_nearly_stretched() -> None:
+    """Bounds of its acceleration are 0.02 % of it."""
+    asked = request(
+        "five-bar",
+        [
+            move([0.262290091294961, 0.012276054569912407, 0.1], via=True),
+            move([0.2532227955934378, -0.0589396321096774, 0.1]),
+            move([0.2804928613034429, 0.019455977152977155, 0.1]),
+        ],
+        options={"max_candidates": 12, "seed": 544},
+    )
+    asked["robot"] = copy.deepcopy(asked["robot"])
+    first, second = asked["robot"]["five_bar"]["joints"]
+    first |= {"velocity_rad_s": 6000.0, "acceleration_rad_s2": 90000.0, "jerk_rad_s3": 4000.0}
+    second |= {"velocity_rad_s": 6.0, "acceleration_rad_s2": 90000.0, "jerk_rad_s3": 276.3979438122845}
+    answer = agreed(asked)
+    assert answer["status"] == "planned"
+    answer["margins"]["tool"]["acceleration_m_s2"] *= 1.001
+    assert "RATE" in {each["code"] for each in check_document(asked, answer)["findings"]}
+
+
 def test_a_neighbour_that_may_start_late_needs_few_rows() -> None:
     """How far it is ahead was halved twelve times where its time had to be: more rows than the checker evaluates."""
     tolerance, at, base = 0.009740278632485869, 34290.471744081355, [0.4449925364705781, -0.3772476736992115, -0.434]

@@ -37,7 +37,7 @@ def through_loop(k: Claim, loop: int, size: float, errors: FloatArray) -> None:
     short, long = min(own[c.LOOP_COUPLER], own[c.LOOP_COUPLER + 1]), max(own[c.LOOP_COUPLER], own[c.LOOP_COUPLER + 1])
     least, ratio = own[c.LOOP_LEAST], (size + abs(own[c.LOOP_LENGTH]) + abs(own[c.LOOP_LENGTH + 1])) / short
     slope = 1.0 + 2.0 * ratio / least
-    bend, third = slope * slope / least, slope * slope * slope / (least * least)
+    bend, third = slope * slope / least, 1.5 * slope * slope * slope / (least * least)
     errors[0] = slope * e0 + 64.0 * tb.ULP * ratio * ratio * (1.0 + long / short) / (least * least)
     errors[1] = slope * e1 + bend * rate * e0
     errors[2] = slope * e2 + 2.0 * bend * rate * e1 + (bend * second + third * rate * rate) * e0

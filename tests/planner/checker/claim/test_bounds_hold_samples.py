@@ -8,12 +8,12 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from flint import arb, ctx
+from flint import arb, arb_series, ctx
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.chain import slot_of
-from assur.planner.checker.claim.motion import make_curves, make_laws, over
+from assur.planner.checker.claim.motion import make_curves, make_laws, over, through_loop
 from assur.planner.checker.claim.points import sum_within
 from assur.planner.checker.claim.solids import Jet, inverse, polynomial, root, times, turned
 from assur.planner.checker.claim.verdict import prepare
@@ -174,6 +174,36 @@ def test_a_vertical_slide_of_an_upright_link_turns_nothing() -> None:
     far = geometry.rounds[slides, tb.ROUND_PLACE] / geometry.rounds[slides, tb.ROUND_TURN]
     assert len(slides) > 0
     assert (far < 3.0).all()
+
+
+@pytest.mark.parametrize(("cranks", "sine"), [(2.0, 0.3), (14.0, 0.01), (20.0, 0.05), (200.0, 0.05)])
+def test_a_coupler_changes_no_faster_with_its_cranks_than_is_stated(cranks: float, sine: float) -> None:
+    """(R4), where it is nearest to what is true: long cranks across the line of their origins turn in opposite
+    directions, and couplers of 1 m are nearly stretched."""
+    apart, before = 2.0 * math.cos(0.5 * math.asin(sine)), (ctx.prec, ctx.cap)
+    ctx.prec, ctx.cap = 200, 4
+    try:
+        turn = arb_series([0, 1])
+        x, y = apart + cranks * turn.sin(), arb_series([0, 0])  # from the end of one crank to that of the other
+        coupler = (y / x).atan() + ((x * x + y * y).sqrt() / 2).acos()
+        first, second, third = (abs(float(coupler[k])) * math.factorial(k) for k in (1, 2, 3))
+    finally:
+        ctx.prec, ctx.cap = before
+    claim, _, _ = prepared("five-bar")
+    loops = claim.loops.copy()
+    loops[0, c.LOOP_LENGTH : c.LOOP_SIDE] = 0.5 * cranks, 0.5 * cranks, 1.0, 1.0
+    loops[0, c.LOOP_LEAST] = sine
+
+    def errors(*of_cranks: float) -> FloatArray:
+        found = np.array([*of_cranks, *np.zeros(6 - len(of_cranks))])
+        through_loop(claim._replace(loops=loops), 0, apart, found)
+        return found
+
+    assert first <= errors(0.0, 1.0)[1]
+    assert second <= errors(1.0, 0.0, 0.0, 1.0)[1]
+    assert third <= errors(1.0, 0.0, 0.0, 1.0)[2]
+    if cranks > 10.0:  # two thirds of it are too little
+        assert third > errors(1.0, 0.0, 0.0, 1.0)[2] / 1.5
 
 
 def jet_of(powers: FloatArray, a: float, b: float) -> Jet:
