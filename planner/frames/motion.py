@@ -103,8 +103,8 @@ class Motion:
         return Motion(table)
 
     def at(self, offset: Pose) -> Motion:
-        """Motion of a frame that is fixed in this one at `offset`; of a hand that tilts, beside it: `offset` is then in
-        a frame that has its heading and stays upright.
+        """Motion of a frame that is fixed in this one at `offset`. Of a hand that tilts, `offset` is in a frame that
+        has its heading and stays upright.
 
         With r = R(yaw) offset and r⊥ = ẑ × r:  ṙ = ω r⊥,  r̈ = α r⊥ − ω² r,  r⃛ = (α̇ − ω³) r⊥ − 3 ω α r.
         """
