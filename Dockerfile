@@ -20,7 +20,8 @@ COPY scenes scenes
 COPY api api
 COPY experiments experiments
 COPY prover prover
-COPY src src
+COPY src/assur/__init__.py src/assur/request.py src/assur/py.typed src/assur/
+COPY deploy/packaging deploy/packaging
 RUN /opt/build/bin/pip wheel --no-build-isolation --no-deps --no-index --wheel-dir /wheel . \
     && /opt/build/bin/pip --python /opt/assur/bin/python install --no-deps --no-index /wheel/*.whl
 COPY deploy/sbom.py deploy/

@@ -53,19 +53,20 @@ $(BIN)/python:
 PLAIN := tests/planner/kernels tests/planner/timing/test_rough_motions.py tests/planner/timing/test_knots.py \
 	tests/planner/test_gjk.py tests/planner/test_separation.py
 
-# A stamp per set of extras: pip runs again only when pyproject.toml has changed since.
+# A stamp per set of extras: pip runs again only when one of these has changed since. It makes the links in src/assur, too.
+INSTALLED_FROM := pyproject.toml deploy/packaging/backend.py
 install = $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable "$(1)" && touch $@
 
 # What users have: plots, and clients of the service.
 OF_USERS := .[plot,client]
 
-$(VENV)/installed: $(BIN)/python pyproject.toml
+$(VENV)/installed: $(BIN)/python $(INSTALLED_FROM)
 	$(call install,$(OF_USERS))
 
-$(VENV)/installed-test: $(BIN)/python pyproject.toml
+$(VENV)/installed-test: $(BIN)/python $(INSTALLED_FROM)
 	$(call install,.[test])
 
-$(VENV)/installed-dev: $(BIN)/python pyproject.toml
+$(VENV)/installed-dev: $(BIN)/python $(INSTALLED_FROM)
 	$(call install,.[dev])
 
 # Compiled once: the command looks whether they are there before it loads the compiler.
@@ -98,7 +99,7 @@ test-kernels: $(VENV)/installed-test
 # The browser that runs the reports; none is downloaded.
 CHROMIUM ?= $(firstword $(foreach name,chromium chromium-browser google-chrome,$(shell command -v $(name) 2>/dev/null)))
 
-$(VENV)/installed-browser: $(BIN)/python pyproject.toml
+$(VENV)/installed-browser: $(BIN)/python $(INSTALLED_FROM)
 	$(call install,.[browser])
 
 test-browser: $(VENV)/installed-browser
@@ -185,7 +186,7 @@ soak: $(VENV)/installed-test
 check-deployment: $(VENV)/installed-test
 	$(BIN)/python -m deploy.check
 
-$(VENV)/installed-supply: $(BIN)/python pyproject.toml
+$(VENV)/installed-supply: $(BIN)/python $(INSTALLED_FROM)
 	$(call install,.[supply])
 
 # Cython is left out, and why stands in deploy/locks.py. What is locked already stays, unless UPGRADE is set.

@@ -15,6 +15,7 @@ from benchmarks.dialogue import Document, Program
 from benchmarks.machine import ROOT
 from benchmarks.problem_set import ProblemSet
 from benchmarks.translation import Terms, request, unrelated_problem
+from deploy.packaging.backend import link
 
 PROGRAM = Path(__file__).with_name("planner_process.py")
 START_S = 300.0
@@ -35,7 +36,10 @@ def sources(commit: str | None) -> Iterator[Path]:
     with tempfile.TemporaryDirectory() as folder:
         with tarfile.open(fileobj=io.BytesIO(packed)) as archive:
             archive.extractall(folder, filter="data")
-        yield Path(folder)
+        root = Path(folder)
+        if (root / "deploy" / "packaging").exists():  # before, the links were in git
+            link(root)
+        yield root
 
 
 @contextmanager
