@@ -12,6 +12,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from benchmarks import commits
 from deploy.packaging.backend import FOLDERS, ROOT, link
 from tests.deploy.test_image import instructions
 
@@ -129,6 +130,29 @@ def test_git_ignores_the_links_that_are_made(tree: Path) -> None:
     shutil.rmtree(tree / ".git")
     shutil.copy(ROOT / ".gitignore", tree)
     assert committed(tree) == modules | {".gitignore": "100644"}
+
+
+def test_the_sources_of_a_commit_can_be_imported(tree: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The benchmark measures commits with links in git, and commits without."""
+    for name in FOLDERS:
+        (tree / name / "__init__.py").write_text("", encoding="utf-8")
+    link(tree)
+    committed(tree)
+    monkeypatch.setattr(commits, "ROOT", tree)
+    author = ("-c", "user.name=a", "-c", "user.email=a@example.org")
+    for with_links in (True, False):
+        if not with_links:
+            (tree / "deploy").mkdir()
+            shutil.copytree(ROOT / "deploy" / "packaging", tree / "deploy" / "packaging")
+            shutil.copy(ROOT / ".gitignore", tree)
+            subprocess.run(["git", "rm", "-r", "--quiet", "--cached", "src"], cwd=tree, check=True)
+            (tree / "src" / "assur" / "__init__.py").write_text("", encoding="utf-8")
+            committed(tree)
+        subprocess.run(["git", *author, "commit", "--quiet", "--message", "a"], cwd=tree, check=True)
+        with commits.sources("HEAD") as folder:
+            for name in FOLDERS:
+                assert (folder / "src" / "assur" / name / "__init__.py").samefile(folder / name / "__init__.py")
+    assert not any(mode == "120000" for mode in committed(tree).values())
 
 
 def test_the_image_copies_no_link() -> None:
