@@ -171,8 +171,8 @@ class Answer(Mapping[str, Any]):
     def _said(self, key: str) -> Any:
         if key not in self._document:
             allowed = (
-                "what a whole answer holds there; this one has less, as an export's plan with its proof has: ask the "
-                "answer that was exported"
+                "what an answer with `report: full` in its options states; of a plan file that an export wrote, what "
+                "the exported answer states"
             )
             raise InputError(f"answer.{key}", "nothing", allowed)
         return self._document[key]

@@ -210,6 +210,7 @@ def _options(
         max_candidates=item.max_candidates,
         stop=item.stop,
         explain_budget_s=item.explain_budget_s,
+        report=item.report,
         clearance=Clearance(item.clearance_m.travel, item.clearance_m.near, tuple(exceptions)),
         singularity_margin=item.singularity_margin,
         elbow=item.elbow,

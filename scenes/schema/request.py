@@ -56,6 +56,7 @@ class OptionsDocument(Document):
     max_candidates: Annotated[int, Field(ge=1, le=bounds.MAX_CANDIDATES), WHOLE] | None = None
     stop: Literal["first", "budget"] = "budget"
     explain_budget_s: Annotated[float, Field(ge=0.0, le=bounds.MAX_BUDGET_S)] = 0.0
+    report: Literal["none", "short", "full"] = "short"
     clearance_m: ClearanceDocument = ClearanceDocument(travel=0.0, near=0.0)
     clearance_exceptions: Annotated[list[ClearanceExceptionDocument], Field(max_length=bounds.MAX_CONTACTS)] = Field(
         default_factory=list
