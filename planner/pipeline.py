@@ -36,7 +36,7 @@ from assur.planner.model.scene import Scene
 from assur.planner.relaxation.changes import worth_trying
 from assur.planner.relaxation.trying import relax
 from assur.planner.report.checker_first import checker_first
-from assur.planner.report.margins import carried, clearances, contacts
+from assur.planner.report.margins import carried, contacts, reported
 from assur.planner.report.sentence import sentence
 from assur.planner.report.straight_parts import assumed
 from assur.planner.search.beam import Found, Search
@@ -155,11 +155,11 @@ def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan) 
     with run.tail(scene):
         # warnings first: the smallest clearance may use all remaining time
         told = _warnings(scene, prover, made.arrivals)[0] if full else ()
-        least = clearances(scene, prover, made.trajectory, of_plan)
+        least = reported(scene, prover, made.trajectory, of_plan)
         late = out_of_time()
     return Planned(
         plan=made,
-        clearances=least,
+        reported=least,
         contacts=contacts(of_plan),
         carried=carried(scene, of_plan),
         lower_bound_s=least_duration(scene) if full else None,

@@ -62,7 +62,7 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAn
         {
             **_motion(cell, plan),
             "contacts": written(outcome.contacts),
-            **({} if outcome.clearances is None else {"margins": written(outcome.clearances)}),
+            **({} if outcome.reported is None else {"margins": written(outcome.reported)}),
             "load": load_document(cell.scene, outcome.carried),
             **({"lower_bound_s": optional(outcome.lower_bound_s)} if _is_full(cell.scene) else {}),
             "certificate": certificate_document(plan.certificate, detail),

@@ -26,7 +26,7 @@ from assur.scenes.schema.answer import Verdict
 from assur.scenes.schema.ik import IkDocument
 from assur.scenes.schema.normal import plain
 from assur.scenes.schema.read import read
-from assur.scenes.schema.request import SCHEMA, RequestDocument
+from assur.scenes.schema.request import SCHEMA, ChangesDocument, RequestDocument
 from assur.scenes.text.json_text import parse_json
 from assur.scenes.units import si_key
 
@@ -119,6 +119,17 @@ def cell_of(
     if laps is not None:
         laps.lap("build")
     return cell
+
+
+def changed_cell(document: dict[str, Any], request: RequestDocument, changes: dict[str, Any]) -> Cell:
+    """The cell of a valid request whose document has the fields of `changes` in place of its own. Only these are read
+    again, if robot and surroundings are not among them. Raises `InputError` naming the field."""
+    from assur.scenes.reading.cell import cell_of as build
+
+    written = {**document, **changes}
+    if not changes.keys() <= ChangesDocument.model_fields.keys():
+        return build(written, validate(written))
+    return build(written, request.changed(read(ChangesDocument, changes)))
 
 
 def _accepted(

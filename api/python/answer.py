@@ -52,6 +52,13 @@ class Answer(Mapping[str, Any]):
         self._document = document
         self._request = None if request is None else copy.deepcopy(dict(request))
 
+    @classmethod
+    def made(cls, document: dict[str, Any], request: dict[str, Any] | None) -> Answer:
+        """An answer that keeps these documents themselves, which nobody changes."""
+        answer = cls(document)
+        answer._request = request
+        return answer
+
     @property
     def request(self) -> dict[str, Any] | None:
         """The request that this answers, as it was planned; None where it is not known. Change a copy, not this."""

@@ -385,7 +385,7 @@ class Planned:
     """A plan, proved against the model. What the option `report` leaves out is None or empty."""
 
     plan: Plan
-    clearances: Clearances | None
+    reported: Clearances | None
     """With `report: full`, the margins."""
     contacts: tuple[Contact, ...]
     carried: tuple[Carried, ...]
@@ -402,9 +402,9 @@ class Planned:
     @property
     def margins(self) -> Margins:
         """The margins. Raises `FaultError` where `report` is not `full`."""
-        if not isinstance(self.clearances, Margins):
+        if not isinstance(self.reported, Margins):
             raise FaultError("margins that the options of the request leave out")
-        return self.clearances
+        return self.reported
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,7 +24,7 @@ NEAREST_PAIRS = 4
 smallest clearance of all pairs."""
 
 
-def clearances(scene: Scene, prover: Prover, path: Trajectory, phases: tuple[Phase, ...]) -> Clearances | None:
+def reported(scene: Scene, prover: Prover, path: Trajectory, phases: tuple[Phase, ...]) -> Clearances | None:
     """The smallest clearances of a plan, or its margins, or None, as the option `report` says. A smallest clearance
     that is not known before the deadline in force is 0, which is proved, too."""
     if scene.options.report == "none":

@@ -72,7 +72,8 @@ def request(family: str, task: list[Document], **more: Any) -> Document:
     arm, joints, _ = FAMILIES[family]
     (key, facts), = arm.items()  # fmt: skip
     robot = {key: facts | {"bodies": [], "self_pairs": []}, "tool": {"tcp_m": [0, 0, 0]}}
-    options = {"stop": "first", "max_candidates": 60, "budget_s": 60, "elbow": "auto"} | more.pop("options", {})
+    options = {"stop": "first", "max_candidates": 60, "budget_s": 60, "elbow": "auto", "report": "full"}
+    options |= more.pop("options", {})
     return {"schema": "assur/1", "robot": robot, "start": {"joints": joints}, "task": task, "options": options, **more}
 
 
