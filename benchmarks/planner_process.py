@@ -45,6 +45,8 @@ class Planner(NamedTuple):
         Each problem is also new to its process. Its robot is not, as in a service.
         """
         emptied = 0
+        reading = sys.modules.get(f"{self.prefix}scenes.reading.cell")
+        getattr(reading, "_kept", {}).clear()  # the cells of earlier requests
         packages = tuple(f"{self.prefix}{package}" for package in PACKAGES)
         keep = tuple(f"{self.prefix}{module}" for module in KEEP)
         for name, module in list(sys.modules.items()):

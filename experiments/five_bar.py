@@ -177,7 +177,7 @@ def through_type_2() -> tuple[dict[str, Any], Paths]:
     request = copy.deepcopy(shipped("five-bar-type-2").request)
     refused = plan_document(request)
     del request["task"][0]["move"]["leg"]
-    request["options"]["max_candidates"] = 300
+    request["options"] |= {"max_candidates": 300, "report": "full"}
     answer = plan_document(request)
     cell = cell_of(request)
     robot = cell.scene.robot

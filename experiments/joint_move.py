@@ -19,7 +19,7 @@ from assur.planner.model.outcome import Planned
 from assur.planner.pipeline import plan
 from assur.planner.timing import TimingRefusal, fastest_motion
 from assur.planner.trajectory import Trajectory
-from assur.scenes.requests import scene_of
+from assur.scenes.requests import scene_of, with_options
 from assur.scenes.scenarios import shipped
 
 A = 0.2
@@ -47,7 +47,7 @@ def poses() -> FloatArray:
 
 def planned() -> Planned:
     """The plan of the cell. Raises `FaultError` where there is none."""
-    outcome = plan(scene_of(shipped("parabolic-blend").request))
+    outcome = plan(scene_of(with_options(shipped("parabolic-blend").request, {"report": "full"})))
     if not isinstance(outcome, Planned):
         raise FaultError(outcome.sentence)
     return outcome

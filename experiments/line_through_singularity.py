@@ -250,7 +250,14 @@ def request(h_mm: float, kind: str) -> dict[str, Any]:
         "robot": {"scara": scara, "tool": {"tcp_mm": [0, 0, 0]}},
         "start": {"joints": {"theta1_deg": 150, "theta2_deg": 80, "d3_mm": -100}},
         "bodies": [floor],
-        "options": {"max_candidates": 30, "budget_s": 60, "stop": "first", "elbow": "right", "seed": 1},
+        "options": {
+            "max_candidates": 30,
+            "budget_s": 60,
+            "stop": "first",
+            "elbow": "right",
+            "seed": 1,
+            "report": "full",
+        },
     }
     begin, end = [-1e3 * HALF, h_mm, -100], [1e3 * HALF, h_mm, -100]
     if kind == "any speed":

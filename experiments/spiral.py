@@ -53,7 +53,7 @@ REQUEST: dict[str, Any] = {
             }
         }
     ],
-    "options": {"max_candidates": 40, "budget_s": 60, "stop": "first", "elbow": "right", "seed": 1},
+    "options": {"max_candidates": 40, "budget_s": 60, "stop": "first", "elbow": "right", "seed": 1, "report": "full"},
 }
 
 

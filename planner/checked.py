@@ -39,40 +39,32 @@ from assur.planner.model.scene import Scene
 
 
 @dataclass(eq=False)
-class KeptCell:
-    """The claim of a scene whose cell is kept. `given`: what the statement checker derives of the scene alone;
-    `is_stated`: it has no difference in what depends on the cell alone."""
+class StatedScene:
+    """The claim of a scene. `given`: what the statement checker derives of the scene alone; `is_stated`: it has no
+    difference in what depends on the cell alone."""
 
     base: SceneClaim
     given: Given
     is_stated: bool = False
 
-    def fits(self, scene: Scene) -> bool:
-        """Whether the cell of a scene is this one: made of the same objects, and claimed from as early on."""
-        same = zip(_facts(self.base.scene), _facts(scene), strict=True)
-        return all(one is other for one, other in same) and early_of(scene) >= self.base.cell.frames.early
+
+def _none_yet(_: Scene) -> list[StatedScene]:
+    """The scene of a cell that was checked last: a search has many plans for one scene checked."""
+    return []
 
 
-def _facts(scene: Scene) -> tuple[object, ...]:
-    """Objects from which all follows that a claim states of a cell."""
-    return scene.robot, scene.tool, scene.frames, scene.bodies, scene.options.clearance, scene.execution
-
-
-_last: list[KeptCell] = []
-"""The cell of the scene that was checked last: a search has many plans for one scene checked."""
-
-
-def kept_cell(scene: Scene) -> KeptCell:
-    """The cell of a scene, kept from the check before if that was of the same cell. Raises `InputError` for what no
-    claim can state."""
-    last = next(iter(_last), None)  # once: another thread may keep another one meanwhile
+def stated_scene(scene: Scene) -> StatedScene:
+    """The claim of a scene; what it states of its cell is kept from the scene before, if that had the same cell, and
+    the same distances and execution. Raises `InputError` for what no claim can state."""
+    kept = scene.kept.of(_none_yet, scene, scene.options.clearance, scene.execution)
+    last = next(iter(kept), None)  # once: another thread may keep another one meanwhile
     if last is not None and last.base.scene is scene:
         return last
-    known = last if last is not None and last.fits(scene) else None
+    known = last if last is not None and early_of(scene) >= last.base.cell.frames.early else None
     base = claim_of(scene, None if known is None else known.base.cell)
-    kept = KeptCell(base, Given(scene), is_stated=known is not None and known.is_stated)
-    _last[:] = [kept]
-    return kept
+    stated = StatedScene(base, Given(scene), is_stated=known is not None and known.is_stated)
+    kept[:] = [stated]
+    return stated
 
 
 @np.errstate(all="ignore")
@@ -85,10 +77,10 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     the plan is good.
     """
     try:
-        kept = kept_cell(scene)
+        stated = stated_scene(scene)
     except InputError as error:
         return Verdict.of([Finding(Code.FORM, str(error))])
-    handling = Handling(scene, plan, kept.given)
+    handling = Handling(scene, plan, stated.given)
     strange = _strange(scene, plan, handling.bodies)
     if strange:
         return Verdict.of(strange)
@@ -106,7 +98,7 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
         different = state_plan(handling, claim)
         return different if different or claims is NOTHING else state_answer(handling, claims, claim)
 
-    judged = _judged(kept, plan, of_plan, claims, fill, compare, between)
+    judged = _judged(stated, plan, of_plan, claims, fill, compare, between)
     return Verdict.of(of_legs + list(judged.findings))
 
 
@@ -114,22 +106,22 @@ def check_motion(scene: Scene, plan: Plan, of_motion: tuple[Phase, ...]) -> Verd
     """Whether a motion that has no task keeps limits and keeps everything apart. `plan` has one leg, in travel, and no
     arrivals; `of_motion`: its phases."""
     try:
-        kept = kept_cell(scene)
+        stated = stated_scene(scene)
     except InputError as error:
         return Verdict.of([Finding(Code.FORM, str(error))])
     return _judged(
-        kept,
+        stated,
         plan,
         of_motion,
         NOTHING,
         lambda base: with_plan(base, plan, of_motion),
-        lambda claim: state_motion(Handling(scene, plan, kept.given), claim),
+        lambda claim: state_motion(Handling(scene, plan, stated.given), claim),
         nothing,
     )
 
 
 def _judged(
-    kept: KeptCell,
+    stated: StatedScene,
     plan: Plan,
     of_plan: tuple[Phase, ...],
     claims: Claims,
@@ -139,16 +131,16 @@ def _judged(
 ) -> Verdict:
     """The verdict on a claim that `fill` makes, which is compared with the request by `state_cell` and `compare`."""
     try:
-        claim = fill(kept.base)
+        claim = fill(stated.base)
     except InputError as error:
         return Verdict.of([Finding(Code.FORM, str(error))])
     between()
-    findings = _unshown(kept.base, plan, of_plan, claims, claim)
+    findings = _unshown(stated.base, plan, of_plan, claims, claim)
     if any(finding.code == Code.FORM for finding in findings):
         return Verdict.of(findings)  # the statement checker reads only tables that are those of a claim
     between()
-    different = [] if kept.is_stated else state_cell(kept.base.scene, claim)
-    kept.is_stated = not different
+    different = [] if stated.is_stated else state_cell(stated.base.scene, claim)
+    stated.is_stated = not different
     return Verdict.of(findings + (different or compare(claim)))
 
 

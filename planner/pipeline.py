@@ -36,7 +36,7 @@ from assur.planner.model.scene import Scene
 from assur.planner.relaxation.changes import worth_trying
 from assur.planner.relaxation.trying import relax
 from assur.planner.report.checker_first import checker_first
-from assur.planner.report.margins import carried, contacts, margins
+from assur.planner.report.margins import carried, contacts, reported
 from assur.planner.report.sentence import sentence
 from assur.planner.report.straight_parts import assumed
 from assur.planner.search.beam import Found, Search
@@ -69,7 +69,6 @@ def plan(
     scene: Scene,
     *,
     started: float | None = None,
-    nearest_pairs: int = 0,
     watch: Watch | None = None,
     laps: Stopwatch | None = None,
 ) -> Outcome:
@@ -79,8 +78,6 @@ def plan(
 
     `started`: the reading of `time.perf_counter` from which the budget counts (None: now); a caller that has built the
     scene for this request says when it began.
-    `nearest_pairs`: for how many pairs of bodies the margins say how near they come, in travel and near a point; each
-    costs about as much as the smallest clearance of all.
     `watch` is told how far the search has come, at each of its rounds; what it raises ends the planning.
     `laps` measures the stages `search`, with proof and check, `explain` (what would have helped) and `margins`.
     Every plan was accepted by the checker. What the prover accepts and the checker refuses is a fault of the planner:
@@ -90,8 +87,8 @@ def plan(
         load_defined()  # to compile takes minutes, which are none of the budget
     run = _Run(time.perf_counter() if started is None else started, watch, laps or Stopwatch())
     prover = Prover(scene)
-    outcome = _outcome(scene, run, prover, pairs=nearest_pairs)
-    if isinstance(outcome, NotPlanned):
+    outcome = _outcome(scene, run, prover)
+    if isinstance(outcome, NotPlanned) and scene.options.report == "full":
         with run.tail(scene):
             told, late = _warnings(scene, prover, ())
         cut = outcome.cut_by_clock or late
@@ -118,8 +115,8 @@ def _warnings(scene: Scene, prover: Prover, arrivals: tuple[Arrival, ...]) -> tu
     return tuple(found), False
 
 
-def _outcome(scene: Scene, run: _Run, prover: Prover, *, pairs: int) -> Outcome:
-    """A plan, or why there is none; without warnings."""
+def _outcome(scene: Scene, run: _Run, prover: Prover) -> Outcome:
+    """A plan, or why there is none; that without warnings."""
     try:
         with Deadline(run.started, scene.options.budget_s):
             never = (
@@ -145,7 +142,7 @@ def _outcome(scene: Scene, run: _Run, prover: Prover, *, pairs: int) -> Outcome:
             proof = shown(scene, prover, never)
             return _not_planned(scene, run, never, census, proof=proof, cut=False)
         return _not_found(scene, run, prover, found)
-    return _planned(scene, run, prover, found, found.plan, pairs)
+    return _planned(scene, run, prover, found, found.plan)
 
 
 def _search_of(scene: Scene) -> type[Search]:
@@ -153,19 +150,19 @@ def _search_of(scene: Scene) -> type[Search]:
     return Search if scene.options.jerk_limited else BlendSearch
 
 
-def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan, pairs: int) -> Planned:
-    of_plan = phases(scene, made.legs, made.arrivals)
+def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan) -> Planned:
+    of_plan, full = phases(scene, made.legs, made.arrivals), scene.options.report == "full"
     with run.tail(scene):
-        # first what is told of the request: a smallest clearance takes what time there is
-        told, _ = _warnings(scene, prover, made.arrivals)
-        measured = margins(scene, prover, made.trajectory, of_plan, pairs)
+        # warnings first: the smallest clearance may use all remaining time
+        told = _warnings(scene, prover, made.arrivals)[0] if full else ()
+        least = reported(scene, prover, made.trajectory, of_plan)
         late = out_of_time()
     return Planned(
         plan=made,
-        margins=measured,
+        reported=least,
         contacts=contacts(of_plan),
         carried=carried(scene, of_plan),
-        lower_bound_s=least_duration(scene),
+        lower_bound_s=least_duration(scene) if full else None,
         census=found.census.census(),
         assumptions=assumed(scene),
         seed=scene.options.seed,

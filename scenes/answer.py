@@ -48,7 +48,7 @@ def answer_of(
         return _planned(cell, outcome, certificate)
     return _not_planned(
         outcome,
-        cell.scene.digest,
+        _common(outcome, cell.scene.digest, full=_is_full(cell.scene)),
         _census(cell.scene, outcome.census),
         None if outcome.refusal is None else refusal_document(cell.scene, outcome.refusal, outcome.witness),
         None if outcome.best is None else _best(cell, outcome.best),
@@ -62,15 +62,20 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAn
         {
             **_motion(cell, plan),
             "contacts": written(outcome.contacts),
-            "margins": written(outcome.margins),
+            **({} if outcome.reported is None else {"margins": written(outcome.reported)}),
             "load": load_document(cell.scene, outcome.carried),
-            "lower_bound_s": optional(outcome.lower_bound_s),
+            **({"lower_bound_s": optional(outcome.lower_bound_s)} if _is_full(cell.scene) else {}),
             "certificate": certificate_document(plan.certificate, detail),
             "census": _census(cell.scene, outcome.census),
             "first_s": optional(outcome.first_s),
-            **_common(outcome, cell.scene.digest),
+            **_common(outcome, cell.scene.digest, full=_is_full(cell.scene)),
         },
     )
+
+
+def _is_full(scene: Scene) -> bool:
+    """Whether an answer states its lower bound and warnings."""
+    return scene.options.report == "full"
 
 
 def proved_document(cell: Cell, plan: Plan) -> document.CheckedPlan:
@@ -99,7 +104,7 @@ def _leg(leg: Leg) -> document.Leg:
 
 def _not_planned(
     outcome: NotPlanned,
-    digest: str,
+    common: dict[str, Any],
     census: document.Census,
     refusal: document.Refusal | None = None,
     best: document.BestCandidate | None = None,
@@ -118,16 +123,16 @@ def _not_planned(
             "best_candidate": best,
             "explain_budget_spent": bool(outcome.explain_budget_spent),
             "census": census,
-            **_common(outcome, digest),
+            **common,
         },
     )
 
 
-def _common(outcome: Outcome, digest: str) -> dict[str, Any]:
-    """What every answer ends with. `digest`: of the request."""
+def _common(outcome: Outcome, digest: str, *, full: bool) -> dict[str, Any]:
+    """What every answer ends with. `digest`: of the request; `full`: with warnings."""
     return {
         "assumptions": list(outcome.assumptions),
-        "warnings": [_warning(each) for each in outcome.warnings],
+        **({"warnings": [_warning(each) for each in outcome.warnings]} if full else {}),
         "seed": int(outcome.seed),
         "elapsed_s": number(outcome.elapsed_s),
         "cut_by_clock": bool(outcome.cut_by_clock),
@@ -157,7 +162,7 @@ def unbuilt(request: RequestDocument, budget_s: float, elapsed_s: float, during:
         cut_by_clock=True,
     )
     none: document.Census = {"candidates": 0, "refused": 0, "lines": []}
-    return _not_planned(outcome, request.digest, none)
+    return _not_planned(outcome, _common(outcome, request.digest, full=request.options.report == "full"), none)
 
 
 def _best(cell: Cell, best: BestCandidate) -> document.BestCandidate:

@@ -36,6 +36,7 @@ FORMS: dict[Any, Any] = {
     outcome.BestCandidate: document.BestCandidate,
     outcome.Busiest: document.Busiest,
     outcome.Certificate: document.Certificate,
+    outcome.Clearances: document.Clearances,
     outcome.Contact: document.Contact,
     outcome.JointPeak: document.Peak,
     outcome.Leg: document.Leg,

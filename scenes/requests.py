@@ -8,9 +8,10 @@ planning does.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from assur.planner.errors import InputError
@@ -25,7 +26,7 @@ from assur.scenes.schema.answer import Verdict
 from assur.scenes.schema.ik import IkDocument
 from assur.scenes.schema.normal import plain
 from assur.scenes.schema.read import read
-from assur.scenes.schema.request import SCHEMA, RequestDocument
+from assur.scenes.schema.request import SCHEMA, ChangesDocument, RequestDocument
 from assur.scenes.text.json_text import parse_json
 from assur.scenes.units import si_key
 
@@ -120,6 +121,17 @@ def cell_of(
     return cell
 
 
+def changed_cell(document: dict[str, Any], request: RequestDocument, changes: dict[str, Any]) -> Cell:
+    """The cell of a valid request whose document has the fields of `changes` in place of its own. Only these are read
+    again, if robot and surroundings are not among them. Raises `InputError` naming the field."""
+    from assur.scenes.reading.cell import cell_of as build
+
+    written = {**document, **changes}
+    if not changes.keys() <= ChangesDocument.model_fields.keys():
+        return build(written, validate(written))
+    return build(written, request.changed(read(ChangesDocument, changes)))
+
+
 def _accepted(
     document: object,
     folder: Path | None,
@@ -197,29 +209,27 @@ def plan_cell(
     *,
     certificate: Detail = "full",
     started: float | None = None,
-    explain_budget_s: float | None = None,
+    unstated: Mapping[str, object] = MappingProxyType({}),
     most_budget_s: float | None = None,
-    nearest_pairs: int = 0,
     watch: Watch | None = None,
     laps: Stopwatch | None = None,
 ) -> dict[str, Any]:
     """The answer for a cell that has been read; as `plan_document`.
 
-    `explain_budget_s`: that of a request that says nothing of it; None: the default of requests. `nearest_pairs`: for
-    how many pairs of bodies the answer says how near they come (64 at most), in travel and near a point.
+    `unstated`: values of options in SI, by their names, for a request that does not state them, in place of the
+    defaults of requests.
     """
     from assur.planner.pipeline import plan
     from assur.scenes.answer import answer_of
 
-    scene = cell.scene
-    if explain_budget_s is not None and silent(cell.document, "explain_budget_s"):
-        scene = replace(scene, options=replace(scene.options, explain_budget_s=explain_budget_s))
+    changed: dict[str, Any] = {name: value for name, value in unstated.items() if silent(cell.document, name)}
     if most_budget_s is not None:
-        options = scene.options
-        budgets = {name: min(getattr(options, name), most_budget_s) for name in BUDGETS}
-        scene = replace(scene, options=replace(options, **budgets))
+        for name in BUDGETS:
+            changed[name] = min(changed.get(name, getattr(cell.scene.options, name)), most_budget_s)
+    if changed:
+        cell = replace(cell, scene=replace(cell.scene, options=replace(cell.scene.options, **changed)))
     with located(cell.document):
-        outcome = plan(scene, started=started, nearest_pairs=nearest_pairs, watch=watch, laps=laps)
+        outcome = plan(cell.scene, started=started, watch=watch, laps=laps)
     return dict(answer_of(cell, outcome, certificate))
 
 

@@ -132,12 +132,13 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
             row(errors, arrival["control_point"], position, yaw, causes)
         yield from (errors, "")
     yield from _apart(answer["arrivals"])
-    margins = answer["margins"]
-    bound = answer["lower_bound_s"]
+    margins = answer.get("margins", {})
+    bound = answer.get("lower_bound_s")
     least = f"; no plan takes less than {bound:.3f} s" if bound else "; no bound is known"
-    yield f"duration            {answer['duration_s']:.3f} s{least}"
-    yield f"what binds          {margins['binds']}{'; the jerk is unbounded' * (margins['jerk'] == 'unbounded')}"
-    busiest, tool = margins["busiest"], margins["tool"]
+    yield f"duration            {answer['duration_s']:.3f} s{least if 'lower_bound_s' in answer else ''}"
+    if "binds" in margins:
+        yield f"what binds          {margins['binds']}{'; the jerk is unbounded' * (margins['jerk'] == 'unbounded')}"
+    busiest, tool = margins.get("busiest"), margins.get("tool")
     if busiest is not None:
         to = f" to {names[busiest['step']]}" * (busiest["step"] in names)
         long = f"{1e3 * busiest['at_limit_s']:.0f} of {1e3 * (busiest['to_s'] - busiest['from_s']):.0f} ms"
@@ -148,17 +149,17 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
             f"{tool['acceleration_m_s2']:.1f} m/s² at {tool['acceleration_at_s']:.3f} s"
         )
     yield f"load                {'; '.join(_loads(answer['load']))}"
-    nearest = margins["nearest"]
-    yield "smallest clearance  " + (
-        "nothing is near"
-        if nearest is None
-        else f"{1e3 * nearest['gap_m']:z.2f} mm at {nearest['time_s']:.3f} s, "
-        f"{' and '.join(nearest['bodies'])} ({_phase(answer['legs'], nearest)})"
-    )
+    nearest = margins.get("nearest")
+    if nearest is not None:
+        phase = _phase(answer["legs"], nearest)
+        both = " and ".join(nearest["bodies"])
+        yield f"smallest clearance  {1e3 * nearest['gap_m']:z.2f} mm at {nearest['time_s']:.3f} s, {both} ({phase})"
+    elif "nearest" in margins:
+        yield "smallest clearance  nothing is near"
     placed = margins.get("placed")
     for where, pairs in (
-        ("  in travel", margins["travel_pairs"]),
-        ("  near a point", margins["near_pairs"]),
+        ("  in travel", margins.get("travel_pairs", ())),
+        ("  near a point", margins.get("near_pairs", ())),
         ("parts put down", [] if placed is None else [placed]),
     ):
         for pair in pairs:
@@ -323,7 +324,7 @@ def everything(answer: dict[str, Any], *, details: bool = False) -> Iterator[Tab
     yield from census(answer["census"], planned=answer["status"] == "planned")
     if answer["cut_by_clock"]:
         yield "The clock cut the search off; another run may find another plan."
-    for warning in answer["warnings"]:
+    for warning in answer.get("warnings", ()):
         yield f"warning             {warning['detail']}"
     yield from assumed(answer["assumptions"], details=details)
     yield ""

@@ -42,11 +42,8 @@ if TYPE_CHECKING:
 STANDARD = "-"
 """Names standard input where a file is read, and standard output where one is written."""
 
-EXPLAIN_BUDGET_S = 2.0
-"""For so long it is tried what would have helped, where a request says nothing of `explain_budget_s`."""
-
-NEAREST_PAIRS = 4
-"""For so many pairs of bodies it is said how near they come, in travel and near a point."""
+UNSTATED = {"explain_budget_s": 2.0, "report": "full"}
+"""Options of a request that does not state them: `assur plan` explains and reports more than other callers need."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +91,7 @@ class Target:
         """The answer, with its certificate in full. Raises `InputError`, with the line in a scenario's file."""
         cell = self.cell
         with self._located():
-            return plan_cell(cell, explain_budget_s=EXPLAIN_BUDGET_S, nearest_pairs=NEAREST_PAIRS)
+            return plan_cell(cell, unstated=UNSTATED)
 
     def _located(self) -> AbstractContextManager[None]:
         if self.plan_file is not None:

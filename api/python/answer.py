@@ -52,6 +52,13 @@ class Answer(Mapping[str, Any]):
         self._document = document
         self._request = None if request is None else copy.deepcopy(dict(request))
 
+    @classmethod
+    def made(cls, document: dict[str, Any], request: dict[str, Any] | None) -> Answer:
+        """An answer that keeps these documents themselves, which nobody changes."""
+        answer = cls(document)
+        answer._request = request
+        return answer
+
     @property
     def request(self) -> dict[str, Any] | None:
         """The request that this answers, as it was planned; None where it is not known. Change a copy, not this."""
@@ -171,8 +178,8 @@ class Answer(Mapping[str, Any]):
     def _said(self, key: str) -> Any:
         if key not in self._document:
             allowed = (
-                "what a whole answer holds there; this one has less, as an export's plan with its proof has: ask the "
-                "answer that was exported"
+                "what an answer with `report: full` in its options states; of a plan file that an export wrote, what "
+                "the exported answer states"
             )
             raise InputError(f"answer.{key}", "nothing", allowed)
         return self._document[key]

@@ -37,7 +37,7 @@ def plan(request: Mapping[str, Any] | Request, *, certificate: Literal["full", "
     from assur.scenes.requests import plan_document
 
     document = plain_request(request)
-    return Answer(plan_document(document, certificate=certificate), known(document))
+    return Answer.made(plan_document(document, certificate=certificate), known(document))
 
 
 def check(request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> Verdict:

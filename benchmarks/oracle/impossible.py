@@ -54,6 +54,7 @@ class Small:
                 "budget_s": 60,
                 "max_candidates": int(rng.integers(1, 4)),
                 "stop": "first",
+                "report": "full",
                 "elbow": self.one_of("auto", "auto", "keep"),
                 "singularity_margin": self.one_of(0.0, 0.05),
             },

@@ -182,6 +182,7 @@ def options_of(draft: Draft) -> Document:
         "budget_s": 60,
         "max_candidates": 24,
         "stop": "first",
+        "report": "full",
         "elbow": "auto",
         "singularity_margin": draft.between(0.05, 0.2),
         "clearance_m": {"travel": draft.between(0.0, 5e-3), "near": draft.between(0.0, 1e-3)},

@@ -21,7 +21,6 @@ from assur.planner.claim.obligations import (
     Carriers,
     JointLimits,
     Seats,
-    bodies_in,
     carriers_of,
     distances_of,
     phases_of,
@@ -35,7 +34,7 @@ from assur.planner.geometry.shapes import Body
 from assur.planner.model.outcome import Certificate, Plan
 from assur.planner.model.phases import Phase
 from assur.planner.model.phases import phases as phases_in
-from assur.planner.model.scene import Scene
+from assur.planner.model.scene import Scene, bodies_in
 
 
 @dataclass(frozen=True, eq=False)

@@ -181,12 +181,6 @@ def distances_of(scene: Scene, carriers: Carriers) -> dict[str, FloatArray]:
 # Bodies as convex pieces, in their own axes; and the surfaces of those that are meshes.
 
 
-def bodies_in(scene: Scene) -> tuple[Body, ...]:
-    """The robot's, the tool's and those around, in the order of a claim."""
-    own = (item.body for item in scene.robot.bodies)
-    return (*own, *scene.tool.bodies, *(item.body for item in scene.bodies))
-
-
 def solids_of(bodies: Sequence[Body], solids: Pieces) -> dict[str, FloatArray]:
     """Bodies, pieces, vertices and triangles. `solids`: the pieces of these bodies. A piece with triangles has their
     corners as its vertices."""

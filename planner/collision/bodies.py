@@ -17,7 +17,7 @@ import numpy as np
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.claim import columns as c
 from assur.planner.claim.frames import displaced_of
-from assur.planner.claim.obligations import bodies_in, carriers_of, distances_of, phases_of, seat_of, seats_of
+from assur.planner.claim.obligations import carriers_of, distances_of, phases_of, seat_of, seats_of
 from assur.planner.geometry.shapes import Hull, Primitive
 from assur.planner.kernels.links import POSE_COLUMNS, put_upright
 from assur.planner.kernels.solids import (
@@ -50,7 +50,7 @@ from assur.planner.kernels.uncertainty import (
 from assur.planner.kernels.units import seat_bodies, write_units
 from assur.planner.model.phases import Attachments, Phase, at_start
 from assur.planner.model.refusal import Rule
-from assur.planner.model.scene import Scene
+from assur.planner.model.scene import Scene, bodies_in
 
 __all__ = ["COVER", "Arrangement", "Bodies"]
 
@@ -137,14 +137,22 @@ class Arrangement:
         return self.rows, self.bodies.vertices, placed
 
 
+MOST = 64
+"""Arrangements that are kept. When there are more, all but that of the start are dropped."""
+
+
+def bodies_of(scene: Scene) -> Bodies:
+    """The bodies of a scene, kept with its cell."""
+    return scene.kept.of(Bodies, scene, scene.start.holding)
+
+
 class Bodies:
-    """The bodies of a scene, and the arrangements that were required."""
+    """The bodies of a cell, and arrangements of them: of those scenes in which the same part is held at the start."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene, table = scene, scene.pieces
         self.names = tuple(body.name for body in bodies_in(scene))
         self.carriers = carriers_of(scene, self.names)
-        self.seats = seats_of(scene, self.carriers)
         self.links, self.pieces = len(scene.robot.links), table
         self._places = np.full((self.links + len(scene.frames), POSE_COLUMNS), np.nan)
         """Where carriers are that stand still for ever; NaN: the others."""
@@ -164,22 +172,24 @@ class Bodies:
             self.roots,
         )  # fmt: skip
         self.own, self.offset = own[:units], offset[:units]
-        start = Arrangement(self, self.seats.rows, self.own.copy(), np.empty((units, 6)))
+        start = Arrangement(self, seats_of(scene, self.carriers).rows, self.own.copy(), np.empty((units, 6)))
         self._seat(start, range(len(self.names)))
-        self._made = {at_start(scene): start}
+        self._start = at_start(scene), start
+        self._made = dict([self._start])
 
     def __call__(self, attached: Attachments) -> Arrangement:
         """The arrangement in which the held part is carried by the flange and each placed part by its frame."""
         found = self._made.get(attached)
         if found is None:
-            first = at_start(self.scene)
-            start, moved = self._made[first], {part for part, _, _ in attached.placed}
+            (first, start), moved = self._start, {part for part, _, _ in attached.placed}
             moved |= {each.held.part for each in (first, attached) if each.held is not None}
             found = Arrangement(self, start.seats.copy(), start.rows.copy(), start.boxes.copy())
             numbers = [self.carriers.body[part] for part in sorted(moved)]
             for number in numbers:
                 found.seats[number] = seat_of(self.scene, self.carriers, attached, self.names[number])
             self._seat(found, numbers)
+            if len(self._made) >= MOST:
+                self._made = dict([self._start])
             self._made[attached] = found
         return found
 
@@ -263,6 +273,7 @@ class PairTables:
 
     def __init__(self, scene: Scene, bodies: Bodies) -> None:
         self.scene, self.bodies = scene, bodies
+        self.seats = seats_of(scene, bodies.carriers)
         self.tables, self.displaced = distances_of(scene, bodies.carriers), displaced_of(scene)
         self.required = self.tables["required"][0]
         known = [frame.uncertainty for frame in scene.frames.values()]
@@ -283,7 +294,7 @@ class PairTables:
         return self._made[key]
 
     def _pairs(self, arrangement: Arrangement, phase: Phase) -> Pairs:
-        story, seats = phases_of(self.scene, self.bodies.carriers, self.bodies.seats, [phase]), arrangement.seats
+        story, seats = phases_of(self.scene, self.bodies.carriers, self.seats, [phase]), arrangement.seats
         link, frame = seats[:, c.SEAT_LINK].astype(np.int64), seats[:, c.SEAT_FRAME].astype(np.int64)
         around, mine = (link < 0).nonzero()[0], ((link >= 0) & phase.robot).nonzero()[0]
         across = len(mine) * len(around)

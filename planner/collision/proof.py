@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.collision.bodies import Arrangement, Bodies, Pairs, PairTables
+from assur.planner.collision.bodies import Arrangement, Pairs, PairTables, bodies_of
 from assur.planner.collision.fcl_door import Collider, Posed
 from assur.planner.collision.rows import Rows, Unproved
 from assur.planner.kernels.carriers import Carried, place_carriers
@@ -51,12 +51,11 @@ from assur.planner.kernels.solids import EARLY, FIRST, LATE, PAIR_COLUMNS, REQUI
 from assur.planner.kernels.spline import Spline, spline_state
 from assur.planner.kernels.uncertainty import SET_COLUMNS, Doubt, growing_for
 from assur.planner.kernels.walk import PROVE, SCREEN, walk
-from assur.planner.laws import law_tables
 from assur.planner.model.assembly_mode import has_loop
 from assur.planner.model.deadline import out_of_time
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import Rule
-from assur.planner.model.scene import Scene
+from assur.planner.model.scene import Scene, laws_of
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import spline_table
 
@@ -147,9 +146,9 @@ class Prover:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.arrangement = Bodies(scene)
+        self.arrangement = bodies_of(scene)
         self.pairs = PairTables(scene, self.arrangement)
-        self.laws, self.side = law_tables([frame.law for frame in scene.frames.values()])
+        self.laws, self.side = scene.kept.of(laws_of, scene)
         self.carried_by: Carried = scene.robot.row, self.laws, self.side
         self.collider = Collider()
         none = np.zeros(len(scene.robot.joints))

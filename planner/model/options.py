@@ -70,6 +70,9 @@ class Options:
     max_candidates: int | None = None
     stop: Literal["first", "budget"] = "budget"
     explain_budget_s: float = 0.0
+    report: Literal["none", "short", "full"] = "short"
+    """What an answer states in addition to its plan: nothing; the smallest clearances; or all margins with the nearest
+    pairs of bodies, the lower bound of the duration, and warnings, which refusals have as well."""
     clearance: Clearance = Clearance()
     singularity_margin: float = 0.05
     elbow: str = "keep"

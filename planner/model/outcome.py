@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.errors import InputError
+from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.model.arrival_error import ArrivalError
 from assur.planner.model.input_warning import InputWarning
@@ -352,17 +352,22 @@ class ToolPeaks:
 
 
 @dataclass(frozen=True, slots=True)
-class Margins:
+class Clearances:
+    """The smallest clearances of a plan: `nearest` of the arm, its tool and what it holds; `placed` of parts that were
+    put down, of what moves against them without the arm. None: there is nothing to keep apart."""
+
+    nearest: Nearest | None
+    placed: Nearest | None
+
+
+@dataclass(frozen=True, slots=True)
+class Margins(Clearances):
     """How much is left. `binds`: the joint and kind of limit that is used most; `busiest`: where; `helps`: what would
-    make that part quicker; `travel_pairs`, `near_pairs`: where pairs come nearest, by the clearance that counts there.
-    `nearest` and these are of the arm, its tool and what it holds; `placed`: of parts that were put down, of what moves
-    against them without the arm.
-    `parallel`: None without a loop. `jerk`: whether it has bounds."""
+    make that part quicker; `travel_pairs`, `near_pairs`: where pairs of the arm, its tool and what it holds come
+    nearest, by the clearance that counts there. `parallel`: None without a loop. `jerk`: whether it has bounds."""
 
     peaks: tuple[JointPeak, ...]
     binds: str
-    nearest: Nearest | None
-    placed: Nearest | None
     tool_acceleration: float
     tool_acceleration_limit: float | None
     singularity: float
@@ -377,10 +382,11 @@ class Margins:
 
 @dataclass(frozen=True, eq=False)
 class Planned:
-    """A plan, proved against the model."""
+    """A plan, proved against the model. What the option `report` leaves out is None or empty."""
 
     plan: Plan
-    margins: Margins
+    reported: Clearances | None
+    """With `report: full`, the margins."""
     contacts: tuple[Contact, ...]
     carried: tuple[Carried, ...]
     lower_bound_s: float | None
@@ -392,6 +398,13 @@ class Planned:
     first_s: float
     cut_by_clock: bool
     warnings: tuple[InputWarning, ...] = ()
+
+    @property
+    def margins(self) -> Margins:
+        """The margins. Raises `FaultError` where `report` is not `full`."""
+        if not isinstance(self.reported, Margins):
+            raise FaultError("margins that the options of the request leave out")
+        return self.reported
 
 
 @dataclass(frozen=True, slots=True)

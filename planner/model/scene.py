@@ -13,9 +13,10 @@ from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Pieces, pieces
-from assur.planner.laws.law import EXACT, Frame, PoseUncertainty, Uncertainty, check_rounding
+from assur.planner.laws.law import EXACT, Frame, PoseUncertainty, Uncertainty, check_rounding, law_tables
 from assur.planner.model.execution import AS_PLANNED, Execution, check_execution
 from assur.planner.model.forbidden_yaw import YawRange, check_ranges
+from assur.planner.model.kept import NOTHING_KEPT, KeptCell, facts_of
 from assur.planner.model.load import UNKNOWN, Load, LoadLimits, Tool, greatest_inertia
 from assur.planner.model.options import DEFAULTS, Clearance, ClearanceException, Options, check_timing
 from assur.planner.model.refusal import BeyondRange
@@ -142,6 +143,8 @@ class Scene:
     """What a value of each joint is multiplied by to be as its maker counts it, 1 or -1 (empty: 1 for all)."""
     zeros: tuple[float, ...] = ()
     """The value of each joint at its maker's zero, rad or m (empty: 0 for all)."""
+    kept: KeptCell = field(default=NOTHING_KEPT, repr=False)
+    """What was made of the cell. A scene is made with that of another scene of its cell; else it has a new one."""
     index: dict[str, WorldBody] = field(init=False, repr=False)
     pieces: Pieces = field(init=False, repr=False)  # of robot, tool and surroundings, in this order
 
@@ -154,8 +157,7 @@ class Scene:
             raise InputError("start.at_s", self.start.time, "a finite time")
         if not self.task:
             raise InputError("task", self.task, "at least one step")
-        solids = [each.body for each in self.robot.bodies] + list(self.tool.bodies) + [b.body for b in self.bodies]
-        names = [body.name for body in solids]
+        names = [body.name for body in bodies_in(self)]
         if len(set(names)) < len(names):
             twice = next(name for i, name in enumerate(names) if name in names[:i])
             raise InputError("bodies", twice, "names that are unique, the robot's and the tool's bodies included")
@@ -163,7 +165,9 @@ class Scene:
             if body.frame not in self.frames:
                 raise InputError(f"bodies[{i}].pose.frame", body.frame, f"one of {sorted(self.frames)}")
         object.__setattr__(self, "index", {body.name: body for body in self.bodies})
-        object.__setattr__(self, "pieces", pieces(solids))
+        if not self.kept.fits(self):
+            object.__setattr__(self, "kept", KeptCell(facts_of(self)))
+        object.__setattr__(self, "pieces", self.kept.of(_pieces_of, self))
         check_tool_point(self.robot, self.tool)
         holding = self.start.holding
         if holding is not None and holding.part not in self.index:
@@ -324,6 +328,21 @@ class Scene:
             allowed = f"false, with yaw_free: true or a yaw_deg: {frame.name} turns, so the yaw there depends"
             allowed += " on when it is met"
             yield f".{'start' if isinstance(step, Trace) else 'to'}.yaw_keep", True, allowed
+
+
+def bodies_in(scene: Scene) -> tuple[Body, ...]:
+    """The bodies of the robot, of its tool and those around, in the order of a claim."""
+    own = (item.body for item in scene.robot.bodies)
+    return (*own, *scene.tool.bodies, *(item.body for item in scene.bodies))
+
+
+def laws_of(scene: Scene) -> tuple[FloatArray, FloatArray]:
+    """The rows of the laws of the frames, and their side table (`law_tables`)."""
+    return law_tables([frame.law for frame in scene.frames.values()])
+
+
+def _pieces_of(scene: Scene) -> Pieces:
+    return pieces(bodies_in(scene))
 
 
 # JOINT_LIMIT: which joint would be where, and which end of its range that is beyond.

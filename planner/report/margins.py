@@ -12,18 +12,32 @@ from assur.planner.collision.proof import Prover
 from assur.planner.legs.limits import instants, least_margins, parts, used
 from assur.planner.legs.tool_motion import carrying_peak, tool_peaks
 from assur.planner.model.load import Carried, held_inertia
-from assur.planner.model.outcome import Contact, JointPeak, Margins
+from assur.planner.model.outcome import Clearances, Contact, JointPeak, Margins
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import RATES
 from assur.planner.model.scene import Scene
 from assur.planner.report.notes import MostUsed, busiest
 from assur.planner.trajectory import Trajectory
 
+NEAREST_PAIRS = 4
+"""Pairs of bodies whose smallest clearances are reported, in travel and near a point; each costs about as much as the
+smallest clearance of all pairs."""
 
-def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...], pairs: int = 0) -> Margins:
-    """The margins of a plan, with so many `pairs` of bodies that come nearest. Peaks of joints are exact extrema; those
-    of the tool point are looked for at times. A smallest clearance that is not found before the deadline in force is
-    told as 0, which is proved, too."""
+
+def reported(scene: Scene, prover: Prover, path: Trajectory, phases: tuple[Phase, ...]) -> Clearances | None:
+    """The smallest clearances of a plan, or its margins, or None, as the option `report` says. A smallest clearance
+    that is not known before the deadline in force is 0, which is proved, too."""
+    if scene.options.report == "none":
+        return None
+    least = Clearances(nearest(prover, path, phases, of="arm"), nearest(prover, path, phases, of="placed"))
+    return margins(scene, prover, path, phases, least) if scene.options.report == "full" else least
+
+
+def margins(
+    scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...], least: Clearances
+) -> Margins:
+    """The margins of a plan with these smallest clearances. Peaks of joints are exact extrema; those of the tool point
+    are evaluated at instants."""
     peaks, binding = _peaks(scene, trajectory, phases)
     limit, carrying = scene.carry_acceleration, carrying_peak(scene, trajectory, phases)
     tool = tool_peaks(scene, trajectory, trajectory.start, trajectory.end)
@@ -35,8 +49,8 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
     return Margins(
         peaks=peaks,
         binds=binding.binds,
-        nearest=nearest(prover, trajectory, phases, of="arm"),
-        placed=nearest(prover, trajectory, phases, of="placed"),
+        nearest=least.nearest,
+        placed=least.placed,
         tool_acceleration=tool.acceleration if held is None else held,
         tool_acceleration_limit=limit,
         singularity=serial[0],
@@ -45,8 +59,8 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
         busiest=busiest(scene, trajectory, phases, binding, t, lasts),
         helps=binding.helps,
         tool=tool,
-        travel_pairs=nearest_pairs(prover, trajectory, tuple(p for p in phases if not p.near), pairs),
-        near_pairs=nearest_pairs(prover, trajectory, tuple(p for p in phases if p.near), pairs),
+        travel_pairs=nearest_pairs(prover, trajectory, tuple(p for p in phases if not p.near), NEAREST_PAIRS),
+        near_pairs=nearest_pairs(prover, trajectory, tuple(p for p in phases if p.near), NEAREST_PAIRS),
     )
 
 

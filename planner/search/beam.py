@@ -84,7 +84,7 @@ class Search:
         self.start_is_free = False
         """Whether a candidate from the start was screened that is near nothing there, with all errors."""
         self._bound: list[float | None] = []
-        """What no plan beats, once it was asked for."""
+        """What no plan beats, once it is required."""
 
     def run(self) -> Found:
         """Rounds over all lengths until something ends them, or the budget is spent."""
@@ -134,7 +134,7 @@ class Search:
     def _progress(self) -> Progress:
         found = self.found
         if not self._bound:
-            self._bound.append(least_duration(self.scene))
+            self._bound.append(least_duration(self.scene) if self.scene.options.report == "full" else None)
         best = None if found.best is None else found.best.state.time - self.scene.start.time
         return Progress(
             stage="search",

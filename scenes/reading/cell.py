@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from dataclasses import dataclass
 from functools import partial
+from hashlib import sha256
+from threading import Lock
 
 from assur.planner.errors import FaultError
 from assur.planner.model.deadline import look
+from assur.planner.model.kept import NOTHING_KEPT, KeptCell
 from assur.planner.model.load import Tool
 from assur.planner.model.scene import (
     Clearance,
@@ -22,8 +26,25 @@ from assur.planner.robots.robot import Robot
 from assur.scenes.conventions import Conventions, signs, zeros
 from assur.scenes.faults import Gathered, Refused, choices, located, within
 from assur.scenes.reading import bodies, frames, loads, neighbours, robots, task
+from assur.scenes.reading.bodies import Places
+from assur.scenes.reading.frames import Frames
 from assur.scenes.reading.start import check_loaded, moved_to_limits, start_of
 from assur.scenes.schema.request import ExecutionDocument, OptionsDocument, RequestDocument
+
+MOST_CELLS = 16
+"""Cells that are kept, those that were read last. One takes about as much memory as its meshes and their covers."""
+_kept: OrderedDict[tuple[str, str, str | None], Surroundings] = OrderedDict()
+_lock = Lock()
+
+
+@dataclass(eq=False)
+class Surroundings:
+    """What is around a robot: its `frames`, bodies, and where these are. `kept`: what the planner made of the cell."""
+
+    frames: Frames
+    bodies: tuple[WorldBody, ...]
+    places: Places
+    kept: KeptCell = NOTHING_KEPT
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +53,8 @@ class Cell:
 
     scene: Scene
     given: robots.Equipped
-    frames: frames.Frames
-    places: bodies.Places
+    frames: Frames
+    places: Places
     document: object
 
     @property
@@ -54,12 +75,12 @@ def cell_of(document: object, request: RequestDocument) -> Cell:
 
 
 def _cell_of(document: object, request: RequestDocument) -> Cell:
-    faults, places = Gathered(), bodies.Places()
+    faults = Gathered()
     given = _robot(request, faults)
     own = [] if given is None else [*(body.body.name for body in given.robot.bodies), *_names(given.tool)]
-    known = frames.frames_of(request.frames, faults)
     held = None if request.start.holding is None else request.start.holding.part
-    surroundings = _surroundings(request, known, places, own, held, faults)
+    around = _around(request, own, held, faults)
+    known, places = around.frames, Places(around.places)
     coordinates, solid_tool = None if given is None else given.robot.coordinates, bool(request.robot.tool.bodies)
     if given is not None:
         with faults.part(), within("start"):
@@ -81,7 +102,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         tool=tool,
         start=start,
         frames=known.laws,
-        bodies=tuple(surroundings),
+        bodies=around.bodies,
         task=steps,
         options=options,
         execution=execution,
@@ -93,12 +114,14 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
             *moved_to_limits(request.start.joints, start, given.conventions),
             *frames.assumptions_of(request.frames),
             *_left_out(robot, request),
-            *loads.assumptions_of(robot, given.load, tool, [body for body in surroundings if body.name in taken_up]),
+            *loads.assumptions_of(robot, given.load, tool, [body for body in around.bodies if body.name in taken_up]),
         ),
         digest=request.digest,
         signs=signs(given.conventions),
         zeros=zeros(given.conventions),
+        kept=around.kept,
     )
+    around.kept = scene.kept
     check_loaded(scene, given.conventions)
     return Cell(scene, given, known, places, document)
 
@@ -122,17 +145,28 @@ def _names(tool: Tool) -> list[str]:
     return [body.name for body in tool.bodies]
 
 
-def _surroundings(
-    request: RequestDocument,
-    known: frames.Frames,
-    places: bodies.Places,
-    own: list[str],
-    held: str | None,
-    faults: Gathered,
-) -> list[WorldBody]:
-    """The bodies of neighbours and of the cell, which are put into `places`. `own`: names of those of the robot and its
-    tool; `held`: the part that the gripper holds at the start."""
-    found: list[WorldBody] = []
+def _around(request: RequestDocument, own: list[str], held: str | None, faults: Gathered) -> Surroundings:
+    """What is around the robot, kept from an earlier request if that has the same there. `own`, `held`: as
+    `_surroundings`."""
+    key = request.robot.text, sha256(request.surroundings.encode()).hexdigest(), held
+    with _lock:
+        if key in _kept:
+            _kept.move_to_end(key)
+            return _kept[key]
+    wrong = bool(faults.faults)
+    made = _surroundings(request, own, held, faults)
+    if not (wrong or faults.faults):
+        with _lock:
+            _kept[key] = made
+            while len(_kept) > MOST_CELLS:
+                _kept.popitem(last=False)
+    return made
+
+
+def _surroundings(request: RequestDocument, own: list[str], held: str | None, faults: Gathered) -> Surroundings:
+    """The frames, and the bodies of neighbours and of the cell. `own`: names of the bodies of the robot and its tool;
+    `held`: the part that the gripper holds at the start."""
+    known, places, found = frames.frames_of(request.frames, faults), Places(), list[WorldBody]()
     for i, item in enumerate(request.neighbours):
         look()
         with faults.part(partial(places.unread.add, item.name)), within("neighbours", i):
@@ -150,7 +184,7 @@ def _surroundings(
         if held is not None and held not in places:
             places.hold(held)
             raise Refused(f"the name of a body: {choices(places, held)}", "start", "holding", "part")
-    return found
+    return Surroundings(known, tuple(found), places)
 
 
 NO_SOLIDS = "the tool has no bodies: nothing is kept clear of it between flange and tool point"
@@ -188,7 +222,7 @@ def _execution(item: ExecutionDocument, conventions: Conventions) -> Execution:
 
 
 def _options(
-    item: OptionsDocument, modes: tuple[str, ...], names: list[str], places: bodies.Places, faults: Gathered
+    item: OptionsDocument, modes: tuple[str, ...], names: list[str], places: Places, faults: Gathered
 ) -> Options:
     with faults.part():
         if item.elbow not in ("keep", "auto", *modes):
@@ -210,6 +244,7 @@ def _options(
         max_candidates=item.max_candidates,
         stop=item.stop,
         explain_budget_s=item.explain_budget_s,
+        report=item.report,
         clearance=Clearance(item.clearance_m.travel, item.clearance_m.near, tuple(exceptions)),
         singularity_margin=item.singularity_margin,
         elbow=item.elbow,

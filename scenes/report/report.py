@@ -276,21 +276,23 @@ def _met(trajectory: Document, arrival: Document) -> str:
 
 
 def margins(answer: Document) -> str:
-    """What binds, the smallest clearance, and the peaks of each joint."""
+    """What binds, the smallest clearance, and the peaks of each joint, as far as the answer states them."""
     found = answer["margins"]
-    tool, load = found["tool"], answer["load"]
-    rows = [("what binds", found["binds"]), ("would help", found["helps"])]
+    tool, load = found.get("tool"), answer["load"]
+    rows = [("what binds", found["binds"]), ("would help", found["helps"])] if "binds" in found else []
     for name, near in (("smallest clearance", found["nearest"]), ("parts put down", found.get("placed"))):
         if near is not None:
             both = " and ".join(near["bodies"])
             rows.append((name, f"{1000 * near['gap_m']:.2f} mm at {near['time_s']:.3f} s, {both}"))
     if tool is not None:
         rows.append(("tool point", f"up to {tool['speed_m_s']:.2f} m/s and {tool['acceleration_m_s2']:.1f} m/s²"))
-    if answer["lower_bound_s"] is not None:
+    if answer.get("lower_bound_s") is not None:
         rows.append(("no plan takes less than", f"{answer['lower_bound_s']:.3f} s"))
     heaviest = max((each["mass_kg"] for each in load["carried"]), default=0.0)
     if heaviest > 0.0:
         rows.append(("heaviest load", f"{heaviest:.3g} kg"))
+    if "peaks" not in found:
+        return pairs(rows)
     peaks = [
         [text(peak["joint"]), *(number(peak[f"{rate}_ratio"], 0, 100.0) for rate in RATES)] for peak in found["peaks"]
     ]

@@ -233,16 +233,22 @@ class ToolPeaks(TypedDict):
 
 
 @with_config(CLOSED)
-class Margins(TypedDict):
-    """What the plan leaves of its limits and distances."""
+class Clearances(TypedDict):
+    """The smallest clearances of the plan."""
+
+    nearest: Nearest | None
+    placed: NotRequired[Nearest | None]
+
+
+@with_config(CLOSED)
+class Margins(Clearances, total=False):
+    """What the plan leaves of its limits and distances. With `report: short`, the smallest clearances only."""
 
     peaks: list[Peak]
     binds: Text
     busiest: Busiest | None
     helps: Text
     tool: ToolPeaks | None
-    nearest: Nearest | None
-    placed: NotRequired[Nearest | None]
     travel_pairs: Annotated[list[Nearest], Field(max_length=64)]
     near_pairs: Annotated[list[Nearest], Field(max_length=64)]
     tool_acceleration_m_s2: Number | None
@@ -355,7 +361,7 @@ class _Motion(ShownMotion):
 class _Common(TypedDict):
     census: Census
     assumptions: list[Text]
-    warnings: list[InputWarning]
+    warnings: NotRequired[list[InputWarning]]
     seed: int
     elapsed_s: Number
     cut_by_clock: bool
@@ -376,9 +382,9 @@ class PlannedAnswer(PlannedMotion, _Common):
 
     certificate: Certificate | CertificateDigest
     contacts: list[Contact]
-    margins: Margins
+    margins: NotRequired[Margins]
     load: LoadApplied
-    lower_bound_s: Number | None
+    lower_bound_s: NotRequired[Number | None]
     first_s: Number | None
 
 

@@ -56,6 +56,7 @@ class OptionsDocument(Document):
     max_candidates: Annotated[int, Field(ge=1, le=bounds.MAX_CANDIDATES), WHOLE] | None = None
     stop: Literal["first", "budget"] = "budget"
     explain_budget_s: Annotated[float, Field(ge=0.0, le=bounds.MAX_BUDGET_S)] = 0.0
+    report: Literal["none", "short", "full"] = "short"
     clearance_m: ClearanceDocument = ClearanceDocument(travel=0.0, near=0.0)
     clearance_exceptions: Annotated[list[ClearanceExceptionDocument], Field(max_length=bounds.MAX_CONTACTS)] = Field(
         default_factory=list
@@ -115,6 +116,13 @@ class RequestDocument(Document):
     def _sorted(self, frames: dict[str, FrameDocument], written: SerializerFunctionWrapHandler) -> Any:
         return written(dict(sorted(frames.items())))
 
+    def changed(self, changes: ChangesDocument) -> RequestDocument:
+        """The request with those fields that `changes` states in place of its own."""
+        stated = {name: value for name in changes.model_fields_set if (value := getattr(changes, name)) is not None}
+        made = self.model_copy(update=stated)
+        made.__dict__.pop("digest", None)  # of the request before, where it was computed
+        return made
+
     def canonical(self) -> dict[str, Any]:
         """The request in SI with every default written out: what two requests that mean the same have in common.
 
@@ -132,8 +140,30 @@ class RequestDocument(Document):
         """The same of the request without its seed: of all requests that ask for the same with other random numbers."""
         return self._digest({"options": {"seed"}})
 
+    @cached_property
+    def surroundings(self) -> str:
+        """Frames, bodies and neighbours as JSON: two that mean the same have the same."""
+        return self.model_dump_json(by_alias=True, exclude_none=True, include=SURROUNDINGS)
+
     def _digest(self, without: dict[str, Any]) -> str:
-        left_out = {"schema_": True, "robot": True, **without}
+        start = self.model_dump_json(by_alias=True, exclude_none=True, include={"start"})
+        left_out = {"schema_": True, "robot": True, "start": True, **dict.fromkeys(SURROUNDINGS, True), **without}
         rest = self.model_dump_json(by_alias=True, exclude_none=True, exclude=left_out)
-        text = f'{{"schema":"{self.schema_}","robot":{self.robot.text},{rest[1:]}'  # most requests repeat a robot
+        # in the order of the fields; most requests repeat a robot and what is around it
+        text = (
+            f'{{"schema":"{self.schema_}","robot":{self.robot.text},{start[1:-1]},{self.surroundings[1:-1]},{rest[1:]}'
+        )
         return "sha256:" + hashlib.sha256(text.encode()).hexdigest()
+
+
+SURROUNDINGS = {"frames", "bodies", "neighbours"}
+
+
+class ChangesDocument(Document):
+    """What changes between the requests of one cell, as far as it is stated."""
+
+    start: StartDocument | None = None
+    task: Annotated[list[StepDocument], Field(min_length=1, max_length=bounds.MAX_STEPS)] | None = None
+    options: OptionsDocument = OptionsDocument()
+    execution: ExecutionDocument = ExecutionDocument()
+    carry: CarryDocument | None = None

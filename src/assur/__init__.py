@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from assur import request as request
     from assur.api.python.answer import Answer, NotPlannedError
     from assur.api.python.calls import bundle, check, ik, load, plan, robots, scenarios
+    from assur.api.python.cell import Cell
     from assur.api.python.client import AsyncClient, Client
     from assur.api.python.exchange import Health
     from assur.api.python.motion import Samples, Trajectory
@@ -27,6 +28,7 @@ __all__ = [
     "Answer",
     "AssurError",
     "AsyncClient",
+    "Cell",
     "Client",
     "Health",
     "InputError",
@@ -50,6 +52,7 @@ __all__ = [
 _CALLS = "assur.api.python.calls"
 _HOME = {
     **dict.fromkeys(("bundle", "check", "ik", "load", "plan", "robots", "scenarios"), _CALLS),
+    "Cell": "assur.api.python.cell",
     "load_answer": "assur.api.python.saved",
     **dict.fromkeys(("Answer", "NotPlannedError"), "assur.api.python.answer"),
     **dict.fromkeys(("Samples", "Trajectory"), "assur.api.python.motion"),

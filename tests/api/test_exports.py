@@ -112,7 +112,7 @@ def test_an_answer_of_a_proof_says_what_it_does_not_hold(proof: Path, tmp_path: 
     assert held.assumptions == assumptions_of(held.request) != []
     assert (len(held.arrivals), held.duration_s) == (1, held.trajectory.duration_s)
     for name in ("margins", "warnings"):
-        with pytest.raises(assur.InputError, match=rf"answer\.{name}: got 'nothing'.*ask the answer that was exported"):
+        with pytest.raises(assur.InputError, match=rf"answer\.{name}: got 'nothing'.*what the exported answer states"):
             getattr(held, name)
     bare = assur.Answer(held.document)
     with pytest.raises(assur.InputError, match=r"answer\.assumptions"):

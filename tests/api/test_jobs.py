@@ -20,6 +20,7 @@ from assur.api.web.settings import Settings
 from assur.api.workers import jobs
 from assur.api.workers.client import Client, Demand
 from assur.api.workers.pool import Work
+from assur.scenes.requests import with_options
 from tests.api.running import running
 
 ANYONE = Client("anyone")
@@ -83,7 +84,7 @@ def test_a_job_ends_with_the_answer_that_a_plan_would_have(service: httpx.Client
 
 
 def test_progress_is_told_while_the_search_goes_on(service: httpx.Client, small: dict[str, Any]) -> None:
-    job = started(service, long(small))
+    job = started(service, with_options(long(small), {"report": "full"}))
     seen: list[dict[str, Any]] = []
     for name, document in events(service, job):
         if document["progress"] is not None:

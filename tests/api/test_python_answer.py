@@ -73,7 +73,10 @@ def test_attributes_hold_what_the_document_holds(answer: assur.Answer) -> None:
     assert answer.margins == answer["margins"]
     assert answer.legs == answer["legs"]
     assert answer.assumptions == answer["assumptions"]
-    assert answer.warnings == answer["warnings"]
+    with pytest.raises(assur.InputError, match=r"answer\.warnings: got 'nothing'.*report: full"):
+        _ = answer.warnings
+    full = assur.plan({**FIRST_PLAN, "options": {**FIRST_PLAN["options"], "report": "full"}})
+    assert full.warnings == full["warnings"] == []
     assert answer.start_s == answer["start_s"]
     assert answer.sentence == ""
     assert f"planned, {answer.duration_s:.3f} s" in repr(answer)

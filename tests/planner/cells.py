@@ -132,6 +132,7 @@ def cell(
         "budget_s": 60.0,
         "max_candidates": 400,
         "stop": "first",
+        "report": "full",
         "elbow": "auto",
         **options,
     }

@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 from assur.planner import checked, pipeline
-from assur.planner.checked import check, kept_cell
+from assur.planner.checked import check, stated_scene
 from assur.planner.checker import Code, Verdict, statement
 from assur.planner.checker.claim.verdict import KINDS, ClaimFinding
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.laws import conveyor
+from assur.planner.model.kept import MOST, NOTHING_KEPT
 from assur.planner.model.outcome import Plan, Planned
 from assur.planner.model.scene import Scene
 from tests.planner.cells import cell, frame, go, stands
@@ -42,7 +43,7 @@ def test_a_right_plan_is_right_and_its_cell_is_compared_once(monkeypatch: pytest
     assert check(scene, plan) == Verdict(True, ())
     assert check(scene, plan) == Verdict(True, ())
     later = replace(scene, start=replace(scene.start, time=scene.start.time + 1.0))
-    assert kept_cell(later).base.cell is kept_cell(scene).base.cell
+    assert stated_scene(later).base.cell is stated_scene(scene).base.cell
     assert not check(later, plan).ok
     assert len(compared) == 1
     # equal facts that are other objects may have been changed meanwhile: they are compared again
@@ -50,11 +51,32 @@ def test_a_right_plan_is_right_and_its_cell_is_compared_once(monkeypatch: pytest
     assert len(compared) == 2
 
 
-def test_an_earlier_start_is_another_cell() -> None:
+def test_an_earlier_start_and_other_frames_distances_and_lags_are_claimed_anew() -> None:
     scene, _ = crossing_case()
-    kept = kept_cell(scene)
-    assert not kept.fits(replace(scene, start=replace(scene.start, time=scene.start.time - 2.0)))
-    assert not kept.fits(replace(scene, frames=dict(scene.frames)))
+    cell_claim = stated_scene(scene).base.cell
+    assert stated_scene(replace(scene, task=scene.task[:1])).base.cell is cell_claim
+    lag = replace(scene.execution, start_tolerance_s=0.01)
+    for other in (
+        replace(scene, frames=dict(scene.frames)),
+        replace(scene, execution=lag),
+        replace(scene, options=replace(scene.options, clearance=replace(scene.options.clearance, travel_m=0.1))),
+        replace(scene, start=replace(scene.start, time=scene.start.time - 2.0)),
+    ):
+        assert stated_scene(other).base.cell is not cell_claim
+
+
+def test_a_cell_keeps_values_for_scenes_of_the_same_objects_only() -> None:
+    scene, _ = crossing_case()
+    later = replace(scene, start=replace(scene.start, time=scene.start.time + 1.0))
+    assert later.kept is scene.kept
+    assert later.pieces is scene.pieces
+    fewer = replace(scene, bodies=scene.bodies[1:])
+    assert fewer.kept is not scene.kept
+    assert len(fewer.pieces.count) == len(scene.pieces.count) - 1
+    assert not NOTHING_KEPT.fits(scene)
+    made = [scene.kept.of(lambda _: object(), scene, number) for number in range(2 * MOST)]
+    assert len(scene.kept._made) <= MOST
+    assert len(set(map(id, made))) == 2 * MOST
 
 
 def test_what_a_caller_raises_between_blocks_is_raised() -> None:

@@ -13,6 +13,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.claim.columns import LINK, LINK_OFFSET
 from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover
+from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.kernels.links import CHAIN, LINKS
@@ -22,11 +23,11 @@ from assur.planner.laws import conveyor
 from assur.planner.legs.limits import least_margins
 from assur.planner.legs.tool_motion import tool_accelerations, tool_peak
 from assur.planner.legs.tool_motion import tool_peaks as tool_peaks_of
-from assur.planner.model.outcome import LegKind, Planned
+from assur.planner.model.outcome import Clearances, LegKind, Margins, Planned
 from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Clearance, Tool
 from assur.planner.pipeline import plan
-from assur.planner.report.margins import contacts, margins
+from assur.planner.report.margins import contacts, reported
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CRANKED, CUP, belt_and_dial, cell, frame, go, stands, table_to_table
 from tests.planner.certificate.moving_ball import LAWS, SHAPES, encounter
@@ -169,7 +170,7 @@ def test_what_binds_is_told_with_the_leg_in_which_it_is_used_most() -> None:
 def test_the_nearest_pairs_are_those_of_dense_samples_pair_by_pair() -> None:
     """The second implementation of solids and carriers, at 4,000 instants, for travel and near a point apart."""
     scene = table_to_table(go(0.3, 0.0, 0.15))
-    outcome = plan(scene, nearest_pairs=4)
+    outcome = plan(scene)
     assert isinstance(outcome, Planned)
     path, of_plan = outcome.plan.trajectory, phases(scene, outcome.plan.legs, outcome.plan.arrivals)
     prover, told = Prover(scene), outcome.margins
@@ -199,9 +200,13 @@ def test_the_nearest_pairs_are_those_of_dense_samples_pair_by_pair() -> None:
     assert told.nearest is not None
     firsts = [pairs[0].gap_m for pairs in (told.travel_pairs, told.near_pairs)]
     assert min(firsts) == pytest.approx(told.nearest.gap_m, abs=1e-4)
-    silent = plan(scene)
-    assert isinstance(silent, Planned)
-    assert (silent.margins.travel_pairs, silent.margins.near_pairs) == ((), ())
+    short, none = (plan(replace(scene, options=replace(scene.options, report=word))) for word in ("short", "none"))
+    assert isinstance(short, Planned)
+    assert isinstance(none, Planned)
+    assert short.reported == Clearances(told.nearest, told.placed)
+    assert (short.lower_bound_s, short.warnings, none.reported) == (None, (), None)
+    with pytest.raises(FaultError):
+        _ = short.margins
 
 
 def test_contacts_of_phases_in_a_row_are_one() -> None:
@@ -239,7 +244,8 @@ def test_the_tools_acceleration_is_that_of_its_point_by_differences() -> None:
         by_difference = np.linalg.norm(at(t - h) - 2 * at(t) + at(t + h), axis=1) / h**2
         assert by_difference[-1] == pytest.approx(peak, rel=0.02, abs=0.1)
         assert by_difference.max() <= 1.05 * peak + 0.1
-    found = margins(scene, Prover(scene), path, phases(scene, outcome.plan.legs, outcome.plan.arrivals))
+    found = reported(scene, Prover(scene), path, phases(scene, outcome.plan.legs, outcome.plan.arrivals))
+    assert isinstance(found, Margins)
     dense = np.linspace(path.start + h, path.end - h, 40_001)
     pulls = np.linalg.norm(at(dense - h) - 2 * at(dense) + at(dense + h), axis=1) / h**2
     speeds = np.linalg.norm(at(dense + h) - at(dense - h), axis=1) / (2 * h)

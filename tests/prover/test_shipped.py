@@ -17,10 +17,10 @@ import assur
 from assur.planner.claim.answer import with_answer
 from assur.planner.claim.document import document_of
 from assur.planner.claim.filling import claim_of, with_plan
-from assur.planner.claim.obligations import bodies_in
 from assur.planner.model.claims import NOTHING
 from assur.planner.model.digest import digest
 from assur.planner.model.phases import phases
+from assur.planner.model.scene import bodies_in
 from assur.prover import prove as prover
 from assur.scenes.bundle import bundle_document
 from assur.scenes.requests import check_document

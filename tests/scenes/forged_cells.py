@@ -111,4 +111,4 @@ def answered(name: str) -> tuple[Cell, Document]:
     """The cell, and its answer with the pairs that come nearest; not to be changed."""
     request, folder = request_of(name)
     cell = cell_of(request, folder=folder)
-    return cell, plan_cell(cell, nearest_pairs=2)
+    return cell, plan_cell(cell, unstated={"report": "full"})

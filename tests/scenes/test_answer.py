@@ -39,7 +39,7 @@ from assur.planner.trajectory import Trajectory
 from assur.scenes.answer import NOTICE, answer_of
 from assur.scenes.reading.cell import Cell
 from assur.scenes.reading.plan import plan_of
-from assur.scenes.requests import cell_of, check_document, plan_document
+from assur.scenes.requests import cell_of, check_document, plan_document, with_options
 from assur.scenes.schema import answer as document
 from assur.scenes.text.json_text import parse_json
 from assur.scenes.written_knots import trajectory_document
@@ -50,14 +50,18 @@ FANUC: dict[str, Any] = {
     "robot": {"model": "fanuc-sr-3ia", "tool": {"tcp_mm": [0, 0, -20]}},
     "start": {"joints": {"j1_deg": 0, "j2_deg": 60, "j3_mm": 20, "j4_deg": 0}},
     "task": [{"move": {"name": "down", "to": {"at_mm": [250, 100, 120], "yaw_deg": 30}}}],
-    "options": {"budget_s": 60, "max_candidates": 5, "stop": "first"},
+    "options": {"budget_s": 60, "max_candidates": 5, "stop": "first", "report": "full"},
 }
 """A move downwards of an arm whose lift counts downwards."""
 
 
+FULL = with_options(GOOD_REQUEST, {"report": "full"})
+"""A request whose answer states all that an answer may state."""
+
+
 @cache
 def good() -> tuple[Cell, Outcome]:
-    cell = cell_of(GOOD_REQUEST)
+    cell = cell_of(FULL)
     return cell, plan(cell.scene)
 
 
@@ -179,7 +183,7 @@ def test_a_verdict_is_what_its_model_reads() -> None:
     spoilt = copy.deepcopy(answer)
     spoilt["duration_s"] += 1.0
     for plan_ in (answer, spoilt):
-        verdict = through_json(check_document(GOOD_REQUEST, plan_))
+        verdict = through_json(check_document(FULL, plan_))
         assert VERDICT.validate_python(verdict) == verdict
 
 
@@ -190,9 +194,9 @@ def test_what_the_checker_does_not_look_at_may_be_left_out_and_must_have_its_for
     for value in ("anything", "1.5", "true"):
         answer[key] = value
         with pytest.raises(InputError, match=rf"^plan\.{key}: "):
-            check_document(GOOD_REQUEST, answer)
+            check_document(FULL, answer)
     del answer[key]
-    assert check_document(GOOD_REQUEST, answer)["ok"] is True
+    assert check_document(FULL, answer)["ok"] is True
 
 
 @pytest.mark.parametrize("key", ["margins", "load", "contacts"])
@@ -200,9 +204,9 @@ def test_a_claim_that_cannot_be_read_is_refused_at_its_field(key: str) -> None:
     answer = through_json(answer_of(*good()))
     answer[key] = "anything"
     with pytest.raises(InputError, match=rf"^plan\.{key}: "):
-        check_document(GOOD_REQUEST, answer)
+        check_document(FULL, answer)
     del answer[key]
-    assert check_document(GOOD_REQUEST, answer)["ok"] is True
+    assert check_document(FULL, answer)["ok"] is True
 
 
 @pytest.mark.parametrize(
@@ -214,12 +218,12 @@ def test_a_smallest_clearance_that_is_not_so_is_refused(change: dict[str, Any]) 
     wrong = {key: nearest[key] + by if isinstance(by, float) else by for key, by in change.items()}
     for said in ({**nearest, **wrong}, None):
         answer["margins"]["nearest"] = said
-        assert {finding["code"] for finding in check_document(GOOD_REQUEST, answer)["findings"]} == {"NEAREST"}
+        assert {finding["code"] for finding in check_document(FULL, answer)["findings"]} == {"NEAREST"}
     answer["margins"] = {}
-    assert check_document(GOOD_REQUEST, answer)["ok"] is True
+    assert check_document(FULL, answer)["ok"] is True
     answer["margins"]["nearest"] = {"gap_m": "wide"}
     with pytest.raises(InputError, match=r"^plan\.margins\.nearest\.[a-z_]+: "):
-        check_document(GOOD_REQUEST, answer)
+        check_document(FULL, answer)
 
 
 def test_an_answer_is_plain_json_and_its_plan_is_the_same_plan_again() -> None:
@@ -232,13 +236,13 @@ def test_an_answer_is_plain_json_and_its_plan_is_the_same_plan_again() -> None:
 
 def test_the_checker_accepts_the_answer_and_refuses_it_with_a_knot_moved() -> None:
     answer = through_json(answer_of(*good()))
-    verdict = check_document(GOOD_REQUEST, answer)
+    verdict = check_document(FULL, answer)
     assert verdict["ok"] is True
     assert verdict["findings"] == []
     assert verdict["request_digest"] == answer["request_digest"]
     middle = len(answer["trajectory"]["time_s"]) // 2
     answer["trajectory"]["position"][middle][0] += 0.02
-    refused = through_json(check_document(GOOD_REQUEST, answer))
+    refused = through_json(check_document(FULL, answer))
     assert refused["ok"] is False
     assert all(finding["code"] and finding["what"] for finding in refused["findings"])
 
@@ -283,7 +287,7 @@ def test_a_digest_is_enough_to_keep_and_not_enough_to_check() -> None:
     assert set(answer["certificate"]) == {"digest", "rows", "covers"}
     assert answer["certificate"]["rows"] > 0
     with pytest.raises(InputError) as caught:
-        check_document(GOOD_REQUEST, answer)
+        check_document(FULL, answer)
     assert caught.value.field == "plan.certificate"
 
 
@@ -401,12 +405,12 @@ def test_a_lower_bound_that_is_not_proved_is_found(claimed: float) -> None:
     """In shares of the duration: of a plan that goes round something nobody proves that there is no shorter one."""
     cell, outcome = good()
     answer = through_json(answer_of(cell, outcome))
-    assert check_document(GOOD_REQUEST, answer)["ok"]
+    assert check_document(FULL, answer)["ok"]
     answer["lower_bound_s"] = claimed * answer["duration_s"]
-    verdict = check_document(GOOD_REQUEST, answer)
+    verdict = check_document(FULL, answer)
     assert [(finding["code"], finding["where"]) for finding in verdict["findings"]] == [("CLAIM", "lower_bound_s")]
     answer["lower_bound_s"] = None
-    assert check_document(GOOD_REQUEST, answer)["ok"]
+    assert check_document(FULL, answer)["ok"]
 
 
 @pytest.mark.parametrize(("key", "change"), [("duration_s", 1e-6), ("start_s", -1e-6), ("duration_s", -1.0)])
@@ -417,7 +421,7 @@ def test_what_an_answer_says_of_its_own_durations_is_held_to_its_trajectory(key:
     _, told = plan_of(answer, cell.conventions)
     assert [(finding.code, finding.where) for finding in told] == [("FORM", key)]
     assert told[0].amount > 0
-    verdict = check_document(GOOD_REQUEST, answer)
+    verdict = check_document(FULL, answer)
     assert not verdict["ok"]
     assert verdict["findings"][0]["where"] == key
     del answer[key]

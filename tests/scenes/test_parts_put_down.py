@@ -16,7 +16,7 @@ Document = dict[str, Any]
 
 def margins(request: Document) -> Document:
     """The margins of an answer, which the checker accepts."""
-    answer = plan_cell(cell_of(request), nearest_pairs=3)
+    answer = plan_cell(cell_of(request), unstated={"report": "full"})
     assert answer["status"] == "planned", answer.get("sentence")
     assert check_document(request, answer)["ok"]
     found: Document = answer["margins"]

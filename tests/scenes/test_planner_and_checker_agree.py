@@ -72,7 +72,8 @@ def request(family: str, task: list[Document], **more: Any) -> Document:
     arm, joints, _ = FAMILIES[family]
     (key, facts), = arm.items()  # fmt: skip
     robot = {key: facts | {"bodies": [], "self_pairs": []}, "tool": {"tcp_m": [0, 0, 0]}}
-    options = {"stop": "first", "max_candidates": 60, "budget_s": 60, "elbow": "auto"} | more.pop("options", {})
+    options = {"stop": "first", "max_candidates": 60, "budget_s": 60, "elbow": "auto", "report": "full"}
+    options |= more.pop("options", {})
     return {"schema": "assur/1", "robot": robot, "start": {"joints": joints}, "task": task, "options": options, **more}
 
 
@@ -176,7 +177,7 @@ def test_the_peak_of_a_five_bar_near_the_edge_of_its_reach() -> None:
     goal = {"at_m": [0.05831636114666705, -0.12326142898673302, 0.035], "yaw_rad": -1.6566503445902563}
     asked: Document = {
         "schema": "assur/1", "robot": robot, "start": {"joints": joints}, "task": [{"move": {"to": goal}}],
-        "options": {"seed": 26, "budget_s": 60, "max_candidates": 1, "stop": "first", "elbow": "auto",
+        "options": {"seed": 26, "budget_s": 60, "max_candidates": 1, "stop": "first", "elbow": "auto", "report": "full",
                     "singularity_margin": 0.0},
     }  # fmt: skip
     answer = agreed(asked)

@@ -14,7 +14,7 @@ import pytest
 from typing_extensions import get_type_hints, is_typeddict
 
 from assur.scenes.reading.cell import Cell
-from assur.scenes.requests import cell_of, check_document, check_plan, plan_cell, plan_document, read_plan
+from assur.scenes.requests import cell_of, check_document, check_plan, plan_cell, plan_document, read_plan, with_options
 from assur.scenes.scenarios import shipped
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.checked import (
@@ -283,7 +283,7 @@ def test_how_far_a_point_is_along_its_conveyor_must_be_said() -> None:
 
 def test_an_acceleration_at_a_jump_may_be_told_a_digit_beside_its_knot() -> None:
     """The larger of both sides counts, and a time that is rounded is still that of the jump."""
-    request = shipped("parabolic-blend").request
+    request = with_options(shipped("parabolic-blend").request, {"report": "full"})
     answer: Any = plan_document(request)
     tool = answer["margins"]["tool"]
     at = tool["acceleration_at_s"]

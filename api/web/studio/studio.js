@@ -230,6 +230,12 @@ async function remove() {
 const framed = (frame) => receiveFiles(frame);
 const drawn = async (body) => (await ask("v1/plans/report", body)).text();
 
+// The request with a full report, where it states none. Wrong options stay for the service to refuse.
+function reported(request) {
+  const { options = {} } = request;
+  return options?.constructor === Object ? { ...request, options: { report: "full", ...options } } : request;
+}
+
 async function plan() {
   if (find("plan").disabled) return;
   forget();
@@ -241,7 +247,8 @@ async function plan() {
     await connect();
     if (kindOf(text.value).kind !== "text" && (await take(text.value))) return;
     const [given, title] = [text.value, name()];
-    const { request, about } = await (await ask("v1/scenes/parse", { text: given })).json();
+    const { request: read, about } = await (await ask("v1/scenes/parse", { text: given })).json();
+    const request = reported(read);
     const answer = await searched(request);
     if (answer === null) {
       const after = ((Date.now() - begun) / 1000).toFixed(1);

@@ -13,7 +13,7 @@ import pytest
 from assur.api.cli.console_report import everything
 from assur.experiments.printed_joint_move import ParabolicBlend, inverse
 from assur.planner.errors import InputError
-from assur.scenes.requests import check_document, plan_document, plan_scenario, scene_of
+from assur.scenes.requests import cell_of, check_document, plan_cell, plan_document, scene_of, with_options
 from assur.scenes.scenarios import shipped
 
 Document = dict[str, Any]
@@ -23,7 +23,7 @@ POSE = (0.2, 0.2, -0.1), (0.2, 0.2, -0.2)
 
 @cache
 def _answer() -> Document:
-    return plan_scenario(shipped(NAME))
+    return plan_cell(cell_of(shipped(NAME).request), unstated={"report": "full"})
 
 
 def answer() -> Document:
@@ -87,7 +87,7 @@ def test_without_the_bars_the_elbow_stays_and_the_move_is_shorter() -> None:
 def test_jerk_limited_the_same_move_misses_nothing_and_has_a_limit_of_jerk() -> None:
     request = request_of(timing="jerk_limited")
     del request["options"]["acceleration_time_ms"], request["bodies"]
-    found = plan_document(request)
+    found = plan_document(with_options(request, {"report": "full"}))
     assert found["status"] == "planned"
     assert found["margins"]["jerk"] == "limited"
     assert found["certificate"]["covers"][-1] == "jerk"

@@ -29,7 +29,7 @@ def around() -> tuple[Answer, Answer]:
     """Request and answer of the ends of the forbidden line, joined by a joint leg."""
     request = copy.deepcopy(shipped("five-bar-type-2").request)
     del request["task"][0]["move"]["leg"]
-    request["options"]["max_candidates"] = 300
+    request["options"] |= {"max_candidates": 300, "report": "full"}
     return request, plan_document(request)
 
 

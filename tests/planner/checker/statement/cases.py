@@ -91,7 +91,7 @@ def case_of(name: str) -> Case:
     request = assur.load(base)
     options = request.setdefault("options", {})
     options.pop("budget_ms", None)
-    options |= {"max_candidates": CANDIDATES, "budget_s": 60.0, "stop": "first"}
+    options |= {"max_candidates": CANDIDATES, "budget_s": 60.0, "stop": "first", "report": "full"}
     change(request)
     found = planned(request)
     assert found is not None, name

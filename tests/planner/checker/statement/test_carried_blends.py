@@ -28,6 +28,7 @@ def request(most: float) -> Document:
     found: Document = assur.load("parabolic-blend")
     found["bodies"].append({"name": "part", "shape": {"sphere": {"radius_mm": 4}}})
     found["start"]["holding"] = {"part": "part", "grasp_mm": [0, 0, 0]}
+    found["options"]["report"] = "full"
     found["carry"] = {"acceleration_m_s2": most}
     return found
 
