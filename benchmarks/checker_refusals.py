@@ -13,25 +13,25 @@ from typing import Any
 Document = dict[str, Any]
 
 SECOND = "second checker"
-"""In place of a code: the second checker refuses a bundle of which the first one accepts the plan."""
+"""In place of a code: the first checker accepts the plan, and the second checker refuses its bundle."""
 
 
 def codes_of(answer: Document, findings: list[Document] | None) -> list[str]:
     """The codes with which the checker refused plans in the search of an answer, and the answer itself."""
-    searched = said(answer, findings)["in_the_search"]
+    searched = refused_by_checker(answer, findings)["in_the_search"]
     return [str(each["facts"]["code"]) for each in searched] + [str(each["code"]) for each in findings or ()]
 
 
-def said(answer: Document, findings: list[Document] | None) -> Document:
-    """What the checker has against an answer, and against plans in its search."""
+def refused_by_checker(answer: Document, findings: list[Document] | None) -> Document:
+    """Why the checker refuses an answer, and plans in its search."""
     lines = answer["census"]["lines"]
     return {"checker": findings, "in_the_search": [line for line in lines if line["stage"] == "checker"]}
 
 
-def keep(folder: Path, name: str, request: Document, told: Document) -> Path:
-    """Writes the request of a case that failed as a file that can be planned, and what went wrong beside it."""
+def keep(folder: Path, name: str, request: Document, faults: Document) -> Path:
+    """Writes the request of a case that failed as a file that can be planned, and what went wrong as a second file."""
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / f"{name.replace(', ', '-').replace(' ', '-').replace('/', '-')}.json"
     file.write_text(json.dumps(request, indent=1), encoding="utf-8")
-    file.with_suffix(".faults.json").write_text(json.dumps(told, indent=1, default=float), encoding="utf-8")
+    file.with_suffix(".faults.json").write_text(json.dumps(faults, indent=1, default=float), encoding="utf-8")
     return file

@@ -19,7 +19,7 @@ from typing import Any
 Document = dict[str, Any]
 
 GRACE_S = 5.0
-"""A process that was asked to end is killed after this."""
+"""A process is killed if it does not end within this time after the request to end."""
 
 
 class ProgramDied(Exception):
@@ -53,7 +53,7 @@ class Program:
             pipe.write(json.dumps(question, allow_nan=False) + "\n")
             pipe.flush()
         except OSError as error:
-            raise ProgramDied("ended before it was asked") from error
+            raise ProgramDied("ended before the request") from error
         return self._line(limit_s)
 
     def _line(self, limit_s: float) -> Document:

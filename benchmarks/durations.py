@@ -40,8 +40,8 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="A sample of the pr
     for name, match in SETS:
         problems, title = problem_set(name), label(name, match)
         with planning(ROOT, problems) as program:
-            asked = [(budget, problem) for budget, every in budgets.items() for problem in problems.problems[::every]]
-            for budget, problem in track(asked, title, console=Console(stderr=True)):
+            runs = [(budget, problem) for budget, every in budgets.items() for problem in problems.problems[::every]]
+            for budget, problem in track(runs, title, console=Console(stderr=True)):
                 document = request(problem, problems.limits, Terms(budget, "budget", match))
                 answer = judged(problems, problem, ask(program, document), match, document)
                 records[f"{budget:g}/{title}/{problem['id']}"] = answer

@@ -43,8 +43,8 @@ def main(
             programs = {OURS: stack.enter_context(planning(ROOT, problems))}
             if beside is not None:
                 programs[beside] = stack.enter_context(planning(stack.enter_context(sources(beside)), problems))
-            asked = [(seed, problem) for seed in range(seeds) for problem in problems.problems[:: parameters["every"]]]
-            for i, (seed, problem) in enumerate(track(asked, label(name, match), console=console)):
+            runs = [(seed, problem) for seed in range(seeds) for problem in problems.problems[:: parameters["every"]]]
+            for i, (seed, problem) in enumerate(track(runs, label(name, match), console=console)):
                 document = request(problem, problems.limits, Terms(BUDGET_S, "first", match, seed))
                 for by in list(programs) if i % 2 else reversed(programs):
                     answer = judged(problems, problem, ask(programs[by], document), match, document)

@@ -1,4 +1,4 @@
-"""A planner that answers requests over a pipe, one JSON line in and one out: this commit's or, beside it, another's.
+"""A planner that answers requests over a pipe, one JSON line in and one out: this commit's or another's.
 
     python -P benchmarks/planner_process.py FOLDER
 

@@ -45,7 +45,7 @@ def table(there: Results, with_bar: bool) -> str:
     figures: list[Figure] = []
     for script, (_, _, found) in there.items():
         for each in found:
-            # what every script counts is told of each
+            # counts that every script has are reported for each one
             counted = each.bar == (0.0,)
             if bool(each.bar) is with_bar:
                 figures.append(replace(each, name=f"{each.name} ({script})") if counted else each)
@@ -55,9 +55,9 @@ def table(there: Results, with_bar: bool) -> str:
     if not with_bar:
         rows = [ORDER, "", "| figure | value | |", "|---|---|---|"]
     for each in figures:
-        told = "; ".join(filter(None, (each.refused and f"refused: {each.refused}", each.beside, each.note)))
-        bar = f" {each.asked()} | {each.reached()} | {each.met()}" if with_bar else f" {each.reached()}"
-        rows.append(f"| {each.name} |{bar} | {told} |")
+        notes = "; ".join(filter(None, (each.refused and f"refused: {each.refused}", each.beside, each.note)))
+        bar = f" {each.required()} | {each.reached()} | {each.met()}" if with_bar else f" {each.reached()}"
+        rows.append(f"| {each.name} |{bar} | {notes} |")
     return "\n".join(rows)
 
 
@@ -76,12 +76,12 @@ def profile(path: Path = FOLDER / "profile.jsonl") -> str:
     """Where the milliseconds of median requests go, a table for each profile."""
     if not path.exists():
         return NOTHING
-    told = []
+    rows = []
     for line in path.read_text(encoding="utf-8").splitlines():
         made: Any = json.loads(line)
         rooms = ", ".join(f"{room} {value:.2f}" for room, value in list(made["own_ms"].items())[:SHOWN])
-        told.append(f"| {made['profile']} | {made['total_ms']:.2f} | {rooms} |")
-    return "\n".join(["| set | all, ms | rooms, ms |", "|---|---|---|", *told])
+        rows.append(f"| {made['profile']} | {made['total_ms']:.2f} | {rooms} |")
+    return "\n".join(["| set | all, ms | rooms, ms |", "|---|---|---|", *rows])
 
 
 def plots(there: Results) -> str:

@@ -1,7 +1,7 @@
 """``python -m benchmarks.scaling``: how planning time grows with the bodies of the cell.
 
-Distant bodies: 10 to 1,000 of the same density round one path, in cells of which each holds all smaller ones, so only
-what it costs to rule the far ones out differs. Bodies aside: ten or a thousand within the arm's reach and away from its
+Distant bodies: 10 to 1,000 of the same density round one path. Each cell contains all smaller ones, so only the cost of
+excluding the far bodies differs. Bodies aside: ten or a thousand within the arm's reach and away from its
 way. Every size is built and planned anew in each repeat, one size after the other.
 """
 
@@ -38,8 +38,8 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few sizes and cell
     parameters: Document = {"sizes": sizes, "cells": cells, "repeats": repeats, "pinned": pin()}
     records: dict[str, Document] = {}
     with planning(ROOT, problems) as program:
-        asked = [(kind, cell, i) for kind in sizes for cell in range(cells) for i in range(repeats)]
-        for kind, cell, i in track(asked, "scaling", console=Console(stderr=True)):
+        runs = [(kind, cell, i) for kind in sizes for cell in range(cells) for i in range(repeats)]
+        for kind, cell, i in track(runs, "scaling", console=Console(stderr=True)):
             for size in sizes[kind]:
                 problem = crowd(cell, size) if kind == "distant" else aside(cell, size)
                 document = request(problem, problems.limits, Terms(BUDGET_S))
@@ -100,7 +100,7 @@ CLEAR_M = 0.07
 ASIDE_M, ASIDE_RAD = (0.2, 0.58), 2.4
 """Where bodies stand that the arm could reach and does not come near: radii, and least angle from the front."""
 SMALL_M = 0.004
-"""Edge of a body of which a thousand stand there and apart."""
+"""Edge of a body that is so small that a thousand of them are apart from each other."""
 
 
 def _point(r: float, angle: float) -> list[float]:

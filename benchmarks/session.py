@@ -51,7 +51,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few motions.")] = 
             cpu, began = time.process_time(), time.perf_counter()
             answer = plan(document, certificate="digest")
             record = {"wall_s": time.perf_counter() - began, "cpu_s": time.process_time() - cpu}
-            # a plan that is not found is told as such below; no answer is wrong for that
+            # a missing plan is reported below; no answer is wrong for that
             records[f"{problem['id']} at {now:.2f} s"] = record | {"status": answer["status"], "findings": []}
 
     unplanned = sum(record["status"] != "planned" for record in records.values())

@@ -1,7 +1,7 @@
 """``python -m benchmarks.side_by_side``: ours and the peers from PyPI, one after the other on each static problem.
 
 A peer's answer goes through the recheck that ours goes through, and counts as solved where it collides with nothing,
-begins at the start and ends at the goal; that none but ours has a limit of jerk is told beside it, not held against it.
+begins at the start and ends at the goal. Only ours has a limit of jerk: this is reported, and peers may be without it.
 Times are of solved problems only. Ours is the first answer; the peers' time is to a trajectory: MPlib with TOPPRA's
 timing, OMPL with its path simplified and then driven from point to point. The moving sets have no peer on PyPI: OMPL's
 ST-RRT* is not in its Python package.
@@ -18,7 +18,7 @@ from rich.progress import track
 from benchmarks.best_known import PATH, found, lower
 from benchmarks.commits import WARM_UP_SEEDS, ask, planning
 from benchmarks.figures import Document, Figure, Records, finish, quantile, unclean
-from benchmarks.judged import judged, label, problem_set, said
+from benchmarks.judged import in_words, judged, label, problem_set
 from benchmarks.machine import ROOT, pin
 from benchmarks.peers.running import peers, question
 from benchmarks.problem_set import Problem, ProblemSet
@@ -74,10 +74,12 @@ def fatal(finding: Finding) -> bool:
 def rechecked(problems: ProblemSet, problem: Problem, answer: Document) -> Document:
     """A peer's answer without its trajectory: `findings` that are fatal, and the `limits` that it does not keep."""
     # our checker knows no plan without a certificate
-    told = recheck(problems, problem, answer | {"checked": True}, "position") if answer["status"] == "planned" else []
+    findings = (
+        recheck(problems, problem, answer | {"checked": True}, "position") if answer["status"] == "planned" else []
+    )
     return {key: value for key, value in answer.items() if key != "trajectory"} | {
-        "findings": [said(finding) for finding in told if fatal(finding)],
-        "limits": sorted({finding.kind for finding in told if not fatal(finding)}),
+        "findings": [in_words(finding) for finding in findings if fatal(finding)],
+        "limits": sorted({finding.kind for finding in findings if not fatal(finding)}),
     }
 
 

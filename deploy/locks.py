@@ -107,7 +107,7 @@ def unmet(requirements: Iterable[str], pins: Sequence[Pin]) -> list[str]:
             elif len(here) > 1:
                 found.add(f"{name}: locked twice for {where}")
             elif not requirement.specifier.contains(here[0].version, prereleases=True):
-                found.add(f"{name}: {here[0].version} is locked for {where}, and {requirement.specifier} is asked for")
+                found.add(f"{name}: {here[0].version} is locked for {where}, and {requirement.specifier} is required")
     return sorted(found)
 
 

@@ -15,7 +15,7 @@ RELEASES = ("1.30", "1.31", "1.32", "1.33", "1.34", "1.35", "1.36", "1.37")
 """Releases of Kubernetes whose schemas the manifests are held to, from the oldest that has all they use."""
 
 KEYS = frozenset({"apiVersion", "kind", "namespace", "resources", "labels", "images", "configMapGenerator"})
-"""What our kustomization uses; kubectl refuses what it does not know, and where it runs it is asked, too."""
+"""The keys that our kustomization uses. kubectl refuses other keys, too, where it is installed."""
 
 Document = dict[str, Any]
 
@@ -38,7 +38,7 @@ class Manifests:
 def read(folder: Path = FOLDER) -> Manifests:
     """The kustomization in `folder`, with all that it names.
 
-    Raises `ValueError` for a key that is not in `KEYS`, and for a file beside it that is neither named nor known.
+    Raises `ValueError` for a key that is not in `KEYS`, and for a file of the folder that is neither named nor known.
     """
     kustomization = yaml.safe_load((folder / "kustomization.yaml").read_text(encoding="utf-8"))
     strange = sorted(set(kustomization) - KEYS)

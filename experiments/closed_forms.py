@@ -17,7 +17,7 @@ from assur.planner.robots.facts import Code, principal
 from assur.planner.robots.robot import Robot
 
 CLEAR = 0.05
-"""Margin from which errors are told as they are: what requests ask by default."""
+"""Errors are reported for states with at least this singularity margin, the default of requests."""
 SHARE = 1e-3
 """m: a closed form that puts the flange farther than this from its target has missed it."""
 

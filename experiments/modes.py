@@ -13,7 +13,7 @@ from assur.planner.robots.facts import Limits, principal
 from assur.planner.robots.scara import Scara
 
 L1, L2 = 0.325, 0.225
-"""m. A usual arm; 004's own, with links of 200 mm, is drawn beside it."""
+"""m. A usual arm; the arm of source 004, with links of 200 mm, is drawn, too."""
 POINTS, SEED = 10_000, 2
 CONVENTION = {"left": (1, -1, -1), "right": (2, +1, +1)}
 """Mode → assembly mode of 000, sign of the root of 001, index g of 004."""

@@ -80,10 +80,10 @@ def run() -> Result:
         "as_printed_negative_d3_below_the_shoulder_share": float((literal[below, 2] < 0).mean()),
         "as_printed_negative_d3_above_the_shoulder_share": float((literal[~below, 2] < 0).mean()),
     }
-    return Result(numbers, told(numbers), (7.2, 6.3), lambda figure: draw(figure, both, compared))
+    return Result(numbers, report(numbers), (7.2, 6.3), lambda figure: draw(figure, both, compared))
 
 
-def told(numbers: dict[str, Any]) -> str:
+def report(numbers: dict[str, Any]) -> str:
     """The paragraphs."""
     below = numbers["as_printed_negative_d3_below_the_shoulder_share"]
     above = numbers["as_printed_negative_d3_above_the_shoulder_share"]

@@ -40,7 +40,7 @@ from flint import arb, arb_mat, arb_poly, arb_series, ctx, fmpq
 from jsonschema_rs import validator_for
 
 SCHEMA, BITS, TERMS = Path(__file__).parent / "bundle.schema.json", 160, 4
-WORK, DEEPEST, MOST_BYTES, MOST_TOLD = 5_000_000, 40, 32_000_000, 20
+WORK, DEEPEST, MOST_BYTES, MOST_FAILURES = 5_000_000, 40, 32_000_000, 20
 CLOSED, MOST_SIGNS = 1e-9, 10
 """At most: work (intervals, pairs, pieces of motions, and tens of triangles about a point), halvings of an interval,
 bytes of a file, failures listed. CLOSED: what rounding may leave of a period, of weights, and where a point is chosen.
@@ -421,15 +421,15 @@ class World:
             t0, t1, s0, s1, depth = stack.pop()
             self.spend(1)
             try:
-                said = test(t0, t1, s0, s1)
+                status = test(t0, t1, s0, s1)
             except ArithmeticError:  # a motion is not known there or repeats too often, or a loop may come apart
-                said = AHEAD if arb(s1) - s0 > arb(t1) - t0 else IN_TIME
-            if said == SHOWN:
+                status = AHEAD if arb(s1) - s0 > arb(t1) - t0 else IN_TIME
+            if status == SHOWN:
                 continue
-            if said == WRONG or depth >= DEEPEST or (t0 == t1 and s0 == s1):
+            if status == WRONG or depth >= DEEPEST or (t0 == t1 and s0 == s1):
                 return False
             t, s = (t0 + t1) / 2, (s0 + s1) / 2
-            halves = [(t0, t1, s0, s), (t0, t1, s, s1)] if said == AHEAD else [(t0, t, s0, s1), (t, t1, s0, s1)]
+            halves = [(t0, t1, s0, s), (t0, t1, s, s1)] if status == AHEAD else [(t0, t, s0, s1), (t, t1, s0, s1)]
             stack += [(*half, depth + 1) for half in halves]
         return True
 
@@ -478,12 +478,12 @@ class World:
 
     def duties(self, p: int) -> dict[frozenset[int], Duty]:
         """The pairs of bodies that must stay apart in phase p. These are: a body of the robot and one on a frame; two
-        bodies on links that are asked to stay apart; a part that was put down and a body on another frame, if one of
+        bodies on links that are required to stay apart; a part that was put down and a body on another frame, if one of
         both frames moves and that body is no support of the part."""
         phase, at, found, must = self.phases[p], self.seats[p], dict[frozenset[int], Duty](), self.must
         touching = {frozenset(each["bodies"]): -each["depth"] for each in phase["contacts"]}
-        asked = [frozenset(pair) for pair in must["self_pairs"]]
-        self.spend(len(at) ** 2 * (1 + len(asked) + len(must["exceptions"])))
+        self_pairs = [frozenset(pair) for pair in must["self_pairs"]]
+        self.spend(len(at) ** 2 * (1 + len(self_pairs) + len(must["exceptions"])))
 
         def add(a: int, b: int, kind: str, early: Fraction = Fraction(0), late: Fraction = Fraction(0)) -> None:
             least, key = must[kind], frozenset((a, b))
@@ -496,7 +496,7 @@ class World:
             one, other, kind = at[a]["link"], at[b]["link"], "near" if phase["near"] else "travel"
             if one >= 0 > other:
                 add(a, b, kind, *self.ahead(at[b]["frame"], must["late"]))
-            elif one >= 0 and a < b and one != other and frozenset((one, other)) in asked:
+            elif one >= 0 and a < b and one != other and frozenset((one, other)) in self_pairs:
                 add(a, b, kind)
         for a, supports in ((part["body"], part["supports"]) for part in phase["put_down"]):
             here = nth(at, a, "body")["frame"]
@@ -530,25 +530,29 @@ class World:
         begins, names = [phase["t0"] for phase in self.phases], [body["name"] for body in self.bodies]
         duties = [self.duties(p) if key == "rows" else self.planned(p) for p in range(len(begins))]
         for row in self.bundle[key]:
-            told = " and ".join(nth(names, body, "body") for body in row["bodies"] if body >= 0)
+            pair_names = " and ".join(nth(names, body, "body") for body in row["bodies"] if body >= 0)
             p = bisect_right(begins, row["t0"]) - 1
             within = p >= 0 and row["t0"] <= row["t1"] <= self.phases[p]["t1"]
             for each, duty in self.meant(p, row, duties[p]) if within else ():
                 if self.holds(p, each, duty):
                     duty.rows.append(each)
                 elif row["bodies"][1] >= 0:
-                    self.failures.append(f"a row of {told} from {row['t0']:.9g} s to {row['t1']:.9g} s")
+                    self.failures.append(f"a row of {pair_names} from {row['t0']:.9g} s to {row['t1']:.9g} s")
         for p, phase in enumerate(self.phases):
             for pair, duty in duties[p].items():
-                told = f"{' and '.join(names[k] for k in duty.bodies)} in {phase['kind']} from {phase['t0']:.9g} s"
+                pair_names = (
+                    f"{' and '.join(names[k] for k in duty.bodies)} in {phase['kind']} from {phase['t0']:.9g} s"
+                )
                 if phase["t1"] > phase["t0"] and not self.covered(duty, phase["t0"], phase["t1"]):
-                    self.failures.append(f"{told}: no row for a part of it{', in gap_rows' if duty.planned else ''}")
+                    self.failures.append(
+                        f"{pair_names}: no row for a part of it{', in gap_rows' if duty.planned else ''}"
+                    )
                 last, hollow = duties[p - 1].get(pair) if p else None, any(self.surfaces[k]["triangles"] for k in pair)
                 # as long as a pair stays apart on its seats, one is within a closed surface all the time, or never
                 stays = last is not None and last.bodies == duty.bodies and last.least >= 0
                 stays = stays and all(self.seats[p - 1][k] is self.seats[p][k] for k in pair)
                 if hollow and duty.least >= 0 and not (stays or duty.planned) and not self.outside(p, duty):
-                    self.failures.append(f"{told}: nothing shows that one is not within the other")
+                    self.failures.append(f"{pair_names}: nothing shows that one is not within the other")
         return sum(len(duty.rows) for each in duties for duty in each.values()), sum(map(len, duties))
 
     def outside(self, p: int, duty: Duty) -> bool:
@@ -966,7 +970,10 @@ def claimed(world: World, alone: float, rows: int, pairs: int, gap_rows: int, ga
     """What a bundle claims, in words and numbers: how much of each kind, and the most that it allows."""
     bundle, must, own, limits = world.bundle, world.must, world.splines[0].edges, world.bundle["limits"]
     contacts, put_down = ([each for phase in world.phases for each in phase[key]] for key in ("contacts", "put_down"))
-    asked, links = set(map(frozenset, must["self_pairs"])), {seat["link"] for seats in world.seats for seat in seats}
+    self_pairs, links = (
+        set(map(frozenset, must["self_pairs"])),
+        {seat["link"] for seats in world.seats for seat in seats},
+    )
     unsure = [frame for frame in world.frames if frame["unknown"] or frame["yaw"] or any(frame["shift"])]
 
     def kept(key: str) -> Any:
@@ -994,14 +1001,14 @@ def claimed(world: World, alone: float, rows: int, pairs: int, gap_rows: int, ga
         "second distances of the robot's bodies and of parts that were put down, m": second,
         "pairs that keep a second distance, counted in each phase, and rows that show it": [gap_pairs, gap_rows],
         "bodies from meshes, with what they enclose": sum(bool(shell["triangles"]) for shell in world.surfaces),
-        "pairs of the robot's links that keep apart": sum(len(pair) == 2 and pair <= links for pair in asked),
+        "pairs of the robot's links that keep apart": sum(len(pair) == 2 and pair <= links for pair in self_pairs),
         "parts that were put down, counted in each phase": len(put_down),
         "pairs that may touch, counted in each phase": len(contacts),
         "deepest contact, m": max([0, *(each["depth"] for each in contacts)]),
         "greatest delay of the robot's start, s": must["late"],
         "greatest lag of a joint, rad or m": max(must["lag"]),
         "frames that repeat their motion": sum(frame["period"] > 0 for frame in world.frames),
-        "frames of which something is not known": len(unsure),
+        "frames with an uncertainty": len(unsure),
         "greatest displacement of a frame, m": max([0, *(x["amount"] for frame in unsure for x in frame["unknown"])]),
         "its greatest growth, m/s": max([0, *(x["growth"] for frame in unsure for x in frame["unknown"])]),
         "greatest turn of a frame, rad": max([0, *(frame["yaw"] for frame in unsure)]),
@@ -1043,7 +1050,7 @@ def prove(data: bytes) -> tuple[bool, Any]:
         world.limited()
         world.stated()
         counts = (*world.apart("rows"), *world.apart("gap_rows"))
-        lines = [*failures[:MOST_TOLD], f"claims that are not shown: {len(failures)}"]
+        lines = [*failures[:MOST_FAILURES], f"claims that are not shown: {len(failures)}"]
         return not failures, lines if failures else claimed(world, alone, *counts)
     except (AttributeError, LookupError, TypeError) as error:
         raise ValueError(f"values that do not fit together: {error}") from error

@@ -1,4 +1,4 @@
-"""Every bound on the size of what may be asked, in one place.
+"""Every bound on the size of a request, in one place.
 
 They keep a request's cost in proportion to its length; none of them is a fact about robots. The schema that
 `request_schema()` gives carries them, so a client can check before it posts.
@@ -93,7 +93,7 @@ SHORTEST_RAMP_S: Final = 2e-3
 LONGEST_RAMP_S: Final = 100.0
 """Time, s, in which a joint with parabolic blends reaches its speed: a controller has tenths of a second."""
 MIN_BUDGET_S: Final = 1e-3
-"""Seconds of search: in less not even the start is looked at."""
+"""Seconds of search: in less time not even the start is checked."""
 MAX_BUDGET_S: Final = 60.0
 """Seconds of search that one request may ask for, and the same for its explanation."""
 MAX_CANDIDATES: Final = 10_000_000

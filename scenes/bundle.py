@@ -30,8 +30,8 @@ def bundle_cell(cell: Cell, plan: object) -> dict[str, Any]:
     """The same for a cell that has been read."""
     made, untrue, claims = read_plan(cell, plan)
     if untrue:
-        told = "; ".join(finding.what for finding in untrue)
-        raise InputError("plan", "this answer", f"one that is right: {told}")
+        reasons = "; ".join(finding.what for finding in untrue)
+        raise InputError("plan", "this answer", f"one that is right: {reasons}")
     return bundle_of(cell.scene, made, claims)
 
 

@@ -92,7 +92,7 @@ def load_robot(path: Path) -> RobotFile:
             raise with_line(error, lines) from error
     except DocumentError as error:
         own = (*WHOLE, path.name)
-        raise error.told_as(lambda field: path.name if field in own else f"{path.name}: {field}") from error
+        raise error.relocated(lambda field: path.name if field in own else f"{path.name}: {field}") from error
     return found
 
 

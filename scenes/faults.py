@@ -1,7 +1,7 @@
-"""What is wrong with a document, said where its author wrote it: dotted path, value, and what is allowed.
+"""Faults of a document, reported where its author wrote them: dotted path, value, and what is allowed.
 
-Whoever finds the fault (the model of the document, a constructor of the planner, a reader of text) knows the path by
-SI names; here it becomes the path with the keys as they were written (`speed_mm_s`), and the value as it was written.
+The code that finds a fault (the model of the document, a constructor of the planner, a reader of text) knows the path
+by SI names. Here it becomes the path with the keys as they were written (`speed_mm_s`), and the value as written.
 """
 
 from __future__ import annotations
@@ -70,7 +70,9 @@ class DocumentError(InputError):
         from a text. A field that is missing has no `value`."""
         return [_as_mapping(each) for each in (self, *self.more)]
 
-    def told_as(self, field: Callable[[str], str], line: Callable[[str], int | None] = lambda _: None) -> DocumentError:
+    def relocated(
+        self, field: Callable[[str], str], line: Callable[[str], int | None] = lambda _: None
+    ) -> DocumentError:
         """The same faults where the document is a part of another: each with the `field` and the `line` that it has
         there. A line that is known stays."""
 
@@ -88,8 +90,8 @@ def _as_mapping(error: InputError) -> dict[str, Any]:
 
 
 def together(faults: Sequence[DocumentError]) -> DocumentError:
-    """Several faults of one document as one error, of which the first is the first. Of two at one field the first is
-    kept, for the second follows from it."""
+    """Several faults of one document as one error: the first fault, with the others in `more`. Of two at one field the
+    first is kept, for the second follows from it."""
     every = {each.field: each for fault in reversed(faults) for each in reversed((fault, *fault.more))}
     order = dict.fromkeys(each.field for fault in faults for each in (fault, *fault.more))
     return _joined([every[name] for name in order], sum(fault.left_out for fault in faults))
@@ -166,7 +168,7 @@ LEAST_SHOWN = 1e-12
 MOST_MEANT = 4
 """So many names that hold what was given are suggested."""
 LEAST_HELD = 3
-"""Characters that what was given has at least, if it is looked for within names."""
+"""Least length of a given text that is searched within names, in characters."""
 
 
 def _meant(given: str, names: Sequence[str]) -> str:
@@ -190,7 +192,7 @@ def likeliest(value: str, names: Iterable[str]) -> str:
 
 
 MOST_CHOICES = 12
-"""So many of the names that a document gives are told."""
+"""Number of the names in a document that a message lists."""
 
 
 def choices(names: Collection[str], given: str) -> str:
@@ -202,10 +204,11 @@ def choices(names: Collection[str], given: str) -> str:
 
 
 class Refused(Exception):
-    """What is wrong with a part of a document: `path` below that part by SI names, and what is allowed, or what says so
-    of the key and the value as they were written. `field`: how the planner calls what one of its constructors refuses.
+    """A fault in a part of a document: `path` below that part by SI names, and what is `allowed`, or a function that
+    returns it for the key and the value as written. `field`: the name that the planner's constructor has for the part.
 
-    Whoever reads a part knows neither the document nor where it is: `within` says that, and `located` makes the fault.
+    The reader of a part does not know the document or its own place in it: `within` adds the place, and `located` makes
+    the fault.
     """
 
     def __init__(self, allowed: str | Callable[[str, object], str], *path: str | int, field: str = "") -> None:
@@ -215,14 +218,14 @@ class Refused(Exception):
         """What is wrong with further parts, where several were read."""
 
     def at(self, *path: str | int) -> None:
-        """The part is at `path` of a larger part, of which this then speaks."""
+        """Makes this a fault of the larger part that has the part at `path`."""
         self.path = path + self.path
         for other in self.more:
             if isinstance(other, Refused):
                 other.at(*path)
 
     def fault(self, document: object) -> DocumentError:
-        """The faults in the document of which this is about a part."""
+        """The faults, with their places in the document."""
         others = [each if isinstance(each, DocumentError) else each.fault(document) for each in self.more]
         return together([self.one(document), *others])
 
@@ -293,12 +296,12 @@ class Gathered:
         if isinstance(first, DocumentError) and all(isinstance(each, DocumentError) for each in rest):
             raise together(self.faults)  # type: ignore[arg-type]
         if isinstance(first, DocumentError):
-            first = _Told(first)
+            first = _Located(first)
         first.more = (*first.more, *rest)
         raise first
 
 
-class _Told(Refused):
+class _Located(Refused):
     """A fault whose field is known already, before others whose fields are not."""
 
     def __init__(self, error: DocumentError) -> None:

@@ -28,7 +28,7 @@ OF_PLAN = "plan"
 
 
 class RangeDocument(Document):
-    """A range, either end of which may be left out."""
+    """A range; either end may be left out."""
 
     min: Instant | None = None
     max: Instant | None = None
@@ -72,7 +72,7 @@ class Scenario:
             yield
         except InputError as error:
             if error.field.split(".")[0] == OF_PLAN:
-                raise  # about the plan that is checked: another file, of which there are no lines
+                raise  # about the plan that is checked: another file, whose lines are not known
             raise with_line(error, self.lines, "request.") from error
 
 
@@ -142,8 +142,10 @@ def unmet(expect: dict[str, Any], answer: dict[str, Any]) -> list[str]:
             found.append("there is no duration_s")
         elif not ((low is None or duration >= low) and (high is None or duration <= high)):
             found.append(f"duration_s is {duration}, not from {low} to {high}")
-    told = str([answer.get(key) for key in ("sentence", "refusal", "census", "relaxation", "margins", "legs", "load")])
-    found += [f"{words!r} is not mentioned" for words in wanted.mentions if words not in told]
+    answered = str(
+        [answer.get(key) for key in ("sentence", "refusal", "census", "relaxation", "margins", "legs", "load")]
+    )
+    found += [f"{words!r} is not mentioned" for words in wanted.mentions if words not in answered]
     met = {arrival["control_point"] for arrival in answer.get("arrivals", ()) if arrival["matched"]}
     found += [f"{name} is not met with its velocity" for name in wanted.matched if name not in met]
     if wanted.relaxation is not None and wanted.relaxation not in str(answer.get("relaxation")):

@@ -310,7 +310,7 @@ def options_in(body: bytes) -> dict[str, Any]:
     try:
         read(OptionsDocument, options)
     except DocumentError as error:
-        told = error.told_as(lambda field: "options" if field == WHOLE else f"options.{field}")
+        told = error.relocated(lambda field: "options" if field == WHOLE else f"options.{field}")
         raise Problem.of_input(told) from error
     return dict(options)
 

@@ -37,12 +37,12 @@ def main(
     with Progress(console=PROGRESS) as progress:
         tasks = {each.name: progress.add_task(each.name, total=count) for each in going}
 
-        def told() -> None:
+        def after_each() -> None:
             for each in going:
                 progress.update(tasks[each.name], completed=each.done)
 
         try:
-            run(going, out, count, None if minutes is None else 60.0 * minutes, told)
+            run(going, out, count, None if minutes is None else 60.0 * minutes, after_each)
         except KeyboardInterrupt:
             PROGRESS.print("interrupted: what was run until then")
     clean = [_printed(each) for each in going]

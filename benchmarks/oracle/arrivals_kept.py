@@ -24,7 +24,7 @@ APART_S = 2e-5
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """Where the tool should be: a pose (the yaw None: any) in a frame; with pitch and roll where they are asked."""
+    """Where the tool should be: a pose (the yaw None: any) in a frame; with pitch and roll where they are required."""
 
     frame: str
     pose: Poses
@@ -89,7 +89,7 @@ def _arrival(motion: Motion, arrival: Document, kind: str, given: Document, targ
     tool, wanted = motion.tool(t)[0], target.at(motion, t)[0]
     if arrival["missed_by"] is None:
         found += beyond("arrival", f"{name}, place", _far(tool.p, wanted.p), MEET_M, t[0])
-        found += beyond("arrival", f"{name}, as told", _far(tool.p, np.array(arrival["at_m"])), MEET_M, t[0])
+        found += beyond("arrival", f"{name}, as reported", _far(tool.p, np.array(arrival["at_m"])), MEET_M, t[0])
         if target.yaw:
             found += beyond("arrival", f"{name}, yaw", float(abs(short(tool.yaw - wanted.yaw))), MEET_RAD, t[0])
         found += _tilt(motion, name, target, t)
@@ -111,9 +111,9 @@ def _arrival(motion: Motion, arrival: Document, kind: str, given: Document, targ
 def _tilt(motion: Motion, name: str, target: Target, t: Floats) -> list[Broken]:
     """Pitch and roll of the tool of an arm with five axes, from the rotation of its flange (H9)."""
     found = list[Broken]()
-    for key, asked, told in zip(("pitch", "roll"), (target.pitch, target.roll), tilt_of(motion, t), strict=True):
-        if asked is not None:
-            off = float(np.abs(short(told - asked))[0])
+    for key, required, reached in zip(("pitch", "roll"), (target.pitch, target.roll), tilt_of(motion, t), strict=True):
+        if required is not None:
+            off = float(np.abs(short(reached - required))[0])
             found += beyond("arrival", f"{name}, {key}", off, MEET_RAD, t[0])
     return found
 
@@ -148,8 +148,8 @@ def _timing(motion: Motion, arrival: Document, kind: str, given: Document, targe
     """Dwells and windows."""
     name, t0, t1, found = arrival["control_point"], arrival["time_s"], arrival["until_s"], list[Broken]()
     if kind in ("pick", "place", "follow"):
-        asked = float(given.get("duration_s" if kind == "follow" else "dwell_s", 0.0))
-        found += beyond("dwell", name, abs(t1 - t0 - asked), TIME_S, t0)
+        required = float(given.get("duration_s" if kind == "follow" else "dwell_s", 0.0))
+        found += beyond("dwell", name, abs(t1 - t0 - required), TIME_S, t0)
     begin, end = given.get("window_s", (-np.inf, np.inf))
     found += beyond("window", f"{name}, opens", float(begin) - t0, TIME_S, t0)
     found += beyond("window", f"{name}, closes", t1 - float(end), TIME_S, t1)
@@ -161,8 +161,8 @@ def _timing(motion: Motion, arrival: Document, kind: str, given: Document, targe
         point = _point(motion, kind, given)
         at = motion.frame(point[0], np.array([t0, t1])).then(Places.upright(point[1])).p
         along = (at - np.array(law["at_m"])) @ line
-        told = np.nan if arrival["along_m"] is None else float(arrival["along_m"])
-        found += beyond("along", name, abs(told - float(along[0])), MEET_M, t0)
+        along_m = np.nan if arrival["along_m"] is None else float(arrival["along_m"])
+        found += beyond("along", name, abs(along_m - float(along[0])), MEET_M, t0)
         first, last = given.get("window_m", (-np.inf, np.inf))
         found += beyond("window", f"{name}, along", float(first - along.min()), MEET_M, t0)
         found += beyond("window", f"{name}, along", float(along.max() - last), MEET_M, t1)

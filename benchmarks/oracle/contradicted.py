@@ -141,7 +141,7 @@ def _total(arm: Arm, q: Floats) -> Floats:
 
 
 def _inside(yaw: float, first: float, last: float) -> float:
-    """How far a yaw is inside a range, rad; less than 0: beside it."""
+    """How far a yaw is inside a range, rad; less than 0: outside."""
     middle, half = (first + last) / 2.0, ((last - first) % (2.0 * np.pi)) / 2.0
     return half - abs((yaw - middle + np.pi) % (2.0 * np.pi) - np.pi)
 
@@ -161,8 +161,8 @@ def _load(reach: Reach, refusal: Document) -> list[Broken] | None:
 
 
 def _wrong(refusal: Document, amount: float, about: str) -> Broken:
-    told = refusal["amount"]
-    return Broken("proof", f"{refusal['reason']}: {about}", amount, np.nan if told is None else float(told))
+    reported = refusal["amount"]
+    return Broken("proof", f"{refusal['reason']}: {about}", amount, np.nan if reported is None else float(reported))
 
 
 # collisions
@@ -232,7 +232,7 @@ class Bodies:
         return Places.upright(self.reach.frames[frame].at(np.array([self.reach.start_s])).then(pose))
 
     def places(self, number: int) -> list[tuple[float, bool, str, bool]]:
-        """What the arm must go through at a step: height above the point, whether the distances of `near` are asked,
+        """What the arm must go through at a step: height above the point, whether the distances of `near` are required,
         which contacts are allowed (`grip`, `rest` or none), and whether the part is held."""
         ((kind, given),) = self.reach.request["task"][number].items()
         if kind == "move":

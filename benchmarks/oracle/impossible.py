@@ -1,4 +1,4 @@
-"""Random small requests, in SI, of which many cannot be planned: by much, by little, or only in appearance."""
+"""Random small requests, in SI. Many cannot be planned: by much, by little, or only in appearance."""
 
 from __future__ import annotations
 

@@ -14,9 +14,9 @@ SHARE = 1e-6
 """Who measures looks for more than this share of a limit."""
 START, REST = 1e-8, 1e-8
 """First knot against the start, last knot against rest; rad or m, /s, /s²."""
-TOLD = 1e-6
-"""Peaks that an answer tells, as a share of the limit; jerks a thousand times that."""
-LOOKED_S = 1e-3
+PEAK_SHARE = 1e-6
+"""Error of a peak that an answer reports, as a share of the limit; of a jerk, a thousand times that."""
+SAMPLE_S = 1e-3
 
 
 def joints_kept(motion: Motion) -> list[Broken]:
@@ -56,7 +56,7 @@ def _with_load(motion: Motion) -> list[Broken]:
     of_part = {body["name"]: float(body.get("mass_kg", 0.0)) for body in motion.request.get("bodies", [])}
     for t0, t1, part in _carried(motion):
         share = float(np.interp(tool + (0.0 if part is None else of_part[part]), masses, shares))
-        t = np.linspace(t0, t1, max(int((t1 - t0) / LOOKED_S), 2))
+        t = np.linspace(t0, t1, max(int((t1 - t0) / SAMPLE_S), 2))
         size = np.abs(motion.spline.evaluate(t, 2)).max(axis=0) / (share * limits.acceleration)
         for j, name in enumerate(motion.arm.names):
             found += beyond("acceleration with load", name, float(size[j]), 1.0 + SHARE, t0)
@@ -87,8 +87,8 @@ def _start(motion: Motion) -> list[Broken]:
     t0 = np.array([motion.start_s])
     found += beyond("start time", "", abs(motion.start_s - float(start.get("at_s", 0.0))), START)
     if "joints" in start:
-        asked = _of_joints(motion, start["joints"], ("rad", "m"))
-        found += beyond("start", "joints", float(np.abs(first.evaluate(t0)[0] - asked).max()), START)
+        required = _of_joints(motion, start["joints"], ("rad", "m"))
+        found += beyond("start", "joints", float(np.abs(first.evaluate(t0)[0] - required).max()), START)
     else:
         tool = motion.tool(t0)
         name, pose = motion.cell.seat(start["tool"])
@@ -99,10 +99,10 @@ def _start(motion: Motion) -> list[Broken]:
     for number, key in ((1, "velocity"), (2, "acceleration")):
         given = start.get(key)
         units = ("rad_s", "m_s") if number == 1 else ("rad_s2", "m_s2")
-        asked = np.zeros(len(motion.arm.names)) if given is None else _of_joints(motion, given, units)
+        required = np.zeros(len(motion.arm.names)) if given is None else _of_joints(motion, given, units)
         if number == 2 and _blends(motion):
             continue  # it jumps
-        off = float(np.abs(motion.spline.evaluate(t0, number)[0] - asked).max())
+        off = float(np.abs(motion.spline.evaluate(t0, number)[0] - required).max())
         found += beyond("start", key, off, START * 10.0 ** (2 * (number - 1)))
     return found
 
@@ -122,8 +122,8 @@ def _end(motion: Motion) -> list[Broken]:
     if "latest_end_s" in options:
         found += beyond("latest end", "", motion.end_s, float(options["latest_end_s"]) + 1e-8)
     duration = motion.end_s - motion.start_s
-    told = float(motion.answer["duration_s"])
-    found += beyond("duration", "", abs(told - duration), 1e-8)
+    reported = float(motion.answer["duration_s"])
+    found += beyond("duration", "", abs(reported - duration), 1e-8)
     bound = motion.answer.get("lower_bound_s")
     if bound is not None:
         found += beyond("lower bound", "", float(bound), duration * (1.0 + 1e-9))
@@ -138,8 +138,10 @@ def _peaks(motion: Motion) -> list[Broken]:
             continue
         low, high = motion.extremes(number + 1)
         size = np.maximum(-low, high)
-        for told in motion.answer["margins"]["peaks"]:
-            j = motion.arm.names.index(told["joint"])
-            off = abs(told[kind] - size[j]) / getattr(limits, kind)[j]
-            found += beyond("peak", f"{kind} of {told['joint']}", float(off), TOLD * (1e3 if kind == "jerk" else 1.0))
+        for reported in motion.answer["margins"]["peaks"]:
+            j = motion.arm.names.index(reported["joint"])
+            off = abs(reported[kind] - size[j]) / getattr(limits, kind)[j]
+            found += beyond(
+                "peak", f"{kind} of {reported['joint']}", float(off), PEAK_SHARE * (1e3 if kind == "jerk" else 1.0)
+            )
     return found

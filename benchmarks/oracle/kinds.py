@@ -30,7 +30,7 @@ def random_cell(kind: str, seed: int) -> Document:
 
 
 def _changed(kind: str, change: Callable[[Draft], None]) -> Callable[[np.random.Generator], Draft]:
-    """A cell of the simulation, of which something more is asked."""
+    """A cell of the simulation with a further requirement."""
 
     def make(rng: np.random.Generator) -> Draft:
         draft = random_cells.KINDS[kind](rng)

@@ -1,4 +1,4 @@
-"""How near bodies come to each other in a plan, between the instants that are looked at, too."""
+"""How near bodies come to each other in a plan, also between the sampled instants."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from benchmarks.soak.poses import Floats
 from benchmarks.soak.solids import Gap
 
 STEP_S = 4e-3
-"""Between two instants at which all pairs are looked at."""
+"""Time between two instants at which all pairs are evaluated."""
 ROUNDS, PARTS = 4, 8
 """Around a gap that is smaller than its neighbours, so many times a finer look, of so many parts."""
 RESERVE = 1.5
 """What a body may do between two instants, over the chord of its way between them."""
 
 FAR_M = 1e3
-"""Stands for a gap that was not looked at."""
+"""In place of a gap that was not evaluated."""
 FOUND_M = 3e-6
-"""A gap that is less by no more than this is not looked for, m: `coal` ends its search within a micrometre."""
+"""A gap that is less by no more than this is not searched, m: `coal` ends its search within a micrometre."""
 
 
 @dataclass(frozen=True)

@@ -57,8 +57,8 @@ def _tracks(motion: Motion, leg: Document, given: Document, target: Target, t: F
     else:
         far = np.hypot(np.hypot(off[:, 0], off[:, 1]), np.minimum(off[:, 2], 0.0))
         end, outer = ("approach", off[0, 2]) if leg["kind"] == "APPROACH" else ("depart", off[-1, 2])
-        asked = float(given.get(end, {}).get("m", 0.0))
-        found += beyond("straight part", name, asked - float(outer), TRACKED_M, leg["from_s"])
+        required = float(given.get(end, {}).get("m", 0.0))
+        found += beyond("straight part", name, required - float(outer), TRACKED_M, leg["from_s"])
     k = int(far.argmax())
     found += beyond("tracking", name, float(far[k]), TRACKED_M + READ_M, t[k])
     if motion.arm.tilts or len(motion.arm.names) < 4:
@@ -151,8 +151,12 @@ def _contacts(motion: Motion) -> list[Broken]:
             own += [(pair, phase.leg["from_s"], phase.leg["to_s"]) for pair in phase.stage.contacts]
     known = {name for phase in motion.phases for name in (*phase.carried, *phase.seated)}
     mine = _merged([each for each in own if each[0] <= known])
-    told = _merged([(frozenset(c["bodies"]), c["from_s"], c["to_s"]) for c in motion.answer["contacts"]])
-    return [] if _same(mine, told) else [Broken("contacts", f"{mine} told {told}", float(len(told)), float(len(mine)))]
+    reported = _merged([(frozenset(c["bodies"]), c["from_s"], c["to_s"]) for c in motion.answer["contacts"]])
+    return (
+        []
+        if _same(mine, reported)
+        else [Broken("contacts", f"{mine}, reported {reported}", float(len(reported)), float(len(mine)))]
+    )
 
 
 def _merged(spans: list[tuple[frozenset[str], float, float]]) -> list[tuple[tuple[str, ...], float, float]]:

@@ -126,7 +126,7 @@ def _run(command: Sequence[str]) -> int:
 
 
 def question(problem: Document, limits: Mapping[str, Any], budget_s: float, seed: int = 0) -> Document:
-    """What a planning peer is asked."""
+    """The request to a planning peer."""
     return {
         "problem": problem,
         "limits": {name: list(values) for name, values in limits.items()},

@@ -123,7 +123,7 @@ def _ends(
     if not turned <= GOAL_RAD:
         found.append(("goal", f"the tool ends {turned * 1e6:.3f} µrad away from the goal's yaw"))
     if not slip <= GOAL_M_S:
-        found.append(("goal velocity", f"the tool ends {slip * 1e6:.3f} µm/s away from the velocity asked for"))
+        found.append(("goal velocity", f"the tool ends {slip * 1e6:.3f} µm/s away from the required velocity"))
     if not spin <= GOAL_RAD_S:
         found.append(("goal velocity", f"the tool ends turning by {spin * 1e6:.3f} µrad/s"))
     if not wanted.any():

@@ -97,7 +97,7 @@ def stages(cell: Cell, answer: Document, spline: Spline) -> list[Stage]:
 
 
 def clearance(request: Document, near: bool, first: str, second: str) -> float:
-    """The distance asked of two bodies, m: of the exceptions that name them the last one counts."""
+    """The distance that two bodies must keep, m: of the exceptions that name them the last one counts."""
     options, key = request.get("options", {}), "near" if near else "travel"
     found = float(options.get("clearance_m", {}).get(key, 0.0))
     for rule in options.get("clearance_exceptions", []):

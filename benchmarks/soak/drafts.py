@@ -1,4 +1,4 @@
-"""The pieces of which random cells are made: arms, tools, places where parts come from and go to, obstacles.
+"""The pieces of random cells: arms, tools, places where parts come from and go to, obstacles.
 
 All lengths follow from the arm's reach R and stroke, so that the same recipes do for an arm of 130 mm and of 600 mm.
 Positions are thought of from the arm's base and written in the world.

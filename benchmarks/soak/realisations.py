@@ -145,18 +145,18 @@ def put_corners(found: Realisations, request: Document, answer: Document, names:
 def _put(
     found: Realisations, r: int, request: Document, arrival: Document, names: tuple[str, ...], yaw: float, sign: float
 ) -> None:
-    said = {each["what"]: float(each["value"]) for each in arrival["error"]["worst"]}
+    reported = {each["what"]: float(each["value"]) for each in arrival["error"]["worst"]}
     step = request["task"][arrival["step"]]
     lag = request.get("execution", {}).get("lag", {})
     node = int(np.argmin(np.abs(found.lag_s - arrival["until_s"])))
     height = 0.0
     for j, name in enumerate(names):
-        if name in said:
-            found.lag[r, node, j] = sign * said[name]
+        if name in reported:
+            found.lag[r, node, j] = sign * reported[name]
             if f"{name}_m" in lag:
-                height -= said[name] * lag[f"{name}_m"]
-    if "late start s" in said:
-        found.late[r] = max(said["late start s"], 0.0)
+                height -= reported[name] * lag[f"{name}_m"]
+    if "late start s" in reported:
+        found.late[r] = max(reported["late start s"], 0.0)
     for name, error in found.frames.items():
         for key, table in (
             ("along", error.along),
@@ -164,12 +164,12 @@ def _put(
             ("up", error.up),
             ("turned", error.turned),
         ):
-            if f"{name} {key}" in said:
-                table[r] = sign * said[f"{name} {key}"]
+            if f"{name} {key}" in reported:
+                table[r] = sign * reported[f"{name} {key}"]
                 if key == "up":
-                    height += said[f"{name} {key}"] * request["frames"][name]["uncertainty"]["vertical_m"]
+                    height += reported[f"{name} {key}"] * request["frames"][name]["uncertainty"]["vertical_m"]
     upwards = sign * (1.0 if height >= 0.0 else -1.0)
-    direction = said.get("direction rad", 0.0)
+    direction = reported.get("direction rad", 0.0)
     towards = sign * np.array([np.cos(direction), np.sin(direction)])
     for name, error in found.frames.items():
         line = any(kind in request["frames"][name] for kind in ("conveyor", "linear"))

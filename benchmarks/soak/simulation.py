@@ -20,9 +20,9 @@ from benchmarks.soak.realisations import OfPose, Realisations, drawn, put_corner
 from benchmarks.soak.solids import apart_at_least, gaps
 
 STEP_S = 2e-3
-"""Between two instants at which all pairs are looked at."""
+"""Time between two instants at which all pairs are evaluated."""
 FINER = 20
-"""Parts of a step that are looked at where a pair is so near that something may have been missed between."""
+"""Number of parts of a step that are evaluated where a pair is so near that a collision between may be missed."""
 FASTEST_M_S = 5.0
 """Two bodies that come nearer to each other than this in a second may be missed."""
 FADES_S = 1.0
@@ -248,7 +248,12 @@ class Run:
             turn = turn - turn[0] if len(self.cell.arm.names) >= 4 else np.zeros_like(turn)
         flat, high = np.hypot(delta[:, 0], delta[:, 1]), np.abs(delta[:, 2])
         size = np.maximum(np.hypot(flat, high), at_grasp)
-        said = arrival.get("error") or {"position_m": 2e-6, "horizontal_m": 2e-6, "vertical_m": 2e-6, "yaw_rad": 2e-6}
+        reported = arrival.get("error") or {
+            "position_m": 2e-6,
+            "horizontal_m": 2e-6,
+            "vertical_m": 2e-6,
+            "yaw_rad": 2e-6,
+        }
         for key, values in (
             ("position_m", size),
             ("horizontal_m", flat),
@@ -256,11 +261,11 @@ class Run:
             ("yaw_rad", np.abs(turn)),
         ):
             r, slack = int(values.argmax()), ROUNDING_RAD if key == "yaw_rad" else ROUNDING_M
-            if not values[r] <= said[key] + slack:
+            if not values[r] <= reported[key] + slack:
                 about = (arrival["control_point"], key)
-                found.faults.append(Fault("error", about, r, arrival["until_s"], float(values[r]), said[key]))
-        if arrival.get("error") and said["position_m"] > 1e-5:
-            found.errors.append((arrival["control_point"], said["position_m"], float(size.max())))
+                found.faults.append(Fault("error", about, r, arrival["until_s"], float(values[r]), reported[key]))
+        if arrival.get("error") and reported["position_m"] > 1e-5:
+            found.errors.append((arrival["control_point"], reported["position_m"], float(size.max())))
 
     def _hand_over(self, number: int) -> None:
         """The part changes hands as it is: into the gripper, or into the frame in which it is put down."""

@@ -1,4 +1,4 @@
-"""What a row of the table is: how it is measured, how its numbers are judged, and how they are told in one line."""
+"""What a row of the table is: how it is measured, how its numbers are judged, and how one line reports them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class RowError(Exception):
 @dataclass(frozen=True)
 class Run:
     """How a run is made: its short form, the seed of all random choices, the folder of logs and failing bodies, and
-    where progress is told."""
+    where progress is reported."""
 
     short: bool
     seed: int
@@ -52,8 +52,8 @@ class Run:
 class Row:
     """A row of the table. `measure` returns its numbers, among them `missing`: what is not there, in words. `judge`
     returns why they do not meet the bar, nothing where they do; it is a function of the numbers alone. `judge_times`
-    the same of times and rates, which a busy machine spoils: the short form tells them and does not fail for them.
-    `told` puts the numbers into one line. `before`: what was found before the service was made for many clients."""
+    the same of times and rates, which a busy machine spoils: the short form reports them and does not fail for them.
+    `summary` puts the numbers into one line. `before`: the result before the service was made for many clients."""
 
     name: str
     title: str
@@ -61,7 +61,7 @@ class Row:
     bar: str
     measure: Callable[[Run], Numbers]
     judge: Callable[[Numbers], list[str]]
-    told: Callable[[Numbers], str]
+    summary: Callable[[Numbers], str]
     judge_times: Callable[[Numbers], list[str]] = lambda _: []
 
 
@@ -106,17 +106,17 @@ def run_row(row: Row, run: Run) -> Result:
     try:
         numbers = row.measure(run)
     except NotThereError as missing:
-        verdict, reasons, told = NOT_THERE, [str(missing)], f"not there: {missing}"
+        verdict, reasons, summary = NOT_THERE, [str(missing)], f"not there: {missing}"
     except RowError as failed:
-        verdict, reasons, told = NOT_MET, [str(failed)], f"not measured: {failed}"
+        verdict, reasons, summary = NOT_MET, [str(failed)], f"not measured: {failed}"
     else:
-        (verdict, reasons), told = judged(row, numbers, run.short), row.told(numbers)
+        (verdict, reasons), summary = judged(row, numbers, run.short), row.summary(numbers)
     here = commit()
     took_s = round(time.monotonic() - began, 1)
     return Result(
         row.name,
         verdict,
-        told,
+        summary,
         reasons,
         numbers,
         run.short,

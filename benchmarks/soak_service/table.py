@@ -71,9 +71,9 @@ def _head(rows: Sequence[Row], results: Results) -> str:
 def _cell(result: Mapping[str, Any] | None) -> str:
     if result is None:
         return "not run"
-    said = ["short form"] if result["short"] else []
-    said += [f"load {result['load']:.0f}"] if result["load"] > BUSY else []
-    return str(result["told"]) + (f" ({', '.join(said)})" if said else "")
+    notes = ["short form"] if result["short"] else []
+    notes += [f"load {result['load']:.0f}"] if result["load"] > BUSY else []
+    return str(result["told"]) + (f" ({', '.join(notes)})" if notes else "")
 
 
 def _verdict(result: Mapping[str, Any] | None) -> str:

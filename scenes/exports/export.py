@@ -36,15 +36,15 @@ MODEL = "glb"
 SPARE = 1e-6
 """Share by which a limit is raised above the jerk that is proved against it: for rounding."""
 MOST_FINDINGS = 4
-"""So many findings are told where a motion is not proved."""
+"""Number of findings that are reported if a motion is not proved."""
 ALLOW_NONZERO = "allow_nonzero_velocity_at_trajectory_end"
 """The parameter of joint_trajectory_controller without which it refuses a motion that does not end at rest."""
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A motion that is proved: the cell against whose request it is, the plan, what is to be said of it, and how a
-    controller takes it over."""
+    """A motion that is proved: the cell against whose request it is, the plan, notes on it, and how a controller takes
+    it over."""
 
     cell: Cell
     request: dict[str, Any]
@@ -139,7 +139,7 @@ def _proved(
     proved = recertified(cell.scene, made, trajectory)
     if isinstance(proved, Refuted):
         other = "" if tick_s is None else "; try a shorter tick, or none: then the points are the knots of the plan"
-        allowed = f"one that can be proved; the checker says: {told(proved.findings)}{other}"
+        allowed = f"one that can be proved; the checker says: {in_words(proved.findings)}{other}"
         raise InputError("plan", "this motion", allowed)
     return _motion(cell, request, made, proved, tick_s, factor, given)
 
@@ -216,11 +216,11 @@ def cell_in(request: dict[str, Any]) -> Cell:
     return cell_of(request, validate(request))
 
 
-def told(findings: tuple[Finding, ...]) -> str:
+def in_words(findings: tuple[Finding, ...]) -> str:
     """The first findings, in words."""
-    said = [f"{each.what} ({each.where})" if each.where else each.what for each in findings[:MOST_FINDINGS]]
+    sentences = [f"{each.what} ({each.where})" if each.where else each.what for each in findings[:MOST_FINDINGS]]
     more = len(findings) - MOST_FINDINGS
-    return "; ".join(said) + (f"; and {more} more" if more > 0 else "")
+    return "; ".join(sentences) + (f"; and {more} more" if more > 0 else "")
 
 
 def statement(motion: Motion) -> list[str]:
@@ -258,7 +258,7 @@ def statement(motion: Motion) -> list[str]:
 
 
 def exported(
-    cell: Cell, request: dict[str, Any], made: Plan, asked: ExportDocument, handover: Handover
+    cell: Cell, request: dict[str, Any], made: Plan, options: ExportDocument, handover: Handover
 ) -> ExportAnswer:
     """The export of a plan that has been read; `request`: that of the cell, with what files hold in it.
 
@@ -266,25 +266,25 @@ def exported(
     """
     from assur.scenes.answer import NOTICE, proved_document
 
-    motion = motion_for(cell, request, made, asked.format, asked.tick_s, asked.jerk)
+    motion = motion_for(cell, request, made, options.format, options.tick_s, options.jerk)
     motion = replace(motion, handover=handover)
-    file, notes = _file(motion, asked.format)
+    file, notes = _file(motion, options.format)
     return {
         "schema": "assur/1",
-        "format": asked.format,
-        "encoding": "base64" if asked.format == MODEL else "text",
+        "format": options.format,
+        "encoding": "base64" if options.format == MODEL else "text",
         "file": file,
         "statement": notes + statement(motion),
         **motion.facts,  # type: ignore[typeddict-item]
         "request": motion.request,
         "plan": proved_document(motion.cell, motion.plan),
-        "ending": ENDINGS.get(asked.format, asked.format),
+        "ending": ENDINGS.get(options.format, options.format),
         "notice": NOTICE,
     }
 
 
 def _file(motion: Motion, form: str) -> tuple[str, list[str]]:
-    """The file of a motion in a format, as text or in base64, and what is to be said of this format first."""
+    """The file of a motion in a format, as text or in base64, and the first notes, which are about this format."""
     from assur.scenes.exports import glb, motion_text, recipe
 
     if form == MODEL:

@@ -16,7 +16,7 @@ import numpy as np
 
 from assur.planner.errors import InputError
 from assur.scenes.conventions import as_maker, rates_as_maker
-from assur.scenes.exports.export import told
+from assur.scenes.exports.export import in_words
 from assur.scenes.faults import NOTHING
 from assur.scenes.plan_file import MEANT, in_request, plan_file_in
 from assur.scenes.requests import cell_of, read_plan
@@ -99,7 +99,7 @@ def _running(document: object) -> tuple[Cell, Plan]:
         held.held_together(cell.scene.digest)
         made, untrue, _ = read_plan(cell, held.plan)
         if untrue:
-            raise InputError("plan", "this answer", f"one that is right: {told(untrue)}")
+            raise InputError("plan", "this answer", f"one that is right: {in_words(untrue)}")
         return cell, made
 
 
@@ -111,7 +111,7 @@ def _proved_before(cell: Cell, ran: Plan, nanos: int) -> tuple[FloatArray, ...]:
     motion = on_nanoseconds(ran.trajectory, nanos)
     proved = recertified(cell.scene, ran, motion)
     if isinstance(proved, Refuted):
-        allowed = f"one that can be proved with a point at the switch; the checker says: {told(proved.findings)}"
+        allowed = f"one that can be proved with a point at the switch; the checker says: {in_words(proved.findings)}"
         raise InputError("plan", "this motion", allowed)
     earlier = np.rint((motion.time - motion.start) / NANO) < nanos
     return tuple(column[earlier] for column in (motion.time, motion.q, motion.qd, motion.qdd))
@@ -185,7 +185,7 @@ def _begun(made: Trajectory, state: tuple[FloatArray, ...]) -> Trajectory:
 
 
 def statement(handover: Handover, start: float) -> list[str]:
-    """What is to be said of a hand-over, in short lines. `start`: when the plan begins, s of the cell's clock."""
+    """The notes on a hand-over, in short lines. `start`: when the plan begins, s of the cell's clock."""
     lines = []
     if handover.lead_s:
         lines.append(

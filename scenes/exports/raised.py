@@ -1,4 +1,4 @@
-"""A request with a higher limit of jerk: that against which a motion on a coarse grid is proved, as it is said."""
+"""A request with a higher limit of jerk: a motion on a coarse grid is proved against this limit, which is reported."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ rays of their own."""
 MANY = 600
 """From this many triangles on, only cuts through the middle are tried."""
 ENOUGH = 200
-"""Corners of which the volume of a hull is estimated, to compare cuts."""
+"""Number of corners for the estimate of a hull's volume, to compare cuts."""
 OF_A_HULL = 60
 """What a hull costs besides its points, in points."""
 OF_A_HALF = 80
@@ -84,8 +84,8 @@ class Cell:
         self.triangles, self.number, self._tight = triangles, number, tight
 
     def parts(self) -> Iterator[None]:
-        """Finds what a cell is compared by, and may be left, and gone on with, between two parts of the work. What is
-        not found by then is found when it is asked for."""
+        """Computes the properties by which cells are compared, in parts; the caller may stop between two parts and go
+        on later. A property that is not computed by then is computed when it is read."""
         for part in ("mesh", "hull", "excess"):
             getattr(self, part)
             yield

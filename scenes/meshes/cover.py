@@ -32,8 +32,8 @@ from assur.scenes.meshes.surface import Surface, volume_of
 MAX_PIECES = 64
 """Hulls of one cover; more would cost the planner more than they show it."""
 MAX_WORK = 60_000
-"""Points of which hulls are made to find the cuts of one cover: some tenths of a second. It bounds what a mesh may cost
-by counting, so that a cover is a function of the mesh alone."""
+"""Most points of the hulls that are made to find the cuts of one cover: some tenths of a second. The cost of a mesh is
+bounded by a count, so that a cover is a function of the mesh alone."""
 TIGHT_SHARE = 0.01
 """A hull is tight if it reaches out of the solid by no more than this share of the mesh's largest extent,"""
 TIGHT_M = 2e-4
@@ -80,7 +80,7 @@ class Covering:
         self._open: list[Cell] = []
         """The cell that is being cut."""
         self.work = 0
-        """Points of which hulls were made."""
+        """Number of points of the hulls so far."""
 
     @property
     def pieces(self) -> int:
@@ -188,12 +188,13 @@ class _Group:
 
 
 def convex_groups(hulls: list[Hull]) -> list[list[int]]:
-    """The numbers of the hulls in groups, each of which its own hull hardly exceeds; first come, first served."""
+    """The numbers of the hulls in groups. The hull of a group is hardly larger than its members. Earlier hulls choose
+    their group first."""
     groups = [_Group([i], hull.vertices) for i, hull in enumerate(hulls)]
-    asked: set[tuple[_Group, _Group]] = set()
+    refused: set[tuple[_Group, _Group]] = set()
     i = 0
     while i < len(groups):
-        partner = _partner(groups, i, asked)
+        partner = _partner(groups, i, refused)
         if partner is None:
             i += 1
             continue
@@ -203,15 +204,15 @@ def convex_groups(hulls: list[Hull]) -> list[list[int]]:
     return [group.members for group in groups]
 
 
-def _partner(groups: list[_Group], i: int, asked: set[tuple[_Group, _Group]]) -> int | None:
-    """The next group that is convex together with group i. Those in `asked` were found not to be, and are not asked
+def _partner(groups: list[_Group], i: int, refused: set[tuple[_Group, _Group]]) -> int | None:
+    """The next group that is convex together with group i. Pairs in `refused` are known not to be, and are not tried
     again."""
     for k in range(i + 1, len(groups)):
         pair = groups[i], groups[k]
-        if pair not in asked:
+        if pair not in refused:
             if _convex(*pair):
                 return k
-            asked.add(pair)
+            refused.add(pair)
     return None
 
 

@@ -1,8 +1,8 @@
 """The covers that a process knows, by the digest of the mesh's file, its format and its unit.
 
-A cover is looked for in memory, then among the cuts that are kept in a folder, and is found anew if need be. Coverings
-that the deadline in force has ended are kept in memory, and go on from there at the next request: a cover is the same
-however often it was left. None is used before it is finished.
+A cover is searched in memory, then among the cuts that are kept in a folder, and is computed if it is in neither. A
+covering that the deadline has ended is kept in memory, and goes on from there at the next request: a cover is the same
+however often it was interrupted. None is used before it is finished.
 """
 
 from __future__ import annotations

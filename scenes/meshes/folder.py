@@ -30,7 +30,7 @@ _TEMPORARY = re.compile(r"\.[0-9a-f]{32}\.tmp")
 LEFT_S = 3600.0
 """A temporary file that is older than this was left by a process that died, s."""
 LEAST_BYTES = 64 << 10
-"""What a file takes at least of the quota. So there are at most 16,384 files for each GiB: all are looked at when one
+"""Least share of the quota that a file takes. So there are at most 16,384 files for each GiB: all are examined when one
 is added."""
 LOCK = ".lock"
 """Locked while a file is added: no two processes use the same room."""

@@ -17,8 +17,8 @@ class InParts(Generic[T]):
         self._parts = parts
 
     def run(self, out_of_time: Callable[[], bool]) -> T | None:
-        """What the work gives. None where `out_of_time`, which is asked before each part, ended it before: call it then
-        again. Raises what the work raises."""
+        """The result of the work. None if `out_of_time`, which is called before each part, ended it before: then call
+        `run` again. Raises what the work raises."""
         while not out_of_time():
             try:
                 next(self._parts)

@@ -1,4 +1,4 @@
-"""A closed surface: what is asked of a mesh before anything is planned around it."""
+"""A closed surface: the requirements on a mesh before anything is planned around it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SMALLEST_VOLUME_M3 = 1e-12
 """Volume from which on a mesh counts as a solid, m³: a cube of a tenth of a millimetre."""
 
 INSIDE_OUT = "faces that point inwards"
-"""What is said of a surface that is closed and turned inside out."""
+"""The fault of a surface that is closed and turned inside out."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,7 +33,7 @@ class Track:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Times (K,), s, and joints. `relative`: the times count from the first row, of which the file has the time of day.
+    """Times (K,), s, and joints. `relative`: the times count from the first row, whose time of day is in the file.
 
     `named`: what an error calls the names of the joints, and their line. `notes`: what was read otherwise than as it is
     written, or not read, in sentences.

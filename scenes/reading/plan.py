@@ -75,8 +75,8 @@ def plan_of(plan: object, conventions: Conventions, *, proved_anew: bool = False
 
 
 def check_lengths(answer: dict[str, object], made: Plan, scene: Scene) -> None:
-    """Raises `DocumentError` at a leg that ends so long after the first of its step that its path could not be looked
-    at."""
+    """Raises `DocumentError` at a leg that ends too long after the first leg of its step: its path could not be
+    checked."""
     begins: dict[int, float] = {}
     for i, leg in enumerate(made.legs):
         step = scene.task[leg.step] if 0 <= leg.step < len(scene.task) else None
@@ -162,12 +162,12 @@ def _untrue(item: document.CheckedPlan) -> tuple[Finding, ...]:
     first, last = item["trajectory"]["time_s"][0], item["trajectory"]["time_s"][-1]
     duration = last - first
     return tuple(
-        Finding(Code.FORM, f"{key} is {said:.6f}, but the trajectory's is {true:.6f}", abs(said - true), "s", key)
-        for key, said, true in (
+        Finding(Code.FORM, f"{key} is {stated:.6f}, but the trajectory's is {true:.6f}", abs(stated - true), "s", key)
+        for key, stated, true in (
             ("duration_s", item.get("duration_s"), duration),
             ("start_s", item.get("start_s"), first),
         )
-        if said is not None and not abs(said - true) <= TIME_S
+        if stated is not None and not abs(stated - true) <= TIME_S
     )
 
 
@@ -179,11 +179,11 @@ def _untrue_joints(item: document.CheckedPlan, made: Plan, conventions: Conventi
         if not made.trajectory.start <= time <= made.trajectory.end:
             continue  # the checker says so
         q = made.trajectory.evaluate(time)
-        said = arrival.get("joints")
-        if said is not None:
-            if len(said) != len(conventions):
+        stated = arrival.get("joints")
+        if stated is not None:
+            if len(stated) != len(conventions):
                 raise Refused(f"{len(conventions)} numbers, one for each joint", "arrivals", i, "joints")
-            off = float(np.abs(converted(np.array(said, dtype=np.float64), conventions) - q).max())
+            off = float(np.abs(converted(np.array(stated, dtype=np.float64), conventions) - q).max())
             if not off <= JOINTS:
                 what = "the joints of an arrival are not those of the trajectory"
                 found.append(Finding(Code.FORM, what, off, "rad or m", f"{field}.joints"))

@@ -123,8 +123,8 @@ def lag(item: LagDocument | None, conventions: Conventions) -> tuple[float, ...]
 def hold(
     values: FloatArray, ends: tuple[FloatArray, FloatArray], conventions: Conventions, rate: str, why: str = ""
 ) -> None:
-    """Raises `Refused` at the joints beyond their limits, which are told as the joint was written; `why`: what is told
-    behind them."""
+    """Raises `Refused` at the joints beyond their limits, which are reported in the units of the document. `why` ends
+    the message."""
     faults = Gathered()
     for joint, i in zip(conventions, places(conventions), strict=True):
         value, lower, upper = float(values[i]), float(ends[0][i]), float(ends[1][i])

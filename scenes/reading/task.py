@@ -33,7 +33,7 @@ SHORTEST_S = 1e-4
 """A point is followed for no time, or for this at least, s."""
 ANY_YAW = (
     "yaw_deg (or yaw_rad) with a number, yaw_free: true (any yaw) or yaw_keep: true (the yaw that the tool has when "
-    "the step begins), one of which must be given"
+    "the step begins); one of them must be given"
 )
 PART_YAW = "yaw_deg (or yaw_rad) with a number, which must be given: a part is placed as it has to lie"
 NO_HEADING = "no yaw: the tool's heading follows from the position"
@@ -246,7 +246,7 @@ class _Task:
                 raise Refused("a body that is not in the gripper", "body")
             frame, pose = resolve(item, item.yaw_rad or 0.0, self.frames, self.places)
         faults.settle()
-        tilt = _asked(item.pitch_rad), _asked(item.roll_rad)
+        tilt = _angle_or_free(item.pitch_rad), _angle_or_free(item.roll_rad)
         return Target(frame, pose, yaw_free, *tilt, yaw_keep=item.yaw_keep)
 
     def _yaw_free(self, item: TargetDocument, free: bool, part: bool) -> bool:
@@ -264,8 +264,8 @@ class _Task:
                 raise Refused(PART_YAW, key)
         silent = item.yaw_rad is None and not item.yaw_free and not item.yaw_keep
         if silent and self.known and self.has_yaw and not free:
-            said: list[str] = [key for key in ("yaw_free", "yaw_keep") if key in item.model_fields_set]
-            raise Refused(PART_YAW if part else ANY_YAW, *(said or ["yaw_rad"])[:1])
+            given_keys: list[str] = [key for key in ("yaw_free", "yaw_keep") if key in item.model_fields_set]
+            raise Refused(PART_YAW if part else ANY_YAW, *(given_keys or ["yaw_rad"])[:1])
         return item.yaw_free or item.yaw_keep or (silent and (free or not self.has_yaw))
 
     def _window(self, item: WindowedStep, frame: str) -> Window:
@@ -322,15 +322,15 @@ def _tolerance(item: FollowDocument | PickDocument | PlaceDocument) -> Tolerance
     return Tolerance(math.inf if m is None else m, math.inf if rad is None else rad)
 
 
-def _asked(angle: float | str | None) -> float | None:
+def _angle_or_free(angle: float | str | None) -> float | None:
     """The angle, rad; None where it is free."""
     return angle if isinstance(angle, float) else None
 
 
 def _reversed(_: str, ends: object) -> str:
     """What is allowed in place of two ends as they were written."""
-    told = f"; {ends[0]} is not below {ends[1]}" if isinstance(ends, list) and len(ends) == 2 else ""
-    return "two ends, the first below the second" + told
+    order = f"; {ends[0]} is not below {ends[1]}" if isinstance(ends, list) and len(ends) == 2 else ""
+    return "two ends, the first below the second" + order
 
 
 def steps_of(

@@ -119,8 +119,8 @@ def lacks(mode: ModeSolutions, given: Equipped) -> str:
 
 
 def lack(modes: Iterable[ModeSolutions], given: Equipped) -> str:
-    """Why several working modes have no solution; what is true of all of them is said once."""
-    said = {given.robot.modes[mode.mode]: lacks(mode, given) for mode in modes}
-    if len(set(said.values())) == 1:
-        return next(iter(said.values()))
-    return "; ".join(f"{name}: {words}" for name, words in said.items())
+    """Why several working modes have no solution; a reason that all of them have is stated once."""
+    reasons = {given.robot.modes[mode.mode]: lacks(mode, given) for mode in modes}
+    if len(set(reasons.values())) == 1:
+        return next(iter(reasons.values()))
+    return "; ".join(f"{name}: {words}" for name, words in reasons.items())

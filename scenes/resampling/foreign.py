@@ -28,7 +28,7 @@ from assur.scenes.resampling.certifying import kept_legs, unproved
 REST = 1e-9
 """A joint slower than this is at rest, rad/s or m/s (and rad/s², m/s²): in an hour it goes 4 µm."""
 NARROW_S = 1e-3
-"""s. How near to the first violation its time is told: nothing before that time less this is violated."""
+"""s. How exact the time of the first violation is: before that time less this, nothing is violated."""
 SETTLING_S = 1e-3
 """s. How long a motion that ends all but at rest takes to stand."""
 RATES = ("position", "velocity", "acceleration", "jerk")

@@ -1,8 +1,8 @@
 """The rules that all documents share: closed, strict, finite, no null, units in keys, one of several keys.
 
 A model declares its fields in SI (`at_m`), and reads a document that `normal` has brought to SI. A caller may also
-write the twin (`at_mm`), so the model's schema shows both. Groups of keys of which exactly one, or at most one, may be
-given are declared as class variables, so that the reader and the schema agree on them.
+write the twin (`at_mm`), so the model's schema shows both. Groups of keys that exclude each other are declared as
+class variables (exactly one of them, or at most one, may be given), so that the reader and the schema agree on them.
 """
 
 from __future__ import annotations
@@ -242,7 +242,7 @@ class PoseDocument(Document):
 LIMITS = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")
 """Keywords that hold a number in the unit of the field."""
 LEFT_OUT = ("default", "title", "examples")
-"""Keywords that are said once, of the field in SI."""
+"""Keywords that are stated once, for the field in SI."""
 
 
 def twin_schema(field: dict[str, Any], twin: str, resolved: Callable[[dict[str, Any]], dict[str, Any]]) -> Any:

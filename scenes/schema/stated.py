@@ -1,4 +1,4 @@
-"""A number, or what belongs together of several, with the word of whoever vouches for it.
+"""A number, or several that belong together, with their source.
 
 Every fact about an arm is written either plainly, ``l1_mm: 325``, or as a mapping that says where it comes from,
 ``l1_mm: {value: 325, status: vendor, source: data sheet, page 3}``.

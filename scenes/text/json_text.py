@@ -186,5 +186,6 @@ def not_json(error: json.JSONDecodeError) -> tuple[str, str]:
     within = error.msg.startswith("Unterminated string") or any(word.startswith(rest) for word in WORDS)
     if escape or within or CUT.match(rest):
         return f"a text that ends before its value is complete, {at}", "the whole text"
-    found, allowed = next((told for said, told in SENTENCES.items() if error.msg.startswith(said)), ("no JSON", "JSON"))
+    ours = (texts for message, texts in SENTENCES.items() if error.msg.startswith(message))
+    found, allowed = next(ours, ("no JSON", "JSON"))
     return f"{found}, {at}", allowed

@@ -42,7 +42,9 @@ def with_line(error: InputError, lines: Lines, prefix: str = "") -> DocumentErro
     known = error if isinstance(error, DocumentError) else DocumentError(error.field, error.value, error.allowed)
     if known.line is not None:
         return known
-    return known.told_as(lambda field: field if field == WHOLE else prefix + field, lambda field: line_of(field, lines))
+    return known.relocated(
+        lambda field: field if field == WHOLE else prefix + field, lambda field: line_of(field, lines)
+    )
 
 
 def line_of(field: str, lines: Lines) -> int:

@@ -1,6 +1,6 @@
 """Which family of ours a chain of joints is, with its lengths, joint signs and zeros: SCARA, elbow arm, five-axis arm.
 
-Axes and flange are looked at with all joints at 0. Nothing is fitted: the chain must be of the family to 0.1 µm and
+Axes and flange are evaluated with all joints at 0. Nothing is fitted: the chain must be of the family to 0.1 µm and
 0.1 µrad, and the flanges of both are compared at random states afterwards.
 """
 
@@ -23,7 +23,7 @@ SAME_M, SAME_RAD = 1e-7, 1e-7
 """How far what must coincide may be apart: below a tenth of what the flange may be off in the end."""
 LEAST_LENGTH_M = 1e-5
 MOST_SHOWN = 8
-"""Joints of an arm of no family that are told one by one."""
+"""Number of joints that are listed if an arm is of no family."""
 UP = np.array([0.0, 0.0, 1.0])
 FAMILIES = (
     "what can be imported: a SCARA (two or three vertical joints that turn and a vertical lift, in any order), an "
@@ -62,7 +62,7 @@ def recognised(chain: Chain) -> Kinematics:
         tilt = math.degrees(math.acos(min(1.0, abs(float(axes[0].direction @ UP)))))
         what = f"its axis is {tilt:.6g} deg off the vertical of link {chain.base}"
         where = f"joint {chain.joints[0].name}"
-        raise Unsuitable(where, what, f"choose --base LINK, the frame of which has z along it; {FAMILIES}")
+        raise Unsuitable(where, what, f"choose --base LINK whose frame has z along it; {FAMILIES}")
     if all(upright) and kinds.count("p") == 1 and kinds.count("r") in (2, 3):
         return _scara(chain, kinds)
     level = [abs(float(axis.direction @ UP)) <= SAME_RAD for axis in axes]
@@ -81,10 +81,10 @@ def _in_words(chain: Chain, upright: list[bool], level: list[bool]) -> str:
         way = "vertical" if up else "level" if flat else steep
         each.append(f"{way} {'turn' if axis.turns else 'slide'}")
     more = f" and {len(each) - MOST_SHOWN} more" if len(each) > MOST_SHOWN else ""
-    said = f"{len(each)} moving joints ({', '.join(each[:MOST_SHOWN])}{more}) are no family of ours"
+    message = f"{len(each)} moving joints ({', '.join(each[:MOST_SHOWN])}{more}) are no family of ours"
     if [each[:1], each[1:3]] == [["vertical turn"], ["level turn"] * 2] and len(each) == 4:
-        said += "; this is a palletiser with four axes, and no SCARA"
-    return said
+        message += "; this is a palletiser with four axes, and no SCARA"
+    return message
 
 
 def _scara(chain: Chain, kinds: str) -> Kinematics:
@@ -102,9 +102,7 @@ def _scara(chain: Chain, kinds: str) -> Kinematics:
     upright = tip[:3, :3] @ np.diag([1.0, -1.0, -1.0]) if z_down else tip[:3, :3]
     if not _parallel(upright[:, 2], UP):
         where = f"link {chain.tip}"
-        raise Unsuitable(
-            where, "its z axis is not vertical", "choose --tip LINK, the frame of which has z along the lift"
-        )
+        raise Unsuitable(where, "its z axis is not vertical", "choose --tip LINK whose frame has z along the lift")
     heading = math.atan2(*(b - a)[::-1])
     bend = math.atan2(*(c - b)[::-1]) - heading
     signs = [1 if axis.direction[2] > 0 else -1 for axis in axes]

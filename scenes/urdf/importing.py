@@ -1,6 +1,6 @@
-"""From a URDF (or xacro) and what stands beside it to a robot's file of ours, with hulls of its meshes beside it.
+"""From a URDF (or xacro) and its files to a robot's file of ours, with hulls of its meshes in the same folder.
 
-Everything that is missing or unsuitable is told at once, and then nothing is written.
+All missing and unsuitable items are reported at once, and then nothing is written.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from assur.scenes.text.yaml_text import parse_yaml
 from assur.scenes.urdf import agreement, solids
 from assur.scenes.urdf.arm_text import ArmText, angles, body_of, free_name, shared_head
 from assur.scenes.urdf.carriers import Carrier, carrier_of, self_pairs
-from assur.scenes.urdf.chain import chain_to, told_of
+from assur.scenes.urdf.chain import chain_to, remarks_on
 from assur.scenes.urdf.families import arm_in
 from assur.scenes.urdf.limits import Limits, LimitsFile, limits_of, read_limits
 from assur.scenes.urdf.mesh_files import mesh_triangles
@@ -59,7 +59,7 @@ class Wanted:
 
 @dataclass(frozen=True, eq=False)
 class Imported:
-    """A robot's file, not written yet: its `text`, `meshes` by the name below its folder, and what is said of it."""
+    """A robot's file, not written yet: its `text`, `meshes` by the name below its folder, and remarks on it."""
 
     name: str
     text: str
@@ -89,14 +89,14 @@ def import_robot(wanted: Wanted) -> Imported:
         try:
             found = _Import(wanted, tree, given)
         except ImportRefused as second:
-            # whichever knows the arm: what is missing of it is told, not that it is of no family
+            # the error of the family that knows the arm is reported (what is missing), not that it is of no family
             raise (second if isinstance(first, OfNoFamily) else first) from None
         found.tell_rounding(read_tree(content, wanted.urdf.name))
     return found.made(hashlib.sha256(content).hexdigest())
 
 
 def write(imported: Imported, out: Path) -> RobotFile:
-    """Writes the robot's file and its meshes, and reads it again as whoever uses it does."""
+    """Writes the robot's file and its meshes, and reads it again as a user does."""
     for name, content in imported.meshes.items():
         path = out.parent / name
         path.parent.mkdir(exist_ok=True)
@@ -160,7 +160,7 @@ class _Import:
                 raise ImportRefused(self.file, [Lack(f"{what} {link}", "no link of this name", f"one of {links}")])
 
     def _look_at_meshes(self) -> None:
-        """Every mesh is read once before any is covered: what is wrong with them is told together."""
+        """Every mesh is read once before any is covered: their faults are reported together."""
         for link in self.chain.movers:
             for solid in self.tree.links[link]:
                 try:
@@ -322,8 +322,8 @@ class _Import:
         )
 
     def _of_solids(self, covers: dict[str, tuple[int, float]]) -> str:
-        said = [f"{of}: {n} hulls, up to {1e3 * far:.1f} mm out of the mesh" for of, (n, far) in covers.items()]
-        return "; ".join([f"collision shapes of {self.file}", *said])[:3900]
+        covered = [f"{of}: {n} hulls, up to {1e3 * far:.1f} mm out of the mesh" for of, (n, far) in covers.items()]
+        return "; ".join([f"collision shapes of {self.file}", *covered])[:3900]
 
     def _parts(self) -> tuple[list[Part], dict[str, set[str]]]:
         """The bodies of all links, and which of the file's links each of ours carries."""
@@ -334,7 +334,7 @@ class _Import:
         carried: dict[str, set[str]] = {}
         lacks: list[Lack] = []
         taken: set[str] = set()
-        self.remarks += told_of(self.chain)
+        self.remarks += remarks_on(self.chain)
         for link, movers in self.chain.movers.items():
             for i, solid in enumerate(self.tree.links[link]):
                 several = len(self.tree.links[link]) > 1

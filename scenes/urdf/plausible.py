@@ -58,18 +58,20 @@ def implausible(chain: Chain, limits: Sequence[Limits], sizes: Mapping[str, floa
     """A warning for each number that no arm has. `sizes`: how large the collision shapes of each link are, m."""
     reach = sum(float(np.linalg.norm(joint.origin[:3, 3])) for joint in chain.tree.path(chain.base, chain.tip) or [])
     found = [
-        f"the way along the joint origins from link {chain.base} to link {chain.tip} is {told}"
-        for told in _unusual(reach, REACH)
+        f"the way along the joint origins from link {chain.base} to link {chain.tip} is {remark}"
+        for remark in _unusual(reach, REACH)
     ]
     found += _odd_links(reach, sizes)
     for joint, each in zip(chain.joints, limits, strict=True):
         slides = joint.kind == "prismatic"
         table = SLIDING if slides else TURNING
-        found += [f"joint {joint.name}: its range is {told}" for told in _odd_range(each.range, table, slides=slides)]
         found += [
-            f"joint {joint.name}: its {kind} is {told} ({number.source})"
+            f"joint {joint.name}: its range is {remark}" for remark in _odd_range(each.range, table, slides=slides)
+        ]
+        found += [
+            f"joint {joint.name}: its {kind} is {remark} ({number.source})"
             for kind, number in (("velocity", each.velocity), ("acceleration", each.acceleration))
-            for told in _unusual(number.single, table[kind])
+            for remark in _unusual(number.single, table[kind])
         ]
     return found
 
@@ -79,11 +81,11 @@ def _odd_links(reach: float, sizes: Mapping[str, float]) -> Iterator[str]:
         usual = float(np.median([reach, *(other for name, other in sizes.items() if name != link)]))
         if not usual < ODD * size or not size < ODD * usual:
             factor = MM if size < usual else 1 / MM
-            told = f"link {link}: its collision shapes are {1e3 * size:.4g} mm large, and the rest of the arm "
-            told += f"{1e3 * usual:.4g} mm"
+            remark = f"link {link}: its collision shapes are {1e3 * size:.4g} mm large, and the rest of the arm "
+            remark += f"{1e3 * usual:.4g} mm"
             if usual / NEAR <= factor * size <= usual * NEAR:
-                told += f"; with {factor:g} times the scale they are {1e3 * factor * size:.4g} mm"
-            yield told
+                remark += f"; with {factor:g} times the scale they are {1e3 * factor * size:.4g} mm"
+            yield remark
 
 
 def _odd_range(ends: Number, table: Mapping[str, Usual], *, slides: bool) -> Iterator[str]:

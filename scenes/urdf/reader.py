@@ -55,8 +55,8 @@ def read_tree(content: bytes, name: str, *, rounding: bool = False) -> Tree:
     return _Reader(root, name, version or VERSIONS[0], rounding=rounding).tree()
 
 
-class _told:
-    """What is unsuitable inside is added to the list of lacks, and the node is settled with it."""
+class _collected:
+    """An unsuitable item inside is added to the list of lacks, and settles the node."""
 
     def __init__(self, lacks: list[Lack], node: Node) -> None:
         self._lacks, self._node = lacks, node
@@ -86,7 +86,7 @@ class _Reader:
     def tree(self) -> Tree:
         elements = self.root.every("link")
         for i, element in enumerate(elements):
-            with _told(self.lacks, element):
+            with _collected(self.lacks, element):
                 link = element.get("name") or ""
                 if not link or link in self.links:
                     raise Unsuitable(f"<link> {i + 1}", f"name {link[:40]!r}", "give each link a name of its own")
@@ -97,7 +97,7 @@ class _Reader:
         self.lacks += lacks
         self.remarks += remarks
         for i, element in enumerate(self.root.every("joint")):
-            with _told(self.lacks, element):
+            with _collected(self.lacks, element):
                 joint = self._joint(element, i, controlled)
                 if joint.name in self.joints:
                     raise Unsuitable(f"joint {joint.name}", "a second one", "give each joint a name of its own")
@@ -284,7 +284,7 @@ class _Reader:
 
 
 def _short_enough(kind: str, name: str) -> None:
-    """Raises `Unsuitable` for a name that is longer than any is, which no source could be told with."""
+    """Raises `Unsuitable` for a name that is too long for the text of a source."""
     if len(name) > LONGEST_NAME:
         what = f"a name of {len(name)} characters"
         raise Unsuitable(f"{kind} {name[:40]}...", what, f"names of up to {LONGEST_NAME} characters are read")

@@ -1,4 +1,4 @@
-"""What is missing in a robot's description, or unsuitable, told all at once: where, what, and what to supply."""
+"""Missing and unsuitable items of a robot's description, reported all at once: where, what, and what to supply."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from assur.planner.errors import InputError
 
-MOST_TOLD = 60
-"""So many things are told; more of them say nothing new."""
+MOST_LACKS = 60
+"""Number of items that are reported; more would add nothing new."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,13 +23,13 @@ class Lack:
 
 
 class ImportRefused(InputError):
-    """A description of which no robot file can be made. `lacks`: all that is known to be missing or unsuitable."""
+    """No robot file can be made from the description. `lacks`: all that is known to be missing or unsuitable."""
 
     def __init__(self, name: str, lacks: list[Lack]) -> None:
         first, *rest = lacks
         more = "" if not rest else f" (and {len(rest)} more)"
         super().__init__(f"{name}, {first.where}", first.what, first.supply + more)
-        self.name, self.lacks = name, tuple(lacks[:MOST_TOLD])
+        self.name, self.lacks = name, tuple(lacks[:MOST_LACKS])
 
     def __reduce__(self) -> tuple[type[ImportRefused], tuple[str, list[Lack]]]:  # type: ignore[override]
         return type(self), (self.name, list(self.lacks))

@@ -1,4 +1,4 @@
-"""What an SRDF says beside a URDF: which pairs of links need not be looked at, and where chains end."""
+"""What an SRDF adds to a URDF: which pairs of links need no check, and where chains end."""
 
 from __future__ import annotations
 

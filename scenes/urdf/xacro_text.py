@@ -18,7 +18,7 @@ from assur.scenes.urdf.refusals import ImportRefused, Lack
 LONGEST_S = 60.0
 """A macro may call itself without end."""
 MOST_PACKAGES = 32
-"""So many packages of one file are looked for."""
+"""Number of packages of one file that are searched."""
 LOST = "package not found: "
 PROGRAM = f"""
 import json, sys
@@ -55,11 +55,11 @@ def expanded(path: Path, packages: dict[str, Path], arguments: dict[str, str]) -
         if run.returncode == 0:
             return run.stdout
         lines = run.stderr.decode("utf-8", "replace").strip().splitlines()
-        said = lines[-1][:400] if lines else "no reason given"
-        if not said.startswith(LOST):
+        reason = lines[-1][:400] if lines else "no reason given"
+        if not reason.startswith(LOST):
             supply = "mend it, give an argument with --arg NAME=VALUE, or a package with --package NAME=FOLDER"
-            raise ImportRefused(path.name, [Lack("the file", f"xacro does not expand it ({said})", supply)])
-        name = said.removeprefix(LOST)
+            raise ImportRefused(path.name, [Lack("the file", f"xacro does not expand it ({reason})", supply)])
+        name = reason.removeprefix(LOST)
         folder = None if name in known or len(known) > MOST_PACKAGES else package_above(name, path)
         if folder is None:
             supply = f"say --package {name}=FOLDER; where nothing is included from it, any folder will do"

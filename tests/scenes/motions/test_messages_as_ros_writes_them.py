@@ -310,7 +310,7 @@ def test_joint_states_are_a_log_of_the_robot(form: str) -> None:
         ("j4", "rad"), ("j3", "m"), ("j2", "rad"), ("j1", "rad"),
     ]  # fmt: skip
     assert found["notes"] == [
-        "60 JointState messages, of which the positions are read",
+        "60 JointState messages; only their positions are read",
         "times count from the first message, 1700000000.000000000 s",
         "the names of the joints are read without 'arm/'",
     ]

@@ -1,4 +1,4 @@
-"""The planner and the checker, asked from outside: the only module of the oracle that imports them."""
+"""The planner and the checker, called from outside: the only module of the oracle that imports them."""
 
 from __future__ import annotations
 
