@@ -109,7 +109,7 @@ def report(numbers: dict[str, Any]) -> str:
     )
 
 
-def draw(figure: Drawing, both: forms.Arm, compared: forms.Compared) -> None:
+def draw(figure: Drawing, both: forms.Arm, compared: forms.Comparison) -> None:
     """The arm in its plane, |det J| over the plane, closed form against dyads, and what arctan as printed misses."""
     (posture, area), (errors, miss) = figure.subplots(2, 2)
     plane = Plane(HEIGHT, L2 - L3, L2 + L3, "stretched")

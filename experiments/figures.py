@@ -1,4 +1,4 @@
-"""The one style of all figures, and the door to matplotlib (the extra `plot`): no other module imports it to run."""
+"""The one style of all figures, and the only module that imports matplotlib (the extra `plot`) to run."""
 
 from __future__ import annotations
 

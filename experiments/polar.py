@@ -111,7 +111,7 @@ def report(numbers: dict[str, Any]) -> str:
     )
 
 
-def draw(figure: Drawing, both: forms.Arm, compared: forms.Compared) -> None:
+def draw(figure: Drawing, both: forms.Arm, compared: forms.Comparison) -> None:
     """The arm in its plane, |det J| over the plane, closed form against dyads, and d3 as printed."""
     (posture, area), (errors, length) = figure.subplots(2, 2)
     plane = Plane(L1, 0.0, LONGEST, "stroke ends")

@@ -20,7 +20,7 @@ from assur.api.version import version
 from assur.api.workers.worker_process import CalledOffError, Line, Tell
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.deadline import Progress, Stopwatch
-from assur.scenes.exports.doors import check_trajectory_document, export_document
+from assur.scenes.exports.documents import check_trajectory_document, export_document
 from assur.scenes.faults import NOTHING, WHOLE, DocumentError
 from assur.scenes.meshes import covered, use_folder
 from assur.scenes.meshes.folder import MeshFolder

@@ -13,7 +13,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from benchmarks.oracle.plans import Tally
-from benchmarks.oracle.running import CAMPAIGNS, Going, run
+from benchmarks.oracle.running import CAMPAIGNS, RunningCampaign, run
 
 CONSOLE, PROGRESS = Console(width=140), Console(stderr=True)
 
@@ -31,7 +31,7 @@ def main(
         raise typer.BadParameter(f"--only: got {unknown[0]}; allowed: {', '.join(CAMPAIGNS)}")
     if (minutes is None) == (count is None):
         raise typer.BadParameter("one of --minutes and --count")
-    going = [Going(name, seed) for name in dict.fromkeys(names)]
+    going = [RunningCampaign(name, seed) for name in dict.fromkeys(names)]
     # also where a shell that started this in the background has it ignored
     signal.signal(signal.SIGINT, signal.default_int_handler)
     with Progress(console=PROGRESS) as progress:
@@ -51,7 +51,7 @@ def main(
         raise typer.Exit(1)
 
 
-def _printed(going: Going) -> bool:
+def _printed(going: RunningCampaign) -> bool:
     """Prints what a campaign has found; whether there is nothing wrong."""
     CONSOLE.print(f"\n[bold]{going.name}[/bold], seed {going.seed}: {going.done} answers")
     CONSOLE.print(_table(going.found, going.total))

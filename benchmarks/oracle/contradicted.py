@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.oracle.faults import Broken
+from benchmarks.oracle.faults import BrokenPromise
 from benchmarks.oracle.inverse import TURNS
 from benchmarks.oracle.places import Places
 from benchmarks.oracle.when_met import Point, Reach
@@ -34,7 +34,7 @@ START = 1e-9
 """A start is beyond a range if it is by more than this."""
 
 
-def contradiction(request: Document, answer: Document) -> list[Broken] | None:
+def contradiction(request: Document, answer: Document) -> list[BrokenPromise] | None:
     """What contradicts a proved refusal of a request in SI: nothing, if it is right; None if this reason is not one
     that the oracle can judge."""
     refusal = answer["refusal"]
@@ -42,7 +42,7 @@ def contradiction(request: Document, answer: Document) -> list[Broken] | None:
     return None if judge is None else judge(Reach(request), refusal)
 
 
-def _reached(reach: Reach, refusal: Document) -> list[Broken] | None:
+def _reached(reach: Reach, refusal: Document) -> list[BrokenPromise] | None:
     """Of a point out of reach, beyond a range or singular."""
     if refusal["stage"] == "start":
         q, arm = reach.start_joints()[0], reach.arm
@@ -60,7 +60,7 @@ def _reached(reach: Reach, refusal: Document) -> list[Broken] | None:
     return [_wrong(refusal, missing, f"met in mode {mode} at {when:.6f} s")]
 
 
-def _arch(reach: Reach, refusal: Document, top: float) -> list[Broken]:
+def _arch(reach: Reach, refusal: Document, top: float) -> list[BrokenPromise]:
     """Of an arch above the range of the lift: how high the tool point comes with the lift at its ends."""
     lift = int(np.argmin(reach.arm.upper - reach.arm.lower))
     q = np.repeat(reach.start_joints(), 2, axis=0)
@@ -69,7 +69,7 @@ def _arch(reach: Reach, refusal: Document, top: float) -> list[Broken]:
     return [] if missing > MISSING else [_wrong(refusal, missing, "the lift goes so high")]
 
 
-def _opens(reach: Reach, refusal: Document) -> list[Broken] | None:
+def _opens(reach: Reach, refusal: Document) -> list[BrokenPromise] | None:
     """Of a window that is missed, or a law that ends: the longest opening."""
     facts = refusal["facts"]
     if refusal["stage"] == "start":
@@ -91,7 +91,7 @@ def _standing(reach: Reach) -> list[Document]:
     return [body for body in reach.request.get("bodies", []) if "pose" in body]
 
 
-def _yaw(reach: Reach, refusal: Document) -> list[Broken] | None:
+def _yaw(reach: Reach, refusal: Document) -> list[BrokenPromise] | None:
     """Of a forbidden yaw, at the start or of a point in a frame that does not turn."""
     if refusal["facts"].get("on_the_way"):
         return _way_round(reach, refusal)
@@ -111,7 +111,7 @@ def _yaw(reach: Reach, refusal: Document) -> list[Broken] | None:
     return []
 
 
-def _way_round(reach: Reach, refusal: Document) -> list[Broken] | None:
+def _way_round(reach: Reach, refusal: Document) -> list[BrokenPromise] | None:
     """Of ranges between the yaw of the start and those of a point: the turns of all joints in which there is none."""
     point = reach.point(refusal["step"])
     arm, start = reach.arm, reach.start_joints()
@@ -146,7 +146,7 @@ def _inside(yaw: float, first: float, last: float) -> float:
     return half - abs((yaw - middle + np.pi) % (2.0 * np.pi) - np.pi)
 
 
-def _load(reach: Reach, refusal: Document) -> list[Broken] | None:
+def _load(reach: Reach, refusal: Document) -> list[BrokenPromise] | None:
     """Of a load that is too heavy: tool and part together."""
     if refusal["facts"]["of"] == "max_inertia":
         return None
@@ -160,15 +160,17 @@ def _load(reach: Reach, refusal: Document) -> list[Broken] | None:
     return [] if mass > most * (1.0 + LOAD) else [_wrong(refusal, mass, f"no more than {most} kg")]
 
 
-def _wrong(refusal: Document, amount: float, about: str) -> Broken:
+def _wrong(refusal: Document, amount: float, about: str) -> BrokenPromise:
     reported = refusal["amount"]
-    return Broken("proof", f"{refusal['reason']}: {about}", amount, np.nan if reported is None else float(reported))
+    return BrokenPromise(
+        "proof", f"{refusal['reason']}: {about}", amount, np.nan if reported is None else float(reported)
+    )
 
 
 # collisions
 
 
-def _hits(reach: Reach, refusal: Document) -> list[Broken] | None:
+def _hits(reach: Reach, refusal: Document) -> list[BrokenPromise] | None:
     """Of a collision at the start, or at a control point that stands: whether all bodies can be far enough apart."""
     bodies = Bodies(reach)
     if refusal["stage"] == "start":
@@ -278,7 +280,7 @@ class Bodies:
         return True
 
 
-JUDGES: dict[str, Callable[[Reach, Document], list[Broken] | None]] = {
+JUDGES: dict[str, Callable[[Reach, Document], list[BrokenPromise] | None]] = {
     "OUT_OF_REACH": _reached,
     "JOINT_LIMIT": _reached,
     "NEAR_SINGULARITY": _reached,

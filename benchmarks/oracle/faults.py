@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Broken:
+class BrokenPromise:
     """A promise that is not kept: its `kind`, what it is `about`, the `amount` that was found beside what is `allowed`
     (SI), and when, s (None: not at one time)."""
 
@@ -17,6 +17,6 @@ class Broken:
     time_s: float | None = None
 
 
-def beyond(kind: str, about: str, amount: float, allowed: float, time_s: float | None = None) -> list[Broken]:
+def beyond(kind: str, about: str, amount: float, allowed: float, time_s: float | None = None) -> list[BrokenPromise]:
     """One fault, unless the amount is no more than what is allowed. What is no number is a fault."""
-    return [] if amount <= allowed else [Broken(kind, about, float(amount), float(allowed), time_s)]
+    return [] if amount <= allowed else [BrokenPromise(kind, about, float(amount), float(allowed), time_s)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.oracle.faults import Broken, beyond
+from benchmarks.oracle.faults import BrokenPromise, beyond
 from benchmarks.oracle.limits import limits_of
 from benchmarks.oracle.motion import Motion
 from benchmarks.oracle.places import short
@@ -19,7 +19,7 @@ PEAK_SHARE = 1e-6
 SAMPLE_S = 1e-3
 
 
-def joints_kept(motion: Motion) -> list[Broken]:
+def joints_kept(motion: Motion) -> list[BrokenPromise]:
     """Limits between all knots, start, end and peaks."""
     return [*_limits(motion), *_start(motion), *_end(motion), *_peaks(motion)]
 
@@ -28,8 +28,8 @@ def _blends(motion: Motion) -> bool:
     return bool(motion.request.get("options", {}).get("timing") == "parabolic_blend")
 
 
-def _limits(motion: Motion) -> list[Broken]:
-    arm, limits, found = motion.arm, limits_of(motion.request["robot"]), list[Broken]()
+def _limits(motion: Motion) -> list[BrokenPromise]:
+    arm, limits, found = motion.arm, limits_of(motion.request["robot"]), list[BrokenPromise]()
     least, most = motion.extremes(0)
     over = np.maximum(arm.lower - least, most - arm.upper) / np.maximum(arm.upper - arm.lower, 1e-9)
     for j, name in enumerate(arm.names):
@@ -45,12 +45,12 @@ def _limits(motion: Motion) -> list[Broken]:
     return found
 
 
-def _with_load(motion: Motion) -> list[Broken]:
+def _with_load(motion: Motion) -> list[BrokenPromise]:
     """Accelerations while a part is carried for which the request's own table leaves a share."""
     rows = motion.request["robot"].get("limits", {}).get("acceleration_by_load")
     if not rows:
         return []
-    found, limits = list[Broken](), limits_of(motion.request["robot"])
+    found, limits = list[BrokenPromise](), limits_of(motion.request["robot"])
     masses, shares = [row["mass_kg"] for row in rows], [row["share"] for row in rows]
     tool = float(motion.request["robot"]["tool"].get("mass_kg", 0.0))
     of_part = {body["name"]: float(body.get("mass_kg", 0.0)) for body in motion.request.get("bodies", [])}
@@ -81,9 +81,9 @@ def carrying(motion: Motion) -> list[tuple[float, float]]:
     return [(t0, t1) for t0, t1, part in _carried(motion) if part is not None and t1 > t0]
 
 
-def _start(motion: Motion) -> list[Broken]:
+def _start(motion: Motion) -> list[BrokenPromise]:
     """The first knot is the start of the request."""
-    start, first, found = motion.request["start"], motion.spline, list[Broken]()
+    start, first, found = motion.request["start"], motion.spline, list[BrokenPromise]()
     t0 = np.array([motion.start_s])
     found += beyond("start time", "", abs(motion.start_s - float(start.get("at_s", 0.0))), START)
     if "joints" in start:
@@ -112,8 +112,8 @@ def _of_joints(motion: Motion, given: Document, units: tuple[str, str]) -> Float
     return np.array([next(given[f"{name}_{u}"] for u in units if f"{name}_{u}" in given) for name in names])
 
 
-def _end(motion: Motion) -> list[Broken]:
-    options, end, found = motion.request.get("options", {}), np.array([motion.end_s]), list[Broken]()
+def _end(motion: Motion) -> list[BrokenPromise]:
+    options, end, found = motion.request.get("options", {}), np.array([motion.end_s]), list[BrokenPromise]()
     if options.get("end", "rest") == "rest":
         found += beyond("end", "velocity", float(np.abs(motion.spline.evaluate(end, 1)).max()), REST)
         if not _blends(motion):
@@ -130,9 +130,9 @@ def _end(motion: Motion) -> list[Broken]:
     return found
 
 
-def _peaks(motion: Motion) -> list[Broken]:
+def _peaks(motion: Motion) -> list[BrokenPromise]:
     """The peaks of joints that the answer tells are those of the trajectory."""
-    found, limits = list[Broken](), limits_of(motion.request["robot"])
+    found, limits = list[BrokenPromise](), limits_of(motion.request["robot"])
     for number, kind in enumerate(("velocity", "acceleration", "jerk")):
         if kind == "jerk" and _blends(motion):
             continue

@@ -26,7 +26,7 @@ FOUND_M = 3e-6
 
 
 @dataclass(frozen=True)
-class Near:
+class NearPair:
     """A pair at its nearest in one phase: the gap, m, when, s, what it must keep, m, the kind of the phase, and whether
     the robot bears neither body."""
 
@@ -37,16 +37,16 @@ class Near:
     put_down: bool
 
 
-def nearest_of(motion: Motion, beyond_m: float) -> list[Near]:
+def nearest_of(motion: Motion, beyond_m: float) -> list[NearPair]:
     """Each pair at its nearest in each phase, as far as it comes within `beyond_m` of what it must keep, or nearer than
     `beyond_m` to each other."""
-    found: list[Near] = []
+    found: list[NearPair] = []
     for phase in motion.phases:
         found += _in_phase(motion, phase, beyond_m)
     return found
 
 
-def _in_phase(motion: Motion, phase: Phase, beyond_m: float) -> list[Near]:
+def _in_phase(motion: Motion, phase: Phase, beyond_m: float) -> list[NearPair]:
     t0, t1 = phase.stage.t0, phase.stage.t1
     grid = np.linspace(t0, t1, max(int(np.ceil((t1 - t0) / STEP_S)), 2) + 1)
     names = {name for pair in phase.pairs for name in (pair.first, pair.second)}
@@ -74,7 +74,7 @@ def _in_phase(motion: Motion, phase: Phase, beyond_m: float) -> list[Near]:
             if value < best:
                 best, when = value, time
         if best < limit:
-            found.append(Near(pair, best, when, phase.kind, phase.put_down(pair)))
+            found.append(NearPair(pair, best, when, phase.kind, phase.put_down(pair)))
     return found
 
 

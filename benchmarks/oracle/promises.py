@@ -6,7 +6,7 @@ import numpy as np
 
 from benchmarks.oracle.apart_kept import ROUNDING_M, WITHIN_M, apart_kept
 from benchmarks.oracle.arrivals_kept import Targets, arrivals_kept
-from benchmarks.oracle.faults import Broken, beyond
+from benchmarks.oracle.faults import BrokenPromise, beyond
 from benchmarks.oracle.joints_kept import joints_kept
 from benchmarks.oracle.motion import Motion, Phase
 from benchmarks.oracle.traces_kept import traces_kept
@@ -18,7 +18,7 @@ TOOL = 0.05
 """Share by which the tool's speed may exceed the reported peak, between the instants at which it is searched."""
 
 
-def broken_promises(request: Document, answer: Document) -> list[Broken]:
+def broken_promises(request: Document, answer: Document) -> list[BrokenPromise]:
     """What a planned answer promises and does not keep; `request` in SI, of a kind that the oracle knows."""
     motion = Motion(request, answer)
     targets = Targets(motion)
@@ -33,7 +33,7 @@ def broken_promises(request: Document, answer: Document) -> list[Broken]:
     ]
 
 
-def _tool(motion: Motion) -> list[Broken]:
+def _tool(motion: Motion) -> list[BrokenPromise]:
     """The tool point has the reported peak of speed at the reported time, and nowhere is it much faster."""
     reported, h = motion.answer["margins"]["tool"], 1e-5
     t = np.linspace(motion.start_s + h, motion.end_s - h, max(int((motion.end_s - motion.start_s) / 5e-4), 10))
@@ -47,9 +47,9 @@ def _tool(motion: Motion) -> list[Broken]:
     return found + beyond("tool", "speed, as reported", off, 1e-3 * float(reported["speed_m_s"]) + 1e-4, at)
 
 
-def hands_kept(motion: Motion) -> list[Broken]:
+def hands_kept(motion: Motion) -> list[BrokenPromise]:
     """At the end of the dwell of each pick and place: the smallest distance, 0 where there is contact."""
-    found = list[Broken]()
+    found = list[BrokenPromise]()
     for phase in motion.phases:
         number = phase.stage.handed_over
         if number is None:
@@ -63,7 +63,9 @@ def hands_kept(motion: Motion) -> list[Broken]:
     return found
 
 
-def _distance(motion: Motion, arrival: Document, part: str, others: list[str], key: str, phase: Phase) -> list[Broken]:
+def _distance(
+    motion: Motion, arrival: Document, part: str, others: list[str], key: str, phase: Phase
+) -> list[BrokenPromise]:
     reported = arrival.get(key)
     if reported is None:
         return []  # what an answer leaves out is no claim

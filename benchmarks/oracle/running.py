@@ -19,7 +19,7 @@ CAMPAIGNS: dict[str, Callable[[int | None, int, Path | None], Iterator[Mapping[s
 
 
 @dataclass(eq=False)
-class Going:
+class RunningCampaign:
     """One campaign: what it has found, by kind, and of how many answers; whether it has come to its count."""
 
     name: str
@@ -48,7 +48,7 @@ class Going:
 
 
 def run(
-    going: list[Going],
+    going: list[RunningCampaign],
     out: Path | None,
     count: int | None = None,
     seconds: float | None = None,

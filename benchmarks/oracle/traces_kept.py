@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.oracle.arrivals_kept import Target
-from benchmarks.oracle.faults import Broken, beyond
+from benchmarks.oracle.faults import BrokenPromise, beyond
 from benchmarks.oracle.motion import Motion
 from benchmarks.oracle.places import Places
 from benchmarks.soak.poses import Document, Floats, Poses
@@ -94,8 +94,8 @@ def on_path(parts: list[Part], s: Floats) -> Floats:
     return found
 
 
-def traces_kept(motion: Motion) -> list[Broken]:
-    found = list[Broken]()
+def traces_kept(motion: Motion) -> list[BrokenPromise]:
+    found = list[BrokenPromise]()
     for arrival in motion.answer["arrivals"]:
         ((kind, given),) = motion.request["task"][arrival["step"]].items()
         if kind == "trace":
@@ -103,13 +103,13 @@ def traces_kept(motion: Motion) -> list[Broken]:
     return found
 
 
-def _trace(motion: Motion, arrival: Document, given: Document) -> list[Broken]:
+def _trace(motion: Motion, arrival: Document, given: Document) -> list[BrokenPromise]:
     speed, t0, t1 = float(given["speed_m_s"]), float(arrival["time_s"]), float(arrival["until_s"])
     frame, at = motion.cell.seat({**given["start"], "at_m": [0.0, 0.0, 0.0]})
     target = Target(frame, Poses(at.p, at.yaw - float(given["start"].get("yaw_rad", 0.0))), False)
     t = np.linspace(t0, t1, max(int((t1 - t0) / 1e-3), 20) + 1)
     local = target.at(motion, t).inverse().then(Places.at(motion.tool(t).p)).p
-    name, reported, found = arrival["control_point"], arrival["trace"], list[Broken]()
+    name, reported, found = arrival["control_point"], arrival["trace"], list[BrokenPromise]()
     parts = parts_of(np.array(given["start"]["at_m"]), given["path"])
     if parts is not None:
         length = sum(part.length for part in parts)

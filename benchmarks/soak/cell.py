@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from benchmarks.soak.allowed import CONTACT_M, TRACKING, Pair, Stage, clearance
-from benchmarks.soak.arms import Arm, Carried
+from benchmarks.soak.arms import Arm, CarriedBody
 from benchmarks.soak.laws import Frame, frames_of, seat
 from benchmarks.soak.poses import Document, Floats, Poses, pose_in
 from benchmarks.soak.solids import Shape, Solid, shape_of, solid_of
@@ -25,7 +25,7 @@ class Cell:
     frames: dict[str, Frame]
     seats: dict[str, tuple[str, Poses]]
     solids: dict[str, Solid]
-    carried: dict[str, Carried]
+    carried: dict[str, CarriedBody]
     unknown_of: dict[str, Document]
     lag: Floats
 

@@ -19,7 +19,7 @@ SOON, LATE = (0.0, 0.02), (0.98, 1.0)
 
 
 @dataclass(eq=False)
-class OfPose:
+class PoseErrors:
     """Shares of a frame's or a part's error: `flat` (R, 2) of what is the same in all horizontal directions, the rest
     (R,) with a sign."""
 
@@ -41,9 +41,9 @@ class Realisations:
     late: Floats
     lag_s: Floats
     lag: Floats
-    frames: dict[str, OfPose]
-    parts: dict[str, OfPose]
-    grips: dict[str, OfPose]
+    frames: dict[str, PoseErrors]
+    parts: dict[str, PoseErrors]
+    grips: dict[str, PoseErrors]
     shifts: dict[str, Floats]
     ramps: Floats
     corners: list[str] = field(default_factory=list)
@@ -100,8 +100,8 @@ def drawn(request: Document, answer: Document, count: int, rng: np.random.Genera
         size[0] = 0.0
         return np.stack([size * np.cos(angle), size * np.sin(angle)], axis=-1)
 
-    def of_pose() -> OfPose:
-        return OfPose(disc(), shares(), shares(), shares(), shares())
+    def of_pose() -> PoseErrors:
+        return PoseErrors(disc(), shares(), shares(), shares(), shares())
 
     late = (shares() + 1.0) / 2.0 * tolerance
     late[0] = 0.0

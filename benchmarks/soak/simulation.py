@@ -16,7 +16,7 @@ from benchmarks.recheck.spline import Spline
 from benchmarks.soak.allowed import Pair, Stage, stages
 from benchmarks.soak.cell import Cell
 from benchmarks.soak.poses import Document, Floats, Poses
-from benchmarks.soak.realisations import OfPose, Realisations, drawn, put_corners
+from benchmarks.soak.realisations import PoseErrors, Realisations, drawn, put_corners
 from benchmarks.soak.solids import apart_at_least, gaps
 
 STEP_S = 2e-3
@@ -319,7 +319,7 @@ class Snapshot:
         return self.links[carried.link].then(carried.pose)
 
 
-def _off(pose: Poses, unknown: Document, error: OfPose) -> Poses:
+def _off(pose: Poses, unknown: Document, error: PoseErrors) -> Poses:
     """Poses (R,) off by what is not known of a part, realised."""
     flat = unknown.get("position_m", 0.0) * error.flat
     by = np.concatenate([flat, unknown.get("vertical_m", 0.0) * error.up[:, None]], axis=1)

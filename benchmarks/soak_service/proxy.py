@@ -26,9 +26,9 @@ ELSEWHERE = re.compile(r"\s*(?:user|group|chroot|daemon|pidfile|stats\s+socket)\
 
 def free_port() -> int:
     """A port of this machine that nobody listens on."""
-    with socket.socket() as door:
-        door.bind(("127.0.0.1", 0))
-        return int(door.getsockname()[1])
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
 
 
 def substituted(text: str, port: int, servers: Sequence[int]) -> str:

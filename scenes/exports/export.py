@@ -87,7 +87,7 @@ def _on_ticks(
 ) -> Motion:
     """The motion on ticks, proved: within the limits of jerk of the request, where such a motion can be proved; else
     within the robot's own, or with the rule `report` within what it needs."""
-    from assur.scenes.resampling.certifying import Refuted, kept_legs, recertified
+    from assur.scenes.resampling.certifying import Refutation, kept_legs, recertified
     from assur.scenes.resampling.grid import on_ticks
 
     legs, arrivals = kept_legs(made, trajectory)
@@ -100,7 +100,7 @@ def _on_ticks(
         wide = on_ticks(cell.scene, base, tick_s, hold_jerk=True)
         if _share_of_jerk(cell, made, wide).max() <= 1.0:
             proved = recertified(cell.scene, made, wide)
-            if not isinstance(proved, Refuted):
+            if not isinstance(proved, Refutation):
                 return _motion(cell, request, made, proved, tick_s)
         if scale_of(request) * share.max() > 1.0:
             joint, worst = cell.scene.robot.joints[int(share.argmax())].name, share.max()
@@ -130,14 +130,14 @@ def _proved(
 
     Raises `InputError` for one that cannot be proved.
     """
-    from assur.scenes.resampling.certifying import Refuted, recertified
+    from assur.scenes.resampling.certifying import Refutation, recertified
 
     given = cell
     if factor > 1.0:
         request = raised(request, factor)
         cell = cell_in(request)
     proved = recertified(cell.scene, made, trajectory)
-    if isinstance(proved, Refuted):
+    if isinstance(proved, Refutation):
         other = "" if tick_s is None else "; try a shorter tick, or none: then the points are the knots of the plan"
         allowed = f"one that can be proved; the checker says: {in_words(proved.findings)}{other}"
         raise InputError("plan", "this motion", allowed)

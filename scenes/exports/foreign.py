@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from assur.planner.trajectory import Trajectory
     from assur.scenes.conventions import Conventions
     from assur.scenes.reading.cell import Cell
-    from assur.scenes.resampling.foreign import First
+    from assur.scenes.resampling.foreign import Violation
     from assur.scenes.schema.export import FirstViolation, ForeignTrajectoryDocument
 
 SAME = 1e-6
@@ -116,7 +116,7 @@ def _hold_to(plan: Plan, trajectory: Trajectory) -> None:
         raise InputError("file", (trajectory.start, trajectory.end), allowed)
 
 
-def _first(first: First) -> FirstViolation:
+def _first(first: Violation) -> FirstViolation:
     return {
         "what": first.what,
         "time_s": number(first.time),

@@ -105,12 +105,12 @@ def _running(document: object) -> tuple[Cell, Plan]:
 
 def _proved_before(cell: Cell, ran: Plan, nanos: int) -> tuple[FloatArray, ...]:
     """The knots of the running plan before the switch: of a motion with a knot there, which is proved."""
-    from assur.scenes.resampling.certifying import Refuted, recertified
+    from assur.scenes.resampling.certifying import Refutation, recertified
     from assur.scenes.resampling.grid import on_nanoseconds
 
     motion = on_nanoseconds(ran.trajectory, nanos)
     proved = recertified(cell.scene, ran, motion)
-    if isinstance(proved, Refuted):
+    if isinstance(proved, Refutation):
         allowed = f"one that can be proved with a point at the switch; the checker says: {in_words(proved.findings)}"
         raise InputError("plan", "this motion", allowed)
     earlier = np.rint((motion.time - motion.start) / NANO) < nanos

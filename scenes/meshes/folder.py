@@ -49,7 +49,7 @@ class FolderError(AssurError):
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
+class StoredFile:
     """A file of the folder: bytes, and for how long it is kept if it is not used again, s."""
 
     size: int
@@ -78,7 +78,7 @@ class MeshFolder:
             raise InputError(field, path, f"a folder that can be read and written; {error.strerror}") from error
         return folder
 
-    def known(self, digest: str) -> Kept | None:
+    def known(self, digest: str) -> StoredFile | None:
         """The mesh with this digest; None if there is none, or no more."""
         return self._kept(f"{_digest(digest)}.mesh")
 
@@ -115,13 +115,13 @@ class MeshFolder:
         with suppress(OSError):
             (self.path / name).unlink()
 
-    def _kept(self, name: str) -> Kept | None:
+    def _kept(self, name: str) -> StoredFile | None:
         try:
             facts = (self.path / name).lstat()
         except OSError:
             return None
         left = facts.st_mtime + self.kept_s - time.time()
-        return Kept(facts.st_size, left) if stat.S_ISREG(facts.st_mode) and left > 0 else None
+        return StoredFile(facts.st_size, left) if stat.S_ISREG(facts.st_mode) and left > 0 else None
 
     def _read(self, name: str, most: int) -> bytes | None:
         """What is in a regular file of up to `most` bytes that is not too old; its use is noted."""

@@ -35,7 +35,7 @@ RATES = ("position", "velocity", "acceleration", "jerk")
 
 
 @dataclass(frozen=True, slots=True)
-class First:
+class Violation:
     """What is violated first: `what`, at `time`, by how much (None: it is only not shown to be right); the pair that
     comes too near, or the joint."""
 
@@ -48,13 +48,13 @@ class First:
 
 
 @dataclass(frozen=True)
-class Judged:
+class MotionVerdict:
     """What came of a motion: nothing found means that it is proved. `clearance`: where the arm, its tool or what it
     holds comes nearest to anything, with no error of what is not known; None where nothing has to be kept apart, or the
     motion is not known."""
 
     findings: tuple[Finding, ...]
-    first: First | None
+    first: Violation | None
     clearance: Nearest | None
 
 
@@ -88,7 +88,7 @@ def ends_at_rest(trajectory: Trajectory) -> bool:
 
 
 @np.errstate(all="ignore")
-def judged(scene: Scene, trajectory: Trajectory, plan: Plan | None = None) -> Judged:
+def judged(scene: Scene, trajectory: Trajectory, plan: Plan | None = None) -> MotionVerdict:
     """Whether a motion of the robot of `scene` keeps the limits and keeps everything apart. Its times are those of the
     scene's clock; it may be late by what the scene says (`start_tolerance_s`), and its joints may lag as that says.
 
@@ -120,17 +120,17 @@ def judged(scene: Scene, trajectory: Trajectory, plan: Plan | None = None) -> Ju
         earliest = _earliest(prover, *resisted, trajectory)
         findings.append(unproved(earliest, "travel" if plan is None else resisted[0].kind))
         amount = None if earliest.gap > earliest.required else earliest.required - earliest.gap
-        first.append(First(findings[-1].what, earliest.time, amount, "m", earliest.bodies))
+        first.append(Violation(findings[-1].what, earliest.time, amount, "m", earliest.bodies))
     else:
         verdict = check_motion(_ending(scene, trajectory), made, of_motion) if plan is None else check(scene, made)
         findings += [each for each in verdict.findings if not (first and each.code == Code.LIMIT)]
     if plan is None:
         findings += _still_moving(scene, trajectory)
     clearance = nearest(prover, trajectory, of_motion, of="arm")
-    return Judged(tuple(findings), min(first, key=_when, default=None), clearance)
+    return MotionVerdict(tuple(findings), min(first, key=_when, default=None), clearance)
 
 
-def _when(first: First) -> float:
+def _when(first: Violation) -> float:
     return first.time
 
 
@@ -163,7 +163,7 @@ def _earliest(prover: Prover, phase: Phase, resisted: Unproved, trajectory: Traj
     return found
 
 
-def beyond(scene: Scene, of_motion: tuple[Phase, ...], trajectory: Trajectory) -> First | None:
+def beyond(scene: Scene, of_motion: tuple[Phase, ...], trajectory: Trajectory) -> Violation | None:
     """The first piece on which a joint exceeds a limit, with the load that is carried then; None: none does."""
     for phase in of_motion:
         first = max(int(np.searchsorted(trajectory.time, phase.t0, side="right")) - 1, 0)
@@ -175,7 +175,7 @@ def beyond(scene: Scene, of_motion: tuple[Phase, ...], trajectory: Trajectory) -
     return None
 
 
-def _beyond(scene: Scene, own: Limits, trajectory: Trajectory, low: int, high: int) -> First | None:
+def _beyond(scene: Scene, own: Limits, trajectory: Trajectory, low: int, high: int) -> Violation | None:
     """The same between two knots, with these limits."""
     jerk = None if trajectory.jumps else own.jerk
     bands = accepted_bands(own.lower, own.upper, own.velocity, own.acceleration, jerk)
@@ -196,4 +196,4 @@ def _beyond(scene: Scene, own: Limits, trajectory: Trajectory, low: int, high: i
     what = f"{scene.robot.joints[joint].name} breaks its {RATES[kind]} limit"
     if kind and getattr(own, RATES[kind])[joint] != getattr(scene.robot.limits, RATES[kind])[joint]:
         what += " with the load that is carried"
-    return First(what, float(trajectory.time[low]), over, unit, joint=joint)
+    return Violation(what, float(trajectory.time[low]), over, unit, joint=joint)

@@ -32,7 +32,7 @@ from assur.scenes.urdf.limits import Limits, LimitsFile, limits_of, read_limits
 from assur.scenes.urdf.mesh_files import mesh_triangles
 from assur.scenes.urdf.plausible import implausible, size_of
 from assur.scenes.urdf.reader import read_tree
-from assur.scenes.urdf.refusals import ImportRefused, Lack, OfNoFamily, Unsuitable
+from assur.scenes.urdf.refusals import ImportRefused, MissingItem, OfNoFamily, Unsuitable
 from assur.scenes.urdf.solids import Covering, Part
 from assur.scenes.urdf.srdf import Semantics, read_srdf
 from assur.scenes.urdf.tree import Solid, Tree
@@ -40,7 +40,7 @@ from assur.scenes.urdf.xml_text import FARTHEST, MAX_XML_BYTES
 
 
 @dataclass(frozen=True)
-class Wanted:
+class ImportOptions:
     """What is to be imported. `packages`: folders by name; `held`: joints that stay at a position; `status`: whose word
     the numbers of the files are."""
 
@@ -58,7 +58,7 @@ class Wanted:
 
 
 @dataclass(frozen=True, eq=False)
-class Imported:
+class ImportedRobot:
     """A robot's file, not written yet: its `text`, `meshes` by the name below its folder, and remarks on it."""
 
     name: str
@@ -67,7 +67,7 @@ class Imported:
     report: dict[str, Any]
 
 
-def import_robot(wanted: Wanted) -> Imported:
+def import_robot(wanted: ImportOptions) -> ImportedRobot:
     """The robot's file. Raises `ImportRefused` with all that is missing or unsuitable, or `OSError`."""
     content = _content(wanted.urdf, MAX_XML_BYTES)
     if wanted.urdf.suffix.lower() == ".xacro":
@@ -95,7 +95,7 @@ def import_robot(wanted: Wanted) -> Imported:
     return found.made(hashlib.sha256(content).hexdigest())
 
 
-def write(imported: Imported, out: Path) -> RobotFile:
+def write(imported: ImportedRobot, out: Path) -> RobotFile:
     """Writes the robot's file and its meshes, and reads it again as a user does."""
     for name, content in imported.meshes.items():
         path = out.parent / name
@@ -113,13 +113,13 @@ def _content(path: Path, most: int) -> bytes:
 class _Import:
     """One attempt. Raises `ImportRefused`."""
 
-    def __init__(self, wanted: Wanted, tree: Tree, given: LimitsFile | None) -> None:
+    def __init__(self, wanted: ImportOptions, tree: Tree, given: LimitsFile | None) -> None:
         self.wanted, self.file = wanted, wanted.urdf.name
         self.remarks: list[str] = list(tree.remarks)
         if self.remarks and wanted.urdf.suffix.lower() == ".xacro":
             self.remarks.append(f"lines of {self.file} are those of the URDF to which xacro expands it")
         self.sizes: dict[str, float] = {}
-        self.lacks: list[Lack] = []
+        self.lacks: list[MissingItem] = []
         self._hold(tree)
         self.tree = tree = tree.with_held(wanted.held)
         self.semantics = Semantics(frozenset(), ())
@@ -148,16 +148,20 @@ class _Import:
     def _hold(self, tree: Tree) -> None:
         for name, value in self.wanted.held.items():
             if name not in tree.joints:
-                raise ImportRefused(self.file, [Lack(f"--hold {name}", "no joint of this name", "a joint of the URDF")])
+                raise ImportRefused(
+                    self.file, [MissingItem(f"--hold {name}", "no joint of this name", "a joint of the URDF")]
+                )
             if not abs(value) <= FARTHEST:
-                raise ImportRefused(self.file, [Lack(f"--hold {name}", f"{value:g}", "a number in rad or m")])
+                raise ImportRefused(self.file, [MissingItem(f"--hold {name}", f"{value:g}", "a number in rad or m")])
         for name, folder in self.wanted.packages.items():
             if not folder.is_dir():
-                raise ImportRefused(self.file, [Lack(f"--package {name}", f"no folder {folder}", "a folder")])
+                raise ImportRefused(self.file, [MissingItem(f"--package {name}", f"no folder {folder}", "a folder")])
         for what, link in (("--base", self.wanted.base), ("--tip", self.wanted.tip)):
             if link is not None and link not in tree.links:
                 links = ", ".join(list(tree.links)[:20])
-                raise ImportRefused(self.file, [Lack(f"{what} {link}", "no link of this name", f"one of {links}")])
+                raise ImportRefused(
+                    self.file, [MissingItem(f"{what} {link}", "no link of this name", f"one of {links}")]
+                )
 
     def _look_at_meshes(self) -> None:
         """Every mesh is read once before any is covered: their faults are reported together."""
@@ -184,24 +188,24 @@ class _Import:
         except InputError as error:
             raise ImportRefused(self.file, [self._of_number(error)]) from error
         if given is None:
-            raise ImportRefused(self.file, [Lack("the file", "no arm", "report it")])
+            raise ImportRefused(self.file, [MissingItem("the file", "no arm", "report it")])
         return built(*given)
 
-    def _of_number(self, error: InputError) -> Lack:
+    def _of_number(self, error: InputError) -> MissingItem:
         """A number that our form does not take, at the file's joint if it is one of a joint."""
         if found := re.match(r"\w+\.joints\[(\d+)\]\.(\w+)", error.field):
             where = f"joint {self.chain.joints[int(found[1])].name}, {found[2]}"
         else:
             where = error.field
         lengths = "; a URDF has lengths in m: write mm times 0.001" if "_m." in error.field else ""
-        return Lack(where, f"{error.value}", f"allowed is {error.allowed}{lengths}")
+        return MissingItem(where, f"{error.value}", f"allowed is {error.allowed}{lengths}")
 
     def tell_rounding(self, written: Tree) -> None:
         """Says what the rounding of angles changed: how far away the flange of the file as it is `written` is."""
         chain, _ = chain_to(written.with_held(self.wanted.held), self.base, self.chain.tip)
         q = agreement.states(self.chain, self.ranges)
         if chain is None:
-            raise ImportRefused(self.file, [Lack("the file", "two readings of it differ", "report it")])
+            raise ImportRefused(self.file, [MissingItem("the file", "two readings of it differ", "report it")])
         metres, radians = agreement.between(chain.places(q)[chain.tip], self.chain.places(q)[chain.tip])
         angles = ", ".join(self.tree.rounded[:6])
         self.remarks.append(
@@ -245,7 +249,7 @@ class _Import:
             return names
         return [f"j{i + 1}" for i in range(len(names))]
 
-    def made(self, digest: str) -> Imported:
+    def made(self, digest: str) -> ImportedRobot:
         """The file with the solids of the links."""
         parts, carried = self._parts()
         bodies, meshes = [], {}
@@ -256,7 +260,7 @@ class _Import:
                 meshes[body["shape"]["mesh"]["file"]] = content
         if len(bodies) > MAX_TOOL_BODIES:
             what = f"{len(bodies)} bodies cover the links"
-            lack = Lack("the meshes", what, f"up to {MAX_TOOL_BODIES} are allowed: say a smaller --hulls")
+            lack = MissingItem("the meshes", what, f"up to {MAX_TOOL_BODIES} are allowed: say a smaller --hulls")
             raise ImportRefused(self.file, [lack])
         names = LINKS[self.kinematics.family]
         off = None if self.wanted.srdf is None else self.semantics.off
@@ -301,7 +305,7 @@ class _Import:
             "remarks": self.remarks,
             "unused": list(self.tree.unused),
         }
-        return Imported(self.name, text, meshes, report)
+        return ImportedRobot(self.name, text, meshes, report)
 
     @property
     def _turn(self) -> list[float] | None:
@@ -332,7 +336,7 @@ class _Import:
         theirs, ours = self.chain.places(q), agreement.frames(self.arm, q)
         found: list[Part] = []
         carried: dict[str, set[str]] = {}
-        lacks: list[Lack] = []
+        lacks: list[MissingItem] = []
         taken: set[str] = set()
         self.remarks += remarks_on(self.chain)
         for link, movers in self.chain.movers.items():

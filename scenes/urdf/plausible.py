@@ -26,7 +26,7 @@ MOST_TURNS = 3.0
 
 
 @dataclass(frozen=True, slots=True)
-class Usual:
+class UsualRange:
     """What is usual of a number, SI, and the unit that is mistaken for its own: so many of them are one of SI."""
 
     low: float
@@ -37,20 +37,20 @@ class Usual:
 
 
 TURNING = {
-    "range": Usual(0.1, math.inf, "rad", "deg", DEGREE),
-    "end": Usual(0.0, MOST_TURNS * math.tau, "rad", "deg", DEGREE),
-    "velocity": Usual(0.02, 70.0, "rad/s", "deg/s", DEGREE),
-    "acceleration": Usual(0.1, 5_000.0, "rad/s2", "deg/s2", DEGREE),
+    "range": UsualRange(0.1, math.inf, "rad", "deg", DEGREE),
+    "end": UsualRange(0.0, MOST_TURNS * math.tau, "rad", "deg", DEGREE),
+    "velocity": UsualRange(0.02, 70.0, "rad/s", "deg/s", DEGREE),
+    "acceleration": UsualRange(0.1, 5_000.0, "rad/s2", "deg/s2", DEGREE),
 }
 """Of joints that turn. The fastest wrists reach 45 rad/s and 800 rad/s2."""
 SLIDING = {
-    "range": Usual(1e-3, 10.0, "m", "mm", MM),
-    "end": Usual(0.0, 10.0, "m", "mm", MM),
-    "velocity": Usual(1e-3, 20.0, "m/s", "mm/s", MM),
-    "acceleration": Usual(1e-2, 300.0, "m/s2", "mm/s2", MM),
+    "range": UsualRange(1e-3, 10.0, "m", "mm", MM),
+    "end": UsualRange(0.0, 10.0, "m", "mm", MM),
+    "velocity": UsualRange(1e-3, 20.0, "m/s", "mm/s", MM),
+    "acceleration": UsualRange(1e-2, 300.0, "m/s2", "mm/s2", MM),
 }
 """Of joints that slide. The fastest lifts reach 3 m/s and 60 m/s2."""
-REACH = Usual(0.01, 20.0, "m", "mm", MM)
+REACH = UsualRange(0.01, 20.0, "m", "mm", MM)
 """The sum of the distances from joint to joint."""
 
 
@@ -88,7 +88,7 @@ def _odd_links(reach: float, sizes: Mapping[str, float]) -> Iterator[str]:
             yield remark
 
 
-def _odd_range(ends: Number, table: Mapping[str, Usual], *, slides: bool) -> Iterator[str]:
+def _odd_range(ends: Number, table: Mapping[str, UsualRange], *, slides: bool) -> Iterator[str]:
     lower, upper = ends.value if isinstance(ends.value, list) else (ends.value, ends.value)
     usual, far = table["end"], max(abs(lower), abs(upper)) > table["end"].high
     if not far and upper - lower >= table["range"].low:
@@ -100,7 +100,7 @@ def _odd_range(ends: Number, table: Mapping[str, Usual], *, slides: bool) -> Ite
     yield f"{lower:.6g} to {upper:.6g} {usual.unit}{turns}; if {cause}, it is {meant} ({ends.source})"
 
 
-def _unusual(value: float, usual: Usual) -> Iterator[str]:
+def _unusual(value: float, usual: UsualRange) -> Iterator[str]:
     """A number that is not usual, and what it is if it was written in the other unit, or converted twice."""
     if value > usual.high:
         yield f"{value:.6g} {usual.unit}; if these are {usual.other}, it is {value / usual.per:.6g} {usual.unit}"

@@ -14,7 +14,7 @@ import pytest
 from assur.scenes import ik
 from benchmarks.oracle import plans, refusals
 from benchmarks.oracle.contradicted import JUDGES, contradiction
-from benchmarks.oracle.faults import Broken, beyond
+from benchmarks.oracle.faults import BrokenPromise, beyond
 from benchmarks.oracle.impossible import KINDS as IMPOSSIBLE
 from benchmarks.oracle.impossible import random_request
 from benchmarks.oracle.inverse import solutions
@@ -24,7 +24,7 @@ from benchmarks.oracle.nearest import nearest_of
 from benchmarks.oracle.places import Places, about
 from benchmarks.oracle.product import as_si, planned
 from benchmarks.oracle.promises import broken_promises
-from benchmarks.oracle.running import CAMPAIGNS, Going, run
+from benchmarks.oracle.running import CAMPAIGNS, RunningCampaign, run
 from benchmarks.oracle.traces_kept import arc, line, on_path
 from benchmarks.soak.arms import Arm
 from benchmarks.soak.drafts import FIVE_BAR, SCARAS, THREE_AXES
@@ -371,14 +371,16 @@ def test_proved_refusals_are_contradicted_by_nothing(tmp_path: Path) -> None:
 
 def test_a_case_that_fails_is_written_as_a_request(tmp_path: Path, transfer: tuple[Document, Document]) -> None:
     request, answer = transfer
-    file = plans.written(tmp_path, "belt to table", 3, request, answer, [Broken("arrival", "x", 1.0, 0.5, 2.0)], [])
+    file = plans.written(
+        tmp_path, "belt to table", 3, request, answer, [BrokenPromise("arrival", "x", 1.0, 0.5, 2.0)], []
+    )
     assert json.loads(file.read_text()) == json.loads(json.dumps(request))
     faults = json.loads((tmp_path / f"{file.stem}.faults.json").read_text())
     assert (faults["kind"], faults["seed"], faults["faults"][0]["amount"]) == ("belt to table", 3, 1.0)
 
 
 def test_campaigns_run_in_turn_until_each_has_its_count() -> None:
-    going = [Going(name, 1) for name in CAMPAIGNS]
+    going = [RunningCampaign(name, 1) for name in CAMPAIGNS]
     calls: list[int] = []
     run(going, None, count=2, after_each=lambda: calls.append(1))
     assert [each.done for each in going] == [2, 2, 2]
@@ -387,6 +389,6 @@ def test_campaigns_run_in_turn_until_each_has_its_count() -> None:
 
 
 def test_a_campaign_without_time_looks_at_nothing() -> None:
-    going = [Going("plans", 1)]
+    going = [RunningCampaign("plans", 1)]
     run(going, None, seconds=-1.0)
     assert going[0].done == 0

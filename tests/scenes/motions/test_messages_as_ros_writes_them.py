@@ -15,7 +15,7 @@ import pytest
 from assur.api.cli.trajectories import lines
 from assur.planner.errors import InputError
 from assur.scenes.catalogue import shipped_robot
-from assur.scenes.exports.doors import check_trajectory_document
+from assur.scenes.exports.documents import check_trajectory_document
 from assur.scenes.faults import DocumentError
 from assur.scenes.fitted_limits import fit_limits
 from assur.scenes.motion_log import parse_log

@@ -1,4 +1,4 @@
-"""The doors of this folder: what the service, the command line and Python call. Documents in, documents out."""
+"""The public functions of this folder, for the service, the command line and Python: documents in, documents out."""
 
 from __future__ import annotations
 
