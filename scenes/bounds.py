@@ -72,7 +72,7 @@ LARGEST_MESH_M: Final = 20.0
 """A mesh larger than a hall: its unit was mistaken."""
 
 FAR_M: Final = 100.0
-"""Coordinates, m: further away nothing concerns a SCARA; a unit was probably mistaken."""
+"""Coordinates, m: nothing further away concerns a SCARA; a larger value has probably the wrong unit."""
 TURNS_RAD: Final = 1_000.0
 """Angles, rad."""
 FAST_M_S: Final = 100.0
@@ -80,10 +80,10 @@ FAST_M_S: Final = 100.0
 FAST_RAD_S: Final = 1_000.0
 """Turning rates, rad/s."""
 LEAST: Final = 1e-6
-"""What may not be 0 is at least this, SI: speeds, accelerations, jerks, durations, leads, loads, and scales. No drive
-goes by micrometres a second or in microseconds, and no scale weighs milligrams: a unit was probably mistaken."""
+"""Least value, SI, of quantities that may not be 0: speeds, accelerations, jerks, durations, leads, loads, and scales.
+No drive moves at micrometres a second, and no scale weighs milligrams: a smaller value has probably the wrong unit."""
 STRONG: Final = 1e6
-"""Accelerations and jerks of laws and joints, SI: beyond it only rounding happens."""
+"""Accelerations and jerks of laws and joints, SI: results for larger ones would be rounding errors."""
 LONG_S: Final = 100_000.0
 """Instants, s: a day and some."""
 PLAN_S: Final = 1e7

@@ -19,7 +19,7 @@ Path = tuple[str | int, ...]
 
 
 class _Nothing:
-    """Stands for a value that was not given."""
+    """In place of a value that was not given."""
 
     def __repr__(self) -> str:
         return "nothing"
@@ -30,11 +30,11 @@ class _Nothing:
 
 NOTHING = _Nothing()
 SILENT = ("match",)
-"""Fields that a document may leave out, and whose silence can be the fault: they are named all the same."""
+"""Fields that a document may leave out, although a missing one can be the fault: a message may name them."""
 
 
 MOST_FAULTS = 20
-"""So many faults of one document are reported; of further ones their number."""
+"""Number of faults of one document that are reported; of further faults only their number is."""
 
 
 class DocumentError(InputError):
@@ -149,8 +149,8 @@ def fault(document: object, path: Sequence[str | int], allowed: str) -> Document
 
 
 def between(low: float, high: float, value: object) -> str:
-    """A range in words for an error about `value`; of a value that is near to it, by how much it is outside: it may be
-    between the ends as they are printed."""
+    """A range in words for an error about `value`. If the value is near to the range, the text states how far outside
+    it is: as printed, it may be between the ends."""
     printed = f"{low:.6g} to {high:.6g}"
     if not isinstance(value, int | float):
         return printed
@@ -166,7 +166,7 @@ NEAR = 1e-3
 LEAST_SHOWN = 1e-12
 """By less than this a value is outside of a range because units were converted."""
 MOST_MEANT = 4
-"""So many names that hold what was given are suggested."""
+"""Number of names containing the given text that are suggested."""
 LEAST_HELD = 3
 """Least length of a given text that is searched within names, in characters."""
 
@@ -239,7 +239,7 @@ class Refused(Exception):
 
 
 class within:
-    """Whatever is refused inside is refused at `path`, or below it."""
+    """A part that is refused inside is refused at `path`, or below it."""
 
     def __init__(self, *path: str | int) -> None:
         self._path = path
@@ -257,15 +257,15 @@ class within:
 
 
 class FollowsError(Refused):
-    """A part cannot be read because another part that it names has a fault. It is none of its own."""
+    """A part cannot be read because another part that it names has a fault. This is no further fault."""
 
     def __init__(self) -> None:
         super().__init__("what can be read")
 
 
 class Gathered:
-    """The faults of parts that are read one after another: each `part` is read whatever is wrong with those before, and
-    `settle` raises what was refused, all at once."""
+    """The faults of parts that are read one after another: each `part` is read, even if parts before it have faults,
+    and `settle` raises all faults at once."""
 
     def __init__(self) -> None:
         self.faults: list[Refused | DocumentError] = []
@@ -313,7 +313,7 @@ class _Located(Refused):
 
 
 class located:
-    """Whatever is refused inside becomes a fault of `document`."""
+    """A part that is refused inside becomes a fault of `document`."""
 
     def __init__(self, document: object) -> None:
         self._document = document

@@ -1,7 +1,7 @@
 """A request and the answer to it in one document: the file that `assur plan --out` writes.
 
-It is what `POST /v1/plans/check`, `/view` and `/report` take, with the name of its form. Nothing in it names another
-file: what the cell's files held (meshes, robots, plans of others) is in the request.
+`POST /v1/plans/check`, `/view` and `/report` take it. Nothing in it names another file: the request contains the
+content of the cell's files (meshes, robots, plans of neighbours).
 """
 
 from __future__ import annotations

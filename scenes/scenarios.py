@@ -1,4 +1,4 @@
-"""Scenario files: why a cell exists, the request, and what is expected of its answer."""
+"""Scenario files: the purpose of a cell, the request, and the expected answer."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class ScenarioDocument(Document):
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """A scenario: its name is its file's, `folder` its file's folder, `lines` where each of its values stands."""
+    """A scenario: its name is its file's, `folder` its file's folder, `lines` has the line of each value."""
 
     name: str
     about: str
@@ -118,13 +118,13 @@ def scenario_text(name: str) -> str:
 
 
 def with_files(request: Any, folder: Path) -> Any:
-    """The request with what every file that it names (of a robot, a plan, a mesh) holds, which must lie below `folder`,
-    in its place."""
+    """The request with the content of each file (of a robot, a plan, a mesh) in place of its name; the files must be
+    below `folder`."""
     return with_meshes(with_plans(with_robots(request, folder), folder), folder)
 
 
 def unmet(expect: dict[str, Any], answer: dict[str, Any]) -> list[str]:
-    """What of a scenario's `expect` the answer does not hold, in words; [] if it holds all, or nothing is expected."""
+    """The parts of a scenario's `expect` that the answer does not meet, in words; [] if it meets all of them."""
     if not expect:
         return []
     wanted = read(ExpectDocument, expect)

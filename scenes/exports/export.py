@@ -1,7 +1,7 @@
-"""A plan as a controller's file: on the grid that it runs, proved on it anew, and what that came to.
+"""A plan as a file for a controller: on the controller's grid, and proved again on that grid.
 
-What is exported is what was proved: the numbers in the file are those of the plan in the export, whose certificate the
-checker has accepted against the request in the export.
+The exported motion is the proved motion: the numbers in the file are those of the plan in the export. The checker has
+accepted the certificate of this plan for the request in the export.
 """
 
 from __future__ import annotations
@@ -153,7 +153,7 @@ def _motion(
     factor: float = 1.0,
     given: Cell | None = None,
 ) -> Motion:
-    """A proved motion, and what it came to. `given`: the cell of the request that was given, if its limits of jerk
+    """A proved motion with its deviations and jerks. `given`: the cell of the original request, if its limits of jerk
     were raised by `factor`."""
     from assur.scenes.resampling.measured import deviation
 
@@ -224,7 +224,7 @@ def in_words(findings: tuple[Finding, ...]) -> str:
 
 
 def statement(motion: Motion) -> list[str]:
-    """What an export says of itself, in short lines; files of text begin with it."""
+    """Short lines that describe an export; text files begin with them."""
     from assur.scenes.answer import NOTICE
     from assur.scenes.exports import handover
 

@@ -42,8 +42,8 @@ EARLY_S = 1e-9
 def verdict(
     cell: Cell, request: dict[str, Any], given: ForeignTrajectoryDocument, plan: Plan | None
 ) -> TrajectoryVerdict:
-    """Whether the trajectory in a file keeps the limits and keeps everything apart. `request`: that of the cell, with
-    what files hold in it; `plan`: whose legs it has, and whose promises it must keep. Raises `InputError`."""
+    """Whether the trajectory in a file keeps the limits and the clearances. `request`: that of the cell, with the
+    content of its files; `plan`: whose legs it has, and whose promises it must keep. Raises `InputError`."""
     from assur.planner.model.phases import phases
     from assur.scenes.answer import NOTICE
     from assur.scenes.answer_facts import written

@@ -1,8 +1,8 @@
 """The hand-over of a plan to a joint_trajectory_controller that runs another one (docs/export.md).
 
-What is exact is the whole motion on one time base: the points of the running plan up to the switch, then those of the
-plan. Both are proved: the running one with a knot at the switch, against its own request, and the plan with the state
-that the running one has there in place of its first one.
+The whole motion is exact on one time base: the points of the running plan up to the switch, then those of the plan.
+Both are proved: the running plan with a knot at the switch, against its own request, and the plan with the state of the
+running plan at the switch as its first state.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ class Handover:
 
 
 def handed_over(cell: Cell, made: Plan, how: ExportDocument, running: object) -> tuple[Plan, Handover]:
-    """A plan as it goes on from the plan file `running` (None: from nothing), and what precedes it.
+    """A plan that continues the plan file `running` (None: nothing runs), and the motion before it.
 
-    Raises `InputError` where the format has no stamps, and where the running plan cannot be gone on from: another
-    robot, other joints, a time at which it does not run, another state, or another load.
+    Raises `InputError` if the format has no stamps, and if the running plan cannot be continued: another robot, other
+    joints, a time at which it does not run, another state, or another load.
     """
     lead = how.lead_s or 0.0
     if not how.format.startswith("ros2"):

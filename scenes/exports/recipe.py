@@ -1,7 +1,7 @@
 """A plan as a recipe in the language of a maker's controller: points, speeds, accelerations and arches, with notes.
 
-It is not executed here, and nothing of it is proved: the controller makes a motion of its own from it. It says at which
-points, at what speeds and how high the plan goes, for who writes the program.
+It is not executed here, and nothing of it is proved: the controller makes a motion of its own from it. It states the
+points, speeds and heights of the plan for the author of the program.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Cells of a covering: the surface inside each, how far its hull reaches out of the solid, and where it is best cut.
 
-All of this is a judgement of quality. What is covered depends on the cuts alone, whatever they are (`clip`, M1).
+All of this is a judgement of quality: any cuts give hulls that contain the surface (`clip`, M1).
 """
 
 from __future__ import annotations
@@ -120,8 +120,8 @@ class Cell:
         return _Hull.of(_some(self.mesh[0]))
 
     def best(self) -> tuple[Place | None, int]:
-        """Where the volume of the hulls falls most (None: no cut leaves something on both sides), and of how many
-        points hulls were made to find it, with what else it costs.
+        """Where the volume of the hulls falls most (None: no cut leaves something on both sides), and the cost of the
+        search in points of hulls.
 
         Of cuts that do equally well (the first ones through a hollow box all do), the one along most surface; then the
         one across the longest extent. Of the best of them and the cuts through the middle, the one that leaves least

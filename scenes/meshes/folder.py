@@ -1,7 +1,7 @@
-"""A folder of meshes by the SHA-256 of their files, and of what is costly to find about them, shared by processes.
+"""A folder of meshes by the SHA-256 of their files, with the cuts of their covers, shared by processes.
 
 It holds `<sha256>.mesh`, the bytes of a file, and `<sha256>-<format>-<unit>.cover`, where a mesh is cut. Both are data
-from outside when they are read: bytes count if they have the digest, cuts as `assur.scenes.meshes.kept_cuts` says.
+from outside when they are read: bytes must have the digest, and `assur.scenes.meshes.kept_cuts` checks the cuts.
 Files appear at once and whole (a temporary name, then a rename), one at a time. Names are made of digests alone, links
 are not followed, and nothing else in the folder is read or removed.
 """
@@ -41,7 +41,7 @@ TOUCHED_S = 60.0
 
 
 class FolderError(AssurError):
-    """The folder did not take a file. `full`: for want of room, of the quota or of the disk."""
+    """The folder did not take a file. `full`: the quota or the disk is full."""
 
     def __init__(self, why: str, *, full: bool) -> None:
         super().__init__(why)
@@ -66,7 +66,8 @@ class MeshFolder:
 
     @staticmethod
     def at(path: str, quota_bytes: int, kept_s: float, field: str) -> MeshFolder:
-        """The folder, which is made if need be. Raises `InputError` at `field` unless it can be read and written."""
+        """The folder, which is made if it does not exist. Raises `InputError` at `field` unless it can be read and
+        written."""
         folder = MeshFolder(Path(path).absolute(), quota_bytes, kept_s)
         try:
             folder.path.mkdir(parents=True, exist_ok=True)

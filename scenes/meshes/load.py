@@ -1,4 +1,4 @@
-"""Bytes of a mesh file into a closed surface. The only importer of trimesh, and what it must be guarded against.
+"""Bytes of a mesh file into a closed surface. Only this module imports trimesh, and guards against its traps.
 
 Traps (`trimesh` 5.2): an STL with NaN vertices comes back as a mesh with 0 faces and no error, so raw triangles are
 read (`process=False`) and counted; an empty file comes back as a Scene; exceptions are of any type; strings are
@@ -37,7 +37,7 @@ def load(content: bytes, form: str, unit: str) -> Surface:
 
 
 def load_in_parts(content: bytes, form: str, unit: str) -> Parts[Surface]:
-    """`load`, which may be left, and gone on with, between two parts of the work."""
+    """`load`, which may be interrupted between two parts of the work, and continued."""
     if unit not in UNITS_M:
         raise InputError("mesh.unit", unit, f"one of {', '.join(UNITS_M)}")
     if form not in CHECKS:

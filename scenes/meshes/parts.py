@@ -1,4 +1,4 @@
-"""Work in parts: it may be left between two of them and gone on with later, with the same result."""
+"""Work in parts: it may be interrupted between two of them and continued later, with the same result."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 
 T = TypeVar("T")
 Parts = Generator[None, None, T]
-"""Work that yields between two of its parts, and returns what it gives."""
+"""Work that yields between two of its parts, and returns its result."""
 
 
 class InParts(Generic[T]):
@@ -29,7 +29,7 @@ class InParts(Generic[T]):
 
 
 def at_once(parts: Parts[T]) -> T:
-    """What work in parts gives, done without being left."""
+    """The result of work in parts, done without interruption."""
     while True:
         try:
             next(parts)

@@ -42,7 +42,7 @@ def closed_surface(corners: FloatArray, unit_m: float) -> Surface:
 
 
 def surface_in_parts(corners: FloatArray, unit_m: float) -> Parts[Surface]:
-    """`closed_surface`, which may be left, and gone on with, between two parts of the work."""
+    """`closed_surface`, which may be interrupted between two parts of the work, and continued."""
     if not MIN_FACES <= len(corners) <= MAX_FACES:
         raise InputError("mesh.data", f"{len(corners)} triangles", f"{MIN_FACES} to {MAX_FACES} triangles")
     if not np.all(np.isfinite(corners)):

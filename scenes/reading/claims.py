@@ -1,7 +1,8 @@
-"""What an answer says beside its plan: claims for the checker, and what it repeats of the request, held to that here.
+"""The statements of an answer in addition to its plan: claims for the checker, and repetitions of the request.
 
-What an answer leaves out is no claim. Of fields about the search (how long, what was refused), and of notes for people,
-only the form is checked (`scenes.schema.checked`). A field that no answer has is refused, wherever it is.
+The repetitions are compared with the request here. A field that is left out is no claim. Of fields about the search
+(its time, its refusals), and of notes for people, only the form is checked (`scenes.schema.checked`). A field that no
+answer has is refused, wherever it is.
 """
 
 from __future__ import annotations
@@ -89,7 +90,7 @@ def _nearest(item: Any) -> Nearest | None:
 
 
 def untrue_repeats(answer: dict[str, Any], scene: Scene) -> tuple[Finding, ...]:
-    """What an answer whose form is right repeats of its request and is not so there."""
+    """The fields that repeat the request wrongly, of an answer whose form is right."""
     from assur.scenes.answer import repeated
 
     found = list[Finding]()
@@ -125,8 +126,8 @@ def untrue_arrivals(arrivals: Sequence[Arrival], scene: Scene) -> tuple[Finding,
 
 
 def untrue_errors(plan: Plan, scene: Scene) -> tuple[Finding, ...]:
-    """Errors of arrivals, what their causes add, and realisations of them, that are not those which are computed again
-    from the request and the motion. That no error is larger than is stated is shown elsewhere."""
+    """Findings for errors of arrivals, shares of their causes, and realisations that differ from those computed again
+    from the request and the motion. That no error is larger than stated is proved elsewhere."""
     from assur.planner.legs.accuracy import arrival_error, realised
     from assur.planner.model.phases import phases
 

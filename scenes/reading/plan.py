@@ -1,4 +1,4 @@
-"""A plan out of its document: the facts that the checker judges, as they were before they were written down."""
+"""Reads a plan from its document: the facts that the checker judges."""
 
 from __future__ import annotations
 
@@ -47,15 +47,15 @@ COLUMNS = document.Certificate.__required_keys__ - CERTIFICATE_DIGEST
 
 
 PATH_TIME_S = 1e-3
-"""By so much more may a leg last than a path may: times round, s."""
+"""A leg may last longer than a path by this, s: times are rounded."""
 
 
 def plan_of(plan: object, conventions: Conventions, *, proved_anew: bool = False) -> tuple[Plan, tuple[Finding, ...]]:
-    """The plan in a planned answer with a full certificate, and what the answer says of its durations and of the joints
-    of its arrivals, that is not so.
+    """The plan in a planned answer with a full certificate, and findings for wrong durations and wrong joints of
+    arrivals.
 
     `proved_anew`: its motion will be proved again, so that the digest of the certificate is enough; the certificate of
-    the plan has no rows then. Not checked here: whether anything else in it is true (`claims`, and the checker).
+    the plan has no rows then. Whether other statements are true is not checked here (see `claims` and the checker).
     Raises `DocumentError` below "plan".
     """
     with located({PLAN: plan}), within(PLAN):
@@ -94,8 +94,8 @@ def check_lengths(answer: dict[str, object], made: Plan, scene: Scene) -> None:
 def motion_of(
     answer: dict[str, object], conventions: Conventions
 ) -> tuple[Trajectory, tuple[Leg, ...], tuple[Arrival, ...]]:
-    """Trajectory, legs and arrivals of an answer, or of a candidate in it, whatever else is there: for those who show a
-    motion and believe nothing of it. Raises `DocumentError` below "plan"."""
+    """Trajectory, legs and arrivals of an answer, or of a candidate in it; other fields are ignored. For callers that
+    show a motion and do not rely on it. Raises `DocumentError` below "plan"."""
     with located({PLAN: answer}), within(PLAN):
         shown = {key: answer[key] for key in document.ShownMotion.__annotations__ if key in answer}
         item: document.ShownMotion = read_normal(document.ShownMotion, shown, shown, (PLAN,))
@@ -158,7 +158,7 @@ def _missed(i: int, item: document.Missed | None, conventions: Conventions) -> M
 
 
 def _untrue(item: document.CheckedPlan) -> tuple[Finding, ...]:
-    """Durations that an answer states and its trajectory has not; what it leaves out is no claim."""
+    """Findings for durations that differ from the trajectory's; a field that is left out is no claim."""
     first, last = item["trajectory"]["time_s"][0], item["trajectory"]["time_s"][-1]
     duration = last - first
     return tuple(
@@ -172,7 +172,7 @@ def _untrue(item: document.CheckedPlan) -> tuple[Finding, ...]:
 
 
 def _untrue_joints(item: document.CheckedPlan, made: Plan, conventions: Conventions) -> tuple[Finding, ...]:
-    """Joints that an answer states of its arrivals and its trajectory has not."""
+    """Findings for joints of arrivals that differ from the trajectory's."""
     found = []
     for i, arrival in enumerate(item["arrivals"]):
         time, field = arrival["time_s"], f"arrivals[{i}]"

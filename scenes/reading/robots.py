@@ -37,8 +37,8 @@ from assur.scenes.units import from_si, si_key, twin_of
 
 @dataclass(frozen=True, eq=False)
 class Equipped:
-    """A robot at its base with its limits narrowed, its tool, the conventions in which its maker counts, what the robot
-    may carry, and the ranges of yaw in which its tool may not be."""
+    """A robot at its base with its narrowed limits, its tool, its maker's joint conventions, its load limits, and the
+    forbidden ranges of yaw of its tool."""
 
     robot: Robot
     tool: Tool
@@ -51,7 +51,7 @@ _kept: dict[str, Equipped] = {}
 
 
 def equipped(item: RobotDocument) -> Equipped:
-    """The robot of a document with its tool. A robot that many requests repeat is built once: its document decides.
+    """The robot of a document with its tool. Equal documents get the same robot, which is built once.
 
     Raises `Refused` at the field at fault.
     """

@@ -41,7 +41,7 @@ NO_TILT = "no {}: only arms with five axes have one"
 
 
 class _Task:
-    """Reads the steps in order, and knows what the gripper holds in between."""
+    """Reads the steps in order, and keeps track of the part in the gripper."""
 
     def __init__(
         self,
@@ -60,7 +60,7 @@ class _Task:
         self.no_yaw = NO_HEADING if self.has_tilt else NO_YAW
         self.held = held
         self.lost = False
-        """A pick has a fault, so that nobody knows what is held."""
+        """A pick has a fault, so that the held part is not known."""
         self.names: set[str] = set()
         self.at: tuple[str, Point] | None = None
         """Frame, and the tool point in it, where the last step ends, if the request says it."""
@@ -346,7 +346,7 @@ def steps_of(
     """The steps, in order, for a robot with these coordinates (None: not known) whose gripper holds the part `held` at
     the start. `solid_tool`: whether its tool has bodies.
 
-    `faults` gets the steps that ask for what is not there, or not in the gripper; these are left out.
+    `faults` gets the steps that name something that does not exist, or is not in the gripper; these are left out.
     """
     reader = _Task(frames, Places(places), coordinates, held, faults, solid_tool=solid_tool)
     return tuple(step for i, item in enumerate(task) for step in reader.read(i, item))

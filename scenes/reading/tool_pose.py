@@ -1,4 +1,4 @@
-"""A pose of the tool as the arm can take it: the flange there, which turns its wrist makes, what a mode lacks."""
+"""A pose of the tool for an arm: the pose of its flange, the turns of its wrist, and why a mode has no solution."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def knows(law: Law, t: float) -> bool:
 
 
 def known_from(law: Law) -> str:
-    """When a law is known that is not known for ever."""
+    """The time span, in words, in which a law is known."""
     ends = zip(("from", "to"), law.valid, strict=True)
     return "known " + " ".join(f"{word} {end:g} s" for word, end in ends if math.isfinite(end))
 

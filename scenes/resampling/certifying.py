@@ -1,4 +1,4 @@
-"""The same legs on other knots, proved and checked anew: what is exported is what was proved."""
+"""The same legs on other knots, proved and checked again: the exported motion is the proved motion."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from assur.scenes.resampling.grid import arrivals_on, legs_on
 
 @dataclass(frozen=True)
 class Refutation:
-    """Why a motion is not proved: what the checker finds, or the pair that could not be shown to stay apart first."""
+    """Why a motion is not proved: findings of the checker, or the first pair whose clearance could not be proved."""
 
     findings: tuple[Finding, ...]
 

@@ -17,7 +17,8 @@ from assur.scenes.resampling.keeping import WIDE, Requirements, kept
 
 NANO = 1e-9
 SHORTEST_TICK_S, LONGEST_TICK_S = 1e-4, 0.1
-"""s. Below, the numbers of knots say nothing of the jerk any more; above, nothing is left of the motion."""
+"""s. With shorter ticks the rounded knots do not determine the jerk; with longer ones too little of the motion is
+left."""
 MOST_KNOTS = 50_000
 """Knots that a motion may have on a grid: what readers of trajectories take."""
 CROWDED = 1000
@@ -52,7 +53,7 @@ def on_nanoseconds(trajectory: Trajectory, also: int | None = None) -> Trajector
         raise InputError("trajectory.time_s", late, "knots 1 ns apart at least")
     time = trajectory.start + whole * NANO
     own = trajectory.time[np.clip(np.searchsorted(trajectory.time, time - NANO / 2.0), 0, len(trajectory.time) - 1)]
-    # what is at a whole nanosecond already stays as it is, to the bit
+    # a knot at a whole nanosecond is not changed, to the bit
     return _through(trajectory, np.where(np.abs(own - time) <= 2.0 * np.spacing(np.abs(time)), own, time))
 
 

@@ -1,11 +1,11 @@
-"""Knots on a grid keep the limits of a motion that turns at its limits between two of them.
+"""Changes knots on a grid so that the motion between them keeps its limits.
 
-Where the jerk of a plan jumps between two knots of a grid, the quintic through its states swings past a limit that the
-plan just reaches: by 0.02 J h of the acceleration, with J the jerk and h the step, and with up to 1.75 times the jerk.
-And where a leg ends between two knots, the state there is no longer exactly that of the plan. Both are mended near by:
-a linear programme changes the states of some knots, so that the control values of position, velocity, acceleration and
-jerk keep their limits, and the states at given times are exactly those of the plan; of such changes it takes the least.
-Where they do not suffice for the jerk, its excess is the least.
+If the jerk of a plan jumps between two knots of a grid, the quintic through its states exceeds a limit that the plan
+just reaches: the acceleration by 0.02 J h, with J the jerk and h the step, and the jerk by a factor of up to 1.75. If a
+leg ends between two knots, the state there is no longer exactly that of the plan. Both are corrected: a linear
+programme changes the states of some knots nearby, so that the control values of position, velocity, acceleration and
+jerk keep their limits, and the states at given times are exactly those of the plan. It takes the smallest such change.
+If no change suffices for the jerk, its excess is the smallest.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from assur.planner.arrays import BoolArray, FloatArray, IntArray
 V, A, J = slice(0, 5), slice(5, 9), slice(9, 12)
 """Control values of velocity, acceleration and jerk of a piece (equation T2)."""
 RESERVE = 1e-6
-"""Share of a limit of a rate that is left free, for what the linear programme rounds."""
+"""Share of a limit of a rate that is left free for rounding in the linear programme."""
 ENDS = 1e-3
 """A position is held on pieces that are nearer to an end of its range than this share of it."""
 SAME = 1e-10

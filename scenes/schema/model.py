@@ -35,7 +35,7 @@ from assur.scenes.units import TWIN_UNITS, from_si, si_key, to_si, twin_of
 Group = tuple[str, ...]
 LONGEST_KEY = 40
 MOST_KEYS = 3
-"""So much of the keys that are no fields is repeated."""
+"""Longest text of unknown keys that a message repeats."""
 
 
 class Document(BaseModel):
@@ -78,9 +78,8 @@ class Document(BaseModel):
         return self
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """A copy, with the values of `update` in place of its own. What the model refuses of them raises
-        `pydantic.ValidationError`, as where it is made: also a field that it has not. `deep` changes nothing: what is
-        frozen is shared."""
+        """A copy, with the values of `update` in place of its own. Raises `pydantic.ValidationError` for values and
+        fields that the model refuses, like the constructor. `deep` changes nothing: frozen values are shared."""
         if not update:
             return super().model_copy(deep=deep)
         keys = {name: field.alias or name for name, field in type(self).model_fields.items()}
@@ -88,7 +87,7 @@ class Document(BaseModel):
         return type(self).model_validate(own | {keys.get(name, name): value for name, value in update.items()})
 
     def document(self) -> dict[str, Any]:
-        """What was given, as the plain document that it is, in SI. What was left out is left out."""
+        """The given values as a plain document, in SI. Values that were left out are left out here, too."""
         return self.model_dump(by_alias=True, exclude_unset=True, exclude_none=True)
 
     @classmethod

@@ -101,9 +101,9 @@ def _adapter(model: Any) -> TypeAdapter[Any]:
 
 
 def _location(model: Any, document: object, parts: Path) -> Path | None:
-    """The keys on the way to a fault, out of the parts in which pydantic tells it: without the form of a fact and the
-    mark of a mapping's key, which a document's own key may be called like. None for a fault of the form of a fact that
-    is not the one given: both are tried, and both refused."""
+    """The keys on the path to a fault, from pydantic's location: without the form of a fact and the mark of a mapping's
+    key, which may have the name of a document's own key. None for a fault of the form of a fact that was not given:
+    pydantic tries both forms, and refuses both."""
     found: Path = ()
     seen: Path | None = None
     for part in parts:
@@ -293,7 +293,7 @@ SHIPPED: dict[str | int, Callable[[], Sequence[str]]] = {"model": _models, "asse
 # item before it checks their number. A refusal here costs no more than the document's length.
 
 MOST_UNKNOWN = 20
-"""So many keys more than a model has fields are left to the model, which tells what was probably meant by each."""
+"""Most keys in addition to a model's fields that are left to the model, which suggests a field for each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -339,7 +339,7 @@ def _of_model(model: type[BaseModel]) -> _Shape:
 
 
 def _of(annotation: Any, metadata: tuple[Any, ...]) -> _Shape | None:
-    """The shape that an annotation allows; None: a single value, or a list of such, whose length its model looks at."""
+    """The shape that an annotation allows; None: a single value, or a list of such, whose length its model checks."""
     if get_origin(annotation) is Annotated:
         first, *more = get_args(annotation)
         return _of(first, (*metadata, *more))

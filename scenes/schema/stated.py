@@ -18,7 +18,7 @@ from assur.scenes.schema.model import Document
 T = TypeVar("T")
 
 Status = Literal["vendor", "vendor_config", "third_party", "disputed", "defined", "measured", "estimated"]
-"""Whose word a fact is.
+"""The source of a fact.
 
 vendor         the maker's own data
 vendor_config  from a configuration file of the maker's, where it may be a placeholder

@@ -1,4 +1,4 @@
-"""YAML 1.2 as scenario files need it: plain data with line numbers, and nothing that surprises.
+"""YAML 1.2 as scenario files need it: plain data with line numbers.
 
 Built from the event stream of PyYAML's libyaml parser without recursion and without any of its constructors, so what a
 scalar means is decided here by the core schema of YAML 1.2 (`on` is text, `1e3` is a number, `1:30` is text, `010` is

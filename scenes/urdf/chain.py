@@ -142,7 +142,7 @@ def _last_moving(tree: Tree, base: str) -> str | None:
 
 
 def chain_to(tree: Tree, base: str, tip: str) -> tuple[Chain | None, list[MissingItem]]:
-    """The arm from base to tip, and what of the tree makes it none: joints of other kinds, joints that follow others,
+    """The arm from base to tip, and reasons why it is no arm: joints of other kinds, joints that follow others,
     and joints that move and are not in the arm."""
     path = tree.path(base, tip)
     if path is None:

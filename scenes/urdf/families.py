@@ -52,7 +52,7 @@ class Kinematics:
 
 
 def recognised(chain: Chain) -> Kinematics:
-    """The arm that a chain is. Raises `Unsuitable` with what keeps it from being one."""
+    """The arm of a chain. Raises `Unsuitable` with the reason why it is no arm of ours."""
     axes = chain.axes
     kinds = "".join("r" if axis.turns else "p" for axis in axes)
     upright = [_parallel(axis.direction, UP) for axis in axes]
@@ -264,8 +264,8 @@ MOST_AXES = 5
 """No arm of ours has more."""
 
 
-# Which chain of a tree is the arm: of the links that may be its flange the first with which it is of a family of ours.
-# An arm of no family is refused with what keeps it from being one and nothing else: limits and meshes do not matter.
+# Which chain of a tree is the arm: the first possible flange with which the chain is of a family of ours counts. An arm
+# of no family is refused with the reason for that only: limits and meshes do not matter then.
 
 
 def arm_in(

@@ -41,8 +41,8 @@ from assur.scenes.urdf.xml_text import FARTHEST, MAX_XML_BYTES
 
 @dataclass(frozen=True)
 class ImportOptions:
-    """What is to be imported. `packages`: folders by name; `held`: joints that stay at a position; `status`: whose word
-    the numbers of the files are."""
+    """How a robot is imported. `packages`: folders by name; `held`: joints that stay at a position; `status`: the
+    status of the numbers in the files."""
 
     urdf: Path
     joint_limits: Path | None = None

@@ -1,6 +1,6 @@
-"""Numbers of a description that no arm has, and what they would be in the unit that was probably meant.
+"""Warnings about implausible numbers of a description, with their value in the unit that was probably meant.
 
-They are warnings: an arm may be as odd as it likes. The bounds are several times beyond the arms that are sold.
+They are no refusals: an arm may be unusual. The bounds are several times beyond the arms on the market.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from assur.scenes.urdf.tree import Solid
 DEGREE = math.degrees(1.0)
 MM = 1000.0
 ODD = 100.0
-"""A link that is so many times smaller or larger than the others is odd."""
+"""A link that is so many times smaller or larger than the others is reported."""
 NEAR = 30.0
 """A link of another unit is, in this one, within so many times of the others."""
 MOST_TURNS = 3.0

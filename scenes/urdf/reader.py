@@ -1,5 +1,5 @@
-"""A URDF file of version 1.0, 1.1 or 1.2 as a tree of links and joints. What this reader does not take is refused or
-reported: `unread.py`.
+"""A URDF file of version 1.0, 1.1 or 1.2 as a tree of links and joints. `unread.py` refuses or reports the parts that
+this reader ignores.
 
 Source: the ROS wiki's pages urdf/XML for version 1.0, and the README of ros/urdfdom 6 for versions 1.1 (turns as
 quaternions, capsules) and 1.2 (limits of acceleration, deceleration and jerk; both ends of a range are required).
