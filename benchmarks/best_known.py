@@ -30,12 +30,12 @@ SCHEMA = "assur-best-known/1"
 
 Record = dict[str, Any]
 Known = dict[str, dict[str, Record]]
-"""Set in words → problem → {duration_s, by, commit, searched_s}; the last: how long this command searched for it in
-all, 0 for what other runs found on their way."""
+"""Set in words → problem → {duration_s, by, commit, searched_s}. `searched_s`: time that this command searched for it;
+0 for records from other runs."""
 
 
 class RaisedError(Exception):
-    """Somebody wants to raise a record, or to drop one."""
+    """A record would be raised or dropped."""
 
 
 def read(path: Path) -> Known:

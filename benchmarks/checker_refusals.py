@@ -1,6 +1,6 @@
-"""What the checker refuses of what the planner has made: each is a failure, and its request is kept.
+"""Plans that the planner has proved and the checker refuses: each is a failure, and its request is kept.
 
-It is refused twice over: in a search (a line of the census of stage `checker`; another plan may come after it), or when
+The checker refuses a plan in the search (a line of the census with stage `checker`; another plan may follow), or when
 an answer is checked.
 """
 

@@ -40,8 +40,8 @@ expected-statuses = {expected}
 include-operation-id = "start_job"
 checks.negative_data_rejection.enabled = false
 """
-"""A job is accepted before a worker has read its request: what is wrong with it is the problem of a job that failed.
-A job that is called off is kept, and says so."""
+"""A job is accepted before a worker has read its request: a fault of the request is the problem of a failed job. A
+cancelled job is kept in that state."""
 
 
 def round_of(

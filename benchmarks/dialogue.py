@@ -1,8 +1,8 @@
-"""A process that answers: one JSON object a line in, one out. Both ends of it.
+"""Both ends of a process that answers: one JSON object a line in, one out.
 
-What is measured runs in a process of its own, ours and the peers' alike: warm, on its one core, and what a library
-prints or how it dies is no concern of the others. Only the standard library is used here, for a peer's environment
-has not what ours has.
+Each measured planner, ours or a peer, runs in a process of its own: warm, on one core, and independent of what
+libraries in other processes print, or how they end. Only the standard library is used here, since a peer's environment
+does not have our packages.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a script of the benchmark writes: one file of JSON lines, and its figures, each beside its bar.
+"""What a script of the benchmark writes: one file of JSON lines, and its figures, each with its bar.
 
 The first line says what was measured, where and when; then a line for each record; then a line for each figure. A
 figure is formed only over answers that were checked and found clean, else it is refused.
@@ -25,7 +25,7 @@ Records = Mapping[str, Document]
 
 FOLDER = ROOT / "benchmarks" / "results"
 SAMPLES = ROOT / "out" / "bench" / "quick"
-"""Where results of a sample go: no page is filled from there."""
+"""Folder for results of a sample: no page is filled from there."""
 WIDTH = 120
 """Characters of the tables, where the terminal has not more."""
 
@@ -135,7 +135,7 @@ def finish(
 
 
 def show(figures: Sequence[Figure], title: str) -> None:
-    """Prints figures beside their bars, and below them why any was refused."""
+    """Prints figures with their bars, and below them the reasons for refused figures."""
     console = Console(width=max(WIDTH, Console().width))
     table = Table("figure", "bar", "reached", "met", "", title=title)
     for each in figures:

@@ -1,4 +1,4 @@
-"""``python -m benchmarks.first_answer``: how soon the first answer of each problem is in hand, and how many are solved.
+"""``python -m benchmarks.first_answer``: time to the first answer of each problem, and how many are solved.
 
 One core, `stop: first`, clearance and margin 0, from a request in memory to the checked answer; three seeds, each a
 single run, pooled. With `--beside COMMIT` the planner of that commit answers each request in turn with this one.
@@ -77,7 +77,7 @@ def figures_of(records: Records, by: str) -> list[Figure]:
 
 
 def refusals(records: Records) -> list[Figure]:
-    """What must never be: the prover accepts and the checker refuses, or the recheck finds anything."""
+    """Counts that must be 0: the prover accepts and the checker refuses, or the recheck reports a fault."""
     refused = sum(record.get("checker_refused", 0) for record in records.values())
     wrong = sum(record.get("findings") != [] for record in records.values())
     answers = sum(record["status"] == "planned" for record in records.values())

@@ -32,7 +32,7 @@ LIBRARIES = "libraries"
 
 
 class Planner(NamedTuple):
-    """What is called of a commit."""
+    """The functions of a commit that are called."""
 
     scene_of: Any
     plan: Any

@@ -80,7 +80,7 @@ def main(
     seed: Annotated[int, typer.Option(min=0, help="Another seed makes other cells.")] = 0,
     out: Annotated[Path, typer.Option(help="Where requests whose plans are refused are written.")] = Path("out/proofs"),
 ) -> None:
-    """Plan random cells, and ask both checkers of each plan."""
+    """Plan random cells, and run both checkers on each plan."""
     found = Agreement()
     # also where a shell that started this in the background has it ignored
     signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -1,7 +1,7 @@
 """``python -m benchmarks.report``: tables and plots of docs/benchmarks.md, from `benchmarks/results`.
 
-The page holds them between comments that name what stands there; everything else on it is left as it is. Where there is
-no result yet, the page says so.
+The page has them between comments that name the block; the rest of the page is not changed. If there is no result yet,
+the page states that.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def profile(path: Path = FOLDER / "profile.jsonl") -> str:
 
 
 def plots(there: Results) -> str:
-    """The plots that are there, as links."""
+    """The existing plots, as links."""
     found = [f"![{title}](plots/{name}.svg)" for name, title in TITLES.items() if name in there]
     return "\n\n".join(found)
 
@@ -100,7 +100,7 @@ BLOCKS: Mapping[str, Callable[[Results], str]] = {
 
 
 def filled(page: str, there: Results) -> str:
-    """A page with its blocks as the results are. `KeyError` for a block that nobody makes."""
+    """A page with its blocks filled from the results. `KeyError` for an unknown block."""
     return MARKED.sub(lambda found: f"{found[1]}\n{BLOCKS[found[2]](there)}\n\n{found[4]}", page)
 
 

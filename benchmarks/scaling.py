@@ -94,11 +94,11 @@ if __name__ == "__main__":
 DENSITY_M2 = 8.0
 """Bodies in a square metre of floor: ten of them within the arm's reach of 0.6 m, as crowded as a static problem."""
 INNER_M = 0.12
-"""No body stands nearer to the shoulder's axis."""
+"""Least distance of a body from the shoulder's axis."""
 CLEAR_M = 0.07
-"""No body stands nearer to start or goal, from above."""
+"""Least distance of a body from start or goal, from above."""
 ASIDE_M, ASIDE_RAD = (0.2, 0.58), 2.4
-"""Where bodies stand that the arm could reach and does not come near: radii, and least angle from the front."""
+"""Places of bodies that the arm could reach and does not come near: radii, and least angle from the front."""
 SMALL_M = 0.004
 """Edge of a body that is so small that a thousand of them are apart from each other."""
 
@@ -139,7 +139,7 @@ def crowd(seed: int, bodies: int) -> Problem:
 
 
 def aside(seed: int, bodies: int) -> Problem:
-    """The start and goal of a crowd, before which the arm stays; all bodies stand behind it, within its reach."""
+    """Start and goal in front of the arm; all bodies are behind it, within its reach."""
     random = np.random.default_rng([14, seed])
     obstacles: list[Document] = []
     for _ in range(bodies):

@@ -55,7 +55,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Every tenth proble
     finish("side_by_side", "ours and the peers, static problems", quick, parameters, records, figures)
     if not quick:
         for title in TITLES.values():
-            # what a peer found that keeps every limit, jerk included, is a record like any other
+            # a peer's motion that keeps every limit, jerk included, is a record like any other
             kept = {item: r | {"findings": r["findings"] + r["limits"]} for item, r in of(records, title).items()}
             version = parameters["versions"].get(title, "")
             lower(PATH, found(label("static", "position"), kept, f"{title} {version}".strip()))
@@ -89,13 +89,13 @@ def of(records: Records, title: str) -> dict[str, Document]:
 
 
 def solved(record: Document) -> bool:
-    """Whether there is a motion in which nothing fatal was found."""
+    """Whether there is a motion without a fatal fault."""
     return record["status"] == "planned" and not record["findings"]
 
 
 def figures_of(records: Records, title: str) -> list[Figure]:
-    """Share solved within a second, time to a trajectory, duration. What is wrong with our answer refuses the figure;
-    what is wrong with a peer's makes the problem unsolved."""
+    """Share solved within a second, time to a trajectory, duration. A fault of our answer refuses the figure; a fault
+    of a peer's answer makes the problem unsolved."""
     rows = of(records, title)
     missing = sorted({record["reason"] for record in rows.values() if record["status"] == "missing"})
     why = (unclean(rows) if title == OURS else None) or (f"missing: {missing[0]}" if missing else None)

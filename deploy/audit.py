@@ -1,7 +1,7 @@
-"""Known vulnerabilities of what is locked: `make audit`.
+"""Known vulnerabilities of the locked releases: `make audit`.
 
-pip-audit asks the advisory service. Where the service does not know a package, or does not answer for it, pip-audit
-says so in a note and still ends with 0. Here that is an error of its own: silence is no clean bill.
+pip-audit queries the advisory service. If the service does not know a package, or does not answer for it, pip-audit
+writes a note and still ends with 0. Here this is an error of its own: a release without an answer is not clean.
 
 | exit code | means |
 |---|---|
@@ -80,7 +80,7 @@ def judge(releases: Sequence[tuple[str, str]], answer: str, error: str, into: Ve
 
 
 def ask(releases: Sequence[tuple[str, str]]) -> Verdict:
-    """What the advisory service knows of the releases (name, version)."""
+    """The advisories for the releases (name, version)."""
     verdict = Verdict()
     for some in rounds(releases):
         with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-"""The manifests of Kubernetes as documents, and what the published schemas say of them."""
+"""The manifests of Kubernetes as documents, and their faults by the published schemas."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ Document = dict[str, Any]
 
 @dataclass(frozen=True)
 class Manifests:
-    """What `kubectl apply -k` sends but for names that end in a digest: the documents of the kustomization's
-    resources, and its settings (`ASSUR_…` → text)."""
+    """The documents that `kubectl apply -k` sends, without the digests at the end of names: the resources of the
+    kustomization, and its settings (`ASSUR_…` → text)."""
 
     resources: tuple[Document, ...]
     settings: Mapping[str, str]
@@ -67,7 +67,7 @@ def _variables(lines: Iterable[str]) -> Iterable[tuple[str, str]]:
 
 
 def against_schemas(resources: Iterable[Document], releases: Iterable[str] = RELEASES) -> list[str]:
-    """What of the documents the schemas of these releases refuse; keys that they do not know, too."""
+    """Faults of the documents by the schemas of these releases; unknown keys are faults, too."""
     found = []
     for document in resources:
         name = f"{document.get('kind')} {document.get('metadata', {}).get('name')}"

@@ -1,4 +1,4 @@
-"""What an experiment hands over: numbers, paragraphs that put the claim beside them, and how to draw the figure.
+"""The result of an experiment: numbers, paragraphs that compare them with the claim, and how to draw the figure.
 
 Numbers come first and need no plotting library; drawing gets an empty figure in the shared style (`figures`).
 """

@@ -164,7 +164,7 @@ def chains(axes: Drawing, p: FloatArray, l1: float, l2: float, mode: str, colour
 
 
 def finished(axes: Drawing, title: str, x: tuple[float, float], y: tuple[float, float]) -> None:
-    """Title, labels and limits; panels whose limits have one ratio stand at one height."""
+    """Title, labels and limits; panels whose limits have the same ratio are at the same height."""
     axes.set_title(title)
     axes.set_aspect("equal")
     axes.set_xlim(*x)

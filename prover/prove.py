@@ -1,10 +1,10 @@
-"""Shows what a proof bundle claims, or says what it cannot show, with ball arithmetic that is rounded outwards.
+"""Proves the claims of a proof bundle, or lists those that it cannot prove, with ball arithmetic rounded outwards.
 
 It reads one document. bundle.schema.json defines its form and its terms. Every number is taken as the double that it
 is. A ball of Arb (`flint.arb`) holds every value that its centre and radius allow. A comparison is true only if it is
-true for all these values. So no rounding is lost, and there is no tolerance here: the bundle says what may be off and
-by how much, as a part of the claim. What is not shown is refused, and so is what takes too much work. The labels (N1)
-to (N15) are those of the equations in docs/bundle.md.
+true for all these values. So no rounding is lost, and there is no tolerance here: the bundle states all tolerances as a
+part of the claim. A claim that is not proved, or takes too much work, is refused. The labels (N1) to (N15) are those of
+the equations in docs/bundle.md.
 
 Motion. Over an interval every quantity f is a series of balls. They hold all values of f, of its rate and of the next
 two derivatives (N1). A carrier (a link or a frame) has the series of its place p and of the columns of its rotation R.
@@ -46,7 +46,7 @@ CLOSED, MOST_SIGNS = 1e-9, 10
 bytes of a file, failures listed. CLOSED: what rounding may leave of a period, of weights, and where a point is chosen.
 MOST_SIGNS: vectors whose signs are combined; shorter ones count in every direction."""
 SHOWN, WRONG, IN_TIME, AHEAD = range(4)
-"""What a test says of an interval: it is shown; it is wrong; halve it in time; halve what is ahead."""
+"""Results of a test on an interval: proved; wrong; halve it in time; halve the time ahead."""
 Document = dict[str, Any]
 Vector = list[Any]
 
@@ -382,9 +382,8 @@ def swung(arm: Document, tool_from: int, elbow: arb, shift: arb) -> tuple[arb, a
 
 
 class Duty(NamedTuple):
-    """Two bodies of a phase that must stay `least` apart, m; less than 0: they may touch so deep. What is not known of
-    them comes on top, but not if `planned`. The first follows the clock, the second is from `early` to `late` ahead of
-    it, s."""
+    """Two bodies of a phase that must stay `least` apart, m; less than 0: they may touch so deep. Their uncertainties
+    are added, unless `planned`. The first follows the clock, the second is from `early` to `late` ahead of it, s."""
 
     bodies: tuple[int, int]
     least: float
@@ -395,7 +394,7 @@ class Duty(NamedTuple):
 
 
 class World:
-    """What a bundle says of bodies, motion and what must be kept. `failures` lists what is not shown."""
+    """The bodies, the motion and the requirements of a bundle. `failures` lists the claims that are not proved."""
 
     def __init__(self, bundle: Document) -> None:
         self.bundle, self.work, self.kept, self.failures = bundle, WORK, dict[Any, Any](), list[str]()
@@ -433,7 +432,7 @@ class World:
             stack += [(*half, depth + 1) for half in halves]
         return True
 
-    def stands(self, f: int) -> bool:
+    def is_fixed(self, f: int) -> bool:
         """Whether a frame never moves."""
         frame = nth(self.frames, f, "frame")
         return self.laws[f] is None and frame["arm"] < 0 and not frame["waves"]
@@ -441,7 +440,7 @@ class World:
     def carrier(self, link: int, f: int, t0: float, t1: float, s0: Any = 0.0, s1: Any = 0.0) -> Carrier:
         """A link of the robot, which follows the clock; or, if `link` is -1, a frame, which is s ahead of it."""
         s0, s1 = (0.0, 0.0) if link >= 0 else (s0, s1)
-        key = (-1, t0, t1, s0, s1) if link >= 0 else (f, 0, 0, 0, 0) if self.stands(f) else (f, t0, t1, s0, s1)
+        key = (-1, t0, t1, s0, s1) if link >= 0 else (f, 0, 0, 0, 0) if self.is_fixed(f) else (f, t0, t1, s0, s1)
         if key not in self.kept:
             low, high = arb(t0) + s0, arb(t1) + s1
             self.kept[key] = self.links(0, low, high) if link >= 0 else self.frame(f, low, high)
@@ -474,7 +473,7 @@ class World:
     def ahead(self, f: int, late: float) -> tuple[Fraction, Fraction]:
         """How far a frame may be ahead of a robot that starts up to `late` late, at least and at most, s."""
         least, most = map(Fraction, self.frames[f]["shift"])
-        return (Fraction(0), Fraction(0)) if self.stands(f) else (-most, Fraction(late) - least)
+        return (Fraction(0), Fraction(0)) if self.is_fixed(f) else (-most, Fraction(late) - least)
 
     def duties(self, p: int) -> dict[frozenset[int], Duty]:
         """The pairs of bodies that must stay apart in phase p. These are: a body of the robot and one on a frame; two
@@ -501,9 +500,9 @@ class World:
         for a, supports in ((part["body"], part["supports"]) for part in phase["put_down"]):
             here = nth(at, a, "body")["frame"]
             for b, there in enumerate(seat["frame"] for seat in at):
-                if there not in (-1, here) and b not in supports and not (self.stands(here) and self.stands(there)):
+                if there not in (-1, here) and b not in supports and not (self.is_fixed(here) and self.is_fixed(there)):
                     (low, high), (first, last) = self.ahead(there, 0.0), self.ahead(here, 0.0)
-                    add(a, b, "near", *(() if self.stands(there) else (low - last, high - first)))
+                    add(a, b, "near", *(() if self.is_fixed(there) else (low - last, high - first)))
         return found
 
     def planned(self, p: int) -> dict[frozenset[int], Duty]:
@@ -521,8 +520,8 @@ class World:
         (a, b), at = row["bodies"], self.seats[p]
         for other in [b] if b >= 0 else range(len(at)):
             duty = duties.get(frozenset((a, other)))
-            stands = at[other]["link"] < 0 and self.stands(at[other]["frame"])
-            if duty and (duty.early == duty.late == 0 or duty.bodies[0] == a) and (b >= 0 or stands):
+            is_fixed = at[other]["link"] < 0 and self.is_fixed(at[other]["frame"])
+            if duty and (duty.early == duty.late == 0 or duty.bodies[0] == a) and (b >= 0 or is_fixed):
                 yield {**row, "bodies": [a, other]}, duty
 
     def apart(self, key: str) -> tuple[int, int]:
@@ -602,7 +601,7 @@ class World:
         return bool(size > 0) and self.everywhere(test, row["t0"], row["t1"], row["s0"], row["s1"])
 
     def need(self, p: int, duty: Duty, n: Vector, size: arb, sides: Any, t0: float, t1: float) -> arb:
-        """The gap that is required along a normal, and how much nearer what is not known may bring both bodies (N8)."""
+        """The gap that is required along a normal, and how much nearer uncertainties may bring both bodies (N8)."""
         found, flat, phase, must = duty.least * size, length(n[:2]), self.phases[p], self.must
         if duty.planned:
             return arb(found)

@@ -1,4 +1,4 @@
-"""An oracle: a program of its own that says whether answers keep what they promise, ``make soak``.
+"""An oracle: an independent program that checks whether answers keep what they promise, ``make soak``.
 
 It plans random cells of all families of arms and samples each plan as it is planned, densely, with kinematics, laws
 and phases of its own and with the distances of `coal`. It asks for many things that are impossible, and tries to show

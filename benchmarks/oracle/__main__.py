@@ -1,4 +1,4 @@
-"""``python -m benchmarks.oracle``: exit 1 if anything that an answer promises is not kept."""
+"""``python -m benchmarks.oracle``: exit 1 if an answer breaks a promise."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def main(
     seed: Annotated[int, typer.Option(min=0, help="Another seed makes other cells.")] = 0,
     out: Annotated[Path, typer.Option(help="Where cases that fail are written.")] = Path("out/soak"),
 ) -> None:
-    """Plan random cells and ask for what is impossible, judge the answers by other means, and print what was found."""
+    """Plan random cells, send impossible requests, judge the answers by other means, and print the faults."""
     names = only or list(CAMPAIGNS)
     if unknown := [name for name in names if name not in CAMPAIGNS]:
         raise typer.BadParameter(f"--only: got {unknown[0]}; allowed: {', '.join(CAMPAIGNS)}")

@@ -11,7 +11,7 @@ from benchmarks.soak.poses import Document
 from benchmarks.soak.solids import Gap
 
 WITHIN_M = 5e-5
-"""The smallest clearance that an answer tells is within this of the true one, either way."""
+"""Largest difference of the reported smallest clearance from the true one."""
 ROUNDING_M = 5e-6
 """Of a distance of `coal`, whose search ends within a micrometre, and of the search over time (`nearest.FOUND_M`)."""
 SEARCH_M = 1e-3
@@ -60,7 +60,7 @@ def _required(motion: Motion, found: list[NearPair]) -> list[BrokenPromise]:
 
 
 def _named(motion: Motion, stated: Document, *, put_down: bool) -> list[BrokenPromise]:
-    """The pair that is named is so near at the time that is named, in a phase of the kind that is named."""
+    """The reported pair has the reported gap at the reported time, in a phase of the reported kind."""
     time, (one, other) = float(stated["time_s"]), stated["bodies"]
     best = float("inf")
     for phase in motion.phases:

@@ -12,7 +12,7 @@ from benchmarks.oracle.places import Places, short
 from benchmarks.soak.poses import Document, Floats, Poses
 
 MEET_M, MEET_RAD = 2e-6, 2e-6
-"""Who measures may find so much where a point is met."""
+"""Measured error that is allowed where a point is met."""
 MEET_M_S, MEET_RAD_S = 5e-6, 5e-6
 """Likewise of the velocity and the yaw rate that are matched."""
 TIME_S = 1e-8

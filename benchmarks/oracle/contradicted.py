@@ -1,7 +1,7 @@
-"""Whether a refusal that claims a proof is wrong, as far as the oracle can show it by its own means.
+"""Whether a refusal that claims a proof is wrong, as far as the oracle can show it.
 
-A proof says that no plan exists. It is contradicted by what it says that there is not: joints with which the tool is at
-the point, an opening of the window that is long enough, bodies that are far enough apart, a load that may be carried.
+A proof states that no plan exists. A counterexample contradicts it: joints with which the tool is at the point, an open
+interval of the window that is long enough, bodies that are far enough apart, a load that may be carried.
 """
 
 from __future__ import annotations
@@ -25,11 +25,12 @@ MISSING = 9e-7
 """A point is met where no more than this is missing, m or rad: the checker lets the tool be a micrometre, or a
 microradian, from its point (MEET_M, MEET_RAD), so a plan that ends so near is a plan."""
 APART_M = 2e-6
-"""Bodies are far enough apart if they are by this more than they must be: what a distance of `coal` may be off."""
+"""Bodies are far enough apart if their distance is larger than required by this: the error of a distance of `coal`."""
 OPEN_S = 1e-6
-"""A window is open for long enough if it is for so much longer."""
+"""A window is open long enough if it is open for this longer than required."""
 YAW_RAD, LOAD = 2e-9, 1e-12
-"""A yaw is beside a range if it is by this more than the checker's own rounding (1e-9 rad); sums of masses round."""
+"""A yaw is outside a range if it is outside by this, which is more than the checker's own rounding (1e-9 rad); sums of
+masses round, too."""
 START = 1e-9
 """A start is beyond a range if it is by more than this."""
 
@@ -171,7 +172,7 @@ def _wrong(refusal: Document, amount: float, about: str) -> BrokenPromise:
 
 
 def _hits(reach: Reach, refusal: Document) -> list[BrokenPromise] | None:
-    """Of a collision at the start, or at a control point that stands: whether all bodies can be far enough apart."""
+    """Of a collision at the start, or at a fixed control point: whether all bodies can be far enough apart."""
     bodies = Bodies(reach)
     if refusal["stage"] == "start":
         one, other = refusal["bodies"]
@@ -249,7 +250,7 @@ class Bodies:
     def clear(
         self, point: Point, number: int, tool: Places, mode: str, height: float, near: bool, touch: str, holds: bool
     ) -> bool:
-        """Whether with the tool there, so much higher, in this mode, the robot is clear of all that stands."""
+        """Whether the robot is clear of all fixed bodies with the tool there, so much higher, in this mode."""
         postures = [each for each in self.reach.postures(point, tool, height) if each.mode == mode]
         raised = Places(tool.r, tool.p + np.array([0.0, 0.0, height]))
         ((_, given),) = self.reach.request["task"][number].items()

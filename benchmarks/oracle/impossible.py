@@ -16,7 +16,7 @@ from benchmarks.soak.poses import Document, Floats, si
 UPRIGHT = (*SCARAS, THREE_AXES, FIVE_BAR)
 TILTING = ("elbow-arm", "polar-arm", "mitsubishi-rv-m1")
 SMALL = (0.0, 1e-15, 1e-12, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
-"""By how much something is missed or kept, m or rad."""
+"""By how much a requirement is missed or kept, m or rad."""
 
 
 class SmallRequest:
@@ -116,7 +116,7 @@ class SmallRequest:
 
 
 def at_the_edge_of_reach(rng: np.random.Generator) -> SmallRequest:
-    """A point that stands still, about where the links end or at the end of the lift."""
+    """A fixed point, near the end of the reach or of the lift."""
     cell = SmallRequest(rng, (*UPRIGHT, *TILTING))
     to = cell.target(cell.joints(), yaw=cell.chance(0.5))
     base, angle = cell.arm.base, float(rng.uniform(-2.0, 2.0))
@@ -278,7 +278,7 @@ def near_a_body(rng: np.random.Generator) -> SmallRequest:
 
 
 def picked(rng: np.random.Generator) -> SmallRequest:
-    """A part that stands on a plate, which may be too high, or the tool too long for what is around."""
+    """A part on a plate, which may be too high; or the tool is too long for the surroundings."""
     cell = SmallRequest(rng, SCARAS, tool=True)
     place = cell.tool(cell.joints(0.5))
     half, z = [float(v) for v in rng.uniform(0.008, 0.02, 3)], float(place.p[2])

@@ -1,4 +1,4 @@
-"""What a plan promises of its joints: limits, start, end, and the peaks that it tells."""
+"""What a plan promises of its joints: limits, start, end, and the reported peaks."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from benchmarks.oracle.places import short
 from benchmarks.soak.poses import Document, Floats
 
 SHARE = 1e-6
-"""Who measures looks for more than this share of a limit."""
+"""Share of a limit by which a measured value may exceed it."""
 START, REST = 1e-8, 1e-8
 """First knot against the start, last knot against rest; rad or m, /s, /s²."""
 PEAK_SHARE = 1e-6
@@ -131,7 +131,7 @@ def _end(motion: Motion) -> list[BrokenPromise]:
 
 
 def _peaks(motion: Motion) -> list[BrokenPromise]:
-    """The peaks of joints that the answer tells are those of the trajectory."""
+    """The reported peaks of joints are those of the trajectory."""
     found, limits = list[BrokenPromise](), limits_of(motion.request["robot"])
     for number, kind in enumerate(("velocity", "acceleration", "jerk")):
         if kind == "jerk" and _blends(motion):

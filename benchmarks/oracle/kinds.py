@@ -1,4 +1,4 @@
-"""All kinds of random cells: those of the simulation, and those that only the oracle looks at, in SI."""
+"""All kinds of random cells: those of the simulation, and those that only the oracle judges, in SI."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _late(draft: Draft) -> None:
 
 
 def _mesh_part(draft: Draft) -> None:
-    """The part is a shipped mesh, which stands where it did."""
+    """The part is a shipped mesh at the same place."""
     asset = draft.one_of("bracket", "housing")  # whose hulls are the solid itself
     shape = {"mesh": {"asset": asset, "unit": "mm"}}
     half, (pick, place) = solid_of(shape).half_z, draft.request["task"][:2]

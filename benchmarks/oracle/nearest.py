@@ -15,7 +15,7 @@ from benchmarks.soak.solids import Gap
 STEP_S = 4e-3
 """Time between two instants at which all pairs are evaluated."""
 ROUNDS, PARTS = 4, 8
-"""Around a gap that is smaller than its neighbours, so many times a finer look, of so many parts."""
+"""Number of refinements around a gap that is smaller than its neighbours, and of parts in each."""
 RESERVE = 1.5
 """What a body may do between two instants, over the chord of its way between them."""
 
@@ -101,7 +101,7 @@ def _dips(values: Floats, slack: Floats, best: float) -> list[int]:
 def _finer(
     motion: Motion, phase: Phase, pair: Pair, gap: Gap, low: float, high: float, best: float
 ) -> tuple[float, float]:
-    """The smallest gap between two instants, and when. It is given up where a finer look comes nowhere near `best`."""
+    """The smallest gap between two instants, and when. The search ends early if it cannot come near `best`."""
     value, time, begin, end = np.inf, low, low, high
     for number in range(ROUNDS):
         grid = np.linspace(low, high, PARTS + 1)

@@ -1,4 +1,4 @@
-"""Campaigns of the oracle side by side, for a time or a count: whose turn it is, and when all are at an end."""
+"""Runs campaigns of the oracle in turn, for a time or a count."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ CAMPAIGNS: dict[str, Callable[[int | None, int, Path | None], Iterator[Mapping[s
 
 @dataclass(eq=False)
 class RunningCampaign:
-    """One campaign: what it has found, by kind, and of how many answers; whether it has come to its count."""
+    """One campaign: its tallies by kind, and whether it has reached its count."""
 
     name: str
     seed: int

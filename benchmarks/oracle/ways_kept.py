@@ -14,7 +14,7 @@ from benchmarks.soak.poses import Document, Floats
 TRACKED_M, TRACKED_RAD = 1e-5, 1e-4
 """The promise of tracking legs; of straight legs, too."""
 READ_M = 1e-7
-"""How far what is measured here may be off."""
+"""Error of the measurements here."""
 STEP_S = 1e-3
 CARRY = 1e-4
 """Of the limit of the pull, for what a second difference makes of it."""
@@ -75,8 +75,8 @@ def _straight(leg: Document, given: Document) -> bool:
 
 
 def _on_a_line(motion: Motion, leg: Document, targets: Targets, t: Floats) -> list[BrokenPromise]:
-    """The tool point is on the line between where it was and its target, as that moves, and never goes back on it.
-    Where it was goes on with the frame of the step before, if that was met with its velocity."""
+    """The tool point is on the line from its last place to its moving target, and never goes back on it. The last place
+    moves with the frame of the step before, if the tool met that step with its velocity."""
     p, goal = motion.tool(t).p, targets.of_step[leg["step"]].at(motion, t).p
     before, since = np.broadcast_to(p[0], p.shape), t[:1]
     arrivals = {arrival["step"]: arrival for arrival in motion.answer["arrivals"]}
@@ -144,7 +144,7 @@ def _pull(motion: Motion) -> list[BrokenPromise]:
 
 
 def _contacts(motion: Motion) -> list[BrokenPromise]:
-    """The contacts that the answer tells are those of the legs."""
+    """The reported contacts are those of the legs."""
     own: list[tuple[frozenset[str], float, float]] = []
     for phase in motion.phases:
         if phase.leg is not None:

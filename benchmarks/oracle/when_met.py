@@ -68,7 +68,7 @@ class Reach:
         return Point(frame, pose, yaws, angles[0], angles[1], (0.0,), float(given.get("duration_s", 0.0)))
 
     def times(self, point: Point, number: int) -> Floats:
-        """When the point may be met, densely; one instant if it stands and may be met at any time."""
+        """When the point may be met, densely; one instant if it is fixed and may be met at any time."""
         spans = self.open(point, number)
         if not self.frames[point.frame].moves:
             return np.array([spans[0][0]]) if spans else np.zeros(0)
@@ -181,7 +181,7 @@ class Reach:
         return elbow == "keep" and mode == self.start_mode()
 
     def start_mode(self) -> str:
-        """The working mode in which the arm stands at the start."""
+        """The working mode of the arm at the start."""
         q = self.start_joints()
         flange = self._links(q)
         pitch, roll = _tilt(flange) if "link4" in flange else (np.zeros(1), np.zeros(1))

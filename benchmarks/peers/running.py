@@ -1,7 +1,7 @@
-"""The peers as running programs in an environment of their own; one that is not to be had is missing with its reason.
+"""The peers as running programs in an environment of their own; a peer that cannot run is missing, with the reason.
 
-The environment is made once, and pip installs what each peer needs by itself, so that one that is not to be had leaves
-the other usable; what failed is tried again in the next run.
+The environment is made once, and pip installs the requirements of each peer separately, so that a peer that cannot be
+installed does not affect the other one; a failed installation is tried again in the next run.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ class Pair:
 @dataclass(frozen=True, eq=False)
 class Stage:
     """A leg, or the standstill behind the last one: when, which pairs may touch and how deep, which arrivals are over
-    in it, which step's part changes hands at its end, and what each part that was put down stands on."""
+    in it, which step's part is gripped or released at its end, and the supports of each part that was put down."""
 
     t0: float
     t1: float

@@ -35,7 +35,7 @@ class CarriedBody:
 
 @dataclass(frozen=True, eq=False)
 class Arm:
-    """An arm with its tool, where it stands. `q` everywhere: joints (..., n) as the maker counts them, rad or m."""
+    """An arm with its tool at its base. `q` everywhere: joints (..., n) as the maker counts them, rad or m."""
 
     family: str
     numbers: Document

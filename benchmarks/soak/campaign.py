@@ -1,4 +1,4 @@
-"""Plans of random cells, each run many times: what was accepted, what was refused and why, what went wrong."""
+"""Plans of random cells, each run many times: accepted and refused plans, and faults."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def campaign(
 
 
 ELBOW = "start.elbow"
-"""The field of the one fault that a random cell may have: its arm cannot stand there with its elbow on that side."""
+"""The field of the one fault that a random cell may have: its arm cannot reach the start with that elbow."""
 
 
 def counted(

@@ -1,4 +1,4 @@
-"""A request as the simulation sees it: who stands where, on what, and which pairs of bodies count when."""
+"""A request for the simulation: places and supports of bodies, and which pairs of bodies count when."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Cell:
 
     @staticmethod
     def of(request: Document, arm: Arm | None = None) -> Cell:
-        """The cell of a request in SI; `arm`: its arm, if it is known already. Raises `ValueError` for what the
+        """The cell of a request in SI; `arm`: its arm, if it is known already. Raises `ValueError` for a field that the
         simulation does not know."""
         arm, frames = arm or Arm.of(request["robot"]), frames_of(request)
         carried = {each.name: each for each in arm.bodies}
@@ -109,7 +109,7 @@ class Cell:
         seats: dict[str, str],
         poses: dict[str, Poses],
     ) -> list[str]:
-        """On what a part stands: the named bodies, or those under it whose top is at its bottom."""
+        """The supports of a part: the named bodies, or those under it whose top is at its bottom."""
         if names is not None:
             return names
         solid, found = self.solids[part], []

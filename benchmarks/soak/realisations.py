@@ -129,8 +129,8 @@ def put_corners(found: Realisations, request: Document, answer: Document, names:
     """Makes the last runs the worst corners that the arrivals name, as signs of frames and joints, lateness and a
     direction. `names`: of the joints; `yaws` (A,): of the flange at each arrival, rad.
 
-    What was gripped is off by what was realised at the pick, so each corner stands twice: with the other arrivals at
-    their worst, and with everything there the other way round.
+    A gripped part has the error that was realised at its pick. So each corner is there twice: with the other arrivals
+    at their worst, and with all their signs reversed.
     """
     arrivals = answer["arrivals"]
     wanted = [(k, flip) for k, each in enumerate(arrivals) if each.get("error") for flip in (1.0, -1.0)]

@@ -1,5 +1,5 @@
-"""A plan, run many times at once with what is not known realised: what touches, what comes too near, how far arrivals
-are off.
+"""A plan, run many times at once with realised uncertainties: collisions, clearances that are too small, errors of
+arrivals.
 
 Time is that of the plan; a robot that starts late does everything late, and the clock of all that moves by itself is
 ahead of the plan's by as much.
@@ -24,7 +24,7 @@ STEP_S = 2e-3
 FINER = 20
 """Number of parts of a step that are evaluated where a pair is so near that a collision between may be missed."""
 FASTEST_M_S = 5.0
-"""Two bodies that come nearer to each other than this in a second may be missed."""
+"""Largest closing speed of two bodies for which no collision is missed, m/s."""
 FADES_S = 1.0
 """How long after the end of the motion a correction may have faded out."""
 ROUNDING_M, ROUNDING_RAD = 1e-6, 1e-6
@@ -32,7 +32,7 @@ ROUNDING_M, ROUNDING_RAD = 1e-6, 1e-6
 
 @dataclass(frozen=True)
 class Fault:
-    """What a plan promises and a run does not keep: `amount` beside what is `allowed`, m or rad."""
+    """A promise of a plan that a run does not keep: the `amount` and what is `allowed`, m or rad."""
 
     kind: str
     about: tuple[str, ...]

@@ -68,7 +68,7 @@ def _abort(port: int, body: bytes) -> None:
 
 
 def judge(numbers: Numbers) -> list[str]:
-    """Readiness never fails, quick plans are all planned, no worker is lost; and there was something to see."""
+    """Readiness never fails, quick plans are all planned, no worker is lost; and there were posts and plans."""
     found = above(numbers, LIMITS)
     if not (numbers["aborted"] and numbers["readyz"] and numbers["quick"]):
         found.append("nothing was aborted, or nothing was requested")

@@ -1,7 +1,7 @@
 """A client of the service: one connection that is kept, from an address of its own in 127.0.0.0/8.
 
-Nothing is sent a second time: what fails is an outcome. Only a kept connection that was idle for longer than servers
-keep one is opened anew, as careful clients do.
+Nothing is sent a second time: a failure is an outcome. A kept connection that was idle for longer than servers keep one
+is opened again, as careful clients do.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ TIMEOUT_S = 120.0
 
 @dataclass(frozen=True)
 class Reply:
-    """What came back. `status` 0: nothing did, and `fault` says why. `began` and `ended` by the monotonic clock, s."""
+    """The reply. `status` 0: there is none, and `fault` says why. `began` and `ended` by the monotonic clock, s."""
 
     status: int
     body: bytes

@@ -1,5 +1,5 @@
-"""Row 3: a worker is killed every 5 s while four clients send the same request. What is lost is at most what was in
-flight at a kill; nobody is quarantined for it, and no answer is wrong."""
+"""Row 3: a worker is killed every 5 s while four clients send the same request. Only requests in flight at a kill are
+lost; no request is quarantined for it, and no answer is wrong."""
 
 from __future__ import annotations
 

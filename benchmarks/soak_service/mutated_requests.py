@@ -1,5 +1,5 @@
-"""Row 1: mutated requests over HTTP. Whatever is sent, the answer is one that the service describes; no worker is lost,
-nothing is killed for want of time, and every line of the log is JSON."""
+"""Row 1: mutated requests over HTTP. Each answer is one that the service describes; no worker is lost, none is killed
+at its time limit, and every line of the log is JSON."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FULL_SHARE, FULL_SHARE_OF_MILD = 0.04, 0.25
 """Of all requests, those that ask for the whole certificate; each plan of theirs is checked. Mild ones are planned more
 often."""
 KEPT = 200
-"""So many failing bodies are kept."""
+"""Number of failing bodies that are kept."""
 TURNED_AWAY = frozenset({429, 503})
 MOST_AGAIN, MOST_TURNED_AWAY = 5, 0.01
 SETTINGS: dict[str, object] = {

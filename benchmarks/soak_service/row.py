@@ -50,8 +50,8 @@ class Run:
 
 @dataclass(frozen=True)
 class Row:
-    """A row of the table. `measure` returns its numbers, among them `missing`: what is not there, in words. `judge`
-    returns why they do not meet the bar, nothing where they do; it is a function of the numbers alone. `judge_times`
+    """A row of the table. `measure` returns its numbers, among them `missing`: missing programs or files, in words.
+    `judge` returns why the numbers do not meet the bar, or nothing; it depends on the numbers alone. `judge_times`
     the same of times and rates, which a busy machine spoils: the short form reports them and does not fail for them.
     `summary` puts the numbers into one line. `before`: the result before the service was made for many clients."""
 
@@ -67,7 +67,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Result:
-    """A row that was run: when, on which commit, at what load of the machine, what was found, and the verdict."""
+    """A row that was run: its numbers and verdict, when, on which commit, and the load of the machine."""
 
     name: str
     verdict: str
@@ -100,7 +100,7 @@ def judged(row: Row, numbers: Numbers, short: bool = False) -> tuple[str, list[s
 
 
 def run_row(row: Row, run: Run) -> Result:
-    """Measures and judges a row. What is not there, and what could not be measured, is a result, too."""
+    """Measures and judges a row. A row that is not there, or could not be measured, is a result, too."""
     began, load, at = time.monotonic(), os.getloadavg()[0], datetime.now(UTC).date().isoformat()
     numbers: Numbers = {}
     try:
@@ -129,7 +129,7 @@ def run_row(row: Row, run: Run) -> Result:
 
 
 def above(numbers: Numbers, limits: Mapping[str, float]) -> list[str]:
-    """What of `numbers` is above its limit, or was not measured, in words."""
+    """The numbers that are above their limit, or were not measured, in words."""
     found = []
     for name, limit in limits.items():
         value = numbers.get(name)

@@ -1,4 +1,4 @@
-"""A service as a process of its own, seen from outside: its address, its log, its worker processes, their memory."""
+"""A service in a process of its own, observed from outside: its address, log, worker processes and their memory."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MIB = 1 << 20
 LOST = re.compile(r"^assur_worker_restarts_total\{(.*)\}\s+([\d.e+]+)$", re.MULTILINE)
 """Lines of /metrics that count workers by the cause of their end."""
 PLANNED = frozenset({"max_tasks"})
-"""Causes that are no loss: the service replaced a worker that had done its share."""
+"""Causes that are no loss: the service replaced a worker after its number of requests."""
 
 
 class Service:
@@ -113,7 +113,7 @@ class Service:
 
 
 def lost_workers(metrics: str) -> dict[str, float] | None:
-    """What a text in the format of Prometheus says of workers that ended, by cause; None where it says nothing."""
+    """Numbers of workers that ended, by cause, in a text in the format of Prometheus; None if it has none."""
     found: Counter[str] = Counter()
     there = False
     for labels, value in LOST.findall(metrics):
@@ -125,7 +125,7 @@ def lost_workers(metrics: str) -> dict[str, float] | None:
 
 
 class Watch:
-    """Looks at the processes of a service while a block runs: which workers ended, how much memory each had."""
+    """Observes the processes of a service while a block runs: which workers ended, and the memory of each."""
 
     def __init__(self, service: Service) -> None:
         self._service = service

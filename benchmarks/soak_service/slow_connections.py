@@ -28,7 +28,7 @@ BEHIND = {"forwarded_from": "127.0.0.1"}
 
 
 def measure(run: Run) -> Numbers:
-    """Both forms; each is quiet for some seconds first, which says what this machine does by itself."""
+    """Both forms; each is quiet for some seconds first, to measure the machine without load."""
     forms: dict[str, Numbers] = {}
     missing: list[str] = []
     for name in ("without the proxy", "behind the proxy"):
