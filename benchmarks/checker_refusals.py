@@ -18,11 +18,11 @@ SECOND = "second checker"
 
 def codes_of(answer: Document, findings: list[Document] | None) -> list[str]:
     """The codes with which the checker refused plans in the search of an answer, and the answer itself."""
-    searched = refused_by_checker(answer, findings)["in_the_search"]
+    searched = objections(answer, findings)["in_the_search"]
     return [str(each["facts"]["code"]) for each in searched] + [str(each["code"]) for each in findings or ()]
 
 
-def refused_by_checker(answer: Document, findings: list[Document] | None) -> Document:
+def objections(answer: Document, findings: list[Document] | None) -> Document:
     """Why the checker refuses an answer, and plans in its search."""
     lines = answer["census"]["lines"]
     return {"checker": findings, "in_the_search": [line for line in lines if line["stage"] == "checker"]}

@@ -55,12 +55,7 @@ def round_of(
         command += [f"{url.rstrip('/')}/openapi.json", "--phases", phases, "--seed", str(seed), "--no-color"]
         command += ["--max-examples", str(examples), "--report-json-path", str(report), "--generation-database", "none"]
         command += ["--request-timeout", "60"]
-        command += [
-            "--suppress-health-check",
-            "all",
-            "--no-shrink",
-            "--continue-on-failure",
-        ]
+        command += ["--suppress-health-check", "all", "--no-shrink", "--continue-on-failure"]
         command += [] if longest_s is None else ["--max-time", f"{longest_s:.0f}"]
         command += [] if operations is None else ["--include-operation-id-regex", operations]
         paths = os.pathsep.join(str(path) for path in (ROOT, ROOT / "src", os.environ.get("PYTHONPATH", "")) if path)

@@ -21,7 +21,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from benchmarks.checker_refusals import SECOND, codes_of, keep, refused_by_checker
+from benchmarks.checker_refusals import SECOND, codes_of, keep, objections
 from benchmarks.oracle.kinds import ELBOW, FIVE_AXES, KINDS, POLAR, TILTING, random_cell
 from benchmarks.oracle.limits import rate
 from benchmarks.oracle.points import Points
@@ -303,7 +303,7 @@ def count(tally: Tally, kind: str, seed: int, request: Document, out: Path | Non
     if not has_plan and not codes:
         tally.refused[str(answer["reason"])] += 1
     if out is not None and (codes or refusal):
-        keep(out, f"{kind}-{seed}", request, {SECOND: refusal, **refused_by_checker(answer, findings)})
+        keep(out, f"{kind}-{seed}", request, {SECOND: refusal, **objections(answer, findings)})
 
 
 def table_of(tallies: dict[str, Tally]) -> Table:

@@ -15,7 +15,7 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from benchmarks.checker_refusals import SECOND, codes_of, keep, refused_by_checker
+from benchmarks.checker_refusals import SECOND, codes_of, keep, objections
 from benchmarks.oracle.plans import own_seed
 from benchmarks.oracle.product import checked, planned, shown
 from benchmarks.soak.campaign import ELBOW
@@ -72,7 +72,7 @@ def judged(found: Agreement, kind: str, seed: int, out: Path | None = None) -> N
     if codes:
         found.differ.append((kind, seed, "; ".join([*codes, refusal])))
         if out is not None:
-            keep(out, f"{kind}-{seed}", request, {"second": refusal, **refused_by_checker(answer, findings)})
+            keep(out, f"{kind}-{seed}", request, {"second": refusal, **objections(answer, findings)})
 
 
 def main(

@@ -529,29 +529,25 @@ class World:
         begins, names = [phase["t0"] for phase in self.phases], [body["name"] for body in self.bodies]
         duties = [self.duties(p) if key == "rows" else self.planned(p) for p in range(len(begins))]
         for row in self.bundle[key]:
-            pair_names = " and ".join(nth(names, body, "body") for body in row["bodies"] if body >= 0)
+            about = " and ".join(nth(names, body, "body") for body in row["bodies"] if body >= 0)
             p = bisect_right(begins, row["t0"]) - 1
             within = p >= 0 and row["t0"] <= row["t1"] <= self.phases[p]["t1"]
             for each, duty in self.meant(p, row, duties[p]) if within else ():
                 if self.holds(p, each, duty):
                     duty.rows.append(each)
                 elif row["bodies"][1] >= 0:
-                    self.failures.append(f"a row of {pair_names} from {row['t0']:.9g} s to {row['t1']:.9g} s")
+                    self.failures.append(f"a row of {about} from {row['t0']:.9g} s to {row['t1']:.9g} s")
         for p, phase in enumerate(self.phases):
             for pair, duty in duties[p].items():
-                pair_names = (
-                    f"{' and '.join(names[k] for k in duty.bodies)} in {phase['kind']} from {phase['t0']:.9g} s"
-                )
+                about = f"{' and '.join(names[k] for k in duty.bodies)} in {phase['kind']} from {phase['t0']:.9g} s"
                 if phase["t1"] > phase["t0"] and not self.covered(duty, phase["t0"], phase["t1"]):
-                    self.failures.append(
-                        f"{pair_names}: no row for a part of it{', in gap_rows' if duty.planned else ''}"
-                    )
+                    self.failures.append(f"{about}: no row for a part of it{', in gap_rows' if duty.planned else ''}")
                 last, hollow = duties[p - 1].get(pair) if p else None, any(self.surfaces[k]["triangles"] for k in pair)
                 # as long as a pair stays apart on its seats, one is within a closed surface all the time, or never
                 stays = last is not None and last.bodies == duty.bodies and last.least >= 0
                 stays = stays and all(self.seats[p - 1][k] is self.seats[p][k] for k in pair)
                 if hollow and duty.least >= 0 and not (stays or duty.planned) and not self.outside(p, duty):
-                    self.failures.append(f"{pair_names}: nothing shows that one is not within the other")
+                    self.failures.append(f"{about}: nothing shows that one is not within the other")
         return sum(len(duty.rows) for each in duties for duty in each.values()), sum(map(len, duties))
 
     def outside(self, p: int, duty: Duty) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.oracle.faults import BrokenPromise, beyond
+from benchmarks.oracle.faults import Violation, beyond
 from benchmarks.oracle.motion import Motion
 from benchmarks.oracle.nearest import NearPair, nearest_of
 from benchmarks.soak.poses import Document
@@ -18,7 +18,7 @@ SEARCH_M = 1e-3
 """Pairs are evaluated up to the reported smallest clearance plus this."""
 
 
-def apart_kept(motion: Motion) -> list[BrokenPromise]:
+def apart_kept(motion: Motion) -> list[Violation]:
     """Clearances, allowed contacts, and both smallest clearances, each with its pair and time."""
     margins = motion.answer["margins"]
     stated = margins["nearest"], margins["placed"]
@@ -30,16 +30,16 @@ def apart_kept(motion: Motion) -> list[BrokenPromise]:
     return broken
 
 
-def _smallest(motion: Motion, found: list[NearPair], stated: Document | None, *, put_down: bool) -> list[BrokenPromise]:
+def _smallest(motion: Motion, found: list[NearPair], stated: Document | None, *, put_down: bool) -> list[Violation]:
     """The smallest clearance of the robot, or of parts that were `put_down`."""
     free = [near for near in found if not near.pair.contact and near.put_down is put_down]
     if stated is None:
         required = any(
             not pair.contact and phase.put_down(pair) is put_down for phase in motion.phases for pair in phase.pairs
         )
-        return [BrokenPromise("nearest", "no pair is reported", 0.0, 0.0)] if required else []
+        return [Violation("nearest", "no pair is reported", 0.0, 0.0)] if required else []
     if not free:
-        return [BrokenPromise("nearest", "no pair is so near", float("inf"), stated["gap_m"])]
+        return [Violation("nearest", "no pair is so near", float("inf"), stated["gap_m"])]
     best = min(free, key=lambda near: near.gap_m)
     about = f"{best.pair.first}, {best.pair.second} {best.kind}"
     broken = beyond("nearest", f"nearer: {about}", stated["gap_m"] - best.gap_m, WITHIN_M + ROUNDING_M, best.time_s)
@@ -47,7 +47,7 @@ def _smallest(motion: Motion, found: list[NearPair], stated: Document | None, *,
     return broken + _named(motion, stated, put_down=put_down)
 
 
-def _required(motion: Motion, found: list[NearPair]) -> list[BrokenPromise]:
+def _required(motion: Motion, found: list[NearPair]) -> list[Violation]:
     broken = []
     for near in found:
         first, second = motion.shapes[near.pair.first], motion.shapes[near.pair.second]
@@ -59,7 +59,7 @@ def _required(motion: Motion, found: list[NearPair]) -> list[BrokenPromise]:
     return broken
 
 
-def _named(motion: Motion, stated: Document, *, put_down: bool) -> list[BrokenPromise]:
+def _named(motion: Motion, stated: Document, *, put_down: bool) -> list[Violation]:
     """The reported pair has the reported gap at the reported time, in a phase of the reported kind."""
     time, (one, other) = float(stated["time_s"]), stated["bodies"]
     best = float("inf")

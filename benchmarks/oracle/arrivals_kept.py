@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.oracle.faults import BrokenPromise, beyond
+from benchmarks.oracle.faults import Violation, beyond
 from benchmarks.oracle.motion import Motion
 from benchmarks.oracle.places import Places, short
 from benchmarks.soak.poses import Document, Floats, Poses
@@ -72,18 +72,18 @@ def _grasp(given: Document, turn: float) -> Poses:
     return Poses.of(yaw=turn).then(Poses.of(given["grasp_m"], given.get("grasp_yaw_rad", 0.0)))
 
 
-def arrivals_kept(motion: Motion, targets: Targets) -> list[BrokenPromise]:
-    found = list[BrokenPromise]()
+def arrivals_kept(motion: Motion, targets: Targets) -> list[Violation]:
+    found = list[Violation]()
     for arrival in motion.answer["arrivals"]:
         ((kind, given),) = motion.request["task"][arrival["step"]].items()
         found += _arrival(motion, arrival, kind, given, targets.of_step[arrival["step"]])
     steps = [arrival["step"] for arrival in motion.answer["arrivals"]]
     if steps != list(range(len(motion.request["task"]))):
-        found.append(BrokenPromise("steps", str(steps), float(len(steps)), float(len(motion.request["task"]))))
+        found.append(Violation("steps", str(steps), float(len(steps)), float(len(motion.request["task"]))))
     return found
 
 
-def _arrival(motion: Motion, arrival: Document, kind: str, given: Document, target: Target) -> list[BrokenPromise]:
+def _arrival(motion: Motion, arrival: Document, kind: str, given: Document, target: Target) -> list[Violation]:
     name, t = arrival["control_point"], np.array([arrival["time_s"]])
     found = _timing(motion, arrival, kind, given, target)
     tool, wanted = motion.tool(t)[0], target.at(motion, t)[0]
@@ -108,9 +108,9 @@ def _arrival(motion: Motion, arrival: Document, kind: str, given: Document, targ
     return found
 
 
-def _tilt(motion: Motion, name: str, target: Target, t: Floats) -> list[BrokenPromise]:
+def _tilt(motion: Motion, name: str, target: Target, t: Floats) -> list[Violation]:
     """Pitch and roll of the tool of an arm with five axes, from the rotation of its flange (H9)."""
-    found = list[BrokenPromise]()
+    found = list[Violation]()
     for key, required, reached in zip(("pitch", "roll"), (target.pitch, target.roll), tilt_of(motion, t), strict=True):
         if required is not None:
             off = float(np.abs(short(reached - required))[0])
@@ -144,9 +144,9 @@ def _rates(motion: Motion, target: Target, t: Floats, world: bool) -> tuple[floa
     return float(np.linalg.norm(way)) / APART_S, abs(turn) / APART_S
 
 
-def _timing(motion: Motion, arrival: Document, kind: str, given: Document, target: Target) -> list[BrokenPromise]:
+def _timing(motion: Motion, arrival: Document, kind: str, given: Document, target: Target) -> list[Violation]:
     """Dwells and windows."""
-    name, t0, t1, found = arrival["control_point"], arrival["time_s"], arrival["until_s"], list[BrokenPromise]()
+    name, t0, t1, found = arrival["control_point"], arrival["time_s"], arrival["until_s"], list[Violation]()
     if kind in ("pick", "place", "follow"):
         required = float(given.get("duration_s" if kind == "follow" else "dwell_s", 0.0))
         found += beyond("dwell", name, abs(t1 - t0 - required), TIME_S, t0)
@@ -156,7 +156,7 @@ def _timing(motion: Motion, arrival: Document, kind: str, given: Document, targe
     line, spelt = motion.cell.frames[target.frame].line, motion.request.get("frames", {}).get(target.frame, {})
     law = spelt.get("conveyor", spelt.get("linear"))
     if law is None and arrival["along_m"] is not None:
-        found.append(BrokenPromise("along", f"{name}: nothing to go along", float(arrival["along_m"]), 0.0, t0))
+        found.append(Violation("along", f"{name}: nothing to go along", float(arrival["along_m"]), 0.0, t0))
     if line is not None and law is not None:
         point = _point(motion, kind, given)
         at = motion.frame(point[0], np.array([t0, t1])).then(Places.upright(point[1])).p

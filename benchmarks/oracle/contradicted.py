@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.oracle.faults import BrokenPromise
+from benchmarks.oracle.faults import Violation
 from benchmarks.oracle.inverse import TURNS
 from benchmarks.oracle.places import Places
 from benchmarks.oracle.when_met import Point, Reach
@@ -35,7 +35,7 @@ START = 1e-9
 """A start is beyond a range if it is by more than this."""
 
 
-def contradiction(request: Document, answer: Document) -> list[BrokenPromise] | None:
+def contradiction(request: Document, answer: Document) -> list[Violation] | None:
     """What contradicts a proved refusal of a request in SI: nothing, if it is right; None if this reason is not one
     that the oracle can judge."""
     refusal = answer["refusal"]
@@ -43,7 +43,7 @@ def contradiction(request: Document, answer: Document) -> list[BrokenPromise] | 
     return None if judge is None else judge(Reach(request), refusal)
 
 
-def _reached(reach: Reach, refusal: Document) -> list[BrokenPromise] | None:
+def _reached(reach: Reach, refusal: Document) -> list[Violation] | None:
     """Of a point out of reach, beyond a range or singular."""
     if refusal["stage"] == "start":
         q, arm = reach.start_joints()[0], reach.arm
@@ -61,7 +61,7 @@ def _reached(reach: Reach, refusal: Document) -> list[BrokenPromise] | None:
     return [_wrong(refusal, missing, f"met in mode {mode} at {when:.6f} s")]
 
 
-def _arch(reach: Reach, refusal: Document, top: float) -> list[BrokenPromise]:
+def _arch(reach: Reach, refusal: Document, top: float) -> list[Violation]:
     """Of an arch above the range of the lift: how high the tool point comes with the lift at its ends."""
     lift = int(np.argmin(reach.arm.upper - reach.arm.lower))
     q = np.repeat(reach.start_joints(), 2, axis=0)
@@ -70,7 +70,7 @@ def _arch(reach: Reach, refusal: Document, top: float) -> list[BrokenPromise]:
     return [] if missing > MISSING else [_wrong(refusal, missing, "the lift goes so high")]
 
 
-def _opens(reach: Reach, refusal: Document) -> list[BrokenPromise] | None:
+def _opens(reach: Reach, refusal: Document) -> list[Violation] | None:
     """Of a window that is missed, or a law that ends: the longest opening."""
     facts = refusal["facts"]
     if refusal["stage"] == "start":
@@ -92,7 +92,7 @@ def _standing(reach: Reach) -> list[Document]:
     return [body for body in reach.request.get("bodies", []) if "pose" in body]
 
 
-def _yaw(reach: Reach, refusal: Document) -> list[BrokenPromise] | None:
+def _yaw(reach: Reach, refusal: Document) -> list[Violation] | None:
     """Of a forbidden yaw, at the start or of a point in a frame that does not turn."""
     if refusal["facts"].get("on_the_way"):
         return _way_round(reach, refusal)
@@ -112,7 +112,7 @@ def _yaw(reach: Reach, refusal: Document) -> list[BrokenPromise] | None:
     return []
 
 
-def _way_round(reach: Reach, refusal: Document) -> list[BrokenPromise] | None:
+def _way_round(reach: Reach, refusal: Document) -> list[Violation] | None:
     """Of ranges between the yaw of the start and those of a point: the turns of all joints in which there is none."""
     point = reach.point(refusal["step"])
     arm, start = reach.arm, reach.start_joints()
@@ -147,7 +147,7 @@ def _inside(yaw: float, first: float, last: float) -> float:
     return half - abs((yaw - middle + np.pi) % (2.0 * np.pi) - np.pi)
 
 
-def _load(reach: Reach, refusal: Document) -> list[BrokenPromise] | None:
+def _load(reach: Reach, refusal: Document) -> list[Violation] | None:
     """Of a load that is too heavy: tool and part together."""
     if refusal["facts"]["of"] == "max_inertia":
         return None
@@ -161,17 +161,15 @@ def _load(reach: Reach, refusal: Document) -> list[BrokenPromise] | None:
     return [] if mass > most * (1.0 + LOAD) else [_wrong(refusal, mass, f"no more than {most} kg")]
 
 
-def _wrong(refusal: Document, amount: float, about: str) -> BrokenPromise:
-    reported = refusal["amount"]
-    return BrokenPromise(
-        "proof", f"{refusal['reason']}: {about}", amount, np.nan if reported is None else float(reported)
-    )
+def _wrong(refusal: Document, amount: float, about: str) -> Violation:
+    stated = refusal["amount"]
+    return Violation("proof", f"{refusal['reason']}: {about}", amount, np.nan if stated is None else float(stated))
 
 
 # collisions
 
 
-def _hits(reach: Reach, refusal: Document) -> list[BrokenPromise] | None:
+def _hits(reach: Reach, refusal: Document) -> list[Violation] | None:
     """Of a collision at the start, or at a fixed control point: whether all bodies can be far enough apart."""
     bodies = Bodies(reach)
     if refusal["stage"] == "start":
@@ -281,7 +279,7 @@ class Bodies:
         return True
 
 
-JUDGES: dict[str, Callable[[Reach, Document], list[BrokenPromise] | None]] = {
+JUDGES: dict[str, Callable[[Reach, Document], list[Violation] | None]] = {
     "OUT_OF_REACH": _reached,
     "JOINT_LIMIT": _reached,
     "NEAR_SINGULARITY": _reached,

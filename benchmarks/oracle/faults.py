@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class BrokenPromise:
+class Violation:
     """A promise that is not kept: its `kind`, what it is `about`, the measured `amount`, the `allowed` one (SI), and
     when, s (None: not at one time)."""
 
@@ -17,6 +17,6 @@ class BrokenPromise:
     time_s: float | None = None
 
 
-def beyond(kind: str, about: str, amount: float, allowed: float, time_s: float | None = None) -> list[BrokenPromise]:
+def beyond(kind: str, about: str, amount: float, allowed: float, time_s: float | None = None) -> list[Violation]:
     """One fault, unless the amount is at most the allowed one. NaN is a fault."""
-    return [] if amount <= allowed else [BrokenPromise(kind, about, float(amount), float(allowed), time_s)]
+    return [] if amount <= allowed else [Violation(kind, about, float(amount), float(allowed), time_s)]

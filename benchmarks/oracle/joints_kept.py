@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.oracle.faults import BrokenPromise, beyond
+from benchmarks.oracle.faults import Violation, beyond
 from benchmarks.oracle.limits import limits_of
 from benchmarks.oracle.motion import Motion
 from benchmarks.oracle.places import short
@@ -19,7 +19,7 @@ PEAK_SHARE = 1e-6
 SAMPLE_S = 1e-3
 
 
-def joints_kept(motion: Motion) -> list[BrokenPromise]:
+def joints_kept(motion: Motion) -> list[Violation]:
     """Limits between all knots, start, end and peaks."""
     return [*_limits(motion), *_start(motion), *_end(motion), *_peaks(motion)]
 
@@ -28,8 +28,8 @@ def _blends(motion: Motion) -> bool:
     return bool(motion.request.get("options", {}).get("timing") == "parabolic_blend")
 
 
-def _limits(motion: Motion) -> list[BrokenPromise]:
-    arm, limits, found = motion.arm, limits_of(motion.request["robot"]), list[BrokenPromise]()
+def _limits(motion: Motion) -> list[Violation]:
+    arm, limits, found = motion.arm, limits_of(motion.request["robot"]), list[Violation]()
     least, most = motion.extremes(0)
     over = np.maximum(arm.lower - least, most - arm.upper) / np.maximum(arm.upper - arm.lower, 1e-9)
     for j, name in enumerate(arm.names):
@@ -45,12 +45,12 @@ def _limits(motion: Motion) -> list[BrokenPromise]:
     return found
 
 
-def _with_load(motion: Motion) -> list[BrokenPromise]:
+def _with_load(motion: Motion) -> list[Violation]:
     """Accelerations while a part is carried for which the request's own table leaves a share."""
     rows = motion.request["robot"].get("limits", {}).get("acceleration_by_load")
     if not rows:
         return []
-    found, limits = list[BrokenPromise](), limits_of(motion.request["robot"])
+    found, limits = list[Violation](), limits_of(motion.request["robot"])
     masses, shares = [row["mass_kg"] for row in rows], [row["share"] for row in rows]
     tool = float(motion.request["robot"]["tool"].get("mass_kg", 0.0))
     of_part = {body["name"]: float(body.get("mass_kg", 0.0)) for body in motion.request.get("bodies", [])}
@@ -81,9 +81,9 @@ def carrying(motion: Motion) -> list[tuple[float, float]]:
     return [(t0, t1) for t0, t1, part in _carried(motion) if part is not None and t1 > t0]
 
 
-def _start(motion: Motion) -> list[BrokenPromise]:
+def _start(motion: Motion) -> list[Violation]:
     """The first knot is the start of the request."""
-    start, first, found = motion.request["start"], motion.spline, list[BrokenPromise]()
+    start, first, found = motion.request["start"], motion.spline, list[Violation]()
     t0 = np.array([motion.start_s])
     found += beyond("start time", "", abs(motion.start_s - float(start.get("at_s", 0.0))), START)
     if "joints" in start:
@@ -112,8 +112,8 @@ def _of_joints(motion: Motion, given: Document, units: tuple[str, str]) -> Float
     return np.array([next(given[f"{name}_{u}"] for u in units if f"{name}_{u}" in given) for name in names])
 
 
-def _end(motion: Motion) -> list[BrokenPromise]:
-    options, end, found = motion.request.get("options", {}), np.array([motion.end_s]), list[BrokenPromise]()
+def _end(motion: Motion) -> list[Violation]:
+    options, end, found = motion.request.get("options", {}), np.array([motion.end_s]), list[Violation]()
     if options.get("end", "rest") == "rest":
         found += beyond("end", "velocity", float(np.abs(motion.spline.evaluate(end, 1)).max()), REST)
         if not _blends(motion):
@@ -122,26 +122,26 @@ def _end(motion: Motion) -> list[BrokenPromise]:
     if "latest_end_s" in options:
         found += beyond("latest end", "", motion.end_s, float(options["latest_end_s"]) + 1e-8)
     duration = motion.end_s - motion.start_s
-    reported = float(motion.answer["duration_s"])
-    found += beyond("duration", "", abs(reported - duration), 1e-8)
+    stated = float(motion.answer["duration_s"])
+    found += beyond("duration", "", abs(stated - duration), 1e-8)
     bound = motion.answer.get("lower_bound_s")
     if bound is not None:
         found += beyond("lower bound", "", float(bound), duration * (1.0 + 1e-9))
     return found
 
 
-def _peaks(motion: Motion) -> list[BrokenPromise]:
+def _peaks(motion: Motion) -> list[Violation]:
     """The reported peaks of joints are those of the trajectory."""
-    found, limits = list[BrokenPromise](), limits_of(motion.request["robot"])
+    found, limits = list[Violation](), limits_of(motion.request["robot"])
     for number, kind in enumerate(("velocity", "acceleration", "jerk")):
         if kind == "jerk" and _blends(motion):
             continue
         low, high = motion.extremes(number + 1)
         size = np.maximum(-low, high)
-        for reported in motion.answer["margins"]["peaks"]:
-            j = motion.arm.names.index(reported["joint"])
-            off = abs(reported[kind] - size[j]) / getattr(limits, kind)[j]
+        for stated in motion.answer["margins"]["peaks"]:
+            j = motion.arm.names.index(stated["joint"])
+            off = abs(stated[kind] - size[j]) / getattr(limits, kind)[j]
             found += beyond(
-                "peak", f"{kind} of {reported['joint']}", float(off), PEAK_SHARE * (1e3 if kind == "jerk" else 1.0)
+                "peak", f"{kind} of {stated['joint']}", float(off), PEAK_SHARE * (1e3 if kind == "jerk" else 1.0)
             )
     return found

@@ -8,8 +8,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-from benchmarks.checker_refusals import codes_of, keep, refused_by_checker
-from benchmarks.oracle.faults import BrokenPromise
+from benchmarks.checker_refusals import codes_of, keep, objections
+from benchmarks.oracle.faults import Violation
 from benchmarks.oracle.kinds import KINDS, random_cell
 from benchmarks.oracle.product import BAD_INPUT, as_si, checked, planned
 from benchmarks.oracle.promises import broken_promises
@@ -83,7 +83,7 @@ def evaluate(tally: Tally, kind: str, seed: int, request: Document, out: Path | 
     if answer is None:
         tally.refused[f"{BAD_INPUT} {fault}"] += 1
         return False
-    found, si, broken = bool(answer["status"] == "planned"), as_si(request), list[BrokenPromise]()
+    found, si, broken = bool(answer["status"] == "planned"), as_si(request), list[Violation]()
     findings = checked(request, answer)
     if found:
         broken = broken_promises(si, answer)
@@ -105,7 +105,7 @@ def written(
     seed: int,
     request: Document,
     answer: Document,
-    broken: list[BrokenPromise],
+    broken: list[Violation],
     findings: list[dict[str, Any]] | None,
 ) -> Path:
     """Writes a case that failed as the file of a request, and what went wrong as a second file."""
@@ -115,6 +115,6 @@ def written(
         "status": answer["status"],
         "sentence": answer.get("sentence"),
         "faults": [asdict(each) for each in broken[:20]],
-        **refused_by_checker(answer, findings),
+        **objections(answer, findings),
     }
     return keep(folder, f"{kind}-{seed}", request, faults)

@@ -6,7 +6,7 @@ import numpy as np
 
 from benchmarks.oracle.apart_kept import ROUNDING_M, WITHIN_M, apart_kept
 from benchmarks.oracle.arrivals_kept import Targets, arrivals_kept
-from benchmarks.oracle.faults import BrokenPromise, beyond
+from benchmarks.oracle.faults import Violation, beyond
 from benchmarks.oracle.joints_kept import joints_kept
 from benchmarks.oracle.motion import Motion, Phase
 from benchmarks.oracle.traces_kept import traces_kept
@@ -18,7 +18,7 @@ TOOL = 0.05
 """Share by which the tool's speed may exceed the reported peak, between the instants at which it is searched."""
 
 
-def broken_promises(request: Document, answer: Document) -> list[BrokenPromise]:
+def broken_promises(request: Document, answer: Document) -> list[Violation]:
     """What a planned answer promises and does not keep; `request` in SI, of a kind that the oracle knows."""
     motion = Motion(request, answer)
     targets = Targets(motion)
@@ -33,23 +33,23 @@ def broken_promises(request: Document, answer: Document) -> list[BrokenPromise]:
     ]
 
 
-def _tool(motion: Motion) -> list[BrokenPromise]:
+def _tool(motion: Motion) -> list[Violation]:
     """The tool point has the reported peak of speed at the reported time, and nowhere is it much faster."""
-    reported, h = motion.answer["margins"]["tool"], 1e-5
+    stated, h = motion.answer["margins"]["tool"], 1e-5
     t = np.linspace(motion.start_s + h, motion.end_s - h, max(int((motion.end_s - motion.start_s) / 5e-4), 10))
     speed = np.linalg.norm(motion.tool(t + h).p - motion.tool(t - h).p, axis=1) / (2.0 * h)
     found = beyond(
-        "tool", "speed", float(speed.max()), reported["speed_m_s"] * (1.0 + TOOL) + 1e-6, float(t[speed.argmax()])
+        "tool", "speed", float(speed.max()), stated["speed_m_s"] * (1.0 + TOOL) + 1e-6, float(t[speed.argmax()])
     )
-    at = min(max(float(reported["speed_at_s"]), motion.start_s + h), motion.end_s - h)
+    at = min(max(float(stated["speed_at_s"]), motion.start_s + h), motion.end_s - h)
     there = motion.tool(np.array([at - h, at + h])).p
-    off = abs(float(np.linalg.norm(there[1] - there[0])) / (2.0 * h) - float(reported["speed_m_s"]))
-    return found + beyond("tool", "speed, as reported", off, 1e-3 * float(reported["speed_m_s"]) + 1e-4, at)
+    off = abs(float(np.linalg.norm(there[1] - there[0])) / (2.0 * h) - float(stated["speed_m_s"]))
+    return found + beyond("tool", "speed, as reported", off, 1e-3 * float(stated["speed_m_s"]) + 1e-4, at)
 
 
-def hands_kept(motion: Motion) -> list[BrokenPromise]:
+def hands_kept(motion: Motion) -> list[Violation]:
     """At the end of the dwell of each pick and place: the smallest distance, 0 where there is contact."""
-    found = list[BrokenPromise]()
+    found = list[Violation]()
     for phase in motion.phases:
         number = phase.stage.handed_over
         if number is None:
@@ -65,12 +65,12 @@ def hands_kept(motion: Motion) -> list[BrokenPromise]:
 
 def _distance(
     motion: Motion, arrival: Document, part: str, others: list[str], key: str, phase: Phase
-) -> list[BrokenPromise]:
-    reported = arrival.get(key)
-    if reported is None:
+) -> list[Violation]:
+    stated = arrival.get(key)
+    if stated is None:
         return []  # what an answer leaves out is no claim
     t = np.array([arrival["until_s"]])
     places = motion.bodies(phase, t, {part, *others})
     gaps = [Gap(motion.shapes[part], motion.shapes[name]).at(places[part][0], places[name][0]) for name in others]
     true = max(min(gaps), 0.0)
-    return beyond("hands", f"{arrival['control_point']}, {key}", abs(reported - true), WITHIN_M + ROUNDING_M, t[0])
+    return beyond("hands", f"{arrival['control_point']}, {key}", abs(stated - true), WITHIN_M + ROUNDING_M, t[0])

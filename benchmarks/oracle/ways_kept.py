@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.oracle.arrivals_kept import Target, Targets
-from benchmarks.oracle.faults import BrokenPromise, beyond
+from benchmarks.oracle.faults import Violation, beyond
 from benchmarks.oracle.joints_kept import carrying
 from benchmarks.oracle.motion import Motion
 from benchmarks.oracle.places import short
@@ -21,8 +21,8 @@ CARRY = 1e-4
 YAW_RAD = 1e-8
 
 
-def ways_kept(motion: Motion, targets: Targets) -> list[BrokenPromise]:
-    found = list[BrokenPromise]()
+def ways_kept(motion: Motion, targets: Targets) -> list[Violation]:
+    found = list[Violation]()
     begin = motion.start_s
     for phase in motion.phases:
         leg = phase.leg
@@ -48,10 +48,10 @@ def _instants(t0: float, t1: float) -> Floats:
     return np.linspace(t0, t1, min(max(int((t1 - t0) / STEP_S), 8), 400) + 1)
 
 
-def _tracks(motion: Motion, leg: Document, given: Document, target: Target, t: Floats) -> list[BrokenPromise]:
+def _tracks(motion: Motion, leg: Document, given: Document, target: Target, t: Floats) -> list[Violation]:
     """The tool keeps to its moving target: in all coordinates in a FOLLOW, at some height above it else."""
     tool, wanted, name = motion.tool(t), target.at(motion, t), f"{leg['kind']} of step {leg['step']}"
-    off, found = tool.p - wanted.p, list[BrokenPromise]()
+    off, found = tool.p - wanted.p, list[Violation]()
     if leg["kind"] == "FOLLOW":
         far = np.linalg.norm(off, axis=1)
     else:
@@ -74,7 +74,7 @@ def _straight(leg: Document, given: Document) -> bool:
     return bool(given.get("leg") == "cartesian" and "path" not in given and route and route["course"] == "straight")
 
 
-def _on_a_line(motion: Motion, leg: Document, targets: Targets, t: Floats) -> list[BrokenPromise]:
+def _on_a_line(motion: Motion, leg: Document, targets: Targets, t: Floats) -> list[Violation]:
     """The tool point is on the line from its last place to its moving target, and never goes back on it. The last place
     moves with the frame of the step before, if the tool met that step with its velocity."""
     p, goal = motion.tool(t).p, targets.of_step[leg["step"]].at(motion, t).p
@@ -96,16 +96,16 @@ def _on_a_line(motion: Motion, leg: Document, targets: Targets, t: Floats) -> li
     return found + beyond("straight leg", f"{name}, back", back, TRACKED_M, leg["from_s"])
 
 
-def _arches(motion: Motion) -> list[BrokenPromise]:
+def _arches(motion: Motion) -> list[Violation]:
     """The tool point rises as high as an arch asks."""
-    found = list[BrokenPromise]()
+    found = list[Violation]()
     for number, step in enumerate(motion.request["task"]):
         ((_, given),) = step.items()
         legs = [leg for leg in motion.answer["legs"] if leg["step"] == number and leg["kind"] == "ARCH"]
         if "arch" not in given:
             continue
         if not legs:
-            found.append(BrokenPromise("arch", f"step {number}: none", 0.0, 0.0))
+            found.append(Violation("arch", f"step {number}: none", 0.0, 0.0))
             continue
         t = np.linspace(legs[0]["from_s"], legs[-1]["to_s"], 2000)
         top = float(motion.tool(t).p[:, 2].max())
@@ -113,12 +113,12 @@ def _arches(motion: Motion) -> list[BrokenPromise]:
     return found
 
 
-def _yaws(motion: Motion) -> list[BrokenPromise]:
+def _yaws(motion: Motion) -> list[Violation]:
     """The tool is in no range of forbidden yaws."""
     ranges = motion.request["robot"].get("limits", {}).get("forbidden_yaw_rad", [])
     if not ranges:
         return []
-    t, found = np.linspace(motion.start_s, motion.end_s, 3000), list[BrokenPromise]()
+    t, found = np.linspace(motion.start_s, motion.end_s, 3000), list[Violation]()
     yaw = motion.tool(t).yaw
     for first, last in ranges:
         width = (last - first) % (2.0 * np.pi)
@@ -128,10 +128,10 @@ def _yaws(motion: Motion) -> list[BrokenPromise]:
     return found
 
 
-def _pull(motion: Motion) -> list[BrokenPromise]:
+def _pull(motion: Motion) -> list[Violation]:
     """The tool point accelerates no harder than a held part bears."""
     limit = motion.request.get("carry", {}).get("acceleration_m_s2")
-    found, h = list[BrokenPromise](), 1e-4
+    found, h = list[Violation](), 1e-4
     if limit is None or motion.request.get("options", {}).get("timing") == "parabolic_blend":
         return []
     for t0, t1 in carrying(motion):
@@ -143,7 +143,7 @@ def _pull(motion: Motion) -> list[BrokenPromise]:
     return found
 
 
-def _contacts(motion: Motion) -> list[BrokenPromise]:
+def _contacts(motion: Motion) -> list[Violation]:
     """The reported contacts are those of the legs."""
     own: list[tuple[frozenset[str], float, float]] = []
     for phase in motion.phases:
@@ -151,11 +151,11 @@ def _contacts(motion: Motion) -> list[BrokenPromise]:
             own += [(pair, phase.leg["from_s"], phase.leg["to_s"]) for pair in phase.stage.contacts]
     known = {name for phase in motion.phases for name in (*phase.carried, *phase.seated)}
     mine = _merged([each for each in own if each[0] <= known])
-    reported = _merged([(frozenset(c["bodies"]), c["from_s"], c["to_s"]) for c in motion.answer["contacts"]])
+    stated = _merged([(frozenset(c["bodies"]), c["from_s"], c["to_s"]) for c in motion.answer["contacts"]])
     return (
         []
-        if _same(mine, reported)
-        else [BrokenPromise("contacts", f"{mine}, reported {reported}", float(len(reported)), float(len(mine)))]
+        if _same(mine, stated)
+        else [Violation("contacts", f"{mine}, reported {stated}", float(len(stated)), float(len(mine)))]
     )
 
 

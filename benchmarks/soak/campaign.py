@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.checker_refusals import codes_of, keep, refused_by_checker
+from benchmarks.checker_refusals import codes_of, keep, objections
 from benchmarks.oracle import plans
 from benchmarks.oracle.product import checked, planned
 from benchmarks.soak.poses import Document
@@ -38,7 +38,7 @@ class Tally(plans.Tally):
         self.runs += runs
         self.collisions += outcome.collisions
         self.faults.update(fault.kind for fault in outcome.faults)
-        self.ratios += [refused_by_checker / worst for _, refused_by_checker, worst in outcome.errors if worst > 0.0]
+        self.ratios += [reported / worst for _, reported, worst in outcome.errors if worst > 0.0]
         self._deepest(outcome.deepest_m, outcome.deepest_allowed_m)
 
     def _deepest(self, m: float, allowed_m: float) -> None:
@@ -99,12 +99,7 @@ ELBOW = "start.elbow"
 
 
 def counted(
-    tally: Tally,
-    kind: str,
-    seed: int,
-    request: Document,
-    out: Path | None = None,
-    realisations: int = REALISATIONS,
+    tally: Tally, kind: str, seed: int, request: Document, out: Path | None = None, realisations: int = REALISATIONS
 ) -> bool:
     """Whether the plan of a cell of this kind and seed was accepted, which was run then; the tally counts it, or why it
     was refused. Raises `ValueError` for a request that is at fault in anything but `ELBOW`."""
@@ -129,7 +124,7 @@ def counted(
             out,
             f"{kind}-{seed}",
             request,
-            {"kind": kind, "seed": seed, "faults": faults, **refused_by_checker(answer, findings)},
+            {"kind": kind, "seed": seed, "faults": faults, **objections(answer, findings)},
         )
     return found
 

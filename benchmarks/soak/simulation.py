@@ -248,12 +248,7 @@ class Run:
             turn = turn - turn[0] if len(self.cell.arm.names) >= 4 else np.zeros_like(turn)
         flat, high = np.hypot(delta[:, 0], delta[:, 1]), np.abs(delta[:, 2])
         size = np.maximum(np.hypot(flat, high), at_grasp)
-        reported = arrival.get("error") or {
-            "position_m": 2e-6,
-            "horizontal_m": 2e-6,
-            "vertical_m": 2e-6,
-            "yaw_rad": 2e-6,
-        }
+        stated = arrival.get("error") or {"position_m": 2e-6, "horizontal_m": 2e-6, "vertical_m": 2e-6, "yaw_rad": 2e-6}
         for key, values in (
             ("position_m", size),
             ("horizontal_m", flat),
@@ -261,11 +256,11 @@ class Run:
             ("yaw_rad", np.abs(turn)),
         ):
             r, slack = int(values.argmax()), ROUNDING_RAD if key == "yaw_rad" else ROUNDING_M
-            if not values[r] <= reported[key] + slack:
+            if not values[r] <= stated[key] + slack:
                 about = (arrival["control_point"], key)
-                found.faults.append(Fault("error", about, r, arrival["until_s"], float(values[r]), reported[key]))
-        if arrival.get("error") and reported["position_m"] > 1e-5:
-            found.errors.append((arrival["control_point"], reported["position_m"], float(size.max())))
+                found.faults.append(Fault("error", about, r, arrival["until_s"], float(values[r]), stated[key]))
+        if arrival.get("error") and stated["position_m"] > 1e-5:
+            found.errors.append((arrival["control_point"], stated["position_m"], float(size.max())))
 
     def _hand_over(self, number: int) -> None:
         """The part changes hands as it is: into the gripper, or into the frame in which it is put down."""

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.scenes.urdf.refusals import MissingItem
+from assur.scenes.urdf.refusals import Defect
 from assur.scenes.urdf.tree import Joint, Tree
 
 UNIT = 1e-6
@@ -141,30 +141,28 @@ def _last_moving(tree: Tree, base: str) -> str | None:
     return best
 
 
-def chain_to(tree: Tree, base: str, tip: str) -> tuple[Chain | None, list[MissingItem]]:
+def chain_to(tree: Tree, base: str, tip: str) -> tuple[Chain | None, list[Defect]]:
     """The arm from base to tip, and reasons why it is no arm: joints of other kinds, joints that follow others,
     and joints that move and are not in the arm."""
     path = tree.path(base, tip)
     if path is None:
-        return None, [
-            MissingItem(f"link {tip}", f"it does not hang on link {base}", "choose --base and --tip of one chain")
-        ]
+        return None, [Defect(f"link {tip}", f"it does not hang on link {base}", "choose --base and --tip of one chain")]
     lacks = []
     own = {joint.name for joint in path}
     for joint in tree.joints.values():
         where = f"joint {joint.name}"
         if joint.name in own and joint.kind in ("floating", "planar"):
-            lacks.append(MissingItem(where, f"type {joint.kind}", "begin below it with --base LINK"))
+            lacks.append(Defect(where, f"type {joint.kind}", "begin below it with --base LINK"))
         if not joint.moves or tree.path(base, joint.child) is None:
             continue
         if joint.mimics is not None and (joint.name in own or joint.mimics in own):
             what = f"it mimics joint {joint.mimics}: a linkage, and none of our arms has one"
             supply = "only arms without a linkage can be imported; of a palletiser no SCARA can be made"
-            lacks.append(MissingItem(where, what, supply))
+            lacks.append(Defect(where, what, supply))
         elif joint.mimics is not None:
             what = f"it mimics joint {joint.mimics}, and is not between link {base} and link {tip}"
-            lacks.append(MissingItem(where, what, f"hold both with --hold {joint.mimics}=POSITION"))
+            lacks.append(Defect(where, what, f"hold both with --hold {joint.mimics}=POSITION"))
         elif joint.name not in own:
             what = f"it moves, and is not between link {base} and link {tip}"
-            lacks.append(MissingItem(where, what, f"hold it with --hold {joint.name}=POSITION, or choose --tip LINK"))
+            lacks.append(Defect(where, what, f"hold it with --hold {joint.name}=POSITION, or choose --tip LINK"))
     return Chain(tree, base, tip, tuple(joint for joint in path if joint.moves)), lacks

@@ -16,7 +16,7 @@ from assur.scenes.reading.arms import CALLED
 from assur.scenes.schema.robots import Family
 from assur.scenes.urdf.chain import Chain, chain_to, flanges
 from assur.scenes.urdf.reader import ROUND_RAD
-from assur.scenes.urdf.refusals import ImportRefused, MissingItem, OfNoFamily, Unsuitable
+from assur.scenes.urdf.refusals import Defect, ImportRefused, OfNoFamily, Unsuitable
 from assur.scenes.urdf.tree import Tree
 
 SAME_M, SAME_RAD = 1e-7, 1e-7
@@ -270,7 +270,7 @@ MOST_AXES = 5
 
 def arm_in(
     tree: Tree, name: str, base: str, wanted: str | None, hinted: tuple[str, ...]
-) -> tuple[Chain, Kinematics, list[MissingItem], list[str]]:
+) -> tuple[Chain, Kinematics, list[Defect], list[str]]:
     """The chain from `base` to the flange with the kinematics that it has, the joints that keep it from being an arm
     all the same, and why likelier links are not the flange. `wanted` and `hinted`: links that may be, as in `flanges`.
 
@@ -278,9 +278,9 @@ def arm_in(
     """
     tips = flanges(tree, base, wanted, hinted)
     if not tips:
-        raise ImportRefused(name, [MissingItem("the file", "no joint moves", "a robot's description")])
-    beside: tuple[Chain, Kinematics, list[MissingItem]] | None = None
-    failed: list[MissingItem] = []
+        raise ImportRefused(name, [Defect("the file", "no joint moves", "a robot's description")])
+    beside: tuple[Chain, Kinematics, list[Defect]] | None = None
+    failed: list[Defect] = []
     passed: list[str] = []
     for tip in tips:
         chain, lacks = chain_to(tree, base, tip)
@@ -300,7 +300,7 @@ def arm_in(
     return *beside, passed
 
 
-def _kept_from(chain: Chain, lacks: list[MissingItem], lack: MissingItem) -> list[MissingItem]:
+def _kept_from(chain: Chain, lacks: list[Defect], lack: Defect) -> list[Defect]:
     """What keeps a chain from being an arm of ours: axes, linkages, angles that were mistyped; or else its gripper."""
     if known := _or_without_gripper(chain, lack):
         return [known]
@@ -308,7 +308,7 @@ def _kept_from(chain: Chain, lacks: list[MissingItem], lack: MissingItem) -> lis
     return [lack, *(each for each in lacks if each.where in on_the_way), *_nearly(chain)]
 
 
-def _or_without_gripper(chain: Chain, lack: MissingItem) -> MissingItem | None:
+def _or_without_gripper(chain: Chain, lack: Defect) -> Defect | None:
     """What to say of a chain that is an arm of ours but for a gripper at its end; None if it is none.
 
     What is left out must look like a gripper: it slides, or the rest is an arm with a wrist. No joint there may follow
@@ -337,11 +337,11 @@ def _or_without_gripper(chain: Chain, lack: MissingItem) -> MissingItem | None:
                 return None
             hold = " ".join(f"--hold {joint.name}=POSITION" for joint in moving if joint.mimics is None)
             what = f"{lack.what}; without a gripper, up to link {tip}, it is {CALLED[kinematics.family]}"
-            return MissingItem(lack.where, what, f"say --tip {tip} {hold}")
+            return Defect(lack.where, what, f"say --tip {tip} {hold}")
     return None
 
 
-def _nearly(chain: Chain) -> list[MissingItem]:
+def _nearly(chain: Chain) -> list[Defect]:
     """Angles of joints on the way to the flange that are almost right angles, but too far off to be read as such."""
     found = []
     for joint in chain.tree.path(chain.base, chain.tip) or []:
@@ -350,5 +350,5 @@ def _nearly(chain: Chain) -> list[MissingItem]:
             off = abs(angle - near)
             if ROUND_RAD < off <= NEARLY_RAD:
                 what = f"{angle:.9g} rad is {math.degrees(off):.3g} deg off {math.degrees(near):.0f} deg"
-                found.append(MissingItem(f"joint {joint.name}, origin.rpy", what, f"write {near!r} if that is meant"))
+                found.append(Defect(f"joint {joint.name}, origin.rpy", what, f"write {near!r} if that is meant"))
     return found

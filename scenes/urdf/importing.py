@@ -32,7 +32,7 @@ from assur.scenes.urdf.limits import Limits, LimitsFile, limits_of, read_limits
 from assur.scenes.urdf.mesh_files import mesh_triangles
 from assur.scenes.urdf.plausible import implausible, size_of
 from assur.scenes.urdf.reader import read_tree
-from assur.scenes.urdf.refusals import ImportRefused, MissingItem, OfNoFamily, Unsuitable
+from assur.scenes.urdf.refusals import Defect, ImportRefused, OfNoFamily, Unsuitable
 from assur.scenes.urdf.solids import Covering, Part
 from assur.scenes.urdf.srdf import Semantics, read_srdf
 from assur.scenes.urdf.tree import Solid, Tree
@@ -119,7 +119,7 @@ class _Import:
         if self.remarks and wanted.urdf.suffix.lower() == ".xacro":
             self.remarks.append(f"lines of {self.file} are those of the URDF to which xacro expands it")
         self.sizes: dict[str, float] = {}
-        self.lacks: list[MissingItem] = []
+        self.lacks: list[Defect] = []
         self._hold(tree)
         self.tree = tree = tree.with_held(wanted.held)
         self.semantics = Semantics(frozenset(), ())
@@ -149,19 +149,17 @@ class _Import:
         for name, value in self.wanted.held.items():
             if name not in tree.joints:
                 raise ImportRefused(
-                    self.file, [MissingItem(f"--hold {name}", "no joint of this name", "a joint of the URDF")]
+                    self.file, [Defect(f"--hold {name}", "no joint of this name", "a joint of the URDF")]
                 )
             if not abs(value) <= FARTHEST:
-                raise ImportRefused(self.file, [MissingItem(f"--hold {name}", f"{value:g}", "a number in rad or m")])
+                raise ImportRefused(self.file, [Defect(f"--hold {name}", f"{value:g}", "a number in rad or m")])
         for name, folder in self.wanted.packages.items():
             if not folder.is_dir():
-                raise ImportRefused(self.file, [MissingItem(f"--package {name}", f"no folder {folder}", "a folder")])
+                raise ImportRefused(self.file, [Defect(f"--package {name}", f"no folder {folder}", "a folder")])
         for what, link in (("--base", self.wanted.base), ("--tip", self.wanted.tip)):
             if link is not None and link not in tree.links:
                 links = ", ".join(list(tree.links)[:20])
-                raise ImportRefused(
-                    self.file, [MissingItem(f"{what} {link}", "no link of this name", f"one of {links}")]
-                )
+                raise ImportRefused(self.file, [Defect(f"{what} {link}", "no link of this name", f"one of {links}")])
 
     def _look_at_meshes(self) -> None:
         """Every mesh is read once before any is covered: their faults are reported together."""
@@ -188,24 +186,24 @@ class _Import:
         except InputError as error:
             raise ImportRefused(self.file, [self._of_number(error)]) from error
         if given is None:
-            raise ImportRefused(self.file, [MissingItem("the file", "no arm", "report it")])
+            raise ImportRefused(self.file, [Defect("the file", "no arm", "report it")])
         return built(*given)
 
-    def _of_number(self, error: InputError) -> MissingItem:
+    def _of_number(self, error: InputError) -> Defect:
         """A number that our form does not take, at the file's joint if it is one of a joint."""
         if found := re.match(r"\w+\.joints\[(\d+)\]\.(\w+)", error.field):
             where = f"joint {self.chain.joints[int(found[1])].name}, {found[2]}"
         else:
             where = error.field
         lengths = "; a URDF has lengths in m: write mm times 0.001" if "_m." in error.field else ""
-        return MissingItem(where, f"{error.value}", f"allowed is {error.allowed}{lengths}")
+        return Defect(where, f"{error.value}", f"allowed is {error.allowed}{lengths}")
 
     def tell_rounding(self, written: Tree) -> None:
         """Says what the rounding of angles changed: how far away the flange of the file as it is `written` is."""
         chain, _ = chain_to(written.with_held(self.wanted.held), self.base, self.chain.tip)
         q = agreement.states(self.chain, self.ranges)
         if chain is None:
-            raise ImportRefused(self.file, [MissingItem("the file", "two readings of it differ", "report it")])
+            raise ImportRefused(self.file, [Defect("the file", "two readings of it differ", "report it")])
         metres, radians = agreement.between(chain.places(q)[chain.tip], self.chain.places(q)[chain.tip])
         angles = ", ".join(self.tree.rounded[:6])
         self.remarks.append(
@@ -260,7 +258,7 @@ class _Import:
                 meshes[body["shape"]["mesh"]["file"]] = content
         if len(bodies) > MAX_TOOL_BODIES:
             what = f"{len(bodies)} bodies cover the links"
-            lack = MissingItem("the meshes", what, f"up to {MAX_TOOL_BODIES} are allowed: say a smaller --hulls")
+            lack = Defect("the meshes", what, f"up to {MAX_TOOL_BODIES} are allowed: say a smaller --hulls")
             raise ImportRefused(self.file, [lack])
         names = LINKS[self.kinematics.family]
         off = None if self.wanted.srdf is None else self.semantics.off
@@ -336,7 +334,7 @@ class _Import:
         theirs, ours = self.chain.places(q), agreement.frames(self.arm, q)
         found: list[Part] = []
         carried: dict[str, set[str]] = {}
-        lacks: list[MissingItem] = []
+        lacks: list[Defect] = []
         taken: set[str] = set()
         self.remarks += remarks_on(self.chain)
         for link, movers in self.chain.movers.items():

@@ -15,7 +15,7 @@ from typing import get_args
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.scenes.urdf.refusals import ImportRefused, MissingItem, Unsuitable
+from assur.scenes.urdf.refusals import Defect, ImportRefused, Unsuitable
 from assur.scenes.urdf.tree import Bound, Joint, JointType, Limit, Solid, Tree, of_quaternion, of_rpy
 from assur.scenes.urdf.unread import not_expanded, unread
 from assur.scenes.urdf.xml_text import FARTHEST, NUMBER, Node, number, numbers, parse_xml
@@ -51,14 +51,14 @@ def read_tree(content: bytes, name: str, *, rounding: bool = False) -> Tree:
     if version is not None and version not in VERSIONS:
         what = f"version {version[:40]!r}, which may mean other than what is read here"
         supply = f"versions {', '.join(VERSIONS)} are known; write the description in one of them"
-        raise ImportRefused(name, [MissingItem(f"line {root.line}, robot, version", what, supply)])
+        raise ImportRefused(name, [Defect(f"line {root.line}, robot, version", what, supply)])
     return _Reader(root, name, version or VERSIONS[0], rounding=rounding).tree()
 
 
 class _collected:
     """An unsuitable item inside is added to the list of lacks, and settles the node."""
 
-    def __init__(self, lacks: list[MissingItem], node: Node) -> None:
+    def __init__(self, lacks: list[Defect], node: Node) -> None:
         self._lacks, self._node = lacks, node
 
     def __enter__(self) -> None:
@@ -76,7 +76,7 @@ class _Reader:
 
     def __init__(self, root: Node, name: str, version: str, *, rounding: bool) -> None:
         self.root, self.name, self.version, self.rounding = root, name, version, rounding
-        self.lacks: list[MissingItem] = []
+        self.lacks: list[Defect] = []
         self.remarks: list[str] = []
         self.warnings: list[str] = []
         self.rounded: list[str] = []
@@ -290,28 +290,26 @@ def _short_enough(kind: str, name: str) -> None:
         raise Unsuitable(f"{kind} {name[:40]}...", what, f"names of up to {LONGEST_NAME} characters are read")
 
 
-def _no_tree(links: dict[str, tuple[Solid, ...]], joints: dict[str, Joint]) -> list[MissingItem]:
+def _no_tree(links: dict[str, tuple[Solid, ...]], joints: dict[str, Joint]) -> list[Defect]:
     if not 1 <= len(links) <= MOST_LINKS:
         none = "" if links else "; a xacro file that only defines macros has none: give the file that calls them"
-        return [MissingItem("the file", f"{len(links)} links", f"1 to {MOST_LINKS} links are read{none}")]
+        return [Defect("the file", f"{len(links)} links", f"1 to {MOST_LINKS} links are read{none}")]
     found = []
     parents = Counter(joint.child for joint in joints.values())
     for link, count in parents.items():
         if count > 1:
             by = ", ".join(joint.name for joint in joints.values() if joint.child == link)
-            found.append(MissingItem(f"link {link}", f"it is the child of {count} joints ({by})", "give it one parent"))
+            found.append(Defect(f"link {link}", f"it is the child of {count} joints ({by})", "give it one parent"))
     for joint in joints.values():
         if joint.mimics is not None and joint.mimics not in joints:
             what = f"it mimics joint {joint.mimics!r}, which is not in the file"
-            found.append(MissingItem(f"joint {joint.name}", what, "name a joint that is there"))
+            found.append(Defect(f"joint {joint.name}", what, "name a joint that is there"))
     roots = [link for link in links if link not in parents]
     if not roots:
-        found.append(
-            MissingItem("the file", "a loop of joints: no link is the root", "open the loop; a URDF is a tree")
-        )
+        found.append(Defect("the file", "a loop of joints: no link is the root", "open the loop; a URDF is a tree"))
     if len(roots) > 1:
         supply = "join them by fixed joints, or remove what is not of the robot"
-        found.append(MissingItem("the file", f"{len(roots)} roots: {', '.join(roots[:8])}", supply))
+        found.append(Defect("the file", f"{len(roots)} roots: {', '.join(roots[:8])}", supply))
     if not found:
         seen, ahead = set(roots), list(roots)
         while ahead:
@@ -322,7 +320,7 @@ def _no_tree(links: dict[str, tuple[Solid, ...]], joints: dict[str, Joint]) -> l
                     ahead.append(joint.child)
         if len(seen) < len(links):
             lost = next(link for link in links if link not in seen)
-            found.append(MissingItem(f"link {lost}", "it is in a loop of joints", "open the loop; a URDF is a tree"))
+            found.append(Defect(f"link {lost}", "it is in a loop of joints", "open the loop; a URDF is a tree"))
     return found
 
 
@@ -342,10 +340,10 @@ ControllerBounds = dict[str, list[tuple[Bound, Limit]]]
 """The limits of each joint, by its name."""
 
 
-def controller_bounds(root: Node) -> tuple[ControllerBounds, list[MissingItem], list[str]]:
+def controller_bounds(root: Node) -> tuple[ControllerBounds, list[Defect], list[str]]:
     """The limits of controllers, those that are no numbers, and those that are not taken, with their lines."""
     found: ControllerBounds = {}
-    lacks: list[MissingItem] = []
+    lacks: list[Defect] = []
     remarks: list[str] = []
     for name, kind, off, param in _params(root):
         side = ("min", "max").index(param.attributes["name"])
@@ -355,7 +353,7 @@ def controller_bounds(root: Node) -> tuple[ControllerBounds, list[MissingItem], 
         if off:
             remarks.append(f"{where}: {text[:40]} is not taken, for <limits enable=...> switches it off")
         elif value is None or not abs(value) <= FARTHEST:
-            lacks.append(MissingItem(where, f"{text[:40]!r} is no finite number", "write a number, or remove it"))
+            lacks.append(Defect(where, f"{text[:40]!r} is no finite number", "write a number, or remove it"))
         elif kind != "position" and not (value if side else -value) > 0.0:
             remarks.append(f"{where}: {text} is not taken, for it limits one direction only")
         else:

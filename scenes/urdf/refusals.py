@@ -11,7 +11,7 @@ MOST_LACKS = 60
 
 
 @dataclass(frozen=True, slots=True)
-class MissingItem:
+class Defect:
     """Something that is missing or unsuitable: where it is, what is there, and what to do about it."""
 
     where: str
@@ -25,13 +25,13 @@ class MissingItem:
 class ImportRefused(InputError):
     """No robot file can be made from the description. `lacks`: all that is known to be missing or unsuitable."""
 
-    def __init__(self, name: str, lacks: list[MissingItem]) -> None:
+    def __init__(self, name: str, lacks: list[Defect]) -> None:
         first, *rest = lacks
         more = "" if not rest else f" (and {len(rest)} more)"
         super().__init__(f"{name}, {first.where}", first.what, first.supply + more)
         self.name, self.lacks = name, tuple(lacks[:MOST_LACKS])
 
-    def __reduce__(self) -> tuple[type[ImportRefused], tuple[str, list[MissingItem]]]:  # type: ignore[override]
+    def __reduce__(self) -> tuple[type[ImportRefused], tuple[str, list[Defect]]]:  # type: ignore[override]
         return type(self), (self.name, list(self.lacks))
 
 
@@ -44,4 +44,4 @@ class Unsuitable(Exception):
 
     def __init__(self, where: str, what: str, supply: str) -> None:
         super().__init__(where, what, supply)
-        self.lack = MissingItem(where, what, supply)
+        self.lack = Defect(where, what, supply)

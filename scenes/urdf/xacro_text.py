@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 from assur.scenes.urdf.mesh_files import package_above
-from assur.scenes.urdf.refusals import ImportRefused, MissingItem
+from assur.scenes.urdf.refusals import Defect, ImportRefused
 
 LONGEST_S = 60.0
 """A macro may call itself without end."""
@@ -48,7 +48,7 @@ def expanded(path: Path, packages: dict[str, Path], arguments: dict[str, str]) -
     """
     if importlib.util.find_spec("xacrodoc") is None:
         supply = "install assur with the extra `xacro`, or expand the file yourself and give the URDF"
-        raise ImportRefused(path.name, [MissingItem("the file", "no library for xacro is installed", supply)])
+        raise ImportRefused(path.name, [Defect("the file", "no library for xacro is installed", supply)])
     known = dict(packages)
     while True:
         run = _run(path, known, arguments)
@@ -58,14 +58,12 @@ def expanded(path: Path, packages: dict[str, Path], arguments: dict[str, str]) -
         reason = lines[-1][:400] if lines else "no reason given"
         if not reason.startswith(LOST):
             supply = "mend it, give an argument with --arg NAME=VALUE, or a package with --package NAME=FOLDER"
-            raise ImportRefused(path.name, [MissingItem("the file", f"xacro does not expand it ({reason})", supply)])
+            raise ImportRefused(path.name, [Defect("the file", f"xacro does not expand it ({reason})", supply)])
         name = reason.removeprefix(LOST)
         folder = None if name in known or len(known) > MOST_PACKAGES else package_above(name, path)
         if folder is None:
             supply = f"say --package {name}=FOLDER; where nothing is included from it, any folder will do"
-            raise ImportRefused(
-                path.name, [MissingItem("the file", f"the folder of package {name!r} is not known", supply)]
-            )
+            raise ImportRefused(path.name, [Defect("the file", f"the folder of package {name!r} is not known", supply)])
         known[name] = folder
 
 
@@ -86,6 +84,4 @@ def _run(path: Path, packages: dict[str, Path], arguments: dict[str, str]) -> su
         )
     except subprocess.TimeoutExpired:
         supply = "a file whose macros come to an end"
-        raise ImportRefused(
-            path.name, [MissingItem("the file", f"not expanded within {LONGEST_S:g} s", supply)]
-        ) from None
+        raise ImportRefused(path.name, [Defect("the file", f"not expanded within {LONGEST_S:g} s", supply)]) from None

@@ -14,7 +14,7 @@ import pytest
 from assur.scenes import ik
 from benchmarks.oracle import plans, refusals
 from benchmarks.oracle.contradicted import JUDGES, contradiction
-from benchmarks.oracle.faults import BrokenPromise, beyond
+from benchmarks.oracle.faults import Violation, beyond
 from benchmarks.oracle.impossible import KINDS as IMPOSSIBLE
 from benchmarks.oracle.impossible import random_request
 from benchmarks.oracle.inverse import solutions
@@ -371,9 +371,7 @@ def test_proved_refusals_are_contradicted_by_nothing(tmp_path: Path) -> None:
 
 def test_a_case_that_fails_is_written_as_a_request(tmp_path: Path, transfer: tuple[Document, Document]) -> None:
     request, answer = transfer
-    file = plans.written(
-        tmp_path, "belt to table", 3, request, answer, [BrokenPromise("arrival", "x", 1.0, 0.5, 2.0)], []
-    )
+    file = plans.written(tmp_path, "belt to table", 3, request, answer, [Violation("arrival", "x", 1.0, 0.5, 2.0)], [])
     assert json.loads(file.read_text()) == json.loads(json.dumps(request))
     faults = json.loads((tmp_path / f"{file.stem}.faults.json").read_text())
     assert (faults["kind"], faults["seed"], faults["faults"][0]["amount"]) == ("belt to table", 3, 1.0)
