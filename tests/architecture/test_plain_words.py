@@ -23,8 +23,8 @@ PART = re.compile(r"[A-Z]?[a-z0-9]+|[A-Z]+(?![a-z])")
 PAGES = (".md", ".yaml", ".yml", ".html", ".js", ".css", ".cfg", ".toml", ".sh")
 """Suffixes of files that are read as one text: pages, and what has comments and is not Python."""
 
-FOLDERS = (*PRODUCT, "benchmarks", "deploy")
-"""Folders of modules, beside docs and README.md. Tests are not read: they have none of the public texts."""
+FOLDERS = (*PRODUCT, "benchmarks", "deploy", "docs")
+"""Folders that are read, in addition to README.md. Tests are not read: their texts are not public."""
 LATER = {
     "planner": "its modules are shortened first; its sentences are written anew after that",
     "api": "its modules are shortened first; its sentences are written anew after that",
@@ -43,7 +43,7 @@ EXCEPTIONS = {
     ("benchmarks/soak_service/row.py", "told"): "a field of recorded results",
     ("deploy/haproxy.cfg", "has asked for its share"): "the title of a problem, which the service has, too",
 }
-"""File, and the phrase in it that may have a refused word → why."""
+"""File, and a name, or a phrase in a text, that may have a refused word → why."""
 
 
 def plain(text: str) -> str:
@@ -104,11 +104,11 @@ def spoken(name: str) -> str:
 def all_texts() -> tuple[tuple[str, str], ...]:
     """Path of a file, and each text of it that is read: pages as a whole."""
     found = []
-    for source in sources(*FOLDERS):
+    for source in (*sources(*PRODUCT, "benchmarks"), *sources("deploy")):
         for text in (*comments(source), *texts(source), *map(spoken, public_names(source))):
             found.append((source.path, plain(text)))
     pages = [ROOT / "README.md"]
-    for folder in ("docs", *FOLDERS):
+    for folder in FOLDERS:
         pages += (ROOT / folder).rglob("*")
     for page in sorted(pages):
         if page.suffix in PAGES and page.is_file():
@@ -125,7 +125,7 @@ def refused(path: str, text: str) -> list[str]:
     """Each refused word of a text with what is round it, except phrases that the file may have."""
     for file, phrase in EXCEPTIONS:
         if file == path:
-            text = text.replace(phrase, "")
+            text = text.replace(phrase, "") if " " in phrase or text == phrase else text
     return [f"{path}: …{text[max(match.start() - 60, 0) : match.end() + 40]}…" for match in REFUSED.finditer(text)]
 
 
