@@ -432,7 +432,7 @@ class World:
             stack += [(*half, depth + 1) for half in halves]
         return True
 
-    def is_fixed(self, f: int) -> bool:
+    def fixed(self, f: int) -> bool:
         """Whether a frame never moves."""
         frame = nth(self.frames, f, "frame")
         return self.laws[f] is None and frame["arm"] < 0 and not frame["waves"]
@@ -440,7 +440,7 @@ class World:
     def carrier(self, link: int, f: int, t0: float, t1: float, s0: Any = 0.0, s1: Any = 0.0) -> Carrier:
         """A link of the robot, which follows the clock; or, if `link` is -1, a frame, which is s ahead of it."""
         s0, s1 = (0.0, 0.0) if link >= 0 else (s0, s1)
-        key = (-1, t0, t1, s0, s1) if link >= 0 else (f, 0, 0, 0, 0) if self.is_fixed(f) else (f, t0, t1, s0, s1)
+        key = (-1, t0, t1, s0, s1) if link >= 0 else (f, 0, 0, 0, 0) if self.fixed(f) else (f, t0, t1, s0, s1)
         if key not in self.kept:
             low, high = arb(t0) + s0, arb(t1) + s1
             self.kept[key] = self.links(0, low, high) if link >= 0 else self.frame(f, low, high)
@@ -473,7 +473,7 @@ class World:
     def ahead(self, f: int, late: float) -> tuple[Fraction, Fraction]:
         """How far a frame may be ahead of a robot that starts up to `late` late, at least and at most, s."""
         least, most = map(Fraction, self.frames[f]["shift"])
-        return (Fraction(0), Fraction(0)) if self.is_fixed(f) else (-most, Fraction(late) - least)
+        return (Fraction(0), Fraction(0)) if self.fixed(f) else (-most, Fraction(late) - least)
 
     def duties(self, p: int) -> dict[frozenset[int], Duty]:
         """The pairs of bodies that must stay apart in phase p. These are: a body of the robot and one on a frame; two
@@ -500,9 +500,9 @@ class World:
         for a, supports in ((part["body"], part["supports"]) for part in phase["put_down"]):
             here = nth(at, a, "body")["frame"]
             for b, there in enumerate(seat["frame"] for seat in at):
-                if there not in (-1, here) and b not in supports and not (self.is_fixed(here) and self.is_fixed(there)):
+                if there not in (-1, here) and b not in supports and not (self.fixed(here) and self.fixed(there)):
                     (low, high), (first, last) = self.ahead(there, 0.0), self.ahead(here, 0.0)
-                    add(a, b, "near", *(() if self.is_fixed(there) else (low - last, high - first)))
+                    add(a, b, "near", *(() if self.fixed(there) else (low - last, high - first)))
         return found
 
     def planned(self, p: int) -> dict[frozenset[int], Duty]:
@@ -520,8 +520,8 @@ class World:
         (a, b), at = row["bodies"], self.seats[p]
         for other in [b] if b >= 0 else range(len(at)):
             duty = duties.get(frozenset((a, other)))
-            is_fixed = at[other]["link"] < 0 and self.is_fixed(at[other]["frame"])
-            if duty and (duty.early == duty.late == 0 or duty.bodies[0] == a) and (b >= 0 or is_fixed):
+            fixed = at[other]["link"] < 0 and self.fixed(at[other]["frame"])
+            if duty and (duty.early == duty.late == 0 or duty.bodies[0] == a) and (b >= 0 or fixed):
                 yield {**row, "bodies": [a, other]}, duty
 
     def apart(self, key: str) -> tuple[int, int]:
@@ -965,10 +965,7 @@ def claimed(world: World, alone: float, rows: int, pairs: int, gap_rows: int, ga
     """What a bundle claims, in words and numbers: how much of each kind, and the most that it allows."""
     bundle, must, own, limits = world.bundle, world.must, world.splines[0].edges, world.bundle["limits"]
     contacts, put_down = ([each for phase in world.phases for each in phase[key]] for key in ("contacts", "put_down"))
-    self_pairs, links = (
-        set(map(frozenset, must["self_pairs"])),
-        {seat["link"] for seats in world.seats for seat in seats},
-    )
+    apart, links = set(map(frozenset, must["self_pairs"])), {seat["link"] for seats in world.seats for seat in seats}
     unsure = [frame for frame in world.frames if frame["unknown"] or frame["yaw"] or any(frame["shift"])]
 
     def kept(key: str) -> Any:
@@ -996,7 +993,7 @@ def claimed(world: World, alone: float, rows: int, pairs: int, gap_rows: int, ga
         "second distances of the robot's bodies and of parts that were put down, m": second,
         "pairs that keep a second distance, counted in each phase, and rows that show it": [gap_pairs, gap_rows],
         "bodies from meshes, with what they enclose": sum(bool(shell["triangles"]) for shell in world.surfaces),
-        "pairs of the robot's links that keep apart": sum(len(pair) == 2 and pair <= links for pair in self_pairs),
+        "pairs of the robot's links that keep apart": sum(len(pair) == 2 and pair <= links for pair in apart),
         "parts that were put down, counted in each phase": len(put_down),
         "pairs that may touch, counted in each phase": len(contacts),
         "deepest contact, m": max([0, *(each["depth"] for each in contacts)]),
