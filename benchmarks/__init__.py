@@ -1,7 +1,7 @@
 """The benchmark problems, a run over them, and an independent recheck of every answer.
 
-One process, one core: numerical libraries read how many threads they may use when they are first imported, which is
-why it is said here, before anything imports them.
+One process, one core: numerical libraries read how many threads they may use when they are first imported. So the
+number is set here, before anything imports them.
 """
 
 import os

@@ -30,12 +30,12 @@ SCHEMA = "assur-best-known/1"
 
 Record = dict[str, Any]
 Known = dict[str, dict[str, Record]]
-"""Set in words → problem → {duration_s, by, commit, searched_s}; the last: how long this command searched for it in
-all, 0 for what other runs found on their way."""
+"""Set in words → problem → {duration_s, by, commit, searched_s}. `searched_s`: time that this command searched for it;
+0 for records from other runs."""
 
 
 class RaisedError(Exception):
-    """Somebody wants to raise a record, or to drop one."""
+    """A record would be raised or dropped."""
 
 
 def read(path: Path) -> Known:
@@ -77,8 +77,8 @@ def write(path: Path, known: Known) -> None:
         for problem, record in records.items():
             would = known.get(name, {}).get(problem)
             if would is None or not would["duration_s"] <= record["duration_s"]:
-                told = "dropped" if would is None else f"raised to {would['duration_s']}"
-                raise RaisedError(f"{name}/{problem}: {record['duration_s']} would be {told}")
+                change = "dropped" if would is None else f"raised to {would['duration_s']}"
+                raise RaisedError(f"{name}/{problem}: {record['duration_s']} would be {change}")
     ordered = {name: dict(sorted(records.items())) for name, records in sorted(known.items())}
     lines = json.dumps({"schema": SCHEMA, "records": ordered}, indent=1, allow_nan=False)
     beside = path.with_suffix(".part")
@@ -87,7 +87,7 @@ def write(path: Path, known: Known) -> None:
 
 
 def lower(path: Path, new: Known) -> list[str]:
-    """Writes what is lower or new; the problems of which."""
+    """Writes records that are lower or new, and returns the names of their problems."""
     everything, lowered = merged(read(path), new)
     if new:
         write(path, everything)
@@ -136,7 +136,7 @@ def main(
 ) -> None:
     """Search long, and lower the records."""
     chosen = None if share is None else worst(share)
-    asked = [
+    searches = [
         (name, match, problem, seed)
         for seed in range(seeds)
         for name, match in SETS
@@ -147,7 +147,7 @@ def main(
     done = searched(path, {"budget_s": budget_s, "sources": sources()})
     count = 0
     with planning(ROOT, problem_set(SETS[0][0])) as program, path.open("a", encoding="utf-8") as stream:
-        for name, match, problem, seed in track(asked, "searching", console=Console(stderr=True), transient=True):
+        for name, match, problem, seed in track(searches, "searching", console=Console(stderr=True), transient=True):
             item = f"{name}/{match}/{problem['id']}/{seed}"
             if item not in done:
                 problems = problem_set(name)
@@ -160,7 +160,7 @@ def main(
                 lower(known, found(label(name, match), {problem["id"]: done[item]}, by, budget_s * (seed + 1)))
             )
     total = sum(len(records) for records in read(known).values())
-    Console().print(f"{len(asked)} searches, {count} records lowered or new, {total} problems have one")
+    Console().print(f"{len(searches)} searches, {count} records lowered or new, {total} problems have one")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""What the checker refuses of what the planner has made: each is a failure, and its request is kept.
+"""Plans that the planner has proved and the checker refuses: each is a failure, and its request is kept.
 
-It is refused twice over: in a search (a line of the census of stage `checker`; another plan may come after it), or when
+The checker refuses a plan in the search (a line of the census with stage `checker`; another plan may follow), or when
 an answer is checked.
 """
 
@@ -13,25 +13,25 @@ from typing import Any
 Document = dict[str, Any]
 
 SECOND = "second checker"
-"""In place of a code: the second checker refuses a bundle of which the first one accepts the plan."""
+"""In place of a code: the first checker accepts the plan, and the second checker refuses its bundle."""
 
 
 def codes_of(answer: Document, findings: list[Document] | None) -> list[str]:
     """The codes with which the checker refused plans in the search of an answer, and the answer itself."""
-    searched = said(answer, findings)["in_the_search"]
+    searched = objections(answer, findings)["in_the_search"]
     return [str(each["facts"]["code"]) for each in searched] + [str(each["code"]) for each in findings or ()]
 
 
-def said(answer: Document, findings: list[Document] | None) -> Document:
-    """What the checker has against an answer, and against plans in its search."""
+def objections(answer: Document, findings: list[Document] | None) -> Document:
+    """Why the checker refuses an answer, and plans in its search."""
     lines = answer["census"]["lines"]
     return {"checker": findings, "in_the_search": [line for line in lines if line["stage"] == "checker"]}
 
 
-def keep(folder: Path, name: str, request: Document, told: Document) -> Path:
-    """Writes the request of a case that failed as a file that can be planned, and what went wrong beside it."""
+def keep(folder: Path, name: str, request: Document, faults: Document) -> Path:
+    """Writes the request of a case that failed as a file that can be planned, and what went wrong as a second file."""
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / f"{name.replace(', ', '-').replace(' ', '-').replace('/', '-')}.json"
     file.write_text(json.dumps(request, indent=1), encoding="utf-8")
-    file.with_suffix(".faults.json").write_text(json.dumps(told, indent=1, default=float), encoding="utf-8")
+    file.with_suffix(".faults.json").write_text(json.dumps(faults, indent=1, default=float), encoding="utf-8")
     return file

@@ -61,7 +61,7 @@ def times(document: Document, repeats: int) -> dict[str, float]:
         "bundle": lambda: bundle_of(scene, plan),
     }
     spent: dict[str, list[float]] = {kind: [] for kind in KINDS}
-    gc.disable()  # a collection would count to whatever call it is in
+    gc.disable()  # a collection would add to the time of one call
     try:
         for _ in range(repeats):
             for kind, call in calls.items():

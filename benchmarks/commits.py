@@ -1,4 +1,4 @@
-"""The planner of this commit, and beside it that of another, each in a warm process of its own."""
+"""The planner of this commit and that of another one, each in a warm process of its own."""
 
 from __future__ import annotations
 

@@ -40,8 +40,8 @@ expected-statuses = {expected}
 include-operation-id = "start_job"
 checks.negative_data_rejection.enabled = false
 """
-"""A job is accepted before a worker has read its request: what is wrong with it is the problem of a job that failed.
-A job that is called off is kept, and says so."""
+"""A job is accepted before a worker has read its request: a fault of the request is the problem of a failed job. A
+cancelled job is kept in that state."""
 
 
 def round_of(
@@ -55,35 +55,32 @@ def round_of(
         command += [f"{url.rstrip('/')}/openapi.json", "--phases", phases, "--seed", str(seed), "--no-color"]
         command += ["--max-examples", str(examples), "--report-json-path", str(report), "--generation-database", "none"]
         command += ["--request-timeout", "60"]
-        command += [
-            "--suppress-health-check",
-            "all",
-            "--no-shrink",
-            "--continue-on-failure",
-        ]
+        command += ["--suppress-health-check", "all", "--no-shrink", "--continue-on-failure"]
         command += [] if longest_s is None else ["--max-time", f"{longest_s:.0f}"]
         command += [] if operations is None else ["--include-operation-id-regex", operations]
         paths = os.pathsep.join(str(path) for path in (ROOT, ROOT / "src", os.environ.get("PYTHONPATH", "")) if path)
         environment = {**os.environ, "PYTHONPATH": paths, "SCHEMATHESIS_HOOKS": "benchmarks.contract_hooks"}
         limit_s = None if longest_s is None else longest_s + END_S
-        told = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=limit_s)
+        finished = subprocess.run(
+            command, env=environment, capture_output=True, text=True, check=False, timeout=limit_s
+        )
         if not report.exists():
-            raise RuntimeError(told.stdout[-4000:] + told.stderr[-4000:])
+            raise RuntimeError(finished.stdout[-4000:] + finished.stderr[-4000:])
         found: dict[str, Any] = json.loads(report.read_text(encoding="utf-8"))
-        return {"seed": seed, "exit": told.returncode, "report": found, "output": told.stdout}
+        return {"seed": seed, "exit": finished.returncode, "report": found, "output": finished.stdout}
 
 
 def failures_of(done: dict[str, Any]) -> list[dict[str, Any]]:
     """What a round found, errors of its own making among it."""
     found = [{"seed": done["seed"], **failure} for failure in done["report"]["failures"]]
-    _, _, told = done["output"].partition(" ERRORS ")
-    return found + [{"seed": done["seed"], "error": error, "told": told[:3000]} for error in done["report"]["errors"]]
+    _, _, errors = done["output"].partition(" ERRORS ")
+    return found + [{"seed": done["seed"], "error": error, "told": errors[:3000]} for error in done["report"]["errors"]]
 
 
 def phases_of(done: dict[str, Any]) -> set[str]:
     """The phases of a round in which there was something to do, and it was done."""
     ran = {"success", "failure"}
-    names = {phase.lower() for phase, told in (done["report"]["phases"] or {}).items() if told["status"] in ran}
+    names = {phase.lower() for phase, result in (done["report"]["phases"] or {}).items() if result["status"] in ran}
     return {phase for phase in PHASES.split(",") if any(name.startswith(phase) for name in names)}
 
 
@@ -118,8 +115,8 @@ def run(
                 _added(result, round_.result())
             out.parent.mkdir(parents=True, exist_ok=True)
             out.write_text(json.dumps(result, indent=1), encoding="utf-8")
-            told = f"{result['cases']} cases, {len(result['failures'])} failures"
-            say(f"{told}, {time.monotonic() - started:.0f} s")
+            counts = f"{result['cases']} cases, {len(result['failures'])} failures"
+            say(f"{counts}, {time.monotonic() - started:.0f} s")
 
 
 def main() -> int:

@@ -1,4 +1,4 @@
-"""What schemathesis is told of the service beside its description: which refusals a schema cannot foresee.
+"""What schemathesis gets in addition to the service's description: refusals that a schema cannot foresee.
 
 Loaded by `benchmarks.contract` as the module of hooks.
 """
@@ -14,12 +14,12 @@ from assur.planner.errors import InputError
 from assur.scenes.schema.ik import IkDocument
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import OptionsDocument, RequestDocument
-from benchmarks.contract_words import AT_MOST, NOT_SAID
+from benchmarks.contract_words import AT_MOST, NOT_IN_SCHEMA
 
 
 def foreseeable(body: Any) -> str | None:
-    """What a schema could have said about a body that keeps the description and is refused, or None: the reader takes
-    its form, and what is wrong is a name, a sum, or a place in the cell."""
+    """The fault of a refused body that keeps the description, if a schema could state the rule; else None: its form is
+    right, and what is wrong is a name, a sum, or a place in the cell."""
     if not isinstance(body, dict):
         return None
     readings: list[tuple[Any, Any]] = [(RequestDocument, body)] if "task" in body else []
@@ -31,7 +31,7 @@ def foreseeable(body: Any) -> str | None:
         try:
             read(model, document)
         except InputError as error:
-            if not any(words in error.allowed for words in NOT_SAID) and not error.allowed.startswith(AT_MOST):
+            if not any(words in error.allowed for words in NOT_IN_SCHEMA) and not error.allowed.startswith(AT_MOST):
                 return str(error)
     return None
 
@@ -53,6 +53,6 @@ def keeps_description(case: Any) -> bool:
 def refused_for_what_a_schema_could_say(_: Any, response: Any, case: Any) -> None:
     """A body that keeps the description is refused only for what no schema can say."""
     if response.status_code == 422 and case.meta is not None and case.meta.generation.mode.is_positive:
-        said = foreseeable(case.body) if keeps_description(case) else None
-        if said is not None:
-            raise AssertionError(f"A body that keeps the description was refused: {said[:500]}")
+        fault = foreseeable(case.body) if keeps_description(case) else None
+        if fault is not None:
+            raise AssertionError(f"A body that keeps the description was refused: {fault[:500]}")

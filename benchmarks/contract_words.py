@@ -1,7 +1,7 @@
-"""What the reader of a request says where no schema says anything: `benchmarks.contract` and tests go by it."""
+"""Messages of the reader for rules that no schema states: used by `benchmarks.contract` and tests."""
 
-NOT_SAID = (", not both", "a number that is not rounded to 0 in ", "a whole number up to 2**53")
+NOT_IN_SCHEMA = (", not both", "a number that is not rounded to 0 in ", "a whole number up to 2**53")
 """A quantity in both its units, where one of the keys is a name of a joint; a number so small that it is 0 in SI; a
 whole number in a field without a bound that not every reader of JSON has exactly."""
 AT_MOST = "at most one of "
-"""How the reader begins to speak of what the description of the service tells by `x-at-most-one`."""
+"""First words of the reader's message for a rule that the service's description states as `x-at-most-one`."""

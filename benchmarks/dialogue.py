@@ -1,8 +1,8 @@
-"""A process that answers: one JSON object a line in, one out. Both ends of it.
+"""Both ends of a process that answers: one JSON object a line in, one out.
 
-What is measured runs in a process of its own, ours and the peers' alike: warm, on its one core, and what a library
-prints or how it dies is no concern of the others. Only the standard library is used here, for a peer's environment
-has not what ours has.
+Each measured planner, ours or a peer, runs in a process of its own: warm, on one core, and independent of what
+libraries in other processes print, or how they end. Only the standard library is used here, since a peer's environment
+does not have our packages.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import Any
 Document = dict[str, Any]
 
 GRACE_S = 5.0
-"""A process that was asked to end is killed after this."""
+"""A process is killed if it does not end within this time after the request to end."""
 
 
 class ProgramDied(Exception):
@@ -53,7 +53,7 @@ class Program:
             pipe.write(json.dumps(question, allow_nan=False) + "\n")
             pipe.flush()
         except OSError as error:
-            raise ProgramDied("ended before it was asked") from error
+            raise ProgramDied("ended before the request") from error
         return self._line(limit_s)
 
     def _line(self, limit_s: float) -> Document:

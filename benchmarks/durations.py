@@ -1,4 +1,4 @@
-"""``python -m benchmarks.durations``: how long the motions are that a budget buys, over the shortest known.
+"""``python -m benchmarks.durations``: durations of motions found within a budget, over the shortest known.
 
 The bars are at 20 ms and 0.2 s, on all problems; other budgets are run on every fourth, for the curve. Only problems
 count for which `benchmarks.best_known` has searched: a run that is compared with itself would always be near 1. The
@@ -30,7 +30,7 @@ EVERY, CURVE_EVERY = 10, 4
 
 
 def main(quick: Annotated[bool, typer.Option("--quick", help="A sample of the problems.")] = False) -> None:
-    """Measure the durations that budgets buy."""
+    """Measure the durations of motions for each budget."""
     parameters: Document = {"budgets_s": list(BARS), "curve_s": [] if quick else list(CURVE_S), "pinned": pin()}
     budgets = dict.fromkeys(BARS, EVERY if quick else 1)
     budgets |= {} if quick else dict.fromkeys(CURVE_S, CURVE_EVERY)
@@ -40,8 +40,8 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="A sample of the pr
     for name, match in SETS:
         problems, title = problem_set(name), label(name, match)
         with planning(ROOT, problems) as program:
-            asked = [(budget, problem) for budget, every in budgets.items() for problem in problems.problems[::every]]
-            for budget, problem in track(asked, title, console=Console(stderr=True)):
+            runs = [(budget, problem) for budget, every in budgets.items() for problem in problems.problems[::every]]
+            for budget, problem in track(runs, title, console=Console(stderr=True)):
                 document = request(problem, problems.limits, Terms(budget, "budget", match))
                 answer = judged(problems, problem, ask(program, document), match, document)
                 records[f"{budget:g}/{title}/{problem['id']}"] = answer

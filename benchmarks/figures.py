@@ -1,4 +1,4 @@
-"""What a script of the benchmark writes: one file of JSON lines, and its figures, each beside its bar.
+"""What a script of the benchmark writes: one file of JSON lines, and its figures, each with its bar.
 
 The first line says what was measured, where and when; then a line for each record; then a line for each figure. A
 figure is formed only over answers that were checked and found clean, else it is refused.
@@ -25,7 +25,7 @@ Records = Mapping[str, Document]
 
 FOLDER = ROOT / "benchmarks" / "results"
 SAMPLES = ROOT / "out" / "bench" / "quick"
-"""Where results of a sample go: no page is filled from there."""
+"""Folder for results of a sample: no page is filled from there."""
 WIDTH = 120
 """Characters of the tables, where the terminal has not more."""
 
@@ -47,10 +47,10 @@ class Figure:
 
     def reached(self) -> str:
         """The values in words."""
-        told = ["refused" if value is None else f"{value:.{self.decimals}f}" for value in self.values]
-        return f"{' / '.join(told)} {self.unit}".strip()
+        words = ["refused" if value is None else f"{value:.{self.decimals}f}" for value in self.values]
+        return f"{' / '.join(words)} {self.unit}".strip()
 
-    def asked(self) -> str:
+    def required(self) -> str:
         """The bar in words; empty without one."""
         if not self.bar:
             return ""
@@ -61,15 +61,15 @@ class Figure:
         """Whether the bar is met, by each value where they differ; empty without a bar."""
         if not self.bar:
             return ""
-        told = []
+        words = []
         for value, bar in zip(self.values, self.bar, strict=True):
             good = value is not None and (value >= bar if self.at_least else value <= bar)
-            told.append("?" if value is None else "yes" if good else "no")
-        return told[0] if len(set(told)) == 1 else " / ".join(told)
+            words.append("?" if value is None else "yes" if good else "no")
+        return words[0] if len(set(words)) == 1 else " / ".join(words)
 
 
 def unclean(records: Records) -> str | None:
-    """Why nothing may be said of these records; None if every one was checked and nothing was found."""
+    """Why these records may not be used; None if every one was checked and has no fault."""
     found = [
         f"{name}: {record['findings'][0] if 'findings' in record else 'was not checked'}"
         for name, record in records.items()
@@ -135,12 +135,12 @@ def finish(
 
 
 def show(figures: Sequence[Figure], title: str) -> None:
-    """Prints figures beside their bars, and below them why any was refused."""
+    """Prints figures with their bars, and below them the reasons for refused figures."""
     console = Console(width=max(WIDTH, Console().width))
     table = Table("figure", "bar", "reached", "met", "", title=title)
     for each in figures:
         table.add_row(
-            each.name, each.asked(), each.reached(), each.met(), "; ".join(filter(None, (each.beside, each.note)))
+            each.name, each.required(), each.reached(), each.met(), "; ".join(filter(None, (each.beside, each.note)))
         )
     console.print(table)
     for each in figures:

@@ -1,4 +1,4 @@
-"""``python -m benchmarks.first_answer``: how soon the first answer of each problem is in hand, and how many are solved.
+"""``python -m benchmarks.first_answer``: time to the first answer of each problem, and how many are solved.
 
 One core, `stop: first`, clearance and margin 0, from a request in memory to the checked answer; three seeds, each a
 single run, pooled. With `--beside COMMIT` the planner of that commit answers each request in turn with this one.
@@ -43,8 +43,8 @@ def main(
             programs = {OURS: stack.enter_context(planning(ROOT, problems))}
             if beside is not None:
                 programs[beside] = stack.enter_context(planning(stack.enter_context(sources(beside)), problems))
-            asked = [(seed, problem) for seed in range(seeds) for problem in problems.problems[:: parameters["every"]]]
-            for i, (seed, problem) in enumerate(track(asked, label(name, match), console=console)):
+            runs = [(seed, problem) for seed in range(seeds) for problem in problems.problems[:: parameters["every"]]]
+            for i, (seed, problem) in enumerate(track(runs, label(name, match), console=console)):
                 document = request(problem, problems.limits, Terms(BUDGET_S, "first", match, seed))
                 for by in list(programs) if i % 2 else reversed(programs):
                     answer = judged(problems, problem, ask(programs[by], document), match, document)
@@ -77,7 +77,7 @@ def figures_of(records: Records, by: str) -> list[Figure]:
 
 
 def refusals(records: Records) -> list[Figure]:
-    """What must never be: the prover accepts and the checker refuses, or the recheck finds anything."""
+    """Counts that must be 0: the prover accepts and the checker refuses, or the recheck reports a fault."""
     refused = sum(record.get("checker_refused", 0) for record in records.values())
     wrong = sum(record.get("findings") != [] for record in records.values())
     answers = sum(record["status"] == "planned" for record in records.values())

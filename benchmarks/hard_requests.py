@@ -21,11 +21,11 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from benchmarks.checker_refusals import SECOND, codes_of, keep, said
-from benchmarks.oracle.asked import checked, planned, shown
+from benchmarks.checker_refusals import SECOND, codes_of, keep, objections
 from benchmarks.oracle.kinds import ELBOW, FIVE_AXES, KINDS, POLAR, TILTING, random_cell
 from benchmarks.oracle.limits import rate
 from benchmarks.oracle.points import Points
+from benchmarks.oracle.product import checked, planned, shown
 from benchmarks.soak.arms import Arm, robot_file
 from benchmarks.soak.drafts import FIVE_BAR, SCARAS, THREE_AXES, neighbour_of
 from benchmarks.soak.poses import Document, Floats, si
@@ -291,19 +291,19 @@ def count(tally: Tally, kind: str, seed: int, request: Document, out: Path | Non
     if answer is None:
         tally.bad_input[fault] += 1
         return
-    codes, told = codes_of(answer, findings), ""
+    codes, refusal = codes_of(answer, findings), ""
     has_plan = answer["status"] == "planned" and not findings
     if prove and has_plan:
-        told = shown(request, answer)
-        tally.unshown += bool(told)
+        refusal = shown(request, answer)
+        tally.unshown += bool(refusal)
     tally.codes.update(set(codes))
     tally.by_checker += bool(codes)
     tally.lost += bool(codes) and not has_plan
     tally.planned += has_plan
     if not has_plan and not codes:
         tally.refused[str(answer["reason"])] += 1
-    if out is not None and (codes or told):
-        keep(out, f"{kind}-{seed}", request, {SECOND: told, **said(answer, findings)})
+    if out is not None and (codes or refusal):
+        keep(out, f"{kind}-{seed}", request, {SECOND: refusal, **objections(answer, findings)})
 
 
 def table_of(tallies: dict[str, Tally]) -> Table:
@@ -347,9 +347,9 @@ def main(
         CONSOLE.print(f"plans that the second checker refuses: {sum(tally.unshown for tally in tallies.values())}")
     for name, counted in (("errors", "errors"), ("bad input", "bad_input"), ("reasons", "refused")):
         for kind, tally in tallies.items():
-            told = ", ".join(f"{what} {number}" for what, number in getattr(tally, counted).most_common())
-            if told:
-                CONSOLE.print(f"{name}, {kind}: {told}", highlight=False)
+            counts = ", ".join(f"{what} {number}" for what, number in getattr(tally, counted).most_common())
+            if counts:
+                CONSOLE.print(f"{name}, {kind}: {counts}", highlight=False)
     if any(tally.by_checker or tally.errors or tally.unshown for tally in tallies.values()):
         raise typer.Exit(1)
 

@@ -14,7 +14,7 @@ Document = dict[str, Any]
 
 FOLDER = Path(__file__).parent / "problems"
 REFUSED = Path("out/checker")
-"""The folder of the requests of which the checker refused a plan."""
+"""The folder of requests for which the checker refused a plan."""
 SETS: tuple[tuple[str, Match], ...] = (
     ("static", "position"),
     ("moving_bodies", "position"),
@@ -34,16 +34,16 @@ def label(name: str, match: str) -> str:
     return name.replace("_", " ") + (", velocity" if match == "velocity" else "")
 
 
-def judged(problems: ProblemSet, problem: Problem, answer: Document, match: Match, asked: Document) -> Document:
-    """An answer without its trajectory, and its `findings` in words: what is wrong with its motion, and that the
-    checker refused a plan, of which the request `asked` is then kept in `REFUSED`."""
-    findings = [said(finding) for finding in recheck(problems, problem, answer, match)]
+def judged(problems: ProblemSet, problem: Problem, answer: Document, match: Match, request: Document) -> Document:
+    """An answer without its trajectory, and its `findings` in words: what is wrong with its motion, and whether the
+    checker refused a plan. If it did, the request is kept in `REFUSED`."""
+    findings = [in_words(finding) for finding in recheck(problems, problem, answer, match)]
     if answer.get("checker_refused"):
         findings.append(f"the checker refused {answer['checker_refused']} plans of the search")
-        keep(REFUSED, f"{problem['id']}-{match}", asked, {"reason": answer["reason"]})
+        keep(REFUSED, f"{problem['id']}-{match}", request, {"reason": answer["reason"]})
     return {key: value for key, value in answer.items() if key != "trajectory"} | {"findings": findings}
 
 
-def said(finding: Finding) -> str:
+def in_words(finding: Finding) -> str:
     """A finding in words."""
     return f"{finding.kind}: {finding.text}"

@@ -100,12 +100,12 @@ def bent(knots: Document, start: list[float], end: list[float]) -> list[str]:
 
 def fastest_joint_move(q0: Any, q1: Any, limits: Any) -> float:
     """Seconds from rest to rest, every joint on its own, by Ruckig."""
-    asked = ruckig.InputParameter(4)
-    asked.current_position, asked.target_position = list(q0), list(q1)
-    asked.max_velocity, asked.max_acceleration = list(limits["vmax"]), list(limits["amax"])
-    asked.max_jerk = list(limits["jmax"])
+    parameters = ruckig.InputParameter(4)
+    parameters.current_position, parameters.target_position = list(q0), list(q1)
+    parameters.max_velocity, parameters.max_acceleration = list(limits["vmax"]), list(limits["amax"])
+    parameters.max_jerk = list(limits["jmax"])
     made = ruckig.Trajectory(4)
-    if ruckig.Ruckig(4).calculate(asked, made) != ruckig.Result.Working:
+    if ruckig.Ruckig(4).calculate(parameters, made) != ruckig.Result.Working:
         raise RuntimeError("Ruckig has no motion from rest to rest")
     return float(made.duration)
 

@@ -1,4 +1,4 @@
-"""On what something was measured: processor, cores, versions, commit. No host name, no path, nothing of the user."""
+"""The machine of a measurement: processor, cores, versions, commit. No host name, no path, nothing of the user."""
 
 from __future__ import annotations
 

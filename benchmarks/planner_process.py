@@ -1,4 +1,4 @@
-"""A planner that answers requests over a pipe, one JSON line in and one out: this commit's or, beside it, another's.
+"""A planner that answers requests over a pipe, one JSON line in and one out: this commit's or another's.
 
     python -P benchmarks/planner_process.py FOLDER
 
@@ -32,7 +32,7 @@ LIBRARIES = "libraries"
 
 
 class Planner(NamedTuple):
-    """What is called of a commit."""
+    """The functions of a commit that are called."""
 
     scene_of: Any
     plan: Any
@@ -69,14 +69,14 @@ def planner(prefix: str = "assur.") -> Planner:
     return Planner(requests.scene_of, pipeline.plan, checked.check, prefix)
 
 
-def timed(door: Planner, document: Document) -> Document:
+def timed(api: Planner, document: Document) -> Document:
     """The answer to a request and its times in seconds: `build_s`; `wall_s` and `cpu_s` from the request in memory to
     the checked answer; `proved_s` to the first proof, `first_s` to the first answer; `check_s` of one more check."""
-    door.forget()
+    api.forget()
     began, cpu = time.perf_counter(), time.process_time()
-    scene = door.scene_of(document)
+    scene = api.scene_of(document)
     built = time.perf_counter() - began
-    outcome = door.plan(scene)
+    outcome = api.plan(scene)
     cpu_s, wall_s = time.process_time() - cpu, time.perf_counter() - began
     times = {"build_s": built, "wall_s": wall_s, "cpu_s": cpu_s}
     # what the planner proved and its own checker then refused; older commits have the stage in the line itself
@@ -85,7 +85,7 @@ def timed(door: Planner, document: Document) -> Document:
         reason = f"{outcome.reason}: {outcome.sentence}"
         return {"status": "not_planned", "reason": reason, "checker_refused": refused, **times}
     again = time.perf_counter()
-    verdict = door.check(scene, outcome.plan)
+    verdict = api.check(scene, outcome.plan)
     checked = time.perf_counter() - again
     knots = outcome.plan.trajectory
     columns = {"time_s": knots.time, "position": knots.q, "velocity": knots.qd, "acceleration": knots.qdd}
@@ -107,15 +107,15 @@ def timed(door: Planner, document: Document) -> Document:
     }
 
 
-def profiled(door: Planner, document: Document, repeats: int) -> Document:
+def profiled(api: Planner, document: Document, repeats: int) -> Document:
     """Milliseconds a request by room (`own_ms`, with library functions and kernels it calls itself) and by function
     (`calls_ms`, with all that it calls), by cProfile and scaled to the median time without it (`total_ms`)."""
 
     def once(watch: cProfile.Profile | None = None) -> float:
-        door.forget()
+        api.forget()
         with watch or nullcontext():
             began = time.perf_counter()
-            door.plan(door.scene_of(document))
+            api.plan(api.scene_of(document))
             return time.perf_counter() - began
 
     alone = sorted(once() for _ in range(repeats))[repeats // 2]
@@ -154,16 +154,14 @@ def main(folder: Path) -> None:
     sys.path.insert(0, str(folder / "src" if one_name else folder))
     out = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
-    door = planner("assur." if one_name else "")
+    api = planner("assur." if one_name else "")
     out.write(json.dumps({"ready": True}) + "\n")
     out.flush()
     for line in sys.stdin:
         question = json.loads(line)
         try:
             repeats = question.get("profile")
-            answer = (
-                timed(door, question["request"]) if repeats is None else profiled(door, question["request"], repeats)
-            )
+            answer = timed(api, question["request"]) if repeats is None else profiled(api, question["request"], repeats)
         except Exception as error:  # noqa: BLE001 - a fault in one problem is its answer, and the run goes on
             answer = {"status": "error", "reason": f"{type(error).__name__}: {error}"}
         out.write(json.dumps(answer, allow_nan=False) + "\n")

@@ -39,7 +39,7 @@ def draw(results: Mapping[str, Records], folder: Path) -> list[Path]:
 
 
 def solving(figure: Drawing, results: Mapping[str, Records]) -> None:
-    """Share of problems solved by a time, all seeds pooled; the peers beside it, where they were measured."""
+    """Share of problems solved by a time, all seeds pooled; the peers, too, where they were measured."""
     peers = results.get("side_by_side", {})
     left, *right = figure.subplots(1, 2 if peers else 1, sharey=True, squeeze=False)[0]
     for title, colour in COLOURS.items():

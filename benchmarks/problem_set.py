@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 Problem = dict[str, Any]
-"""One problem as it stands in the file."""
+"""One problem as it is in the file."""
 
 LIMITS = ("qmin", "qmax", "vmax", "amax", "jmax")
 """Names of the joint limits in a file, each a list of four numbers: shoulder, elbow, height, wrist."""

@@ -15,9 +15,9 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from benchmarks.checker_refusals import SECOND, codes_of, keep, said
-from benchmarks.oracle.asked import checked, planned, shown
+from benchmarks.checker_refusals import SECOND, codes_of, keep, objections
 from benchmarks.oracle.plans import own_seed
+from benchmarks.oracle.product import checked, planned, shown
 from benchmarks.soak.campaign import ELBOW
 from benchmarks.soak.random_cells import KINDS, random_cell
 
@@ -26,8 +26,8 @@ CONSOLE, PROGRESS = Console(width=140), Console(stderr=True)
 
 @dataclass(eq=False)
 class Agreement:
-    """`shown`: plans that both checkers accept; `differ`: cells of whose plans one of them refuses one, with what was
-    said; `times`: of a bundle and its proof, s."""
+    """`shown`: plans that both checkers accept; `differ`: cells with a plan that a checker refuses, and its reason;
+    `times`: of a bundle and its proof, s."""
 
     shown: int = 0
     refused: Counter[str] = field(default_factory=Counter)
@@ -48,8 +48,8 @@ def agreements(plans: int, seed: int, out: Path | None = None) -> Iterator[Agree
 
 
 def judged(found: Agreement, kind: str, seed: int, out: Path | None = None) -> None:
-    """Plans a random cell, and asks both checkers. A request of which one of them refuses a plan, in the search or at
-    the end, is written to `out`. Raises `ValueError` for a request that is at fault in anything but
+    """Plans a random cell, and runs both checkers. If one of them refuses a plan, in the search or at the end, the
+    request is written to `out`. Raises `ValueError` for a request that is at fault in anything but
     `ELBOW`, and `InputError` for an answer that no bundle can state."""
     request = random_cell(kind, seed)
     answer, fault = planned(request)
@@ -58,21 +58,21 @@ def judged(found: Agreement, kind: str, seed: int, out: Path | None = None) -> N
             raise ValueError(f"{kind}, seed {seed}: bad input in {fault}")
         found.refused[ELBOW] += 1
         return
-    findings, told = list[Any](), ""
+    findings, refusal = list[Any](), ""
     if answer["status"] == "planned":
         found.plans += 1
         findings = checked(request, answer) or []
         began = time.perf_counter()
-        told = shown(request, answer)
+        refusal = shown(request, answer)
         found.times.append(time.perf_counter() - began)
-        found.shown += not (findings or told)
+        found.shown += not (findings or refusal)
     else:
         found.refused[str(answer["reason"])] += 1
-    codes = codes_of(answer, findings) + [SECOND] * bool(told)
+    codes = codes_of(answer, findings) + [SECOND] * bool(refusal)
     if codes:
-        found.differ.append((kind, seed, "; ".join([*codes, told])))
+        found.differ.append((kind, seed, "; ".join([*codes, refusal])))
         if out is not None:
-            keep(out, f"{kind}-{seed}", request, {"second": told, **said(answer, findings)})
+            keep(out, f"{kind}-{seed}", request, {"second": refusal, **objections(answer, findings)})
 
 
 def main(
@@ -80,7 +80,7 @@ def main(
     seed: Annotated[int, typer.Option(min=0, help="Another seed makes other cells.")] = 0,
     out: Annotated[Path, typer.Option(help="Where requests whose plans are refused are written.")] = Path("out/proofs"),
 ) -> None:
-    """Plan random cells, and ask both checkers of each plan."""
+    """Plan random cells, and run both checkers on each plan."""
     found = Agreement()
     # also where a shell that started this in the background has it ignored
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -98,8 +98,8 @@ def main(
         f" {statistics.median(found.times):.2f} s (median), {max(found.times):.2f} s at most"
     )
     CONSOLE.print(f"refused by a checker: {len(found.differ)}")
-    for kind, own, told in found.differ:
-        CONSOLE.print(f"{kind}, seed {own}: {told}")
+    for kind, own, refusal in found.differ:
+        CONSOLE.print(f"{kind}, seed {own}: {refusal}")
     if found.differ:
         raise typer.Exit(1)
 

@@ -1,5 +1,5 @@
-"""Recorded motion that is made: moves from rest to rest by Ruckig, with limits that are known, seen through a servo and
-an encoder, for what finds limits in logs."""
+"""Synthetic recorded motion: moves from rest to rest by Ruckig, with known limits, through a servo and an encoder, to
+test the identification of limits."""
 
 from __future__ import annotations
 

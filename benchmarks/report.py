@@ -1,7 +1,7 @@
 """``python -m benchmarks.report``: tables and plots of docs/benchmarks.md, from `benchmarks/results`.
 
-The page holds them between comments that name what stands there; everything else on it is left as it is. Where there is
-no result yet, the page says so.
+The page has them between comments that name the block; the rest of the page is not changed. If there is no result yet,
+the page states that.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def table(there: Results, with_bar: bool) -> str:
     figures: list[Figure] = []
     for script, (_, _, found) in there.items():
         for each in found:
-            # what every script counts is told of each
+            # counts that every script has are reported for each one
             counted = each.bar == (0.0,)
             if bool(each.bar) is with_bar:
                 figures.append(replace(each, name=f"{each.name} ({script})") if counted else each)
@@ -55,9 +55,9 @@ def table(there: Results, with_bar: bool) -> str:
     if not with_bar:
         rows = [ORDER, "", "| figure | value | |", "|---|---|---|"]
     for each in figures:
-        told = "; ".join(filter(None, (each.refused and f"refused: {each.refused}", each.beside, each.note)))
-        bar = f" {each.asked()} | {each.reached()} | {each.met()}" if with_bar else f" {each.reached()}"
-        rows.append(f"| {each.name} |{bar} | {told} |")
+        notes = "; ".join(filter(None, (each.refused and f"refused: {each.refused}", each.beside, each.note)))
+        bar = f" {each.required()} | {each.reached()} | {each.met()}" if with_bar else f" {each.reached()}"
+        rows.append(f"| {each.name} |{bar} | {notes} |")
     return "\n".join(rows)
 
 
@@ -76,16 +76,16 @@ def profile(path: Path = FOLDER / "profile.jsonl") -> str:
     """Where the milliseconds of median requests go, a table for each profile."""
     if not path.exists():
         return NOTHING
-    told = []
+    rows = []
     for line in path.read_text(encoding="utf-8").splitlines():
         made: Any = json.loads(line)
         rooms = ", ".join(f"{room} {value:.2f}" for room, value in list(made["own_ms"].items())[:SHOWN])
-        told.append(f"| {made['profile']} | {made['total_ms']:.2f} | {rooms} |")
-    return "\n".join(["| set | all, ms | rooms, ms |", "|---|---|---|", *told])
+        rows.append(f"| {made['profile']} | {made['total_ms']:.2f} | {rooms} |")
+    return "\n".join(["| set | all, ms | rooms, ms |", "|---|---|---|", *rows])
 
 
 def plots(there: Results) -> str:
-    """The plots that are there, as links."""
+    """The existing plots, as links."""
     found = [f"![{title}](plots/{name}.svg)" for name, title in TITLES.items() if name in there]
     return "\n\n".join(found)
 
@@ -100,7 +100,7 @@ BLOCKS: Mapping[str, Callable[[Results], str]] = {
 
 
 def filled(page: str, there: Results) -> str:
-    """A page with its blocks as the results are. `KeyError` for a block that nobody makes."""
+    """A page with its blocks filled from the results. `KeyError` for an unknown block."""
     return MARKED.sub(lambda found: f"{found[1]}\n{BLOCKS[found[2]](there)}\n\n{found[4]}", page)
 
 

@@ -74,8 +74,8 @@ def choose(problems: ProblemSet, limit: int | None, only: Sequence[str]) -> tupl
 
 
 def run(problems: ProblemSet, chosen: Sequence[Problem], terms: Terms, out: Path) -> Iterator[Document]:
-    """The line of each chosen problem, as soon as it is known. A fault in one is written into its line; the request of
-    which the checker refused a plan is kept in the folder `out`."""
+    """The line of each chosen problem, as soon as it is known. A fault in one is written into its line. If the checker
+    refuses a plan, its request is kept in the folder `out`."""
     with planning(ROOT, problems) as program:
         for problem in chosen:
             line: Document = {"id": problem["id"], "match": terms.match}
@@ -102,8 +102,8 @@ def summary(name: str, lines: Sequence[Document]) -> Table:
     for limit in (0.1, 1.0):
         table.add_row(f"solved within {limit:g} s", str(sum(line["first_s"] <= limit for line in solved)))
     for title, key, scale in (("first answer", "first_s", 1e3), ("duration", "duration_s", 1.0)):
-        told = [quantile([scale * line[key] for line in solved], share) for share in (0.5, 0.95, 1.0)]
-        shown = " / ".join("none" if value is None else f"{value:.3g}" for value in told)
+        values = [quantile([scale * line[key] for line in solved], share) for share in (0.5, 0.95, 1.0)]
+        shown = " / ".join("none" if value is None else f"{value:.3g}" for value in values)
         table.add_row(f"{title}, p50 / p95 / longest", f"{shown} {'ms' if scale > 1 else 's'}")
     table.add_row("refused by the checker", str(sum(map(refused, lines))))
     table.add_section()

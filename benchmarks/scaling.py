@@ -1,7 +1,7 @@
 """``python -m benchmarks.scaling``: how planning time grows with the bodies of the cell.
 
-Distant bodies: 10 to 1,000 of the same density round one path, in cells of which each holds all smaller ones, so only
-what it costs to rule the far ones out differs. Bodies aside: ten or a thousand within the arm's reach and away from its
+Distant bodies: 10 to 1,000 of the same density round one path. Each cell contains all smaller ones, so only the cost of
+excluding the far bodies differs. Bodies aside: ten or a thousand within the arm's reach and away from its
 way. Every size is built and planned anew in each repeat, one size after the other.
 """
 
@@ -38,8 +38,8 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few sizes and cell
     parameters: Document = {"sizes": sizes, "cells": cells, "repeats": repeats, "pinned": pin()}
     records: dict[str, Document] = {}
     with planning(ROOT, problems) as program:
-        asked = [(kind, cell, i) for kind in sizes for cell in range(cells) for i in range(repeats)]
-        for kind, cell, i in track(asked, "scaling", console=Console(stderr=True)):
+        runs = [(kind, cell, i) for kind in sizes for cell in range(cells) for i in range(repeats)]
+        for kind, cell, i in track(runs, "scaling", console=Console(stderr=True)):
             for size in sizes[kind]:
                 problem = crowd(cell, size) if kind == "distant" else aside(cell, size)
                 document = request(problem, problems.limits, Terms(BUDGET_S))
@@ -94,13 +94,13 @@ if __name__ == "__main__":
 DENSITY_M2 = 8.0
 """Bodies in a square metre of floor: ten of them within the arm's reach of 0.6 m, as crowded as a static problem."""
 INNER_M = 0.12
-"""No body stands nearer to the shoulder's axis."""
+"""Least distance of a body from the shoulder's axis."""
 CLEAR_M = 0.07
-"""No body stands nearer to start or goal, from above."""
+"""Least distance of a body from start or goal, from above."""
 ASIDE_M, ASIDE_RAD = (0.2, 0.58), 2.4
-"""Where bodies stand that the arm could reach and does not come near: radii, and least angle from the front."""
+"""Places of bodies that the arm could reach and does not come near: radii, and least angle from the front."""
 SMALL_M = 0.004
-"""Edge of a body of which a thousand stand there and apart."""
+"""Edge of a body that is so small that a thousand of them are apart from each other."""
 
 
 def _point(r: float, angle: float) -> list[float]:
@@ -139,7 +139,7 @@ def crowd(seed: int, bodies: int) -> Problem:
 
 
 def aside(seed: int, bodies: int) -> Problem:
-    """The start and goal of a crowd, before which the arm stays; all bodies stand behind it, within its reach."""
+    """Start and goal in front of the arm; all bodies are behind it, within its reach."""
     random = np.random.default_rng([14, seed])
     obstacles: list[Document] = []
     for _ in range(bodies):

@@ -56,8 +56,8 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few round trips.")
                 verdict = check(document, whole)
                 record["check_s"] = time.perf_counter() - began
                 codes = codes_of(whole, verdict["findings"])
-                told = whole | {"checked": verdict["ok"], "checker_refused": len(codes), "reason": "; ".join(codes)}
-                record["findings"] = judged(problems, problem, told, "position", document)["findings"]
+                full = whole | {"checked": verdict["ok"], "checker_refused": len(codes), "reason": "; ".join(codes)}
+                record["findings"] = judged(problems, problem, full, "position", document)["findings"]
                 record["digest_s"], record["full_s"] = digest_s - short["elapsed_s"], full_s - whole["elapsed_s"]
             if short.get("trajectory") != whole.get("trajectory"):
                 record["findings"].append("the same request got another answer")

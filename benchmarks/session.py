@@ -51,7 +51,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few motions.")] = 
             cpu, began = time.process_time(), time.perf_counter()
             answer = plan(document, certificate="digest")
             record = {"wall_s": time.perf_counter() - began, "cpu_s": time.process_time() - cpu}
-            # a plan that is not found is told as such below; no answer is wrong for that
+            # a missing plan is reported below; no answer is wrong for that
             records[f"{problem['id']} at {now:.2f} s"] = record | {"status": answer["status"], "findings": []}
 
     unplanned = sum(record["status"] != "planned" for record in records.values())
@@ -73,7 +73,7 @@ def moved(document: Document, knots: Document, now: float, off: Any) -> Document
         start[key] = {f"{name}_{unit}{suffix}": float(v) for (name, unit), v in zip(JOINTS, values, strict=True)}
     goal = document["frames"]["goal"]["linear"]
     measured = np.array(goal["velocity_m_s"]) + np.array([*off, 0.0])
-    # the law is a line through its position at t = 0: another speed, and the same place now
+    # the law is a line through its position at t = 0, which is chosen so that the place now is the same at a new speed
     at = np.array(goal["at_m"]) + now * (np.array(goal["velocity_m_s"]) - measured)
     frames = document["frames"] | {"goal": {"linear": {"at_m": at.tolist(), "velocity_m_s": measured.tolist()}}}
     return document | {"start": start, "frames": frames}

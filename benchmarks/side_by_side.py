@@ -1,7 +1,7 @@
 """``python -m benchmarks.side_by_side``: ours and the peers from PyPI, one after the other on each static problem.
 
 A peer's answer goes through the recheck that ours goes through, and counts as solved where it collides with nothing,
-begins at the start and ends at the goal; that none but ours has a limit of jerk is told beside it, not held against it.
+begins at the start and ends at the goal. Only ours has a limit of jerk: this is reported, and peers may be without it.
 Times are of solved problems only. Ours is the first answer; the peers' time is to a trajectory: MPlib with TOPPRA's
 timing, OMPL with its path simplified and then driven from point to point. The moving sets have no peer on PyPI: OMPL's
 ST-RRT* is not in its Python package.
@@ -18,7 +18,7 @@ from rich.progress import track
 from benchmarks.best_known import PATH, found, lower
 from benchmarks.commits import WARM_UP_SEEDS, ask, planning
 from benchmarks.figures import Document, Figure, Records, finish, quantile, unclean
-from benchmarks.judged import judged, label, problem_set, said
+from benchmarks.judged import in_words, judged, label, problem_set
 from benchmarks.machine import ROOT, pin
 from benchmarks.peers.running import peers, question
 from benchmarks.problem_set import Problem, ProblemSet
@@ -55,7 +55,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Every tenth proble
     finish("side_by_side", "ours and the peers, static problems", quick, parameters, records, figures)
     if not quick:
         for title in TITLES.values():
-            # what a peer found that keeps every limit, jerk included, is a record like any other
+            # a peer's motion that keeps every limit, jerk included, is a record like any other
             kept = {item: r | {"findings": r["findings"] + r["limits"]} for item, r in of(records, title).items()}
             version = parameters["versions"].get(title, "")
             lower(PATH, found(label("static", "position"), kept, f"{title} {version}".strip()))
@@ -74,10 +74,12 @@ def fatal(finding: Finding) -> bool:
 def rechecked(problems: ProblemSet, problem: Problem, answer: Document) -> Document:
     """A peer's answer without its trajectory: `findings` that are fatal, and the `limits` that it does not keep."""
     # our checker knows no plan without a certificate
-    told = recheck(problems, problem, answer | {"checked": True}, "position") if answer["status"] == "planned" else []
+    findings = (
+        recheck(problems, problem, answer | {"checked": True}, "position") if answer["status"] == "planned" else []
+    )
     return {key: value for key, value in answer.items() if key != "trajectory"} | {
-        "findings": [said(finding) for finding in told if fatal(finding)],
-        "limits": sorted({finding.kind for finding in told if not fatal(finding)}),
+        "findings": [in_words(finding) for finding in findings if fatal(finding)],
+        "limits": sorted({finding.kind for finding in findings if not fatal(finding)}),
     }
 
 
@@ -87,13 +89,13 @@ def of(records: Records, title: str) -> dict[str, Document]:
 
 
 def solved(record: Document) -> bool:
-    """Whether there is a motion in which nothing fatal was found."""
+    """Whether there is a motion without a fatal fault."""
     return record["status"] == "planned" and not record["findings"]
 
 
 def figures_of(records: Records, title: str) -> list[Figure]:
-    """Share solved within a second, time to a trajectory, duration. What is wrong with our answer refuses the figure;
-    what is wrong with a peer's makes the problem unsolved."""
+    """Share solved within a second, time to a trajectory, duration. A fault of our answer refuses the figure; a fault
+    of a peer's answer makes the problem unsolved."""
     rows = of(records, title)
     missing = sorted({record["reason"] for record in rows.values() if record["status"] == "missing"})
     why = (unclean(rows) if title == OURS else None) or (f"missing: {missing[0]}" if missing else None)

@@ -26,8 +26,8 @@ ROBOT_BODIES: list[Document] = [
         "at_m": [0.0, 0.0, 0.155],
     },
 ]
-"""What collides, and nothing else: the column is no part of the problems (one body drives through it), nor is the arm
-with itself, which these limits do not allow."""
+"""Bodies that may collide: without the column, which is no part of the problems (one body drives through it), and
+without the arm against itself, which cannot happen within these limits."""
 
 
 @dataclass(frozen=True, slots=True)

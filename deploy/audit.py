@@ -1,13 +1,13 @@
-"""Known vulnerabilities of what is locked: `make audit`.
+"""Known vulnerabilities of the locked releases: `make audit`.
 
-pip-audit asks the advisory service. Where the service does not know a package, or does not answer for it, pip-audit
-says so in a note and still ends with 0. Here that is an error of its own: silence is no clean bill.
+pip-audit queries the advisory service. If the service does not know a package, or does not answer for it, pip-audit
+writes a note and still ends with 0. Here this is an error of its own: a release without an answer is not clean.
 
 | exit code | means |
 |---|---|
-| 0 | every locked release was asked for, and none has a known vulnerability |
+| 0 | every locked release was audited, and none has a known vulnerability |
 | 1 | at least one has |
-| 3 | at least one could not be asked for; of those that could, none has a known vulnerability |
+| 3 | at least one could not be audited; of the others, none has a known vulnerability |
 """
 
 from __future__ import annotations
@@ -23,26 +23,28 @@ from typing import Any
 
 from deploy import locks
 
-CLEAN, VULNERABLE, NOT_ASKED = 0, 1, 3
+CLEAN, VULNERABLE, NOT_AUDITED = 0, 1, 3
 
 
 @dataclass
 class Verdict:
-    """What the service said: `asked` releases, `vulnerable` ones with their advisories, and what was `not_asked`."""
+    """The result: releases that were `audited`, `vulnerable` ones with their advisories, and those `not_audited`."""
 
-    asked: list[str] = field(default_factory=list)
+    audited: list[str] = field(default_factory=list)
     vulnerable: list[str] = field(default_factory=list)
-    not_asked: list[str] = field(default_factory=list)
+    not_audited: list[str] = field(default_factory=list)
 
     @property
     def exit_code(self) -> int:
-        return VULNERABLE if self.vulnerable else NOT_ASKED if self.not_asked else CLEAN
+        return VULNERABLE if self.vulnerable else NOT_AUDITED if self.not_audited else CLEAN
 
     def lines(self) -> list[str]:
-        found = [f"VULNERABLE {each}" for each in self.vulnerable] + [f"NOT ASKED  {each}" for each in self.not_asked]
-        end = f"{len(self.asked)} releases were asked for, {len(self.vulnerable)} of them have known vulnerabilities"
-        if self.not_asked:
-            end += f"; {len(self.not_asked)} could not be asked for, so nothing is known of them"
+        found = [f"VULNERABLE {each}" for each in self.vulnerable] + [
+            f"NOT AUDITED {each}" for each in self.not_audited
+        ]
+        end = f"{len(self.audited)} releases were audited, {len(self.vulnerable)} of them have known vulnerabilities"
+        if self.not_audited:
+            end += f"; {len(self.not_audited)} could not be audited, so nothing is known of them"
         return [*found, end]
 
 
@@ -59,26 +61,26 @@ def rounds(releases: Iterable[tuple[str, str]]) -> list[list[tuple[str, str]]]:
 
 
 def judge(releases: Sequence[tuple[str, str]], answer: str, error: str, into: Verdict) -> None:
-    """Reads the JSON that pip-audit wrote for these releases; `error` is what it wrote beside it."""
+    """Reads the JSON that pip-audit wrote for these releases into `into`; `error` is its standard error."""
     try:
-        told: dict[str, Any] = {each["name"]: each for each in json.loads(answer)["dependencies"]}
+        audited: dict[str, Any] = {each["name"]: each for each in json.loads(answer)["dependencies"]}
     except (ValueError, KeyError, TypeError):
         last = (error.strip().splitlines() or ["no answer, and no error"])[-1]
-        into.not_asked += [f"{name} {version}: {last}" for name, version in releases]
+        into.not_audited += [f"{name} {version}: {last}" for name, version in releases]
         return
     for name, version in releases:
-        one = told.get(name, {})
+        one = audited.get(name, {})
         if one.get("version") != version or "vulns" not in one:
-            into.not_asked.append(f"{name} {version}: {one.get('skip_reason', 'left out of the answer')}")
+            into.not_audited.append(f"{name} {version}: {one.get('skip_reason', 'left out of the answer')}")
             continue
-        into.asked.append(f"{name} {version}")
+        into.audited.append(f"{name} {version}")
         for fault in one["vulns"]:
             mended = ", ".join(fault.get("fix_versions", [])) or "no release"
             into.vulnerable.append(f"{name} {version}: {fault['id']}, mended in {mended}")
 
 
 def ask(releases: Sequence[tuple[str, str]]) -> Verdict:
-    """What the advisory service knows of the releases (name, version)."""
+    """The advisories for the releases (name, version)."""
     verdict = Verdict()
     for some in rounds(releases):
         with tempfile.TemporaryDirectory() as folder:

@@ -1,6 +1,6 @@
-"""Whether what is deployed is as published schemas say, and its numbers fit: `make check-deployment`.
+"""Checks the files of the deployment against published schemas, and their numbers: `make check-deployment`.
 
-Ends with 0 if so; else with 1, and one line for each fault.
+Ends with 0 if all is right; else with 1, and one line for each fault.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def of_compose(path: Path = COMPOSE) -> list[str]:
 
 
 def of_locks() -> list[str]:
-    """What pyproject.toml asks for and the lock files have not."""
+    """Requirements of pyproject.toml that the lock files do not meet."""
     run, build = locks.of_project()
     return [
         f"{path.name}: {fault}; run make lock"
@@ -63,7 +63,7 @@ def of_locks() -> list[str]:
 
 
 def of_kubectl(folder: Path = manifests.FOLDER) -> list[str]:
-    """What kubectl, which needs no cluster for it, says of the kustomization; nothing where there is no kubectl."""
+    """Faults of the kustomization by kubectl, which needs no cluster for it; nothing if there is no kubectl."""
     kubectl = shutil.which("kubectl")
     if kubectl is None:
         print("not run: kubectl kustomize, for there is no kubectl")

@@ -1,6 +1,6 @@
 """Whether the numbers of the manifests fit each other and the settings of the service.
 
-`misfits` gives one sentence for each that does not: what it is, what it must be, and why.
+`misfits` gives one sentence for each number that does not: its value, the required value, and the reason.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from assur.api.web.settings import WEB_MIB, Settings
 from deploy.manifests import Document, Manifests
 
 FROM_IMAGE = {"ASSUR_HOST": "0.0.0.0"}
-"""What the image sets; the manifests do not say it again."""
+"""Settings of the image; the manifests do not repeat them."""
 SLACK_S = 4.0
 """Time in which a pod that is not ready any more has left the endpoints of every node and proxy, s."""
 UNITS = {"Ki": 2.0**-10, "Mi": 1.0, "Gi": 2.0**10, "Ti": 2.0**20}
@@ -33,7 +33,7 @@ def processors(quantity: str) -> float:
 
 
 def _within_s(probe: Mapping[str, Any]) -> float:
-    """Time after which a probe that fails from now on has had its effect, s."""
+    """Time until a probe that fails from now on takes effect, s."""
     return float(probe["periodSeconds"] * probe["failureThreshold"] + probe["timeoutSeconds"])
 
 

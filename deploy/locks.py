@@ -1,4 +1,4 @@
-"""The lock files: what is installed into the image, each file with its hashes.
+"""The lock files: the releases that are installed into the image, each file with its hashes.
 
 `deploy/requirements.lock` is what the service needs to run, for every Python and platform that we name;
 `deploy/requirements-build.lock` is what builds the image and stays out of it. `make lock` writes both with uv.
@@ -42,7 +42,7 @@ ENVIRONMENTS = [
 """Where the lock must hold, as environment markers have it."""
 
 LEFT_OUT = {"cython": "python-fcl declares it, and needs it only to be compiled; its wheel is compiled already"}
-"""What a library declares and the image does not have, with the reason."""
+"""Requirements of libraries that the image does not have, with the reason."""
 
 HASH = re.compile(r"--hash=(\w+):([0-9a-f]+)")
 
@@ -92,7 +92,7 @@ def read(lock: str) -> list[Pin]:
 
 
 def unmet(requirements: Iterable[str], pins: Sequence[Pin]) -> list[str]:
-    """What of the requirements the pins do not meet, in any environment of `ENVIRONMENTS`."""
+    """The requirements that the pins do not meet, in any environment of `ENVIRONMENTS`."""
     found = set()
     for text in requirements:
         requirement = Requirement(text)
@@ -107,12 +107,12 @@ def unmet(requirements: Iterable[str], pins: Sequence[Pin]) -> list[str]:
             elif len(here) > 1:
                 found.add(f"{name}: locked twice for {where}")
             elif not requirement.specifier.contains(here[0].version, prereleases=True):
-                found.add(f"{name}: {here[0].version} is locked for {where}, and {requirement.specifier} is asked for")
+                found.add(f"{name}: {here[0].version} is locked for {where}, and {requirement.specifier} is required")
     return sorted(found)
 
 
 def of_project() -> tuple[list[str], list[str]]:
-    """What pyproject.toml asks for: to run, and to build the image."""
+    """The requirements of pyproject.toml: to run, and to build the image."""
     project = tomllib.loads(PYPROJECT.read_text(encoding="utf-8"))
     return project["project"]["dependencies"], [*project["build-system"]["requires"], *BUILD_TOOLS]
 

@@ -1,4 +1,4 @@
-"""The manifests of Kubernetes as documents, and what the published schemas say of them."""
+"""The manifests of Kubernetes as documents, and their faults by the published schemas."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ RELEASES = ("1.30", "1.31", "1.32", "1.33", "1.34", "1.35", "1.36", "1.37")
 """Releases of Kubernetes whose schemas the manifests are held to, from the oldest that has all they use."""
 
 KEYS = frozenset({"apiVersion", "kind", "namespace", "resources", "labels", "images", "configMapGenerator"})
-"""What our kustomization uses; kubectl refuses what it does not know, and where it runs it is asked, too."""
+"""The keys that our kustomization uses. kubectl refuses other keys, too, where it is installed."""
 
 Document = dict[str, Any]
 
 
 @dataclass(frozen=True)
 class Manifests:
-    """What `kubectl apply -k` sends but for names that end in a digest: the documents of the kustomization's
-    resources, and its settings (`ASSUR_…` → text)."""
+    """The documents that `kubectl apply -k` sends, without the digests at the end of names: the resources of the
+    kustomization, and its settings (`ASSUR_…` → text)."""
 
     resources: tuple[Document, ...]
     settings: Mapping[str, str]
@@ -38,7 +38,7 @@ class Manifests:
 def read(folder: Path = FOLDER) -> Manifests:
     """The kustomization in `folder`, with all that it names.
 
-    Raises `ValueError` for a key that is not in `KEYS`, and for a file beside it that is neither named nor known.
+    Raises `ValueError` for a key that is not in `KEYS`, and for a file of the folder that is neither named nor known.
     """
     kustomization = yaml.safe_load((folder / "kustomization.yaml").read_text(encoding="utf-8"))
     strange = sorted(set(kustomization) - KEYS)
@@ -67,7 +67,7 @@ def _variables(lines: Iterable[str]) -> Iterable[tuple[str, str]]:
 
 
 def against_schemas(resources: Iterable[Document], releases: Iterable[str] = RELEASES) -> list[str]:
-    """What of the documents the schemas of these releases refuse; keys that they do not know, too."""
+    """Faults of the documents by the schemas of these releases; unknown keys are faults, too."""
     found = []
     for document in resources:
         name = f"{document.get('kind')} {document.get('metadata', {}).get('name')}"

@@ -2,8 +2,8 @@
 
     python -m deploy.sbom PYTHON OUT
 
-`PYTHON` is the interpreter of the environment that is listed. The tool that lists is cyclonedx-bom; here what it writes
-is freed of addresses, for the list must be the same wherever it is made, and checked against the published schema. The
+`PYTHON` is the interpreter of the environment that is listed. The tool cyclonedx-bom makes the list. Here addresses are
+removed from it, for the list must be the same on every machine, and it is checked against the published schema. The
 image is built with this program, so it needs nothing but the standard library and what
 `deploy/requirements-build.lock` has.
 """
@@ -22,7 +22,7 @@ from cyclonedx.validation.json import JsonStrictValidator
 
 VERSION = "1.6"
 STRANGE = re.compile(r"://|(?<![\w.])/(?:home|Users|root|work|tmp|src|opt|var|usr)/|localhost|@[\w-]+\.[a-z]{2,}")
-"""Addresses and paths of a machine: nothing of these may be in the list."""
+"""Addresses and paths of a machine: the list may have none of them."""
 OWN = "assur"
 
 

@@ -17,7 +17,7 @@ from assur.planner.robots.facts import Code, principal
 from assur.planner.robots.robot import Robot
 
 CLEAR = 0.05
-"""Margin from which errors are told as they are: what requests ask by default."""
+"""Errors are reported for states with at least this singularity margin, the default of requests."""
 SHARE = 1e-3
 """m: a closed form that puts the flange farther than this from its target has missed it."""
 
@@ -37,7 +37,7 @@ class Arm:
 
 
 @dataclass(frozen=True, eq=False)
-class Compared:
+class Comparison:
     """`numbers` for JSON; for each target (N,) its singularity `margin`, and the largest difference, over all modes,
     of a joint of the closed form from the dyads' (`apart`, rad or m)."""
 
@@ -46,7 +46,7 @@ class Compared:
     apart: FloatArray
 
 
-def compare(arm: Arm, p: FloatArray, v: FloatArray) -> Compared:
+def compare(arm: Arm, p: FloatArray, v: FloatArray) -> Comparison:
     """Over targets `p` (N, 3), m, that move with `v` (N, 3), m/s, in every working mode."""
     robot, none = arm.robot, np.zeros(len(p))
     still = np.zeros_like(p)
@@ -79,7 +79,7 @@ def compare(arm: Arm, p: FloatArray, v: FloatArray) -> Compared:
         "inverse_jacobian_minus_dyads_relative_times_margin_squared": float((rates * margin**2).max()),
         "determinant_by_transforms_and_by_planner_minus_product": float(det.max()),
     }
-    return Compared(numbers, margin, apart)
+    return Comparison(numbers, margin, apart)
 
 
 def differences(values: FloatArray, slides: Sequence[bool]) -> FloatArray:

@@ -1,7 +1,7 @@
 """The planner's RRR dyad over arrays: two links and three parallel revolute joints, K1 to K8 of docs/kinematics.md.
 
 Link 1 runs from A to C, link 2 from C to B; A and B are given with their motion, C is sought. Everything is in one
-plane and only differences count: u = C − A, w = B − C, d = B − A = u + w. The equations stand in
+plane and only differences count: u = C − A, w = B − C, d = B − A = u + w. The equations are in
 `assur.planner.kernels.dyads`.
 """
 

@@ -6,7 +6,7 @@ formulation pays for machinery that another is spared.
 
 - `vector`: this project's K1 to K5, with C by K12;
 - `relative`: unknowns φ and ψ (link 2 against link 1), the loop l1 e(φ) + l2 e(φ + ψ) = d closed for the
-  mode that is asked, then two linear systems with its Jacobian;
+  required mode, then two linear systems with its Jacobian;
 - `natural`: unknowns are the coordinates of C, constraints |C − A|² = l1² and |C − B|² = l2²; Newton's iteration
   from a guess, then two linear systems with the same Jacobian. Which of the two assemblies it lands on is luck.
 

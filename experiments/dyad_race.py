@@ -75,7 +75,7 @@ def restarted(
 
 
 def kernel(given: FloatArray) -> Any:
-    """The planner's dyad on arrays (12, N): both links' rates and accelerations, and every case told apart."""
+    """The planner's dyad on arrays (12, N): both links' rates and accelerations, and every case distinguished."""
     d = given[6:] - given[:6]
     return RRR(L1, L2).solve(SIGMA, (d[0], d[1]), (d[2], d[3]), (d[4], d[5]))
 

@@ -107,7 +107,7 @@ def draw(
     by_spread: dict[str, FloatArray],
     shares: dict[str, float],
 ) -> None:
-    """The source's figure 4, the same in arrays, and what the unsaid spread of the guesses does."""
+    """The source's figure 4, the same in arrays, and what the unstated spread of the guesses does."""
     upper, lower = figure.subfigures(2, 1, height_ratios=(1, 1))
     strips = upper.subplots()
     rows = (
@@ -163,4 +163,4 @@ def draw(
     spread.set_xlim(0.008, 3.8)
     spread.set_xlabel("spread of the guess / $l_1$")
     spread.set_ylabel("time of Assur, printed / the other's [%]")
-    spread.set_title("(c) what the unsaid spread of the guess does")
+    spread.set_title("(c) what the unstated spread of the guess does")

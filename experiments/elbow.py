@@ -81,10 +81,10 @@ def run() -> Result:
         ),
         "as_printed_missed_in_every_mode_share": float((np.min(list(off.values()), axis=0) > forms.SHARE).mean()),
     }
-    return Result(numbers, told(numbers), (7.2, 6.3), lambda figure: draw(figure, both, compared))
+    return Result(numbers, report(numbers), (7.2, 6.3), lambda figure: draw(figure, both, compared))
 
 
-def told(numbers: dict[str, Any]) -> str:
+def report(numbers: dict[str, Any]) -> str:
     """The paragraphs."""
     missed = numbers["as_printed_missed_by_more_than_1_mm_share"]["up"]
     anyhow = numbers["as_printed_missed_in_every_mode_share"]
@@ -109,7 +109,7 @@ def told(numbers: dict[str, Any]) -> str:
     )
 
 
-def draw(figure: Drawing, both: forms.Arm, compared: forms.Compared) -> None:
+def draw(figure: Drawing, both: forms.Arm, compared: forms.Comparison) -> None:
     """The arm in its plane, |det J| over the plane, closed form against dyads, and what arctan as printed misses."""
     (posture, area), (errors, miss) = figure.subplots(2, 2)
     plane = Plane(HEIGHT, L2 - L3, L2 + L3, "stretched")

@@ -1,4 +1,4 @@
-"""The one style of all figures, and the door to matplotlib (the extra `plot`): no other module imports it to run."""
+"""The one style of all figures, and the only module that imports matplotlib (the extra `plot`) to run."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def write_to(draw: Callable[[Drawing], None], size: tuple[float, float], paths: 
 
 
 def _whole(figure: Drawing, size: tuple[float, float]) -> None:
-    """Raises `FaultError` for a figure of which a title, label or legend leaves the page and would be cut off."""
+    """Raises `FaultError` if a title, label or legend of the figure leaves the page and would be cut off."""
     figure.draw_without_rendering()
     box = figure.get_tightbbox()
     beyond = max(-box.x0, -box.y0, box.x1 - size[0], box.y1 - size[1])

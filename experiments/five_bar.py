@@ -2,8 +2,8 @@
 
 The Mitsubishi RP-5AH: its workspace in the four working modes, with the curves on which it is singular. Its inverse is
 the RRR group twice, from a crank axis over an elbow to the tool axis, its direct problem the same group once, between
-the elbows. Both are solved as the source prints the group (`printed_rrr`) and as the planner does. Of the distal length
-two values are told, 260 and 160 mm; both are shown, for the type 2 curves are of different kinds.
+the elbows. Both are solved as the source prints the group (`printed_rrr`) and as the planner does. Two values of the
+distal length are published, 260 and 160 mm; both are shown, for the type 2 curves are of different kinds.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from assur.scenes.requests import cell_of, plan_document, shipped
 
 MODEL = "mitsubishi-rp-5ah"
 DISTAL_M = (0.26, 0.16)
-"""The distal lengths that are told of it; the first is the catalogue's."""
+"""The distal lengths that are published for it; the first is the catalogue's."""
 GRID_M, CURVE_POINTS = 0.0025, 1441
 STATES, SEED = 10_000, 5
 """Random places, in any mode, that are compared with the printed group."""
@@ -70,7 +70,7 @@ def run() -> Result:
         },
         "planner": planned,
     }
-    return Result(numbers, told(numbers), SIZE, lambda figure: draw(figure, robots, seen, paths))
+    return Result(numbers, report(numbers), SIZE, lambda figure: draw(figure, robots, seen, paths))
 
 
 def areas(space: Workspace) -> dict[str, dict[str, float]]:
@@ -188,7 +188,7 @@ def through_type_2() -> tuple[dict[str, Any], Paths]:
         "straight": {
             "answer": refused["reason"],
             "parallel_margin": robot.parallel_least - refused["refusal"]["amount"],
-            "parallel_margin_asked": robot.parallel_least,
+            "parallel_margin_required": robot.parallel_least,
         },
         "joint_legs": {
             "answer": answer["status"],
@@ -200,7 +200,7 @@ def through_type_2() -> tuple[dict[str, Any], Paths]:
     return found, Paths(way[[0, -1]], way)
 
 
-def told(numbers: dict[str, Any]) -> str:
+def report(numbers: dict[str, Any]) -> str:
     """The paragraphs."""
     wide, short = numbers["distal_mm"].values()
     group = [each["printed_group"] for each in (wide, short)]
@@ -216,14 +216,14 @@ def told(numbers: dict[str, Any]) -> str:
         "The source closes with a claim that it does not show: its RRR group has its greatest potential in parallel "
         "manipulators, being flexible, simple and efficient, and it identifies and classifies singular "
         "configurations of their direct problem.",
-        f"On a five-bar, the RP-5AH with either of the distal lengths that are told of it, 260 mm in panels (a) to "
+        f"On a five-bar, the RP-5AH with either of its published distal lengths, 260 mm in panels (a) to "
         f"(d) and 160 mm in (e) to (h): the printed group, used twice, gives the cranks, and once more, between the "
         f"elbows, the tool again. At {STATES:,} random states for each length, in all working modes, it agrees with "
         f"the planner to {cranks:.0e} rad (rates and accelerations to {rates:.0e}, relative) and comes back to the "
         f"tool to {1e9 * back:.0e} nm.\n\n"
         f"In `left-right` 260 mm lose {lost['wide']} to type 2, panel (b), and 160 mm {lost['short']}, inside a "
         f"closed curve about the base, panel (f). A straight line through that curve is refused (parallel margin "
-        f"{refused_at} where {line['parallel_margin_asked']:g} is asked); a joint leg between the same ends goes "
+        f"{refused_at} where {line['parallel_margin_required']:g} is required); a joint leg between the same ends goes "
         f"around it in {legs['duration_s']:.2f} s, with {legs['parallel_margin']:.2f} at least.",
         "It holds that nothing but the group is needed, and it classifies: which use of it is aligned tells the "
         "kind. Between crank axis and tool it is type 1, where the tool cannot go on and a joint leg may change the "
@@ -349,7 +349,7 @@ SINGULAR = 1e-5
 
 @dataclass(frozen=True, eq=False)
 class Paths:
-    """Of the tool axis, m: the straight line that was asked, and the way that was planned between its ends (N, 2)."""
+    """Of the tool axis, m: the required straight line, and the planned path between its ends (N, 2)."""
 
     straight: FloatArray
     around: FloatArray

@@ -5,8 +5,8 @@ The lengths of the couplers do not change, so along each of them the tool axis P
     A Ṗ = B (θ̇1, θ̇5)    A = | uᵀ |    B = diag(a_L e(θ1)⊥·u, a_R e(θ5)⊥·w) = diag(D_L, −D_R)             (K36)
                              | wᵀ |
 
-det A = D vanishes at type 2: the cranks stand and P can still move. det B vanishes at type 1: P stands and a crank can
-still move. det J = det B/det A.
+det A = D vanishes at type 2: P can move while the cranks are at rest. det B vanishes at type 1: a crank can move while
+P is at rest. det J = det B/det A.
 """
 
 from __future__ import annotations

@@ -97,17 +97,19 @@ def run() -> Result:
         "limit_deg_s": FASTEST_DEG_S,
         "planner": answers,
     }
-    return Result(numbers, told(numbers, peak, answers), (7.2, 5.6), lambda figure: draw(figure, lines, peak, answers))
+    return Result(
+        numbers, report(numbers, peak, answers), (7.2, 5.6), lambda figure: draw(figure, lines, peak, answers)
+    )
 
 
-def told(numbers: dict[str, Any], peak: dict[str, FloatArray], answers: dict[str, list[dict[str, Any]]]) -> str:
+def report(numbers: dict[str, Any], peak: dict[str, FloatArray], answers: dict[str, list[dict[str, Any]]]) -> str:
     """The paragraphs."""
-    said = {}
+    answered = {}
     for kind, rows in answers.items():
         parts: dict[str, list[str]] = {}
         for mm, row in zip(DISTANCES_MM, rows, strict=True):
             parts.setdefault(row["answer"], []).append(f"{mm}")
-        said[kind] = "; ".join(f"{answer} at {', '.join(mm)} mm" for answer, mm in parts.items())
+        answered[kind] = "; ".join(f"{answer} at {', '.join(mm)} mm" for answer, mm in parts.items())
     margins = [row["margin"] for row in answers["constant speed"] if row["answer"] == Reason.NEAR_SINGULARITY]
     grows = {
         name: f"{numbers['exponents_below_10_mm'][name]:.1f}".replace("-", "−")
@@ -121,8 +123,8 @@ def told(numbers: dict[str, Any], peak: dict[str, FloatArray], answers: dict[str
         f"{np.degrees(peak['theta1'][-1]):,.0f}°/s at {DISTANCES_MM[-1]} mm, as v/h says, panel (c); its "
         f"acceleration grows with h to the power {grows['theta1_acceleration']}.\n\n"
         f"The planner's answers are in panel (d). At this constant speed (a point on a belt, to be followed): "
-        f"{said['constant speed']}; the refusals name the margin |sin θ2|, {margins[0]:.3f} to {margins[-1]:.3f}, "
-        f"where 0.05 is asked. At any speed (a straight leg): {said['any speed']}; it slows down, to "
+        f"{answered['constant speed']}; the refusals name the margin |sin θ2|, {margins[0]:.3f} to {margins[-1]:.3f}, "
+        f"where 0.05 is required. At any speed (a straight leg): {answered['any speed']}; it slows down, to "
         f"{answers['any speed'][3]['leg_s']:.1f} s at {DISTANCES_MM[3]} mm, and keeps every joint within its "
         f"{FASTEST_DEG_S}°/s.",
         f"It holds for equal links, and not for every singular position: past the hole of an arm with unequal links "
@@ -199,7 +201,7 @@ def planned_and_refused(planned: Drawing, refused: Drawing, answers: dict[str, l
                 label = None if words in seen else words
                 seen.add(words)
                 refused.plot(mm, row, cross, ms=6, mew=1.5, color=colour, label=label)
-            if row == 0 and "margin_asked" in answer:
+            if row == 0 and "margin_required" in answer:
                 note = f"{answer['margin']:.3f}"
                 refused.annotate(note, (mm, row), (0, 6), textcoords="offset points", ha="center", fontsize=6.5)
     planned.set_ylim(0, 400)
@@ -286,5 +288,5 @@ def decision(h_mm: float, kind: str) -> dict[str, Any]:
     refused: dict[str, Any] = {"answer": str(outcome.reason), "sentence": outcome.sentence}
     if outcome.reason == Reason.NEAR_SINGULARITY and outcome.refusal is not None and outcome.refusal.amount:
         refused["margin"] = scene.options.singularity_margin - outcome.refusal.amount.value
-        refused["margin_asked"] = scene.options.singularity_margin
+        refused["margin_required"] = scene.options.singularity_margin
     return refused

@@ -13,7 +13,7 @@ from assur.planner.robots.facts import Limits, principal
 from assur.planner.robots.scara import Scara
 
 L1, L2 = 0.325, 0.225
-"""m. A usual arm; 004's own, with links of 200 mm, is drawn beside it."""
+"""m. A usual arm; the arm of source 004, with links of 200 mm, is drawn, too."""
 POINTS, SEED = 10_000, 2
 CONVENTION = {"left": (1, -1, -1), "right": (2, +1, +1)}
 """Mode → assembly mode of 000, sign of the root of 001, index g of 004."""
@@ -164,7 +164,7 @@ def chains(axes: Drawing, p: FloatArray, l1: float, l2: float, mode: str, colour
 
 
 def finished(axes: Drawing, title: str, x: tuple[float, float], y: tuple[float, float]) -> None:
-    """Title, labels and limits; panels whose limits have one ratio stand at one height."""
+    """Title, labels and limits; panels whose limits have the same ratio are at the same height."""
     axes.set_title(title)
     axes.set_aspect("equal")
     axes.set_xlim(*x)

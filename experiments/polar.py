@@ -80,10 +80,10 @@ def run() -> Result:
         "as_printed_negative_d3_below_the_shoulder_share": float((literal[below, 2] < 0).mean()),
         "as_printed_negative_d3_above_the_shoulder_share": float((literal[~below, 2] < 0).mean()),
     }
-    return Result(numbers, told(numbers), (7.2, 6.3), lambda figure: draw(figure, both, compared))
+    return Result(numbers, report(numbers), (7.2, 6.3), lambda figure: draw(figure, both, compared))
 
 
-def told(numbers: dict[str, Any]) -> str:
+def report(numbers: dict[str, Any]) -> str:
     """The paragraphs."""
     below = numbers["as_printed_negative_d3_below_the_shoulder_share"]
     above = numbers["as_printed_negative_d3_above_the_shoulder_share"]
@@ -111,7 +111,7 @@ def told(numbers: dict[str, Any]) -> str:
     )
 
 
-def draw(figure: Drawing, both: forms.Arm, compared: forms.Compared) -> None:
+def draw(figure: Drawing, both: forms.Arm, compared: forms.Comparison) -> None:
     """The arm in its plane, |det J| over the plane, closed form against dyads, and d3 as printed."""
     (posture, area), (errors, length) = figure.subplots(2, 2)
     plane = Plane(L1, 0.0, LONGEST, "stroke ends")

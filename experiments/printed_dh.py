@@ -1,6 +1,6 @@
 """The four-axis SCARA of source 001: its Denavit-Hartenberg matrices, its T₀⁴ and its inverse, with errors mended.
 
-Nothing of the planner is used here. What is mended, each with the printed form beside it as `printed_...`:
+Nothing of the planner is used here. These equations are mended; the printed form of each is `printed_...`:
 
 - 4.1.5, Rot_z: c, −s / s, c where c, s / s, c is printed;
 - 5.4: θ4 = θ1 + θ2 − atan2(n_y, n_x) where θ1 + θ2 is missing;

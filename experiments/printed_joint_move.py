@@ -7,7 +7,7 @@ its total time. Around a pose B that is passed at time T, with the segment's vel
     zone II, between them:  q = B + v2 (t − T)                                                              (E2)
 
 so that the pose itself is missed by q(T) − B = τ (v2 − v1)/4 (E3). Before the first pose and behind the last one the
-arm stands still: v = 0, the move begins τ before the first pose's time and ends τ behind that of the last, and there
+arm is at rest: v = 0, the move begins τ before the first pose's time and ends τ behind that of the last, and there
 E1 is exactly at the pose. Units are the caller's, angles in radians.
 """
 

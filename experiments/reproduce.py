@@ -54,7 +54,7 @@ ALL = "all"
 
 
 @dataclass(frozen=True)
-class Reproduced:
+class Reproduction:
     """One experiment that was run, the `number`-th of `count`: the files that it left, the `paragraph`, and how long it
     took."""
 
@@ -74,7 +74,7 @@ def chosen(name: str) -> tuple[Entry, ...]:
     return found
 
 
-def reproduce(name: str, folder: Path) -> Iterator[Reproduced]:
+def reproduce(name: str, folder: Path) -> Iterator[Reproduction]:
     """Run the experiment `name`, or `all`, one after the other, into `folder`, which is made if it is not there."""
     entries = chosen(name)
     if folder.exists() and not folder.is_dir():
@@ -84,7 +84,7 @@ def reproduce(name: str, folder: Path) -> Iterator[Reproduced]:
         yield _one(entry, folder, number, len(entries))
 
 
-def _one(entry: Entry, folder: Path, number: int, count: int) -> Reproduced:
+def _one(entry: Entry, folder: Path, number: int, count: int) -> Reproduction:
     started = time.perf_counter()
     result = entry.run()
     stem = folder / entry.name
@@ -96,4 +96,4 @@ def _one(entry: Entry, folder: Path, number: int, count: int) -> Reproduced:
     parts = (f"## {entry.title}", f"Source {entry.source}.", result.paragraph, f"![{entry.name}]({entry.name}.svg)")
     words.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
     elapsed_s = time.perf_counter() - started
-    return Reproduced(entry, result.paragraph, (*figures, numbers, words), elapsed_s, number, count)
+    return Reproduction(entry, result.paragraph, (*figures, numbers, words), elapsed_s, number, count)

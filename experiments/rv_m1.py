@@ -93,7 +93,7 @@ def run() -> Result:
     paragraph = paragraphs(
         "The source reaches a tool point with a given pitch by stepping back along the hand to the wrist (equation 7) "
         "and solving the two oblique triangles for it; the roll, it says, plays no part. Without a given pitch there "
-        "are many solutions, of which one has to be chosen.",
+        "are many solutions, and one of them has to be chosen.",
         f"The planner has its dyad in place of the triangles. Over {TARGETS:,} random targets the mended source and "
         f"the planner's mode `up` agree in all five joints to "
         f"{numbers['mended_minus_planner_where_sine_above_0.05_rad']:.0e} rad where |sin θ3| > 0.05 (and the lower "

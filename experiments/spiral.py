@@ -1,8 +1,8 @@
 """Source 000, section 4: the SCARA along the spiral of equation 16, and the same spiral as a moving control point.
 
 Equation 16 is the path of a point on a turntable that climbs: radius 20 mm about (100, 0), a quarter turn a second,
-10 mm/s upwards. So the planner is asked, from rest and from elsewhere, to meet that point at the moment when the
-spiral begins and to dwell on it for its 8 s.
+10 mm/s upwards. So the planner gets this request: start from rest somewhere else, meet that point when the spiral
+begins, and dwell on it for its 8 s.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
-"""Shows what a proof bundle claims, or says what it cannot show, with ball arithmetic that is rounded outwards.
+"""Proves the claims of a proof bundle, or lists those that it cannot prove, with ball arithmetic rounded outwards.
 
 It reads one document. bundle.schema.json defines its form and its terms. Every number is taken as the double that it
 is. A ball of Arb (`flint.arb`) holds every value that its centre and radius allow. A comparison is true only if it is
-true for all these values. So no rounding is lost, and there is no tolerance here: the bundle says what may be off and
-by how much, as a part of the claim. What is not shown is refused, and so is what takes too much work. The labels (N1)
-to (N15) are those of the equations in docs/bundle.md.
+true for all these values. So no rounding is lost, and there is no tolerance here: the bundle states all tolerances as a
+part of the claim. A claim that is not proved, or takes too much work, is refused. The labels (N1) to (N15) are those of
+the equations in docs/bundle.md.
 
 Motion. Over an interval every quantity f is a series of balls. They hold all values of f, of its rate and of the next
 two derivatives (N1). A carrier (a link or a frame) has the series of its place p and of the columns of its rotation R.
@@ -40,13 +40,13 @@ from flint import arb, arb_mat, arb_poly, arb_series, ctx, fmpq
 from jsonschema_rs import validator_for
 
 SCHEMA, BITS, TERMS = Path(__file__).parent / "bundle.schema.json", 160, 4
-WORK, DEEPEST, MOST_BYTES, MOST_TOLD = 5_000_000, 40, 32_000_000, 20
+WORK, DEEPEST, MOST_BYTES, MOST_FAILURES = 5_000_000, 40, 32_000_000, 20
 CLOSED, MOST_SIGNS = 1e-9, 10
 """At most: work (intervals, pairs, pieces of motions, and tens of triangles about a point), halvings of an interval,
 bytes of a file, failures listed. CLOSED: what rounding may leave of a period, of weights, and where a point is chosen.
 MOST_SIGNS: vectors whose signs are combined; shorter ones count in every direction."""
 SHOWN, WRONG, IN_TIME, AHEAD = range(4)
-"""What a test says of an interval: it is shown; it is wrong; halve it in time; halve what is ahead."""
+"""Results of a test on an interval: proved; wrong; halve it in time; halve the time ahead."""
 Document = dict[str, Any]
 Vector = list[Any]
 
@@ -382,9 +382,8 @@ def swung(arm: Document, tool_from: int, elbow: arb, shift: arb) -> tuple[arb, a
 
 
 class Duty(NamedTuple):
-    """Two bodies of a phase that must stay `least` apart, m; less than 0: they may touch so deep. What is not known of
-    them comes on top, but not if `planned`. The first follows the clock, the second is from `early` to `late` ahead of
-    it, s."""
+    """Two bodies of a phase that must stay `least` apart, m; less than 0: they may touch so deep. Their uncertainties
+    are added, unless `planned`. The first follows the clock, the second is from `early` to `late` ahead of it, s."""
 
     bodies: tuple[int, int]
     least: float
@@ -395,7 +394,7 @@ class Duty(NamedTuple):
 
 
 class World:
-    """What a bundle says of bodies, motion and what must be kept. `failures` lists what is not shown."""
+    """The bodies, the motion and the requirements of a bundle. `failures` lists the claims that are not proved."""
 
     def __init__(self, bundle: Document) -> None:
         self.bundle, self.work, self.kept, self.failures = bundle, WORK, dict[Any, Any](), list[str]()
@@ -421,19 +420,19 @@ class World:
             t0, t1, s0, s1, depth = stack.pop()
             self.spend(1)
             try:
-                said = test(t0, t1, s0, s1)
+                status = test(t0, t1, s0, s1)
             except ArithmeticError:  # a motion is not known there or repeats too often, or a loop may come apart
-                said = AHEAD if arb(s1) - s0 > arb(t1) - t0 else IN_TIME
-            if said == SHOWN:
+                status = AHEAD if arb(s1) - s0 > arb(t1) - t0 else IN_TIME
+            if status == SHOWN:
                 continue
-            if said == WRONG or depth >= DEEPEST or (t0 == t1 and s0 == s1):
+            if status == WRONG or depth >= DEEPEST or (t0 == t1 and s0 == s1):
                 return False
             t, s = (t0 + t1) / 2, (s0 + s1) / 2
-            halves = [(t0, t1, s0, s), (t0, t1, s, s1)] if said == AHEAD else [(t0, t, s0, s1), (t, t1, s0, s1)]
+            halves = [(t0, t1, s0, s), (t0, t1, s, s1)] if status == AHEAD else [(t0, t, s0, s1), (t, t1, s0, s1)]
             stack += [(*half, depth + 1) for half in halves]
         return True
 
-    def stands(self, f: int) -> bool:
+    def fixed(self, f: int) -> bool:
         """Whether a frame never moves."""
         frame = nth(self.frames, f, "frame")
         return self.laws[f] is None and frame["arm"] < 0 and not frame["waves"]
@@ -441,7 +440,7 @@ class World:
     def carrier(self, link: int, f: int, t0: float, t1: float, s0: Any = 0.0, s1: Any = 0.0) -> Carrier:
         """A link of the robot, which follows the clock; or, if `link` is -1, a frame, which is s ahead of it."""
         s0, s1 = (0.0, 0.0) if link >= 0 else (s0, s1)
-        key = (-1, t0, t1, s0, s1) if link >= 0 else (f, 0, 0, 0, 0) if self.stands(f) else (f, t0, t1, s0, s1)
+        key = (-1, t0, t1, s0, s1) if link >= 0 else (f, 0, 0, 0, 0) if self.fixed(f) else (f, t0, t1, s0, s1)
         if key not in self.kept:
             low, high = arb(t0) + s0, arb(t1) + s1
             self.kept[key] = self.links(0, low, high) if link >= 0 else self.frame(f, low, high)
@@ -474,16 +473,16 @@ class World:
     def ahead(self, f: int, late: float) -> tuple[Fraction, Fraction]:
         """How far a frame may be ahead of a robot that starts up to `late` late, at least and at most, s."""
         least, most = map(Fraction, self.frames[f]["shift"])
-        return (Fraction(0), Fraction(0)) if self.stands(f) else (-most, Fraction(late) - least)
+        return (Fraction(0), Fraction(0)) if self.fixed(f) else (-most, Fraction(late) - least)
 
     def duties(self, p: int) -> dict[frozenset[int], Duty]:
         """The pairs of bodies that must stay apart in phase p. These are: a body of the robot and one on a frame; two
-        bodies on links that are asked to stay apart; a part that was put down and a body on another frame, if one of
+        bodies on links that are required to stay apart; a part that was put down and a body on another frame, if one of
         both frames moves and that body is no support of the part."""
         phase, at, found, must = self.phases[p], self.seats[p], dict[frozenset[int], Duty](), self.must
         touching = {frozenset(each["bodies"]): -each["depth"] for each in phase["contacts"]}
-        asked = [frozenset(pair) for pair in must["self_pairs"]]
-        self.spend(len(at) ** 2 * (1 + len(asked) + len(must["exceptions"])))
+        self_pairs = [frozenset(pair) for pair in must["self_pairs"]]
+        self.spend(len(at) ** 2 * (1 + len(self_pairs) + len(must["exceptions"])))
 
         def add(a: int, b: int, kind: str, early: Fraction = Fraction(0), late: Fraction = Fraction(0)) -> None:
             least, key = must[kind], frozenset((a, b))
@@ -496,14 +495,14 @@ class World:
             one, other, kind = at[a]["link"], at[b]["link"], "near" if phase["near"] else "travel"
             if one >= 0 > other:
                 add(a, b, kind, *self.ahead(at[b]["frame"], must["late"]))
-            elif one >= 0 and a < b and one != other and frozenset((one, other)) in asked:
+            elif one >= 0 and a < b and one != other and frozenset((one, other)) in self_pairs:
                 add(a, b, kind)
         for a, supports in ((part["body"], part["supports"]) for part in phase["put_down"]):
             here = nth(at, a, "body")["frame"]
             for b, there in enumerate(seat["frame"] for seat in at):
-                if there not in (-1, here) and b not in supports and not (self.stands(here) and self.stands(there)):
+                if there not in (-1, here) and b not in supports and not (self.fixed(here) and self.fixed(there)):
                     (low, high), (first, last) = self.ahead(there, 0.0), self.ahead(here, 0.0)
-                    add(a, b, "near", *(() if self.stands(there) else (low - last, high - first)))
+                    add(a, b, "near", *(() if self.fixed(there) else (low - last, high - first)))
         return found
 
     def planned(self, p: int) -> dict[frozenset[int], Duty]:
@@ -521,8 +520,8 @@ class World:
         (a, b), at = row["bodies"], self.seats[p]
         for other in [b] if b >= 0 else range(len(at)):
             duty = duties.get(frozenset((a, other)))
-            stands = at[other]["link"] < 0 and self.stands(at[other]["frame"])
-            if duty and (duty.early == duty.late == 0 or duty.bodies[0] == a) and (b >= 0 or stands):
+            fixed = at[other]["link"] < 0 and self.fixed(at[other]["frame"])
+            if duty and (duty.early == duty.late == 0 or duty.bodies[0] == a) and (b >= 0 or fixed):
                 yield {**row, "bodies": [a, other]}, duty
 
     def apart(self, key: str) -> tuple[int, int]:
@@ -530,25 +529,25 @@ class World:
         begins, names = [phase["t0"] for phase in self.phases], [body["name"] for body in self.bodies]
         duties = [self.duties(p) if key == "rows" else self.planned(p) for p in range(len(begins))]
         for row in self.bundle[key]:
-            told = " and ".join(nth(names, body, "body") for body in row["bodies"] if body >= 0)
+            about = " and ".join(nth(names, body, "body") for body in row["bodies"] if body >= 0)
             p = bisect_right(begins, row["t0"]) - 1
             within = p >= 0 and row["t0"] <= row["t1"] <= self.phases[p]["t1"]
             for each, duty in self.meant(p, row, duties[p]) if within else ():
                 if self.holds(p, each, duty):
                     duty.rows.append(each)
                 elif row["bodies"][1] >= 0:
-                    self.failures.append(f"a row of {told} from {row['t0']:.9g} s to {row['t1']:.9g} s")
+                    self.failures.append(f"a row of {about} from {row['t0']:.9g} s to {row['t1']:.9g} s")
         for p, phase in enumerate(self.phases):
             for pair, duty in duties[p].items():
-                told = f"{' and '.join(names[k] for k in duty.bodies)} in {phase['kind']} from {phase['t0']:.9g} s"
+                about = f"{' and '.join(names[k] for k in duty.bodies)} in {phase['kind']} from {phase['t0']:.9g} s"
                 if phase["t1"] > phase["t0"] and not self.covered(duty, phase["t0"], phase["t1"]):
-                    self.failures.append(f"{told}: no row for a part of it{', in gap_rows' if duty.planned else ''}")
+                    self.failures.append(f"{about}: no row for a part of it{', in gap_rows' if duty.planned else ''}")
                 last, hollow = duties[p - 1].get(pair) if p else None, any(self.surfaces[k]["triangles"] for k in pair)
                 # as long as a pair stays apart on its seats, one is within a closed surface all the time, or never
                 stays = last is not None and last.bodies == duty.bodies and last.least >= 0
                 stays = stays and all(self.seats[p - 1][k] is self.seats[p][k] for k in pair)
                 if hollow and duty.least >= 0 and not (stays or duty.planned) and not self.outside(p, duty):
-                    self.failures.append(f"{told}: nothing shows that one is not within the other")
+                    self.failures.append(f"{about}: nothing shows that one is not within the other")
         return sum(len(duty.rows) for each in duties for duty in each.values()), sum(map(len, duties))
 
     def outside(self, p: int, duty: Duty) -> bool:
@@ -598,7 +597,7 @@ class World:
         return bool(size > 0) and self.everywhere(test, row["t0"], row["t1"], row["s0"], row["s1"])
 
     def need(self, p: int, duty: Duty, n: Vector, size: arb, sides: Any, t0: float, t1: float) -> arb:
-        """The gap that is required along a normal, and how much nearer what is not known may bring both bodies (N8)."""
+        """The gap that is required along a normal, and how much nearer uncertainties may bring both bodies (N8)."""
         found, flat, phase, must = duty.least * size, length(n[:2]), self.phases[p], self.must
         if duty.planned:
             return arb(found)
@@ -966,7 +965,7 @@ def claimed(world: World, alone: float, rows: int, pairs: int, gap_rows: int, ga
     """What a bundle claims, in words and numbers: how much of each kind, and the most that it allows."""
     bundle, must, own, limits = world.bundle, world.must, world.splines[0].edges, world.bundle["limits"]
     contacts, put_down = ([each for phase in world.phases for each in phase[key]] for key in ("contacts", "put_down"))
-    asked, links = set(map(frozenset, must["self_pairs"])), {seat["link"] for seats in world.seats for seat in seats}
+    apart, links = set(map(frozenset, must["self_pairs"])), {seat["link"] for seats in world.seats for seat in seats}
     unsure = [frame for frame in world.frames if frame["unknown"] or frame["yaw"] or any(frame["shift"])]
 
     def kept(key: str) -> Any:
@@ -994,14 +993,14 @@ def claimed(world: World, alone: float, rows: int, pairs: int, gap_rows: int, ga
         "second distances of the robot's bodies and of parts that were put down, m": second,
         "pairs that keep a second distance, counted in each phase, and rows that show it": [gap_pairs, gap_rows],
         "bodies from meshes, with what they enclose": sum(bool(shell["triangles"]) for shell in world.surfaces),
-        "pairs of the robot's links that keep apart": sum(len(pair) == 2 and pair <= links for pair in asked),
+        "pairs of the robot's links that keep apart": sum(len(pair) == 2 and pair <= links for pair in apart),
         "parts that were put down, counted in each phase": len(put_down),
         "pairs that may touch, counted in each phase": len(contacts),
         "deepest contact, m": max([0, *(each["depth"] for each in contacts)]),
         "greatest delay of the robot's start, s": must["late"],
         "greatest lag of a joint, rad or m": max(must["lag"]),
         "frames that repeat their motion": sum(frame["period"] > 0 for frame in world.frames),
-        "frames of which something is not known": len(unsure),
+        "frames with an uncertainty": len(unsure),
         "greatest displacement of a frame, m": max([0, *(x["amount"] for frame in unsure for x in frame["unknown"])]),
         "its greatest growth, m/s": max([0, *(x["growth"] for frame in unsure for x in frame["unknown"])]),
         "greatest turn of a frame, rad": max([0, *(frame["yaw"] for frame in unsure)]),
@@ -1043,7 +1042,7 @@ def prove(data: bytes) -> tuple[bool, Any]:
         world.limited()
         world.stated()
         counts = (*world.apart("rows"), *world.apart("gap_rows"))
-        lines = [*failures[:MOST_TOLD], f"claims that are not shown: {len(failures)}"]
+        lines = [*failures[:MOST_FAILURES], f"claims that are not shown: {len(failures)}"]
         return not failures, lines if failures else claimed(world, alone, *counts)
     except (AttributeError, LookupError, TypeError) as error:
         raise ValueError(f"values that do not fit together: {error}") from error

@@ -1,10 +1,10 @@
 """Documents in, facts out, and back: requests, scenario files, robot catalogue, meshes, answers.
 
-Arrows point inwards only: `scenes` knows `planner`, `planner` knows nothing of it. Units, the makers' joint
-conventions and every limit of size live here, at the border. Importing anything of this package loads neither fcl, nor
-ruckig, nor trimesh, nor scipy: they come when a scene is planned or a mesh is read.
+`scenes` imports `planner`; `planner` never imports `scenes`. Units, the makers' joint conventions and every limit of
+size are handled here. Importing anything of this package loads neither fcl, nor ruckig, nor trimesh, nor scipy: they
+are loaded when a scene is planned or a mesh is read.
 
-The short way in, `load`, `plan`, `check` and `ik`, works on plain documents; the other doors are in
+The shortest entry points, `load`, `plan`, `check` and `ik`, work on plain documents; the others are in
 `assur.scenes.requests`.
 """
 

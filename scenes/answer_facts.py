@@ -1,7 +1,7 @@
-"""The planner's facts as the documents of `schema.answer` describe them: written by their fields, and read again.
+"""Writes the planner's facts as documents of `schema.answer`, field by field, and reads them again.
 
-A field has one name in the facts and one in documents, which bears its unit; `NAMES` has those that differ. Facts of a
-kind without a form of its own are described by their own fields (`schema.answer.FACTS`).
+A field has a name in the facts, and a key with its unit in documents; `NAMES` lists the names that differ. A kind of
+facts without a form of its own is described by its fields (`schema.answer.FACTS`).
 """
 
 from __future__ import annotations
@@ -74,9 +74,9 @@ NAMES = {
     "until_s": "until",
     "yaw_offset_rad": "yaw_offset",
 }
-"""Keys of documents, and what the facts call the same."""
+"""Key of a document → name of the field in the facts."""
 PLAIN = LEAVES - {float}
-"""Types of what is written as it is."""
+"""Types of values that are written unchanged."""
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Every bound on the size of what may be asked, in one place.
+"""Every bound on the size of a request, in one place.
 
 They keep a request's cost in proportion to its length; none of them is a fact about robots. The schema that
 `request_schema()` gives carries them, so a client can check before it posts.
@@ -72,7 +72,7 @@ LARGEST_MESH_M: Final = 20.0
 """A mesh larger than a hall: its unit was mistaken."""
 
 FAR_M: Final = 100.0
-"""Coordinates, m: further away nothing concerns a SCARA; a unit was probably mistaken."""
+"""Coordinates, m: nothing further away concerns a SCARA; a larger value has probably the wrong unit."""
 TURNS_RAD: Final = 1_000.0
 """Angles, rad."""
 FAST_M_S: Final = 100.0
@@ -80,10 +80,10 @@ FAST_M_S: Final = 100.0
 FAST_RAD_S: Final = 1_000.0
 """Turning rates, rad/s."""
 LEAST: Final = 1e-6
-"""What may not be 0 is at least this, SI: speeds, accelerations, jerks, durations, leads, loads, and scales. No drive
-goes by micrometres a second or in microseconds, and no scale weighs milligrams: a unit was probably mistaken."""
+"""Least value, SI, of quantities that may not be 0: speeds, accelerations, jerks, durations, leads, loads, and scales.
+No drive moves at micrometres a second, and no scale weighs milligrams: a smaller value has probably the wrong unit."""
 STRONG: Final = 1e6
-"""Accelerations and jerks of laws and joints, SI: beyond it only rounding happens."""
+"""Accelerations and jerks of laws and joints, SI: results for larger ones would be rounding errors."""
 LONG_S: Final = 100_000.0
 """Instants, s: a day and some."""
 PLAN_S: Final = 1e7
@@ -93,7 +93,7 @@ SHORTEST_RAMP_S: Final = 2e-3
 LONGEST_RAMP_S: Final = 100.0
 """Time, s, in which a joint with parabolic blends reaches its speed: a controller has tenths of a second."""
 MIN_BUDGET_S: Final = 1e-3
-"""Seconds of search: in less not even the start is looked at."""
+"""Seconds of search: in less time not even the start is checked."""
 MAX_BUDGET_S: Final = 60.0
 """Seconds of search that one request may ask for, and the same for its explanation."""
 MAX_CANDIDATES: Final = 10_000_000

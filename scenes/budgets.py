@@ -13,8 +13,8 @@ BUDGETS = ("budget_s", "explain_budget_s")
 
 
 def stated_budgets(document: dict[str, Any], most_s: float = math.inf) -> dict[str, float]:
-    """The budgets of a request, in s, before it is validated, for callers that limit them. What is not stated is the
-    default, and at most `most_s`. What is no number is left for the validation to refuse, and counts as not stated."""
+    """The budgets of a request, in s, before it is validated, for callers that limit them. A budget that is not stated
+    is the default, at most `most_s`. A value that is no number counts as not stated; the validation refuses it."""
     options = document.get("options")
     given = options if isinstance(options, dict) else {}
     found: dict[str, float] = {}
@@ -28,6 +28,6 @@ def stated_budgets(document: dict[str, Any], most_s: float = math.inf) -> dict[s
 
 
 def silent(document: object, option: str) -> bool:
-    """Whether a request, which is valid, says nothing of an option in any of its units."""
+    """Whether a valid request does not state an option, in any of its units."""
     options = document.get("options") if isinstance(document, dict) else None
     return not isinstance(options, dict) or (option not in options and twin_of(option) not in options)

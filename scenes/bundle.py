@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 def bundle_document(request: object, plan: object, *, folder: Path | None = None) -> dict[str, Any]:
     """The proof bundle of a planned answer with a full certificate (docs/bundle.md).
 
-    `folder`: below which the request may name files. Raises `InputError` naming the field: for what is wrong with a
-    document, for what the answer repeats of the request and is not so, and for what no bundle can state. Whether the
-    plan is right is not judged: who proves the bundle does.
+    `folder`: below which the request may name files. Raises `InputError` naming the field: for a fault of a document,
+    for a field of the answer that repeats the request wrongly, and for a promise that no bundle can state. Whether the
+    plan is right is not judged here: the prover of the bundle does that.
     """
     return bundle_cell(cell_of(request if folder is None else with_files(request, folder)), plan)
 
@@ -30,8 +30,8 @@ def bundle_cell(cell: Cell, plan: object) -> dict[str, Any]:
     """The same for a cell that has been read."""
     made, untrue, claims = read_plan(cell, plan)
     if untrue:
-        told = "; ".join(finding.what for finding in untrue)
-        raise InputError("plan", "this answer", f"one that is right: {told}")
+        reasons = "; ".join(finding.what for finding in untrue)
+        raise InputError("plan", "this answer", f"one that is right: {reasons}")
     return bundle_of(cell.scene, made, claims)
 
 

@@ -28,7 +28,7 @@ WHOLE = ("scenario", "request")
 
 @dataclass(frozen=True, eq=False)
 class RobotFile:
-    """What a robot's file holds: the document, mesh files that it names in their place, and the arm in it."""
+    """The content of a robot's file: the document, with the mesh files that it names in their place, and its arm."""
 
     document: dict[str, Any]
     family: Family
@@ -43,7 +43,7 @@ class RobotFile:
 
     @cached_property
     def assumptions(self) -> tuple[str, ...]:
-        """A sentence for each number that is not the maker's own word."""
+        """A sentence for each number that the maker does not publish."""
         return assumptions(self.family, self.document[self.family])
 
     def listed(self) -> dict[str, Any]:
@@ -92,7 +92,7 @@ def load_robot(path: Path) -> RobotFile:
             raise with_line(error, lines) from error
     except DocumentError as error:
         own = (*WHOLE, path.name)
-        raise error.told_as(lambda field: path.name if field in own else f"{path.name}: {field}") from error
+        raise error.relocated(lambda field: path.name if field in own else f"{path.name}: {field}") from error
     return found
 
 
@@ -109,7 +109,7 @@ def _robot_file(document: Any) -> RobotFile:
 
 
 def with_robots(request: Any, folder: Path) -> Any:
-    """The request with what each robot's file that it names holds in its place; the files must lie below `folder`."""
+    """The request with the content of each robot's file in place of its name; the files must be below `folder`."""
     if not isinstance(request, dict):
         return request
     found = {**request, "robot": _with_robot(request["robot"], ("robot",), folder)} if "robot" in request else request

@@ -1,10 +1,10 @@
-"""How a maker counts an arm's joints, and how its values become the planner's and back.
+"""The joint conventions of makers, and the conversion of values to the planner's convention and back.
 
-The planner counts a lifting joint upwards from its base origin. That origin is put where the maker's zero is. So
-maker's and planner's values differ by a sign at most, unless a turning joint has a zero of its own, and converting a
-trajectory to the maker's convention and back is exact in floating point: a plan that was written out and read again is
-the same plan, bit by bit. With a zero of its own a joint's position is rounded once, by some 1e-16 of its value, when
-the plan is written; there and back again changes nothing any more.
+The planner counts a lifting joint upwards from its base origin, which is at the maker's zero. So maker's and planner's
+values differ only by a sign, unless a turning joint has a zero of its own. Without such a zero, converting a trajectory
+to the maker's convention and back is exact in floating point: a plan that was written and read again is the same plan,
+bit by bit. With such a zero, the position is rounded once, by some 1e-16 of its value, when the plan is written; later
+conversions change nothing.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""What is wrong with a document, said where its author wrote it: dotted path, value, and what is allowed.
+"""Faults of a document, reported where its author wrote them: dotted path, value, and what is allowed.
 
-Whoever finds the fault (the model of the document, a constructor of the planner, a reader of text) knows the path by
-SI names; here it becomes the path with the keys as they were written (`speed_mm_s`), and the value as it was written.
+The code that finds a fault (the model of the document, a constructor of the planner, a reader of text) knows the path
+by SI names. Here it becomes the path with the keys as they were written (`speed_mm_s`), and the value as written.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Path = tuple[str | int, ...]
 
 
 class _Nothing:
-    """Stands for a value that was not given."""
+    """In place of a value that was not given."""
 
     def __repr__(self) -> str:
         return "nothing"
@@ -30,11 +30,11 @@ class _Nothing:
 
 NOTHING = _Nothing()
 SILENT = ("match",)
-"""Fields that a document may leave out, and whose silence can be the fault: they are named all the same."""
+"""Fields that a document may leave out, although a missing one can be the fault: a message may name them."""
 
 
 MOST_FAULTS = 20
-"""So many faults of one document are reported; of further ones their number."""
+"""Number of faults of one document that are reported; of further faults only their number is."""
 
 
 class DocumentError(InputError):
@@ -70,7 +70,9 @@ class DocumentError(InputError):
         from a text. A field that is missing has no `value`."""
         return [_as_mapping(each) for each in (self, *self.more)]
 
-    def told_as(self, field: Callable[[str], str], line: Callable[[str], int | None] = lambda _: None) -> DocumentError:
+    def relocated(
+        self, field: Callable[[str], str], line: Callable[[str], int | None] = lambda _: None
+    ) -> DocumentError:
         """The same faults where the document is a part of another: each with the `field` and the `line` that it has
         there. A line that is known stays."""
 
@@ -88,8 +90,8 @@ def _as_mapping(error: InputError) -> dict[str, Any]:
 
 
 def together(faults: Sequence[DocumentError]) -> DocumentError:
-    """Several faults of one document as one error, of which the first is the first. Of two at one field the first is
-    kept, for the second follows from it."""
+    """Several faults of one document as one error: the first fault, with the others in `more`. Of two at one field the
+    first is kept, for the second follows from it."""
     every = {each.field: each for fault in reversed(faults) for each in reversed((fault, *fault.more))}
     order = dict.fromkeys(each.field for fault in faults for each in (fault, *fault.more))
     return _joined([every[name] for name in order], sum(fault.left_out for fault in faults))
@@ -147,8 +149,8 @@ def fault(document: object, path: Sequence[str | int], allowed: str) -> Document
 
 
 def between(low: float, high: float, value: object) -> str:
-    """A range in words for an error about `value`; of a value that is near to it, by how much it is outside: it may be
-    between the ends as they are printed."""
+    """A range in words for an error about `value`. If the value is near to the range, the text states how far outside
+    it is: as printed, it may be between the ends."""
     printed = f"{low:.6g} to {high:.6g}"
     if not isinstance(value, int | float):
         return printed
@@ -164,9 +166,9 @@ NEAR = 1e-3
 LEAST_SHOWN = 1e-12
 """By less than this a value is outside of a range because units were converted."""
 MOST_MEANT = 4
-"""So many names that hold what was given are suggested."""
+"""Number of names containing the given text that are suggested."""
 LEAST_HELD = 3
-"""Characters that what was given has at least, if it is looked for within names."""
+"""Least length of a given text that is searched within names, in characters."""
 
 
 def _meant(given: str, names: Sequence[str]) -> str:
@@ -190,7 +192,7 @@ def likeliest(value: str, names: Iterable[str]) -> str:
 
 
 MOST_CHOICES = 12
-"""So many of the names that a document gives are told."""
+"""Number of the names in a document that a message lists."""
 
 
 def choices(names: Collection[str], given: str) -> str:
@@ -202,10 +204,11 @@ def choices(names: Collection[str], given: str) -> str:
 
 
 class Refused(Exception):
-    """What is wrong with a part of a document: `path` below that part by SI names, and what is allowed, or what says so
-    of the key and the value as they were written. `field`: how the planner calls what one of its constructors refuses.
+    """A fault in a part of a document: `path` below that part by SI names, and what is `allowed`, or a function that
+    returns it for the key and the value as written. `field`: the name that the planner's constructor has for the part.
 
-    Whoever reads a part knows neither the document nor where it is: `within` says that, and `located` makes the fault.
+    The reader of a part does not know the document or its own place in it: `within` adds the place, and `located` makes
+    the fault.
     """
 
     def __init__(self, allowed: str | Callable[[str, object], str], *path: str | int, field: str = "") -> None:
@@ -215,14 +218,14 @@ class Refused(Exception):
         """What is wrong with further parts, where several were read."""
 
     def at(self, *path: str | int) -> None:
-        """The part is at `path` of a larger part, of which this then speaks."""
+        """Makes this a fault of the larger part that has the part at `path`."""
         self.path = path + self.path
         for other in self.more:
             if isinstance(other, Refused):
                 other.at(*path)
 
     def fault(self, document: object) -> DocumentError:
-        """The faults in the document of which this is about a part."""
+        """The faults, with their places in the document."""
         others = [each if isinstance(each, DocumentError) else each.fault(document) for each in self.more]
         return together([self.one(document), *others])
 
@@ -236,7 +239,7 @@ class Refused(Exception):
 
 
 class within:
-    """Whatever is refused inside is refused at `path`, or below it."""
+    """A part that is refused inside is refused at `path`, or below it."""
 
     def __init__(self, *path: str | int) -> None:
         self._path = path
@@ -254,15 +257,15 @@ class within:
 
 
 class FollowsError(Refused):
-    """A part cannot be read because another part that it names has a fault. It is none of its own."""
+    """A part cannot be read because another part that it names has a fault. This is no further fault."""
 
     def __init__(self) -> None:
         super().__init__("what can be read")
 
 
 class Gathered:
-    """The faults of parts that are read one after another: each `part` is read whatever is wrong with those before, and
-    `settle` raises what was refused, all at once."""
+    """The faults of parts that are read one after another: each `part` is read, even if parts before it have faults,
+    and `settle` raises all faults at once."""
 
     def __init__(self) -> None:
         self.faults: list[Refused | DocumentError] = []
@@ -293,12 +296,12 @@ class Gathered:
         if isinstance(first, DocumentError) and all(isinstance(each, DocumentError) for each in rest):
             raise together(self.faults)  # type: ignore[arg-type]
         if isinstance(first, DocumentError):
-            first = _Told(first)
+            first = _Located(first)
         first.more = (*first.more, *rest)
         raise first
 
 
-class _Told(Refused):
+class _Located(Refused):
     """A fault whose field is known already, before others whose fields are not."""
 
     def __init__(self, error: DocumentError) -> None:
@@ -310,7 +313,7 @@ class _Told(Refused):
 
 
 class located:
-    """Whatever is refused inside becomes a fault of `document`."""
+    """A part that is refused inside becomes a fault of `document`."""
 
     def __init__(self, document: object) -> None:
         self._document = document

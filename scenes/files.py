@@ -1,4 +1,4 @@
-"""Files that a scenario or a robot's file names, put in their place, so that a request says everything itself."""
+"""Puts the content of files in place of their names in a scenario or a robot's file, so that a request is complete."""
 
 from __future__ import annotations
 

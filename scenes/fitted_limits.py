@@ -110,7 +110,7 @@ def _of_robot(log: MotionLog, robot: RobotFile) -> tuple[MotionLog, dict[str, di
 
 
 def _not_logged(joint: dict[str, Any]) -> dict[str, Any]:
-    """A joint of the robot of which the log says nothing: it keeps the limits of the robot's document."""
+    """A joint of the robot that is not in the log: it keeps the limits of the robot's document."""
     own = {rate: {"of_robot": _in_si(joint[rate]), "unit": _si_unit(joint[rate]["unit"])} for rate in RATES}
     return {"name": joint["name"], **own}
 

@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     from assur.scenes.reading.cell import Cell
 
 MOST_COLLISIONS = 16
-"""So many pairs of bodies that are in collision at rest are told of a joint position."""
+"""Number of pairs in collision at rest that are reported for a joint position."""
 NOTICE = (
-    "Kinematics and collisions of the model, at rest. Nothing is said of the way there. Not a safety function under "
+    "Kinematics and collisions of the model, at rest. The way there is not checked. Not a safety function under "
     "ISO 10218 or ISO 13849; persons are not in the model."
 )
 REASONS = {
@@ -47,9 +47,8 @@ REASONS = {
 
 
 @dataclass(frozen=True, eq=False)
-class _Asked:
-    """A question with what it is about: robot, frames, where bodies sit, time in s, and what may be hit, if that is
-    known."""
+class _Query:
+    """A question with its robot, frames, places of bodies, time in s, and the bodies to collide with, if known."""
 
     question: written.IkDocument
     given: robots.Equipped
@@ -66,19 +65,19 @@ def ik(cell: Cell | None, question: object) -> written.IkAnswer:
     """
     if isinstance(question, dict) and not {"pose", "joints"} & question.keys():
         raise InputError("pose", NOTHING, "a pose of the tool, or joints, which must be given")
-    asked: written.IkDocument = read(written.IkDocument, question)
+    document: written.IkDocument = read(written.IkDocument, question)
     with located(question):
-        if cell is not None and asked.robot is not None:
+        if cell is not None and document.robot is not None:
             raise Refused("no robot beside a request, which has one", "robot")
         if cell is not None:
-            t = cell.scene.start.time if asked.at_s is None else asked.at_s
-            return _answer(_Asked(asked, cell.given, cell.frames, cell.places, t, _prover(cell.scene, t)))
-        if asked.robot is None:
+            t = cell.scene.start.time if document.at_s is None else document.at_s
+            return _answer(_Query(document, cell.given, cell.frames, cell.places, t, _prover(cell.scene, t)))
+        if document.robot is None:
             raise Refused("a request, or a robot, which must be given", "request")
         with within("robot"):
-            given = robots.equipped(asked.robot)
+            given = robots.equipped(document.robot)
         check_tool_point(given.robot, given.tool)
-        return _answer(_Asked(asked, given, frames.frames_of({}, Gathered()), Places(), asked.at_s or 0.0))
+        return _answer(_Query(document, given, frames.frames_of({}, Gathered()), Places(), document.at_s or 0.0))
 
 
 def _prover(scene: Scene, t: float) -> Prover:
@@ -91,12 +90,12 @@ def _prover(scene: Scene, t: float) -> Prover:
     return Prover(scene)
 
 
-def _answer(asked: _Asked) -> written.IkAnswer:
-    robot, question = asked.given.robot, asked.question
+def _answer(query: _Query) -> written.IkAnswer:
+    robot, question = query.given.robot, query.question
     unreached: list[ModeSolutions] = []
     if question.joints is not None:
         with within("joints"):
-            q = position(question.joints, asked.given)
+            q = position(question.joints, query.given)
         still = np.zeros_like(q)
         flange = robot.link_motion(robot.links.index("flange"), q, still, still, still)
         found = [(int(robot.mode_of(q)), q)]
@@ -104,7 +103,7 @@ def _answer(asked: _Asked) -> written.IkAnswer:
             raise Refused("joints with which the chain closes", "joints")
     elif question.pose is not None:
         with within("pose"):
-            flange = flange_of(question.pose, asked.given, asked.frames, asked.places, asked.t)
+            flange = flange_of(question.pose, query.given, query.frames, query.places, query.t)
         modes = solutions(robot, flange)
         found = [(mode.mode, q) for mode in modes for q in mode.found]
         unreached = [mode for mode in modes if not len(mode.found)]
@@ -114,26 +113,26 @@ def _answer(asked: _Asked) -> written.IkAnswer:
         "schema": "assur/1",
         "status": "reached" if found else "not_reached",
         "robot": robot.name,
-        "at_s": number(asked.t),
-        "tool": dict(_tool(asked, flange)),
-        "solutions": [_solution(asked, flange, mode, q) for mode, q in found],
-        "unreached": [_unreached(mode, asked.given) for mode in unreached],
+        "at_s": number(query.t),
+        "tool": dict(_tool(query, flange)),
+        "solutions": [_solution(query, flange, mode, q) for mode, q in found],
+        "unreached": [_unreached(mode, query.given) for mode in unreached],
         "notice": NOTICE,
     }
 
 
-def _tool(asked: _Asked, flange: Motion) -> Iterator[tuple[str, written.ToolPose]]:
+def _tool(query: _Query, flange: Motion) -> Iterator[tuple[str, written.ToolPose]]:
     """The pose of the tool in each frame whose motion is known at the time."""
-    tool = flange.at(asked.given.tool.tcp)
+    tool = flange.at(query.given.tool.tcp)
     here = _pose(tool)
     # the heading of an arm that has no yaw of its own follows from joints only
-    has_yaw = asked.question.joints is not None or "yaw" in asked.given.robot.coordinates
-    for name in asked.frames:
-        carrier, mounted = asked.frames.placed(name, Pose())
-        law = asked.frames.laws[carrier].law
-        if not knows(law, asked.t):
+    has_yaw = query.question.joints is not None or "yaw" in query.given.robot.coordinates
+    for name in query.frames:
+        carrier, mounted = query.frames.placed(name, Pose())
+        law = query.frames.laws[carrier].law
+        if not knows(law, query.t):
             continue
-        local = _pose(law.motion(np.array(asked.t))).then(mounted).inverse().then(here)
+        local = _pose(law.motion(np.array(query.t))).then(mounted).inverse().then(here)
         pose: written.ToolPose = {"at_m": [local.x, local.y, local.z]}
         if has_yaw:
             pose["yaw_rad"] = local.yaw
@@ -155,8 +154,8 @@ def _named(q: FloatArray, given: robots.Equipped) -> dict[str, float]:
     return {f"{joint.name}_{joint.unit}": number(value) for joint, value in pairs}
 
 
-def _solution(asked: _Asked, flange: Motion, mode: int, q: FloatArray) -> written.Solution:
-    robot, given = asked.given.robot, asked.given
+def _solution(query: _Query, flange: Motion, mode: int, q: FloatArray) -> written.Solution:
+    robot, given = query.given.robot, query.given
     turns = wrist_turns(q[None], given)
     values, ends = _named(q, given), [_named(end, given) for end in (robot.limits.lower, robot.limits.upper)]
     spans = {key: sorted((ends[0][key], ends[1][key])) for key in values}
@@ -169,8 +168,8 @@ def _solution(asked: _Asked, flange: Motion, mode: int, q: FloatArray) -> writte
         "parallel_margin": float(robot.parallel_margin(q)) if robot.parallel_least > 0.0 else None,
         "reach_m": number(float(robot.reach_margin(flange, mode))),
     }
-    if asked.prover is not None:
-        found["collisions"] = list(_collisions(asked.prover, q, asked.t))
+    if query.prover is not None:
+        found["collisions"] = list(_collisions(query.prover, q, query.t))
     return found
 
 
@@ -186,13 +185,13 @@ def _unreached(mode: ModeSolutions, given: robots.Equipped) -> written.Unreached
 
 
 def _collisions(prover: Prover, q: FloatArray, t: float) -> Iterator[written.Collision]:
-    """The pairs of bodies that are nearer than travel allows, the arm standing at q (n,) at time t, s."""
+    """The pairs of bodies that are nearer than travel allows, for the joint position q (n,) at time t, s."""
     from assur.planner.collision.nearest import closest, enclosed
 
     scene, phase = prover.scene, Phase(t, t, LegKind.WAIT, 0)
-    told: set[tuple[str, str]] = set()
-    while len(told) < MOST_COLLISIONS:
-        known = frozenset(told)
+    pairs: set[tuple[str, str]] = set()
+    while len(pairs) < MOST_COLLISIONS:
+        known = frozenset(pairs)
         facts: Separation | Enclosed = Enclosed()
         within = enclosed(scene, prover, AT_START, q, t, known)
         if within is not None:
@@ -202,7 +201,7 @@ def _collisions(prover: Prover, q: FloatArray, t: float) -> Iterator[written.Col
             if near is None:
                 return
             names, facts = near.names, near.facts
-        told.add(pair(*names))
+        pairs.add(pair(*names))
         refusal = Refusal(stage=Stage.START, reason=Reason.BODY_COLLISION, step=0, subject=Bodies(names), facts=facts)
         found = refused_document(scene, refusal)
         yield {"bodies": found["bodies"], "facts": found["facts"], "detail": found["detail"]}

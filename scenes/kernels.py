@@ -13,11 +13,11 @@ from pathlib import Path
 from assur.planner import kernel_cache
 from assur.planner.kernel_cache import ROOMS, folder, is_compiled
 
-__all__ = ["Loaded", "counted", "folder", "is_compiled", "load", "load_room"]
+__all__ = ["LoadedKernels", "counted", "folder", "is_compiled", "load", "load_room"]
 
 
 @dataclass(frozen=True, slots=True)
-class Loaded:
+class LoadedKernels:
     """How many kernels there are, the names of those that had to be compiled now, and how long it took, s."""
 
     count: int
@@ -46,7 +46,7 @@ def load_room(room: str) -> list[str]:
     return compiled.compiled_now()
 
 
-def load() -> Loaded:
+def load() -> LoadedKernels:
     """Loads every kernel. Where the folder does not have them, every room is compiled by a process of its own.
 
     The rooms share next to no kernel, so that takes about half as long on two processors, some minute.
@@ -62,7 +62,7 @@ def load() -> Loaded:
     from assur.planner import compiled
 
     compiled.mark_whole()
-    return Loaded(len(compiled.KERNELS), tuple(names), time.perf_counter() - begun, folder())
+    return LoadedKernels(len(compiled.KERNELS), tuple(names), time.perf_counter() - begun, folder())
 
 
 def _in_a_process(room: str) -> subprocess.Popen[str]:

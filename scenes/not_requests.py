@@ -1,4 +1,4 @@
-"""What is given where a request is expected, and is known to be something else."""
+"""Documents that are known, and are not requests: messages for a caller who gives one as a request."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from assur.scenes.schema.request import SCHEMA
 
 
 def refuse_other(document: object) -> None:
-    """Raises `InputError` for what is no request, and is known to be something else."""
+    """Raises `InputError` for a document of another known kind."""
     if isinstance(document, str | Path):
         allowed = "a request, which is a mapping; assur.load reads the one in a file or of a shipped scenario"
         raise InputError(WHOLE, document, allowed)

@@ -1,7 +1,7 @@
 """A request and the answer to it in one document: the file that `assur plan --out` writes.
 
-It is what `POST /v1/plans/check`, `/view` and `/report` take, with the name of its form. Nothing in it names another
-file: what the cell's files held (meshes, robots, plans of others) is in the request.
+`POST /v1/plans/check`, `/view` and `/report` take it. Nothing in it names another file: the request contains the
+content of the cell's files (meshes, robots, plans of neighbours).
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ TEXTS: Final = ("title", "about")
 """What a plan file may say of its cell: its name, and why it exists."""
 FIELDS: Final = ("schema", *TEXTS, "request", "plan")
 LONGEST_BEGINNING: Final = 256
-"""Bytes by which a file is told to be one, whatever its name."""
+"""Number of first bytes that show whether a file is a plan file, whatever its name."""
 MEANT: Final = "a plan file, as `assur plan --out` writes it"
 
 
 @dataclass(frozen=True, eq=False)
 class PlanFile:
-    """A request, the answer to it, the name of the cell and why it exists (empty: nothing is said)."""
+    """A request, the answer to it, the name of the cell and why it exists (empty: not stated)."""
 
     request: dict[str, Any]
     plan: dict[str, Any]
@@ -38,16 +38,16 @@ class PlanFile:
     @property
     def document(self) -> dict[str, Any]:
         """The document; its schema comes first."""
-        told = {key: text for key, text in (("title", self.title), ("about", self.about)) if text}
-        return {"schema": FORM, **told, "request": self.request, "plan": self.plan}
+        labels = {key: text for key, text in (("title", self.title), ("about", self.about)) if text}
+        return {"schema": FORM, **labels, "request": self.request, "plan": self.plan}
 
     def held_together(self, digest: str) -> None:
         """Accepts an answer to the request. `digest`: that of the request. Raises `DocumentError` for an answer to
         another one."""
-        told = self.plan.get("request_digest", NOTHING)
-        if told != digest:
+        stated = self.plan.get("request_digest", NOTHING)
+        if stated != digest:
             allowed = f"{digest}, the digest of the request in this file; its plan is an answer to another request"
-            raise DocumentError("plan.request_digest", told, allowed)
+            raise DocumentError("plan.request_digest", stated, allowed)
 
 
 def is_plan_file(document: object) -> bool:
@@ -88,4 +88,4 @@ def in_request() -> Iterator[None]:
     except DocumentError as error:
         if error.field.split(".")[0] in ("plan", WHOLE):
             raise  # of the plan, or of the document as a whole
-        raise error.told_as(lambda field: f"{WHOLE}.{field}") from error
+        raise error.relocated(lambda field: f"{WHOLE}.{field}") from error

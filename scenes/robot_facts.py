@@ -47,8 +47,8 @@ OWN = "the robot's data are the request's own"
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A number, or several that belong together, in the unit in which it was written. `status` and `source` are None
-    where nobody is said to vouch for it."""
+    """A number, or several that belong together, in the unit in which it was written. `status` and `source` are None if
+    the document states no source."""
 
     value: Any
     unit: str
@@ -206,7 +206,7 @@ def _solid_in_words(solid: dict[str, Any]) -> str:
 
 
 def _plainly(value: Any) -> str:
-    """A number, or several; the same on both sides is said once."""
+    """A number, or several; a number that is the same on both sides is stated once."""
     if not isinstance(value, list):
         return f"{value:g}"
     same = len(value) == 2 and value[0] == value[1]

@@ -1,4 +1,4 @@
-"""Scenario files: why a cell exists, the request, and what is expected of its answer."""
+"""Scenario files: the purpose of a cell, the request, and the expected answer."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ OF_PLAN = "plan"
 
 
 class RangeDocument(Document):
-    """A range, either end of which may be left out."""
+    """A range; either end may be left out."""
 
     min: Instant | None = None
     max: Instant | None = None
@@ -56,7 +56,7 @@ class ScenarioDocument(Document):
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """A scenario: its name is its file's, `folder` its file's folder, `lines` where each of its values stands."""
+    """A scenario: its name is its file's, `folder` its file's folder, `lines` has the line of each value."""
 
     name: str
     about: str
@@ -72,7 +72,7 @@ class Scenario:
             yield
         except InputError as error:
             if error.field.split(".")[0] == OF_PLAN:
-                raise  # about the plan that is checked: another file, of which there are no lines
+                raise  # about the plan that is checked: another file, whose lines are not known
             raise with_line(error, self.lines, "request.") from error
 
 
@@ -118,13 +118,13 @@ def scenario_text(name: str) -> str:
 
 
 def with_files(request: Any, folder: Path) -> Any:
-    """The request with what every file that it names (of a robot, a plan, a mesh) holds, which must lie below `folder`,
-    in its place."""
+    """The request with the content of each file (of a robot, a plan, a mesh) in place of its name; the files must be
+    below `folder`."""
     return with_meshes(with_plans(with_robots(request, folder), folder), folder)
 
 
 def unmet(expect: dict[str, Any], answer: dict[str, Any]) -> list[str]:
-    """What of a scenario's `expect` the answer does not hold, in words; [] if it holds all, or nothing is expected."""
+    """The parts of a scenario's `expect` that the answer does not meet, in words; [] if it meets all of them."""
     if not expect:
         return []
     wanted = read(ExpectDocument, expect)
@@ -142,8 +142,10 @@ def unmet(expect: dict[str, Any], answer: dict[str, Any]) -> list[str]:
             found.append("there is no duration_s")
         elif not ((low is None or duration >= low) and (high is None or duration <= high)):
             found.append(f"duration_s is {duration}, not from {low} to {high}")
-    told = str([answer.get(key) for key in ("sentence", "refusal", "census", "relaxation", "margins", "legs", "load")])
-    found += [f"{words!r} is not mentioned" for words in wanted.mentions if words not in told]
+    answered = str(
+        [answer.get(key) for key in ("sentence", "refusal", "census", "relaxation", "margins", "legs", "load")]
+    )
+    found += [f"{words!r} is not mentioned" for words in wanted.mentions if words not in answered]
     met = {arrival["control_point"] for arrival in answer.get("arrivals", ()) if arrival["matched"]}
     found += [f"{name} is not met with its velocity" for name in wanted.matched if name not in met]
     if wanted.relaxation is not None and wanted.relaxation not in str(answer.get("relaxation")):

@@ -1,4 +1,4 @@
-"""Units at the border: each key of a document bears its unit as a suffix, and SI leaves.
+"""Units: each key of a document has its unit as a suffix, and is converted to SI.
 
 `speed_mm_s: 250` and `speed_m_s: 0.25` are the same quantity. Dividing by 1000 (rather than multiplying by a rounded
 0.001) makes both the same float, and so the same digest.
@@ -10,7 +10,7 @@ import math
 from functools import lru_cache
 
 SI_UNITS = ("rad_s3", "rad_s2", "rad_s", "m_s3", "m_s2", "m_s", "rad", "m", "s")
-"""Units that leave, longest first, so that `speed_m_s` is a speed and not a time."""
+"""SI units, longest first, so that `speed_m_s` is a speed and not a time."""
 TWIN = {"rad": "deg", "m": "mm", "s": "ms"}
 """What the first part of an SI unit may be written as instead."""
 

@@ -1,5 +1,4 @@
-"""The motion of an answer: its knots as they are written, in the maker's convention, and read back bit by bit, and its
-arrivals."""
+"""The motion of an answer: its knots in the maker's convention, which are read back bit by bit, and its arrivals."""
 
 from __future__ import annotations
 
@@ -23,7 +22,7 @@ BRIEF = ("pitch_rad", "roll_rad", "grip_m", "support_m")
 
 
 def settled(cell: Cell, plan: Plan) -> Plan:
-    """The plan whose knots are read back bit by bit from what is written of them.
+    """The plan with rounded knots: its document is read back as the same knots, bit by bit.
 
     Where a joint has a zero of its own, positions are rounded on the way to the maker's count and back, by some 1e-16.
     They are rounded so once, here: x ↦ (x ⊖ y) ⊕ y leaves what it gave before as it is (Knuth, The Art of Computer

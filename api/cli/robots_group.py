@@ -87,12 +87,12 @@ def import_(
     All that is missing or unsuitable is told at once, with what to supply. The flange of the new robot is compared with
     the URDF's at 1000 random states; more than 1 um or 1 urad is refused.
     """
-    from assur.scenes.urdf.importing import Wanted, import_robot, write
+    from assur.scenes.urdf.importing import ImportOptions, import_robot, write
     from assur.scenes.urdf.refusals import ImportRefused
     from assur.scenes.urdf.solids import Covering
 
     writable(out, file, joint_limits, srdf)
-    wanted = Wanted(
+    wanted = ImportOptions(
         file,
         joint_limits,
         srdf,

@@ -15,7 +15,7 @@ from assur.api.cli.console_report import findings
 from assur.api.cli.inputs import given_options, json_file, target, text_file
 from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for, in_bytes
 from assur.planner.report.number_format import amount
-from assur.scenes.exports.doors import check_trajectory_cell, export_cell
+from assur.scenes.exports.documents import check_trajectory_cell, export_cell
 from assur.scenes.exports.export import file_bytes
 from assur.scenes.motions.ros_motion import is_message
 from assur.scenes.plan_file import PlanFile

@@ -24,7 +24,7 @@ from assur.api.web.uploads import Uploads
 from assur.api.workers import jobs
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_MESH_BYTES
-from assur.scenes.meshes.folder import DIGEST, FolderError, Kept, MeshFolder
+from assur.scenes.meshes.folder import DIGEST, FolderError, MeshFolder, StoredFile
 from assur.scenes.schema.shapes import MeshFormat, MeshUnit
 
 
@@ -114,7 +114,7 @@ def _put(folder: MeshFolder, digest: str, content: bytes) -> bool:
         raise Problem(kind, f"{error}. Send the mesh as data in requests meanwhile.") from error
 
 
-def _response(digest: str, kept: Kept | None, cover: Covered | None, status: int) -> Response:
+def _response(digest: str, kept: StoredFile | None, cover: Covered | None, status: int) -> Response:
     if kept is None:
         raise Problem("mesh-unknown", f"Send the file with PUT /v1/meshes/{digest}.")
     until = datetime.fromtimestamp(time.time() + kept.left_s, UTC).isoformat(timespec="seconds")

@@ -11,7 +11,7 @@ import json
 from typing import Any
 
 from assur.scenes.catalogue import models
-from assur.scenes.exports.doors import export_schemas
+from assur.scenes.exports.documents import export_schemas
 from assur.scenes.meshes.assets import asset_names
 from assur.scenes.requests import BUDGETS, ik_schema, request_schema
 from assur.scenes.units import TWIN_UNITS, any_unit, twin_of

@@ -8,7 +8,7 @@ from assur.api.documents import to_json
 from assur.api.version import version
 from assur.api.workers.jobs import Answer, Reply, bordered, how_planned, request_in
 from assur.api.workers.worker_process import Line
-from assur.scenes.exports.doors import export_document
+from assur.scenes.exports.documents import export_document
 from assur.scenes.exports.export import file_bytes
 from assur.scenes.requests import cell_of, plan_document, plan_scenario, report_page, shipped, verdict_on
 

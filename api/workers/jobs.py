@@ -20,7 +20,7 @@ from assur.api.version import version
 from assur.api.workers.worker_process import CalledOffError, Line, Tell
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.deadline import Progress, Stopwatch
-from assur.scenes.exports.doors import check_trajectory_document, export_document
+from assur.scenes.exports.documents import check_trajectory_document, export_document
 from assur.scenes.faults import NOTHING, WHOLE, DocumentError
 from assur.scenes.meshes import covered, use_folder
 from assur.scenes.meshes.folder import MeshFolder
@@ -310,7 +310,7 @@ def options_in(body: bytes) -> dict[str, Any]:
     try:
         read(OptionsDocument, options)
     except DocumentError as error:
-        told = error.told_as(lambda field: "options" if field == WHOLE else f"options.{field}")
+        told = error.relocated(lambda field: "options" if field == WHOLE else f"options.{field}")
         raise Problem.of_input(told) from error
     return dict(options)
 

@@ -1,4 +1,4 @@
-"""``python -m benchmarks.oracle``: exit 1 if anything that an answer promises is not kept."""
+"""``python -m benchmarks.oracle``: exit 1 if an answer breaks a promise."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from benchmarks.oracle.plans import Tally
-from benchmarks.oracle.running import CAMPAIGNS, Going, run
+from benchmarks.oracle.running import CAMPAIGNS, RunningCampaign, run
 
 CONSOLE, PROGRESS = Console(width=140), Console(stderr=True)
 
@@ -25,24 +25,24 @@ def main(
     seed: Annotated[int, typer.Option(min=0, help="Another seed makes other cells.")] = 0,
     out: Annotated[Path, typer.Option(help="Where cases that fail are written.")] = Path("out/soak"),
 ) -> None:
-    """Plan random cells and ask for what is impossible, judge the answers by other means, and print what was found."""
+    """Plan random cells, send impossible requests, judge the answers by other means, and print the faults."""
     names = only or list(CAMPAIGNS)
     if unknown := [name for name in names if name not in CAMPAIGNS]:
         raise typer.BadParameter(f"--only: got {unknown[0]}; allowed: {', '.join(CAMPAIGNS)}")
     if (minutes is None) == (count is None):
         raise typer.BadParameter("one of --minutes and --count")
-    going = [Going(name, seed) for name in dict.fromkeys(names)]
+    going = [RunningCampaign(name, seed) for name in dict.fromkeys(names)]
     # also where a shell that started this in the background has it ignored
     signal.signal(signal.SIGINT, signal.default_int_handler)
     with Progress(console=PROGRESS) as progress:
         tasks = {each.name: progress.add_task(each.name, total=count) for each in going}
 
-        def told() -> None:
+        def after_each() -> None:
             for each in going:
                 progress.update(tasks[each.name], completed=each.done)
 
         try:
-            run(going, out, count, None if minutes is None else 60.0 * minutes, told)
+            run(going, out, count, None if minutes is None else 60.0 * minutes, after_each)
         except KeyboardInterrupt:
             PROGRESS.print("interrupted: what was run until then")
     clean = [_printed(each) for each in going]
@@ -51,7 +51,7 @@ def main(
         raise typer.Exit(1)
 
 
-def _printed(going: Going) -> bool:
+def _printed(going: RunningCampaign) -> bool:
     """Prints what a campaign has found; whether there is nothing wrong."""
     CONSOLE.print(f"\n[bold]{going.name}[/bold], seed {going.seed}: {going.done} answers")
     CONSOLE.print(_table(going.found, going.total))

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.oracle.faults import Broken, beyond
+from benchmarks.oracle.faults import Violation, beyond
 from benchmarks.oracle.motion import Motion
 from benchmarks.oracle.places import Places, short
 from benchmarks.soak.poses import Document, Floats, Poses
 
 MEET_M, MEET_RAD = 2e-6, 2e-6
-"""Who measures may find so much where a point is met."""
+"""Measured error that is allowed where a point is met."""
 MEET_M_S, MEET_RAD_S = 5e-6, 5e-6
 """Likewise of the velocity and the yaw rate that are matched."""
 TIME_S = 1e-8
@@ -24,7 +24,7 @@ APART_S = 2e-5
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """Where the tool should be: a pose (the yaw None: any) in a frame; with pitch and roll where they are asked."""
+    """Where the tool should be: a pose (the yaw None: any) in a frame; with pitch and roll where they are required."""
 
     frame: str
     pose: Poses
@@ -72,24 +72,24 @@ def _grasp(given: Document, turn: float) -> Poses:
     return Poses.of(yaw=turn).then(Poses.of(given["grasp_m"], given.get("grasp_yaw_rad", 0.0)))
 
 
-def arrivals_kept(motion: Motion, targets: Targets) -> list[Broken]:
-    found = list[Broken]()
+def arrivals_kept(motion: Motion, targets: Targets) -> list[Violation]:
+    found = list[Violation]()
     for arrival in motion.answer["arrivals"]:
         ((kind, given),) = motion.request["task"][arrival["step"]].items()
         found += _arrival(motion, arrival, kind, given, targets.of_step[arrival["step"]])
     steps = [arrival["step"] for arrival in motion.answer["arrivals"]]
     if steps != list(range(len(motion.request["task"]))):
-        found.append(Broken("steps", str(steps), float(len(steps)), float(len(motion.request["task"]))))
+        found.append(Violation("steps", str(steps), float(len(steps)), float(len(motion.request["task"]))))
     return found
 
 
-def _arrival(motion: Motion, arrival: Document, kind: str, given: Document, target: Target) -> list[Broken]:
+def _arrival(motion: Motion, arrival: Document, kind: str, given: Document, target: Target) -> list[Violation]:
     name, t = arrival["control_point"], np.array([arrival["time_s"]])
     found = _timing(motion, arrival, kind, given, target)
     tool, wanted = motion.tool(t)[0], target.at(motion, t)[0]
     if arrival["missed_by"] is None:
         found += beyond("arrival", f"{name}, place", _far(tool.p, wanted.p), MEET_M, t[0])
-        found += beyond("arrival", f"{name}, as told", _far(tool.p, np.array(arrival["at_m"])), MEET_M, t[0])
+        found += beyond("arrival", f"{name}, as reported", _far(tool.p, np.array(arrival["at_m"])), MEET_M, t[0])
         if target.yaw:
             found += beyond("arrival", f"{name}, yaw", float(abs(short(tool.yaw - wanted.yaw))), MEET_RAD, t[0])
         found += _tilt(motion, name, target, t)
@@ -108,12 +108,12 @@ def _arrival(motion: Motion, arrival: Document, kind: str, given: Document, targ
     return found
 
 
-def _tilt(motion: Motion, name: str, target: Target, t: Floats) -> list[Broken]:
+def _tilt(motion: Motion, name: str, target: Target, t: Floats) -> list[Violation]:
     """Pitch and roll of the tool of an arm with five axes, from the rotation of its flange (H9)."""
-    found = list[Broken]()
-    for key, asked, told in zip(("pitch", "roll"), (target.pitch, target.roll), tilt_of(motion, t), strict=True):
-        if asked is not None:
-            off = float(np.abs(short(told - asked))[0])
+    found = list[Violation]()
+    for key, required, reached in zip(("pitch", "roll"), (target.pitch, target.roll), tilt_of(motion, t), strict=True):
+        if required is not None:
+            off = float(np.abs(short(reached - required))[0])
             found += beyond("arrival", f"{name}, {key}", off, MEET_RAD, t[0])
     return found
 
@@ -144,25 +144,25 @@ def _rates(motion: Motion, target: Target, t: Floats, world: bool) -> tuple[floa
     return float(np.linalg.norm(way)) / APART_S, abs(turn) / APART_S
 
 
-def _timing(motion: Motion, arrival: Document, kind: str, given: Document, target: Target) -> list[Broken]:
+def _timing(motion: Motion, arrival: Document, kind: str, given: Document, target: Target) -> list[Violation]:
     """Dwells and windows."""
-    name, t0, t1, found = arrival["control_point"], arrival["time_s"], arrival["until_s"], list[Broken]()
+    name, t0, t1, found = arrival["control_point"], arrival["time_s"], arrival["until_s"], list[Violation]()
     if kind in ("pick", "place", "follow"):
-        asked = float(given.get("duration_s" if kind == "follow" else "dwell_s", 0.0))
-        found += beyond("dwell", name, abs(t1 - t0 - asked), TIME_S, t0)
+        required = float(given.get("duration_s" if kind == "follow" else "dwell_s", 0.0))
+        found += beyond("dwell", name, abs(t1 - t0 - required), TIME_S, t0)
     begin, end = given.get("window_s", (-np.inf, np.inf))
     found += beyond("window", f"{name}, opens", float(begin) - t0, TIME_S, t0)
     found += beyond("window", f"{name}, closes", t1 - float(end), TIME_S, t1)
     line, spelt = motion.cell.frames[target.frame].line, motion.request.get("frames", {}).get(target.frame, {})
     law = spelt.get("conveyor", spelt.get("linear"))
     if law is None and arrival["along_m"] is not None:
-        found.append(Broken("along", f"{name}: nothing to go along", float(arrival["along_m"]), 0.0, t0))
+        found.append(Violation("along", f"{name}: nothing to go along", float(arrival["along_m"]), 0.0, t0))
     if line is not None and law is not None:
         point = _point(motion, kind, given)
         at = motion.frame(point[0], np.array([t0, t1])).then(Places.upright(point[1])).p
         along = (at - np.array(law["at_m"])) @ line
-        told = np.nan if arrival["along_m"] is None else float(arrival["along_m"])
-        found += beyond("along", name, abs(told - float(along[0])), MEET_M, t0)
+        along_m = np.nan if arrival["along_m"] is None else float(arrival["along_m"])
+        found += beyond("along", name, abs(along_m - float(along[0])), MEET_M, t0)
         first, last = given.get("window_m", (-np.inf, np.inf))
         found += beyond("window", f"{name}, along", float(first - along.min()), MEET_M, t0)
         found += beyond("window", f"{name}, along", float(along.max() - last), MEET_M, t1)

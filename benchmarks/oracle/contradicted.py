@@ -1,7 +1,7 @@
-"""Whether a refusal that claims a proof is wrong, as far as the oracle can show it by its own means.
+"""Whether a refusal that claims a proof is wrong, as far as the oracle can show it.
 
-A proof says that no plan exists. It is contradicted by what it says that there is not: joints with which the tool is at
-the point, an opening of the window that is long enough, bodies that are far enough apart, a load that may be carried.
+A proof states that no plan exists. A counterexample contradicts it: joints with which the tool is at the point, an open
+interval of the window that is long enough, bodies that are far enough apart, a load that may be carried.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.oracle.faults import Broken
+from benchmarks.oracle.faults import Violation
 from benchmarks.oracle.inverse import TURNS
 from benchmarks.oracle.places import Places
 from benchmarks.oracle.when_met import Point, Reach
@@ -25,16 +25,17 @@ MISSING = 9e-7
 """A point is met where no more than this is missing, m or rad: the checker lets the tool be a micrometre, or a
 microradian, from its point (MEET_M, MEET_RAD), so a plan that ends so near is a plan."""
 APART_M = 2e-6
-"""Bodies are far enough apart if they are by this more than they must be: what a distance of `coal` may be off."""
+"""Bodies are far enough apart if their distance is larger than required by this: the error of a distance of `coal`."""
 OPEN_S = 1e-6
-"""A window is open for long enough if it is for so much longer."""
+"""A window is open long enough if it is open for this longer than required."""
 YAW_RAD, LOAD = 2e-9, 1e-12
-"""A yaw is beside a range if it is by this more than the checker's own rounding (1e-9 rad); sums of masses round."""
+"""A yaw is outside a range if it is outside by this, which is more than the checker's own rounding (1e-9 rad); sums of
+masses round, too."""
 START = 1e-9
 """A start is beyond a range if it is by more than this."""
 
 
-def contradiction(request: Document, answer: Document) -> list[Broken] | None:
+def contradiction(request: Document, answer: Document) -> list[Violation] | None:
     """What contradicts a proved refusal of a request in SI: nothing, if it is right; None if this reason is not one
     that the oracle can judge."""
     refusal = answer["refusal"]
@@ -42,7 +43,7 @@ def contradiction(request: Document, answer: Document) -> list[Broken] | None:
     return None if judge is None else judge(Reach(request), refusal)
 
 
-def _reached(reach: Reach, refusal: Document) -> list[Broken] | None:
+def _reached(reach: Reach, refusal: Document) -> list[Violation] | None:
     """Of a point out of reach, beyond a range or singular."""
     if refusal["stage"] == "start":
         q, arm = reach.start_joints()[0], reach.arm
@@ -60,7 +61,7 @@ def _reached(reach: Reach, refusal: Document) -> list[Broken] | None:
     return [_wrong(refusal, missing, f"met in mode {mode} at {when:.6f} s")]
 
 
-def _arch(reach: Reach, refusal: Document, top: float) -> list[Broken]:
+def _arch(reach: Reach, refusal: Document, top: float) -> list[Violation]:
     """Of an arch above the range of the lift: how high the tool point comes with the lift at its ends."""
     lift = int(np.argmin(reach.arm.upper - reach.arm.lower))
     q = np.repeat(reach.start_joints(), 2, axis=0)
@@ -69,7 +70,7 @@ def _arch(reach: Reach, refusal: Document, top: float) -> list[Broken]:
     return [] if missing > MISSING else [_wrong(refusal, missing, "the lift goes so high")]
 
 
-def _opens(reach: Reach, refusal: Document) -> list[Broken] | None:
+def _opens(reach: Reach, refusal: Document) -> list[Violation] | None:
     """Of a window that is missed, or a law that ends: the longest opening."""
     facts = refusal["facts"]
     if refusal["stage"] == "start":
@@ -91,7 +92,7 @@ def _standing(reach: Reach) -> list[Document]:
     return [body for body in reach.request.get("bodies", []) if "pose" in body]
 
 
-def _yaw(reach: Reach, refusal: Document) -> list[Broken] | None:
+def _yaw(reach: Reach, refusal: Document) -> list[Violation] | None:
     """Of a forbidden yaw, at the start or of a point in a frame that does not turn."""
     if refusal["facts"].get("on_the_way"):
         return _way_round(reach, refusal)
@@ -111,7 +112,7 @@ def _yaw(reach: Reach, refusal: Document) -> list[Broken] | None:
     return []
 
 
-def _way_round(reach: Reach, refusal: Document) -> list[Broken] | None:
+def _way_round(reach: Reach, refusal: Document) -> list[Violation] | None:
     """Of ranges between the yaw of the start and those of a point: the turns of all joints in which there is none."""
     point = reach.point(refusal["step"])
     arm, start = reach.arm, reach.start_joints()
@@ -141,12 +142,12 @@ def _total(arm: Arm, q: Floats) -> Floats:
 
 
 def _inside(yaw: float, first: float, last: float) -> float:
-    """How far a yaw is inside a range, rad; less than 0: beside it."""
+    """How far a yaw is inside a range, rad; less than 0: outside."""
     middle, half = (first + last) / 2.0, ((last - first) % (2.0 * np.pi)) / 2.0
     return half - abs((yaw - middle + np.pi) % (2.0 * np.pi) - np.pi)
 
 
-def _load(reach: Reach, refusal: Document) -> list[Broken] | None:
+def _load(reach: Reach, refusal: Document) -> list[Violation] | None:
     """Of a load that is too heavy: tool and part together."""
     if refusal["facts"]["of"] == "max_inertia":
         return None
@@ -160,16 +161,16 @@ def _load(reach: Reach, refusal: Document) -> list[Broken] | None:
     return [] if mass > most * (1.0 + LOAD) else [_wrong(refusal, mass, f"no more than {most} kg")]
 
 
-def _wrong(refusal: Document, amount: float, about: str) -> Broken:
-    told = refusal["amount"]
-    return Broken("proof", f"{refusal['reason']}: {about}", amount, np.nan if told is None else float(told))
+def _wrong(refusal: Document, amount: float, about: str) -> Violation:
+    stated = refusal["amount"]
+    return Violation("proof", f"{refusal['reason']}: {about}", amount, np.nan if stated is None else float(stated))
 
 
 # collisions
 
 
-def _hits(reach: Reach, refusal: Document) -> list[Broken] | None:
-    """Of a collision at the start, or at a control point that stands: whether all bodies can be far enough apart."""
+def _hits(reach: Reach, refusal: Document) -> list[Violation] | None:
+    """Of a collision at the start, or at a fixed control point: whether all bodies can be far enough apart."""
     bodies = Bodies(reach)
     if refusal["stage"] == "start":
         one, other = refusal["bodies"]
@@ -232,7 +233,7 @@ class Bodies:
         return Places.upright(self.reach.frames[frame].at(np.array([self.reach.start_s])).then(pose))
 
     def places(self, number: int) -> list[tuple[float, bool, str, bool]]:
-        """What the arm must go through at a step: height above the point, whether the distances of `near` are asked,
+        """What the arm must go through at a step: height above the point, whether the distances of `near` are required,
         which contacts are allowed (`grip`, `rest` or none), and whether the part is held."""
         ((kind, given),) = self.reach.request["task"][number].items()
         if kind == "move":
@@ -247,7 +248,7 @@ class Bodies:
     def clear(
         self, point: Point, number: int, tool: Places, mode: str, height: float, near: bool, touch: str, holds: bool
     ) -> bool:
-        """Whether with the tool there, so much higher, in this mode, the robot is clear of all that stands."""
+        """Whether the robot is clear of all fixed bodies with the tool there, so much higher, in this mode."""
         postures = [each for each in self.reach.postures(point, tool, height) if each.mode == mode]
         raised = Places(tool.r, tool.p + np.array([0.0, 0.0, height]))
         ((_, given),) = self.reach.request["task"][number].items()
@@ -278,7 +279,7 @@ class Bodies:
         return True
 
 
-JUDGES: dict[str, Callable[[Reach, Document], list[Broken] | None]] = {
+JUDGES: dict[str, Callable[[Reach, Document], list[Violation] | None]] = {
     "OUT_OF_REACH": _reached,
     "JOINT_LIMIT": _reached,
     "NEAR_SINGULARITY": _reached,

@@ -1,4 +1,4 @@
-"""What an answer promises and does not keep, as the oracle finds it."""
+"""Promises of an answer that are not kept."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Broken:
-    """A promise that is not kept: its `kind`, what it is `about`, the `amount` that was found beside what is `allowed`
-    (SI), and when, s (None: not at one time)."""
+class Violation:
+    """A promise that is not kept: its `kind`, what it is `about`, the measured `amount`, the `allowed` one (SI), and
+    when, s (None: not at one time)."""
 
     kind: str
     about: str
@@ -17,6 +17,6 @@ class Broken:
     time_s: float | None = None
 
 
-def beyond(kind: str, about: str, amount: float, allowed: float, time_s: float | None = None) -> list[Broken]:
-    """One fault, unless the amount is no more than what is allowed. What is no number is a fault."""
-    return [] if amount <= allowed else [Broken(kind, about, float(amount), float(allowed), time_s)]
+def beyond(kind: str, about: str, amount: float, allowed: float, time_s: float | None = None) -> list[Violation]:
+    """One fault, unless the amount is at most the allowed one. NaN is a fault."""
+    return [] if amount <= allowed else [Violation(kind, about, float(amount), float(allowed), time_s)]

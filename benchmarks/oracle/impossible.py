@@ -1,4 +1,4 @@
-"""Random small requests, in SI, of which many cannot be planned: by much, by little, or only in appearance."""
+"""Random small requests, in SI. Many cannot be planned: by much, by little, or only in appearance."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from benchmarks.soak.poses import Document, Floats, si
 UPRIGHT = (*SCARAS, THREE_AXES, FIVE_BAR)
 TILTING = ("elbow-arm", "polar-arm", "mitsubishi-rv-m1")
 SMALL = (0.0, 1e-15, 1e-12, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
-"""By how much something is missed or kept, m or rad."""
+"""By how much a requirement is missed or kept, m or rad."""
 
 
-class Small:
+class SmallRequest:
     """A request that is being written: an arm with a tool, at rest somewhere within its ranges, nothing around it."""
 
     def __init__(self, rng: np.random.Generator, models: tuple[str, ...], tool: bool = False) -> None:
@@ -116,9 +116,9 @@ class Small:
         return {"move": {"to": to, **({"match": "position"} if self.chance(0.3) else {})}}
 
 
-def at_the_edge_of_reach(rng: np.random.Generator) -> Small:
-    """A point that stands still, about where the links end or at the end of the lift."""
-    cell = Small(rng, (*UPRIGHT, *TILTING))
+def at_the_edge_of_reach(rng: np.random.Generator) -> SmallRequest:
+    """A fixed point, near the end of the reach or of the lift."""
+    cell = SmallRequest(rng, (*UPRIGHT, *TILTING))
     to = cell.target(cell.joints(), yaw=cell.chance(0.5))
     base, angle = cell.arm.base, float(rng.uniform(-2.0, 2.0))
     if cell.arm.family == "scara":
@@ -144,9 +144,9 @@ def at_the_edge_of_reach(rng: np.random.Generator) -> Small:
     return cell
 
 
-def at_the_end_of_a_range(rng: np.random.Generator) -> Small:
+def at_the_end_of_a_range(rng: np.random.Generator) -> SmallRequest:
     """A point that is met with a joint about at the end of its range."""
-    cell = Small(rng, (*UPRIGHT, *TILTING))
+    cell = SmallRequest(rng, (*UPRIGHT, *TILTING))
     limits = cell.request["robot"].setdefault("limits", {})
     j = int(rng.integers(len(cell.arm.names)))
     q = cell.joints(0.6)
@@ -167,9 +167,9 @@ def at_the_end_of_a_range(rng: np.random.Generator) -> Small:
     return cell
 
 
-def in_a_window(rng: np.random.Generator) -> Small:
+def in_a_window(rng: np.random.Generator) -> SmallRequest:
     """A point on a belt or a linear frame that stops, turns back, or is known for some time only."""
-    cell = Small(rng, (*SCARAS, THREE_AXES))
+    cell = SmallRequest(rng, (*SCARAS, THREE_AXES))
     to, start = cell.target(cell.joints(0.5), yaw=False), cell.request["start"]["at_s"]
     heading = float(rng.uniform(-3, 3))
     travel = float(rng.uniform(-1.0, 1.0)) * cell.one_of(0.1, 0.6, 5.0)
@@ -228,9 +228,9 @@ def in_a_window(rng: np.random.Generator) -> Small:
     return cell
 
 
-def never_near(rng: np.random.Generator) -> Small:
+def never_near(rng: np.random.Generator) -> SmallRequest:
     """A point on a frame that repeats its motion, about as near as the links end."""
-    cell = Small(rng, (*SCARAS, THREE_AXES))
+    cell = SmallRequest(rng, (*SCARAS, THREE_AXES))
     assert not cell.arm.tilts
     reach = float(si(cell.arm.numbers, "l1") + si(cell.arm.numbers, "l2"))
     z, base = float(cell.tool(cell.joints()).p[2]), cell.arm.base.p
@@ -257,9 +257,9 @@ def never_near(rng: np.random.Generator) -> Small:
     return cell
 
 
-def near_a_body(rng: np.random.Generator) -> Small:
+def near_a_body(rng: np.random.Generator) -> SmallRequest:
     """A body about so near to the tool at a point, or to the arm at the start, as is allowed."""
-    cell = Small(rng, SCARAS, tool=True)
+    cell = SmallRequest(rng, SCARAS, tool=True)
     q = cell.joints(0.5)
     to, at_start = cell.target(q, yaw=cell.chance(0.7)), cell.chance(0.35)
     travel, near = cell.one_of(0.0, 0.002, 0.01), cell.one_of(0.0, 0.001)
@@ -278,9 +278,9 @@ def near_a_body(rng: np.random.Generator) -> Small:
     return cell
 
 
-def picked(rng: np.random.Generator) -> Small:
-    """A part that stands on a plate, which may be too high, or the tool too long for what is around."""
-    cell = Small(rng, SCARAS, tool=True)
+def picked(rng: np.random.Generator) -> SmallRequest:
+    """A part on a plate, which may be too high; or the tool is too long for the surroundings."""
+    cell = SmallRequest(rng, SCARAS, tool=True)
     place = cell.tool(cell.joints(0.5))
     half, z = [float(v) for v in rng.uniform(0.008, 0.02, 3)], float(place.p[2])
     shape = cell.one_of(
@@ -309,9 +309,9 @@ def picked(rng: np.random.Generator) -> Small:
     return cell
 
 
-def forbidden(rng: np.random.Generator) -> Small:
+def forbidden(rng: np.random.Generator) -> SmallRequest:
     """A yaw about at the end of a forbidden range."""
-    cell = Small(rng, SCARAS)
+    cell = SmallRequest(rng, SCARAS)
     to = cell.target(cell.joints(0.5))
     yaw = to["yaw_rad"] if cell.chance(0.7) else float(cell.tool(cell.q).yaw)
     width, off = float(rng.uniform(0.1, 1.0)), cell.off()
@@ -322,7 +322,7 @@ def forbidden(rng: np.random.Generator) -> Small:
     return cell
 
 
-def loaded(rng: np.random.Generator) -> Small:
+def loaded(rng: np.random.Generator) -> SmallRequest:
     """Tool and part about as heavy as what may be carried."""
     cell = picked(rng)
     given = next(iter(robot_file(cell.model).values()))
@@ -338,9 +338,9 @@ def loaded(rng: np.random.Generator) -> Small:
     return cell
 
 
-def arched(rng: np.random.Generator) -> Small:
+def arched(rng: np.random.Generator) -> SmallRequest:
     """An arch about as high as the lift goes."""
-    cell = Small(rng, SCARAS)
+    cell = SmallRequest(rng, SCARAS)
     assert not cell.arm.tilts
     lift = int(np.argmin(cell.arm.upper - cell.arm.lower))
     tops = []
@@ -353,7 +353,7 @@ def arched(rng: np.random.Generator) -> Small:
     return cell
 
 
-KINDS: dict[str, Callable[[np.random.Generator], Small]] = {
+KINDS: dict[str, Callable[[np.random.Generator], SmallRequest]] = {
     "edge of reach": at_the_edge_of_reach,
     "end of a range": at_the_end_of_a_range,
     "window": in_a_window,

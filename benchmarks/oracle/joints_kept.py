@@ -1,25 +1,25 @@
-"""What a plan promises of its joints: limits, start, end, and the peaks that it tells."""
+"""What a plan promises of its joints: limits, start, end, and the reported peaks."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.oracle.faults import Broken, beyond
+from benchmarks.oracle.faults import Violation, beyond
 from benchmarks.oracle.limits import limits_of
 from benchmarks.oracle.motion import Motion
 from benchmarks.oracle.places import short
 from benchmarks.soak.poses import Document, Floats
 
 SHARE = 1e-6
-"""Who measures looks for more than this share of a limit."""
+"""Share of a limit by which a measured value may exceed it."""
 START, REST = 1e-8, 1e-8
 """First knot against the start, last knot against rest; rad or m, /s, /s²."""
-TOLD = 1e-6
-"""Peaks that an answer tells, as a share of the limit; jerks a thousand times that."""
-LOOKED_S = 1e-3
+PEAK_SHARE = 1e-6
+"""Error of a peak that an answer reports, as a share of the limit; of a jerk, a thousand times that."""
+SAMPLE_S = 1e-3
 
 
-def joints_kept(motion: Motion) -> list[Broken]:
+def joints_kept(motion: Motion) -> list[Violation]:
     """Limits between all knots, start, end and peaks."""
     return [*_limits(motion), *_start(motion), *_end(motion), *_peaks(motion)]
 
@@ -28,8 +28,8 @@ def _blends(motion: Motion) -> bool:
     return bool(motion.request.get("options", {}).get("timing") == "parabolic_blend")
 
 
-def _limits(motion: Motion) -> list[Broken]:
-    arm, limits, found = motion.arm, limits_of(motion.request["robot"]), list[Broken]()
+def _limits(motion: Motion) -> list[Violation]:
+    arm, limits, found = motion.arm, limits_of(motion.request["robot"]), list[Violation]()
     least, most = motion.extremes(0)
     over = np.maximum(arm.lower - least, most - arm.upper) / np.maximum(arm.upper - arm.lower, 1e-9)
     for j, name in enumerate(arm.names):
@@ -45,18 +45,18 @@ def _limits(motion: Motion) -> list[Broken]:
     return found
 
 
-def _with_load(motion: Motion) -> list[Broken]:
+def _with_load(motion: Motion) -> list[Violation]:
     """Accelerations while a part is carried for which the request's own table leaves a share."""
     rows = motion.request["robot"].get("limits", {}).get("acceleration_by_load")
     if not rows:
         return []
-    found, limits = list[Broken](), limits_of(motion.request["robot"])
+    found, limits = list[Violation](), limits_of(motion.request["robot"])
     masses, shares = [row["mass_kg"] for row in rows], [row["share"] for row in rows]
     tool = float(motion.request["robot"]["tool"].get("mass_kg", 0.0))
     of_part = {body["name"]: float(body.get("mass_kg", 0.0)) for body in motion.request.get("bodies", [])}
     for t0, t1, part in _carried(motion):
         share = float(np.interp(tool + (0.0 if part is None else of_part[part]), masses, shares))
-        t = np.linspace(t0, t1, max(int((t1 - t0) / LOOKED_S), 2))
+        t = np.linspace(t0, t1, max(int((t1 - t0) / SAMPLE_S), 2))
         size = np.abs(motion.spline.evaluate(t, 2)).max(axis=0) / (share * limits.acceleration)
         for j, name in enumerate(motion.arm.names):
             found += beyond("acceleration with load", name, float(size[j]), 1.0 + SHARE, t0)
@@ -81,14 +81,14 @@ def carrying(motion: Motion) -> list[tuple[float, float]]:
     return [(t0, t1) for t0, t1, part in _carried(motion) if part is not None and t1 > t0]
 
 
-def _start(motion: Motion) -> list[Broken]:
+def _start(motion: Motion) -> list[Violation]:
     """The first knot is the start of the request."""
-    start, first, found = motion.request["start"], motion.spline, list[Broken]()
+    start, first, found = motion.request["start"], motion.spline, list[Violation]()
     t0 = np.array([motion.start_s])
     found += beyond("start time", "", abs(motion.start_s - float(start.get("at_s", 0.0))), START)
     if "joints" in start:
-        asked = _of_joints(motion, start["joints"], ("rad", "m"))
-        found += beyond("start", "joints", float(np.abs(first.evaluate(t0)[0] - asked).max()), START)
+        required = _of_joints(motion, start["joints"], ("rad", "m"))
+        found += beyond("start", "joints", float(np.abs(first.evaluate(t0)[0] - required).max()), START)
     else:
         tool = motion.tool(t0)
         name, pose = motion.cell.seat(start["tool"])
@@ -99,10 +99,10 @@ def _start(motion: Motion) -> list[Broken]:
     for number, key in ((1, "velocity"), (2, "acceleration")):
         given = start.get(key)
         units = ("rad_s", "m_s") if number == 1 else ("rad_s2", "m_s2")
-        asked = np.zeros(len(motion.arm.names)) if given is None else _of_joints(motion, given, units)
+        required = np.zeros(len(motion.arm.names)) if given is None else _of_joints(motion, given, units)
         if number == 2 and _blends(motion):
             continue  # it jumps
-        off = float(np.abs(motion.spline.evaluate(t0, number)[0] - asked).max())
+        off = float(np.abs(motion.spline.evaluate(t0, number)[0] - required).max())
         found += beyond("start", key, off, START * 10.0 ** (2 * (number - 1)))
     return found
 
@@ -112,8 +112,8 @@ def _of_joints(motion: Motion, given: Document, units: tuple[str, str]) -> Float
     return np.array([next(given[f"{name}_{u}"] for u in units if f"{name}_{u}" in given) for name in names])
 
 
-def _end(motion: Motion) -> list[Broken]:
-    options, end, found = motion.request.get("options", {}), np.array([motion.end_s]), list[Broken]()
+def _end(motion: Motion) -> list[Violation]:
+    options, end, found = motion.request.get("options", {}), np.array([motion.end_s]), list[Violation]()
     if options.get("end", "rest") == "rest":
         found += beyond("end", "velocity", float(np.abs(motion.spline.evaluate(end, 1)).max()), REST)
         if not _blends(motion):
@@ -122,24 +122,26 @@ def _end(motion: Motion) -> list[Broken]:
     if "latest_end_s" in options:
         found += beyond("latest end", "", motion.end_s, float(options["latest_end_s"]) + 1e-8)
     duration = motion.end_s - motion.start_s
-    told = float(motion.answer["duration_s"])
-    found += beyond("duration", "", abs(told - duration), 1e-8)
+    stated = float(motion.answer["duration_s"])
+    found += beyond("duration", "", abs(stated - duration), 1e-8)
     bound = motion.answer.get("lower_bound_s")
     if bound is not None:
         found += beyond("lower bound", "", float(bound), duration * (1.0 + 1e-9))
     return found
 
 
-def _peaks(motion: Motion) -> list[Broken]:
-    """The peaks of joints that the answer tells are those of the trajectory."""
-    found, limits = list[Broken](), limits_of(motion.request["robot"])
+def _peaks(motion: Motion) -> list[Violation]:
+    """The reported peaks of joints are those of the trajectory."""
+    found, limits = list[Violation](), limits_of(motion.request["robot"])
     for number, kind in enumerate(("velocity", "acceleration", "jerk")):
         if kind == "jerk" and _blends(motion):
             continue
         low, high = motion.extremes(number + 1)
         size = np.maximum(-low, high)
-        for told in motion.answer["margins"]["peaks"]:
-            j = motion.arm.names.index(told["joint"])
-            off = abs(told[kind] - size[j]) / getattr(limits, kind)[j]
-            found += beyond("peak", f"{kind} of {told['joint']}", float(off), TOLD * (1e3 if kind == "jerk" else 1.0))
+        for stated in motion.answer["margins"]["peaks"]:
+            j = motion.arm.names.index(stated["joint"])
+            off = abs(stated[kind] - size[j]) / getattr(limits, kind)[j]
+            found += beyond(
+                "peak", f"{kind} of {stated['joint']}", float(off), PEAK_SHARE * (1e3 if kind == "jerk" else 1.0)
+            )
     return found

@@ -1,4 +1,4 @@
-"""All kinds of random cells: those of the simulation, and those that only the oracle looks at, in SI."""
+"""All kinds of random cells: those of the simulation, and those that only the oracle judges, in SI."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def random_cell(kind: str, seed: int) -> Document:
 
 
 def _changed(kind: str, change: Callable[[Draft], None]) -> Callable[[np.random.Generator], Draft]:
-    """A cell of the simulation, of which something more is asked."""
+    """A cell of the simulation with a further requirement."""
 
     def make(rng: np.random.Generator) -> Draft:
         draft = random_cells.KINDS[kind](rng)
@@ -77,7 +77,7 @@ def _late(draft: Draft) -> None:
 
 
 def _mesh_part(draft: Draft) -> None:
-    """The part is a shipped mesh, which stands where it did."""
+    """The part is a shipped mesh at the same place."""
     asset = draft.one_of("bracket", "housing")  # whose hulls are the solid itself
     shape = {"mesh": {"asset": asset, "unit": "mm"}}
     half, (pick, place) = solid_of(shape).half_z, draft.request["task"][:2]

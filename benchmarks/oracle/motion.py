@@ -59,7 +59,7 @@ class Motion:
         return self._extremes[derivative]
 
     def joints(self, t: Floats) -> Floats:
-        """(N, n) at times (N,); before and after the trajectory the arm stands."""
+        """(N, n) at times (N,); before and after the trajectory the arm is at rest."""
         return self.spline.evaluate(np.clip(t, self.start_s, self.end_s))
 
     def links(self, t: Floats) -> dict[str, Places]:

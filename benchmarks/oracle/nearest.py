@@ -1,4 +1,4 @@
-"""How near bodies come to each other in a plan, between the instants that are looked at, too."""
+"""How near bodies come to each other in a plan, also between the sampled instants."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from benchmarks.soak.poses import Floats
 from benchmarks.soak.solids import Gap
 
 STEP_S = 4e-3
-"""Between two instants at which all pairs are looked at."""
+"""Time between two instants at which all pairs are evaluated."""
 ROUNDS, PARTS = 4, 8
-"""Around a gap that is smaller than its neighbours, so many times a finer look, of so many parts."""
+"""Number of refinements around a gap that is smaller than its neighbours, and of parts in each."""
 RESERVE = 1.5
 """What a body may do between two instants, over the chord of its way between them."""
 
 FAR_M = 1e3
-"""Stands for a gap that was not looked at."""
+"""In place of a gap that was not evaluated."""
 FOUND_M = 3e-6
-"""A gap that is less by no more than this is not looked for, m: `coal` ends its search within a micrometre."""
+"""A gap that is less by no more than this is not searched, m: `coal` ends its search within a micrometre."""
 
 
 @dataclass(frozen=True)
-class Near:
+class NearPair:
     """A pair at its nearest in one phase: the gap, m, when, s, what it must keep, m, the kind of the phase, and whether
     the robot bears neither body."""
 
@@ -37,16 +37,16 @@ class Near:
     put_down: bool
 
 
-def nearest_of(motion: Motion, beyond_m: float) -> list[Near]:
+def nearest_of(motion: Motion, beyond_m: float) -> list[NearPair]:
     """Each pair at its nearest in each phase, as far as it comes within `beyond_m` of what it must keep, or nearer than
     `beyond_m` to each other."""
-    found: list[Near] = []
+    found: list[NearPair] = []
     for phase in motion.phases:
         found += _in_phase(motion, phase, beyond_m)
     return found
 
 
-def _in_phase(motion: Motion, phase: Phase, beyond_m: float) -> list[Near]:
+def _in_phase(motion: Motion, phase: Phase, beyond_m: float) -> list[NearPair]:
     t0, t1 = phase.stage.t0, phase.stage.t1
     grid = np.linspace(t0, t1, max(int(np.ceil((t1 - t0) / STEP_S)), 2) + 1)
     names = {name for pair in phase.pairs for name in (pair.first, pair.second)}
@@ -74,7 +74,7 @@ def _in_phase(motion: Motion, phase: Phase, beyond_m: float) -> list[Near]:
             if value < best:
                 best, when = value, time
         if best < limit:
-            found.append(Near(pair, best, when, phase.kind, phase.put_down(pair)))
+            found.append(NearPair(pair, best, when, phase.kind, phase.put_down(pair)))
     return found
 
 
@@ -101,7 +101,7 @@ def _dips(values: Floats, slack: Floats, best: float) -> list[int]:
 def _finer(
     motion: Motion, phase: Phase, pair: Pair, gap: Gap, low: float, high: float, best: float
 ) -> tuple[float, float]:
-    """The smallest gap between two instants, and when. It is given up where a finer look comes nowhere near `best`."""
+    """The smallest gap between two instants, and when. The search ends early if it cannot come near `best`."""
     value, time, begin, end = np.inf, low, low, high
     for number in range(ROUNDS):
         grid = np.linspace(low, high, PARTS + 1)

@@ -1,4 +1,4 @@
-"""Plans of random cells of all kinds, each looked at as it is planned: what was promised and is not kept."""
+"""Plans of random cells of all kinds, each evaluated as it is planned: what was promised and is not kept."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-from benchmarks.checker_refusals import codes_of, keep, said
-from benchmarks.oracle.asked import BAD_INPUT, as_si, checked, planned
-from benchmarks.oracle.faults import Broken
+from benchmarks.checker_refusals import codes_of, keep, objections
+from benchmarks.oracle.faults import Violation
 from benchmarks.oracle.kinds import KINDS, random_cell
+from benchmarks.oracle.product import BAD_INPUT, as_si, checked, planned
 from benchmarks.oracle.promises import broken_promises
 from benchmarks.soak.poses import Document
 
@@ -20,10 +20,10 @@ T = TypeVar("T", bound="Tally")
 
 @dataclass(eq=False)
 class Tally:
-    """Of one kind of cells, or of requests. `looked`: answers that were looked at; `faults`: of answers, by kind;
-    `unchecked`: answers of whose plans the product's own checker refuses one; `by_checker`: plans that it judged."""
+    """Of one kind of cells, or of requests. `evaluated`: number of evaluated answers; `faults`: of answers, by kind;
+    `unchecked`: answers with a plan that the product's own checker refuses; `by_checker`: plans that it judged."""
 
-    looked: int = 0
+    evaluated: int = 0
     refused: Counter[str] = field(default_factory=Counter)
     faults: Counter[str] = field(default_factory=Counter)
     unchecked: int = 0
@@ -31,7 +31,7 @@ class Tally:
 
     def merged(self, other: Tally) -> None:
         """Adds another one."""
-        self.looked, self.by_checker = self.looked + other.looked, self.by_checker + other.by_checker
+        self.evaluated, self.by_checker = self.evaluated + other.evaluated, self.by_checker + other.by_checker
         self.unchecked += other.unchecked
         self.refused.update(other.refused)
         self.faults.update(other.faults)
@@ -43,7 +43,7 @@ class Tally:
     def row(self) -> dict[str, str]:
         """Column of a table → what it has of this."""
         return {
-            "looked at": str(self.looked),
+            "evaluated": str(self.evaluated),
             "faults": ", ".join(f"{name} {count}" for name, count in self.faults.most_common()) or "0",
             "refused by the checker": f"{self.unchecked} of {self.by_checker}",
             "others": ", ".join(f"{name} {count}" for name, count in self.refused.most_common() if count),
@@ -58,13 +58,13 @@ def own_seed(seed: int, number: int) -> int:
 def in_turn(
     found: dict[str, T], look: Callable[[T, str, int], bool], count: int | None, seed: int
 ) -> Iterator[dict[str, T]]:
-    """Calls `look` with the tally of a kind, the kind and a seed, for all kinds of `found` in turn, until it has said
-    `count` times that an answer was looked at (None: for ever): after each what was found, by kind."""
-    kinds, number, looked = list(found), 0, 0
-    while count is None or looked < count:
+    """Calls `look` with the tally of a kind, the kind and a seed, for all kinds of `found` in turn, until it has
+    returned `count` times that an answer was evaluated (None: for ever). Yields all tallies after each call."""
+    kinds, number, evaluated = list(found), 0, 0
+    while count is None or evaluated < count:
         kind, own = kinds[number % len(kinds)], own_seed(seed, number // len(kinds))
         number += 1
-        looked += look(found[kind], kind, own)
+        evaluated += look(found[kind], kind, own)
         yield found
 
 
@@ -72,22 +72,22 @@ def campaign(plans: int | None, seed: int, out: Path | None = None) -> Iterator[
     """Cells of all kinds in turn, until `plans` were accepted (None: for ever): after each what was found, by kind."""
 
     def look(tally: Tally, kind: str, own: int) -> bool:
-        return looked_at(tally, kind, own, random_cell(kind, own), out)
+        return evaluate(tally, kind, own, random_cell(kind, own), out)
 
     return in_turn({kind: Tally() for kind in KINDS}, look, plans, seed)
 
 
-def looked_at(tally: Tally, kind: str, seed: int, request: Document, out: Path | None = None) -> bool:
-    """Whether the cell was planned, whose plan was looked at then; the tally counts it, or why it was refused."""
+def evaluate(tally: Tally, kind: str, seed: int, request: Document, out: Path | None = None) -> bool:
+    """Whether the cell was planned, and so its plan evaluated; the tally counts it, or why it was refused."""
     answer, fault = planned(request)
     if answer is None:
         tally.refused[f"{BAD_INPUT} {fault}"] += 1
         return False
-    found, si, broken = bool(answer["status"] == "planned"), as_si(request), list[Broken]()
+    found, si, broken = bool(answer["status"] == "planned"), as_si(request), list[Violation]()
     findings = checked(request, answer)
     if found:
         broken = broken_promises(si, answer)
-        tally.looked += 1
+        tally.evaluated += 1
     else:
         tally.refused[str(answer["reason"])] += 1
     tally.by_checker += found
@@ -105,16 +105,16 @@ def written(
     seed: int,
     request: Document,
     answer: Document,
-    broken: list[Broken],
+    broken: list[Violation],
     findings: list[dict[str, Any]] | None,
 ) -> Path:
-    """Writes a case that failed as the file of a request, and what went wrong beside it."""
-    told = {
+    """Writes a case that failed as the file of a request, and what went wrong as a second file."""
+    faults = {
         "kind": kind,
         "seed": seed,
         "status": answer["status"],
         "sentence": answer.get("sentence"),
         "faults": [asdict(each) for each in broken[:20]],
-        **said(answer, findings),
+        **objections(answer, findings),
     }
-    return keep(folder, f"{kind}-{seed}", request, told)
+    return keep(folder, f"{kind}-{seed}", request, faults)

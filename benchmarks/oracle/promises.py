@@ -1,4 +1,4 @@
-"""All that a plan promises, looked at as it is planned."""
+"""All that a plan promises, evaluated as it is planned."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from benchmarks.oracle.apart_kept import ROUNDING_M, WITHIN_M, apart_kept
 from benchmarks.oracle.arrivals_kept import Targets, arrivals_kept
-from benchmarks.oracle.faults import Broken, beyond
+from benchmarks.oracle.faults import Violation, beyond
 from benchmarks.oracle.joints_kept import joints_kept
 from benchmarks.oracle.motion import Motion, Phase
 from benchmarks.oracle.traces_kept import traces_kept
@@ -15,10 +15,10 @@ from benchmarks.soak.poses import Document
 from benchmarks.soak.solids import Gap
 
 TOOL = 0.05
-"""By so much of it the tool's speed may exceed the peak that is told, between the instants at which it is searched."""
+"""Share by which the tool's speed may exceed the reported peak, between the instants at which it is searched."""
 
 
-def broken_promises(request: Document, answer: Document) -> list[Broken]:
+def broken_promises(request: Document, answer: Document) -> list[Violation]:
     """What a planned answer promises and does not keep; `request` in SI, of a kind that the oracle knows."""
     motion = Motion(request, answer)
     targets = Targets(motion)
@@ -33,23 +33,23 @@ def broken_promises(request: Document, answer: Document) -> list[Broken]:
     ]
 
 
-def _tool(motion: Motion) -> list[Broken]:
-    """The tool point's peak of speed is there, and nowhere is it much more."""
-    told, h = motion.answer["margins"]["tool"], 1e-5
+def _tool(motion: Motion) -> list[Violation]:
+    """The tool point has the reported peak of speed at the reported time, and nowhere is it much faster."""
+    stated, h = motion.answer["margins"]["tool"], 1e-5
     t = np.linspace(motion.start_s + h, motion.end_s - h, max(int((motion.end_s - motion.start_s) / 5e-4), 10))
     speed = np.linalg.norm(motion.tool(t + h).p - motion.tool(t - h).p, axis=1) / (2.0 * h)
     found = beyond(
-        "tool", "speed", float(speed.max()), told["speed_m_s"] * (1.0 + TOOL) + 1e-6, float(t[speed.argmax()])
+        "tool", "speed", float(speed.max()), stated["speed_m_s"] * (1.0 + TOOL) + 1e-6, float(t[speed.argmax()])
     )
-    at = min(max(float(told["speed_at_s"]), motion.start_s + h), motion.end_s - h)
+    at = min(max(float(stated["speed_at_s"]), motion.start_s + h), motion.end_s - h)
     there = motion.tool(np.array([at - h, at + h])).p
-    off = abs(float(np.linalg.norm(there[1] - there[0])) / (2.0 * h) - float(told["speed_m_s"]))
-    return found + beyond("tool", "speed, as told", off, 1e-3 * float(told["speed_m_s"]) + 1e-4, at)
+    off = abs(float(np.linalg.norm(there[1] - there[0])) / (2.0 * h) - float(stated["speed_m_s"]))
+    return found + beyond("tool", "speed, as reported", off, 1e-3 * float(stated["speed_m_s"]) + 1e-4, at)
 
 
-def hands_kept(motion: Motion) -> list[Broken]:
+def hands_kept(motion: Motion) -> list[Violation]:
     """At the end of the dwell of each pick and place: the smallest distance, 0 where there is contact."""
-    found = list[Broken]()
+    found = list[Violation]()
     for phase in motion.phases:
         number = phase.stage.handed_over
         if number is None:
@@ -63,12 +63,14 @@ def hands_kept(motion: Motion) -> list[Broken]:
     return found
 
 
-def _distance(motion: Motion, arrival: Document, part: str, others: list[str], key: str, phase: Phase) -> list[Broken]:
-    told = arrival.get(key)
-    if told is None:
+def _distance(
+    motion: Motion, arrival: Document, part: str, others: list[str], key: str, phase: Phase
+) -> list[Violation]:
+    stated = arrival.get(key)
+    if stated is None:
         return []  # what an answer leaves out is no claim
     t = np.array([arrival["until_s"]])
     places = motion.bodies(phase, t, {part, *others})
     gaps = [Gap(motion.shapes[part], motion.shapes[name]).at(places[part][0], places[name][0]) for name in others]
     true = max(min(gaps), 0.0)
-    return beyond("hands", f"{arrival['control_point']}, {key}", abs(told - true), WITHIN_M + ROUNDING_M, t[0])
+    return beyond("hands", f"{arrival['control_point']}, {key}", abs(stated - true), WITHIN_M + ROUNDING_M, t[0])

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from benchmarks.checker_refusals import codes_of
-from benchmarks.oracle.asked import BAD_INPUT, as_si, checked, planned
 from benchmarks.oracle.contradicted import contradiction
 from benchmarks.oracle.impossible import KINDS, random_request
 from benchmarks.oracle.plans import Tally, in_turn, written
+from benchmarks.oracle.product import BAD_INPUT, as_si, checked, planned
 from benchmarks.oracle.promises import broken_promises
 from benchmarks.soak.poses import Document
 
@@ -17,17 +17,17 @@ UNPROVED, PLANNED, UNJUDGED = "not proved", "planned", "proved, not judged"
 
 
 def campaign(refusals: int | None, seed: int, out: Path | None = None) -> Iterator[dict[str, Tally]]:
-    """Requests of all kinds in turn, until so many proved refusals were looked at (None: for ever): after each what was
-    found, by kind. `refused` of a tally counts what was not looked at: plans, what was searched, bad input."""
+    """Requests of all kinds in turn, until so many proved refusals were evaluated (None: for ever). Yields all tallies
+    after each. `refused` of a tally counts answers that were not evaluated: plans, refusals by search, bad input."""
 
     def look(tally: Tally, kind: str, own: int) -> bool:
-        return looked_at(tally, kind, own, random_request(kind, own), out)
+        return evaluate(tally, kind, own, random_request(kind, own), out)
 
     return in_turn({kind: Tally() for kind in KINDS}, look, refusals, seed)
 
 
-def looked_at(tally: Tally, kind: str, seed: int, request: Document, out: Path | None = None) -> bool:
-    """Whether the request was refused with a proof, which was looked at then. What is planned instead must keep what it
+def evaluate(tally: Tally, kind: str, seed: int, request: Document, out: Path | None = None) -> bool:
+    """Whether the request was refused with a proof, and so the proof evaluated. A plan instead must keep what it
     promises, and every answer that the product's own checker takes must pass it."""
     answer, fault = planned(request)
     if answer is None:
@@ -41,7 +41,7 @@ def looked_at(tally: Tally, kind: str, seed: int, request: Document, out: Path |
     elif proved:
         broken = contradiction(as_si(request), answer)
         tally.refused[UNJUDGED] += broken is None
-        tally.looked += broken is not None
+        tally.evaluated += broken is not None
     else:
         tally.refused[UNPROVED] += 1
     tally.by_checker += findings is not None

@@ -1,4 +1,4 @@
-"""Campaigns of the oracle side by side, for a time or a count: whose turn it is, and when all are at an end."""
+"""Runs campaigns of the oracle in turn, for a time or a count."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ CAMPAIGNS: dict[str, Callable[[int | None, int, Path | None], Iterator[Mapping[s
 
 
 @dataclass(eq=False)
-class Going:
-    """One campaign: what it has found, by kind, and of how many answers; whether it has come to its count."""
+class RunningCampaign:
+    """One campaign: its tallies by kind, and whether it has reached its count."""
 
     name: str
     seed: int
@@ -29,8 +29,8 @@ class Going:
 
     @property
     def done(self) -> int:
-        """Answers that were looked at."""
-        return sum(each.looked for each in self.found.values())
+        """Number of evaluated answers."""
+        return sum(each.evaluated for each in self.found.values())
 
     @property
     def total(self) -> Tally:
@@ -48,14 +48,14 @@ class Going:
 
 
 def run(
-    going: list[Going],
+    going: list[RunningCampaign],
     out: Path | None,
     count: int | None = None,
     seconds: float | None = None,
-    told: Callable[[], None] = lambda: None,
+    after_each: Callable[[], None] = lambda: None,
 ) -> None:
-    """Goes on with the campaigns in turn, a cell each, until each has looked at `count` answers, or the time is over.
-    `told` is called after each cell. Each campaign makes the same cells, however many others there are."""
+    """Goes on with the campaigns in turn, a cell each, until each has evaluated `count` answers, or the time is over.
+    `after_each` is called after each cell. Each campaign makes the same cells, however many others there are."""
     began = time.monotonic()
     steps = {each.name: each.steps(count, out) for each in going}
     while not all(each.over for each in going):
@@ -64,7 +64,7 @@ def run(
                 return
             if not each.over:
                 each.over = next(steps[each.name], END) is END
-                told()
+                after_each()
 
 
 END = object()

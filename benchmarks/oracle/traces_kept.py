@@ -1,6 +1,6 @@
 """What a plan promises of a path that is traced: where the tool is at each instant of it, and how fast it goes there.
 
-Paths here are lines and arcs that go over into each other without a corner; of others the ends alone are looked at.
+Paths here are lines and arcs that go over into each other without a corner; of others only the ends are evaluated.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.oracle.arrivals_kept import Target
-from benchmarks.oracle.faults import Broken, beyond
+from benchmarks.oracle.faults import Violation, beyond
 from benchmarks.oracle.motion import Motion
 from benchmarks.oracle.places import Places
 from benchmarks.soak.poses import Document, Floats, Poses
@@ -94,8 +94,8 @@ def on_path(parts: list[Part], s: Floats) -> Floats:
     return found
 
 
-def traces_kept(motion: Motion) -> list[Broken]:
-    found = list[Broken]()
+def traces_kept(motion: Motion) -> list[Violation]:
+    found = list[Violation]()
     for arrival in motion.answer["arrivals"]:
         ((kind, given),) = motion.request["task"][arrival["step"]].items()
         if kind == "trace":
@@ -103,26 +103,26 @@ def traces_kept(motion: Motion) -> list[Broken]:
     return found
 
 
-def _trace(motion: Motion, arrival: Document, given: Document) -> list[Broken]:
+def _trace(motion: Motion, arrival: Document, given: Document) -> list[Violation]:
     speed, t0, t1 = float(given["speed_m_s"]), float(arrival["time_s"]), float(arrival["until_s"])
     frame, at = motion.cell.seat({**given["start"], "at_m": [0.0, 0.0, 0.0]})
     target = Target(frame, Poses(at.p, at.yaw - float(given["start"].get("yaw_rad", 0.0))), False)
     t = np.linspace(t0, t1, max(int((t1 - t0) / 1e-3), 20) + 1)
     local = target.at(motion, t).inverse().then(Places.at(motion.tool(t).p)).p
-    name, told, found = arrival["control_point"], arrival["trace"], list[Broken]()
+    name, stated, found = arrival["control_point"], arrival["trace"], list[Violation]()
     parts = parts_of(np.array(given["start"]["at_m"]), given["path"])
     if parts is not None:
         length = sum(part.length for part in parts)
-        found += beyond("trace", f"{name}, length", abs(told["length_m"] - length), 1e-6, t0)
+        found += beyond("trace", f"{name}, length", abs(stated["length_m"] - length), 1e-6, t0)
         found += beyond("trace", f"{name}, time", abs((t1 - t0) * speed - length), 1e-6, t0)
         off = np.linalg.norm(local - on_path(parts, (t - t0) * speed), axis=1)
         k = int(off.argmax())
-        found += beyond("trace", f"{name}, place", float(off[k]), min(TRACKED_M, told["error_m"]) + READ_M, t[k])
+        found += beyond("trace", f"{name}, place", float(off[k]), min(TRACKED_M, stated["error_m"]) + READ_M, t[k])
     h = 1e-5
     inner = np.clip(t, t0 + h, t1 - h)
     ends = [target.at(motion, inner + k).inverse().then(Places.at(motion.tool(inner + k).p)).p for k in (-h, h)]
     size = np.linalg.norm(ends[1] - ends[0], axis=1) / (2.0 * h)
     for k in (int(size.argmin()), int(size.argmax())):
         found += beyond("trace", f"{name}, speed", abs(float(size[k]) / speed - 1.0), SPEED_SHARE + 1e-6, t[k])
-    found += beyond("trace", f"{name}, fastest", float(size.max()), told["fastest_m_s"] * (1.0 + 1e-6), t0)
-    return found + beyond("trace", f"{name}, slowest", told["slowest_m_s"], float(size.min()) * (1.0 + 1e-6), t0)
+    found += beyond("trace", f"{name}, fastest", float(size.max()), stated["fastest_m_s"] * (1.0 + 1e-6), t0)
+    return found + beyond("trace", f"{name}, slowest", stated["slowest_m_s"], float(size.min()) * (1.0 + 1e-6), t0)

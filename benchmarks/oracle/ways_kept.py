@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.oracle.arrivals_kept import Target, Targets
-from benchmarks.oracle.faults import Broken, beyond
+from benchmarks.oracle.faults import Violation, beyond
 from benchmarks.oracle.joints_kept import carrying
 from benchmarks.oracle.motion import Motion
 from benchmarks.oracle.places import short
@@ -14,15 +14,15 @@ from benchmarks.soak.poses import Document, Floats
 TRACKED_M, TRACKED_RAD = 1e-5, 1e-4
 """The promise of tracking legs; of straight legs, too."""
 READ_M = 1e-7
-"""How far what is measured here may be off."""
+"""Error of the measurements here."""
 STEP_S = 1e-3
 CARRY = 1e-4
 """Of the limit of the pull, for what a second difference makes of it."""
 YAW_RAD = 1e-8
 
 
-def ways_kept(motion: Motion, targets: Targets) -> list[Broken]:
-    found = list[Broken]()
+def ways_kept(motion: Motion, targets: Targets) -> list[Violation]:
+    found = list[Violation]()
     begin = motion.start_s
     for phase in motion.phases:
         leg = phase.leg
@@ -48,17 +48,17 @@ def _instants(t0: float, t1: float) -> Floats:
     return np.linspace(t0, t1, min(max(int((t1 - t0) / STEP_S), 8), 400) + 1)
 
 
-def _tracks(motion: Motion, leg: Document, given: Document, target: Target, t: Floats) -> list[Broken]:
+def _tracks(motion: Motion, leg: Document, given: Document, target: Target, t: Floats) -> list[Violation]:
     """The tool keeps to its moving target: in all coordinates in a FOLLOW, at some height above it else."""
     tool, wanted, name = motion.tool(t), target.at(motion, t), f"{leg['kind']} of step {leg['step']}"
-    off, found = tool.p - wanted.p, list[Broken]()
+    off, found = tool.p - wanted.p, list[Violation]()
     if leg["kind"] == "FOLLOW":
         far = np.linalg.norm(off, axis=1)
     else:
         far = np.hypot(np.hypot(off[:, 0], off[:, 1]), np.minimum(off[:, 2], 0.0))
         end, outer = ("approach", off[0, 2]) if leg["kind"] == "APPROACH" else ("depart", off[-1, 2])
-        asked = float(given.get(end, {}).get("m", 0.0))
-        found += beyond("straight part", name, asked - float(outer), TRACKED_M, leg["from_s"])
+        required = float(given.get(end, {}).get("m", 0.0))
+        found += beyond("straight part", name, required - float(outer), TRACKED_M, leg["from_s"])
     k = int(far.argmax())
     found += beyond("tracking", name, float(far[k]), TRACKED_M + READ_M, t[k])
     if motion.arm.tilts or len(motion.arm.names) < 4:
@@ -74,9 +74,9 @@ def _straight(leg: Document, given: Document) -> bool:
     return bool(given.get("leg") == "cartesian" and "path" not in given and route and route["course"] == "straight")
 
 
-def _on_a_line(motion: Motion, leg: Document, targets: Targets, t: Floats) -> list[Broken]:
-    """The tool point is on the line between where it was and its target, as that moves, and never goes back on it.
-    Where it was goes on with the frame of the step before, if that was met with its velocity."""
+def _on_a_line(motion: Motion, leg: Document, targets: Targets, t: Floats) -> list[Violation]:
+    """The tool point is on the line from its last place to its moving target, and never goes back on it. The last place
+    moves with the frame of the step before, if the tool met that step with its velocity."""
     p, goal = motion.tool(t).p, targets.of_step[leg["step"]].at(motion, t).p
     before, since = np.broadcast_to(p[0], p.shape), t[:1]
     arrivals = {arrival["step"]: arrival for arrival in motion.answer["arrivals"]}
@@ -96,16 +96,16 @@ def _on_a_line(motion: Motion, leg: Document, targets: Targets, t: Floats) -> li
     return found + beyond("straight leg", f"{name}, back", back, TRACKED_M, leg["from_s"])
 
 
-def _arches(motion: Motion) -> list[Broken]:
+def _arches(motion: Motion) -> list[Violation]:
     """The tool point rises as high as an arch asks."""
-    found = list[Broken]()
+    found = list[Violation]()
     for number, step in enumerate(motion.request["task"]):
         ((_, given),) = step.items()
         legs = [leg for leg in motion.answer["legs"] if leg["step"] == number and leg["kind"] == "ARCH"]
         if "arch" not in given:
             continue
         if not legs:
-            found.append(Broken("arch", f"step {number}: none", 0.0, 0.0))
+            found.append(Violation("arch", f"step {number}: none", 0.0, 0.0))
             continue
         t = np.linspace(legs[0]["from_s"], legs[-1]["to_s"], 2000)
         top = float(motion.tool(t).p[:, 2].max())
@@ -113,12 +113,12 @@ def _arches(motion: Motion) -> list[Broken]:
     return found
 
 
-def _yaws(motion: Motion) -> list[Broken]:
+def _yaws(motion: Motion) -> list[Violation]:
     """The tool is in no range of forbidden yaws."""
     ranges = motion.request["robot"].get("limits", {}).get("forbidden_yaw_rad", [])
     if not ranges:
         return []
-    t, found = np.linspace(motion.start_s, motion.end_s, 3000), list[Broken]()
+    t, found = np.linspace(motion.start_s, motion.end_s, 3000), list[Violation]()
     yaw = motion.tool(t).yaw
     for first, last in ranges:
         width = (last - first) % (2.0 * np.pi)
@@ -128,10 +128,10 @@ def _yaws(motion: Motion) -> list[Broken]:
     return found
 
 
-def _pull(motion: Motion) -> list[Broken]:
+def _pull(motion: Motion) -> list[Violation]:
     """The tool point accelerates no harder than a held part bears."""
     limit = motion.request.get("carry", {}).get("acceleration_m_s2")
-    found, h = list[Broken](), 1e-4
+    found, h = list[Violation](), 1e-4
     if limit is None or motion.request.get("options", {}).get("timing") == "parabolic_blend":
         return []
     for t0, t1 in carrying(motion):
@@ -143,16 +143,20 @@ def _pull(motion: Motion) -> list[Broken]:
     return found
 
 
-def _contacts(motion: Motion) -> list[Broken]:
-    """The contacts that the answer tells are those of the legs."""
+def _contacts(motion: Motion) -> list[Violation]:
+    """The reported contacts are those of the legs."""
     own: list[tuple[frozenset[str], float, float]] = []
     for phase in motion.phases:
         if phase.leg is not None:
             own += [(pair, phase.leg["from_s"], phase.leg["to_s"]) for pair in phase.stage.contacts]
     known = {name for phase in motion.phases for name in (*phase.carried, *phase.seated)}
     mine = _merged([each for each in own if each[0] <= known])
-    told = _merged([(frozenset(c["bodies"]), c["from_s"], c["to_s"]) for c in motion.answer["contacts"]])
-    return [] if _same(mine, told) else [Broken("contacts", f"{mine} told {told}", float(len(told)), float(len(mine)))]
+    stated = _merged([(frozenset(c["bodies"]), c["from_s"], c["to_s"]) for c in motion.answer["contacts"]])
+    return (
+        []
+        if _same(mine, stated)
+        else [Violation("contacts", f"{mine}, reported {stated}", float(len(stated)), float(len(mine)))]
+    )
 
 
 def _merged(spans: list[tuple[frozenset[str], float, float]]) -> list[tuple[tuple[str, ...], float, float]]:

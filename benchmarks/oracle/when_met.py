@@ -14,8 +14,8 @@ from benchmarks.soak.laws import Frame, frames_of, seat
 from benchmarks.soak.poses import Document, Floats, Poses
 
 HORIZON_S = 600.0
-"""So long is looked ahead."""
-LOOKED_S = 5e-3
+"""Length of the search in time."""
+SAMPLE_S = 5e-3
 YAWS = 720
 """Directions that are tried where the yaw is free and the tool point is beside the flange's axis."""
 PITCHES = 720
@@ -43,7 +43,7 @@ class Reach:
         self.arm = Arm.of(request["robot"])
         self.frames: dict[str, Frame] = frames_of(request)
         self.least_margin = float(request["options"].get("singularity_margin", 0.05))
-        """Where a point is met, the arm is no nearer to a singularity: asked here of all points."""
+        """Where a point is met, the arm is no nearer to a singularity: here this is required of all points."""
         self.start_s = float(request["start"].get("at_s", 0.0))
 
     def point(self, number: int) -> Point | None:
@@ -68,12 +68,12 @@ class Reach:
         return Point(frame, pose, yaws, angles[0], angles[1], (0.0,), float(given.get("duration_s", 0.0)))
 
     def times(self, point: Point, number: int) -> Floats:
-        """When the point may be met, densely; one instant if it stands and may be met at any time."""
+        """When the point may be met, densely; one instant if it is fixed and may be met at any time."""
         spans = self.open(point, number)
         if not self.frames[point.frame].moves:
             return np.array([spans[0][0]]) if spans else np.zeros(0)
         return np.concatenate(
-            [np.linspace(t0, t1, max(int((t1 - t0) / LOOKED_S), 1) + 1) for t0, t1 in spans] or [np.zeros(0)]
+            [np.linspace(t0, t1, max(int((t1 - t0) / SAMPLE_S), 1) + 1) for t0, t1 in spans] or [np.zeros(0)]
         )
 
     def open(self, point: Point, number: int) -> list[tuple[float, float]]:
@@ -97,7 +97,7 @@ class Reach:
             along = (p - np.array(law["at_m"])) @ line
             return np.asarray(np.minimum(along - begin, end - along))
 
-        grid = np.unique(np.append(np.arange(low, high, LOOKED_S), high))
+        grid = np.unique(np.append(np.arange(low, high, SAMPLE_S), high))
         value = inside(grid)
         found, k = list[tuple[float, float]](), 0
         good = value >= 0.0
@@ -122,7 +122,7 @@ class Reach:
             return np.inf, np.nan, ""
         missing, when, mode = self._least(point, t)
         if len(t) > 1 and np.isfinite(missing):
-            for step in (LOOKED_S, LOOKED_S / 20.0, LOOKED_S / 400.0, LOOKED_S / 8000.0):
+            for step in (SAMPLE_S, SAMPLE_S / 20.0, SAMPLE_S / 400.0, SAMPLE_S / 8000.0):
                 near = np.clip(when + np.linspace(-step, step, 81), t[0], t[-1])
                 finer = self._least(point, near)
                 if finer[0] < missing:
@@ -181,7 +181,7 @@ class Reach:
         return elbow == "keep" and mode == self.start_mode()
 
     def start_mode(self) -> str:
-        """The working mode in which the arm stands at the start."""
+        """The working mode of the arm at the start."""
         q = self.start_joints()
         flange = self._links(q)
         pitch, roll = _tilt(flange) if "link4" in flange else (np.zeros(1), np.zeros(1))

@@ -43,7 +43,7 @@ def geometry_of(solid: Solid) -> tuple[Any, Any]:
 
 
 class World:
-    """The obstacles of a static problem where they stand, and the three bodies of the arm."""
+    """The obstacles of a static problem at their places, and the three bodies of the arm."""
 
     def __init__(self, problem: Document) -> None:
         self.request = fcl.CollisionRequest()

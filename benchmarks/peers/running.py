@@ -1,7 +1,7 @@
-"""The peers as running programs in an environment of their own; one that is not to be had is missing with its reason.
+"""The peers as running programs in an environment of their own; a peer that cannot run is missing, with the reason.
 
-The environment is made once, and pip installs what each peer needs by itself, so that one that is not to be had leaves
-the other usable; what failed is tried again in the next run.
+The environment is made once, and pip installs the requirements of each peer separately, so that a peer that cannot be
+installed does not affect the other one; a failed installation is tried again in the next run.
 """
 
 from __future__ import annotations
@@ -126,7 +126,7 @@ def _run(command: Sequence[str]) -> int:
 
 
 def question(problem: Document, limits: Mapping[str, Any], budget_s: float, seed: int = 0) -> Document:
-    """What a planning peer is asked."""
+    """The request to a planning peer."""
     return {
         "problem": problem,
         "limits": {name: list(values) for name, values in limits.items()},

@@ -13,7 +13,7 @@ from rich.progress import track
 from rich.table import Table
 
 from benchmarks.problem_set import ProblemSet, read_problem_set
-from benchmarks.recheck.findings import Finding, Match, recheck
+from benchmarks.recheck.findings import Finding, recheck
 
 CONSOLE = Console(stderr=True)
 
@@ -54,21 +54,21 @@ def recheck_lines(
             continue
         seen.add(name)
         counts[str(answer.get("status"))] += 1
-        asked: Match = "velocity" if (answer.get("match") if match == "stated" else match) == "velocity" else "position"
-        findings += recheck(problems, by_name[name], answer, asked)
+        velocity = (answer.get("match") if match == "stated" else match) == "velocity"
+        findings += recheck(problems, by_name[name], answer, "velocity" if velocity else "position")
     if not partial:
         findings += [Finding(name, "form", "has no line") for name in by_name if name not in seen]
     return findings, counts
 
 
 def report(findings: list[Finding], counts: Counter[str]) -> None:
-    """The findings as a table, and what was looked at in a sentence."""
+    """The findings as a table, and the number of checked answers in a sentence."""
     console = Console()
-    looked = ", ".join(f"{count} {status}" for status, count in sorted(counts.items()))
+    counted = ", ".join(f"{count} {status}" for status, count in sorted(counts.items()))
     if not findings:
-        console.print(f"rechecked every 0.5 ms ({looked}): nothing found")
+        console.print(f"rechecked every 0.5 ms ({counted}): nothing found")
         return
-    table = Table("problem", "kind", "finding", title=f"{len(findings)} findings ({looked})")
+    table = Table("problem", "kind", "finding", title=f"{len(findings)} findings ({counted})")
     for finding in findings:
         table.add_row(finding.problem, finding.kind, finding.text)
     console.print(table)

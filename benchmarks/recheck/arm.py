@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.recheck.spline import Floats
-from benchmarks.recheck.surroundings import Placed
+from benchmarks.recheck.surroundings import PlacedBody
 from benchmarks.soak.solids import solid_of
 
 A1_M = 0.325
@@ -60,16 +60,16 @@ def tool(q: Floats, qd: Floats) -> Tool:
     return Tool(position, second + q[:, 3], velocity, second_d + qd[:, 3])
 
 
-def placed_bodies(q: Floats) -> tuple[Placed, ...]:
+def placed_bodies(q: Floats) -> tuple[PlacedBody, ...]:
     """The three bodies at joint positions (N, 4)."""
     first, second = q[:, 0], q[:, 0] + q[:, 1]
     elbow = A1_M * np.stack([np.cos(first), np.sin(first)], axis=-1)
     forearm = A2_M * np.stack([np.cos(second), np.sin(second)], axis=-1)
     level = np.ones(len(q))
     return (
-        Placed("link 1", LINK_1, _with_height(elbow / 2, LINK_1_Z_M * level), first),
-        Placed("link 2", LINK_2, _with_height(elbow + forearm / 2, LINK_2_Z_M * level), second),
-        Placed("quill", QUILL, _with_height(elbow + forearm, q[:, 2] + QUILL_LENGTH_M / 2), 0.0 * level),
+        PlacedBody("link 1", LINK_1, _with_height(elbow / 2, LINK_1_Z_M * level), first),
+        PlacedBody("link 2", LINK_2, _with_height(elbow + forearm / 2, LINK_2_Z_M * level), second),
+        PlacedBody("quill", QUILL, _with_height(elbow + forearm, q[:, 2] + QUILL_LENGTH_M / 2), 0.0 * level),
     )
 
 

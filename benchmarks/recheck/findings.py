@@ -40,7 +40,7 @@ COLUMNS = ("position", "velocity", "acceleration")
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing that is wrong: which problem, what kind of thing, and a sentence with its number."""
+    """One fault: the problem, the kind of fault, and a sentence with its number."""
 
     problem: str
     kind: str
@@ -54,7 +54,7 @@ def recheck(
     match: Match,
     latest_end_s: float = LATEST_END_S,
 ) -> list[Finding]:
-    """Everything that is wrong with one answer; an empty list for a problem that was not solved."""
+    """All faults of one answer; an empty list for a problem that was not solved."""
     name = str(problem["id"])
 
     def found(kind: str, text: str) -> list[Finding]:
@@ -123,7 +123,7 @@ def _ends(
     if not turned <= GOAL_RAD:
         found.append(("goal", f"the tool ends {turned * 1e6:.3f} µrad away from the goal's yaw"))
     if not slip <= GOAL_M_S:
-        found.append(("goal velocity", f"the tool ends {slip * 1e6:.3f} µm/s away from the velocity asked for"))
+        found.append(("goal velocity", f"the tool ends {slip * 1e6:.3f} µm/s away from the required velocity"))
     if not spin <= GOAL_RAD_S:
         found.append(("goal velocity", f"the tool ends turning by {spin * 1e6:.3f} µrad/s"))
     if not wanted.any():

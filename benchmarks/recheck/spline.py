@@ -66,7 +66,7 @@ class Spline:
     def extremes(self, derivative: int) -> tuple[Floats, Floats]:
         """Smallest and largest value (n,) of a derivative over all pieces, between the samples too.
 
-        They stand at the ends of a piece or where the next derivative is zero; `zeros` finds all of those.
+        They are at the ends of a piece or where the next derivative is zero; `zeros` finds all of those.
         """
         polynomial = _derived(self.coefficients, derivative)
         inner = zeros(_derived(polynomial, 1))

@@ -19,7 +19,7 @@ SIZES = {"box": ("size",), "cylinder": ("radius", "height"), "capsule": ("radius
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
+class PlacedBody:
     """A solid by `name` with its centre (N, 3), m, and yaw (N,) at N times."""
 
     name: str
@@ -28,7 +28,7 @@ class Placed:
     yaw: Floats
 
 
-def placed_obstacles(problem: Problem, t: Floats) -> tuple[Placed, ...]:
+def placed_obstacles(problem: Problem, t: Floats) -> tuple[PlacedBody, ...]:
     """Every obstacle at times `t` (N,). Raises `ValueError` for a kind that the problems do not have."""
     return tuple(_placed(f"obstacle {i}", obstacle, t) for i, obstacle in enumerate(problem["obstacles"]))
 
@@ -48,20 +48,20 @@ def _solid(name: str, obstacle: dict[str, Any]) -> Solid:
     return solid_of({kind: {**sizes, "axis": "x" if kind == "capsule" else "z"}})
 
 
-def _placed(name: str, obstacle: dict[str, Any], t: Floats) -> Placed:
+def _placed(name: str, obstacle: dict[str, Any], t: Floats) -> PlacedBody:
     solid = _solid(name, obstacle)
     motion = obstacle.get("motion", {"kind": "linear", "v": [0.0, 0.0, 0.0]})
     if motion["kind"] == "linear":
         centre = np.array(obstacle["pos"]) + np.array(motion["v"]) * t[:, None]
-        return Placed(name, solid, centre, np.full(len(t), float(obstacle["yaw"])))
+        return PlacedBody(name, solid, centre, np.full(len(t), float(obstacle["yaw"])))
     if motion["kind"] == "swing":
         angle = motion["phase"] + motion["omega"] * t
         outwards = np.stack([np.cos(angle), np.sin(angle), np.zeros(len(t))], axis=-1)
-        return Placed(name, solid, np.array(motion["pivot"]) + obstacle["length"] / 2 * outwards, angle)
+        return PlacedBody(name, solid, np.array(motion["pivot"]) + obstacle["length"] / 2 * outwards, angle)
     raise ValueError(f"{name}: unknown motion {motion['kind']!r}")
 
 
-def collisions(first: Placed, second: Placed) -> NDArray[np.intp]:
+def collisions(first: PlacedBody, second: PlacedBody) -> NDArray[np.intp]:
     """Indices (M,) of the times at which the two solids overlap. Raises `ValueError` for a pose that is not finite."""
     for placed in (first, second):
         if not (np.isfinite(placed.centre).all() and np.isfinite(placed.yaw).all()):

@@ -33,7 +33,7 @@ class Pair:
 @dataclass(frozen=True, eq=False)
 class Stage:
     """A leg, or the standstill behind the last one: when, which pairs may touch and how deep, which arrivals are over
-    in it, which step's part changes hands at its end, and what each part that was put down stands on."""
+    in it, which step's part is gripped or released at its end, and the supports of each part that was put down."""
 
     t0: float
     t1: float
@@ -97,7 +97,7 @@ def stages(cell: Cell, answer: Document, spline: Spline) -> list[Stage]:
 
 
 def clearance(request: Document, near: bool, first: str, second: str) -> float:
-    """The distance asked of two bodies, m: of the exceptions that name them the last one counts."""
+    """The distance that two bodies must keep, m: of the exceptions that name them the last one counts."""
     options, key = request.get("options", {}), "near" if near else "travel"
     found = float(options.get("clearance_m", {}).get(key, 0.0))
     for rule in options.get("clearance_exceptions", []):

@@ -24,7 +24,7 @@ ROBOTS = Path(__file__).resolve().parents[2] / "scenes" / "robots"
 
 
 @dataclass(frozen=True, eq=False)
-class Carried:
+class CarriedBody:
     """A solid of the robot: on which link, and its pose there (...)."""
 
     name: str
@@ -35,7 +35,7 @@ class Carried:
 
 @dataclass(frozen=True, eq=False)
 class Arm:
-    """An arm with its tool, where it stands. `q` everywhere: joints (..., n) as the maker counts them, rad or m."""
+    """An arm with its tool at its base. `q` everywhere: joints (..., n) as the maker counts them, rad or m."""
 
     family: str
     numbers: Document
@@ -45,7 +45,7 @@ class Arm:
     lower: Floats
     upper: Floats
     names: tuple[str, ...]
-    bodies: tuple[Carried, ...]
+    bodies: tuple[CarriedBody, ...]
     self_pairs: tuple[tuple[str, str], ...]
     tcp: Poses
 
@@ -217,10 +217,10 @@ def _flipped(pose: Poses) -> Poses:
     return Poses(pose.p * (1.0, -1.0, -1.0), -pose.yaw)
 
 
-def _carried(given: Document, link: str, down: bool) -> Carried:
+def _carried(given: Document, link: str, down: bool) -> CarriedBody:
     pose = pose_in(given)
     solid = solid_of(given["shape"])
-    return Carried(given["name"], link, solid, _flipped(pose) if down and link == "flange" else pose)
+    return CarriedBody(given["name"], link, solid, _flipped(pose) if down and link == "flange" else pose)
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Plans of random cells, each run many times: what was accepted, what was refused and why, what went wrong."""
+"""Plans of random cells, each run many times: accepted and refused plans, and faults."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.checker_refusals import codes_of, keep, said
+from benchmarks.checker_refusals import codes_of, keep, objections
 from benchmarks.oracle import plans
-from benchmarks.oracle.asked import checked, planned
+from benchmarks.oracle.product import checked, planned
 from benchmarks.soak.poses import Document
 from benchmarks.soak.random_cells import KINDS, random_cell
 from benchmarks.soak.realisations import Realisations
@@ -25,7 +25,7 @@ LARGEST_MEDIAN = 1.3
 @dataclass(eq=False)
 class Tally(plans.Tally):
     """Of one kind of cells. `ratios`: of each arrival the error that is reported over the worst that was realised;
-    `deepest_m`: the contact that came nearest to what was allowed, beside it."""
+    `deepest_m`: the contact that came nearest to the allowed depth, and that depth."""
 
     runs: int = 0
     collisions: int = 0
@@ -34,11 +34,11 @@ class Tally(plans.Tally):
     ratios: list[float] = field(default_factory=list)
 
     def add(self, outcome: Outcome, runs: int) -> None:
-        self.looked += 1
+        self.evaluated += 1
         self.runs += runs
         self.collisions += outcome.collisions
         self.faults.update(fault.kind for fault in outcome.faults)
-        self.ratios += [said / worst for _, said, worst in outcome.errors if worst > 0.0]
+        self.ratios += [reported / worst for _, reported, worst in outcome.errors if worst > 0.0]
         self._deepest(outcome.deepest_m, outcome.deepest_allowed_m)
 
     def _deepest(self, m: float, allowed_m: float) -> None:
@@ -66,7 +66,7 @@ class Tally(plans.Tally):
     def row(self) -> dict[str, str]:
         deep = self.deepest_allowed_m > 0.0
         return {
-            "accepted": str(self.looked),
+            "accepted": str(self.evaluated),
             "refused": str(self.refused.total()),
             "runs": str(self.runs),
             "collisions": str(self.collisions),
@@ -84,8 +84,8 @@ def campaign(
     """Cells of all kinds in turn, until `count` plans were accepted (None: for ever): after each cell what was found so
     far, by kind.
 
-    A plan of which a run keeps a promise not, and one that the checker refuses, is written to `out` as a request, with
-    what went wrong beside it.
+    If a run breaks a promise of a plan, or the checker refuses the plan, its request is written to `out`, and what went
+    wrong as a second file.
     """
 
     def look(tally: Tally, kind: str, own: int) -> bool:
@@ -95,16 +95,11 @@ def campaign(
 
 
 ELBOW = "start.elbow"
-"""The field of the one fault that a random cell may have: its arm cannot stand there with its elbow on that side."""
+"""The field of the one fault that a random cell may have: its arm cannot reach the start with that elbow."""
 
 
 def counted(
-    tally: Tally,
-    kind: str,
-    seed: int,
-    request: Document,
-    out: Path | None = None,
-    realisations: int = REALISATIONS,
+    tally: Tally, kind: str, seed: int, request: Document, out: Path | None = None, realisations: int = REALISATIONS
 ) -> bool:
     """Whether the plan of a cell of this kind and seed was accepted, which was run then; the tally counts it, or why it
     was refused. Raises `ValueError` for a request that is at fault in anything but `ELBOW`."""
@@ -125,7 +120,12 @@ def counted(
     unchecked = bool(codes_of(answer, findings))
     tally.unchecked += unchecked
     if out is not None and (faults or unchecked):
-        keep(out, f"{kind}-{seed}", request, {"kind": kind, "seed": seed, "faults": faults, **said(answer, findings)})
+        keep(
+            out,
+            f"{kind}-{seed}",
+            request,
+            {"kind": kind, "seed": seed, "faults": faults, **objections(answer, findings)},
+        )
     return found
 
 

@@ -1,4 +1,4 @@
-"""A request as the simulation sees it: who stands where, on what, and which pairs of bodies count when."""
+"""A request for the simulation: places and supports of bodies, and which pairs of bodies count when."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from benchmarks.soak.allowed import CONTACT_M, TRACKING, Pair, Stage, clearance
-from benchmarks.soak.arms import Arm, Carried
+from benchmarks.soak.arms import Arm, CarriedBody
 from benchmarks.soak.laws import Frame, frames_of, seat
 from benchmarks.soak.poses import Document, Floats, Poses, pose_in
 from benchmarks.soak.solids import Shape, Solid, shape_of, solid_of
@@ -25,13 +25,13 @@ class Cell:
     frames: dict[str, Frame]
     seats: dict[str, tuple[str, Poses]]
     solids: dict[str, Solid]
-    carried: dict[str, Carried]
+    carried: dict[str, CarriedBody]
     unknown_of: dict[str, Document]
     lag: Floats
 
     @staticmethod
     def of(request: Document, arm: Arm | None = None) -> Cell:
-        """The cell of a request in SI; `arm`: its arm, if it is known already. Raises `ValueError` for what the
+        """The cell of a request in SI; `arm`: its arm, if it is known already. Raises `ValueError` for a field that the
         simulation does not know."""
         arm, frames = arm or Arm.of(request["robot"]), frames_of(request)
         carried = {each.name: each for each in arm.bodies}
@@ -109,7 +109,7 @@ class Cell:
         seats: dict[str, str],
         poses: dict[str, Poses],
     ) -> list[str]:
-        """On what a part stands: the named bodies, or those under it whose top is at its bottom."""
+        """The supports of a part: the named bodies, or those under it whose top is at its bottom."""
         if names is not None:
             return names
         solid, found = self.solids[part], []

@@ -1,4 +1,4 @@
-"""The pieces of which random cells are made: arms, tools, places where parts come from and go to, obstacles.
+"""The pieces of random cells: arms, tools, places where parts come from and go to, obstacles.
 
 All lengths follow from the arm's reach R and stroke, so that the same recipes do for an arm of 130 mm and of 600 mm.
 Positions are thought of from the arm's base and written in the world.
@@ -49,7 +49,7 @@ class Draft:
         return float(self.rng.uniform(low, high))
 
     def begin(self, tool: Document) -> None:
-        """The request with the arm where it stands, with a tool, and nothing else."""
+        """The request with the arm at its base, a tool, and nothing else."""
         base = {"at_m": [float(x) for x in self.base.p], "yaw_rad": float(self.base.yaw)}
         self.request |= {"schema": "assur/1", "robot": {"model": self.model, "tool": tool, "base": base}}
         self.request |= {"start": {}, "frames": {}, "bodies": [], "task": [], "options": options_of(self)}
@@ -87,7 +87,7 @@ class Draft:
     # what is not known
 
     def of_frame(self, line: bool, scale: float = 1.0) -> Document:
-        """What is not known of a frame, sometimes nothing."""
+        """The uncertainty of a frame, sometimes none."""
         if self.chance(0.15):
             return {}
         found = {"position_m": self.between(0.0, 2e-3) * scale}

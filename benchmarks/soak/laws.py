@@ -1,4 +1,4 @@
-"""Where frames are planned to be, and where they are when what is not known of them is realised (docs/request.md)."""
+"""Planned poses of frames, and their poses with realised uncertainties (docs/request.md)."""
 
 from __future__ import annotations
 

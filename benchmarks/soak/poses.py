@@ -57,7 +57,7 @@ PER_SI = {"m": 1.0, "mm": 1e-3, "rad": 1.0, "deg": np.pi / 180.0, "s": 1.0, "ms"
 def si(document: Document, name: str, default: Any = None) -> Any:
     """What `document` says of `name` with its unit in the key, in SI; a value with a status loses it.
 
-    Raises `KeyError` where nothing is said and there is no default.
+    Raises `KeyError` if the request states nothing and there is no default.
     """
     for unit, factor in PER_SI.items():
         key = f"{name}_{unit}"

@@ -167,7 +167,7 @@ def _aside(draft: Draft) -> None:
     draft.request["task"].append({"move": {"to": {"at_m": draft.at(angle, radius, z)}}})
 
 
-# what stands and moves around
+# obstacles and moving frames
 
 
 def surround(draft: Draft, most: int) -> None:

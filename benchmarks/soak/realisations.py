@@ -19,7 +19,7 @@ SOON, LATE = (0.0, 0.02), (0.98, 1.0)
 
 
 @dataclass(eq=False)
-class OfPose:
+class PoseErrors:
     """Shares of a frame's or a part's error: `flat` (R, 2) of what is the same in all horizontal directions, the rest
     (R,) with a sign."""
 
@@ -41,9 +41,9 @@ class Realisations:
     late: Floats
     lag_s: Floats
     lag: Floats
-    frames: dict[str, OfPose]
-    parts: dict[str, OfPose]
-    grips: dict[str, OfPose]
+    frames: dict[str, PoseErrors]
+    parts: dict[str, PoseErrors]
+    grips: dict[str, PoseErrors]
     shifts: dict[str, Floats]
     ramps: Floats
     corners: list[str] = field(default_factory=list)
@@ -100,8 +100,8 @@ def drawn(request: Document, answer: Document, count: int, rng: np.random.Genera
         size[0] = 0.0
         return np.stack([size * np.cos(angle), size * np.sin(angle)], axis=-1)
 
-    def of_pose() -> OfPose:
-        return OfPose(disc(), shares(), shares(), shares(), shares())
+    def of_pose() -> PoseErrors:
+        return PoseErrors(disc(), shares(), shares(), shares(), shares())
 
     late = (shares() + 1.0) / 2.0 * tolerance
     late[0] = 0.0
@@ -129,8 +129,8 @@ def put_corners(found: Realisations, request: Document, answer: Document, names:
     """Makes the last runs the worst corners that the arrivals name, as signs of frames and joints, lateness and a
     direction. `names`: of the joints; `yaws` (A,): of the flange at each arrival, rad.
 
-    What was gripped is off by what was realised at the pick, so each corner stands twice: with the other arrivals at
-    their worst, and with everything there the other way round.
+    A gripped part has the error that was realised at its pick. So each corner is there twice: with the other arrivals
+    at their worst, and with all their signs reversed.
     """
     arrivals = answer["arrivals"]
     wanted = [(k, flip) for k, each in enumerate(arrivals) if each.get("error") for flip in (1.0, -1.0)]
@@ -145,18 +145,18 @@ def put_corners(found: Realisations, request: Document, answer: Document, names:
 def _put(
     found: Realisations, r: int, request: Document, arrival: Document, names: tuple[str, ...], yaw: float, sign: float
 ) -> None:
-    said = {each["what"]: float(each["value"]) for each in arrival["error"]["worst"]}
+    reported = {each["what"]: float(each["value"]) for each in arrival["error"]["worst"]}
     step = request["task"][arrival["step"]]
     lag = request.get("execution", {}).get("lag", {})
     node = int(np.argmin(np.abs(found.lag_s - arrival["until_s"])))
     height = 0.0
     for j, name in enumerate(names):
-        if name in said:
-            found.lag[r, node, j] = sign * said[name]
+        if name in reported:
+            found.lag[r, node, j] = sign * reported[name]
             if f"{name}_m" in lag:
-                height -= said[name] * lag[f"{name}_m"]
-    if "late start s" in said:
-        found.late[r] = max(said["late start s"], 0.0)
+                height -= reported[name] * lag[f"{name}_m"]
+    if "late start s" in reported:
+        found.late[r] = max(reported["late start s"], 0.0)
     for name, error in found.frames.items():
         for key, table in (
             ("along", error.along),
@@ -164,12 +164,12 @@ def _put(
             ("up", error.up),
             ("turned", error.turned),
         ):
-            if f"{name} {key}" in said:
-                table[r] = sign * said[f"{name} {key}"]
+            if f"{name} {key}" in reported:
+                table[r] = sign * reported[f"{name} {key}"]
                 if key == "up":
-                    height += said[f"{name} {key}"] * request["frames"][name]["uncertainty"]["vertical_m"]
+                    height += reported[f"{name} {key}"] * request["frames"][name]["uncertainty"]["vertical_m"]
     upwards = sign * (1.0 if height >= 0.0 else -1.0)
-    direction = said.get("direction rad", 0.0)
+    direction = reported.get("direction rad", 0.0)
     towards = sign * np.array([np.cos(direction), np.sin(direction)])
     for name, error in found.frames.items():
         line = any(kind in request["frames"][name] for kind in ("conveyor", "linear"))

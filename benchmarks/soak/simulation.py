@@ -1,5 +1,5 @@
-"""A plan, run many times at once with what is not known realised: what touches, what comes too near, how far arrivals
-are off.
+"""A plan, run many times at once with realised uncertainties: collisions, clearances that are too small, errors of
+arrivals.
 
 Time is that of the plan; a robot that starts late does everything late, and the clock of all that moves by itself is
 ahead of the plan's by as much.
@@ -16,15 +16,15 @@ from benchmarks.recheck.spline import Spline
 from benchmarks.soak.allowed import Pair, Stage, stages
 from benchmarks.soak.cell import Cell
 from benchmarks.soak.poses import Document, Floats, Poses
-from benchmarks.soak.realisations import OfPose, Realisations, drawn, put_corners
+from benchmarks.soak.realisations import PoseErrors, Realisations, drawn, put_corners
 from benchmarks.soak.solids import apart_at_least, gaps
 
 STEP_S = 2e-3
-"""Between two instants at which all pairs are looked at."""
+"""Time between two instants at which all pairs are evaluated."""
 FINER = 20
-"""Parts of a step that are looked at where a pair is so near that something may have been missed between."""
+"""Number of parts of a step that are evaluated where a pair is so near that a collision between may be missed."""
 FASTEST_M_S = 5.0
-"""Two bodies that come nearer to each other than this in a second may be missed."""
+"""Largest closing speed of two bodies for which no collision is missed, m/s."""
 FADES_S = 1.0
 """How long after the end of the motion a correction may have faded out."""
 ROUNDING_M, ROUNDING_RAD = 1e-6, 1e-6
@@ -32,7 +32,7 @@ ROUNDING_M, ROUNDING_RAD = 1e-6, 1e-6
 
 @dataclass(frozen=True)
 class Fault:
-    """What a plan promises and a run does not keep: `amount` beside what is `allowed`, m or rad."""
+    """A promise of a plan that a run does not keep: the `amount` and what is `allowed`, m or rad."""
 
     kind: str
     about: tuple[str, ...]
@@ -248,7 +248,7 @@ class Run:
             turn = turn - turn[0] if len(self.cell.arm.names) >= 4 else np.zeros_like(turn)
         flat, high = np.hypot(delta[:, 0], delta[:, 1]), np.abs(delta[:, 2])
         size = np.maximum(np.hypot(flat, high), at_grasp)
-        said = arrival.get("error") or {"position_m": 2e-6, "horizontal_m": 2e-6, "vertical_m": 2e-6, "yaw_rad": 2e-6}
+        stated = arrival.get("error") or {"position_m": 2e-6, "horizontal_m": 2e-6, "vertical_m": 2e-6, "yaw_rad": 2e-6}
         for key, values in (
             ("position_m", size),
             ("horizontal_m", flat),
@@ -256,11 +256,11 @@ class Run:
             ("yaw_rad", np.abs(turn)),
         ):
             r, slack = int(values.argmax()), ROUNDING_RAD if key == "yaw_rad" else ROUNDING_M
-            if not values[r] <= said[key] + slack:
+            if not values[r] <= stated[key] + slack:
                 about = (arrival["control_point"], key)
-                found.faults.append(Fault("error", about, r, arrival["until_s"], float(values[r]), said[key]))
-        if arrival.get("error") and said["position_m"] > 1e-5:
-            found.errors.append((arrival["control_point"], said["position_m"], float(size.max())))
+                found.faults.append(Fault("error", about, r, arrival["until_s"], float(values[r]), stated[key]))
+        if arrival.get("error") and stated["position_m"] > 1e-5:
+            found.errors.append((arrival["control_point"], stated["position_m"], float(size.max())))
 
     def _hand_over(self, number: int) -> None:
         """The part changes hands as it is: into the gripper, or into the frame in which it is put down."""
@@ -314,7 +314,7 @@ class Snapshot:
         return self.links[carried.link].then(carried.pose)
 
 
-def _off(pose: Poses, unknown: Document, error: OfPose) -> Poses:
+def _off(pose: Poses, unknown: Document, error: PoseErrors) -> Poses:
     """Poses (R,) off by what is not known of a part, realised."""
     flat = unknown.get("position_m", 0.0) * error.flat
     by = np.concatenate([flat, unknown.get("vertical_m", 0.0) * error.up[:, None]], axis=1)

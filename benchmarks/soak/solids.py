@@ -3,8 +3,8 @@
 Every solid stays upright. A box, an upright cylinder, a capsule along an axis and a sphere are a flat core (a rectangle
 rounded by a radius) times an interval of heights, enlarged by a ball. Of two such products the gap is that of the flat
 cores and that of the heights put together: their hypotenuse where both are apart, else the larger of both, which is
-then minus the depth of the overlap; the balls are subtracted. A cylinder that lies and a mesh are looked at as that
-box which holds them, and, where the box comes too near, by `coal`, a mesh triangle by triangle: each of them is convex,
+then minus the depth of the overlap; the balls are subtracted. A cylinder that lies and a mesh are replaced by the box
+which holds them, and, where the box comes too near, by `coal`, a mesh triangle by triangle: each of them is convex,
 so the depth of an overlap is known, too.
 """
 
@@ -106,8 +106,8 @@ def gaps(a: Solid, at: Poses, b: Solid, beside: Poses, enough: float) -> Floats:
 
 
 def _by_coal(a: Solid, at: Poses, b: Solid, beside: Poses, enough: float) -> float:
-    """The gap of two solids, of which one at most is a mesh, at single poses, m; any lower bound of it that is
-    `enough`."""
+    """The gap of two solids at single poses, m, or any lower bound of it that is `enough`. At most one of the solids is
+    a mesh."""
     if a.triangles is not None and b.triangles is not None:
         raise ValueError("two meshes: the simulation does not look at them against each other")
     if b.triangles is not None:
@@ -137,7 +137,7 @@ UNMOVED = Places.at(np.zeros(3))
 @dataclass(frozen=True, eq=False)
 class Shape:
     """A solid as `coal` has it: `geometry`, which is at `inner` in the body's frame; `radius`: of a ball about `inner`
-    that holds it, m; `mesh`: whether it is a surface, of which what is inside is not seen."""
+    that holds it, m; `mesh`: whether it is a surface, so that bodies inside it are not seen."""
 
     geometry: Any
     radius: float

@@ -1,6 +1,6 @@
-"""``python -m benchmarks.soak_service``: the service under harm; exit 1 if a bar is not met.
+"""``python -m benchmarks.soak_service``: the service under attack; exit 1 if a bar is not met.
 
-Each row starts the services that it needs as processes of their own and sees them from outside only.
+Each row starts the services that it needs as processes of their own, and observes them only from outside.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def main(
     ),
     page: Annotated[bool, typer.Option("--page", help="Write the table of docs/how-it-is-tested.md, too.")] = False,
 ) -> None:
-    """Run the rows, print what was found beside its bar, and write it."""
+    """Run the rows, print the results with their bars, and write them."""
     unknown = set(only or ()) - {row.name for row in ROWS}
     if unknown:
         raise typer.BadParameter(
@@ -76,7 +76,7 @@ def _run(row: Row, run: Run) -> Result:
 
 
 def _write(out: Path, result: Result) -> None:
-    """Puts a row into the results at once: what was measured stays, whatever becomes of the next row."""
+    """Puts a row into the results at once: it stays even if the next row fails."""
     document = page_table.read(out)
     document["machine"] = machine()
     document["rows"][result.name] = result.document()

@@ -68,14 +68,14 @@ def _abort(port: int, body: bytes) -> None:
 
 
 def judge(numbers: Numbers) -> list[str]:
-    """Readiness never fails, quick plans are all planned, no worker is lost; and there was something to see."""
+    """Readiness never fails, quick plans are all planned, no worker is lost; and there were posts and plans."""
     found = above(numbers, LIMITS)
     if not (numbers["aborted"] and numbers["readyz"] and numbers["quick"]):
-        found.append("nothing was aborted, or nothing was asked")
+        found.append("nothing was aborted, or nothing was requested")
     return found
 
 
-def told(numbers: Numbers) -> str:
+def summary(numbers: Numbers) -> str:
     """The share of readiness that failed."""
     share = 100 * numbers["readyz_failed"] / max(1, numbers["readyz"])
     return (
@@ -91,5 +91,5 @@ ROW = Row(
     "0",
     measure,
     judge,
-    told,
+    summary,
 )

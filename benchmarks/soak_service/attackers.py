@@ -33,9 +33,9 @@ async def _connected(port: int) -> Streams:
     return await asyncio.open_connection("127.0.0.1", port, local_addr=(SOURCE, 0))
 
 
-async def _slow(port: int, told: Counter[str], head: bytes) -> None:
+async def _slow(port: int, counts: Counter[str], head: bytes) -> None:
     reader, writer = await _connected(port)
-    told["slow connections"] += 1
+    counts["slow connections"] += 1
     writer.write(head)
     answer = asyncio.ensure_future(reader.readline())
     try:
@@ -44,20 +44,20 @@ async def _slow(port: int, told: Counter[str], head: bytes) -> None:
             await writer.drain()
             await asyncio.wait({answer}, timeout=1.0)
             if answer.done():
-                told[f"slow bodies answered {_status(answer.result())}"] += 1
+                counts[f"slow bodies answered {_status(answer.result())}"] += 1
                 return
     finally:
         answer.cancel()
         writer.close()
 
 
-async def _sent(port: int, told: Counter[str], kind: str, data: bytes) -> None:
+async def _sent(port: int, counts: Counter[str], kind: str, data: bytes) -> None:
     """Sends all at once, or nothing, and waits for what comes."""
     reader, writer = await _connected(port)
-    told[f"{kind} connections"] += 1
+    counts[f"{kind} connections"] += 1
     try:
         writer.write(data)
-        told[f"{kind} answered {_status(await reader.readline())}"] += 1
+        counts[f"{kind} answered {_status(await reader.readline())}"] += 1
     finally:
         writer.close()
 
@@ -66,18 +66,18 @@ def _status(line: bytes) -> str:
     return line[9:12].decode(errors="replace") if line.startswith(b"HTTP/1.") else "without a word"
 
 
-async def _again_and_again(kind: str, port: int, told: Counter[str], data: bytes) -> None:
+async def _again_and_again(kind: str, port: int, counts: Counter[str], data: bytes) -> None:
     while True:
         try:
-            await (_slow(port, told, data) if kind == "slow" else _sent(port, told, kind, data))
+            await (_slow(port, counts, data) if kind == "slow" else _sent(port, counts, kind, data))
         except OSError as error:
-            told[f"{kind}: {type(error).__name__}"] += 1
+            counts[f"{kind}: {type(error).__name__}"] += 1
         await asyncio.sleep(LARGE_AGAIN_S if kind == "large" else AGAIN_S)
 
 
 async def attack(port: int, seconds: float, slow: int, idle: int, large: int, chunks: int) -> Counter[str]:
     """Attacks for some seconds, and counts what came back."""
-    told: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     body, chunked = unknown_fields(), b"1\r\n{\r\n" * MANY_CHUNKS + b"0\r\n\r\n"
     sent = {
         "idle": b"",
@@ -86,12 +86,12 @@ async def attack(port: int, seconds: float, slow: int, idle: int, large: int, ch
         "chunks": CHUNKED.encode() + chunked,
     }
     kinds = ["idle"] * idle + ["slow"] * slow + ["large"] * large + ["chunks"] * chunks
-    tasks = [asyncio.ensure_future(_again_and_again(kind, port, told, sent[kind])) for kind in kinds]
+    tasks = [asyncio.ensure_future(_again_and_again(kind, port, counts, sent[kind])) for kind in kinds]
     await asyncio.sleep(seconds)
     for task in tasks:
         task.cancel()
     await asyncio.gather(*tasks, return_exceptions=True)
-    return told
+    return counts
 
 
 def main() -> None:

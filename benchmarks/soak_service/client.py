@@ -1,7 +1,7 @@
 """A client of the service: one connection that is kept, from an address of its own in 127.0.0.0/8.
 
-Nothing is sent a second time: what fails is an outcome. Only a kept connection that was idle for longer than servers
-keep one is opened anew, as careful clients do.
+Nothing is sent a second time: a failure is an outcome. A kept connection that was idle for longer than servers keep one
+is opened again, as careful clients do.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ TIMEOUT_S = 120.0
 
 @dataclass(frozen=True)
 class Reply:
-    """What came back. `status` 0: nothing did, and `fault` says why. `began` and `ended` by the monotonic clock, s."""
+    """The reply. `status` 0: there is none, and `fault` says why. `began` and `ended` by the monotonic clock, s."""
 
     status: int
     body: bytes
@@ -47,8 +47,8 @@ class Reply:
     def kind(self) -> str:
         """The end of a problem's type; empty for anything else."""
         document = self.document()
-        told = document.get("type") if isinstance(document, dict) else None
-        return told.rpartition(":")[2] if isinstance(told, str) else ""
+        kind = document.get("type") if isinstance(document, dict) else None
+        return kind.rpartition(":")[2] if isinstance(kind, str) else ""
 
     @property
     def name(self) -> str:
@@ -58,8 +58,8 @@ class Reply:
     @property
     def again_s(self) -> float:
         """What `Retry-After` says, s; 1 without one."""
-        told = self.headers.get("retry-after", "")
-        return float(told) if told.isdigit() else 1.0
+        seconds = self.headers.get("retry-after", "")
+        return float(seconds) if seconds.isdigit() else 1.0
 
 
 class Client:
@@ -93,14 +93,14 @@ class Client:
             self._connection.close()
             return Reply(0, b"", {}, began, time.monotonic(), f"{type(fault).__name__}: {fault}")
         self._used = time.monotonic()
-        told = {name.lower(): value for name, value in response.getheaders()}
-        return Reply(response.status, content, told, began, self._used)
+        received = {name.lower(): value for name, value in response.getheaders()}
+        return Reply(response.status, content, received, began, self._used)
 
     def close(self) -> None:
         self._connection.close()
 
 
-def asked(
+def fetch(
     port: int, path: str, body: bytes | None = None, source: str = "127.0.0.1", timeout: float = TIMEOUT_S
 ) -> Reply:
     """The reply to one request on a connection of its own: a GET, or the POST of `body`."""
@@ -134,10 +134,10 @@ def together(
         thread.join(patience_s)
 
 
-def until(limit_s: float, asked: Callable[[], bool], pause_s: float = 0.1) -> bool:
-    """Whether `asked` became true within a time."""
+def until(limit_s: float, condition: Callable[[], bool], pause_s: float = 0.1) -> bool:
+    """Whether `condition` became true within a time."""
     end = time.monotonic() + limit_s
-    while not asked():
+    while not condition():
         if time.monotonic() > end:
             return False
         time.sleep(pause_s)

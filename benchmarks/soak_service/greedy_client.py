@@ -67,7 +67,7 @@ def _form(run: Run, bodies: tuple[bytes, bytes], connect: Connect) -> Numbers:
                 stop.wait(min(max(reply.again_s, 0.2), 5.0))
         client.close()
 
-    # what the greedy client has asked for ends with the service
+    # the requests of the greedy client end with the service
     with together(asks, GREEDY, patience_s=0.0):
         time.sleep(HEAD_START_S)
         beside = _light_ones(connect, light, lasts_s)
@@ -111,12 +111,12 @@ def _summary(replies: list[Reply]) -> Numbers:
 
 def judge(numbers: Numbers) -> list[str]:
     """In each form all light requests are served, also beside the greedy client."""
-    found = [] if numbers["forms"] else ["nothing was asked"]
+    found = [] if numbers["forms"] else ["nothing was requested"]
     for name, form in numbers["forms"].items():
         for phase in ("alone", "beside"):
-            asked, served_ = form[phase]["asked"], form[phase]["served"]
-            if served_ < asked or not asked:
-                found.append(f"by {name}, {phase}: {served_} of {asked} served")
+            required, served_ = form[phase]["asked"], form[phase]["served"]
+            if served_ < required or not required:
+                found.append(f"by {name}, {phase}: {served_} of {required} served")
     return found
 
 
@@ -129,7 +129,7 @@ def judge_times(numbers: Numbers) -> list[str]:
     return found
 
 
-def told(numbers: Numbers) -> str:
+def summary(numbers: Numbers) -> str:
     """The share that was served and the ratio of medians, by form."""
     return "; ".join(
         f"by {name}: {form['beside']['served']} of {form['beside']['asked']}, "
@@ -145,7 +145,7 @@ ROW = Row(
     "all, at most 2 times",
     measure,
     judge,
-    told,
+    summary,
     judge_times,
 )
 

@@ -1,5 +1,5 @@
-"""Row 3: a worker is killed every 5 s while four clients send the same request. What is lost is at most what was in
-flight at a kill; nobody is quarantined for it, and no answer is wrong."""
+"""Row 3: a worker is killed every 5 s while four clients send the same request. Only requests in flight at a kill are
+lost; no request is quarantined for it, and no answer is wrong."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ SECONDS, FEW_SECONDS, BETWEEN_S = 600.0, 30.0, 5.0
 CLIENTS, WORKERS = 4, 2
 SIGNALS = (signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT)
 BEGUN_S = 3.0
-"""A worker that is younger is spared: it may still start, and what is asked here is of one that works, s."""
+"""A younger worker is not killed, s: it may still start, and this row is about workers that plan."""
 AFTER_S = 0.25
-"""A request whose worker was killed is told within so long after its end was measured here, s."""
+"""Longest time from the end of a killed worker, as it is measured here, to the answer of its request, s."""
 TIMES = ("elapsed_s", "first_s")
 """What differs between two answers to one request."""
 LIMITS: dict[str, float] = {
@@ -146,7 +146,7 @@ def judge(numbers: Numbers) -> list[str]:
     return found
 
 
-def told(numbers: Numbers) -> str:
+def summary(numbers: Numbers) -> str:
     """Lost beyond those in flight, of how many."""
     return (
         f"{numbers['lost_beyond']} lost beyond {numbers['failed'] - numbers['lost_beyond']} in flight, "
@@ -162,5 +162,5 @@ ROW = Row(
     "0",
     measure,
     judge,
-    told,
+    summary,
 )

@@ -7,7 +7,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from benchmarks.soak_service.client import asked, until
+from benchmarks.soak_service.client import fetch, until
 from benchmarks.soak_service.large_bodies import of_checks, of_counts, of_megabytes, of_meshes, of_seconds
 from benchmarks.soak_service.row import Numbers, Row, Run
 from benchmarks.soak_service.served import MIB, Service, Watch, forget_peak, peak_kib, served
@@ -60,7 +60,7 @@ def _cost(service: Service, address: str, body: bytes) -> Numbers:
     for worker in service.workers():
         forget_peak(worker.pid)
     with Watch(service) as watch:
-        reply = asked(service.port, address, body)
+        reply = fetch(service.port, address, body)
         last = max((peak_kib(worker.pid) for worker in service.workers()), default=0) / 1024
     document: Any = reply.document()
     plan = document if isinstance(document, dict) else {}
@@ -76,7 +76,7 @@ def _cost(service: Service, address: str, body: bytes) -> Numbers:
 
 def judge(numbers: Numbers) -> list[str]:
     """Every request is answered, below 400 MiB, and a proof of 100,000 s has at most 100 kB."""
-    found = [] if numbers["requests"] else ["nothing was asked"]
+    found = [] if numbers["requests"] else ["nothing was requested"]
     for each in numbers["requests"]:
         if each["status"] not in ANSWERED:
             found.append(f"{each['request']}: {each['status']} {each['outcome']}")
@@ -87,7 +87,7 @@ def judge(numbers: Numbers) -> list[str]:
     return found
 
 
-def told(numbers: Numbers) -> str:
+def summary(numbers: Numbers) -> str:
     """The highest peak, and whose it was."""
     worst = max(numbers["requests"], key=lambda each: each["peak_mib"])
     failed = sum(each["status"] not in ANSWERED for each in numbers["requests"])
@@ -104,5 +104,5 @@ ROW = Row(
     "at most 400 MiB, all answered",
     measure,
     judge,
-    told,
+    summary,
 )

@@ -1,5 +1,5 @@
-"""Row 1: mutated requests over HTTP. Whatever is sent, the answer is one that the service describes; no worker is lost,
-nothing is killed for want of time, and every line of the log is JSON."""
+"""Row 1: mutated requests over HTTP. Each answer is one that the service describes; no worker is lost, none is killed
+at its time limit, and every line of the log is JSON."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from benchmarks.soak_service.client import Client, Reply, asked, together
+from benchmarks.soak_service.client import Client, Reply, fetch, together
 from benchmarks.soak_service.mutations import MILD, Mutant, mutant
 from benchmarks.soak_service.row import Numbers, Row, RowError, Run, above
 from benchmarks.soak_service.served import Service, Watch, served
@@ -26,7 +26,7 @@ FULL_SHARE, FULL_SHARE_OF_MILD = 0.04, 0.25
 """Of all requests, those that ask for the whole certificate; each plan of theirs is checked. Mild ones are planned more
 often."""
 KEPT = 200
-"""So many failing bodies are kept."""
+"""Number of failing bodies that are kept."""
 TURNED_AWAY = frozenset({429, 503})
 MOST_AGAIN, MOST_TURNED_AWAY = 5, 0.01
 SETTINGS: dict[str, object] = {
@@ -86,7 +86,7 @@ class _Sender:
         self._ends = time.monotonic() + LONGEST_S
         document = description(service)
         self._documented = statuses(document, "post", PATH)
-        names = [scene["name"] for scene in asked(service.port, "/v1/scenes").document()["scenes"]]
+        names = [scene["name"] for scene in fetch(service.port, "/v1/scenes").document()["scenes"]]
         self.scenarios = {name: service.scene(name) for name in names}
         if not self.scenarios:
             raise RowError("GET /v1/scenes gives no scenario")
@@ -110,8 +110,8 @@ class _Sender:
         document = reply.document()
         if full and isinstance(document, dict) and document.get("status") == "planned":
             verdict = self._answered(client, CHECK_PATH, b'{"request": %b, "plan": %b}' % (sent.body, reply.body))
-            told = verdict.document()
-            good = verdict.status == 200 and isinstance(told, dict) and told.get("ok") is True
+            verified = verdict.document()
+            good = verdict.status == 200 and isinstance(verified, dict) and verified.get("ok") is True
             self._count("checks")
             if not good:
                 faults.append("checks_refused")
@@ -144,11 +144,11 @@ class _Sender:
 def _keep(folder: Path, sent: Mutant, reply: Reply, faults: list[str]) -> None:
     stem = f"{sent.number:06d}-{faults[0]}"
     (folder / f"{stem}.body").write_bytes(sent.body)
-    told = {
+    report = {
         "mutation": sent.kind, "scenario": sent.scenario, "faults": faults, "status": reply.status,
         "fault": reply.fault, "seconds": reply.seconds, "answer": reply.body[:4000].decode(errors="replace"),
     }  # fmt: skip
-    (folder / f"{stem}.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
+    (folder / f"{stem}.json").write_text(json.dumps(report, indent=1), encoding="utf-8")
 
 
 def measure(run: Run) -> Numbers:
@@ -188,13 +188,13 @@ def judge(numbers: Numbers) -> list[str]:
     if numbers["requests"] < numbers["asked"]:
         found.append(f"only {numbers['requests']} of {numbers['asked']} were sent in {LONGEST_S:g} s")
     if numbers["turned_away"] > MOST_TURNED_AWAY * numbers["requests"]:
-        found.append(f"{numbers['turned_away']} were told to come again: that is no measure of what they ask")
+        found.append(f"{numbers['turned_away']} were rejected with Retry-After: that measures nothing")
     if not numbers["checks"]:
         found.append("no plan was checked")
     return found
 
 
-def told(numbers: Numbers) -> str:
+def summary(numbers: Numbers) -> str:
     """Undocumented statuses, 504 and workers lost, of how many."""
     return (
         f"{numbers['undocumented'] + numbers['status_500']} / {numbers['status_504']} / {numbers['workers_lost']} of "
@@ -210,13 +210,13 @@ ROW = Row(
     "0 / 0 / 0 of 50,000",
     measure,
     judge,
-    told,
+    summary,
 )
 
 
 def description(service: Service) -> dict[str, Any]:
     """The description of a running service."""
-    reply = asked(service.port, "/openapi.json")
+    reply = fetch(service.port, "/openapi.json")
     document = reply.document()
     if reply.status != 200 or not isinstance(document, dict):
         raise RowError(f"/openapi.json was answered with {reply.status} {reply.fault}".strip())

@@ -119,7 +119,7 @@ def text_of(document: Any) -> bytes:
 
 Place = tuple[str | int, ...]
 NAMING = frozenset({"name", "frame", "part", "to", "robot", "model", "at", "body", "with", "contact_with"})
-"""Keys below which names of the document stand."""
+"""Keys with names of the document below them."""
 
 
 def every_place(document: Any, below: Place = ()) -> list[Place]:
@@ -133,7 +133,7 @@ def every_place(document: Any, below: Place = ()) -> list[Place]:
 
 
 def value_at(document: Any, place: Place) -> Any:
-    """What stands at a place."""
+    """The value at a place."""
     for key in place:
         document = document[key]
     return document
@@ -145,7 +145,7 @@ def put(document: Any, place: Place, value: Any) -> None:
 
 
 def removed(document: Any, place: Place) -> None:
-    """Takes away what stands at a place."""
+    """Removes the value at a place."""
     del value_at(document, place[:-1])[place[-1]]
 
 
@@ -168,7 +168,7 @@ def _one(rng: random.Random, places: Sequence[Place]) -> Place | None:
 
 
 def _replaced(places: Callable[[Document], list[Place]], value: Callable[[random.Random, Any], Any]) -> Mutation:
-    """Puts a value, made of the one that stands there, at one of these places."""
+    """Replaces the value at one of these places by one that is made from it."""
 
     def change(rng: random.Random, document: Document, __: Sequence[Document]) -> None:
         place = _one(rng, places(document))
@@ -197,7 +197,7 @@ def _bound(rng: random.Random, _: Any) -> Any:
 
 
 def _ulp(rng: random.Random, here: Any) -> float:
-    """One unit in the last place beside a bound, or beside what stands there."""
+    """One unit in the last place away from a bound, or from the value there."""
     centre = rng.choice((float(here), float(rng.choice(BOUNDS))))
     return math.nextafter(centre, rng.choice((-math.inf, math.inf)))
 
@@ -268,7 +268,7 @@ def _move(rng: random.Random, document: Document, others: Sequence[Document]) ->
 
 
 def _twin(rng: random.Random, document: Document, __: Sequence[Document]) -> None:
-    """A key of SI as its twin or the other way round; the number is converted, or is not, or both stand there."""
+    """A key of SI as its twin or the other way round; the number is converted, or not, or both keys are there."""
     found = []
     for place in every_place(document):
         key = place[-1]

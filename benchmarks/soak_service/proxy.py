@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from benchmarks.machine import ROOT
-from benchmarks.soak_service.client import asked, until
+from benchmarks.soak_service.client import fetch, until
 from benchmarks.soak_service.row import NotThereError, RowError
 
 CONFIGURATION = ROOT / "deploy" / "haproxy.cfg"
@@ -26,14 +26,15 @@ ELSEWHERE = re.compile(r"\s*(?:user|group|chroot|daemon|pidfile|stats\s+socket)\
 
 def free_port() -> int:
     """A port of this machine that nobody listens on."""
-    with socket.socket() as door:
-        door.bind(("127.0.0.1", 0))
-        return int(door.getsockname()[1])
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
 
 
 def substituted(text: str, port: int, servers: Sequence[int]) -> str:
-    """A configuration of HAProxy that listens on `port` and has the ports `servers` for its servers, which are told
-    apart by their names, in order. Where there are fewer ports than names, several names have one, once in a backend.
+    """A configuration of HAProxy that listens on `port` and has the ports `servers` for its servers, which are
+    distinguished by their names, in order. Where there are fewer ports than names, several names have one, once in a
+    backend.
 
     The first line with `bind` gets the port, further ones get free ports.
     """
@@ -91,4 +92,4 @@ def proxied(folder: Path, servers: Sequence[int]) -> Iterator[int]:
 
 
 def _passes(port: int) -> bool:
-    return asked(port, "/v1/scenes", timeout=5.0).status == 200
+    return fetch(port, "/v1/scenes", timeout=5.0).status == 200

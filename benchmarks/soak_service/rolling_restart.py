@@ -1,5 +1,5 @@
 """Row 8: two replicas behind the shipped proxy are restarted one after the other under load. No request is lost, and
-the client of each job is told what became of it."""
+the client of each job receives its final state."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from collections import Counter
 from contextlib import ExitStack
 from typing import Any
 
-from benchmarks.soak_service.client import Client, Reply, asked, counted, together
+from benchmarks.soak_service.client import Client, Reply, counted, fetch, together
 from benchmarks.soak_service.greedy_client import body_of
 from benchmarks.soak_service.large_bodies import small
 from benchmarks.soak_service.proxy import free_port, proxied
@@ -20,10 +20,10 @@ from benchmarks.soak_service.served import Service, served
 CLIENTS, REPLICAS = 4, 2
 ROUNDS, FEW_ROUNDS = 3, 1
 SETTLED_S = 3.0
-JOBS, JOB_S, TOLD_S = 3, 4.0, 60.0
+JOBS, JOB_S, STATE_S = 3, 4.0, 60.0
 LIMITS: dict[str, float] = {"lost": 0, "jobs_not_told": 0, "ended_badly": 0}
 DRAIN_S = 3.0
-"""So long a replica that is told to stop still takes requests, s: the proxy asks each 0.5 s whether it is ready."""
+"""A replica takes requests for so long after the signal to stop, s. The proxy requests its readiness each 0.5 s."""
 NAMES = "ab"
 """Names of the replicas, with which the ids of their jobs begin; the proxy has them in this order."""
 SETTINGS: dict[str, object] = {"workers": 1, "max_budget_s": 10.0}
@@ -75,7 +75,7 @@ def measure(run: Run) -> Numbers:
                     time.sleep(SETTLED_S)
                     places = [_posted(port, long) for _ in range(JOBS)]
                     ends.append(replicas.restart(number, times))
-                    jobs += [_told(port, place) for place in places]
+                    jobs += [_final_state(port, place) for place in places]
                     run.say(f"replica {number}: {ends[-1]}; {counted(replies)}; jobs {jobs}")
             time.sleep(SETTLED_S)
     failed = [reply for reply in replies if reply.status != 200]
@@ -93,37 +93,37 @@ def measure(run: Run) -> Numbers:
 
 
 def _posted(port: int, body: bytes) -> str | None:
-    """Where the job is that was accepted; None where it was not, which the reply has told."""
-    reply = asked(port, "/v1/jobs", body, "127.0.0.71", timeout=30.0)
+    """The address of the accepted job; None if the service rejected it."""
+    reply = fetch(port, "/v1/jobs", body, "127.0.0.71", timeout=30.0)
     document: Any = reply.document()
     return f"/v1/jobs/{document['id']}" if reply.status == 202 and isinstance(document, dict) else None
 
 
-def _told(port: int, place: str | None) -> str:
-    """What the client of a job is told in the end; it begins with ? where it is told nothing in time."""
+def _final_state(port: int, place: str | None) -> str:
+    """The final state that the client of a job receives; it begins with ? if none comes in time."""
     if place is None:
         return "not accepted"
     client = Client(port, "127.0.0.71", timeout=30.0)
-    end = time.monotonic() + TOLD_S
-    told = "? nothing"
+    end = time.monotonic() + STATE_S
+    state_or_fault = "? nothing"
     while time.monotonic() < end:
         reply = client.get(place)
         document: Any = reply.document()
         state = document.get("state", reply.kind) if isinstance(document, dict) else reply.fault
-        told = f"? {reply.status} {state}"
+        state_or_fault = f"? {reply.status} {state}"
         if reply.status == 404 and state == "job-lost":
-            told = "lost, and told so"
+            state_or_fault = "lost, and told so"
             break
         if reply.status == 200 and state in ("done", "failed", "cancelled"):
-            told = str(state)
+            state_or_fault = str(state)
             break
         time.sleep(0.2)
     client.close()
-    return told
+    return state_or_fault
 
 
 def judge(numbers: Numbers) -> list[str]:
-    """Nothing is lost, each job's client is told, each replica ends with exit code 0; and there was load."""
+    """Nothing is lost, each job's client gets its state, each replica ends with exit code 0; and there was load."""
     found = above(numbers, LIMITS)
     if numbers["requests"] < 10 * numbers["restarts"] or not numbers["restarts"]:
         found.append(f"{numbers['requests']} requests for {numbers['restarts']} restarts: no load")
@@ -132,7 +132,7 @@ def judge(numbers: Numbers) -> list[str]:
     return found
 
 
-def told(numbers: Numbers) -> str:
+def summary(numbers: Numbers) -> str:
     """Requests lost, of how many; what became of the jobs."""
     jobs = json.dumps(numbers["jobs"]).strip("{}").replace('"', "")
     return f"{numbers['lost']} of {numbers['requests']:,}, {numbers['restarts']} restarts; jobs: {jobs}"
@@ -145,5 +145,5 @@ ROW = Row(
     "0",
     measure,
     judge,
-    told,
+    summary,
 )

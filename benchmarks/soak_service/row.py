@@ -1,4 +1,4 @@
-"""What a row of the table is: how it is measured, how its numbers are judged, and how they are told in one line."""
+"""What a row of the table is: how it is measured, how its numbers are judged, and how one line reports them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class RowError(Exception):
 @dataclass(frozen=True)
 class Run:
     """How a run is made: its short form, the seed of all random choices, the folder of logs and failing bodies, and
-    where progress is told."""
+    where progress is reported."""
 
     short: bool
     seed: int
@@ -50,10 +50,10 @@ class Run:
 
 @dataclass(frozen=True)
 class Row:
-    """A row of the table. `measure` returns its numbers, among them `missing`: what is not there, in words. `judge`
-    returns why they do not meet the bar, nothing where they do; it is a function of the numbers alone. `judge_times`
-    the same of times and rates, which a busy machine spoils: the short form tells them and does not fail for them.
-    `told` puts the numbers into one line. `before`: what was found before the service was made for many clients."""
+    """A row of the table. `measure` returns its numbers, among them `missing`: missing programs or files, in words.
+    `judge` returns why the numbers do not meet the bar, or nothing; it depends on the numbers alone. `judge_times`
+    the same of times and rates, which a busy machine spoils: the short form reports them and does not fail for them.
+    `summary` puts the numbers into one line. `before`: the result before the service was made for many clients."""
 
     name: str
     title: str
@@ -61,13 +61,13 @@ class Row:
     bar: str
     measure: Callable[[Run], Numbers]
     judge: Callable[[Numbers], list[str]]
-    told: Callable[[Numbers], str]
+    summary: Callable[[Numbers], str]
     judge_times: Callable[[Numbers], list[str]] = lambda _: []
 
 
 @dataclass(frozen=True)
 class Result:
-    """A row that was run: when, on which commit, at what load of the machine, what was found, and the verdict."""
+    """A row that was run: its numbers and verdict, when, on which commit, and the load of the machine."""
 
     name: str
     verdict: str
@@ -100,23 +100,23 @@ def judged(row: Row, numbers: Numbers, short: bool = False) -> tuple[str, list[s
 
 
 def run_row(row: Row, run: Run) -> Result:
-    """Measures and judges a row. What is not there, and what could not be measured, is a result, too."""
+    """Measures and judges a row. A row that is not there, or could not be measured, is a result, too."""
     began, load, at = time.monotonic(), os.getloadavg()[0], datetime.now(UTC).date().isoformat()
     numbers: Numbers = {}
     try:
         numbers = row.measure(run)
     except NotThereError as missing:
-        verdict, reasons, told = NOT_THERE, [str(missing)], f"not there: {missing}"
+        verdict, reasons, summary = NOT_THERE, [str(missing)], f"not there: {missing}"
     except RowError as failed:
-        verdict, reasons, told = NOT_MET, [str(failed)], f"not measured: {failed}"
+        verdict, reasons, summary = NOT_MET, [str(failed)], f"not measured: {failed}"
     else:
-        (verdict, reasons), told = judged(row, numbers, run.short), row.told(numbers)
+        (verdict, reasons), summary = judged(row, numbers, run.short), row.summary(numbers)
     here = commit()
     took_s = round(time.monotonic() - began, 1)
     return Result(
         row.name,
         verdict,
-        told,
+        summary,
         reasons,
         numbers,
         run.short,
@@ -129,7 +129,7 @@ def run_row(row: Row, run: Run) -> Result:
 
 
 def above(numbers: Numbers, limits: Mapping[str, float]) -> list[str]:
-    """What of `numbers` is above its limit, or was not measured, in words."""
+    """The numbers that are above their limit, or were not measured, in words."""
     found = []
     for name, limit in limits.items():
         value = numbers.get(name)

@@ -66,7 +66,7 @@ def judge(numbers: Numbers) -> list[str]:
     return found
 
 
-def told(numbers: Numbers) -> str:
+def summary(numbers: Numbers) -> str:
     """Cases and failures."""
     return f"{numbers['cases']:,}: {numbers['failures']} failures; phases {', '.join(numbers['phases']) or 'none'}"
 
@@ -78,5 +78,5 @@ ROW = Row(
     "20,000: 0",
     measure,
     judge,
-    told,
+    summary,
 )

@@ -1,4 +1,4 @@
-"""A service as a process of its own, seen from outside: its address, its log, its worker processes, their memory."""
+"""A service in a process of its own, observed from outside: its address, log, worker processes and their memory."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from typing import Any
 import psutil
 
 from benchmarks.machine import ROOT
-from benchmarks.soak_service.client import Client, asked, until
+from benchmarks.soak_service.client import Client, fetch, until
 from benchmarks.soak_service.row import NotThereError, RowError
 
 START_S, STOP_S = 180.0, 200.0
 """Longest start and longest stop of a service, s."""
 WATCHED_S = 0.05
-"""How often processes are looked at, s."""
+"""Time between two observations of the processes, s."""
 MIB = 1 << 20
 LOST = re.compile(r"^assur_worker_restarts_total\{(.*)\}\s+([\d.e+]+)$", re.MULTILINE)
 """Lines of /metrics that count workers by the cause of their end."""
 PLANNED = frozenset({"max_tasks"})
-"""Causes that are no loss: the service replaced a worker that had done its share."""
+"""Causes that are no loss: the service replaced a worker after its number of requests."""
 
 
 class Service:
@@ -48,7 +48,7 @@ class Service:
 
     def scene(self, name: str) -> dict[str, Any]:
         """The request of a shipped scenario. Raises `RowError` where it is not there."""
-        document = asked(self.port, f"/v1/scenes/{name}").document()
+        document = fetch(self.port, f"/v1/scenes/{name}").document()
         if not (isinstance(document, dict) and "task" in document):
             raise RowError(f"the scenario {name} is not there")
         return document
@@ -56,7 +56,7 @@ class Service:
     @property
     def ready(self) -> bool:
         """Whether it takes requests."""
-        return asked(self.port, "/readyz", timeout=5.0).status == 200
+        return fetch(self.port, "/readyz", timeout=5.0).status == 200
 
     def workers(self) -> list[psutil.Process]:
         """The worker processes that live: what the web process has spawned, or had forked from a template, but for the
@@ -92,8 +92,8 @@ class Service:
         return good, bad
 
     def lost_by_metrics(self) -> dict[str, float] | None:
-        """Workers that ended unasked, by cause, as /metrics counts them; None where it does not."""
-        reply = asked(self.port, "/metrics", timeout=10.0)
+        """Workers that ended without a request to end, by cause, from /metrics; None if it does not count them."""
+        reply = fetch(self.port, "/metrics", timeout=10.0)
         return lost_workers(reply.body.decode(errors="replace")) if reply.status == 200 else None
 
     def stop(self, patience_s: float = STOP_S) -> int | None:
@@ -113,7 +113,7 @@ class Service:
 
 
 def lost_workers(metrics: str) -> dict[str, float] | None:
-    """What a text in the format of Prometheus says of workers that ended, by cause; None where it says nothing."""
+    """Numbers of workers that ended, by cause, in a text in the format of Prometheus; None if it has none."""
     found: Counter[str] = Counter()
     there = False
     for labels, value in LOST.findall(metrics):
@@ -125,7 +125,7 @@ def lost_workers(metrics: str) -> dict[str, float] | None:
 
 
 class Watch:
-    """Looks at the processes of a service while a block runs: which workers ended, how much memory each had."""
+    """Observes the processes of a service while a block runs: which workers ended, and the memory of each."""
 
     def __init__(self, service: Service) -> None:
         self._service = service
@@ -272,11 +272,11 @@ def _wait_until_ready(service: Service) -> None:
     def ready() -> bool:
         return service.ready or service.process.poll() is not None
 
-    told = until(START_S, listens) and until(START_S, ready)
+    ready_in_time = until(START_S, listens) and until(START_S, ready)
     if service.process.poll() is not None:
         unknown = re.search(r"(ASSUR_\w+): got .*; allowed: one of ASSUR_", text())
         if unknown is not None:
             raise _UnknownSettingError(unknown.group(1))
         raise RowError(f"the service ended while it started: {text()[-300:]!r}")
-    if not told:
+    if not ready_in_time:
         raise RowError(f"the service did not become ready in {START_S:g} s: {text()[-300:]!r}")

@@ -11,7 +11,7 @@ import time
 from contextlib import ExitStack
 
 from benchmarks.machine import ROOT
-from benchmarks.soak_service.client import Reply, asked, counted, served_times, together
+from benchmarks.soak_service.client import Reply, counted, fetch, served_times, together
 from benchmarks.soak_service.large_bodies import small
 from benchmarks.soak_service.proxy import proxied
 from benchmarks.soak_service.row import NotThereError, Numbers, Row, Run
@@ -20,7 +20,7 @@ from benchmarks.soak_service.served import served
 SECONDS, FEW_SECONDS, QUIET_S = 60.0, 8.0, 3.0
 SLOW, IDLE, LARGE, CHUNKS = 64, 512, 20, 8
 PROBE_S, POST_S, PATIENCE_S = 0.05, 0.5, 3.0
-"""How often /livez and a quick plan are asked for, and how long a probe waits, s. Orchestrators wait 1 to 5 s."""
+"""Time between two requests of /livez and of a quick plan; how long a probe waits, s. Orchestrators wait 1 to 5 s."""
 MOST_MS = 50.0
 ATTACKED, QUIET = "attacked", "quiet"
 BEHIND = {"forwarded_from": "127.0.0.1"}
@@ -28,7 +28,7 @@ BEHIND = {"forwarded_from": "127.0.0.1"}
 
 
 def measure(run: Run) -> Numbers:
-    """Both forms; each is quiet for some seconds first, which says what this machine does by itself."""
+    """Both forms; each is quiet for some seconds first, to measure the machine without load."""
     forms: dict[str, Numbers] = {}
     missing: list[str] = []
     for name in ("without the proxy", "behind the proxy"):
@@ -44,7 +44,7 @@ def measure(run: Run) -> Numbers:
                 except NotThereError as absent:
                     missing.append(f"{name}: {absent}")
                     continue
-            probe = port if asked(port, "/livez", timeout=PATIENCE_S).status == 200 else service.port
+            probe = port if fetch(port, "/livez", timeout=PATIENCE_S).status == 200 else service.port
             forms[name] = {
                 "livez_through_proxy": probe != service.port,
                 QUIET: _probed(probe, port, QUIET_S),
@@ -61,8 +61,8 @@ def _attacked(probe: int, port: int, lasts_s: float) -> Numbers:
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as attackers:
         time.sleep(1.5)  # they have connected
         found = _probed(probe, port, lasts_s)
-        told, _ = attackers.communicate()
-    last = told.strip().splitlines()[-1:]
+        printed, _ = attackers.communicate()
+    last = printed.strip().splitlines()[-1:]
     return {**found, "attackers": json.loads(last[0]) if last else None}
 
 
@@ -73,14 +73,14 @@ def _probed(probe: int, port: int, lasts_s: float) -> Numbers:
 
     def asks(_: int, stop: threading.Event) -> None:
         while not stop.is_set():
-            plans.append(asked(port, "/v1/plans?certificate=digest", body, "127.0.0.51", timeout=30.0))
+            plans.append(fetch(port, "/v1/plans?certificate=digest", body, "127.0.0.51", timeout=30.0))
             stop.wait(POST_S)
 
     probes: list[Reply] = []
     end = time.monotonic() + lasts_s
     with together(asks, 1):
         while time.monotonic() < end:
-            probes.append(asked(probe, "/livez", source="127.0.0.52", timeout=PATIENCE_S))
+            probes.append(fetch(probe, "/livez", source="127.0.0.52", timeout=PATIENCE_S))
             time.sleep(PROBE_S)
     times = sorted(1e3 * seconds for seconds in served_times(probes))
     return {
@@ -100,7 +100,7 @@ def _quantile(ordered: list[float], share: float) -> float | None:
 
 def judge(numbers: Numbers) -> list[str]:
     """In each form no probe fails, and every post of others is served."""
-    found = [] if numbers["forms"] else ["nothing was asked"]
+    found = [] if numbers["forms"] else ["nothing was requested"]
     for name, form in numbers["forms"].items():
         attacked = form[ATTACKED]
         if attacked["livez_failed"] or not attacked["livez"]:
@@ -122,7 +122,7 @@ def judge_times(numbers: Numbers) -> list[str]:
     ]
 
 
-def told(numbers: Numbers) -> str:
+def printed(numbers: Numbers) -> str:
     """99 % of /livez, failures, and posts of others, by form."""
     return "; ".join(
         f"{name}: {form[ATTACKED]['livez_ms']['99']} ms ({form[QUIET]['livez_ms']['99']} when quiet), "
@@ -139,6 +139,6 @@ ROW = Row(
     "at most 50 ms, 0 failures",
     measure,
     judge,
-    told,
+    printed,
     judge_times,
 )

@@ -34,7 +34,7 @@ def read(path: Path) -> dict[str, Any]:
 
 
 def table(rows: Sequence[Row], results: Results, before: Results) -> str:
-    """Head and table: each row with its bar, what was found, and the verdict."""
+    """Head and table: each row with its bar, its result, and the verdict."""
     found = results["rows"]
     if not found and not before["rows"]:
         return NOTHING
@@ -49,7 +49,7 @@ def table(rows: Sequence[Row], results: Results, before: Results) -> str:
 
 
 def _head(rows: Sequence[Row], results: Results) -> str:
-    """When, of what and where it was measured, and how many rows are met."""
+    """Date, commit and machine of the measurement, and how many rows are met."""
     found = results["rows"]
     commits = sorted(
         {f"{each['commit'] or 'no commit'}"[:10] + ("*" if each["changed"] else "") for each in found.values()}
@@ -71,9 +71,9 @@ def _head(rows: Sequence[Row], results: Results) -> str:
 def _cell(result: Mapping[str, Any] | None) -> str:
     if result is None:
         return "not run"
-    said = ["short form"] if result["short"] else []
-    said += [f"load {result['load']:.0f}"] if result["load"] > BUSY else []
-    return str(result["told"]) + (f" ({', '.join(said)})" if said else "")
+    notes = ["short form"] if result["short"] else []
+    notes += [f"load {result['load']:.0f}"] if result["load"] > BUSY else []
+    return str(result["told"]) + (f" ({', '.join(notes)})" if notes else "")
 
 
 def _verdict(result: Mapping[str, Any] | None) -> str:

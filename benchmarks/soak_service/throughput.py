@@ -22,7 +22,7 @@ OPTIONS: tuple[dict[str, object], ...] = (
     {"stop": "budget", "max_candidates": 300},
     {"stop": "budget", "max_candidates": 2000},
 )
-"""What is asked in addition to `stop: first`, in order, until one plan takes long enough."""
+"""Options in addition to `stop: first`, tried in order until one plan takes long enough."""
 
 
 def measure(run: Run) -> Numbers:
@@ -126,10 +126,10 @@ def judge(numbers: Numbers) -> list[str]:
 def judge_times(numbers: Numbers) -> list[str]:
     """The ratio is 1.5 at least."""
     good = numbers["ratio"] >= LEAST_RATIO
-    return [] if good else [f"{numbers['ratio']} times, asked for at least {LEAST_RATIO:g}"]
+    return [] if good else [f"{numbers['ratio']} times, required at least {LEAST_RATIO:g}"]
 
 
-def told(numbers: Numbers) -> str:
+def summary(numbers: Numbers) -> str:
     """The ratio and what it is made of."""
     options = ", ".join(f"`{key}: {value}`" for key, value in numbers["options"].items())
     return (
@@ -145,6 +145,6 @@ ROW = Row(
     "at least 1.5 times",
     measure,
     judge,
-    told,
+    summary,
     judge_times,
 )

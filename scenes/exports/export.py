@@ -1,7 +1,7 @@
-"""A plan as a controller's file: on the grid that it runs, proved on it anew, and what that came to.
+"""A plan as a file for a controller: on the controller's grid, and proved again on that grid.
 
-What is exported is what was proved: the numbers in the file are those of the plan in the export, whose certificate the
-checker has accepted against the request in the export.
+The exported motion is the proved motion: the numbers in the file are those of the plan in the export. The checker has
+accepted the certificate of this plan for the request in the export.
 """
 
 from __future__ import annotations
@@ -36,15 +36,15 @@ MODEL = "glb"
 SPARE = 1e-6
 """Share by which a limit is raised above the jerk that is proved against it: for rounding."""
 MOST_FINDINGS = 4
-"""So many findings are told where a motion is not proved."""
+"""Number of findings that are reported if a motion is not proved."""
 ALLOW_NONZERO = "allow_nonzero_velocity_at_trajectory_end"
 """The parameter of joint_trajectory_controller without which it refuses a motion that does not end at rest."""
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A motion that is proved: the cell against whose request it is, the plan, what is to be said of it, and how a
-    controller takes it over."""
+    """A motion that is proved: the cell against whose request it is, the plan, notes on it, and how a controller takes
+    it over."""
 
     cell: Cell
     request: dict[str, Any]
@@ -87,7 +87,7 @@ def _on_ticks(
 ) -> Motion:
     """The motion on ticks, proved: within the limits of jerk of the request, where such a motion can be proved; else
     within the robot's own, or with the rule `report` within what it needs."""
-    from assur.scenes.resampling.certifying import Refuted, kept_legs, recertified
+    from assur.scenes.resampling.certifying import Refutation, kept_legs, recertified
     from assur.scenes.resampling.grid import on_ticks
 
     legs, arrivals = kept_legs(made, trajectory)
@@ -100,7 +100,7 @@ def _on_ticks(
         wide = on_ticks(cell.scene, base, tick_s, hold_jerk=True)
         if _share_of_jerk(cell, made, wide).max() <= 1.0:
             proved = recertified(cell.scene, made, wide)
-            if not isinstance(proved, Refuted):
+            if not isinstance(proved, Refutation):
                 return _motion(cell, request, made, proved, tick_s)
         if scale_of(request) * share.max() > 1.0:
             joint, worst = cell.scene.robot.joints[int(share.argmax())].name, share.max()
@@ -130,16 +130,16 @@ def _proved(
 
     Raises `InputError` for one that cannot be proved.
     """
-    from assur.scenes.resampling.certifying import Refuted, recertified
+    from assur.scenes.resampling.certifying import Refutation, recertified
 
     given = cell
     if factor > 1.0:
         request = raised(request, factor)
         cell = cell_in(request)
     proved = recertified(cell.scene, made, trajectory)
-    if isinstance(proved, Refuted):
+    if isinstance(proved, Refutation):
         other = "" if tick_s is None else "; try a shorter tick, or none: then the points are the knots of the plan"
-        allowed = f"one that can be proved; the checker says: {told(proved.findings)}{other}"
+        allowed = f"one that can be proved; the checker says: {in_words(proved.findings)}{other}"
         raise InputError("plan", "this motion", allowed)
     return _motion(cell, request, made, proved, tick_s, factor, given)
 
@@ -153,7 +153,7 @@ def _motion(
     factor: float = 1.0,
     given: Cell | None = None,
 ) -> Motion:
-    """A proved motion, and what it came to. `given`: the cell of the request that was given, if its limits of jerk
+    """A proved motion with its deviations and jerks. `given`: the cell of the original request, if its limits of jerk
     were raised by `factor`."""
     from assur.scenes.resampling.measured import deviation
 
@@ -216,15 +216,15 @@ def cell_in(request: dict[str, Any]) -> Cell:
     return cell_of(request, validate(request))
 
 
-def told(findings: tuple[Finding, ...]) -> str:
+def in_words(findings: tuple[Finding, ...]) -> str:
     """The first findings, in words."""
-    said = [f"{each.what} ({each.where})" if each.where else each.what for each in findings[:MOST_FINDINGS]]
+    sentences = [f"{each.what} ({each.where})" if each.where else each.what for each in findings[:MOST_FINDINGS]]
     more = len(findings) - MOST_FINDINGS
-    return "; ".join(said) + (f"; and {more} more" if more > 0 else "")
+    return "; ".join(sentences) + (f"; and {more} more" if more > 0 else "")
 
 
 def statement(motion: Motion) -> list[str]:
-    """What an export says of itself, in short lines; files of text begin with it."""
+    """Short lines that describe an export; text files begin with them."""
     from assur.scenes.answer import NOTICE
     from assur.scenes.exports import handover
 
@@ -258,7 +258,7 @@ def statement(motion: Motion) -> list[str]:
 
 
 def exported(
-    cell: Cell, request: dict[str, Any], made: Plan, asked: ExportDocument, handover: Handover
+    cell: Cell, request: dict[str, Any], made: Plan, options: ExportDocument, handover: Handover
 ) -> ExportAnswer:
     """The export of a plan that has been read; `request`: that of the cell, with what files hold in it.
 
@@ -266,25 +266,25 @@ def exported(
     """
     from assur.scenes.answer import NOTICE, proved_document
 
-    motion = motion_for(cell, request, made, asked.format, asked.tick_s, asked.jerk)
+    motion = motion_for(cell, request, made, options.format, options.tick_s, options.jerk)
     motion = replace(motion, handover=handover)
-    file, notes = _file(motion, asked.format)
+    file, notes = _file(motion, options.format)
     return {
         "schema": "assur/1",
-        "format": asked.format,
-        "encoding": "base64" if asked.format == MODEL else "text",
+        "format": options.format,
+        "encoding": "base64" if options.format == MODEL else "text",
         "file": file,
         "statement": notes + statement(motion),
         **motion.facts,  # type: ignore[typeddict-item]
         "request": motion.request,
         "plan": proved_document(motion.cell, motion.plan),
-        "ending": ENDINGS.get(asked.format, asked.format),
+        "ending": ENDINGS.get(options.format, options.format),
         "notice": NOTICE,
     }
 
 
 def _file(motion: Motion, form: str) -> tuple[str, list[str]]:
-    """The file of a motion in a format, as text or in base64, and what is to be said of this format first."""
+    """The file of a motion in a format, as text or in base64, and the first notes, which are about this format."""
     from assur.scenes.exports import glb, motion_text, recipe
 
     if form == MODEL:

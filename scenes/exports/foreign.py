@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from assur.planner.trajectory import Trajectory
     from assur.scenes.conventions import Conventions
     from assur.scenes.reading.cell import Cell
-    from assur.scenes.resampling.foreign import First
+    from assur.scenes.resampling.foreign import Violation
     from assur.scenes.schema.export import FirstViolation, ForeignTrajectoryDocument
 
 SAME = 1e-6
@@ -40,10 +40,10 @@ EARLY_S = 1e-9
 
 
 def verdict(
-    cell: Cell, request: dict[str, Any], asked: ForeignTrajectoryDocument, plan: Plan | None
+    cell: Cell, request: dict[str, Any], given: ForeignTrajectoryDocument, plan: Plan | None
 ) -> TrajectoryVerdict:
-    """Whether the trajectory in a file keeps the limits and keeps everything apart. `request`: that of the cell, with
-    what files hold in it; `plan`: whose legs it has, and whose promises it must keep. Raises `InputError`."""
+    """Whether the trajectory in a file keeps the limits and the clearances. `request`: that of the cell, with the
+    content of its files; `plan`: whose legs it has, and whose promises it must keep. Raises `InputError`."""
     from assur.planner.model.phases import phases
     from assur.scenes.answer import NOTICE
     from assur.scenes.answer_facts import written
@@ -53,10 +53,10 @@ def verdict(
 
     scene = cell.scene
     trajectory, notes = trajectory_from(
-        asked.file.encode(),
-        asked.format,
+        given.file.encode(),
+        given.format,
         cell.conventions,
-        asked.start_s,
+        given.start_s,
         scene.start.time,
         jumps=not scene.options.jerk_limited,
     )
@@ -67,7 +67,7 @@ def verdict(
         _hold_to(plan, trajectory)
     of_motion = travel(scene, trajectory) if plan is None else phases(scene, *kept_legs(plan, trajectory))
     own, share = scene.robot.limits.jerk, ratios(scene, of_motion, trajectory)[2]
-    if asked.jerk == "report" and not trajectory.jumps and share.max() > 1.0:
+    if given.jerk == "report" and not trajectory.jumps and share.max() > 1.0:
         # beyond what a robot's document may say the jerk is a violation all the same
         most = MOST_JERK / float(own.max()) * (1.0 - SPARE)  # a limit in deg is rounded on its way to rad and back
         factor = min(float(share.max()) * (1.0 + SPARE), most)
@@ -94,7 +94,7 @@ def verdict(
 
 
 def _begins_off(scene: Scene, conventions: Conventions, trajectory: Trajectory) -> Iterator[BeginsOff]:
-    """By how much the first point is off the request's start, state by state, of the joints of which it is."""
+    """By how much the first point is off the request's start, state by state, for the joints that it has."""
     start = scene.start
     of_states: list[tuple[StateName, FloatArray, FloatArray, str]] = [
         ("position", start.q, trajectory.q[0], ""),
@@ -116,7 +116,7 @@ def _hold_to(plan: Plan, trajectory: Trajectory) -> None:
         raise InputError("file", (trajectory.start, trajectory.end), allowed)
 
 
-def _first(first: First) -> FirstViolation:
+def _first(first: Violation) -> FirstViolation:
     return {
         "what": first.what,
         "time_s": number(first.time),

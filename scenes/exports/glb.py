@@ -119,7 +119,7 @@ ROUGH = 0.75
 UPRIGHT = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
 """The turn by which our z, which is up, becomes the y of glTF, which is up there."""
 FINER = 3
-"""So often the steps at which poses are looked at are halved, if what is between them is off."""
+"""How often the steps between evaluated poses are halved, if interpolated poses are too far off."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,8 +178,8 @@ def model_of(motion: Motion) -> Model:
     root = gltf.add("nodes", {"name": "cell", "rotation": UPRIGHT, "children": top})
     gltf.add("animations", {"name": "plan", "channels": making.channels, "samplers": making.samplers})
     facts = motion.facts
-    said = {key: facts[key] for key in ("start_s", "duration_s", "request_digest", "certificate_digest")}
-    gltf.add("scenes", {"name": "cell", "nodes": [root], "extras": {**said, "unit": "m"}})
+    kept = {key: facts[key] for key in ("start_s", "duration_s", "request_digest", "certificate_digest")}
+    gltf.add("scenes", {"name": "cell", "nodes": [root], "extras": {**kept, "unit": "m"}})
     return Model(
         data=gltf.packed({"generator": "assur"}),
         off_m=off,

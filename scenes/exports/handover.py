@@ -1,8 +1,8 @@
 """The hand-over of a plan to a joint_trajectory_controller that runs another one (docs/export.md).
 
-What is exact is the whole motion on one time base: the points of the running plan up to the switch, then those of the
-plan. Both are proved: the running one with a knot at the switch, against its own request, and the plan with the state
-that the running one has there in place of its first one.
+The whole motion is exact on one time base: the points of the running plan up to the switch, then those of the plan.
+Both are proved: the running plan with a knot at the switch, against its own request, and the plan with the state of the
+running plan at the switch as its first state.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 
 from assur.planner.errors import InputError
 from assur.scenes.conventions import as_maker, rates_as_maker
-from assur.scenes.exports.export import told
+from assur.scenes.exports.export import in_words
 from assur.scenes.faults import NOTHING
 from assur.scenes.plan_file import MEANT, in_request, plan_file_in
 from assur.scenes.requests import cell_of, read_plan
@@ -48,10 +48,10 @@ class Handover:
 
 
 def handed_over(cell: Cell, made: Plan, how: ExportDocument, running: object) -> tuple[Plan, Handover]:
-    """A plan as it goes on from the plan file `running` (None: from nothing), and what precedes it.
+    """A plan that continues the plan file `running` (None: nothing runs), and the motion before it.
 
-    Raises `InputError` where the format has no stamps, and where the running plan cannot be gone on from: another
-    robot, other joints, a time at which it does not run, another state, or another load.
+    Raises `InputError` if the format has no stamps, and if the running plan cannot be continued: another robot, other
+    joints, a time at which it does not run, another state, or another load.
     """
     lead = how.lead_s or 0.0
     if not how.format.startswith("ros2"):
@@ -99,19 +99,19 @@ def _running(document: object) -> tuple[Cell, Plan]:
         held.held_together(cell.scene.digest)
         made, untrue, _ = read_plan(cell, held.plan)
         if untrue:
-            raise InputError("plan", "this answer", f"one that is right: {told(untrue)}")
+            raise InputError("plan", "this answer", f"one that is right: {in_words(untrue)}")
         return cell, made
 
 
 def _proved_before(cell: Cell, ran: Plan, nanos: int) -> tuple[FloatArray, ...]:
     """The knots of the running plan before the switch: of a motion with a knot there, which is proved."""
-    from assur.scenes.resampling.certifying import Refuted, recertified
+    from assur.scenes.resampling.certifying import Refutation, recertified
     from assur.scenes.resampling.grid import on_nanoseconds
 
     motion = on_nanoseconds(ran.trajectory, nanos)
     proved = recertified(cell.scene, ran, motion)
-    if isinstance(proved, Refuted):
-        allowed = f"one that can be proved with a point at the switch; the checker says: {told(proved.findings)}"
+    if isinstance(proved, Refutation):
+        allowed = f"one that can be proved with a point at the switch; the checker says: {in_words(proved.findings)}"
         raise InputError("plan", "this motion", allowed)
     earlier = np.rint((motion.time - motion.start) / NANO) < nanos
     return tuple(column[earlier] for column in (motion.time, motion.q, motion.qd, motion.qdd))
@@ -185,7 +185,7 @@ def _begun(made: Trajectory, state: tuple[FloatArray, ...]) -> Trajectory:
 
 
 def statement(handover: Handover, start: float) -> list[str]:
-    """What is to be said of a hand-over, in short lines. `start`: when the plan begins, s of the cell's clock."""
+    """The notes on a hand-over, in short lines. `start`: when the plan begins, s of the cell's clock."""
     lines = []
     if handover.lead_s:
         lines.append(

@@ -80,5 +80,5 @@ def _yaml(value: float) -> str:
 
 
 def ros2_json(motion: Motion) -> str:
-    """The message as JSON; what it is stands in the export beside it, for a message has no place for it."""
+    """The message as JSON. The export describes the file, since a message has no field for that."""
     return json.dumps(ros2_message(motion), allow_nan=False, indent=None) + "\n"

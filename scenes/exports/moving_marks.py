@@ -1,6 +1,6 @@
-"""Marks that show how frames move: arrows on what travels, spokes on what turns, as flat triangles.
+"""Marks that show how frames move: arrows on a frame that travels, spokes on one that turns, as flat triangles.
 
-Bodies alone do not show it: the bed of a belt stands, and a round table looks the same at every angle.
+Bodies alone do not show it: the bed of a belt does not move, and a round table looks the same at every angle.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ ARM_M, WIDE_M = 0.02, 0.005
 MOST_ARROWS = 200
 SPOKES = 12
 ABOVE_M = 1e-3
-"""Marks are so far above what they are on, for no two faces to be at one place."""
+"""Height of marks above their body, so that no two faces are at one place."""
 TRAVELS_M, TURNS = 1e-3, 1e-6
-"""What moves less has no mark: m, and numbers of quaternions."""
+"""A frame that moves less has no mark: m, and numbers of quaternions."""
 
 
 def marks_of(shown: Tracks) -> dict[int, Mesh]:

@@ -1,4 +1,4 @@
-"""A request with a higher limit of jerk: that against which a motion on a coarse grid is proved, as it is said."""
+"""A request with a higher limit of jerk: a motion on a coarse grid is proved against this limit, which is reported."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def scale_of(request: dict[str, Any], rate: str = "jerk") -> float:
 
 
 def raised(request: dict[str, Any], factor: float) -> dict[str, Any]:
-    """The request with `factor` times the jerks, which is above 1; what files hold must stand in it.
+    """The request with `factor` (above 1) times the jerks; it must contain the content of its files.
 
     A scale of the jerk below 1 is raised; beyond that the arm is written out, with higher jerks.
     """

@@ -1,7 +1,7 @@
 """A plan as a recipe in the language of a maker's controller: points, speeds, accelerations and arches, with notes.
 
-It is not executed here, and nothing of it is proved: the controller makes a motion of its own from it. It says at which
-points, at what speeds and how high the plan goes, for who writes the program.
+It is not executed here, and nothing of it is proved: the controller makes a motion of its own from it. It states the
+points, speeds and heights of the plan for the author of the program.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ NOTES = (
 )
 """What a recipe says first."""
 INSTANTS = 200
-"""Times of a leg at which its path is looked at."""
+"""Number of times of a leg at which its path is sampled."""
 UPRIGHT_M = 1e-3
 """An arch counts as vertical while the tool is within this distance, m, of where it began or ends."""
 MOVING = 1e-3
@@ -177,14 +177,16 @@ def _leg(motion: Motion, dialect: Dialect, number: int, leg: Leg) -> list[str]:
     from assur.planner.model.scene import Move, Pick, Place, Trace
 
     scene, trajectory, step = motion.cell.scene, motion.plan.trajectory, motion.cell.scene.task[leg.step]
-    told = [f"{dialect.comment}{leg.kind} for {step.name}, {leg.t0:.4f} to {leg.t1:.4f} s"]
+    lines = [f"{dialect.comment}{leg.kind} for {step.name}, {leg.t0:.4f} to {leg.t1:.4f} s"]
     if leg.kind is LegKind.FOLLOW and isinstance(step, Pick | Place):
-        told.append(f"{dialect.comment}  {'close' if isinstance(step, Pick) else 'open'} the gripper here")
+        lines.append(f"{dialect.comment}  {'close' if isinstance(step, Pick) else 'open'} the gripper here")
     if leg.kind is LegKind.WAIT or (leg.kind is LegKind.FOLLOW and not _moves(motion, leg)):
-        return [*told, dialect.wait.format(s=leg.t1 - leg.t0)]
+        return [*lines, dialect.wait.format(s=leg.t1 - leg.t0)]
     if leg.kind in TRACKING and _frame_moves(motion, leg):
-        told.append(f"{dialect.comment}  the point moves: the controller must track its frame here; P{number} is where")
-        told.append(f"{dialect.comment}  the plan is at {leg.t1:.4f} s of the cell's clock")
+        lines.append(
+            f"{dialect.comment}  the point moves: the controller must track its frame here; P{number} is where"
+        )
+        lines.append(f"{dialect.comment}  the plan is at {leg.t1:.4f} s of the cell's clock")
     t = np.linspace(leg.t0, leg.t1, INSTANTS)
     # a controller counts per cent of what the robot can do, not of what a request leaves of it
     limits = scene.robot.limits
@@ -203,24 +205,24 @@ def _leg(motion: Motion, dialect: Dialect, number: int, leg: Leg) -> list[str]:
     rates = dialect.line_rates if straight else dialect.joint_rates
     traced = leg.kind is LegKind.FOLLOW and isinstance(step, Trace)
     if traced or (guided and isinstance(step, Move) and step.path):
-        told.append(
+        lines.append(
             f"{dialect.comment}  the plan goes along the path of the step here, not straight: write it with arcs"
         )
     pull = max(peaks.acceleration, peaks.speed / lasts)
     mm_s, mm_s2 = min(_whole(peaks.speed), dialect.most[0]), min(_whole(pull), dialect.most[1])
     if straight and (mm_s, mm_s2) != (_whole(peaks.speed), _whole(pull)):
         own = f"{_whole(peaks.speed)} mm/s and {_whole(pull)} mm/s2"
-        told.append(f"{dialect.comment}  the plan has {own}, more than the controller takes")
-    told += rates.format(speed=_share(speed), accel=_share(accel), mm_s=mm_s, mm_s2=mm_s2).split("\n")
+        lines.append(f"{dialect.comment}  the plan has {own}, more than the controller takes")
+    lines += rates.format(speed=_share(speed), accel=_share(accel), mm_s=mm_s, mm_s2=mm_s2).split("\n")
     if not on.startswith(" ") and on:
-        told.append(on)
+        lines.append(on)
         on = ""
     if leg.kind is LegKind.ARCH:
         up, down, top = _arch(motion, leg)
-        told.append(dialect.arch.format(up=up, down=down))
+        lines.append(dialect.arch.format(up=up, down=down))
         jumped = dialect.jump.format(n=number, before=number - 1, top=top - 1e3 * scene.robot.base.z)
-        return told + jumped.split("\n")
-    return "\n".join([*told, (dialect.line if straight else dialect.go).format(n=number, on=on)]).split("\n")
+        return lines + jumped.split("\n")
+    return "\n".join([*lines, (dialect.line if straight else dialect.go).format(n=number, on=on)]).split("\n")
 
 
 def _share(ratio: float) -> int:

@@ -107,7 +107,7 @@ class JointRecord:
 
     @cached_property
     def encoder_step(self) -> float | None:
-        """The step of which all small differences of readings are multiples, within rounding; None: there is none."""
+        """The step whose multiples all small differences of readings are, within rounding; None: there is none."""
         small = self.differences[self.differences <= MOST_STEPS * self.differences[:1]][:SMALL_DIFFERENCES]
         if len(small) < LEAST_DIFFERENCES:
             return None

@@ -186,7 +186,7 @@ class SCurves:
         return found.x, 2 * float(found.cost)
 
     def _apart(self, moves: FloatArray) -> FloatArray | None:
-        """Moves (k, 5) whose pulses do not overlap, for `moves` (5 k,) of which some do; None if none does.
+        """Moves (k, 5) whose pulses do not overlap, for `moves` (5 k,) with overlaps; None if there is no overlap.
 
         The ramp that ends one pulse and the one that begins the next are alike: a motion with the two exchanged is the
         same, but its speed and its plateaus are not."""

@@ -22,7 +22,7 @@ _FOLDER: dict[str, MeshFolder | None] = {"of this process": None}
 
 
 def use_folder(folder: MeshFolder | None) -> None:
-    """From now on meshes by digest, and cuts of covers, are looked for in `folder` (None: nowhere) in this process."""
+    """From now on this process searches meshes by digest, and cuts of covers, in `folder` (None: nowhere)."""
     _FOLDER["of this process"] = folder
     process_covers().folder = folder
 

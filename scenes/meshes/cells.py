@@ -1,6 +1,6 @@
 """Cells of a covering: the surface inside each, how far its hull reaches out of the solid, and where it is best cut.
 
-All of this is a judgement of quality. What is covered depends on the cuts alone, whatever they are (`clip`, M1).
+All of this is a judgement of quality: any cuts give hulls that contain the surface (`clip`, M1).
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ rays of their own."""
 MANY = 600
 """From this many triangles on, only cuts through the middle are tried."""
 ENOUGH = 200
-"""Corners of which the volume of a hull is estimated, to compare cuts."""
+"""Number of corners for the estimate of a hull's volume, to compare cuts."""
 OF_A_HULL = 60
 """What a hull costs besides its points, in points."""
 OF_A_HALF = 80
@@ -84,8 +84,8 @@ class Cell:
         self.triangles, self.number, self._tight = triangles, number, tight
 
     def parts(self) -> Iterator[None]:
-        """Finds what a cell is compared by, and may be left, and gone on with, between two parts of the work. What is
-        not found by then is found when it is asked for."""
+        """Computes the properties by which cells are compared, in parts; the caller may stop between two parts and go
+        on later. A property that is not computed by then is computed when it is read."""
         for part in ("mesh", "hull", "excess"):
             getattr(self, part)
             yield
@@ -120,8 +120,8 @@ class Cell:
         return _Hull.of(_some(self.mesh[0]))
 
     def best(self) -> tuple[Place | None, int]:
-        """Where the volume of the hulls falls most (None: no cut leaves something on both sides), and of how many
-        points hulls were made to find it, with what else it costs.
+        """Where the volume of the hulls falls most (None: no cut leaves something on both sides), and the cost of the
+        search in points of hulls.
 
         Of cuts that do equally well (the first ones through a hollow box all do), the one along most surface; then the
         one across the longest extent. Of the best of them and the cuts through the middle, the one that leaves least

@@ -3,14 +3,14 @@
 The space around the mesh is cut by planes across the axes; each cell's hull is that of the triangles' parts inside the
 cell, so whatever the cuts, every point of every triangle is in the hull of a cell (M1). A convex mesh is one hull, the
 solid itself. Otherwise the cell whose hull reaches furthest out of the solid is cut where the volume of the hulls falls
-most, until all are tight, or there are enough pieces, or enough work was done. Where they are enough and not tight, the
-cover is larger than the solid: an arm may be kept out of a hollow that it could enter, never let through a wall.
+most, until all are tight, or there are enough pieces, or enough work was done. If the hulls are not tight then, the
+cover is larger than the solid: an arm may be kept out of a hollow that it could enter, but never let through a wall.
 
-Where the cuts are takes time to find and little room to keep; `Cuts` is that, and `cover_by` makes the hulls of it,
-which hold the surface whatever the cuts are.
+The places of the cuts take long to find and little memory to keep. `Cuts` has them, and `cover_by` makes the hulls from
+them; these contain the surface for any cuts.
 
-What is enclosed and touched by no hull is not covered: `assur.planner.geometry.containment` answers for it, from the
-same triangles.
+Enclosed space that no hull touches is not covered: `assur.planner.geometry.containment` checks it with the same
+triangles.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from assur.scenes.meshes.parts import Parts, at_once
 from assur.scenes.meshes.surface import Surface, volume_of
 
 MAX_PIECES = 64
-"""Hulls of one cover; more would cost the planner more than they show it."""
+"""Most hulls of one cover; more would cost the planner more than they are worth."""
 MAX_WORK = 60_000
-"""Points of which hulls are made to find the cuts of one cover: some tenths of a second. It bounds what a mesh may cost
-by counting, so that a cover is a function of the mesh alone."""
+"""Most points of the hulls that are made to find the cuts of one cover: some tenths of a second. The cost of a mesh is
+bounded by a count, so that a cover is a function of the mesh alone."""
 TIGHT_SHARE = 0.01
 """A hull is tight if it reaches out of the solid by no more than this share of the mesh's largest extent,"""
 TIGHT_M = 2e-4
@@ -54,7 +54,7 @@ class Cover:
 
 @dataclass(frozen=True, slots=True)
 class Cuts:
-    """Where a surface is cut, and what of it is put together again: all of a cover that is costly to find.
+    """Where a surface is cut, and which cells are joined again: the part of a cover that is costly to compute.
 
     `convex`: it is one hull, the solid itself. `planes`: cell, axis, place (m) of each cut; cell 0 is the whole, and
     those below and above cut number i are 2i + 1 and 2i + 2. `groups`: cells that are left, in groups with one hull
@@ -68,7 +68,7 @@ class Cuts:
 
 
 class Covering:
-    """The way to a cover. It may be left between two parts of the work and taken up later: the cuts are the same."""
+    """The work on a cover. It may be interrupted between two parts and continued later: the cuts are the same."""
 
     def __init__(self, surface: Surface) -> None:
         self._surface = surface
@@ -80,7 +80,7 @@ class Covering:
         self._open: list[Cell] = []
         """The cell that is being cut."""
         self.work = 0
-        """Points of which hulls were made."""
+        """Number of points of the hulls so far."""
 
     @property
     def pieces(self) -> int:
@@ -143,7 +143,7 @@ def cover(surface: Surface) -> Cover:
 
 
 def cover_by(surface: Surface, cuts: Cuts) -> Parts[Cover]:
-    """The cover with these cuts: hulls that hold the surface, whatever the cuts are, for each hull is made of what is
+    """The cover with these cuts. Its hulls contain the surface for any cuts, because each hull contains the triangles
     in its cells. A cell that is in no group has a hull of its own."""
     cells: dict[int, FloatArray] = {0: surface.corners}
     for i, (number, axis, at) in enumerate(cuts.planes):
@@ -188,12 +188,13 @@ class _Group:
 
 
 def convex_groups(hulls: list[Hull]) -> list[list[int]]:
-    """The numbers of the hulls in groups, each of which its own hull hardly exceeds; first come, first served."""
+    """The numbers of the hulls in groups. The hull of a group is hardly larger than its members. Earlier hulls choose
+    their group first."""
     groups = [_Group([i], hull.vertices) for i, hull in enumerate(hulls)]
-    asked: set[tuple[_Group, _Group]] = set()
+    refused: set[tuple[_Group, _Group]] = set()
     i = 0
     while i < len(groups):
-        partner = _partner(groups, i, asked)
+        partner = _partner(groups, i, refused)
         if partner is None:
             i += 1
             continue
@@ -203,15 +204,15 @@ def convex_groups(hulls: list[Hull]) -> list[list[int]]:
     return [group.members for group in groups]
 
 
-def _partner(groups: list[_Group], i: int, asked: set[tuple[_Group, _Group]]) -> int | None:
-    """The next group that is convex together with group i. Those in `asked` were found not to be, and are not asked
+def _partner(groups: list[_Group], i: int, refused: set[tuple[_Group, _Group]]) -> int | None:
+    """The next group that is convex together with group i. Pairs in `refused` are known not to be, and are not tried
     again."""
     for k in range(i + 1, len(groups)):
         pair = groups[i], groups[k]
-        if pair not in asked:
+        if pair not in refused:
             if _convex(*pair):
                 return k
-            asked.add(pair)
+            refused.add(pair)
     return None
 
 

@@ -1,8 +1,8 @@
 """The covers that a process knows, by the digest of the mesh's file, its format and its unit.
 
-A cover is looked for in memory, then among the cuts that are kept in a folder, and is found anew if need be. Coverings
-that the deadline in force has ended are kept in memory, and go on from there at the next request: a cover is the same
-however often it was left. None is used before it is finished.
+A cover is searched in memory, then among the cuts that are kept in a folder, and is computed if it is in neither. A
+covering that the deadline has ended is kept in memory, and goes on from there at the next request: a cover is the same
+however often it was interrupted. None is used before it is finished.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 LOGGER = logging.getLogger("assur.meshes")
 
 KEPT_BYTES = 64 << 20
-"""Memory of the covers that are kept, with their surfaces; those that were not used for longest go first."""
+"""Memory of the covers that are kept, with their surfaces; the least recently used ones are removed first."""
 UNFINISHED = 4
 """Coverings that are kept unfinished."""
 
@@ -44,8 +44,8 @@ class Key:
 
 
 class Finding:
-    """The way to the cover of a file: it is read, and then covered by the cuts in the folder, or by new ones, which are
-    kept there."""
+    """The work on the cover of a file: it is read, and then covered by the cuts in the folder, or by new cuts, which
+    are kept there."""
 
     def __init__(self, key: Key, content: bytes, folder: MeshFolder | None) -> None:
         self._key, self._folder = key, folder

@@ -1,7 +1,7 @@
 """How far a hull reaches out of the solid whose surface it covers: what decides whether it is cut further.
 
-A judgement of quality, not of safety: the hull covers its triangles whatever is found here. Every part of a hull that
-is outside the solid is looked at by a triangle of its own cell (else the whole hull were outside), so rays leave from
+A judgement of quality, not of safety: the hull covers its triangles whatever the result is. Every part of a hull that
+is outside the solid can be seen from a triangle of its own cell (else the whole hull were outside). So rays leave from
 the triangles, along their outward normals, until they meet the surface again or leave the hull. Cells are cut across
 the axes, and from a thin slab a slanted ray soon leaves through the cut; so rays leave along the axes, too, and what
 counts of them is how far they come along the normal.
@@ -34,7 +34,7 @@ LEAVING_M = 1e-7
 @dataclass(frozen=True, slots=True)
 class Rays:
     """Rays from `origins` (s, 3), m, along the unit vectors `directions` (s, 3); `shares` (s,) of their length count.
-    `met` (s,): what counts of them until they meet a triangle, m; inf where they meet none, or it was not asked."""
+    `met` (s,): what counts of them until they meet a triangle, m; inf if they meet none, or if it was not computed."""
 
     origins: FloatArray
     directions: FloatArray

@@ -1,7 +1,7 @@
-"""A folder of meshes by the SHA-256 of their files, and of what is costly to find about them, shared by processes.
+"""A folder of meshes by the SHA-256 of their files, with the cuts of their covers, shared by processes.
 
 It holds `<sha256>.mesh`, the bytes of a file, and `<sha256>-<format>-<unit>.cover`, where a mesh is cut. Both are data
-from outside when they are read: bytes count if they have the digest, cuts as `assur.scenes.meshes.kept_cuts` says.
+from outside when they are read: bytes must have the digest, and `assur.scenes.meshes.kept_cuts` checks the cuts.
 Files appear at once and whole (a temporary name, then a rename), one at a time. Names are made of digests alone, links
 are not followed, and nothing else in the folder is read or removed.
 """
@@ -30,7 +30,7 @@ _TEMPORARY = re.compile(r"\.[0-9a-f]{32}\.tmp")
 LEFT_S = 3600.0
 """A temporary file that is older than this was left by a process that died, s."""
 LEAST_BYTES = 64 << 10
-"""What a file takes at least of the quota. So there are at most 16,384 files for each GiB: all are looked at when one
+"""Least share of the quota that a file takes. So there are at most 16,384 files for each GiB: all are examined when one
 is added."""
 LOCK = ".lock"
 """Locked while a file is added: no two processes use the same room."""
@@ -41,7 +41,7 @@ TOUCHED_S = 60.0
 
 
 class FolderError(AssurError):
-    """The folder did not take a file. `full`: for want of room, of the quota or of the disk."""
+    """The folder did not take a file. `full`: the quota or the disk is full."""
 
     def __init__(self, why: str, *, full: bool) -> None:
         super().__init__(why)
@@ -49,7 +49,7 @@ class FolderError(AssurError):
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
+class StoredFile:
     """A file of the folder: bytes, and for how long it is kept if it is not used again, s."""
 
     size: int
@@ -66,7 +66,8 @@ class MeshFolder:
 
     @staticmethod
     def at(path: str, quota_bytes: int, kept_s: float, field: str) -> MeshFolder:
-        """The folder, which is made if need be. Raises `InputError` at `field` unless it can be read and written."""
+        """The folder, which is made if it does not exist. Raises `InputError` at `field` unless it can be read and
+        written."""
         folder = MeshFolder(Path(path).absolute(), quota_bytes, kept_s)
         try:
             folder.path.mkdir(parents=True, exist_ok=True)
@@ -78,7 +79,7 @@ class MeshFolder:
             raise InputError(field, path, f"a folder that can be read and written; {error.strerror}") from error
         return folder
 
-    def known(self, digest: str) -> Kept | None:
+    def known(self, digest: str) -> StoredFile | None:
         """The mesh with this digest; None if there is none, or no more."""
         return self._kept(f"{_digest(digest)}.mesh")
 
@@ -115,13 +116,13 @@ class MeshFolder:
         with suppress(OSError):
             (self.path / name).unlink()
 
-    def _kept(self, name: str) -> Kept | None:
+    def _kept(self, name: str) -> StoredFile | None:
         try:
             facts = (self.path / name).lstat()
         except OSError:
             return None
         left = facts.st_mtime + self.kept_s - time.time()
-        return Kept(facts.st_size, left) if stat.S_ISREG(facts.st_mode) and left > 0 else None
+        return StoredFile(facts.st_size, left) if stat.S_ISREG(facts.st_mode) and left > 0 else None
 
     def _read(self, name: str, most: int) -> bytes | None:
         """What is in a regular file of up to `most` bytes that is not too old; its use is noted."""

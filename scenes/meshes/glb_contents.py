@@ -1,4 +1,4 @@
-"""What the JSON of a GLB file may hold: what changes a shape and is not read is refused by its name.
+"""What the JSON of a GLB file may hold: a feature that changes a shape and is not read is refused by its name.
 
 Nodes, meshes, triangles and triangle strips are read. An extension is accepted only if it concerns materials, textures,
 lights or labels. Morph targets whose weights are 0, and cameras, change nothing. Source: glTF 2.0, and the list of

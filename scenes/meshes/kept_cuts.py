@@ -1,8 +1,8 @@
 """The cuts of a cover as a file, and back: data from outside, which is checked before it is used.
 
 The file says where a mesh is cut, not which hulls come of it: these are made anew of the mesh itself, each is checked
-to hold its points, and together they hold the mesh whatever the cuts are (M1). So no file can uncover anything. That it
-is the cover which would be found here, too, and not another one, is told by the digest of the hulls.
+to hold its points, and together they hold the mesh whatever the cuts are (M1). So no file can uncover anything. The
+digest of the hulls shows that it is the cover which would be computed here, and not another one.
 """
 
 from __future__ import annotations

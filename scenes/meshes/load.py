@@ -1,11 +1,11 @@
-"""Bytes of a mesh file into a closed surface. The only importer of trimesh, and what it must be guarded against.
+"""Bytes of a mesh file into a closed surface. Only this module imports trimesh, and guards against its traps.
 
 Traps (`trimesh` 5.2): an STL with NaN vertices comes back as a mesh with 0 faces and no error, so raw triangles are
-asked for (`process=False`) and counted; an empty file comes back as a Scene; exceptions are of any type; strings are
+read (`process=False`) and counted; an empty file comes back as a Scene; exceptions are of any type; strings are
 taken for paths or URLs, so it only ever gets bytes, and no resolver; archives are unpacked without bound, so the format
 is one of four and must agree with the content; a GLB may declare 200 million zeros that its file does not hold, so
 counts are read and bounded before trimesh sees the file; of an OBJ each `usemtl`, also one in a comment, makes a mesh
-with all vertices of the file, so that 20,000 take minutes: they are taken out, for nothing is asked of materials.
+with all vertices of the file, so that 20,000 take minutes: they are removed, since materials are not used.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def load(content: bytes, form: str, unit: str) -> Surface:
 
 
 def load_in_parts(content: bytes, form: str, unit: str) -> Parts[Surface]:
-    """`load`, which may be left, and gone on with, between two parts of the work."""
+    """`load`, which may be interrupted between two parts of the work, and continued."""
     if unit not in UNITS_M:
         raise InputError("mesh.unit", unit, f"one of {', '.join(UNITS_M)}")
     if form not in CHECKS:
@@ -177,7 +177,7 @@ def _from_one(index: bytes, before: int) -> bytes:
 
 
 def _check_obj(content: bytes) -> int | None:
-    """The number of triangles of which the faces consist."""
+    """The number of triangles in the faces."""
     if b"\0" in content or not re.search(rb"^v\s", content, re.MULTILINE):
         raise InputError("mesh.data", "no vertices in text", "an OBJ file")
     curved = CURVED.search(content)

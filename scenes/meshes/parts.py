@@ -1,4 +1,4 @@
-"""Work in parts: it may be left between two of them and gone on with later, with the same result."""
+"""Work in parts: it may be interrupted between two of them and continued later, with the same result."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 
 T = TypeVar("T")
 Parts = Generator[None, None, T]
-"""Work that yields between two of its parts, and returns what it gives."""
+"""Work that yields between two of its parts, and returns its result."""
 
 
 class InParts(Generic[T]):
@@ -17,8 +17,8 @@ class InParts(Generic[T]):
         self._parts = parts
 
     def run(self, out_of_time: Callable[[], bool]) -> T | None:
-        """What the work gives. None where `out_of_time`, which is asked before each part, ended it before: call it then
-        again. Raises what the work raises."""
+        """The result of the work. None if `out_of_time`, which is called before each part, ended it before: then call
+        `run` again. Raises what the work raises."""
         while not out_of_time():
             try:
                 next(self._parts)
@@ -29,7 +29,7 @@ class InParts(Generic[T]):
 
 
 def at_once(parts: Parts[T]) -> T:
-    """What work in parts gives, done without being left."""
+    """The result of work in parts, done without interruption."""
     while True:
         try:
             next(parts)

@@ -33,7 +33,7 @@ MANY = 2_000
 GRID_SHARE = 0.25
 """Cells of the grid in which vertices become one, where it is judged, as a share of the tolerance."""
 INWARDS = 1e-6
-"""Share of the way to the middle of a cell at which it is looked what is near its corner."""
+"""Share of the way from a corner of a cell to its middle: the point that is evaluated for the corner."""
 SURELY = 0.95
 """Winding number above which a corner is enclosed, and not on the surface."""
 SPOTS = 4_000
@@ -166,8 +166,7 @@ class _Cell:
         return True
 
     def parted(self, triangles: FloatArray, judge: _Judge) -> list[FloatArray]:
-        """The points (k, 3) of which the hull of each cell below this one is made: parts of triangles (k, 3, 3) and
-        what is enclosed."""
+        """The points (k, 3) of the hull of each cell below this one: cut triangles (k, 3, 3), and enclosed corners."""
         if not self.halves:
             return [np.concatenate([triangles.reshape(-1, 3), judge.corners_inside(self.box)])]
         parts = clip(triangles, *self.place)

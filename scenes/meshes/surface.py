@@ -1,4 +1,4 @@
-"""A closed surface: what is asked of a mesh before anything is planned around it."""
+"""A closed surface: the requirements on a mesh before anything is planned around it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SMALLEST_VOLUME_M3 = 1e-12
 """Volume from which on a mesh counts as a solid, m³: a cube of a tenth of a millimetre."""
 
 INSIDE_OUT = "faces that point inwards"
-"""What is said of a surface that is closed and turned inside out."""
+"""The fault of a surface that is closed and turned inside out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ def closed_surface(corners: FloatArray, unit_m: float) -> Surface:
 
 
 def surface_in_parts(corners: FloatArray, unit_m: float) -> Parts[Surface]:
-    """`closed_surface`, which may be left, and gone on with, between two parts of the work."""
+    """`closed_surface`, which may be interrupted between two parts of the work, and continued."""
     if not MIN_FACES <= len(corners) <= MAX_FACES:
         raise InputError("mesh.data", f"{len(corners)} triangles", f"{MIN_FACES} to {MAX_FACES} triangles")
     if not np.all(np.isfinite(corners)):

@@ -158,9 +158,9 @@ def _cells(line: str, separator: str, name: str, number: int) -> list[str]:
     try:
         (row,) = csv.reader([line], delimiter=separator, strict=True, skipinitialspace=True)
     except csv.Error as error:
-        said = str(error)
+        message = str(error)
         allowed = "comma-separated values, each row on one line, with quotes that are closed"
-        raise DocumentError(name, said, allowed, number) from None
+        raise DocumentError(name, message, allowed, number) from None
     return [cell.strip() for cell in row]
 
 
@@ -203,7 +203,7 @@ def _names(columns: Columns, rows: list[Row], name: str) -> dict[str | int, str]
 
 
 def _times(columns: Columns, titles: list[str], rows: list[Row], name: str) -> tuple[np.ndarray, str | None, list[str]]:
-    """Times in s (from the first on where that is a time of the calendar), this first time, and what is to be said."""
+    """Times in s (from the first on where that is a time of the calendar), this first time, and notes."""
     (place, unit), field = columns.clock[0], f"{name}: {titles[columns.clock[0][0]]}"
     values: list[Decimal] = []
     for number, cells in rows:

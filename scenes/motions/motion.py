@@ -1,4 +1,4 @@
-"""The motion of joints as a file has it, whichever way it is written: its clock, its tracks, its joints' names."""
+"""The motion of joints in a file of any format: its clock, its tracks, its joints' names."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ class Track:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Times (K,), s, and joints. `relative`: the times count from the first row, of which the file has the time of day.
+    """Times (K,), s, and joints. `relative`: the times count from the first row, whose time of day is in the file.
 
-    `named`: what an error calls the names of the joints, and their line. `notes`: what was read otherwise than as it is
-    written, or not read, in sentences.
+    `named`: what an error calls the names of the joints, and their line. `notes`: sentences about parts of the file
+    that were not read, or not read as they are written.
     """
 
     time: FloatArray

@@ -225,7 +225,7 @@ def _joint_states(places: list[_Place], name: str, most_rows: int) -> Motion:
     def where(k: int, order: int, joint: int) -> tuple[str, int | None]:
         return places[k].field("header", "stamp") if order == TIME else places[k].field("position", joint)
 
-    notes = [f"{len(places)} JointState messages, of which the positions are read"]
+    notes = [f"{len(places)} JointState messages; only their positions are read"]
     if begin is not None:
         notes.append(f"times count from the first message, {begin} s")
     tracks = tuple(Track(each, None, (positions[:, i], None, None)) for i, each in enumerate(first))
@@ -239,8 +239,8 @@ def _not_read(place: _Place, points: list[Any], documents: list[Any]) -> Iterato
     header = place.value.get("header")
     stamp = header.get("stamp") if isinstance(header, dict) else None
     if isinstance(stamp, dict) and any(stamp.values()):
-        said = ", ".join(f"{key}: {value}" for key, value in stamp.items())
-        yield f"header.stamp ({said}) is not used: the motion begins when the request does, or at start_s"
+        stamped = ", ".join(f"{key}: {value}" for key, value in stamp.items())
+        yield f"header.stamp ({stamped}) is not used: the motion begins when the request does, or at start_s"
     around: set[str] = set()
     for document in documents:
         value: Any = document

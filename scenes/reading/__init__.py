@@ -1,1 +1,1 @@
-"""From a valid document to the planner's facts: names are looked up here, and units have already gone."""
+"""From a valid document to the planner's facts: names are resolved here, and all units are SI already."""

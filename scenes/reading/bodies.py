@@ -80,7 +80,7 @@ class MeshRefused(Refused):
         _, mesh = as_written(document, above)
         if isinstance(mesh, dict) and "file" in mesh and key in ("data", "format"):
             return fault(document, (*above, "file"), f"{self._error.allowed}; there is: {self._error.value}")
-        if key == "data":  # what is wrong in it is told, not the whole of it
+        if key == "data":  # the fault is reported, not the whole content
             return DocumentError(dotted(self.path), self._error.value, self._error.allowed)
         return super().one(document)
 

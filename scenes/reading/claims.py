@@ -1,7 +1,8 @@
-"""What an answer says beside its plan: claims for the checker, and what it repeats of the request, held to that here.
+"""The statements of an answer in addition to its plan: claims for the checker, and repetitions of the request.
 
-What an answer leaves out is no claim. Of fields about the search (how long, what was refused), and of notes for people,
-only the form is checked (`scenes.schema.checked`). A field that no answer has is refused, wherever it is.
+The repetitions are compared with the request here. A field that is left out is no claim. Of fields about the search
+(its time, its refusals), and of notes for people, only the form is checked (`scenes.schema.checked`). A field that no
+answer has is refused, wherever it is.
 """
 
 from __future__ import annotations
@@ -89,7 +90,7 @@ def _nearest(item: Any) -> Nearest | None:
 
 
 def untrue_repeats(answer: dict[str, Any], scene: Scene) -> tuple[Finding, ...]:
-    """What an answer whose form is right repeats of its request and is not so there."""
+    """The fields that repeat the request wrongly, of an answer whose form is right."""
     from assur.scenes.answer import repeated
 
     found = list[Finding]()
@@ -103,8 +104,8 @@ def untrue_repeats(answer: dict[str, Any], scene: Scene) -> tuple[Finding, ...]:
 
 
 def untrue_arrivals(arrivals: Sequence[Arrival], scene: Scene) -> tuple[Finding, ...]:
-    """What arrivals repeat of the task and is not so there: whether a velocity is to be matched, and which points are
-    on a conveyor, as how far they have come along it is then said."""
+    """What arrivals repeat wrongly of the task: whether a velocity is to be matched, and which points are on a conveyor
+    (their arrivals state how far along they are)."""
     found, frames, attached = list[Finding](), list[str](), at_start(scene)
     for step in scene.task:
         frames.append(attached.frame(scene, step))
@@ -115,17 +116,18 @@ def untrue_arrivals(arrivals: Sequence[Arrival], scene: Scene) -> tuple[Finding,
         step = scene.task[arrival.step]
         matches = step.match == "velocity" and not step.via
         if arrival.matched is not matches:
-            what = f"the velocity of {step.name} is {'' if matches else 'not '}to be matched, and it is said otherwise"
+            be = "is" if matches else "is not"
+            what = f"the velocity of {step.name} {be} to be matched, and the arrival states the opposite"
             found.append(Finding(Code.CLAIM, what, where=f"arrivals[{i}].matched"))
         if arrival.along_m is None and scene.frames[frames[arrival.step]].law.way is not None:
-            what = f"{step.name} is on a conveyor, and it is not said how far along"
+            what = f"{step.name} is on a conveyor, and the arrival does not state how far along"
             found.append(Finding(Code.CLAIM, what, where=f"arrivals[{i}].along_m"))
     return tuple(found)
 
 
 def untrue_errors(plan: Plan, scene: Scene) -> tuple[Finding, ...]:
-    """Errors of arrivals, what their causes add, and realisations of them, that are not those which are computed again
-    from the request and the motion. That no error is larger than is stated is shown elsewhere."""
+    """Findings for errors of arrivals, shares of their causes, and realisations that differ from those computed again
+    from the request and the motion. That no error is larger than stated is proved elsewhere."""
     from assur.planner.legs.accuracy import arrival_error, realised
     from assur.planner.model.phases import phases
 
@@ -143,15 +145,17 @@ def untrue_errors(plan: Plan, scene: Scene) -> tuple[Finding, ...]:
             found.append(Finding(Code.ERROR, what, where=where))
             continue
         true = {share.cause: share for share in own.shares}
-        told = {share.cause: share for share in stated.shares}
+        claimed = {share.cause: share for share in stated.shares}
         pairs = [("position_m", stated.position_m, own.position_m)]
         pairs += [(name, getattr(stated.within, name), getattr(own.within, name)) for name in WITHIN]
         if [share.cause for share in stated.shares] != list(true):
             what = f"the causes of the error are {', '.join(true) or 'none'}, and others are stated"
             found.append(Finding(Code.ERROR, what, where=f"{where}.causes"))
         else:
-            pairs += [(f"causes, {cause}", told[cause].position_m, share.position_m) for cause, share in true.items()]
-            pairs += [(f"causes, {cause}", told[cause].yaw_rad, share.yaw_rad) for cause, share in true.items()]
+            pairs += [
+                (f"causes, {cause}", claimed[cause].position_m, share.position_m) for cause, share in true.items()
+            ]
+            pairs += [(f"causes, {cause}", claimed[cause].yaw_rad, share.yaw_rad) for cause, share in true.items()]
         for name, one, other in pairs:
             if not abs(one - other) <= SAME_ERROR * (1.0 + abs(other)):
                 what = f"{where}.{name} is {one:.6g}, but of this plan it is {other:.6g}"
@@ -184,5 +188,5 @@ def untrue_bound(stated: float | None, scene: Scene, lasts: float) -> tuple[Find
 
 
 def _short(value: object) -> str:
-    """A value as it is told, no longer than a line bears."""
+    """A value as it is reported, cut to the length of a line."""
     return f"{value!r:.60}"

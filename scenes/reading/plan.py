@@ -1,4 +1,4 @@
-"""A plan out of its document: the facts that the checker judges, as they were before they were written down."""
+"""Reads a plan from its document: the facts that the checker judges."""
 
 from __future__ import annotations
 
@@ -47,15 +47,15 @@ COLUMNS = document.Certificate.__required_keys__ - CERTIFICATE_DIGEST
 
 
 PATH_TIME_S = 1e-3
-"""By so much more may a leg last than a path may: times round, s."""
+"""A leg may last longer than a path by this, s: times are rounded."""
 
 
 def plan_of(plan: object, conventions: Conventions, *, proved_anew: bool = False) -> tuple[Plan, tuple[Finding, ...]]:
-    """The plan in a planned answer with a full certificate, and what the answer says of its durations and of the joints
-    of its arrivals, that is not so.
+    """The plan in a planned answer with a full certificate, and findings for wrong durations and wrong joints of
+    arrivals.
 
     `proved_anew`: its motion will be proved again, so that the digest of the certificate is enough; the certificate of
-    the plan has no rows then. Not checked here: whether anything else in it is true (`claims`, and the checker).
+    the plan has no rows then. Whether other statements are true is not checked here (see `claims` and the checker).
     Raises `DocumentError` below "plan".
     """
     with located({PLAN: plan}), within(PLAN):
@@ -75,8 +75,8 @@ def plan_of(plan: object, conventions: Conventions, *, proved_anew: bool = False
 
 
 def check_lengths(answer: dict[str, object], made: Plan, scene: Scene) -> None:
-    """Raises `DocumentError` at a leg that ends so long after the first of its step that its path could not be looked
-    at."""
+    """Raises `DocumentError` at a leg that ends too long after the first leg of its step: its path could not be
+    checked."""
     begins: dict[int, float] = {}
     for i, leg in enumerate(made.legs):
         step = scene.task[leg.step] if 0 <= leg.step < len(scene.task) else None
@@ -94,8 +94,8 @@ def check_lengths(answer: dict[str, object], made: Plan, scene: Scene) -> None:
 def motion_of(
     answer: dict[str, object], conventions: Conventions
 ) -> tuple[Trajectory, tuple[Leg, ...], tuple[Arrival, ...]]:
-    """Trajectory, legs and arrivals of an answer, or of a candidate in it, whatever else is there: for those who show a
-    motion and believe nothing of it. Raises `DocumentError` below "plan"."""
+    """Trajectory, legs and arrivals of an answer, or of a candidate in it; other fields are ignored. For callers that
+    show a motion and do not rely on it. Raises `DocumentError` below "plan"."""
     with located({PLAN: answer}), within(PLAN):
         shown = {key: answer[key] for key in document.ShownMotion.__annotations__ if key in answer}
         item: document.ShownMotion = read_normal(document.ShownMotion, shown, shown, (PLAN,))
@@ -158,32 +158,32 @@ def _missed(i: int, item: document.Missed | None, conventions: Conventions) -> M
 
 
 def _untrue(item: document.CheckedPlan) -> tuple[Finding, ...]:
-    """Durations that an answer states and its trajectory has not; what it leaves out is no claim."""
+    """Findings for durations that differ from the trajectory's; a field that is left out is no claim."""
     first, last = item["trajectory"]["time_s"][0], item["trajectory"]["time_s"][-1]
     duration = last - first
     return tuple(
-        Finding(Code.FORM, f"{key} is {said:.6f}, but the trajectory's is {true:.6f}", abs(said - true), "s", key)
-        for key, said, true in (
+        Finding(Code.FORM, f"{key} is {stated:.6f}, but the trajectory's is {true:.6f}", abs(stated - true), "s", key)
+        for key, stated, true in (
             ("duration_s", item.get("duration_s"), duration),
             ("start_s", item.get("start_s"), first),
         )
-        if said is not None and not abs(said - true) <= TIME_S
+        if stated is not None and not abs(stated - true) <= TIME_S
     )
 
 
 def _untrue_joints(item: document.CheckedPlan, made: Plan, conventions: Conventions) -> tuple[Finding, ...]:
-    """Joints that an answer states of its arrivals and its trajectory has not."""
+    """Findings for joints of arrivals that differ from the trajectory's."""
     found = []
     for i, arrival in enumerate(item["arrivals"]):
         time, field = arrival["time_s"], f"arrivals[{i}]"
         if not made.trajectory.start <= time <= made.trajectory.end:
             continue  # the checker says so
         q = made.trajectory.evaluate(time)
-        said = arrival.get("joints")
-        if said is not None:
-            if len(said) != len(conventions):
+        stated = arrival.get("joints")
+        if stated is not None:
+            if len(stated) != len(conventions):
                 raise Refused(f"{len(conventions)} numbers, one for each joint", "arrivals", i, "joints")
-            off = float(np.abs(converted(np.array(said, dtype=np.float64), conventions) - q).max())
+            off = float(np.abs(converted(np.array(stated, dtype=np.float64), conventions) - q).max())
             if not off <= JOINTS:
                 what = "the joints of an arrival are not those of the trajectory"
                 found.append(Finding(Code.FORM, what, off, "rad or m", f"{field}.joints"))

@@ -37,8 +37,8 @@ from assur.scenes.units import from_si, si_key, twin_of
 
 @dataclass(frozen=True, eq=False)
 class Equipped:
-    """A robot at its base with its limits narrowed, its tool, the conventions in which its maker counts, what the robot
-    may carry, and the ranges of yaw in which its tool may not be."""
+    """A robot at its base with its narrowed limits, its tool, its maker's joint conventions, its load limits, and the
+    forbidden ranges of yaw of its tool."""
 
     robot: Robot
     tool: Tool
@@ -51,7 +51,7 @@ _kept: dict[str, Equipped] = {}
 
 
 def equipped(item: RobotDocument) -> Equipped:
-    """The robot of a document with its tool. A robot that many requests repeat is built once: its document decides.
+    """The robot of a document with its tool. Equal documents get the same robot, which is built once.
 
     Raises `Refused` at the field at fault.
     """
@@ -123,8 +123,8 @@ def lag(item: LagDocument | None, conventions: Conventions) -> tuple[float, ...]
 def hold(
     values: FloatArray, ends: tuple[FloatArray, FloatArray], conventions: Conventions, rate: str, why: str = ""
 ) -> None:
-    """Raises `Refused` at the joints beyond their limits, which are told as the joint was written; `why`: what is told
-    behind them."""
+    """Raises `Refused` at the joints beyond their limits, which are reported in the units of the document. `why` ends
+    the message."""
     faults = Gathered()
     for joint, i in zip(conventions, places(conventions), strict=True):
         value, lower, upper = float(values[i]), float(ends[0][i]), float(ends[1][i])

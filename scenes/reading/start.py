@@ -119,7 +119,7 @@ def _refuse_open_chain(robot: Robot, q: FloatArray) -> None:
 def _with_tool_at(
     tool: ToolPoseDocument, item: StartDocument, given: Equipped, frames: Frames, places: Places
 ) -> FloatArray:
-    """The joint vector (n,) of the one working mode, and the one turn of the wrist, that the request says or leaves."""
+    """The joint vector (n,) of the only working mode, and the only turn of the wrist, that the request allows."""
     names = given.robot.modes
     if item.elbow is not None and item.elbow not in names:
         raise Refused(f"one of {', '.join(names)}", "elbow")

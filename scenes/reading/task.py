@@ -33,7 +33,7 @@ SHORTEST_S = 1e-4
 """A point is followed for no time, or for this at least, s."""
 ANY_YAW = (
     "yaw_deg (or yaw_rad) with a number, yaw_free: true (any yaw) or yaw_keep: true (the yaw that the tool has when "
-    "the step begins), one of which must be given"
+    "the step begins); one of them must be given"
 )
 PART_YAW = "yaw_deg (or yaw_rad) with a number, which must be given: a part is placed as it has to lie"
 NO_HEADING = "no yaw: the tool's heading follows from the position"
@@ -41,7 +41,7 @@ NO_TILT = "no {}: only arms with five axes have one"
 
 
 class _Task:
-    """Reads the steps in order, and knows what the gripper holds in between."""
+    """Reads the steps in order, and keeps track of the part in the gripper."""
 
     def __init__(
         self,
@@ -60,7 +60,7 @@ class _Task:
         self.no_yaw = NO_HEADING if self.has_tilt else NO_YAW
         self.held = held
         self.lost = False
-        """A pick has a fault, so that nobody knows what is held."""
+        """A pick has a fault, so that the held part is not known."""
         self.names: set[str] = set()
         self.at: tuple[str, Point] | None = None
         """Frame, and the tool point in it, where the last step ends, if the request says it."""
@@ -246,7 +246,7 @@ class _Task:
                 raise Refused("a body that is not in the gripper", "body")
             frame, pose = resolve(item, item.yaw_rad or 0.0, self.frames, self.places)
         faults.settle()
-        tilt = _asked(item.pitch_rad), _asked(item.roll_rad)
+        tilt = _angle_or_free(item.pitch_rad), _angle_or_free(item.roll_rad)
         return Target(frame, pose, yaw_free, *tilt, yaw_keep=item.yaw_keep)
 
     def _yaw_free(self, item: TargetDocument, free: bool, part: bool) -> bool:
@@ -264,8 +264,8 @@ class _Task:
                 raise Refused(PART_YAW, key)
         silent = item.yaw_rad is None and not item.yaw_free and not item.yaw_keep
         if silent and self.known and self.has_yaw and not free:
-            said: list[str] = [key for key in ("yaw_free", "yaw_keep") if key in item.model_fields_set]
-            raise Refused(PART_YAW if part else ANY_YAW, *(said or ["yaw_rad"])[:1])
+            given_keys: list[str] = [key for key in ("yaw_free", "yaw_keep") if key in item.model_fields_set]
+            raise Refused(PART_YAW if part else ANY_YAW, *(given_keys or ["yaw_rad"])[:1])
         return item.yaw_free or item.yaw_keep or (silent and (free or not self.has_yaw))
 
     def _window(self, item: WindowedStep, frame: str) -> Window:
@@ -322,15 +322,15 @@ def _tolerance(item: FollowDocument | PickDocument | PlaceDocument) -> Tolerance
     return Tolerance(math.inf if m is None else m, math.inf if rad is None else rad)
 
 
-def _asked(angle: float | str | None) -> float | None:
+def _angle_or_free(angle: float | str | None) -> float | None:
     """The angle, rad; None where it is free."""
     return angle if isinstance(angle, float) else None
 
 
 def _reversed(_: str, ends: object) -> str:
     """What is allowed in place of two ends as they were written."""
-    told = f"; {ends[0]} is not below {ends[1]}" if isinstance(ends, list) and len(ends) == 2 else ""
-    return "two ends, the first below the second" + told
+    order = f"; {ends[0]} is not below {ends[1]}" if isinstance(ends, list) and len(ends) == 2 else ""
+    return "two ends, the first below the second" + order
 
 
 def steps_of(
@@ -346,7 +346,7 @@ def steps_of(
     """The steps, in order, for a robot with these coordinates (None: not known) whose gripper holds the part `held` at
     the start. `solid_tool`: whether its tool has bodies.
 
-    `faults` gets the steps that ask for what is not there, or not in the gripper; these are left out.
+    `faults` gets the steps that name something that does not exist, or is not in the gripper; these are left out.
     """
     reader = _Task(frames, Places(places), coordinates, held, faults, solid_tool=solid_tool)
     return tuple(step for i, item in enumerate(task) for step in reader.read(i, item))

@@ -1,4 +1,4 @@
-"""A pose of the tool as the arm can take it: the flange there, which turns its wrist makes, what a mode lacks."""
+"""A pose of the tool for an arm: the pose of its flange, the turns of its wrist, and why a mode has no solution."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def knows(law: Law, t: float) -> bool:
 
 
 def known_from(law: Law) -> str:
-    """When a law is known that is not known for ever."""
+    """The time span, in words, in which a law is known."""
     ends = zip(("from", "to"), law.valid, strict=True)
     return "known " + " ".join(f"{word} {end:g} s" for word, end in ends if math.isfinite(end))
 
@@ -119,8 +119,8 @@ def lacks(mode: ModeSolutions, given: Equipped) -> str:
 
 
 def lack(modes: Iterable[ModeSolutions], given: Equipped) -> str:
-    """Why several working modes have no solution; what is true of all of them is said once."""
-    said = {given.robot.modes[mode.mode]: lacks(mode, given) for mode in modes}
-    if len(set(said.values())) == 1:
-        return next(iter(said.values()))
-    return "; ".join(f"{name}: {words}" for name, words in said.items())
+    """Why several working modes have no solution; a reason that all of them have is stated once."""
+    reasons = {given.robot.modes[mode.mode]: lacks(mode, given) for mode in modes}
+    if len(set(reasons.values())) == 1:
+        return next(iter(reasons.values()))
+    return "; ".join(f"{name}: {words}" for name, words in reasons.items())

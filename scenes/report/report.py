@@ -25,7 +25,7 @@ Document = dict[str, Any]
 MOST_BYTES = 1_000_000
 """A report is below this; where it would not be, long lists of numbers in its documents are left out."""
 ONLY_PROVED = (
-    "This is a plan with its proof, as an export writes it. What the search and its answer said is not in it: margins, "
+    "This is a plan with its proof, as an export writes it. Other parts of the answer are not in it: margins, "
     "contacts, candidates, warnings. The assumptions are those of the request."
 )
 """What is noted where there is no whole answer."""
@@ -34,7 +34,7 @@ SHORTER = (10_000, 1_000, 100, 10)
 
 
 def report_of(cell: Cell, given: Document, *, title: str, about: str, verdict: Document | None, version: str) -> str:
-    """The report as HTML. `verdict`: what the checker says of the answer (None: it was not asked); `version`: of assur.
+    """The report as HTML. `verdict`: of the checker on the answer (None: it was not called); `version`: of assur.
 
     Raises `DocumentError` below "plan".
     """
@@ -118,8 +118,8 @@ def _facts(
     ]
     if "seed" in answer:
         versions.append(("seed", str(answer["seed"])))
-    said = lines(notes, "Nothing was left out of request and answer.")
-    cards.append(card("Versions and what was left out", pairs(versions) + "<h3>Left out</h3>" + said))
+    left_out = lines(notes, "Nothing was left out of request and answer.")
+    cards.append(card("Versions and what was left out", pairs(versions) + "<h3>Left out</h3>" + left_out))
     documents = whole("Request", request) + whole("Answer", shown)
     cards.append(card("Documents", documents, wide=True))
     cards.append(card("What this is not", f"<p>{html.escape(answer.get('notice', NOTICE))}</p>", wide=True))
@@ -302,11 +302,11 @@ def margins(answer: Document) -> str:
 def census(answer: Document) -> str:
     """What became of the candidates."""
     found = answer["census"]
-    said = f"<p>{found['candidates']} candidates, {found['refused']} refused</p>"
+    counts = f"<p>{found['candidates']} candidates, {found['refused']} refused</p>"
     if not found["lines"]:
-        return said
+        return counts
     rows = [[number(each["count"], 0), text(each["reason"]), text(each["detail"])] for each in found["lines"]]
-    return said + table(["count", "reason", "what"], rows)
+    return counts + table(["count", "reason", "what"], rows)
 
 
 def refusal(answer: Document, verdict: Document | None) -> str:
@@ -332,14 +332,14 @@ def proof(answer: Document, verdict: Document | None) -> str:
     """The certificate, and what the checker says of it."""
     certificate = answer["certificate"]
     if verdict is None:
-        said = "the plan was not checked: the answer holds only the digest of its certificate"
+        result = "the plan was not checked: the answer holds only the digest of its certificate"
     elif verdict["ok"]:
-        said = "the plan is right: everything that it promises holds against the model"
+        result = "the plan is right: everything that it promises holds against the model"
     else:
-        said = "the plan is wrong: " + "; ".join(finding["what"] for finding in verdict["findings"])
+        result = "the plan is wrong: " + "; ".join(finding["what"] for finding in verdict["findings"])
     return pairs(
         [
-            ("checker", said),
+            ("checker", result),
             ("certificate", certificate["digest"]),
             ("rows", str(certificate["rows"])),
             ("covers", ", ".join(certificate["covers"])),

@@ -1,4 +1,4 @@
-"""The same legs on other knots, proved and checked anew: what is exported is what was proved."""
+"""The same legs on other knots, proved and checked again: the exported motion is the proved motion."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from assur.scenes.resampling.grid import arrivals_on, legs_on
 
 
 @dataclass(frozen=True)
-class Refuted:
-    """Why a motion is not proved: what the checker finds, or the pair that could not be shown to stay apart first."""
+class Refutation:
+    """Why a motion is not proved: findings of the checker, or the first pair whose clearance could not be proved."""
 
     findings: tuple[Finding, ...]
 
 
-def recertified(scene: Scene, plan: Plan, trajectory: Trajectory) -> Plan | Refuted:
+def recertified(scene: Scene, plan: Plan, trajectory: Trajectory) -> Plan | Refutation:
     """A plan with the legs and arrivals of `plan` on another trajectory, with its own certificate, checked."""
     legs, arrivals = kept_legs(plan, trajectory)
     prover, proofs = Prover(scene), list[Rows]()
     for phase in phases(scene, legs, arrivals):
         rows = prover.prove(phase, trajectory)
         if isinstance(rows, Unproved):
-            return Refuted((unproved(rows, phase.kind),))
+            return Refutation((unproved(rows, phase.kind),))
         proofs.append(rows)
     certificate = written(scene, trajectory, legs, arrivals, proofs)
     made = Plan(trajectory, legs, arrivals, certificate)
     verdict = check(scene, made)
-    return made if verdict.ok else Refuted(verdict.findings)
+    return made if verdict.ok else Refutation(verdict.findings)
 
 
 def unproved(found: Unproved, where: str) -> Finding:

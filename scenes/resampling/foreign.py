@@ -1,8 +1,8 @@
-"""A motion that was made elsewhere: whether it keeps the limits, and keeps everything apart, as one motion in travel.
+"""A motion from another program: whether it keeps the limits and the clearances, as one motion in travel.
 
-It has no legs, so nothing is gripped or let go on its way: what is held at the start stays held, nothing may touch, and
+It has no legs, so nothing is gripped or released: a part that is held at the start stays held, nothing may touch, and
 the clearances are those of travel. It is a claim like that of a plan, with one phase and without points, and both
-checkers judge it; the planner only looks for what is violated first, and for where the motion comes nearest.
+checkers judge it. The planner only searches the first violation, and the smallest clearance.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from assur.scenes.resampling.certifying import kept_legs, unproved
 REST = 1e-9
 """A joint slower than this is at rest, rad/s or m/s (and rad/s², m/s²): in an hour it goes 4 µm."""
 NARROW_S = 1e-3
-"""s. How near to the first violation its time is told: nothing before that time less this is violated."""
+"""s. How exact the time of the first violation is: before that time less this, nothing is violated."""
 SETTLING_S = 1e-3
-"""s. How long a motion that ends all but at rest takes to stand."""
+"""s. Time in which a motion that ends nearly at rest comes to rest."""
 RATES = ("position", "velocity", "acceleration", "jerk")
 
 
 @dataclass(frozen=True, slots=True)
-class First:
-    """What is violated first: `what`, at `time`, by how much (None: it is only not shown to be right); the pair that
-    comes too near, or the joint."""
+class Violation:
+    """The first violation: `what`, at `time`, by how much (None: not proved, and not violated for certain); the pair
+    that comes too near, or the joint."""
 
     what: str
     time: float
@@ -48,19 +48,18 @@ class First:
 
 
 @dataclass(frozen=True)
-class Judged:
-    """What came of a motion: nothing found means that it is proved. `clearance`: where the arm, its tool or what it
-    holds comes nearest to anything, with no error of what is not known; None where nothing has to be kept apart, or the
-    motion is not known."""
+class MotionVerdict:
+    """The verdict on a motion: without findings it is proved. `clearance`: where the arm, its tool or its part comes
+    nearest to a body, without uncertainties; None if no pair has a clearance, or the motion is not known."""
 
     findings: tuple[Finding, ...]
-    first: First | None
+    first: Violation | None
     clearance: Nearest | None
 
 
 def brought_to_rest(trajectory: Trajectory) -> Trajectory:
-    """The motion, and `SETTLING_S` in which what is left of its speed at the end goes, up to `REST`: the standstill
-    behind it is then one. A motion that ends exactly at rest, or clearly in motion, is as it was."""
+    """The motion, and `SETTLING_S` in which its last speed, up to `REST`, goes to 0, so that it is at rest afterwards.
+    A motion that ends exactly at rest, or clearly in motion, is not changed."""
     if trajectory.rest_at_end or not ends_at_rest(trajectory):
         return trajectory
     still = np.zeros((1, trajectory.n))
@@ -88,7 +87,7 @@ def ends_at_rest(trajectory: Trajectory) -> bool:
 
 
 @np.errstate(all="ignore")
-def judged(scene: Scene, trajectory: Trajectory, plan: Plan | None = None) -> Judged:
+def judged(scene: Scene, trajectory: Trajectory, plan: Plan | None = None) -> MotionVerdict:
     """Whether a motion of the robot of `scene` keeps the limits and keeps everything apart. Its times are those of the
     scene's clock; it may be late by what the scene says (`start_tolerance_s`), and its joints may lag as that says.
 
@@ -120,29 +119,29 @@ def judged(scene: Scene, trajectory: Trajectory, plan: Plan | None = None) -> Ju
         earliest = _earliest(prover, *resisted, trajectory)
         findings.append(unproved(earliest, "travel" if plan is None else resisted[0].kind))
         amount = None if earliest.gap > earliest.required else earliest.required - earliest.gap
-        first.append(First(findings[-1].what, earliest.time, amount, "m", earliest.bodies))
+        first.append(Violation(findings[-1].what, earliest.time, amount, "m", earliest.bodies))
     else:
         verdict = check_motion(_ending(scene, trajectory), made, of_motion) if plan is None else check(scene, made)
         findings += [each for each in verdict.findings if not (first and each.code == Code.LIMIT)]
     if plan is None:
         findings += _still_moving(scene, trajectory)
     clearance = nearest(prover, trajectory, of_motion, of="arm")
-    return Judged(tuple(findings), min(first, key=_when, default=None), clearance)
+    return MotionVerdict(tuple(findings), min(first, key=_when, default=None), clearance)
 
 
-def _when(first: First) -> float:
+def _when(first: Violation) -> float:
     return first.time
 
 
 def _ending(scene: Scene, trajectory: Trajectory) -> Scene:
-    """The scene with the end that a motion has: behind one that does not end at rest nothing is claimed. Blends have to
+    """The scene with the end of a motion: after a motion that does not end at rest nothing is claimed. Blends have to
     end at rest."""
     moving = scene.options.jerk_limited and not ends_at_rest(trajectory)
     return replace(scene, options=replace(scene.options, end="moving")) if moving else scene
 
 
 def _still_moving(scene: Scene, trajectory: Trajectory) -> list[Finding]:
-    """A finding for a motion that is to end at rest and does not: nobody knows where the arm is after its end."""
+    """A finding for a motion that shall end at rest and does not: after its end the place of the arm is not known."""
     if scene.options.end != "rest" or ends_at_rest(trajectory):
         return []
     fastest = max(float(np.abs(rate[-1]).max()) for rate in (trajectory.qd, trajectory.qdd))
@@ -151,7 +150,7 @@ def _still_moving(scene: Scene, trajectory: Trajectory) -> list[Finding]:
 
 
 def _earliest(prover: Prover, phase: Phase, resisted: Unproved, trajectory: Trajectory) -> Unproved:
-    """What resists first, up to `NARROW_S`: the phase up to that time less this is proved."""
+    """The first part that cannot be proved, up to `NARROW_S`: the phase before that time less this is proved."""
     low, high, found = phase.t0, min(max(resisted.time, phase.t0), phase.t1), resisted
     while high - low > NARROW_S:
         middle = (low + high) / 2.0
@@ -163,7 +162,7 @@ def _earliest(prover: Prover, phase: Phase, resisted: Unproved, trajectory: Traj
     return found
 
 
-def beyond(scene: Scene, of_motion: tuple[Phase, ...], trajectory: Trajectory) -> First | None:
+def beyond(scene: Scene, of_motion: tuple[Phase, ...], trajectory: Trajectory) -> Violation | None:
     """The first piece on which a joint exceeds a limit, with the load that is carried then; None: none does."""
     for phase in of_motion:
         first = max(int(np.searchsorted(trajectory.time, phase.t0, side="right")) - 1, 0)
@@ -175,7 +174,7 @@ def beyond(scene: Scene, of_motion: tuple[Phase, ...], trajectory: Trajectory) -
     return None
 
 
-def _beyond(scene: Scene, own: Limits, trajectory: Trajectory, low: int, high: int) -> First | None:
+def _beyond(scene: Scene, own: Limits, trajectory: Trajectory, low: int, high: int) -> Violation | None:
     """The same between two knots, with these limits."""
     jerk = None if trajectory.jumps else own.jerk
     bands = accepted_bands(own.lower, own.upper, own.velocity, own.acceleration, jerk)
@@ -196,4 +195,4 @@ def _beyond(scene: Scene, own: Limits, trajectory: Trajectory, low: int, high: i
     what = f"{scene.robot.joints[joint].name} breaks its {RATES[kind]} limit"
     if kind and getattr(own, RATES[kind])[joint] != getattr(scene.robot.limits, RATES[kind])[joint]:
         what += " with the load that is carried"
-    return First(what, float(trajectory.time[low]), over, unit, joint=joint)
+    return Violation(what, float(trajectory.time[low]), over, unit, joint=joint)

@@ -13,11 +13,12 @@ from assur.planner.model.outcome import TRACKING, Arrival, Course, Leg, LegKind,
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
-from assur.scenes.resampling.keeping import WIDE, Asked, kept
+from assur.scenes.resampling.keeping import WIDE, Requirements, kept
 
 NANO = 1e-9
 SHORTEST_TICK_S, LONGEST_TICK_S = 1e-4, 0.1
-"""s. Below, the numbers of knots say nothing of the jerk any more; above, nothing is left of the motion."""
+"""s. With shorter ticks the rounded knots do not determine the jerk; with longer ones too little of the motion is
+left."""
 MOST_KNOTS = 50_000
 """Knots that a motion may have on a grid: what readers of trajectories take."""
 CROWDED = 1000
@@ -52,7 +53,7 @@ def on_nanoseconds(trajectory: Trajectory, also: int | None = None) -> Trajector
         raise InputError("trajectory.time_s", late, "knots 1 ns apart at least")
     time = trajectory.start + whole * NANO
     own = trajectory.time[np.clip(np.searchsorted(trajectory.time, time - NANO / 2.0), 0, len(trajectory.time) - 1)]
-    # what is at a whole nanosecond already stays as it is, to the bit
+    # a knot at a whole nanosecond is not changed, to the bit
     return _through(trajectory, np.where(np.abs(own - time) <= 2.0 * np.spacing(np.abs(time)), own, time))
 
 
@@ -92,14 +93,14 @@ def on_ticks(scene: Scene, plan: Plan, tick_s: float, *, hold_jerk: bool = False
     span = np.stack([scene.robot.limits.lower, scene.robot.limits.upper])
     states = np.stack([made.q, made.qd, made.qdd])
     for joint in range(made.n):
-        asked = Asked(span[:, joint], limits[:, :, joint], still, np.stack([at, q[:, joint], v[:, joint]], 1))
-        mended = kept(time, states[:, :, joint].T, asked)
+        required = Requirements(span[:, joint], limits[:, :, joint], still, np.stack([at, q[:, joint], v[:, joint]], 1))
+        mended = kept(time, states[:, :, joint].T, required)
         if mended is None:
             what = f"a shorter tick: {scene.robot.joints[joint].name} cannot keep its limits through states at these"
             raise InputError("tick_s", tick_s, what)
         if hold_jerk:
             guided = LIFTED if joint == scene.robot.lift else TRACKING
-            held = kept(time, mended, replace(asked, fixed=still | _inside(plan, time, guided)), WIDE)
+            held = kept(time, mended, replace(required, fixed=still | _inside(plan, time, guided)), WIDE)
             mended = mended if held is None else held
         states[:, :, joint] = mended.T
     return Trajectory(time, *states)
@@ -137,10 +138,10 @@ def _inside(plan: Plan, time: FloatArray, kinds: frozenset[LegKind]) -> BoolArra
 
 def _held(plan: Plan) -> FloatArray:
     """Times at which the state must be that of the plan: the ends of legs, but for those of waits."""
-    asked = {t for leg in plan.legs if leg.kind is not LegKind.WAIT for t in (leg.t0, leg.t1)}
+    exact = {t for leg in plan.legs if leg.kind is not LegKind.WAIT for t in (leg.t0, leg.t1)}
     waits = {t for leg in plan.legs if leg.kind is LegKind.WAIT for t in (leg.t0, leg.t1)}
-    asked |= {t for arrival in plan.arrivals for t in (arrival.time, arrival.until)}
-    inside = sorted(t for t in asked - waits if plan.trajectory.start < t <= plan.trajectory.end)
+    exact |= {t for arrival in plan.arrivals for t in (arrival.time, arrival.until)}
+    inside = sorted(t for t in exact - waits if plan.trajectory.start < t <= plan.trajectory.end)
     return np.array(inside, dtype=np.float64)
 
 

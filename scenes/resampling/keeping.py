@@ -1,11 +1,11 @@
-"""Knots on a grid keep the limits of a motion that turns at its limits between two of them.
+"""Changes knots on a grid so that the motion between them keeps its limits.
 
-Where the jerk of a plan jumps between two knots of a grid, the quintic through its states swings past a limit that the
-plan just reaches: by 0.02 J h of the acceleration, with J the jerk and h the step, and with up to 1.75 times the jerk.
-And where a leg ends between two knots, the state there is no longer exactly that of the plan. Both are mended near by:
-a linear programme changes the states of some knots, so that the control values of position, velocity, acceleration and
-jerk keep their limits, and the states at given times are exactly those of the plan; of such changes it takes the least.
-Where they do not suffice for the jerk, its excess is the least.
+If the jerk of a plan jumps between two knots of a grid, the quintic through its states exceeds a limit that the plan
+just reaches: the acceleration by 0.02 J h, with J the jerk and h the step, and the jerk by a factor of up to 1.75. If a
+leg ends between two knots, the state there is no longer exactly that of the plan. Both are corrected: a linear
+programme changes the states of some knots nearby, so that the control values of position, velocity, acceleration and
+jerk keep their limits, and the states at given times are exactly those of the plan. It takes the smallest such change.
+If no change suffices for the jerk, its excess is the smallest.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from assur.planner.arrays import BoolArray, FloatArray, IntArray
 V, A, J = slice(0, 5), slice(5, 9), slice(9, 12)
 """Control values of velocity, acceleration and jerk of a piece (equation T2)."""
 RESERVE = 1e-6
-"""Share of a limit of a rate that is left free, for what the linear programme rounds."""
+"""Share of a limit of a rate that is left free for rounding in the linear programme."""
 ENDS = 1e-3
 """A position is held on pieces that are nearer to an end of its range than this share of it."""
 SAME = 1e-10
@@ -50,9 +50,9 @@ WIDE = Effort((16, 256), 1e5)
 
 
 @dataclass(frozen=True)
-class Asked:
+class Requirements:
     """Of one joint: its range (2,), limits of velocity, acceleration and jerk on each piece (3, P), which knots may not
-    be changed (K,), and at which times the position and velocity are what (T, 3)."""
+    be changed (K,), and the times with required position and velocity (T, 3)."""
 
     span: FloatArray
     limits: FloatArray
@@ -108,17 +108,16 @@ def _bernstein(degree: int, s: float) -> FloatArray:
     return np.asarray(values[0])
 
 
-def faults(time: FloatArray, states: FloatArray, asked: Asked) -> IntArray:
-    """The pieces (F,) on which a joint with `states` (K, 3) may exceed a limit, or has not the state that is asked
-    for."""
+def faults(time: FloatArray, states: FloatArray, required: Requirements) -> IntArray:
+    """The pieces (F,) on which a joint with `states` (K, 3) may exceed a limit, or does not have a required state."""
     h, ends = np.diff(time), _ends(states)
     values = np.einsum("pij,pj->pi", control_values(h), ends)
     bad = np.zeros(len(h), dtype=np.bool_)
-    for part, degree, limit in ((V, 4, asked.limits[0]), (A, 3, asked.limits[1]), (J, 2, asked.limits[2])):
+    for part, degree, limit in ((V, 4, required.limits[0]), (A, 3, required.limits[1]), (J, 2, required.limits[2])):
         bad |= ~(np.abs(_finer(values[:, part], degree)).max(1) <= (1.0 - RESERVE / 2.0) * limit)
     places = _finer(np.stack([positions(step) @ row for step, row in zip(h, ends, strict=True)]), 5)
-    bad |= (places.min(1) < asked.span[0]) | (places.max(1) > asked.span[1])
-    for t, q, v in asked.at.tolist():
+    bad |= (places.min(1) < required.span[0]) | (places.max(1) > required.span[1])
+    for t, q, v in required.at.tolist():
         p = _piece(time, t)
         off = state_at(float(h[p]), t - float(time[p])) @ ends[p] - (q, v)
         bad[p] |= bool(np.abs(off).max() > SAME)
@@ -142,17 +141,17 @@ def _piece(time: FloatArray, t: float) -> int:
     return int(np.clip(np.searchsorted(time, t, side="right") - 1, 0, len(time) - 2))
 
 
-def kept(time: FloatArray, states: FloatArray, asked: Asked, effort: Effort = NEAR) -> FloatArray | None:
+def kept(time: FloatArray, states: FloatArray, required: Requirements, effort: Effort = NEAR) -> FloatArray | None:
     """The states (K, 3) of a joint, changed where `faults` are; None where no change was found that mends them. The
     jerk may be beyond its limit, where that cannot be helped with this effort."""
-    bad, best, least = faults(time, states, asked), None, np.inf
+    bad, best, least = faults(time, states, required), None, np.inf
     if not len(bad):
         return states
     reach = np.full(len(bad), effort.reaches[0])
     while True:
         made, worst = states.copy(), 0.0
         for first, last in _windows(bad, reach, len(time)):
-            excess = _mended(time, made, asked, (first, last), effort.excess)
+            excess = _mended(time, made, required, (first, last), effort.excess)
             worst = max(worst, excess)
             if excess > NONE:
                 reach[(bad >= first) & (bad < last)] *= 2
@@ -175,32 +174,34 @@ def _windows(bad: IntArray, reach: IntArray, count: int) -> list[tuple[int, int]
     return found
 
 
-def _mended(time: FloatArray, states: FloatArray, asked: Asked, window: tuple[int, int], price: float) -> float:
+def _mended(
+    time: FloatArray, states: FloatArray, required: Requirements, window: tuple[int, int], price: float
+) -> float:
     """Changes the states between two knots, which stay as they are. The share of its limit by which the jerk is beyond
     it then; infinite: the other limits cannot be kept, and nothing was changed."""
     first, last = window
-    free = np.array([k for k in range(first + 1, last) if not asked.fixed[k]], dtype=np.int64)
+    free = np.array([k for k in range(first + 1, last) if not required.fixed[k]], dtype=np.int64)
     if not len(free):
         return np.inf
     h, base = np.diff(time[first : last + 1]), _ends(states[first : last + 1])
-    limits, step = asked.limits[:, first:last], float(h.max())
+    limits, step = required.limits[:, first:last], float(h.max())
     unit = float(limits[2].max()) * np.array([step**3, step**2, step])
     place = np.full(last - first + 1, -1)
     place[free - first] = np.arange(len(free))
     many = 3 * len(free)
     rows = _Rows(place, unit, many + 2)
-    near = ENDS * (asked.span[1] - asked.span[0])
+    near = ENDS * (required.span[1] - required.span[0])
     for p, matrix in enumerate(control_values(h)):
         for part, kind in ((V, 0), (A, 1), (J, 2)):
             cut = HALVES[part.stop - part.start] @ matrix[part]
             rows.within(cut, p, cut @ base[p], limits[kind, p], excess=kind == 2)
         own = positions(h[p])
         values = own @ base[p]
-        if (values - asked.span[0]).min() < near or (asked.span[1] - values).min() < near:
-            rows.add(own / unit[0], p, (asked.span[1] - values) / unit[0])
-            rows.add(-own / unit[0], p, (values - asked.span[0]) / unit[0])
+        if (values - required.span[0]).min() < near or (required.span[1] - values).min() < near:
+            rows.add(own / unit[0], p, (required.span[1] - values) / unit[0])
+            rows.add(-own / unit[0], p, (values - required.span[0]) / unit[0])
     equal = _Rows(place, unit, many + 2)
-    for t, *goal in asked.at[(asked.at[:, 0] >= time[first]) & (asked.at[:, 0] < time[last])].tolist():
+    for t, *goal in required.at[(required.at[:, 0] >= time[first]) & (required.at[:, 0] < time[last])].tolist():
         p = _piece(time, t) - first
         row = state_at(float(h[p]), t - float(time[first + p])) / unit[:2, None]
         equal.add(row, p, np.array(goal) / unit[:2] - row @ base[p])

@@ -1,4 +1,4 @@
-"""What a motion on another grid comes to: by how much it deviates, and how much of each limit it uses."""
+"""A motion on another grid, measured: by how much it deviates, and how much of each limit it uses."""
 
 from __future__ import annotations
 

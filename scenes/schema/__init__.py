@@ -1,1 +1,1 @@
-"""The shapes of documents: pydantic models, strict, closed, in SI once read. No meaning is looked up here."""
+"""The shapes of documents: pydantic models, strict, closed, in SI once read. Names are not resolved here."""

@@ -1,7 +1,7 @@
-"""What the checker does with each field of a planned answer. docs/api.md ("The verdict") has the same table, and the
-tests hold every field of the schema to a place in it.
+"""What the checker does with each field of a planned answer. docs/api.md ("The verdict") has the same table, and a test
+requires that it has every field of the schema.
 
-A field stands for all that is below it, but for what has a place of its own.
+A field includes all fields below it, except those that are listed themselves.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ VERIFIED = (
     "request_digest",
     "notice",
 )
-"""Verified from both sides: any other value is a finding, up to tolerances with a name."""
+"""Verified in both directions: any other value is a finding, up to named tolerances."""
 ONE_SIDE = (
     "certificate.t0_s",
     "certificate.t1_s",
@@ -65,7 +65,7 @@ NOT_CHECKED = (
     "margins.helps",
     "warnings",
 )
-"""Notes, verified by nobody but for their form: what was tried, how long it took, and what the planner says of its plan
+"""Notes: only their form is verified. They state what was tried, how long it took, and remarks on the plan
 (`planner.report.notes`)."""
 PLACES = (VERIFIED, ONE_SIDE, RECOMPUTED, PROVED_AND_RECOMPUTED, NOT_CHECKED)
 

@@ -50,7 +50,7 @@ def _sentences() -> dict[str, dict[str, str]]:
 
 
 def _lineage(model: type) -> Iterator[str]:
-    """Names of a model and of those that it has its fields from, nearest first. A TypedDict tells its bases apart."""
+    """Names of a model and of the models that it inherits fields from, nearest first. A TypedDict knows its bases."""
     bases = getattr(model, "__orig_bases__", ())
     if issubclass(model, dict):
         yield model.__name__

@@ -29,8 +29,8 @@ class IkDocument(Document):
 
 @with_config(CLOSED)
 class ToolPose(TypedDict):
-    """Where the tool point is. Without a yaw that is asked or follows from joints: none; pitch and roll with five axes
-    only."""
+    """Where the tool point is. It has a yaw only if a yaw is required or follows from joints; pitch and roll only with
+    five axes."""
 
     at_m: Vector
     yaw_rad: NotRequired[Number]

@@ -1,8 +1,8 @@
 """The rules that all documents share: closed, strict, finite, no null, units in keys, one of several keys.
 
 A model declares its fields in SI (`at_m`), and reads a document that `normal` has brought to SI. A caller may also
-write the twin (`at_mm`), so the model's schema shows both. Groups of keys of which exactly one, or at most one, may be
-given are declared as class variables, so that the reader and the schema agree on them.
+write the twin (`at_mm`), so the model's schema shows both. Groups of keys that exclude each other are declared as
+class variables (exactly one of them, or at most one, may be given), so that the reader and the schema agree on them.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from assur.scenes.units import TWIN_UNITS, from_si, si_key, to_si, twin_of
 Group = tuple[str, ...]
 LONGEST_KEY = 40
 MOST_KEYS = 3
-"""So much of the keys that are no fields is repeated."""
+"""Longest text of unknown keys that a message repeats."""
 
 
 class Document(BaseModel):
@@ -78,9 +78,8 @@ class Document(BaseModel):
         return self
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """A copy, with the values of `update` in place of its own. What the model refuses of them raises
-        `pydantic.ValidationError`, as where it is made: also a field that it has not. `deep` changes nothing: what is
-        frozen is shared."""
+        """A copy, with the values of `update` in place of its own. Raises `pydantic.ValidationError` for values and
+        fields that the model refuses, like the constructor. `deep` changes nothing: frozen values are shared."""
         if not update:
             return super().model_copy(deep=deep)
         keys = {name: field.alias or name for name, field in type(self).model_fields.items()}
@@ -88,7 +87,7 @@ class Document(BaseModel):
         return type(self).model_validate(own | {keys.get(name, name): value for name, value in update.items()})
 
     def document(self) -> dict[str, Any]:
-        """What was given, as the plain document that it is, in SI. What was left out is left out."""
+        """The given values as a plain document, in SI. Values that were left out are left out here, too."""
         return self.model_dump(by_alias=True, exclude_unset=True, exclude_none=True)
 
     @classmethod
@@ -242,7 +241,7 @@ class PoseDocument(Document):
 LIMITS = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")
 """Keywords that hold a number in the unit of the field."""
 LEFT_OUT = ("default", "title", "examples")
-"""Keywords that are said once, of the field in SI."""
+"""Keywords that are stated once, for the field in SI."""
 
 
 def twin_schema(field: dict[str, Any], twin: str, resolved: Callable[[dict[str, Any]], dict[str, Any]]) -> Any:

@@ -1,6 +1,6 @@
-"""A document as its models read it: SI keys and values, Python's own numbers, no null. One walk, before any model.
+"""A document as its models read it: SI keys and values, Python's own numbers, no null. One pass, before any model.
 
-What looks like a number but is not one of a document must not get past it: units are converted by type, so an
+It must refuse a value that looks like a number and is no number of a document: units are converted by type, so an
 `np.float64` of millimetres would be taken for as many metres.
 """
 

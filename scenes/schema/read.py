@@ -24,7 +24,7 @@ from assur.scenes.schema.stated import PLAIN, STATED
 from assur.scenes.units import SI_UNITS, any_unit, from_si, si_key, twin_of, unit_of
 
 FEW_FIELDS = 6
-"""Of so many fields the names are told where something else stands in place of their mapping."""
+"""If a mapping has at most so many fields, a message lists them where something else is in place of the mapping."""
 TYPES = {
     "float_type": "a number",
     "finite_number": "a finite number",
@@ -84,12 +84,12 @@ def _validated(
             if (location := _location(model, document, fault["loc"])) is not None
         ]
         faults.sort(key=lambda fault: 0 if fault[1] == "extra_forbidden" else 1)
-        told = [
+        errors = [
             DocumentError(dotted((*prefix, *path)), value, allowed)
             for path, value, allowed in (_fault(model, document, *fault) for fault in faults[:MOST_FAULTS])
         ]
-        told[0].left_out = max(0, len(faults) - MOST_FAULTS)
-        raise together([*before, *told]) from None
+        errors[0].left_out = max(0, len(faults) - MOST_FAULTS)
+        raise together([*before, *errors]) from None
     if before:
         raise together(before)
     return read
@@ -101,9 +101,9 @@ def _adapter(model: Any) -> TypeAdapter[Any]:
 
 
 def _location(model: Any, document: object, parts: Path) -> Path | None:
-    """The keys on the way to a fault, out of the parts in which pydantic tells it: without the form of a fact and the
-    mark of a mapping's key, which a document's own key may be called like. None for a fault of the form of a fact that
-    is not the one given: both are tried, and both refused."""
+    """The keys on the path to a fault, from pydantic's location: without the form of a fact and the mark of a mapping's
+    key, which may have the name of a document's own key. None for a fault of the form of a fact that was not given:
+    pydantic tries both forms, and refuses both."""
     found: Path = ()
     seen: Path | None = None
     for part in parts:
@@ -168,11 +168,11 @@ def _fields_of(model: Any, location: Path, value: object) -> str:
         return "a value" if value is None else TYPES["model_type"]
     fields = list(_fields(here))
     names = [f"{name}/{twin_of(name)}" if twin_of(name) else name for name in fields]
-    told = TYPES["model_type"] + (f": {', '.join(names)}" if 0 < len(names) <= FEW_FIELDS else "")
+    message = TYPES["model_type"] + (f": {', '.join(names)}" if 0 < len(names) <= FEW_FIELDS else "")
     required = _required(here)
     if type(value) in (int, float) and len(required) == 1:
-        told += f"; did you mean {{{twin_of(required[0]) or required[0]}: {value}}}?"
-    return told
+        message += f"; did you mean {{{twin_of(required[0]) or required[0]}: {value}}}?"
+    return message
 
 
 def _millimetres(path: Path, value: object) -> str:
@@ -286,14 +286,14 @@ def _assets() -> Sequence[str]:
 
 
 SHIPPED: dict[str | int, Callable[[], Sequence[str]]] = {"model": _models, "asset": _assets}
-"""Keys whose values are names of what is shipped; a value that cannot be such a name is told which there are."""
+"""Keys whose values are names of shipped files; the message about any other value lists these names."""
 
 
-# How many items and keys a document has, looked at before its models read it: a model makes a fault of each item that
-# is wrong, and looks at how many there are behind them. What is refused here costs no more than its length.
+# The number of items and keys of a document is checked before its models read it: a model makes a fault of each wrong
+# item before it checks their number. A refusal here costs no more than the document's length.
 
 MOST_UNKNOWN = 20
-"""So many keys more than a model has fields are left to the model, which tells what was probably meant by each."""
+"""Most keys in addition to a model's fields that are left to the model, which suggests a field for each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -339,7 +339,7 @@ def _of_model(model: type[BaseModel]) -> _Shape:
 
 
 def _of(annotation: Any, metadata: tuple[Any, ...]) -> _Shape | None:
-    """The shape that an annotation allows; None: a single value, or a list of such, whose length its model looks at."""
+    """The shape that an annotation allows; None: a single value, or a list of such, whose length its model checks."""
     if get_origin(annotation) is Annotated:
         first, *more = get_args(annotation)
         return _of(first, (*metadata, *more))

@@ -1,4 +1,4 @@
-"""The request: everything that one plan depends on."""
+"""The request: all data on which a plan depends."""
 
 from __future__ import annotations
 

@@ -314,7 +314,7 @@ Turn = Annotated[int, Field(ge=-MOST_TURNS, le=MOST_TURNS), WHOLE]
 class StartDocument(Document):
     """The state from which the plan begins: joints, at rest unless velocity (and acceleration) are given; or a pose of
     the tool, at rest, with the working mode `elbow` and the full turn of the wrist in which it is taken. The gripper is
-    empty unless it is said what it holds."""
+    empty unless the request states what it holds."""
 
     exactly_one: ClassVar[tuple[Group, ...]] = (("joints", "tool"),)
     at_most_one: ClassVar[tuple[Group, ...]] = tuple(

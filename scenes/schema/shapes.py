@@ -104,7 +104,7 @@ class BodyDocument(Document):
 
 Side = Literal["proximal-left", "distal-left", "proximal-right", "distal-right"]
 LinkName = Literal["base", "link1", "link2", "link3", "link4", "quill", "flange", Side]
-"""Links of any family; which of them an arm has is asked where it is built."""
+"""Links of any family. Whether an arm has a link is checked where the arm is built."""
 
 
 class AttachedBody(Document):

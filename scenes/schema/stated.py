@@ -1,4 +1,4 @@
-"""A number, or what belongs together of several, with the word of whoever vouches for it.
+"""A number, or several that belong together, with their source.
 
 Every fact about an arm is written either plainly, ``l1_mm: 325``, or as a mapping that says where it comes from,
 ``l1_mm: {value: 325, status: vendor, source: data sheet, page 3}``.
@@ -18,7 +18,7 @@ from assur.scenes.schema.model import Document
 T = TypeVar("T")
 
 Status = Literal["vendor", "vendor_config", "third_party", "disputed", "defined", "measured", "estimated"]
-"""Whose word a fact is.
+"""The source of a fact.
 
 vendor         the maker's own data
 vendor_config  from a configuration file of the maker's, where it may be a placeholder

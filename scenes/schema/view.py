@@ -133,7 +133,7 @@ class ShownLimits(TypedDict):
 @with_config(CLOSED)
 class ShownCurves(TypedDict):
     """Joints as their maker counts them: `joints` [T][4][n], position and three derivatives, and `tool` [T][2], speed
-    and acceleration of the tool point, at `time_s` [T], two of which are the same where something jumps."""
+    and acceleration of the tool point, at `time_s` [T]. Two times are the same where something jumps."""
 
     names: list[Name]
     units: list[Literal["rad", "m"]]

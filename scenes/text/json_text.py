@@ -1,7 +1,8 @@
-"""JSON as our documents need it: refused is what one reader would take differently from another.
+"""JSON as our documents need it: text that two readers may understand differently is refused.
 
-NaN, Infinity and numbers that overflow (1e999), lone surrogates, keys that are given twice, whole numbers beyond 2**53,
-text that is not UTF-8, and nesting deeper than any document of ours. The field is named wherever there is one.
+Refused are NaN, Infinity and numbers that overflow (1e999), lone surrogates, keys that are given twice, whole numbers
+beyond 2**53, text that is not UTF-8, and nesting deeper than any document of ours. The message names the field, if
+there is one.
 """
 
 from __future__ import annotations
@@ -109,7 +110,7 @@ def _sound(value: dict[str, Any] | list[Any], depth: int) -> bool:
 
 
 def _inspect(document: Any) -> None:
-    """Walks the document without recursion; the first thing that is refused is raised with its path."""
+    """Reads the document without recursion; the first value that is refused is raised with its path."""
     waiting: list[tuple[Path, Any]] = [((), document)]
     while waiting:
         path, value = waiting.pop()
@@ -186,5 +187,6 @@ def not_json(error: json.JSONDecodeError) -> tuple[str, str]:
     within = error.msg.startswith("Unterminated string") or any(word.startswith(rest) for word in WORDS)
     if escape or within or CUT.match(rest):
         return f"a text that ends before its value is complete, {at}", "the whole text"
-    found, allowed = next((told for said, told in SENTENCES.items() if error.msg.startswith(said)), ("no JSON", "JSON"))
+    ours = (texts for message, texts in SENTENCES.items() if error.msg.startswith(message))
+    found, allowed = next(ours, ("no JSON", "JSON"))
     return f"{found}, {at}", allowed

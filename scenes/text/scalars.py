@@ -9,11 +9,11 @@ from assur.scenes.bounds import MAX_INTEGER
 LONGEST_NUMBER = 64
 """Characters of a number: a double needs 25."""
 LONGEST_SHOWN = 20
-"""So many characters of a number that is refused are repeated."""
+"""Number of characters of a refused number that a message repeats."""
 
 
 class Refused:
-    """Stands in a parsed document for what must not be in it, until its path is known."""
+    """In place of a refused value in a parsed document, until its path is known."""
 
     def __init__(self, shown: object, allowed: str) -> None:
         self.shown, self.allowed = shown, allowed

@@ -1,4 +1,4 @@
-"""YAML 1.2 as scenario files need it: plain data with line numbers, and nothing that surprises.
+"""YAML 1.2 as scenario files need it: plain data with line numbers.
 
 Built from the event stream of PyYAML's libyaml parser without recursion and without any of its constructors, so what a
 scalar means is decided here by the core schema of YAML 1.2 (`on` is text, `1e3` is a number, `1:30` is text, `010` is
@@ -42,7 +42,9 @@ def with_line(error: InputError, lines: Lines, prefix: str = "") -> DocumentErro
     known = error if isinstance(error, DocumentError) else DocumentError(error.field, error.value, error.allowed)
     if known.line is not None:
         return known
-    return known.told_as(lambda field: field if field == WHOLE else prefix + field, lambda field: line_of(field, lines))
+    return known.relocated(
+        lambda field: field if field == WHOLE else prefix + field, lambda field: line_of(field, lines)
+    )
 
 
 def line_of(field: str, lines: Lines) -> int:

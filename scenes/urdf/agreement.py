@@ -1,7 +1,7 @@
-"""Whether an arm of ours and the chain of a file are one mechanism: flanges at random states, and links of both.
+"""Compares an arm of ours with the chain of a file: the flanges at random states, and the links.
 
-Both sides come from one reading of the file, so a fault of the reading does not show here. `unread` refuses what the
-reader does not take, and a second reader in the tests compares poses.
+Both sides come from one reading of the file, so an error of the reader is not seen here. `unread` refuses all that the
+reader ignores, and the tests compare poses with a second reader.
 """
 
 from __future__ import annotations

@@ -79,7 +79,7 @@ def self_pairs(
     """Pairs of our links that can meet. `carried`: the file's links on each of ours; `off`: pairs of the file's links
     that an SRDF disables, None without one; `names`: our links in order.
 
-    The flange carries tool and part as well, of which an SRDF knows nothing: its pairs stay. Another pair is left out
+    The flange carries tool and part as well, which an SRDF does not know: its pairs stay. Another pair is left out
     if all pairs of the file's links on it are disabled, or, without an SRDF, if the links are joined.
     """
     found = []

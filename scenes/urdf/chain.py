@@ -8,11 +8,11 @@ from functools import cached_property
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.scenes.urdf.refusals import Lack
+from assur.scenes.urdf.refusals import Defect
 from assur.scenes.urdf.tree import Joint, Tree
 
 UNIT = 1e-6
-"""How far the length of an axis may be from 1 without being told."""
+"""How far the length of an axis may be from 1 without a remark."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ class Chain:
             link = ahead.pop()
             above = self.tree.above(link)
             near = [] if above is None else [(above.parent, above, np.linalg.inv(above.origin))]
-            if link != self.base:  # what hangs on the base itself is not beside it
+            if link != self.base:  # links that are attached to the base itself do not count
                 near += [(joint.child, joint, joint.origin) for joint in self.tree.below(link)]
             for other, joint, step in near:
                 if joint.kind == "fixed" and other not in found:
@@ -88,9 +88,9 @@ class Chain:
         return found
 
 
-def told_of(chain: Chain) -> list[str]:
-    """What is to be said of a chain: axes that are no unit vectors; links that are taken with the base, left out, or
-    without a collision shape."""
+def remarks_on(chain: Chain) -> list[str]:
+    """Remarks on a chain: axes that are no unit vectors; links that belong to the base, are left out, or have no
+    collision shape."""
     links, base = chain.tree.links, chain.base
     found = []
     if long := [f"{each.name} ({each.stretch:.6g})" for each in chain.joints if abs(each.stretch - 1.0) > UNIT]:
@@ -141,28 +141,28 @@ def _last_moving(tree: Tree, base: str) -> str | None:
     return best
 
 
-def chain_to(tree: Tree, base: str, tip: str) -> tuple[Chain | None, list[Lack]]:
-    """The arm from base to tip, and what of the tree makes it none: joints of other kinds, joints that follow others,
-    and joints that move beside it."""
+def chain_to(tree: Tree, base: str, tip: str) -> tuple[Chain | None, list[Defect]]:
+    """The arm from base to tip, and reasons why it is no arm: joints of other kinds, joints that follow others,
+    and joints that move and are not in the arm."""
     path = tree.path(base, tip)
     if path is None:
-        return None, [Lack(f"link {tip}", f"it does not hang on link {base}", "choose --base and --tip of one chain")]
+        return None, [Defect(f"link {tip}", f"it does not hang on link {base}", "choose --base and --tip of one chain")]
     lacks = []
     own = {joint.name for joint in path}
     for joint in tree.joints.values():
         where = f"joint {joint.name}"
         if joint.name in own and joint.kind in ("floating", "planar"):
-            lacks.append(Lack(where, f"type {joint.kind}", "begin below it with --base LINK"))
+            lacks.append(Defect(where, f"type {joint.kind}", "begin below it with --base LINK"))
         if not joint.moves or tree.path(base, joint.child) is None:
             continue
         if joint.mimics is not None and (joint.name in own or joint.mimics in own):
             what = f"it mimics joint {joint.mimics}: a linkage, and none of our arms has one"
             supply = "only arms without a linkage can be imported; of a palletiser no SCARA can be made"
-            lacks.append(Lack(where, what, supply))
+            lacks.append(Defect(where, what, supply))
         elif joint.mimics is not None:
             what = f"it mimics joint {joint.mimics}, and is not between link {base} and link {tip}"
-            lacks.append(Lack(where, what, f"hold both with --hold {joint.mimics}=POSITION"))
+            lacks.append(Defect(where, what, f"hold both with --hold {joint.mimics}=POSITION"))
         elif joint.name not in own:
             what = f"it moves, and is not between link {base} and link {tip}"
-            lacks.append(Lack(where, what, f"hold it with --hold {joint.name}=POSITION, or choose --tip LINK"))
+            lacks.append(Defect(where, what, f"hold it with --hold {joint.name}=POSITION, or choose --tip LINK"))
     return Chain(tree, base, tip, tuple(joint for joint in path if joint.moves)), lacks

@@ -1,6 +1,6 @@
 """Which family of ours a chain of joints is, with its lengths, joint signs and zeros: SCARA, elbow arm, five-axis arm.
 
-Axes and flange are looked at with all joints at 0. Nothing is fitted: the chain must be of the family to 0.1 µm and
+Axes and flange are evaluated with all joints at 0. Nothing is fitted: the chain must be of the family to 0.1 µm and
 0.1 µrad, and the flanges of both are compared at random states afterwards.
 """
 
@@ -16,14 +16,14 @@ from assur.scenes.reading.arms import CALLED
 from assur.scenes.schema.robots import Family
 from assur.scenes.urdf.chain import Chain, chain_to, flanges
 from assur.scenes.urdf.reader import ROUND_RAD
-from assur.scenes.urdf.refusals import ImportRefused, Lack, OfNoFamily, Unsuitable
+from assur.scenes.urdf.refusals import Defect, ImportRefused, OfNoFamily, Unsuitable
 from assur.scenes.urdf.tree import Tree
 
 SAME_M, SAME_RAD = 1e-7, 1e-7
 """How far what must coincide may be apart: below a tenth of what the flange may be off in the end."""
 LEAST_LENGTH_M = 1e-5
 MOST_SHOWN = 8
-"""Joints of an arm of no family that are told one by one."""
+"""Number of joints that are listed if an arm is of no family."""
 UP = np.array([0.0, 0.0, 1.0])
 FAMILIES = (
     "what can be imported: a SCARA (two or three vertical joints that turn and a vertical lift, in any order), an "
@@ -52,7 +52,7 @@ class Kinematics:
 
 
 def recognised(chain: Chain) -> Kinematics:
-    """The arm that a chain is. Raises `Unsuitable` with what keeps it from being one."""
+    """The arm of a chain. Raises `Unsuitable` with the reason why it is no arm of ours."""
     axes = chain.axes
     kinds = "".join("r" if axis.turns else "p" for axis in axes)
     upright = [_parallel(axis.direction, UP) for axis in axes]
@@ -62,7 +62,7 @@ def recognised(chain: Chain) -> Kinematics:
         tilt = math.degrees(math.acos(min(1.0, abs(float(axes[0].direction @ UP)))))
         what = f"its axis is {tilt:.6g} deg off the vertical of link {chain.base}"
         where = f"joint {chain.joints[0].name}"
-        raise Unsuitable(where, what, f"choose --base LINK, the frame of which has z along it; {FAMILIES}")
+        raise Unsuitable(where, what, f"choose --base LINK whose frame has z along it; {FAMILIES}")
     if all(upright) and kinds.count("p") == 1 and kinds.count("r") in (2, 3):
         return _scara(chain, kinds)
     level = [abs(float(axis.direction @ UP)) <= SAME_RAD for axis in axes]
@@ -81,10 +81,10 @@ def _in_words(chain: Chain, upright: list[bool], level: list[bool]) -> str:
         way = "vertical" if up else "level" if flat else steep
         each.append(f"{way} {'turn' if axis.turns else 'slide'}")
     more = f" and {len(each) - MOST_SHOWN} more" if len(each) > MOST_SHOWN else ""
-    said = f"{len(each)} moving joints ({', '.join(each[:MOST_SHOWN])}{more}) are no family of ours"
+    message = f"{len(each)} moving joints ({', '.join(each[:MOST_SHOWN])}{more}) are no family of ours"
     if [each[:1], each[1:3]] == [["vertical turn"], ["level turn"] * 2] and len(each) == 4:
-        said += "; this is a palletiser with four axes, and no SCARA"
-    return said
+        message += "; this is a palletiser with four axes, and no SCARA"
+    return message
 
 
 def _scara(chain: Chain, kinds: str) -> Kinematics:
@@ -102,9 +102,7 @@ def _scara(chain: Chain, kinds: str) -> Kinematics:
     upright = tip[:3, :3] @ np.diag([1.0, -1.0, -1.0]) if z_down else tip[:3, :3]
     if not _parallel(upright[:, 2], UP):
         where = f"link {chain.tip}"
-        raise Unsuitable(
-            where, "its z axis is not vertical", "choose --tip LINK, the frame of which has z along the lift"
-        )
+        raise Unsuitable(where, "its z axis is not vertical", "choose --tip LINK whose frame has z along the lift")
     heading = math.atan2(*(b - a)[::-1])
     bend = math.atan2(*(c - b)[::-1]) - heading
     signs = [1 if axis.direction[2] > 0 else -1 for axis in axes]
@@ -266,13 +264,13 @@ MOST_AXES = 5
 """No arm of ours has more."""
 
 
-# Which chain of a tree is the arm: of the links that may be its flange the first with which it is of a family of ours.
-# An arm of no family is refused with what keeps it from being one and nothing else: limits and meshes do not matter.
+# Which chain of a tree is the arm: the first possible flange with which the chain is of a family of ours counts. An arm
+# of no family is refused with the reason for that only: limits and meshes do not matter then.
 
 
 def arm_in(
     tree: Tree, name: str, base: str, wanted: str | None, hinted: tuple[str, ...]
-) -> tuple[Chain, Kinematics, list[Lack], list[str]]:
+) -> tuple[Chain, Kinematics, list[Defect], list[str]]:
     """The chain from `base` to the flange with the kinematics that it has, the joints that keep it from being an arm
     all the same, and why likelier links are not the flange. `wanted` and `hinted`: links that may be, as in `flanges`.
 
@@ -280,9 +278,9 @@ def arm_in(
     """
     tips = flanges(tree, base, wanted, hinted)
     if not tips:
-        raise ImportRefused(name, [Lack("the file", "no joint moves", "a robot's description")])
-    beside: tuple[Chain, Kinematics, list[Lack]] | None = None
-    failed: list[Lack] = []
+        raise ImportRefused(name, [Defect("the file", "no joint moves", "a robot's description")])
+    beside: tuple[Chain, Kinematics, list[Defect]] | None = None
+    failed: list[Defect] = []
     passed: list[str] = []
     for tip in tips:
         chain, lacks = chain_to(tree, base, tip)
@@ -302,7 +300,7 @@ def arm_in(
     return *beside, passed
 
 
-def _kept_from(chain: Chain, lacks: list[Lack], lack: Lack) -> list[Lack]:
+def _kept_from(chain: Chain, lacks: list[Defect], lack: Defect) -> list[Defect]:
     """What keeps a chain from being an arm of ours: axes, linkages, angles that were mistyped; or else its gripper."""
     if known := _or_without_gripper(chain, lack):
         return [known]
@@ -310,7 +308,7 @@ def _kept_from(chain: Chain, lacks: list[Lack], lack: Lack) -> list[Lack]:
     return [lack, *(each for each in lacks if each.where in on_the_way), *_nearly(chain)]
 
 
-def _or_without_gripper(chain: Chain, lack: Lack) -> Lack | None:
+def _or_without_gripper(chain: Chain, lack: Defect) -> Defect | None:
     """What to say of a chain that is an arm of ours but for a gripper at its end; None if it is none.
 
     What is left out must look like a gripper: it slides, or the rest is an arm with a wrist. No joint there may follow
@@ -339,11 +337,11 @@ def _or_without_gripper(chain: Chain, lack: Lack) -> Lack | None:
                 return None
             hold = " ".join(f"--hold {joint.name}=POSITION" for joint in moving if joint.mimics is None)
             what = f"{lack.what}; without a gripper, up to link {tip}, it is {CALLED[kinematics.family]}"
-            return Lack(lack.where, what, f"say --tip {tip} {hold}")
+            return Defect(lack.where, what, f"say --tip {tip} {hold}")
     return None
 
 
-def _nearly(chain: Chain) -> list[Lack]:
+def _nearly(chain: Chain) -> list[Defect]:
     """Angles of joints on the way to the flange that are almost right angles, but too far off to be read as such."""
     found = []
     for joint in chain.tree.path(chain.base, chain.tip) or []:
@@ -352,5 +350,5 @@ def _nearly(chain: Chain) -> list[Lack]:
             off = abs(angle - near)
             if ROUND_RAD < off <= NEARLY_RAD:
                 what = f"{angle:.9g} rad is {math.degrees(off):.3g} deg off {math.degrees(near):.0f} deg"
-                found.append(Lack(f"joint {joint.name}, origin.rpy", what, f"write {near!r} if that is meant"))
+                found.append(Defect(f"joint {joint.name}, origin.rpy", what, f"write {near!r} if that is meant"))
     return found

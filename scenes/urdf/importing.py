@@ -1,6 +1,6 @@
-"""From a URDF (or xacro) and what stands beside it to a robot's file of ours, with hulls of its meshes beside it.
+"""From a URDF (or xacro) and its files to a robot's file of ours, with hulls of its meshes in the same folder.
 
-Everything that is missing or unsuitable is told at once, and then nothing is written.
+All missing and unsuitable items are reported at once, and then nothing is written.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ from assur.scenes.text.yaml_text import parse_yaml
 from assur.scenes.urdf import agreement, solids
 from assur.scenes.urdf.arm_text import ArmText, angles, body_of, free_name, shared_head
 from assur.scenes.urdf.carriers import Carrier, carrier_of, self_pairs
-from assur.scenes.urdf.chain import chain_to, told_of
+from assur.scenes.urdf.chain import chain_to, remarks_on
 from assur.scenes.urdf.families import arm_in
 from assur.scenes.urdf.limits import Limits, LimitsFile, limits_of, read_limits
 from assur.scenes.urdf.mesh_files import mesh_triangles
 from assur.scenes.urdf.plausible import implausible, size_of
 from assur.scenes.urdf.reader import read_tree
-from assur.scenes.urdf.refusals import ImportRefused, Lack, OfNoFamily, Unsuitable
+from assur.scenes.urdf.refusals import Defect, ImportRefused, OfNoFamily, Unsuitable
 from assur.scenes.urdf.solids import Covering, Part
 from assur.scenes.urdf.srdf import Semantics, read_srdf
 from assur.scenes.urdf.tree import Solid, Tree
@@ -40,9 +40,9 @@ from assur.scenes.urdf.xml_text import FARTHEST, MAX_XML_BYTES
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """What is to be imported. `packages`: folders by name; `held`: joints that stay at a position; `status`: whose word
-    the numbers of the files are."""
+class ImportOptions:
+    """How a robot is imported. `packages`: folders by name; `held`: joints that stay at a position; `status`: the
+    status of the numbers in the files."""
 
     urdf: Path
     joint_limits: Path | None = None
@@ -58,8 +58,8 @@ class Wanted:
 
 
 @dataclass(frozen=True, eq=False)
-class Imported:
-    """A robot's file, not written yet: its `text`, `meshes` by the name below its folder, and what is said of it."""
+class ImportedRobot:
+    """A robot's file, not written yet: its `text`, `meshes` by the name below its folder, and remarks on it."""
 
     name: str
     text: str
@@ -67,7 +67,7 @@ class Imported:
     report: dict[str, Any]
 
 
-def import_robot(wanted: Wanted) -> Imported:
+def import_robot(wanted: ImportOptions) -> ImportedRobot:
     """The robot's file. Raises `ImportRefused` with all that is missing or unsuitable, or `OSError`."""
     content = _content(wanted.urdf, MAX_XML_BYTES)
     if wanted.urdf.suffix.lower() == ".xacro":
@@ -89,14 +89,14 @@ def import_robot(wanted: Wanted) -> Imported:
         try:
             found = _Import(wanted, tree, given)
         except ImportRefused as second:
-            # whichever knows the arm: what is missing of it is told, not that it is of no family
+            # the error of the family that knows the arm is reported (what is missing), not that it is of no family
             raise (second if isinstance(first, OfNoFamily) else first) from None
         found.tell_rounding(read_tree(content, wanted.urdf.name))
     return found.made(hashlib.sha256(content).hexdigest())
 
 
-def write(imported: Imported, out: Path) -> RobotFile:
-    """Writes the robot's file and its meshes, and reads it again as whoever uses it does."""
+def write(imported: ImportedRobot, out: Path) -> RobotFile:
+    """Writes the robot's file and its meshes, and reads it again as a user does."""
     for name, content in imported.meshes.items():
         path = out.parent / name
         path.parent.mkdir(exist_ok=True)
@@ -113,13 +113,13 @@ def _content(path: Path, most: int) -> bytes:
 class _Import:
     """One attempt. Raises `ImportRefused`."""
 
-    def __init__(self, wanted: Wanted, tree: Tree, given: LimitsFile | None) -> None:
+    def __init__(self, wanted: ImportOptions, tree: Tree, given: LimitsFile | None) -> None:
         self.wanted, self.file = wanted, wanted.urdf.name
         self.remarks: list[str] = list(tree.remarks)
         if self.remarks and wanted.urdf.suffix.lower() == ".xacro":
             self.remarks.append(f"lines of {self.file} are those of the URDF to which xacro expands it")
         self.sizes: dict[str, float] = {}
-        self.lacks: list[Lack] = []
+        self.lacks: list[Defect] = []
         self._hold(tree)
         self.tree = tree = tree.with_held(wanted.held)
         self.semantics = Semantics(frozenset(), ())
@@ -148,19 +148,21 @@ class _Import:
     def _hold(self, tree: Tree) -> None:
         for name, value in self.wanted.held.items():
             if name not in tree.joints:
-                raise ImportRefused(self.file, [Lack(f"--hold {name}", "no joint of this name", "a joint of the URDF")])
+                raise ImportRefused(
+                    self.file, [Defect(f"--hold {name}", "no joint of this name", "a joint of the URDF")]
+                )
             if not abs(value) <= FARTHEST:
-                raise ImportRefused(self.file, [Lack(f"--hold {name}", f"{value:g}", "a number in rad or m")])
+                raise ImportRefused(self.file, [Defect(f"--hold {name}", f"{value:g}", "a number in rad or m")])
         for name, folder in self.wanted.packages.items():
             if not folder.is_dir():
-                raise ImportRefused(self.file, [Lack(f"--package {name}", f"no folder {folder}", "a folder")])
+                raise ImportRefused(self.file, [Defect(f"--package {name}", f"no folder {folder}", "a folder")])
         for what, link in (("--base", self.wanted.base), ("--tip", self.wanted.tip)):
             if link is not None and link not in tree.links:
                 links = ", ".join(list(tree.links)[:20])
-                raise ImportRefused(self.file, [Lack(f"{what} {link}", "no link of this name", f"one of {links}")])
+                raise ImportRefused(self.file, [Defect(f"{what} {link}", "no link of this name", f"one of {links}")])
 
     def _look_at_meshes(self) -> None:
-        """Every mesh is read once before any is covered: what is wrong with them is told together."""
+        """Every mesh is read once before any is covered: their faults are reported together."""
         for link in self.chain.movers:
             for solid in self.tree.links[link]:
                 try:
@@ -184,24 +186,24 @@ class _Import:
         except InputError as error:
             raise ImportRefused(self.file, [self._of_number(error)]) from error
         if given is None:
-            raise ImportRefused(self.file, [Lack("the file", "no arm", "report it")])
+            raise ImportRefused(self.file, [Defect("the file", "no arm", "report it")])
         return built(*given)
 
-    def _of_number(self, error: InputError) -> Lack:
+    def _of_number(self, error: InputError) -> Defect:
         """A number that our form does not take, at the file's joint if it is one of a joint."""
         if found := re.match(r"\w+\.joints\[(\d+)\]\.(\w+)", error.field):
             where = f"joint {self.chain.joints[int(found[1])].name}, {found[2]}"
         else:
             where = error.field
         lengths = "; a URDF has lengths in m: write mm times 0.001" if "_m." in error.field else ""
-        return Lack(where, f"{error.value}", f"allowed is {error.allowed}{lengths}")
+        return Defect(where, f"{error.value}", f"allowed is {error.allowed}{lengths}")
 
     def tell_rounding(self, written: Tree) -> None:
         """Says what the rounding of angles changed: how far away the flange of the file as it is `written` is."""
         chain, _ = chain_to(written.with_held(self.wanted.held), self.base, self.chain.tip)
         q = agreement.states(self.chain, self.ranges)
         if chain is None:
-            raise ImportRefused(self.file, [Lack("the file", "two readings of it differ", "report it")])
+            raise ImportRefused(self.file, [Defect("the file", "two readings of it differ", "report it")])
         metres, radians = agreement.between(chain.places(q)[chain.tip], self.chain.places(q)[chain.tip])
         angles = ", ".join(self.tree.rounded[:6])
         self.remarks.append(
@@ -245,7 +247,7 @@ class _Import:
             return names
         return [f"j{i + 1}" for i in range(len(names))]
 
-    def made(self, digest: str) -> Imported:
+    def made(self, digest: str) -> ImportedRobot:
         """The file with the solids of the links."""
         parts, carried = self._parts()
         bodies, meshes = [], {}
@@ -256,7 +258,7 @@ class _Import:
                 meshes[body["shape"]["mesh"]["file"]] = content
         if len(bodies) > MAX_TOOL_BODIES:
             what = f"{len(bodies)} bodies cover the links"
-            lack = Lack("the meshes", what, f"up to {MAX_TOOL_BODIES} are allowed: say a smaller --hulls")
+            lack = Defect("the meshes", what, f"up to {MAX_TOOL_BODIES} are allowed: say a smaller --hulls")
             raise ImportRefused(self.file, [lack])
         names = LINKS[self.kinematics.family]
         off = None if self.wanted.srdf is None else self.semantics.off
@@ -301,7 +303,7 @@ class _Import:
             "remarks": self.remarks,
             "unused": list(self.tree.unused),
         }
-        return Imported(self.name, text, meshes, report)
+        return ImportedRobot(self.name, text, meshes, report)
 
     @property
     def _turn(self) -> list[float] | None:
@@ -322,8 +324,8 @@ class _Import:
         )
 
     def _of_solids(self, covers: dict[str, tuple[int, float]]) -> str:
-        said = [f"{of}: {n} hulls, up to {1e3 * far:.1f} mm out of the mesh" for of, (n, far) in covers.items()]
-        return "; ".join([f"collision shapes of {self.file}", *said])[:3900]
+        covered = [f"{of}: {n} hulls, up to {1e3 * far:.1f} mm out of the mesh" for of, (n, far) in covers.items()]
+        return "; ".join([f"collision shapes of {self.file}", *covered])[:3900]
 
     def _parts(self) -> tuple[list[Part], dict[str, set[str]]]:
         """The bodies of all links, and which of the file's links each of ours carries."""
@@ -332,9 +334,9 @@ class _Import:
         theirs, ours = self.chain.places(q), agreement.frames(self.arm, q)
         found: list[Part] = []
         carried: dict[str, set[str]] = {}
-        lacks: list[Lack] = []
+        lacks: list[Defect] = []
         taken: set[str] = set()
-        self.remarks += told_of(self.chain)
+        self.remarks += remarks_on(self.chain)
         for link, movers in self.chain.movers.items():
             for i, solid in enumerate(self.tree.links[link]):
                 several = len(self.tree.links[link]) > 1

@@ -9,7 +9,7 @@ from typing import Any
 from assur.scenes.faults import DocumentError, dotted
 from assur.scenes.text.yaml_text import Lines, line_of, parse_yaml
 from assur.scenes.urdf.chain import Chain
-from assur.scenes.urdf.refusals import ImportRefused, Lack
+from assur.scenes.urdf.refusals import Defect, ImportRefused
 from assur.scenes.urdf.tree import Bound, Joint
 
 JERK_TIME_S = 0.02
@@ -44,7 +44,7 @@ class Limits:
 
 def limits_of(
     chain: Chain, given: LimitsFile | None, urdf: str, status: str
-) -> tuple[list[Limits | None], list[Lack], list[str]]:
+) -> tuple[list[Limits | None], list[Defect], list[str]]:
     """The limits of each joint, None where something is missing; all that is missing; and what is to be known of
     numbers that are not taken.
 
@@ -74,7 +74,7 @@ class _Reader:
         self._file = file
         self.file = "" if file is None else file.name
         self.unit = "m" if joint.kind == "prismatic" else "rad"
-        self.lacks: list[Lack] = []
+        self.lacks: list[Defect] = []
         self.remarks: list[str] = []
 
     def read(self) -> Limits | None:
@@ -99,7 +99,7 @@ class _Reader:
             elif key not in KNOWN:
                 what = f"{key[:40]!r} in {self.file}{self._line(key)} is not known, and may be a limit"
                 supply = f"known are {', '.join(KNOWN)}; correct it, or remove it if it is no limit"
-                self.lacks.append(Lack(f"joint {self.joint.name}", what, supply))
+                self.lacks.append(Defect(f"joint {self.joint.name}", what, supply))
         if unused:
             self._remark(unused[0], f"{', '.join(unused)} {'is' if len(unused) == 1 else 'are'} not taken")
 
@@ -111,7 +111,7 @@ class _Reader:
 
     def _lack(self, what: str, key: str, example: str) -> None:
         supply = f"give it in --joint-limits as joint_limits.{self.joint.name}.{key}{example}"
-        self.lacks.append(Lack(f"joint {self.joint.name}", what, supply))
+        self.lacks.append(Defect(f"joint {self.joint.name}", what, supply))
 
     def _of_urdf(self, value: float, what: str) -> Number:
         return Number(value, self.status, f"{self.urdf}, joint {self.joint.name}, {what}")
@@ -125,7 +125,7 @@ class _Reader:
         if isinstance(on, bool):
             return on
         what = f"{switch} is {str(on)[:40]!r} in {self.file}, and neither true nor false"
-        lack = Lack(f"joint {self.joint.name}", what, f"write joint_limits.{self.joint.name}.{switch}: true or false")
+        lack = Defect(f"joint {self.joint.name}", what, f"write joint_limits.{self.joint.name}.{switch}: true or false")
         if lack not in self.lacks:
             self.lacks.append(lack)
         return None
@@ -263,7 +263,7 @@ def read_limits(content: bytes, name: str) -> LimitsFile:
     try:
         document, lines = parse_yaml(content)
     except DocumentError as error:
-        lack = Lack(f"line {error.line}", str(error.value), f"allowed is {error.allowed}")
+        lack = Defect(f"line {error.line}", str(error.value), f"allowed is {error.allowed}")
         raise ImportRefused(name, [lack]) from error
     found: list[tuple[str, ...]] = []
     ahead: list[tuple[tuple[str, ...], Any]] = [((), document)]
@@ -281,11 +281,11 @@ def read_limits(content: bytes, name: str) -> LimitsFile:
                     ahead.append(((*path, key), value))
     if not found:
         supply = "joint_limits: {JOINT: {has_acceleration_limits: true, max_acceleration: NUMBER}}"
-        raise ImportRefused(name, [Lack("the file", "no mapping joint_limits with a mapping for each joint", supply)])
+        raise ImportRefused(name, [Defect("the file", "no mapping joint_limits with a mapping for each joint", supply)])
     if len(found) > 1:
         where = ", ".join(f"line {line_of(dotted(path), lines)}" for path in found)
         what = f"{len(found)} mappings joint_limits ({where})"
-        raise ImportRefused(name, [Lack("the file", what, "leave the one of this arm")])
+        raise ImportRefused(name, [Defect("the file", what, "leave the one of this arm")])
     (path,) = found
     lacks, remarks = _beside(document, path, lines)
     if lacks:
@@ -296,9 +296,9 @@ def read_limits(content: bytes, name: str) -> LimitsFile:
     return LimitsFile(name, joints, tuple(f"{name}, {remark}" for remark in remarks), path, lines)
 
 
-def _beside(document: Any, path: tuple[str, ...], lines: Lines) -> tuple[list[Lack], list[str]]:
+def _beside(document: Any, path: tuple[str, ...], lines: Lines) -> tuple[list[Defect], list[str]]:
     """What is beside the way to joint_limits: refused if it may be limits of joints, else reported."""
-    lacks: list[Lack] = []
+    lacks: list[Defect] = []
     remarks: list[str] = []
     for depth, step in enumerate(path):
         for key in document:
@@ -309,7 +309,7 @@ def _beside(document: Any, path: tuple[str, ...], lines: Lines) -> tuple[list[La
                 remarks.append(f"line {line}: {key} is not taken: it is no limit of the arm's joints")
             elif LIMITING & set(key.lower().split("_")):
                 what = f"{key!r} is not known, and may be limits of joints"
-                lacks.append(Lack(f"line {line}", what, "put it below joint_limits, or remove it"))
+                lacks.append(Defect(f"line {line}", what, "put it below joint_limits, or remove it"))
             else:
                 remarks.append(f"line {line}: {key!r} is not read")
         document = document[step]

@@ -1,6 +1,6 @@
-"""Numbers of a description that no arm has, and what they would be in the unit that was probably meant.
+"""Warnings about implausible numbers of a description, with their value in the unit that was probably meant.
 
-They are warnings: an arm may be as odd as it likes. The bounds are several times beyond the arms that are sold.
+They are no refusals: an arm may be unusual. The bounds are several times beyond the arms on the market.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from assur.scenes.urdf.tree import Solid
 DEGREE = math.degrees(1.0)
 MM = 1000.0
 ODD = 100.0
-"""A link that is so many times smaller or larger than the others is odd."""
+"""A link that is so many times smaller or larger than the others is reported."""
 NEAR = 30.0
 """A link of another unit is, in this one, within so many times of the others."""
 MOST_TURNS = 3.0
@@ -26,7 +26,7 @@ MOST_TURNS = 3.0
 
 
 @dataclass(frozen=True, slots=True)
-class Usual:
+class UsualRange:
     """What is usual of a number, SI, and the unit that is mistaken for its own: so many of them are one of SI."""
 
     low: float
@@ -37,20 +37,20 @@ class Usual:
 
 
 TURNING = {
-    "range": Usual(0.1, math.inf, "rad", "deg", DEGREE),
-    "end": Usual(0.0, MOST_TURNS * math.tau, "rad", "deg", DEGREE),
-    "velocity": Usual(0.02, 70.0, "rad/s", "deg/s", DEGREE),
-    "acceleration": Usual(0.1, 5_000.0, "rad/s2", "deg/s2", DEGREE),
+    "range": UsualRange(0.1, math.inf, "rad", "deg", DEGREE),
+    "end": UsualRange(0.0, MOST_TURNS * math.tau, "rad", "deg", DEGREE),
+    "velocity": UsualRange(0.02, 70.0, "rad/s", "deg/s", DEGREE),
+    "acceleration": UsualRange(0.1, 5_000.0, "rad/s2", "deg/s2", DEGREE),
 }
 """Of joints that turn. The fastest wrists reach 45 rad/s and 800 rad/s2."""
 SLIDING = {
-    "range": Usual(1e-3, 10.0, "m", "mm", MM),
-    "end": Usual(0.0, 10.0, "m", "mm", MM),
-    "velocity": Usual(1e-3, 20.0, "m/s", "mm/s", MM),
-    "acceleration": Usual(1e-2, 300.0, "m/s2", "mm/s2", MM),
+    "range": UsualRange(1e-3, 10.0, "m", "mm", MM),
+    "end": UsualRange(0.0, 10.0, "m", "mm", MM),
+    "velocity": UsualRange(1e-3, 20.0, "m/s", "mm/s", MM),
+    "acceleration": UsualRange(1e-2, 300.0, "m/s2", "mm/s2", MM),
 }
 """Of joints that slide. The fastest lifts reach 3 m/s and 60 m/s2."""
-REACH = Usual(0.01, 20.0, "m", "mm", MM)
+REACH = UsualRange(0.01, 20.0, "m", "mm", MM)
 """The sum of the distances from joint to joint."""
 
 
@@ -58,18 +58,20 @@ def implausible(chain: Chain, limits: Sequence[Limits], sizes: Mapping[str, floa
     """A warning for each number that no arm has. `sizes`: how large the collision shapes of each link are, m."""
     reach = sum(float(np.linalg.norm(joint.origin[:3, 3])) for joint in chain.tree.path(chain.base, chain.tip) or [])
     found = [
-        f"the way along the joint origins from link {chain.base} to link {chain.tip} is {told}"
-        for told in _unusual(reach, REACH)
+        f"the way along the joint origins from link {chain.base} to link {chain.tip} is {remark}"
+        for remark in _unusual(reach, REACH)
     ]
     found += _odd_links(reach, sizes)
     for joint, each in zip(chain.joints, limits, strict=True):
         slides = joint.kind == "prismatic"
         table = SLIDING if slides else TURNING
-        found += [f"joint {joint.name}: its range is {told}" for told in _odd_range(each.range, table, slides=slides)]
         found += [
-            f"joint {joint.name}: its {kind} is {told} ({number.source})"
+            f"joint {joint.name}: its range is {remark}" for remark in _odd_range(each.range, table, slides=slides)
+        ]
+        found += [
+            f"joint {joint.name}: its {kind} is {remark} ({number.source})"
             for kind, number in (("velocity", each.velocity), ("acceleration", each.acceleration))
-            for told in _unusual(number.single, table[kind])
+            for remark in _unusual(number.single, table[kind])
         ]
     return found
 
@@ -79,14 +81,14 @@ def _odd_links(reach: float, sizes: Mapping[str, float]) -> Iterator[str]:
         usual = float(np.median([reach, *(other for name, other in sizes.items() if name != link)]))
         if not usual < ODD * size or not size < ODD * usual:
             factor = MM if size < usual else 1 / MM
-            told = f"link {link}: its collision shapes are {1e3 * size:.4g} mm large, and the rest of the arm "
-            told += f"{1e3 * usual:.4g} mm"
+            remark = f"link {link}: its collision shapes are {1e3 * size:.4g} mm large, and the rest of the arm "
+            remark += f"{1e3 * usual:.4g} mm"
             if usual / NEAR <= factor * size <= usual * NEAR:
-                told += f"; with {factor:g} times the scale they are {1e3 * factor * size:.4g} mm"
-            yield told
+                remark += f"; with {factor:g} times the scale they are {1e3 * factor * size:.4g} mm"
+            yield remark
 
 
-def _odd_range(ends: Number, table: Mapping[str, Usual], *, slides: bool) -> Iterator[str]:
+def _odd_range(ends: Number, table: Mapping[str, UsualRange], *, slides: bool) -> Iterator[str]:
     lower, upper = ends.value if isinstance(ends.value, list) else (ends.value, ends.value)
     usual, far = table["end"], max(abs(lower), abs(upper)) > table["end"].high
     if not far and upper - lower >= table["range"].low:
@@ -98,7 +100,7 @@ def _odd_range(ends: Number, table: Mapping[str, Usual], *, slides: bool) -> Ite
     yield f"{lower:.6g} to {upper:.6g} {usual.unit}{turns}; if {cause}, it is {meant} ({ends.source})"
 
 
-def _unusual(value: float, usual: Usual) -> Iterator[str]:
+def _unusual(value: float, usual: UsualRange) -> Iterator[str]:
     """A number that is not usual, and what it is if it was written in the other unit, or converted twice."""
     if value > usual.high:
         yield f"{value:.6g} {usual.unit}; if these are {usual.other}, it is {value / usual.per:.6g} {usual.unit}"

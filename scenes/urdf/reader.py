@@ -1,5 +1,5 @@
-"""A URDF file of version 1.0, 1.1 or 1.2 as a tree of links and joints. What this reader does not take is refused or
-reported: `unread.py`.
+"""A URDF file of version 1.0, 1.1 or 1.2 as a tree of links and joints. `unread.py` refuses or reports the parts that
+this reader ignores.
 
 Source: the ROS wiki's pages urdf/XML for version 1.0, and the README of ros/urdfdom 6 for versions 1.1 (turns as
 quaternions, capsules) and 1.2 (limits of acceleration, deceleration and jerk; both ends of a range are required).
@@ -15,7 +15,7 @@ from typing import get_args
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.scenes.urdf.refusals import ImportRefused, Lack, Unsuitable
+from assur.scenes.urdf.refusals import Defect, ImportRefused, Unsuitable
 from assur.scenes.urdf.tree import Bound, Joint, JointType, Limit, Solid, Tree, of_quaternion, of_rpy
 from assur.scenes.urdf.unread import not_expanded, unread
 from assur.scenes.urdf.xml_text import FARTHEST, NUMBER, Node, number, numbers, parse_xml
@@ -51,14 +51,14 @@ def read_tree(content: bytes, name: str, *, rounding: bool = False) -> Tree:
     if version is not None and version not in VERSIONS:
         what = f"version {version[:40]!r}, which may mean other than what is read here"
         supply = f"versions {', '.join(VERSIONS)} are known; write the description in one of them"
-        raise ImportRefused(name, [Lack(f"line {root.line}, robot, version", what, supply)])
+        raise ImportRefused(name, [Defect(f"line {root.line}, robot, version", what, supply)])
     return _Reader(root, name, version or VERSIONS[0], rounding=rounding).tree()
 
 
-class _told:
-    """What is unsuitable inside is added to the list of lacks, and the node is settled with it."""
+class _collected:
+    """An unsuitable item inside is added to the list of lacks, and settles the node."""
 
-    def __init__(self, lacks: list[Lack], node: Node) -> None:
+    def __init__(self, lacks: list[Defect], node: Node) -> None:
         self._lacks, self._node = lacks, node
 
     def __enter__(self) -> None:
@@ -76,7 +76,7 @@ class _Reader:
 
     def __init__(self, root: Node, name: str, version: str, *, rounding: bool) -> None:
         self.root, self.name, self.version, self.rounding = root, name, version, rounding
-        self.lacks: list[Lack] = []
+        self.lacks: list[Defect] = []
         self.remarks: list[str] = []
         self.warnings: list[str] = []
         self.rounded: list[str] = []
@@ -86,7 +86,7 @@ class _Reader:
     def tree(self) -> Tree:
         elements = self.root.every("link")
         for i, element in enumerate(elements):
-            with _told(self.lacks, element):
+            with _collected(self.lacks, element):
                 link = element.get("name") or ""
                 if not link or link in self.links:
                     raise Unsuitable(f"<link> {i + 1}", f"name {link[:40]!r}", "give each link a name of its own")
@@ -97,7 +97,7 @@ class _Reader:
         self.lacks += lacks
         self.remarks += remarks
         for i, element in enumerate(self.root.every("joint")):
-            with _told(self.lacks, element):
+            with _collected(self.lacks, element):
                 joint = self._joint(element, i, controlled)
                 if joint.name in self.joints:
                     raise Unsuitable(f"joint {joint.name}", "a second one", "give each joint a name of its own")
@@ -284,32 +284,32 @@ class _Reader:
 
 
 def _short_enough(kind: str, name: str) -> None:
-    """Raises `Unsuitable` for a name that is longer than any is, which no source could be told with."""
+    """Raises `Unsuitable` for a name that is too long for the text of a source."""
     if len(name) > LONGEST_NAME:
         what = f"a name of {len(name)} characters"
         raise Unsuitable(f"{kind} {name[:40]}...", what, f"names of up to {LONGEST_NAME} characters are read")
 
 
-def _no_tree(links: dict[str, tuple[Solid, ...]], joints: dict[str, Joint]) -> list[Lack]:
+def _no_tree(links: dict[str, tuple[Solid, ...]], joints: dict[str, Joint]) -> list[Defect]:
     if not 1 <= len(links) <= MOST_LINKS:
         none = "" if links else "; a xacro file that only defines macros has none: give the file that calls them"
-        return [Lack("the file", f"{len(links)} links", f"1 to {MOST_LINKS} links are read{none}")]
+        return [Defect("the file", f"{len(links)} links", f"1 to {MOST_LINKS} links are read{none}")]
     found = []
     parents = Counter(joint.child for joint in joints.values())
     for link, count in parents.items():
         if count > 1:
             by = ", ".join(joint.name for joint in joints.values() if joint.child == link)
-            found.append(Lack(f"link {link}", f"it is the child of {count} joints ({by})", "give it one parent"))
+            found.append(Defect(f"link {link}", f"it is the child of {count} joints ({by})", "give it one parent"))
     for joint in joints.values():
         if joint.mimics is not None and joint.mimics not in joints:
             what = f"it mimics joint {joint.mimics!r}, which is not in the file"
-            found.append(Lack(f"joint {joint.name}", what, "name a joint that is there"))
+            found.append(Defect(f"joint {joint.name}", what, "name a joint that is there"))
     roots = [link for link in links if link not in parents]
     if not roots:
-        found.append(Lack("the file", "a loop of joints: no link is the root", "open the loop; a URDF is a tree"))
+        found.append(Defect("the file", "a loop of joints: no link is the root", "open the loop; a URDF is a tree"))
     if len(roots) > 1:
         supply = "join them by fixed joints, or remove what is not of the robot"
-        found.append(Lack("the file", f"{len(roots)} roots: {', '.join(roots[:8])}", supply))
+        found.append(Defect("the file", f"{len(roots)} roots: {', '.join(roots[:8])}", supply))
     if not found:
         seen, ahead = set(roots), list(roots)
         while ahead:
@@ -320,7 +320,7 @@ def _no_tree(links: dict[str, tuple[Solid, ...]], joints: dict[str, Joint]) -> l
                     ahead.append(joint.child)
         if len(seen) < len(links):
             lost = next(link for link in links if link not in seen)
-            found.append(Lack(f"link {lost}", "it is in a loop of joints", "open the loop; a URDF is a tree"))
+            found.append(Defect(f"link {lost}", "it is in a loop of joints", "open the loop; a URDF is a tree"))
     return found
 
 
@@ -340,10 +340,10 @@ ControllerBounds = dict[str, list[tuple[Bound, Limit]]]
 """The limits of each joint, by its name."""
 
 
-def controller_bounds(root: Node) -> tuple[ControllerBounds, list[Lack], list[str]]:
+def controller_bounds(root: Node) -> tuple[ControllerBounds, list[Defect], list[str]]:
     """The limits of controllers, those that are no numbers, and those that are not taken, with their lines."""
     found: ControllerBounds = {}
-    lacks: list[Lack] = []
+    lacks: list[Defect] = []
     remarks: list[str] = []
     for name, kind, off, param in _params(root):
         side = ("min", "max").index(param.attributes["name"])
@@ -353,7 +353,7 @@ def controller_bounds(root: Node) -> tuple[ControllerBounds, list[Lack], list[st
         if off:
             remarks.append(f"{where}: {text[:40]} is not taken, for <limits enable=...> switches it off")
         elif value is None or not abs(value) <= FARTHEST:
-            lacks.append(Lack(where, f"{text[:40]!r} is no finite number", "write a number, or remove it"))
+            lacks.append(Defect(where, f"{text[:40]!r} is no finite number", "write a number, or remove it"))
         elif kind != "position" and not (value if side else -value) > 0.0:
             remarks.append(f"{where}: {text} is not taken, for it limits one direction only")
         else:

@@ -1,4 +1,4 @@
-"""What is missing in a robot's description, or unsuitable, told all at once: where, what, and what to supply."""
+"""Missing and unsuitable items of a robot's description, reported all at once: where, what, and what to supply."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 from assur.planner.errors import InputError
 
-MOST_TOLD = 60
-"""So many things are told; more of them say nothing new."""
+MOST_LACKS = 60
+"""Number of items that are reported; more would add nothing new."""
 
 
 @dataclass(frozen=True, slots=True)
-class Lack:
+class Defect:
     """Something that is missing or unsuitable: where it is, what is there, and what to do about it."""
 
     where: str
@@ -23,15 +23,15 @@ class Lack:
 
 
 class ImportRefused(InputError):
-    """A description of which no robot file can be made. `lacks`: all that is known to be missing or unsuitable."""
+    """No robot file can be made from the description. `lacks`: all that is known to be missing or unsuitable."""
 
-    def __init__(self, name: str, lacks: list[Lack]) -> None:
+    def __init__(self, name: str, lacks: list[Defect]) -> None:
         first, *rest = lacks
         more = "" if not rest else f" (and {len(rest)} more)"
         super().__init__(f"{name}, {first.where}", first.what, first.supply + more)
-        self.name, self.lacks = name, tuple(lacks[:MOST_TOLD])
+        self.name, self.lacks = name, tuple(lacks[:MOST_LACKS])
 
-    def __reduce__(self) -> tuple[type[ImportRefused], tuple[str, list[Lack]]]:  # type: ignore[override]
+    def __reduce__(self) -> tuple[type[ImportRefused], tuple[str, list[Defect]]]:  # type: ignore[override]
         return type(self), (self.name, list(self.lacks))
 
 
@@ -44,4 +44,4 @@ class Unsuitable(Exception):
 
     def __init__(self, where: str, what: str, supply: str) -> None:
         super().__init__(where, what, supply)
-        self.lack = Lack(where, what, supply)
+        self.lack = Defect(where, what, supply)

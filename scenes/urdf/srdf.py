@@ -1,10 +1,10 @@
-"""What an SRDF says beside a URDF: which pairs of links need not be looked at, and where chains end."""
+"""What an SRDF adds to a URDF: which pairs of links need no check, and where chains end."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from assur.scenes.urdf.refusals import ImportRefused, Lack
+from assur.scenes.urdf.refusals import Defect, ImportRefused
 from assur.scenes.urdf.tree import Tree
 from assur.scenes.urdf.xml_text import parse_xml
 
@@ -26,14 +26,16 @@ class Semantics:
 def read_srdf(content: bytes, name: str, tree: Tree) -> Semantics:
     """The SRDF in a file. Raises `ImportRefused` for links that the robot has not: it belongs to another robot."""
     root = parse_xml(content, name, "robot")
-    lacks: list[Lack] = []
+    lacks: list[Defect] = []
 
     def links(tag: str, *keys: str) -> list[frozenset[str]]:
         found = []
         for element in root.every(tag):
             found.append(frozenset(element.get(key) or "" for key in keys))
             lacks.extend(
-                Lack(f"line {element.line}, {tag}", f"link {link!r} is not in the URDF", "give the SRDF of this robot")
+                Defect(
+                    f"line {element.line}, {tag}", f"link {link!r} is not in the URDF", "give the SRDF of this robot"
+                )
                 for link in sorted(found[-1])
                 if link not in tree.links
             )
@@ -42,7 +44,7 @@ def read_srdf(content: bytes, name: str, tree: Tree) -> Semantics:
     off, on = (set(links(tag, "link1", "link2")) for tag in ("disable_collisions", "enable_collisions"))
     every = [link for only in links("disable_default_collisions", "link") for link in only]
     lacks += [
-        Lack(
+        Defect(
             f"line {element.line}", f"element <{element.tag[:40]}> is not of an SRDF", "correct its name, or remove it"
         )
         for element in root.children

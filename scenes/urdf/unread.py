@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter, deque
 from collections.abc import Iterator
 
-from assur.scenes.urdf.refusals import Lack
+from assur.scenes.urdf.refusals import Defect
 from assur.scenes.urdf.xml_text import Node
 
 XACRO = "xacro"
@@ -40,7 +40,7 @@ OF_THE_SIMULATOR = ("plugin", "sensor", "visual")
 """Elements below gazebo that name joints and links, or show shapes, and add none to the robot."""
 
 
-def not_expanded(root: Node) -> list[Lack]:
+def not_expanded(root: Node) -> list[Defect]:
     """Macros and expressions in the place of values: without their values nothing else of the file has a meaning."""
     found = []
     ahead = deque([(root, "robot")])
@@ -61,14 +61,14 @@ def not_expanded(root: Node) -> list[Lack]:
     return found
 
 
-def _unexpanded(node: Node, where: str, what: str) -> Lack:
+def _unexpanded(node: Node, where: str, what: str) -> Defect:
     supply = "give the file to import as .xacro, or expand it with xacro first"
-    return Lack(f"line {node.line}, {where}", f"{what} that is not expanded", supply)
+    return Defect(f"line {node.line}, {where}", f"{what} that is not expanded", supply)
 
 
-def unread(root: Node) -> tuple[list[Lack], list[str], list[str]]:
+def unread(root: Node) -> tuple[list[Defect], list[str], list[str]]:
     """What was not taken of a file that was read: what is refused, what is reported, and what no plan depends on."""
-    lacks: list[Lack] = []
+    lacks: list[Defect] = []
     remarks: list[str] = []
     unused: dict[str, list[int]] = {}
     ahead = deque([(root, "robot")])
@@ -108,19 +108,21 @@ def unread(root: Node) -> tuple[list[Lack], list[str], list[str]]:
     return lacks, remarks, listed
 
 
-def _unknown(node: Node, where: str, what: str) -> Lack:
+def _unknown(node: Node, where: str, what: str) -> Defect:
     unknown = "is not known, and may change joints, limits or shapes"
-    return Lack(f"line {node.line}, {where}", f"{what} {unknown}", "correct its name, or remove it if it has no effect")
+    return Defect(
+        f"line {node.line}, {where}", f"{what} {unknown}", "correct its name, or remove it if it has no effect"
+    )
 
 
-def _simulated(gazebo: Node) -> Iterator[Lack]:
+def _simulated(gazebo: Node) -> Iterator[Defect]:
     """What a simulator adds to the robot: links, shapes, and joints that are not fixed, which may close a linkage."""
     ahead = [gazebo]
     while ahead:
         node = ahead.pop()
         if node.tag in SIMULATED and not (node.tag == "joint" and node.attributes.get("type") == "fixed"):
             what = f"<{node.tag}> adds to the robot what is no link or joint of the URDF"
-            yield Lack(f"line {node.line}, gazebo", what, "remove it if the real robot has no such part")
+            yield Defect(f"line {node.line}, gazebo", what, "remove it if the real robot has no such part")
         else:
             ahead += [child for child in node.children if child.tag not in OF_THE_SIMULATOR]
 

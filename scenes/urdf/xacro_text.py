@@ -13,12 +13,12 @@ import sys
 from pathlib import Path
 
 from assur.scenes.urdf.mesh_files import package_above
-from assur.scenes.urdf.refusals import ImportRefused, Lack
+from assur.scenes.urdf.refusals import Defect, ImportRefused
 
 LONGEST_S = 60.0
 """A macro may call itself without end."""
 MOST_PACKAGES = 32
-"""So many packages of one file are looked for."""
+"""Number of packages of one file that are searched."""
 LOST = "package not found: "
 PROGRAM = f"""
 import json, sys
@@ -48,22 +48,22 @@ def expanded(path: Path, packages: dict[str, Path], arguments: dict[str, str]) -
     """
     if importlib.util.find_spec("xacrodoc") is None:
         supply = "install assur with the extra `xacro`, or expand the file yourself and give the URDF"
-        raise ImportRefused(path.name, [Lack("the file", "no library for xacro is installed", supply)])
+        raise ImportRefused(path.name, [Defect("the file", "no library for xacro is installed", supply)])
     known = dict(packages)
     while True:
         run = _run(path, known, arguments)
         if run.returncode == 0:
             return run.stdout
         lines = run.stderr.decode("utf-8", "replace").strip().splitlines()
-        said = lines[-1][:400] if lines else "no reason given"
-        if not said.startswith(LOST):
+        reason = lines[-1][:400] if lines else "no reason given"
+        if not reason.startswith(LOST):
             supply = "mend it, give an argument with --arg NAME=VALUE, or a package with --package NAME=FOLDER"
-            raise ImportRefused(path.name, [Lack("the file", f"xacro does not expand it ({said})", supply)])
-        name = said.removeprefix(LOST)
+            raise ImportRefused(path.name, [Defect("the file", f"xacro does not expand it ({reason})", supply)])
+        name = reason.removeprefix(LOST)
         folder = None if name in known or len(known) > MOST_PACKAGES else package_above(name, path)
         if folder is None:
             supply = f"say --package {name}=FOLDER; where nothing is included from it, any folder will do"
-            raise ImportRefused(path.name, [Lack("the file", f"the folder of package {name!r} is not known", supply)])
+            raise ImportRefused(path.name, [Defect("the file", f"the folder of package {name!r} is not known", supply)])
         known[name] = folder
 
 
@@ -84,4 +84,4 @@ def _run(path: Path, packages: dict[str, Path], arguments: dict[str, str]) -> su
         )
     except subprocess.TimeoutExpired:
         supply = "a file whose macros come to an end"
-        raise ImportRefused(path.name, [Lack("the file", f"not expanded within {LONGEST_S:g} s", supply)]) from None
+        raise ImportRefused(path.name, [Defect("the file", f"not expanded within {LONGEST_S:g} s", supply)]) from None

@@ -1,4 +1,4 @@
-"""XML of descriptions, read safely: no document type, no entities, bounded size and depth. The door to defusedxml.
+"""XML of descriptions, read safely: no document type, no entities, bounded size and depth.
 
 A document becomes a tree of `Node`. A node remembers what a reader took of it, so what no reader knows can be reported.
 """
@@ -14,7 +14,7 @@ from xml.etree.ElementTree import ParseError
 from defusedxml import DefusedXmlException
 from defusedxml.ElementTree import DefusedXMLParser
 
-from assur.scenes.urdf.refusals import ImportRefused, Lack, Unsuitable
+from assur.scenes.urdf.refusals import Defect, ImportRefused, Unsuitable
 
 MAX_XML_BYTES = 8 * 2**20
 """A description; those of arms have some kilobytes."""
@@ -134,7 +134,7 @@ def parse_xml(content: bytes, name: str, root: str) -> Node:
 
 
 def _refused(name: str, where: str, what: str, supply: str) -> ImportRefused:
-    return ImportRefused(name, [Lack(where, what, supply)])
+    return ImportRefused(name, [Defect(where, what, supply)])
 
 
 def number(text: str | None, where: str, silent: float | None = None) -> float:

@@ -1,4 +1,4 @@
-"""Whether a document is an answer as this version writes it, and one to a request: before anything in it is shown."""
+"""Checks, before anything is shown, that a document is an answer of this version, and belongs to the request."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ FINEST = 512
 COARSER = 0.8
 LEVELS = (1 << 16) - 1
 PLACES = np.array([1 << 42, 1 << 21, 1])
-"""Makes one number of three, each of which has 21 bits: vertices of a mesh, or cells along an axis."""
+"""Makes one number of three numbers of 21 bits: vertices of a mesh, or cells along an axis."""
 
 
 @dataclass(frozen=True, eq=False)

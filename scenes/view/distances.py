@@ -72,7 +72,7 @@ def _in_phase(prover: Prover, trajectory: Trajectory, phase: Phase, times: list[
 
 
 def _pairs_that_move(arrangement: Arrangement, pairs: FloatArray, prover: Prover) -> list[tuple[int, int]]:
-    """The pairs of bodies of which at least one moves and which may not touch."""
+    """The pairs of bodies that may not touch and are not both at rest."""
     at_rest = arrangement.bodies.still.astype(bool)
     at_rest[prover.scene.robot.links.index("base")] = True
     units = pairs[:, c.FIRST : c.SECOND + 1].astype(np.int64)

@@ -17,7 +17,7 @@ from assur.api.cli.border import BAD_INPUT, RIGHT, WRONG
 from assur.api.command_line import app
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.scenes import plan
-from assur.scenes.exports.doors import check_trajectory_document, export_document
+from assur.scenes.exports.documents import check_trajectory_document, export_document
 from assur.scenes.plan_file import PlanFile
 from assur.scenes.report.report import ONLY_PROVED
 from assur.scenes.requests import assumptions_of

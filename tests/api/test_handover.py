@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from assur.api.cli.border import BAD_INPUT, RIGHT
-from assur.scenes.exports.doors import export_document
+from assur.scenes.exports.documents import export_document
 from assur.scenes.plan_file import PlanFile
 from tests.api.test_exports import run
 from tests.scenes.exports.test_handover import following, running

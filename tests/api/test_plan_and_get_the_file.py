@@ -11,7 +11,7 @@ import pytest
 
 from assur.api.workers.file_jobs import HEADERS, MEDIA_TYPES
 from assur.api.workers.jobs import FIRST_PLAN
-from assur.scenes.exports.doors import check_trajectory_document
+from assur.scenes.exports.documents import check_trajectory_document
 
 OUT_OF_REACH = {**FIRST_PLAN, "task": [{"move": {"to": {"at_m": [1.5, 0.0, 0.25]}}}]}
 

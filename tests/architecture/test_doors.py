@@ -156,7 +156,7 @@ def test_the_planner_opens_no_file_knows_no_http_and_reads_no_environment() -> N
     assert worldly(tuple(source for source in sources("planner") if source.name not in COMPILER)) == []
 
 
-ASKING = ("benchmarks.oracle.asked",)
+ASKING = ("benchmarks.oracle.product",)
 """Modules of the simulation and the oracle that ask the product for answers."""
 
 

@@ -63,8 +63,8 @@ def kept(folder: Path, request: Document) -> Document:
 
 def test_each_campaign_counts_it_as_a_failure_and_keeps_the_request(request_refused: Document, tmp_path: Path) -> None:
     of_plans, of_refusals, of_shifts, agreement = plans.Tally(), plans.Tally(), shifts.Tally(), proofs.Agreement()
-    assert not plans.looked_at(of_plans, KIND, seed(), request_refused, tmp_path / "plans")
-    refusals.looked_at(of_refusals, KIND, seed(), request_refused, tmp_path / "refusals")
+    assert not plans.evaluate(of_plans, KIND, seed(), request_refused, tmp_path / "plans")
+    refusals.evaluate(of_refusals, KIND, seed(), request_refused, tmp_path / "refusals")
     assert not shifts.counted(of_shifts, KIND, seed(), request_refused, tmp_path / "shifts")
     for tally in (of_plans, of_refusals, of_shifts):
         assert (tally.unchecked, tally.clean) == (1, False)
@@ -77,7 +77,7 @@ def test_each_campaign_counts_it_as_a_failure_and_keeps_the_request(request_refu
 
 def test_nothing_is_counted_of_a_plan_that_the_checker_accepts(tmp_path: Path) -> None:
     tally, request = plans.Tally(), random_cell(KIND, seed())
-    assert plans.looked_at(tally, KIND, seed(), request, tmp_path)
+    assert plans.evaluate(tally, KIND, seed(), request, tmp_path)
     assert (tally.unchecked, tally.clean, list(tmp_path.iterdir())) == (0, True, [])
 
 

@@ -13,9 +13,8 @@ import pytest
 
 from assur.scenes import ik
 from benchmarks.oracle import plans, refusals
-from benchmarks.oracle.asked import as_si, planned
 from benchmarks.oracle.contradicted import JUDGES, contradiction
-from benchmarks.oracle.faults import Broken, beyond
+from benchmarks.oracle.faults import Violation, beyond
 from benchmarks.oracle.impossible import KINDS as IMPOSSIBLE
 from benchmarks.oracle.impossible import random_request
 from benchmarks.oracle.inverse import solutions
@@ -23,8 +22,9 @@ from benchmarks.oracle.kinds import KINDS, OWN, TILTING, random_cell
 from benchmarks.oracle.motion import Motion
 from benchmarks.oracle.nearest import nearest_of
 from benchmarks.oracle.places import Places, about
+from benchmarks.oracle.product import as_si, planned
 from benchmarks.oracle.promises import broken_promises
-from benchmarks.oracle.running import CAMPAIGNS, Going, run
+from benchmarks.oracle.running import CAMPAIGNS, RunningCampaign, run
 from benchmarks.oracle.traces_kept import arc, line, on_path
 from benchmarks.soak.arms import Arm
 from benchmarks.soak.drafts import FIVE_BAR, SCARAS, THREE_AXES
@@ -356,7 +356,7 @@ def test_kinds_and_seeds_make_the_same_request_again() -> None:
 
 def test_sixty_plans_keep_what_they_promise(tmp_path: Path) -> None:
     *_, found = plans.campaign(60, seed=4, out=tmp_path)
-    assert sum(tally.looked for tally in found.values()) == 60
+    assert sum(tally.evaluated for tally in found.values()) == 60
     assert sum(tally.by_checker for tally in found.values()) == 60
     assert all(tally.clean for tally in found.values()), [f.read_text() for f in tmp_path.glob("*.faults.json")]
     assert set(found) == set(KINDS)
@@ -364,29 +364,29 @@ def test_sixty_plans_keep_what_they_promise(tmp_path: Path) -> None:
 
 def test_proved_refusals_are_contradicted_by_nothing(tmp_path: Path) -> None:
     *_, found = refusals.campaign(300, seed=4, out=tmp_path)
-    assert sum(tally.looked for tally in found.values()) == 300
-    assert all(tally.looked for tally in found.values())
+    assert sum(tally.evaluated for tally in found.values()) == 300
+    assert all(tally.evaluated for tally in found.values())
     assert all(tally.clean for tally in found.values()), [f.read_text() for f in tmp_path.glob("*.faults.json")]
 
 
 def test_a_case_that_fails_is_written_as_a_request(tmp_path: Path, transfer: tuple[Document, Document]) -> None:
     request, answer = transfer
-    file = plans.written(tmp_path, "belt to table", 3, request, answer, [Broken("arrival", "x", 1.0, 0.5, 2.0)], [])
+    file = plans.written(tmp_path, "belt to table", 3, request, answer, [Violation("arrival", "x", 1.0, 0.5, 2.0)], [])
     assert json.loads(file.read_text()) == json.loads(json.dumps(request))
-    told = json.loads((tmp_path / f"{file.stem}.faults.json").read_text())
-    assert (told["kind"], told["seed"], told["faults"][0]["amount"]) == ("belt to table", 3, 1.0)
+    faults = json.loads((tmp_path / f"{file.stem}.faults.json").read_text())
+    assert (faults["kind"], faults["seed"], faults["faults"][0]["amount"]) == ("belt to table", 3, 1.0)
 
 
 def test_campaigns_run_in_turn_until_each_has_its_count() -> None:
-    going = [Going(name, 1) for name in CAMPAIGNS]
+    going = [RunningCampaign(name, 1) for name in CAMPAIGNS]
     calls: list[int] = []
-    run(going, None, count=2, told=lambda: calls.append(1))
+    run(going, None, count=2, after_each=lambda: calls.append(1))
     assert [each.done for each in going] == [2, 2, 2]
     assert all(each.over for each in going)
     assert len(calls) >= 6
 
 
 def test_a_campaign_without_time_looks_at_nothing() -> None:
-    going = [Going("plans", 1)]
+    going = [RunningCampaign("plans", 1)]
     run(going, None, seconds=-1.0)
     assert going[0].done == 0

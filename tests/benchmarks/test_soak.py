@@ -16,7 +16,7 @@ import pytest
 from assur.scenes import ik, load
 from assur.scenes.requests import plan_document, scene_of, shipped
 from benchmarks.checker_refusals import keep
-from benchmarks.oracle.asked import as_si
+from benchmarks.oracle.product import as_si
 from benchmarks.soak.arms import Arm, robot_file
 from benchmarks.soak.campaign import ELBOW, Tally, campaign, counted, faults_of
 from benchmarks.soak.laws import frames_of
@@ -271,7 +271,7 @@ def test_twenty_plans_keep_what_they_promise(tmp_path: Path) -> None:
     total = Tally()
     for tally in found.values():
         total.merged(tally)
-    assert (total.looked, total.runs) == (20, 400)
+    assert (total.evaluated, total.runs) == (20, 400)
     assert not list(tmp_path.iterdir()), [file.read_text() for file in tmp_path.glob("*.faults.json")]
     assert (total.clean, total.collisions) == (True, 0)
     assert total.deepest_m <= total.deepest_allowed_m
@@ -285,7 +285,7 @@ def test_a_cell_whose_arm_cannot_stand_with_its_elbow_there_is_counted_as_refuse
     kind, seed, tally = "table to table", 211, Tally()  # a right elbow, with which j1 would be beyond its range
     request = random_cell(kind, seed)
     assert not counted(tally, kind, seed, request, tmp_path)
-    assert (tally.looked, tally.runs, dict(tally.refused)) == (0, 0, {ELBOW: 1})
+    assert (tally.evaluated, tally.runs, dict(tally.refused)) == (0, 0, {ELBOW: 1})
     assert not list(tmp_path.iterdir())
     assert tally.clean  # no plan was run, so none broke a promise
     request["start"]["elbow"] = "left"  # the other side is within the ranges

@@ -285,7 +285,7 @@ def test_every_row_has_a_figure_that_is_good_and_some_that_are_not() -> None:
 def test_a_good_figure_is_accepted_and_told(name: str) -> None:
     row = BY_NAME[name]
     assert judged(row, GOOD[name]) == (MET, [])
-    assert row.told(GOOD[name])
+    assert row.summary(GOOD[name])
 
 
 @pytest.mark.parametrize(("name", "place", "value"), BAD)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.recheck.arm import LINK_1, placed_bodies, tool
-from benchmarks.recheck.surroundings import Placed, collisions, goal_at, placed_obstacles
+from benchmarks.recheck.surroundings import PlacedBody, collisions, goal_at, placed_obstacles
 from benchmarks.soak.solids import Solid, solid_of
 
 
@@ -14,17 +14,17 @@ def test_solids_collide_where_they_overlap_and_nowhere_else() -> None:
     """Gaps are compared with fcl and coal in the tests of the simulation."""
     x = np.array([0.0, 0.0899, 0.0901, 5.0])
     centre = np.stack([x, 0.0 * x, 0.0 * x], axis=-1)
-    post = Placed("post", solid_of({"cylinder": {"radius_m": 0.04, "height_m": 0.3}}), centre, 0.0 * x)
-    block = Placed("block", solid_of({"box": {"size_m": [0.1, 0.06, 0.2]}}), np.zeros((4, 3)), 0.0 * x)
+    post = PlacedBody("post", solid_of({"cylinder": {"radius_m": 0.04, "height_m": 0.3}}), centre, 0.0 * x)
+    block = PlacedBody("block", solid_of({"box": {"size_m": [0.1, 0.06, 0.2]}}), np.zeros((4, 3)), 0.0 * x)
     assert collisions(block, post).tolist() == [0, 1]
     assert collisions(post, block).tolist() == [0, 1]
 
 
 def test_a_pose_that_is_not_finite_is_refused() -> None:
-    good = Placed("link 1", LINK_1, np.zeros((1, 3)), np.zeros(1))
+    good = PlacedBody("link 1", LINK_1, np.zeros((1, 3)), np.zeros(1))
     for centre, yaw in ((np.full((1, 3), np.nan), np.zeros(1)), (np.zeros((1, 3)), np.full(1, np.inf))):
         with pytest.raises(ValueError, match="not finite"):
-            collisions(good, Placed("link 1", LINK_1, centre, yaw))
+            collisions(good, PlacedBody("link 1", LINK_1, centre, yaw))
 
 
 def test_a_capsule_lies_from_its_pivot_outwards_with_its_length_between_the_centres_of_its_caps() -> None:
@@ -37,10 +37,10 @@ def test_a_capsule_lies_from_its_pivot_outwards_with_its_length_between_the_cent
         for along in (-0.03, 0.43):
             for gap in (-1e-4, 1e-4):
                 away = along + np.sign(along) * (0.01 + gap)
-                ball = Placed(
+                ball = PlacedBody(
                     "ball", Solid(0.0, 0.0, 0.0, ball=0.01), motion["pivot"] + away * outwards[None], 0.0 * t[:1]
                 )
-                seen = Placed(arm.name, arm.solid, arm.centre[i : i + 1], arm.yaw[i : i + 1])
+                seen = PlacedBody(arm.name, arm.solid, arm.centre[i : i + 1], arm.yaw[i : i + 1])
                 assert bool(len(collisions(ball, seen))) == (gap < 0)
 
 

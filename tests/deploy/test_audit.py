@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from deploy.audit import CLEAN, NOT_ASKED, VULNERABLE, Verdict, judge, rounds
+from deploy.audit import CLEAN, NOT_AUDITED, VULNERABLE, Verdict, judge, rounds
 
 RELEASES = [("h11", "0.16.0"), ("idna", "3.20")]
 FINE = {"name": "h11", "version": "0.16.0", "vulns": []}
@@ -23,22 +23,22 @@ def said(*dependencies: object) -> str:
 @pytest.mark.parametrize(
     ("answer", "error", "code", "words"),
     [
-        (said(FINE, ALSO_FINE), "", CLEAN, "2 releases were asked for, 0 of them"),
+        (said(FINE, ALSO_FINE), "", CLEAN, "2 releases were audited, 0 of them"),
         (said(FINE, BAD), "Found 1 known vulnerability", VULNERABLE, "idna 3.20: PYSEC-0000-1, mended in 3.21"),
         (
             said(FINE, SKIPPED),
             "No known vulnerabilities found",
-            NOT_ASKED,
-            "NOT ASKED  idna 3.20: Dependency not found",
+            NOT_AUDITED,
+            "NOT AUDITED idna 3.20: Dependency not found",
         ),
-        (said(FINE, OTHER), "", NOT_ASKED, "NOT ASKED  idna 3.20: left out of the answer"),
-        (said(FINE), "", NOT_ASKED, "NOT ASKED  idna 3.20: left out of the answer"),
-        (said(SKIPPED), "", NOT_ASKED, "2 could not be asked for, so nothing is known of them"),
-        ("", "Traceback\nConnectionError: no such host", NOT_ASKED, "h11 0.16.0: ConnectionError: no such host"),
-        ("[]", "", NOT_ASKED, "no answer, and no error"),
+        (said(FINE, OTHER), "", NOT_AUDITED, "NOT AUDITED idna 3.20: left out of the answer"),
+        (said(FINE), "", NOT_AUDITED, "NOT AUDITED idna 3.20: left out of the answer"),
+        (said(SKIPPED), "", NOT_AUDITED, "2 could not be audited, so nothing is known of them"),
+        ("", "Traceback\nConnectionError: no such host", NOT_AUDITED, "h11 0.16.0: ConnectionError: no such host"),
+        ("[]", "", NOT_AUDITED, "no answer, and no error"),
     ],
 )
-def test_vulnerable_clean_and_not_asked_are_three_things(answer: str, error: str, code: int, words: str) -> None:
+def test_vulnerable_clean_and_not_audited_are_three_things(answer: str, error: str, code: int, words: str) -> None:
     verdict = Verdict()
     judge(RELEASES, answer, error, verdict)
     assert verdict.exit_code == code
@@ -49,7 +49,7 @@ def test_a_vulnerable_release_is_told_where_another_could_not_be_asked_for() -> 
     verdict = Verdict()
     judge([*RELEASES, ("rich", "15.0.0")], said(FINE, BAD), "", verdict)
     assert verdict.exit_code == VULNERABLE
-    assert len(verdict.not_asked) == 1
+    assert len(verdict.not_audited) == 1
 
 
 def test_a_package_that_is_locked_twice_is_asked_for_twice() -> None:

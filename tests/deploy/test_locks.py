@@ -50,7 +50,7 @@ def test_what_the_lock_does_not_meet_is_found() -> None:
         f"rich==15.0.0 {HASH}\nrich==15.0.1 {HASH}\n"
     )
     assert locks.unmet(["numpy>=2.1"], pins) == [
-        f"numpy: 2.0.0 is locked for Python 3.11 on {machine}, and >=2.1 is asked for"
+        f"numpy: 2.0.0 is locked for Python 3.11 on {machine}, and >=2.1 is required"
         for machine in ("aarch64", "x86_64")
     ]
     assert locks.unmet(["scipy>=1.14; python_version < '3.12'"], pins) == [

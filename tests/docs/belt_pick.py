@@ -1,4 +1,4 @@
-"""A part is picked from a running belt and placed on a nest that stands; then the arm moves away."""
+"""A part is picked from a running belt and placed on a fixed nest; then the arm moves away."""
 
 import assur
 from assur.request import (

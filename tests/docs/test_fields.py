@@ -14,7 +14,7 @@ from pydantic import BaseModel, TypeAdapter
 from typer.testing import CliRunner
 
 from assur.api.command_line import app
-from assur.scenes.exports.doors import export_schemas
+from assur.scenes.exports.documents import export_schemas
 from assur.scenes.requests import file_schema, ik_schema, request_schema
 from assur.scenes.scenarios import CELLS
 from assur.scenes.schema.answer import Answer, Verdict, facts_described

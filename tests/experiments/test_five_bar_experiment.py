@@ -108,7 +108,7 @@ def test_the_planner_refuses_the_line_with_its_margin_and_goes_around() -> None:
     assert planner["straight"]["answer"] == "NEAR_PARALLEL_SINGULARITY"
     assert planner["straight"]["parallel_margin"] < -0.5
     assert planner["joint_legs"]["answer"] == "planned"
-    assert planner["joint_legs"]["parallel_margin"] >= planner["straight"]["parallel_margin_asked"] == 0.1
+    assert planner["joint_legs"]["parallel_margin"] >= planner["straight"]["parallel_margin_required"] == 0.1
 
 
 def test_elbows_are_a_cranks_length_from_their_axes() -> None:

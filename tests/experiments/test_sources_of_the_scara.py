@@ -102,7 +102,7 @@ def test_the_planner_plans_the_line_far_from_the_axis_and_refuses_it_with_the_ma
         for mm, answer in zip(numbers["distance_mm"], answers, strict=True):
             if margins[mm] < 0.05:
                 assert answer["answer"] == "NEAR_SINGULARITY", (kind, mm)
-                assert answer["margin_asked"] == 0.05
+                assert answer["margin_required"] == 0.05
                 # The margin is that of the worst knot. Half of the line is a knot of a straight leg. Tracking is met
                 # at any time in the window, which is 1 ms longer than the line takes, and has its knots from there on.
                 late_mm = 1e3 * numbers["speed_m_s"] * (1e-3 if kind == "constant speed" else 0.0)

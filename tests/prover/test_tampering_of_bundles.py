@@ -229,7 +229,7 @@ LIES: dict[str, tuple[Change, object]] = {
     ),
     "greatest lag of a joint, rad or m": (lambda d: d["required"].update(lag=[0.0, 0.0, 1e-9, 0.0]), 1e-9),
     "greatest delay of the robot's start, s": (lambda d: d["required"].update(late=0.0), 0.0),
-    "frames of which something is not known": (
+    "frames with an uncertainty": (
         lambda d: [frame.update(unknown=[], yaw=0.0, shift=[0.0, 0.0]) for frame in d["frames"]], 0,
     ),
     "its greatest growth, m/s": (lambda d: [x.update(growth=0.0) for f in d["frames"] for x in f["unknown"]], 0.0),

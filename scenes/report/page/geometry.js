@@ -1,5 +1,5 @@
-// Meshes made ready to be drawn: normals that are smooth over what is round and sharp at edges, the edges themselves,
-// and batches, each of which is one draw call.
+// Meshes made ready to be drawn: normals that are smooth on round surfaces and sharp at edges, the edges themselves,
+// and batches. Each batch is one draw call.
 import { add, cross, dot, length, rotate, subtract, turn, unit } from "./numbers.js";
 import { unpack } from "./tracks.js";
 

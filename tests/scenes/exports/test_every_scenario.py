@@ -13,7 +13,7 @@ from assur.planner.errors import InputError
 from assur.planner.trajectory import Trajectory
 from assur.scenes import check
 from assur.scenes.conventions import as_maker
-from assur.scenes.exports.doors import check_trajectory_document, export_document
+from assur.scenes.exports.documents import check_trajectory_document, export_document
 from assur.scenes.reading.cell import Cell
 from assur.scenes.requests import cell_of, read_plan
 from assur.scenes.scenarios import shipped, shipped_scenarios, with_files

@@ -16,9 +16,9 @@ from assur.planner.trajectory import Trajectory
 from assur.scenes import check, plan
 from assur.scenes.conventions import as_maker
 from assur.scenes.exports import export as of_export
-from assur.scenes.exports.doors import export_document
+from assur.scenes.exports.documents import export_document
 from assur.scenes.requests import cell_of, read_plan
-from assur.scenes.resampling.certifying import Refuted, recertified
+from assur.scenes.resampling.certifying import Refutation, recertified
 from tests.scenes.exports.controller import sampled, seconds
 from tests.scenes.exports.plans import planned, request_of
 
@@ -130,7 +130,7 @@ def test_blends_on_ticks_are_refused_because_the_checker_cannot_prove_them(
     trajectory = made.trajectory
     time = np.linspace(trajectory.start, trajectory.end, 1 + round(trajectory.duration / tick))
     found = recertified(cell.scene, made, Trajectory(time, *trajectory.states(time), jumps=jumps))
-    assert isinstance(found, Refuted)
+    assert isinstance(found, Refutation)
     assert code in {finding.code for finding in found.findings}
 
 

@@ -14,7 +14,7 @@ from assur.api.cli.trajectories import lines
 from assur.planner.collision.rows import Unproved
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_KNOTS
-from assur.scenes.exports.doors import check_trajectory_document, export_document
+from assur.scenes.exports.documents import check_trajectory_document, export_document
 from assur.scenes.faults import DocumentError
 from assur.scenes.resampling.certifying import unproved
 from assur.scenes.resampling.grid import MOST_KNOTS

@@ -17,7 +17,7 @@ from assur.planner.errors import InputError
 from assur.planner.model.phases import Attachments, phases
 from assur.planner.trajectory import Trajectory
 from assur.scenes.exports import glb
-from assur.scenes.exports.doors import export_document
+from assur.scenes.exports.documents import export_document
 from assur.scenes.exports.glb import Gltf
 from assur.scenes.reading.plan import motion_of
 from assur.scenes.scenarios import shipped, shipped_scenarios

@@ -17,7 +17,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.trajectory import Trajectory
 from assur.scenes import check, plan
-from assur.scenes.exports.doors import export_document
+from assur.scenes.exports.documents import export_document
 from assur.scenes.plan_file import PlanFile
 from assur.scenes.requests import cell_of, read_plan
 from tests.scenes.exports.controller import KEYS, Rule, commanded, sampled, seconds

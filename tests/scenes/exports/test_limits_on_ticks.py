@@ -13,7 +13,7 @@ import yaml
 
 from assur.planner.errors import InputError
 from assur.scenes import check, plan
-from assur.scenes.exports.doors import export_document
+from assur.scenes.exports.documents import export_document
 from assur.scenes.requests import cell_of, read_plan
 from tests.docs.pages import ROOT
 from tests.scenes.exports.plans import planned, request_of

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from assur.planner.errors import InputError
-from assur.scenes.exports.doors import export_document
+from assur.scenes.exports.documents import export_document
 from tests.scenes.exports.plans import planned, request_of
 
 POINT = re.compile(r"^P(\d+) ?= ?(?:XY)?\(([^)]*)\)", re.MULTILINE)

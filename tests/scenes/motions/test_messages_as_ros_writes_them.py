@@ -15,7 +15,7 @@ import pytest
 from assur.api.cli.trajectories import lines
 from assur.planner.errors import InputError
 from assur.scenes.catalogue import shipped_robot
-from assur.scenes.exports.doors import check_trajectory_document
+from assur.scenes.exports.documents import check_trajectory_document
 from assur.scenes.faults import DocumentError
 from assur.scenes.fitted_limits import fit_limits
 from assur.scenes.motion_log import parse_log
@@ -310,7 +310,7 @@ def test_joint_states_are_a_log_of_the_robot(form: str) -> None:
         ("j4", "rad"), ("j3", "m"), ("j2", "rad"), ("j1", "rad"),
     ]  # fmt: skip
     assert found["notes"] == [
-        "60 JointState messages, of which the positions are read",
+        "60 JointState messages; only their positions are read",
         "times count from the first message, 1700000000.000000000 s",
         "the names of the joints are read without 'arm/'",
     ]

@@ -12,7 +12,7 @@ import pytest
 
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.planner.errors import InputError
-from assur.scenes.exports.doors import check_trajectory_cell, export_cell
+from assur.scenes.exports.documents import check_trajectory_cell, export_cell
 from assur.scenes.reading.cell import Cell
 from assur.scenes.requests import cell_of, check_plan, plan_cell, read_plan, report_page, verdict_on
 from assur.scenes.view.document import view_of

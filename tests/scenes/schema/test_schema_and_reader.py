@@ -16,7 +16,7 @@ from assur.scenes.requests import ik_schema, request_schema, validate
 from assur.scenes.schema.model import Document
 from assur.scenes.schema.normal import normal
 from assur.scenes.units import si_key
-from benchmarks.contract_words import AT_MOST, NOT_SAID
+from benchmarks.contract_words import AT_MOST, NOT_IN_SCHEMA
 from tests.scenes.schema.documents import made, mutant
 
 SCHEMA = request_schema()
@@ -110,7 +110,7 @@ def foreseeable(document: Any) -> str | None:
     try:
         validate(document)
     except InputError as error:
-        unsaid = any(words in error.allowed for words in NOT_SAID) or error.allowed.startswith(AT_MOST)
+        unsaid = any(words in error.allowed for words in NOT_IN_SCHEMA) or error.allowed.startswith(AT_MOST)
         return None if unsaid else str(error)
     return None
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from assur.scenes.urdf.importing import Wanted, import_robot
+from assur.scenes.urdf.importing import ImportOptions, import_robot
 from assur.scenes.urdf.refusals import ImportRefused
 from tests.scenes.meshes.solids import CUBE, binary_stl
 from tests.scenes.urdf.made import CELLARM_LIMITS, FAMILIES, FORE_AT, Files, cellarm
@@ -19,7 +19,7 @@ FORE = '<box size="0.3 0.1 0.06"/>'
 
 
 def warnings_of(files: Files) -> list[str]:
-    warnings: list[str] = import_robot(Wanted(files.urdf, files.limits)).report["warnings"]
+    warnings: list[str] = import_robot(ImportOptions(files.urdf, files.limits)).report["warnings"]
     return warnings
 
 

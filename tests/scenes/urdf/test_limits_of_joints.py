@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from assur.scenes.urdf.importing import Wanted, import_robot
+from assur.scenes.urdf.importing import ImportOptions, import_robot
 from assur.scenes.urdf.refusals import ImportRefused
 from tests.scenes.urdf.made import CELLARM_LIMITS, FAMILIES, Files, J, cellarm, urdf
 
@@ -23,13 +23,13 @@ def limited(folder: Path, first: str, text: str = SCARA) -> Files:
 
 def range_of(files: Files) -> str:
     """The range of the first joint as it is written, with its source."""
-    lines = import_robot(Wanted(files.urdf, files.limits)).text.splitlines()
+    lines = import_robot(ImportOptions(files.urdf, files.limits)).text.splitlines()
     return next(line.strip() for line in lines if "range_rad" in line)
 
 
 def told(files: Files) -> list[str]:
     with pytest.raises(ImportRefused) as caught:
-        import_robot(Wanted(files.urdf, files.limits))
+        import_robot(ImportOptions(files.urdf, files.limits))
     return [str(lack) for lack in caught.value.lacks]
 
 
@@ -98,7 +98,7 @@ def test_what_is_a_number_to_python_only_is_refused(text: str, tmp_path: Path) -
 @pytest.mark.parametrize("text", ["3", " 3. ", "+3.0", "30e-1", ".3E+1"])
 def test_every_form_of_a_number_is_read(text: str, tmp_path: Path) -> None:
     files = swapped(tmp_path, 'velocity="3.0"', f'velocity="{text}"')
-    assert "velocity_rad_s: {value: 3.0, " in import_robot(Wanted(files.urdf, files.limits)).text
+    assert "velocity_rad_s: {value: 3.0, " in import_robot(ImportOptions(files.urdf, files.limits)).text
 
 
 def soft(folder: Path, attributes: str, more: str = "has_position_limits: true") -> Files:
@@ -124,14 +124,16 @@ def test_axes_that_are_no_unit_vectors_are_told(tmp_path: Path) -> None:
     lift = J("prismatic", (0.25, 0, 0), axis=(0, 0, -2), ends=(0.01, 0.2))
     text = urdf(J("revolute", axis=(0, 0, 0.5)), J("revolute", (0.3, 0, 0)), lift)
     files = Files(tmp_path).write(text)
-    found = import_robot(Wanted(files.urdf, files.limits))
+    found = import_robot(ImportOptions(files.urdf, files.limits))
     assert [remark for remark in found.report["remarks"] if "axes" in remark] == [
         "axes that are not 1 long: a_joint_1 (0.5), a_joint_3 (2); only their directions are taken, so positions are "
         "in rad and m along them, and nothing is scaled"
     ]
     assert "range_m: {value: [0.01, 0.2], " in found.text
     files.write(SCARA)
-    assert not any("axes" in remark for remark in import_robot(Wanted(files.urdf, files.limits)).report["remarks"])
+    assert not any(
+        "axes" in remark for remark in import_robot(ImportOptions(files.urdf, files.limits)).report["remarks"]
+    )
 
 
 def test_numbers_are_parted_by_plain_spaces_only(tmp_path: Path) -> None:
@@ -147,7 +149,7 @@ OF_1_2 = LIFT.replace("/>", ' acceleration="14" deceleration="9" jerk="200"/>')
 
 def lines_of(files: Files, joint: str, **more: object) -> dict[str, str]:
     """The value and the source of each limit of a joint of the robot that is imported."""
-    text = import_robot(Wanted(files.urdf, files.limits, **more)).text  # type: ignore[arg-type]
+    text = import_robot(ImportOptions(files.urdf, files.limits, **more)).text  # type: ignore[arg-type]
     after = text[text.index(f'- name: "{joint}"') :].splitlines()[1:]
     rows = [line.strip() for line in after if "status" in line][:5]
     found = [re.fullmatch(r"(\w+): {value: (.*), status: (\w+), source: \"(.*)\"}", row) for row in rows]
@@ -155,7 +157,7 @@ def lines_of(files: Files, joint: str, **more: object) -> dict[str, str]:
 
 
 def remarks_of(files: Files) -> list[str]:
-    remarks: list[str] = import_robot(Wanted(files.urdf, files.limits)).report["remarks"]
+    remarks: list[str] = import_robot(ImportOptions(files.urdf, files.limits)).report["remarks"]
     return remarks
 
 
@@ -181,7 +183,7 @@ def test_without_a_file_of_limits_a_urdf_of_version_1_2_has_all_that_is_needed(t
     files = cellarm(tmp_path)
     text = files.urdf.read_text().replace('effort="1"', 'effort="1" acceleration="10"')
     files.urdf.write_text(text.replace("<robot ", '<robot version="1.2" '))
-    found = import_robot(Wanted(files.urdf)).text
+    found = import_robot(ImportOptions(files.urdf)).text
     assert found.count("limit.acceleration") == 4
     assert found.count("acceleration / 20 ms") == 4
 

@@ -10,7 +10,7 @@ import pytest
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Pose
 from assur.scenes.urdf.chain import chain_to
-from assur.scenes.urdf.importing import Imported, Wanted, import_robot, write
+from assur.scenes.urdf.importing import ImportedRobot, ImportOptions, import_robot, write
 from assur.scenes.urdf.reader import read_tree
 from assur.scenes.urdf.refusals import ImportRefused
 from tests.scenes.urdf.made import FAMILIES, Files, box, flange_by_library
@@ -39,11 +39,11 @@ def around(mount: str = "fixed") -> str:
     return SCARA.replace("</robot>", links + "".join(joints) + "</robot>")
 
 
-def imported(files: Files, **more: object) -> Imported:
-    return import_robot(Wanted(files.urdf, files.limits, base="l0", **more))  # type: ignore[arg-type]
+def imported(files: Files, **more: object) -> ImportedRobot:
+    return import_robot(ImportOptions(files.urdf, files.limits, base="l0", **more))  # type: ignore[arg-type]
 
 
-def bodies(found: Imported, files: Files) -> dict[str, str]:
+def bodies(found: ImportedRobot, files: Files) -> dict[str, str]:
     """The bodies of the robot that is written, and the links on which they are."""
     arm = write(found, files.folder / "robot.yaml").built()
     robot = arm.robot(Pose(), arm.limits)

@@ -13,7 +13,7 @@ from assur.planner.frames.motion import Pose
 from assur.scenes.catalogue import load_robot
 from assur.scenes.conventions import converted
 from assur.scenes.reading.arms import OVER, BuiltArm
-from assur.scenes.urdf.importing import Imported, Wanted, import_robot, write
+from assur.scenes.urdf.importing import ImportedRobot, ImportOptions, import_robot, write
 from assur.scenes.urdf.refusals import ImportRefused
 from assur.scenes.urdf.tree import turned
 from tests.scenes.urdf.made import FAMILIES, RIGHT, Files, J, flange_by_library, urdf
@@ -22,13 +22,13 @@ from tests.scenes.urdf.random_arms import ARMS
 STATES = 1000
 
 
-def imported(files: Files, **more: object) -> tuple[Imported, BuiltArm]:
+def imported(files: Files, **more: object) -> tuple[ImportedRobot, BuiltArm]:
     """The robot that is imported, written and read again."""
-    found = import_robot(Wanted(files.urdf, files.limits, **more))  # type: ignore[arg-type]
+    found = import_robot(ImportOptions(files.urdf, files.limits, **more))  # type: ignore[arg-type]
     return found, write(found, files.folder / "robot.yaml").built()
 
 
-def at_random(found: Imported, arm: BuiltArm) -> FloatArray:
+def at_random(found: ImportedRobot, arm: BuiltArm) -> FloatArray:
     """Positions (STATES, n) in the file's count, within the ranges of the robot that was written."""
     rng = np.random.default_rng(7)
     ends = [np.array([arm.limits.lower, arm.limits.upper])]
@@ -41,7 +41,7 @@ def at_random(found: Imported, arm: BuiltArm) -> FloatArray:
 
 
 def off(
-    found: Imported, arm: BuiltArm, file: Path, reader: Callable[..., FloatArray] = flange_by_library
+    found: ImportedRobot, arm: BuiltArm, file: Path, reader: Callable[..., FloatArray] = flange_by_library
 ) -> tuple[float, float]:
     """How far the flange is from another reader's at random states: m, rad."""
     q = at_random(found, arm)

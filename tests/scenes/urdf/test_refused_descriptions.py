@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from assur.scenes.urdf.importing import Wanted, import_robot
+from assur.scenes.urdf.importing import ImportOptions, import_robot
 from assur.scenes.urdf.refusals import ImportRefused
 from assur.scenes.urdf.solids import Covering
 from tests.scenes.meshes.solids import CUBE, binary_stl
@@ -20,7 +20,7 @@ def told(files: Files, **more: object) -> list[str]:
     """All that is told of a description that is refused."""
     given = {"joint_limits": files.limits, **more}
     with pytest.raises(ImportRefused) as caught:
-        import_robot(Wanted(files.urdf, **given))  # type: ignore[arg-type]
+        import_robot(ImportOptions(files.urdf, **given))  # type: ignore[arg-type]
     return [str(lack) for lack in caught.value.lacks]
 
 
@@ -50,7 +50,7 @@ def test_a_file_of_limits_takes_the_place_of_what_the_urdf_has_wrong(tmp_path: P
             "a_joint_1: {min_position: -1, max_position: 2, max_velocity: 2.5, has_jerk_limits: true, max_jerk: 500, ",
         )
     )
-    found = import_robot(Wanted(files.urdf, files.limits))
+    found = import_robot(ImportOptions(files.urdf, files.limits))
     assert "range_rad: {value: [-1.0, 2.0]" in found.text
     assert "velocity_rad_s: {value: 2.5" in found.text
     assert "jerk_rad_s3: {value: 500.0, status: third_party" in found.text
@@ -194,7 +194,7 @@ def test_a_mesh_that_is_not_closed_is_refused_or_taken_as_its_hull(tmp_path: Pat
     (found,) = told(files)
     assert found.startswith("link l1, collision: the mesh is not closed: ")
     assert "say --open-meshes hull to take its convex hull" in found
-    taken = import_robot(Wanted(files.urdf, files.limits, covering=Covering(0.01, 8, open_hull=True)))
+    taken = import_robot(ImportOptions(files.urdf, files.limits, covering=Covering(0.01, 8, open_hull=True)))
     assert [cover["hulls"] for cover in taken.report["covers"]] == [1]
 
 
@@ -216,7 +216,7 @@ def test_names_that_are_too_long_are_refused(tmp_path: Path) -> None:
         assert "a name of 5000 characters; names of up to 200 characters are read" in found
         assert len(found) < 200
     files = Files(tmp_path).write(GOOD.replace('"made"', f'"{"y" * 5000}"'))
-    assert len(import_robot(Wanted(files.urdf, files.limits)).name) == 64
+    assert len(import_robot(ImportOptions(files.urdf, files.limits)).name) == 64
 
 
 def test_a_number_that_our_form_does_not_take_is_told_at_its_joint(tmp_path: Path) -> None:
@@ -273,4 +273,4 @@ def test_links_and_joints_that_options_name_must_be_there(tmp_path: Path) -> Non
 def test_a_body_is_used(tmp_path: Path) -> None:
     good = urdf(*[J("revolute", (0.2, 0, 0), shape=box(0.1, 0.1, 0.1))] * 2, J("prismatic", (0.2, 0, 0), ends=(0, 0.1)))
     files = Files(tmp_path).write(good)
-    assert import_robot(Wanted(files.urdf, files.limits)).report["bodies"] == 2
+    assert import_robot(ImportOptions(files.urdf, files.limits)).report["bodies"] == 2

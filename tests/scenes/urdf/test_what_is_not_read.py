@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from assur.scenes.urdf.importing import Imported, Wanted, import_robot
+from assur.scenes.urdf.importing import ImportedRobot, ImportOptions, import_robot
 from assur.scenes.urdf.refusals import ImportRefused
 from tests.scenes.urdf.made import FORE_AT, LIFT_AT, Files, cellarm
 
@@ -16,8 +16,8 @@ END = "</robot>"
 FORE = f'<collision><origin {FORE_AT}/><geometry><box size="0.3 0.1 0.06"/></geometry></collision>'
 
 
-def taken(files: Files, **more: object) -> Imported:
-    return import_robot(Wanted(files.urdf, files.limits, **more))  # type: ignore[arg-type]
+def taken(files: Files, **more: object) -> ImportedRobot:
+    return import_robot(ImportOptions(files.urdf, files.limits, **more))  # type: ignore[arg-type]
 
 
 def told(files: Files, **more: object) -> list[str]:
@@ -26,7 +26,7 @@ def told(files: Files, **more: object) -> list[str]:
     return [str(lack) for lack in caught.value.lacks]
 
 
-def body(found: Imported) -> str:
+def body(found: ImportedRobot) -> str:
     """The robot's file without its head, which has the digest of the URDF."""
     return found.text[found.text.index("  l1_m") :]
 

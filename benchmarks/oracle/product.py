@@ -1,4 +1,4 @@
-"""The planner and the checker, asked from outside: the only module of the oracle that imports them."""
+"""The planner and the checker, called from outside: the only module of the oracle that imports them."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from assur.scenes.requests import check_document, plan_document, validate
 from benchmarks.soak.poses import Document
 
 BAD_INPUT = "BAD_INPUT"
-"""In place of a reason: the request was refused as such."""
+"""In place of a reason: the request is bad input."""
 
 
 def as_si(document: object) -> Document:
-    """A request as the oracle reads it: every quantity in SI, what is silent left out."""
+    """A request as the oracle reads it: every quantity in SI, without fields that are not stated."""
     return dict(validate(document).model_dump(mode="json", exclude_unset=True, by_alias=True))
 
 
@@ -28,7 +28,7 @@ def planned(request: Document) -> tuple[Document | None, str]:
 
 
 def checked(request: Document, answer: Document) -> list[dict[str, Any]] | None:
-    """What the product's own checker finds in an answer; None where it does not take answers of this kind."""
+    """Findings of the product's own checker; None if it does not take answers of this kind."""
     try:
         return list(check_document(request, answer)["findings"])
     except InputError:

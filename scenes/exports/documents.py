@@ -1,4 +1,4 @@
-"""The doors of this folder: what the service, the command line and Python call. Documents in, documents out."""
+"""The public functions of this folder, for the service, the command line and Python: documents in, documents out."""
 
 from __future__ import annotations
 
@@ -17,50 +17,50 @@ if TYPE_CHECKING:
 TOLERANCE = ("start_tolerance_s", "start_tolerance_ms")
 
 
-def export_document(request: object, plan: object, asked: object, *, folder: Path | None = None) -> dict[str, Any]:
-    """The export of a planned answer, whose certificate may be a digest, as `asked` says (docs/export.md).
+def export_document(request: object, plan: object, options: object, *, folder: Path | None = None) -> dict[str, Any]:
+    """The export of a planned answer, whose certificate may be a digest, with the `options` of docs/export.md.
 
     `folder`: below which the request may name files. Raises `InputError` naming the field: for what is wrong with a
     document, for what the answer repeats of request and motion and is not so, and for a motion that cannot be proved on
-    the grid that is asked for. What else the answer claims (margins, contacts, loads), and its certificate, are not
-    judged: the motion is proved anew, and nothing of them is in the export. `check_document` judges them.
+    the required grid. Other claims of the answer (margins, contacts, loads) and its certificate are not judged: the
+    motion is proved anew, and the export has none of them. `check_document` judges them.
     """
     document: Any = request if folder is None else with_files(request, folder)
-    return export_cell(cell_of(document), document, plan, asked)
+    return export_cell(cell_of(document), document, plan, options)
 
 
-def export_cell(cell: Cell, request: Any, plan: object, asked: object) -> dict[str, Any]:
+def export_cell(cell: Cell, request: Any, plan: object, options: object) -> dict[str, Any]:
     """The same for a cell that has been read; `request`: that of the cell, with what files hold in it."""
-    from assur.scenes.exports.export import exported, told
+    from assur.scenes.exports.export import exported, in_words
     from assur.scenes.exports.handover import AFTER, handed_over
 
-    running = asked.get(AFTER) if isinstance(asked, dict) else None
+    running = options.get(AFTER) if isinstance(options, dict) else None
     # a plan file is read by its own rules, and keeps its units
-    how: ExportDocument = read(ExportDocument, asked if running is None else {**asked, AFTER: {}})  # type: ignore[dict-item]
+    how: ExportDocument = read(ExportDocument, options if running is None else {**options, AFTER: {}})  # type: ignore[dict-item]
     made, untrue, _ = read_plan(cell, plan, proved_anew=True)
     if untrue:
-        raise InputError("plan", "this answer", f"one that is right: {told(untrue)}")
+        raise InputError("plan", "this answer", f"one that is right: {in_words(untrue)}")
     made, handover = handed_over(cell, made, how, running)
     return dict(exported(cell, request, made, how, handover))
 
 
 def check_trajectory_document(
-    request: object, asked: object, plan: object | None = None, *, folder: Path | None = None
+    request: object, given: object, plan: object | None = None, *, folder: Path | None = None
 ) -> dict[str, Any]:
-    """The verdict on a trajectory in a file: `asked` is {"file": TEXT, "format": "csv" or "ros2", ...}
+    """The verdict on a trajectory in a file: `given` is {"file": TEXT, "format": "csv" or "ros2", ...}
     (docs/export.md). `plan`: a planned answer whose legs it has; None: it is one motion in travel.
 
     `folder`: below which the request may name files. Raises `InputError` naming the field, in files with the line.
     """
     document: Any = request if folder is None else with_files(request, folder)
-    return check_trajectory_cell(cell_of(document), document, asked, plan)
+    return check_trajectory_cell(cell_of(document), document, given, plan)
 
 
-def check_trajectory_cell(cell: Cell, request: Any, asked: object, plan: object | None = None) -> dict[str, Any]:
+def check_trajectory_cell(cell: Cell, request: Any, given: object, plan: object | None = None) -> dict[str, Any]:
     """The same for a cell that has been read; `request`: that of the cell, with what files hold in it."""
     from assur.scenes.exports.foreign import verdict
 
-    how: ForeignTrajectoryDocument = read(ForeignTrajectoryDocument, asked)
+    how: ForeignTrajectoryDocument = read(ForeignTrajectoryDocument, given)
     if how.start_tolerance_s is not None:
         execution = {key: value for key, value in (request.get("execution") or {}).items() if key not in TOLERANCE}
         request = {**request, "execution": {**execution, TOLERANCE[0]: how.start_tolerance_s}}
@@ -70,5 +70,5 @@ def check_trajectory_cell(cell: Cell, request: Any, asked: object, plan: object 
 
 
 def export_schemas() -> tuple[dict[str, Any], dict[str, Any]]:
-    """JSON Schemas of what is asked of an export, and of a check of a trajectory, beside request and plan."""
+    """JSON Schemas of the options of an export, and of a trajectory to be checked."""
     return ExportDocument.model_json_schema(), ForeignTrajectoryDocument.model_json_schema()
