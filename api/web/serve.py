@@ -6,7 +6,6 @@ import os
 import signal
 import socket
 import time
-from collections.abc import Callable
 from functools import partial
 from types import FrameType
 from typing import Any, cast
@@ -14,10 +13,8 @@ from typing import Any, cast
 import uvicorn
 
 from assur.api.logs import configure, event, one_log
-from assur.api.web.addresses import network
 from assur.api.web.app import create_app
-from assur.api.web.connections import Connections
-from assur.api.web.http_protocol import TimedProtocol
+from assur.api.web.connections import Connections, TimedProtocol
 from assur.api.web.settings import Settings
 from assur.planner.errors import InputError
 
@@ -76,15 +73,10 @@ class Server(uvicorn.Server):
         self._drained_at = 0.0
         self._told = False
 
-    def _takes(self, host: str) -> bool:
-        return self._connections.takes(network(host))
-
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         for door in sockets or []:
             door.listen(WAITING)  # asyncio has one number for what waits and for what it takes at once
-            if isinstance(door, Door):
-                door.takes = self._takes
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         if self._connections.draining or not self._connections.settings.drain_s:
@@ -103,22 +95,7 @@ class Server(uvicorn.Server):
         return await super().on_tick(counter) or drained
 
 
-class Door(socket.socket):
-    """A socket that listens, and closes at once what `takes` does not want of a host."""
-
-    takes: Callable[[str], bool] = staticmethod(lambda _: True)
-
-    def accept(self) -> tuple[socket.socket, Any]:
-        """As the one of sockets, for asyncio: of those that are wanted."""
-        for _ in range(TAKEN_AT_ONCE):
-            connection, address = super().accept()
-            if self.takes(address[0]):
-                return connection, address
-            connection.close()
-        raise BlockingIOError  # more may be there: the event loop comes again, after other work
-
-
-def listening(host: str, port: int) -> Door:
+def listening(host: str, port: int) -> socket.socket:
     """A socket that listens on `host` (a name, an IPv4 or an IPv6 address) and `port`.
 
     It says that its protocol is TCP: asyncio switches Nagle's algorithm off only where it reads that, and with it on
@@ -133,7 +110,7 @@ def listening(host: str, port: int) -> Door:
     except OSError as error:
         reason = str(error.strerror)
     for family, kind, protocol, _, address in found:
-        door = Door(family, kind, protocol)
+        door = socket.socket(family, kind, protocol)
         try:
             door.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # a restart need not wait for old connections
             door.bind(address)

@@ -53,10 +53,8 @@ EACH: dict[str, tuple[str, object]] = {
     "mesh_folder": ("/var/meshes", "/var/meshes"),
     "mesh_quota_mib": ("16", 16),
     "mesh_kept_s": ("60", 60.0),
-    "connections_per_address": ("8", 8),
     "header_s": ("2.5", 2.5),
     "keep_alive_s": ("61", 61.0),
-    "write_s": ("11", 11.0),
     "drain_s": ("6", 6.0),
 }
 """For each setting a text, and what it says; none of them is the default."""
