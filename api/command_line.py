@@ -45,10 +45,10 @@ from assur.api.cli.inputs import (
     given_options,
     joints_in,
     log_file,
+    named_as_options,
     robot_in_place,
     robot_named,
     target,
-    told_as_options,
 )
 from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL
 from assur.api.version import version
@@ -74,8 +74,8 @@ PlanOrCell = Annotated[str, typer.Argument(metavar="FILE", help=PLAN_OR_CELL)]
 Plan = Annotated[Path | None, typer.Argument(help=ANSWER)]
 
 
-def _version(asked: bool) -> None:
-    if asked:
+def _version(wanted: bool) -> None:
+    if wanted:
         typer.echo(f"assur {version()}")
         raise typer.Exit(RIGHT)
 
@@ -202,7 +202,7 @@ def ik(
     if robot is not None:
         question["robot"] = robot_in_place(robot, cell)
     announce_compilation()
-    with told_as_options():
+    with named_as_options():
         answer = requests.ik_cell(None if robot is not None else cell, given_options(question))
     words = partial(ik_report.everything, answer)
     return answered(answer, words, as_json=as_json, right=answer["status"] == "reached")

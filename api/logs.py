@@ -93,7 +93,7 @@ class _Handler(logging.Handler):
         self._lines.put(line)
 
     def handleError(self, record: logging.LogRecord) -> None:
-        """Says that a line could not be made, and where; never what it would have said."""
+        """Says that a line could not be made, and where; never its text."""
         line = {"time": now(), "level": "error", "logger": LOGGER.name, "event": "a line of the log could not be made"}
         self._lines.put(json.dumps({**line, "place": _place(record)}))
 
@@ -154,7 +154,7 @@ class Printed(io.TextIOBase):
         return len(text)
 
     def _again(self) -> bool:
-        """Whether this is the next piece of an exception that was told: a traceback is printed line by line."""
+        """Whether this is the next piece of an exception that was logged: a traceback is printed line by line."""
         error = sys.exc_info()[1]
         again = error is not None and getattr(self, "_told", None) is error
         self._told = error

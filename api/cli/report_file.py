@@ -33,7 +33,7 @@ def show(path: Path) -> str:
 
 
 def kept(name: str, page: bytes) -> Path:
-    """The file of a report that is only looked at, in a folder of its own among the temporary files."""
+    """The file of a report that is only shown, in a folder of its own among the temporary files."""
     path = Path(tempfile.mkdtemp(prefix="assur-")) / f"{name}.html"
     path.write_bytes(page)
     return path

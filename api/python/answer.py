@@ -23,7 +23,7 @@ MOST_HIGH_PX = 10_000
 
 
 class NotPlannedError(AssurError):
-    """Something of a plan was asked of an answer that has none. Ask `answer.planned` first."""
+    """A part of a plan was read of an answer that has none. Read `answer.planned` first."""
 
 
 class Answer(Mapping[str, Any]):
@@ -33,7 +33,7 @@ class Answer(Mapping[str, Any]):
     read-only, and change a `copy.deepcopy`.
 
     `assur.plan` and `assur.load_answer` make one. It can also be made of a document: ``Answer(json.load(file))``. Only
-    what is asked for is looked at; whether the plan is right is what `check` says. Attributes of a plan raise
+    what is read is verified; whether the plan is right is what `check` says. Attributes of a plan raise
     `NotPlannedError` where there is none. `save`, `report` and `show` need the `request` and raise `InputError` where
     it is not known.
     """

@@ -36,7 +36,7 @@ TIMEOUT_S = 120.0
 """Longest wait for an answer, if the caller names none: a service gives a plan up to twice 60 s by its own defaults."""
 
 
-class _Door:
+class _Endpoint:
     """Where the service is, and how long to wait for it. `_library`: the class of the connections."""
 
     _library: Any
@@ -65,19 +65,19 @@ class _Door:
         self._timeout = timeout
         self._http = self._library(base_url=url, timeout=timeout, headers={**own, **(headers or {})})
 
-    def _result(self, asked: Exchange[T], response: httpx.Response) -> T:
-        return asked.result(self.url, response.status_code, response.headers, response.content)
+    def _result(self, question: Exchange[T], response: httpx.Response) -> T:
+        return question.result(self.url, response.status_code, response.headers, response.content)
 
-    def _sent(self, asked: Exchange[T]) -> dict[str, Any]:
+    def _sent(self, question: Exchange[T]) -> dict[str, Any]:
         """The request as the library has it. Raises `ServiceError` for a client that is closed."""
         if self._http.is_closed:
             raise ServiceError(self.url, "this client is closed; make another one")
         return {
-            "method": asked.method,
-            "url": asked.path,
-            "params": dict(asked.parameters),
-            "content": asked.body,
-            "headers": asked.headers,
+            "method": question.method,
+            "url": question.path,
+            "params": dict(question.parameters),
+            "content": question.body,
+            "headers": question.headers,
         }
 
     def _lost(self, error: httpx.RequestError) -> ServiceError:
@@ -86,7 +86,7 @@ class _Door:
         return ServiceError(self.url, f"not reached ({error}); see whether `assur serve` runs there")
 
 
-class Client(_Door):
+class Client(_Endpoint):
     """A client of the service at `url`. It keeps connections: use it in a ``with`` block, or call `close`.
 
     Each method raises `RemoteInputError`, which is an `InputError`, for a request with a field that is not right,
@@ -145,16 +145,16 @@ class Client(_Door):
     ) -> None:
         self.close()
 
-    def _ask(self, asked: Exchange[T]) -> T:
-        sent = self._sent(asked)
+    def _ask(self, question: Exchange[T]) -> T:
+        sent = self._sent(question)
         try:
             response = self._http.request(**sent)
         except httpx.RequestError as error:
             raise self._lost(error) from error
-        return self._result(asked, response)
+        return self._result(question, response)
 
 
-class AsyncClient(_Door):
+class AsyncClient(_Endpoint):
     """`Client` for asyncio: the same methods, to be awaited. Use it in an ``async with`` block, or await `aclose`."""
 
     _library = httpx.AsyncClient
@@ -210,10 +210,10 @@ class AsyncClient(_Door):
     ) -> None:
         await self.aclose()
 
-    async def _ask(self, asked: Exchange[T]) -> T:
-        sent = self._sent(asked)
+    async def _ask(self, question: Exchange[T]) -> T:
+        sent = self._sent(question)
         try:
             response = await self._http.request(**sent)
         except httpx.RequestError as error:
             raise self._lost(error) from error
-        return self._result(asked, response)
+        return self._result(question, response)

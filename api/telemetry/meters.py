@@ -55,7 +55,7 @@ class Readings:
 
 
 class Meters:
-    """Counts what happens in one service; `gauge` and `workers` are asked when the metrics are read."""
+    """Counts what happens in one service; the functions given to `gauge` are called when the metrics are read."""
 
     def __init__(self) -> None:
         # a series more for each series, with nothing but the time at which it began
@@ -105,7 +105,7 @@ class Meters:
         self._stages.labels("queue").observe(seconds)
 
     def worked(self, work: str, outcome: str, reason: str, seconds: dict[str, float]) -> None:
-        """A worker has answered: the `work` that was asked of it, what it says in a word, the reason of a refusal (else
+        """A worker has answered: the kind of `work`, its outcome in a word, the reason of a refusal (else
         empty), and `seconds` by stage."""
         self._answers.labels(work, outcome, reason).inc()
         for stage, each in seconds.items():
@@ -133,11 +133,11 @@ class Meters:
         self._results.labels("hit" if hit else "miss").inc()
 
     def gauge(self, name: str, about: str, read: Callable[[], float]) -> None:
-        """A number that is asked for each time the metrics are read. One whose name ends in `_total` never falls."""
+        """A number that is read each time the metrics are read. One whose name ends in `_total` never falls."""
         self._gauges.numbers[name] = (about, read)
 
     def workers(self, read: Callable[[], Readings]) -> None:
-        """How the workers are, asked for each time the metrics are read."""
+        """The workers as they are, read each time the metrics are read."""
         self._gauges.workers = read
 
     def text(self) -> bytes:
@@ -153,7 +153,7 @@ class Gauges(Collector):
         self.workers: Callable[[], Readings] | None = None
 
     def describe(self) -> Iterable[Metric]:
-        """Nothing: what there is depends on who is asked, and no name is used twice."""
+        """Nothing: the metrics depend on the service, and no name is used twice."""
         return ()
 
     def collect(self) -> Iterable[Metric]:

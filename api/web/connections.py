@@ -187,6 +187,6 @@ class Gate:
 
 def _wants_websocket(headers: Headers) -> bool:
     """Whether a request asks to go on as a WebSocket (RFC 6455, 4.1). Any other upgrade is ignored, as HTTP allows."""
-    asked = {name.strip().lower() for line in headers.getlist("upgrade") for name in line.split(",")}
+    wanted = {name.strip().lower() for line in headers.getlist("upgrade") for name in line.split(",")}
     tokens = {token.strip().lower() for line in headers.getlist("connection") for token in line.split(",")}
-    return "websocket" in asked and "upgrade" in tokens
+    return "websocket" in wanted and "upgrade" in tokens

@@ -1,7 +1,7 @@
 """`Idempotency-Key`: a request that is sent again with the same key gets the first answer, and starts nothing again.
 
 As the draft of the IETF's httpapi group has it. A key belongs to its client and its address. Answers are kept, problems
-are not: whoever met one may send the same key again.
+are not: after a problem, the same key may be sent again.
 """
 
 from __future__ import annotations
@@ -67,12 +67,12 @@ class Idempotency:
         key = _key_of(request)
         if key is None:
             return await work()
-        asked = _digest(str(request.url.query).encode(), body)
+        wanted = _digest(str(request.url.query).encode(), body)
         self._forget()
         entry = self._entries.get(key)
         if entry is not None:
-            return _again(entry, asked)
-        entry = self._entries[key] = _Entry(asked, time.monotonic() + self._kept_s)
+            return _again(entry, wanted)
+        entry = self._entries[key] = _Entry(wanted, time.monotonic() + self._kept_s)
         try:
             response = await work()
             if 200 <= response.status_code < 300:
@@ -97,9 +97,9 @@ class Idempotency:
             del self._entries[key]
 
 
-def _again(entry: _Entry, asked: bytes) -> Response:
+def _again(entry: _Entry, wanted: bytes) -> Response:
     """The answer to a request whose key is known."""
-    if entry.request != asked:
+    if entry.request != wanted:
         raise Problem("key-reused", f"This {HEADER} was sent with another request. Take a new key for each request.")
     if entry.response is None:
         raise Problem(

@@ -1,4 +1,4 @@
-"""The addresses of jobs: a plan that is asked for now and fetched later, with its progress as server-sent events."""
+"""The addresses of jobs: a plan that is ordered now and fetched later, with its progress as server-sent events."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ SILENCE_S = 15.0
 
 class JobDocument(TypedDict):
     """A job. `progress`: null before a worker has begun; `outcome`: the status of its answer; `problem`: why there is
-    none, as the service would have said it at once."""
+    none, as the service would have answered at once."""
 
     id: str
     state: Literal["working", "done", "failed", "cancelled"]
@@ -43,7 +43,7 @@ def _store(request: Request) -> JobStore:
     return store
 
 
-def _told(job: Job, status: int = 200, headers: dict[str, str] | None = None) -> Response:
+def _response(job: Job, status: int = 200, headers: dict[str, str] | None = None) -> Response:
     response = json_response(to_json(job.document()))
     response.status_code = status
     response.headers.update({"Cache-Control": "no-store", **(headers or {})})
@@ -57,7 +57,7 @@ async def start(request: Request) -> Response:
     async def begun() -> Response:
         job = _store(request).start(await service_of(request).order(body, certificate, client_of(request), parsed=True))
         # relative to this address, whatever prefix a proxy has put before it
-        return _told(job, 202, {"Location": f"jobs/{job.id}"})
+        return _response(job, 202, {"Location": f"jobs/{job.id}"})
 
     return await once(request, body, begun)
 
@@ -67,13 +67,13 @@ async def start_scene(request: Request) -> Response:
 
     async def begun() -> Response:
         job = _store(request).start(order)
-        return _told(job, 202, {"Location": f"../../jobs/{job.id}"})
+        return _response(job, 202, {"Location": f"../../jobs/{job.id}"})
 
     return await once(request, order.work.key.encode(), begun)
 
 
 async def show(request: Request, name: str) -> Response:
-    return _told(_store(request).get(name, client_of(request)))
+    return _response(_store(request).get(name, client_of(request)))
 
 
 async def answer(request: Request, name: str) -> Response:
@@ -103,4 +103,4 @@ async def events(request: Request, name: str) -> Response:
 
 
 async def cancel(request: Request, name: str) -> Response:
-    return _told(_store(request).cancel(name, client_of(request)))
+    return _response(_store(request).cancel(name, client_of(request)))

@@ -36,7 +36,7 @@ class Covered(TypedDict):
 
 
 class KeptMesh(TypedDict):
-    """A mesh that is known: its size, until when it is kept if no request names it, and its cover, if one was asked."""
+    """A mesh that is known: its size, until when it is kept if no request names it, and its cover, if it is covered."""
 
     sha256: str
     bytes: int
@@ -61,8 +61,8 @@ async def put_mesh(request: Request) -> Response:
             uploads.take_back(client.name, len(content))
     cover = None
     if how is not None:
-        told = json.loads((await service_of(request).quick(jobs.cover, client, digest, *how)).body)
-        cover = Covered(pieces=told["pieces"], excess_m=told["excess_m"])
+        found = json.loads((await service_of(request).quick(jobs.cover, client, digest, *how)).body)
+        cover = Covered(pieces=found["pieces"], excess_m=found["excess_m"])
     request.scope[FACTS]["outcome"] = "new" if is_new else "known"
     return _response(digest, folder.known(digest), cover, 201 if is_new else 200)
 

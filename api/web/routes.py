@@ -82,7 +82,7 @@ def admit(request: Request, *parameters: str) -> None:
 
 
 def certificate_of(request: Request) -> Detail:
-    """How much of the certificate is asked for. Raises `Problem`."""
+    """How much of the certificate is wanted. Raises `Problem`."""
     certificate = request.query_params.get("certificate", "full")
     if certificate not in get_args(Detail):
         raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(Detail))))
@@ -90,7 +90,7 @@ def certificate_of(request: Request) -> Detail:
 
 
 async def scene_order(request: Request) -> Order:
-    """What is asked about the shipped scenario that the address names. There may be no body. Raises `Problem`."""
+    """The order for the shipped scenario that the address names. There may be no body. Raises `Problem`."""
     certificate, headers = certificate_of(request), request.headers
     empty = headers.get("content-length", "0") == "0" and "transfer-encoding" not in headers
     if empty and "content-type" not in headers:
@@ -118,7 +118,7 @@ def answered_by(
 
 
 async def plan(request: Request) -> Response:
-    how, client = plan_files.asked(request), client_of(request)
+    how, client = plan_files.file_wanted(request), client_of(request)
     if how is not None:
         body = await read_admitted(request, PLAN_BODY_BYTES, *plan_files.NAMES)
         return await once(
@@ -175,7 +175,7 @@ async def live() -> Response:
 
 async def ready(request: Request) -> Response:
     if request.app.state.connections.draining:
-        raise Problem("draining", "The service was told to stop. Send new requests elsewhere.")
+        raise Problem("draining", "The service is about to stop. Send new requests elsewhere.")
     workers = service_of(request).workers
     if not workers.ready:
         detail = f"{workers.warmed} of {workers.total} workers have planned."

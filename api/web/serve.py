@@ -33,10 +33,10 @@ def serve(settings: Settings) -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # a worker is one thread: its matrices are three by three
     signal.signal(signal.SIGTERM, _stopped)  # uvicorn repeats the signal when it has drained
     signal.signal(signal.SIGINT, _stopped)
-    with listening(settings.host, settings.port) as door, one_log():
+    with listening(settings.host, settings.port) as listener, one_log():
         server = made(settings)
-        event("listening", host=settings.host, port=door.getsockname()[1])
-        server.run(sockets=[door])
+        event("listening", host=settings.host, port=listener.getsockname()[1])
+        server.run(sockets=[listener])
 
 
 def made(settings: Settings) -> Server:
@@ -61,7 +61,7 @@ def made(settings: Settings) -> Server:
 
 
 class Server(uvicorn.Server):
-    """uvicorn's server, which goes on for a while when it is told to stop, so that nobody sends it new requests.
+    """uvicorn's server, which goes on for a while at a signal to stop, so that nobody sends it new requests.
 
     At SIGTERM or SIGINT `/readyz` begins to fail and answers close their connections. After `drain_s`, or at a second
     signal, it takes no connection any more, and ends when what it has accepted is answered.
@@ -71,12 +71,12 @@ class Server(uvicorn.Server):
         super().__init__(config)
         self._connections = connections
         self._drained_at = 0.0
-        self._told = False
+        self._logged = False
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
-        for door in sockets or []:
-            door.listen(WAITING)  # asyncio has one number for what waits and for what it takes at once
+        for listener in sockets or []:
+            listener.listen(WAITING)  # asyncio has one number for what waits and for what it takes at once
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         if self._connections.draining or not self._connections.settings.drain_s:
@@ -88,9 +88,9 @@ class Server(uvicorn.Server):
         self._drained_at = time.monotonic() + self._connections.settings.drain_s
 
     async def on_tick(self, counter: int) -> bool:
-        if self._connections.draining and not self._told:
-            self._told = True
-            event("told to stop", drain_s=self._connections.settings.drain_s)  # not in the handler of a signal
+        if self._connections.draining and not self._logged:
+            self._logged = True
+            event("stopping", drain_s=self._connections.settings.drain_s)  # not in the handler of a signal
         drained = self._connections.draining and time.monotonic() >= self._drained_at
         return await super().on_tick(counter) or drained
 
@@ -110,16 +110,18 @@ def listening(host: str, port: int) -> socket.socket:
     except OSError as error:
         reason = str(error.strerror)
     for family, kind, protocol, _, address in found:
-        door = socket.socket(family, kind, protocol)
+        listener = socket.socket(family, kind, protocol)
         try:
-            door.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # a restart need not wait for old connections
-            door.bind(address)
-            door.listen()
+            listener.setsockopt(
+                socket.SOL_SOCKET, socket.SO_REUSEADDR, 1
+            )  # a restart need not wait for old connections
+            listener.bind(address)
+            listener.listen()
         except OSError as error:
-            door.close()
+            listener.close()
             reason = str(error.strerror)
         else:
-            return door
+            return listener
     raise InputError("ASSUR_HOST, ASSUR_PORT", f"{host}, {port}", f"a free address ({reason})")
 
 

@@ -51,7 +51,7 @@ STATED = re.compile(rb'"((?:explain_)?budget_m?s)"\s*:\s*(-?\d+(?:\.\d+)?(?:[eE]
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """What a worker is to do, and what is asked of the workers for it."""
+    """What a worker is to do, and what it demands of the workers."""
 
     work: Work
     demand: Demand
@@ -68,7 +68,7 @@ class Service:
     reading: Reading = field(init=False)
     meshes: MeshFolder | None = field(init=False)
     mesh_bytes: int = 0
-    """Room that files in the folder for meshes took when it was last looked at."""
+    """Room that files in the folder for meshes took when it was last measured."""
     _turns: Turns = field(default_factory=Turns)
 
     def __post_init__(self) -> None:
@@ -113,12 +113,12 @@ class Service:
 
         return await (self._beside(client, read) if body else asyncio.to_thread(read))
 
-    async def quick(self, job: Callable[..., jobs.Reply], client: Client, *asked: bytes | str) -> jobs.Answer:
-        """The answer of a job without a budget, for its work is bounded by what is asked. Raises `Problem`."""
+    async def quick(self, job: Callable[..., jobs.Reply], client: Client, *question: bytes | str) -> jobs.Answer:
+        """The answer of a job without a budget, for its work is bounded by the question. Raises `Problem`."""
         kind = job.__name__
-        short = sum(map(len, asked)) <= SHORT_BYTES
+        short = sum(map(len, question)) <= SHORT_BYTES
         demand = Demand(client, self.settings.check_s, short, kind=kind if short else f"long {kind}")
-        return await self.do(Order(Work(job, asked, _digest(kind, *asked), in_touch=True), demand))
+        return await self.do(Order(Work(job, question, _digest(kind, *question), in_touch=True), demand))
 
     async def _beside(self, client: Client, read: Callable[[], Order]) -> Order:
         """What `read` returns, in a thread, when it is the turn of `client`, which pays for its time. A thread cannot
@@ -137,7 +137,7 @@ class Service:
             self._turns.give_on()
             self.workers.admission.charge(client, sum(took_s))
             if not reading.cancelled():
-                reading.exception()  # whoever waits has it, too; nobody may wait any more
+                reading.exception()  # the caller has it, too, if it still waits
 
         reading = asyncio.ensure_future(asyncio.to_thread(timed))
         reading.add_done_callback(ended)
@@ -202,8 +202,8 @@ class Service:
         short = allowed_s <= self.settings.short_s
         return Demand(client, allowed_s + self.settings.grace_s, short, kind="short plan" if short else "long plan")
 
-    async def do(self, order: Order, told: Tell | None = None, ticket: Ticket | None = None) -> jobs.Answer:
-        """The answer to an order; `told` takes how far it has come. `ticket`: of its admission; None: it is admitted
+    async def do(self, order: Order, report: Tell | None = None, ticket: Ticket | None = None) -> jobs.Answer:
+        """The answer to an order; `report` takes how far it has come. `ticket`: of its admission; None: it is admitted
         now. Raises `Problem`."""
         work, trace = order.work, current()
         trace.facts["digest"] = work.key
@@ -216,7 +216,7 @@ class Service:
             trace.replayed("result", age_s)
             return answer
         ticket = ticket or self.workers.admit(order.demand)
-        reply: jobs.Reply = await self.workers.run(ticket, replace(work, job=Traced(work.job, trace.carried())), told)
+        reply: jobs.Reply = await self.workers.run(ticket, replace(work, job=Traced(work.job, trace.carried())), report)
         match reply:
             case jobs.Answer():
                 trace.answered(reply.outcome, reply.reason, reply.stages)
@@ -252,6 +252,6 @@ def _scenario_name(document: dict[str, Any]) -> str:
     return document["scenario"]
 
 
-def _digest(kind: str, *asked: str | bytes) -> str:
-    data = [each.encode() if isinstance(each, str) else each for each in asked]
+def _digest(kind: str, *parts: str | bytes) -> str:
+    data = [each.encode() if isinstance(each, str) else each for each in parts]
     return hashlib.sha256(b"\n".join((kind.encode(), *data))).hexdigest()

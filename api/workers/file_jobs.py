@@ -34,8 +34,8 @@ HEADERS = {
 
 
 def plan_file(source: bytes | str, how: dict[str, Any], most_budget_s: float, line: Line) -> Reply:
-    """The file of a plan: of the request in a body, or of the shipped scenario of that name. `how`: as an export is
-    asked for, or {"format": "report"}. Where there is no plan, the answer that says so, with the status 409; a report
+    """The file of a plan: of the request in a body, or of the shipped scenario of that name. `how`: the fields of
+    an export, or {"format": "report"}. Where there is no plan, the answer that says so, with the status 409; a report
     of it is a page like any other."""
     given = how_planned("full", most_budget_s, line)
     laps, form = given["laps"], how["format"]

@@ -154,8 +154,8 @@ class Workers:
         if given is not None and given.done() and not given.cancelled():
             self._leave(given.result())
 
-    async def run(self, ticket: Ticket, work: Work, told: Tell | None = None) -> Any:
-        """What the job of `work` returns in a worker, once it is the turn of `ticket`, which ends here. `told` takes
+    async def run(self, ticket: Ticket, work: Work, report: Tell | None = None) -> Any:
+        """What the job of `work` returns in a worker, once it is the turn of `ticket`, which ends here. `report` takes
         how far the job has come. Cancelling it: as `WorkerProcess.run` has it.
 
         Raises `Problem`: busy, not-ready, quarantined, worker-crashed, worker-timeout.
@@ -168,7 +168,7 @@ class Workers:
                 current().queued_s = ticket.waited_s
                 self.meters.queued(ticket.waited_s)
                 try:
-                    return await self._on(number, work, ticket, told)
+                    return await self._on(number, work, ticket, report)
                 except RecalledError:
                     self._put_back(ticket, number)
         except asyncio.CancelledError:
@@ -200,15 +200,15 @@ class Workers:
         self._given[ticket] = asyncio.get_running_loop().create_future()
         self._leave(number)
 
-    async def _on(self, number: int, work: Work, ticket: Ticket, told: Tell | None) -> Any:
+    async def _on(self, number: int, work: Work, ticket: Ticket, report: Tell | None) -> Any:
         """What the job returns on worker `number`, or on fresh ones in its place. Raises `RecalledError`."""
         meanings: list[str] = []
 
         def hear(value: Any) -> None:
             if isinstance(value, Meaning):
                 meanings.append(value.digest)
-            elif told is not None:
-                told(value)
+            elif report is not None:
+                report(value)
 
         deaths = 0
         while True:

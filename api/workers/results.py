@@ -28,7 +28,7 @@ class Kept:
 
 
 class Results:
-    """The latest answers, up to a number of bytes in all; that which was asked for longest ago goes first."""
+    """The latest answers, up to a number of bytes in all; the least recently used goes first."""
 
     def __init__(self, most_bytes: int, build: str, meters: Meters) -> None:
         self._most, self._build, self._meters = most_bytes, build, meters
@@ -66,7 +66,7 @@ class Results:
         return self._most > 0 and job in (jobs.plan, jobs.plan_shipped)
 
     def _key(self, job: Callable[..., Any], arguments: tuple[Any, ...]) -> str:
-        """The digest of all that the answer depends on: the build, what is asked, the body and its parameters."""
+        """The digest of all that the answer depends on: the build, the kind of work, the body and its parameters."""
         found = hashlib.sha256()
         for part in (self._build, job.__name__, *arguments):
             data = part if isinstance(part, bytes) else str(part).encode()

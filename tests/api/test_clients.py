@@ -142,7 +142,7 @@ def test_whoever_has_no_key_is_refused(file: Path, header: str | None) -> None:
 def test_a_file_that_changes_counts_without_a_restart_and_a_broken_one_does_not(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(clients, "LOOKED_AT_S", 0.0)
+    monkeypatch.setattr(clients, "REREAD_S", 0.0)
     old = added(file, "old")
     known = Clients(Settings(keys_file=str(file)))
     new = added(file, "new")
