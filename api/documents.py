@@ -1,7 +1,8 @@
-"""Documents as bytes, the same on the command line and over HTTP, and the responses that carry them."""
+"""Documents as bytes, the same on the command line and over HTTP, their digests, and the responses with them."""
 
 from __future__ import annotations
 
+import hashlib
 import json
 from typing import Any
 
@@ -25,6 +26,16 @@ def to_json(document: Any) -> bytes:
     if b"NaN" in text or b"Infinity" in text or not text.isascii():
         return json.dumps(document, allow_nan=False, separators=(",", ":")).encode("ascii")
     return text
+
+
+def digest_of(*parts: str | bytes) -> str:
+    """The SHA-256 of some parts, in hexadecimal digits. Each part counts with its length: two lists of parts have the
+    same digest only if they are equal."""
+    found = hashlib.sha256()
+    for part in parts:
+        data = part.encode() if isinstance(part, str) else part
+        found.update(b"%d\n" % len(data) + data)
+    return found.hexdigest()
 
 
 def json_response(body: bytes) -> Response:

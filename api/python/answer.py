@@ -217,12 +217,10 @@ class Shown:
 
 def page_of(request: Mapping[str, Any], answer: Mapping[str, Any], title: str, about: str) -> str:
     """The report of an answer to a request, which says what the checker says. Raises `InputError` naming the field."""
-    from assur.api.version import version
-    from assur.scenes.requests import cell_of, report_page, verdict_on
+    from assur.api.checked_report import checked_report
+    from assur.scenes.requests import cell_of
 
-    cell, document = cell_of(dict(request)), dict(answer)
-    verdict = verdict_on(cell, document)
-    return report_page(cell, document, title=title, about=about, verdict=verdict, version=version())
+    return checked_report(cell_of(dict(request)), dict(answer), title, about)[0]
 
 
 def tell_where_there_is_no_notebook() -> None:

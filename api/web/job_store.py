@@ -138,7 +138,7 @@ class JobStore:
         except Problem as problem:
             self._end(job, "failed", problem=problem)
         except Exception:  # noqa: BLE001 - reported with the job, and logged
-            self._service.meters.fault()
+            self._service.meters.faults.inc()
             LOGGER.exception("a job met a fault")
             self._end(job, "failed", problem=Problem("fault", "The service met a fault of its own; it is logged."))
         else:

@@ -54,7 +54,9 @@ def watch(service: Service, jobs: JobStore, clients: Clients) -> Meters:
         meters.gauge("assur_mesh_folder_bytes", "Room that files for meshes take.", lambda: service.mesh_bytes)
         meters.gauge("assur_mesh_folder_quota_bytes", "Room that they may take.", lambda: quota)
     build = version_document(service.settings.commit)
-    meters.build({name: str(build.get(name) or "") for name in ("version", "schema", "kernels", "commit", "python")})
+    meters.build.info(
+        {name: str(build.get(name) or "") for name in ("version", "schema", "kernels", "commit", "python")}
+    )
     return meters
 
 

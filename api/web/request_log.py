@@ -108,7 +108,7 @@ class RequestLog:
         except ClientDisconnect:
             return CLIENT_GONE
         except Exception:  # noqa: BLE001 - the last ring: whatever it is, it is logged and answered, never shown
-            self._meters.fault()
+            self._meters.faults.inc()
             LOGGER.exception("a request met a fault", extra={"facts": {"request": trace.identity}})
             trace.facts["problem"] = "fault"
             if not begun:

@@ -68,7 +68,7 @@ async def read_admitted(request: Request, limit: int, *parameters: str, json: bo
     """The body of a request that is admitted. `json`: as `read_body`. Raises `Problem`."""
     admit(request, *parameters)
     service = service_of(request)
-    with service.meters.reading():
+    with service.meters.bodies.track_inprogress():
         return await read_body(request, limit, service.settings.body_s, service.reading, json=json)
 
 

@@ -7,7 +7,6 @@ but for the body of a job, which is not accepted if it is not JSON.
 from __future__ import annotations
 
 import asyncio
-import hashlib
 import json
 import logging
 import re
@@ -17,7 +16,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from typing import Any
 
-from assur.api.documents import to_json
+from assur.api.documents import digest_of, to_json
 from assur.api.logs import event
 from assur.api.problems import Problem
 from assur.api.telemetry.meters import Meters
@@ -91,7 +90,7 @@ class Service:
             order.work,
             job=file_jobs.plan_file,
             arguments=(source, how, self.settings.max_budget_s),
-            key=_digest("plan_file", order.work.key, json.dumps(how)),
+            key=digest_of("plan_file", order.work.key, json.dumps(how)),
         )
         # the file is made after the plan, as an export of it would be
         return await self.do(Order(work, replace(order.demand, wall_s=order.demand.wall_s + self.settings.check_s)))
@@ -118,7 +117,7 @@ class Service:
         kind = job.__name__
         short = sum(map(len, question)) <= SHORT_BYTES
         demand = Demand(client, self.settings.check_s, short, kind=kind if short else f"long {kind}")
-        return await self.do(Order(Work(job, question, _digest(kind, *question), in_touch=True), demand))
+        return await self.do(Order(Work(job, question, digest_of(kind, *question), in_touch=True), demand))
 
     async def _beside(self, client: Client, read: Callable[[], Order]) -> Order:
         """What `read` returns, in a thread, when it is the turn of `client`, which pays for its time. A thread cannot
@@ -147,7 +146,7 @@ class Service:
         document = (None if parsed else self._budgets(body)) or jobs.request_in(body)
         if "scenario" not in document:
             arguments = body, certificate, self.settings.max_budget_s
-            work = Work(jobs.plan, arguments, _digest("plan", body), in_touch=True, listens=True)
+            work = Work(jobs.plan, arguments, digest_of("plan", body), in_touch=True, listens=True)
             return Order(work, self._demand(document, client))
         try:
             return self._scene(_scenario_name(document), {}, certificate, client)
@@ -169,7 +168,7 @@ class Service:
         # what the scenario's file states is not what the caller asks for: it is cut, and not refused
         budgets = {key: min(value, most_s) for key, value in own.items()}
         demand = self._demand(with_options({"options": budgets}, options), client)
-        key = _digest("scenario", name, *([json.dumps(options, sort_keys=True)] if options else []))
+        key = digest_of("scenario", name, *([json.dumps(options, sort_keys=True)] if options else []))
         arguments = name, options, certificate, most_s
         return Order(Work(jobs.plan_shipped, arguments, key, in_touch=True, listens=True), demand)
 
@@ -227,7 +226,7 @@ class Service:
                 raise reply
             case jobs.Fault():
                 where = list(reply.where)
-                self.meters.fault()
+                self.meters.faults.inc()
                 event("a worker met a fault", logging.ERROR, fault=reply.name, where=where, digest=work.key)
                 raise Problem("fault", f"The planner met a fault of its own; it is logged with digest {work.key}.")
 
@@ -250,8 +249,3 @@ def _scenario_name(document: dict[str, Any]) -> str:
     if not isinstance(document["scenario"], str):
         raise Problem.of_input(InputError("scenario", document["scenario"], "the name of a shipped scenario"))
     return document["scenario"]
-
-
-def _digest(kind: str, *parts: str | bytes) -> str:
-    data = [each.encode() if isinstance(each, str) else each for each in parts]
-    return hashlib.sha256(b"\n".join((kind.encode(), *data))).hexdigest()

@@ -13,10 +13,10 @@ from dataclasses import asdict, dataclass, field
 from functools import wraps
 from typing import Any
 
+from assur.api.checked_report import checked_report
 from assur.api.documents import to_json
 from assur.api.logs import where
 from assur.api.problems import FieldError, Problem, shown
-from assur.api.version import version
 from assur.api.workers.worker_process import CalledOffError, Line, Tell
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.deadline import Progress, Stopwatch
@@ -33,9 +33,7 @@ from assur.scenes.requests import (
     parse_json,
     plan_document,
     plan_scenario,
-    report_page,
     shipped,
-    verdict_on,
     view_document,
     with_options,
 )
@@ -226,9 +224,8 @@ def report(document: dict[str, Any]) -> str:
             raise InputError(name, document[name], f"a text of up to {LONGEST_TEXT} characters")
     if not isinstance(document["plan"], dict):
         raise InputError("plan", document["plan"], "an answer")
-    cell, plan = cell_of(document["request"]), document["plan"]
-    texts = {name: document[name] for name in ("title", "about")}
-    return report_page(cell, plan, **texts, verdict=verdict_on(cell, plan), version=version())
+    page, _ = checked_report(cell_of(document["request"]), document["plan"], document["title"], document["about"])
+    return page
 
 
 def cover(digest: str, form: str, unit: str, line: Line) -> Reply:

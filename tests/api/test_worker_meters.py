@@ -19,8 +19,12 @@ from tests.api.test_workers import ran, until
 ONE = Settings(workers=1, queue=1, queue_wait_s=30.0, warm_s=60.0, max_tasks=2)
 
 
+def measured(workers: Workers, name: str, **labels: str) -> float:
+    return value(workers.meters.text().decode(), name, **labels)
+
+
 def restarts(workers: Workers, cause: str) -> float:
-    return value(workers.meters.text().decode(), "assur_worker_restarts_total", cause=cause)
+    return measured(workers, "assur_worker_restarts_total", cause=cause)
 
 
 def test_deaths_and_replacements_are_counted_each_by_its_cause() -> None:
@@ -29,13 +33,13 @@ def test_deaths_and_replacements_are_counted_each_by_its_cause() -> None:
         workers.start()
         try:
             await until(lambda: workers.ready)
-            assert workers.readings().ready == workers.readings().total == 1
+            assert measured(workers, "assur_workers_ready") == measured(workers, "assur_workers") == 1
             trace = Trace("id", "traceparent")
             CURRENT.set(trace)
             first = await ran(workers, os.getpid, (), "a", 30.0)
             assert trace.queued_s is not None
-            assert workers.readings().processes == (first,)
-            assert workers.readings().running == workers.readings().waiting == 0
+            assert workers.processes()["worker-0"] == first
+            assert measured(workers, "assur_requests_running") == measured(workers, "assur_requests_waiting") == 0
             assert await ran(workers, os.getpid, (), "a", 30.0) == first
             assert restarts(workers, "max_tasks") == 1
             with pytest.raises(Problem, match="quarantined"):

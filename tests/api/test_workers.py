@@ -295,7 +295,7 @@ def test_a_request_in_quarantine_is_known_by_its_meaning_and_forgotten_in_time(t
         worker = await pid_of(workers)
         assert (await refused(asked("another body"))).kind == "quarantined"
         assert await pid_of(workers) == worker
-        await until(lambda: workers.quarantined == 0)
+        await until(lambda: len(workers.quarantine) == 0)
         assert await asked("a body") == "planned"
 
     with_workers(Settings(workers=1, quarantine_s=10.0), story)
