@@ -29,14 +29,14 @@ def request_components(marks: dict[str, Any], most_budget_s: float) -> dict[str,
     `most_budget_s`: largest budget that the service gives, s."""
     request, question, export, trajectory = request_schema(), ik_schema(), *export_schemas()
     parts = {name: part for of in (request, question, export, trajectory) for name, part in of.pop("$defs", {}).items()}
-    for question, needed in ((export, ["request", "plan"]), (trajectory, ["request"])):
-        question["properties"]["request"] = REQUEST
-        question["properties"]["plan"] = {
+    for of_plan, needed in ((export, ["request", "plan"]), (trajectory, ["request"])):
+        of_plan["properties"]["request"] = REQUEST
+        of_plan["properties"]["plan"] = {
             "$ref": "#/components/schemas/PlannedAnswer",
             "description": "Its planned answer.",
         }
-        question["properties"] |= marks if question is export else {}
-        question["required"] = [*needed, *question.get("required", [])]
+        of_plan["properties"] |= marks if of_plan is export else {}
+        of_plan["required"] = [*needed, *of_plan.get("required", [])]
     question["properties"]["request"] = REQUEST
     question["allOf"].append({"oneOf": [{"required": ["request"]}, {"required": ["robot"]}]})
     del request["$schema"], request["$id"]
