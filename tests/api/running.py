@@ -1,15 +1,11 @@
-"""A service inside this process, behind a real socket, or as a process of its own."""
+"""A service inside this process, behind a real socket."""
 
 from __future__ import annotations
 
-import re
-import signal
-import subprocess
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 import httpx
 import uvicorn
@@ -59,28 +55,3 @@ def _below(path: str, app: ASGIApp) -> ASGIApp:
         await app(scope, receive, send)
 
     return proxy
-
-
-@contextmanager
-def started(command: Sequence[str], folder: Path, environment: Mapping[str, str], log: Path) -> Iterator[str]:
-    """The address of a service that is ready: the process of `command` (`assur serve` on any free port) with one
-    worker, run in `folder`, which writes into `log`. It ends with the block, and well."""
-    kept = {name: value for name, value in environment.items() if not name.startswith("ASSUR_")}
-    settings = {**kept, "ASSUR_WORKERS": "1", "ASSUR_GRACE_S": "30"}
-    with log.open("wb") as stream:
-        process = subprocess.Popen([*command, "--port", "0"], cwd=folder, env=settings, stderr=stream)
-    try:
-        end = time.monotonic() + 120
-        while '"ready": true' not in log.read_text(encoding="utf-8"):
-            assert process.poll() is None, log.read_text(encoding="utf-8")
-            assert time.monotonic() < end
-            time.sleep(0.1)
-        (port,) = re.findall(r'"event": "listening".*"port": (\d+)', log.read_text(encoding="utf-8"))
-        address = f"http://127.0.0.1:{port}"
-        assert httpx.get(f"{address}/readyz").status_code == 200
-        yield address
-        process.send_signal(signal.SIGTERM)
-        assert process.wait(60) == 0
-    finally:
-        process.kill()
-        process.wait()

@@ -8,10 +8,8 @@ from typing import Any
 
 import httpx
 import pytest
-from typer.testing import CliRunner
 
 from assur.api.cli.border import BAD_INPUT
-from assur.api.command_line import app
 from assur.api.problems import MEDIA_TYPE
 from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
 from assur.api.workers.jobs import FIRST_PLAN
@@ -19,6 +17,7 @@ from assur.planner.errors import InputError
 from assur.scenes.faults import MOST_FAULTS
 from assur.scenes.requests import parse_json, scene_of
 from tests.api.bad_bodies import BAD_BODIES, BadBody
+from tests.api.test_command_line import run as in_parts
 from tests.scenes.bad_requests import BAD_REQUESTS, GOOD_REQUEST, Bad
 
 JSON = {"content-type": "application/json"}
@@ -195,10 +194,9 @@ def test_a_parameter_that_is_not_known_is_refused_by_name(client: httpx.Client, 
 
 def run(*arguments: str) -> tuple[int, str]:
     """Exit code and everything that the command printed."""
-    result = CliRunner().invoke(app, list(arguments))
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    assert "Traceback" not in result.output
-    return result.exit_code, result.output
+    code, output, errors = in_parts(*arguments)
+    assert "Traceback" not in output + errors
+    return code, output + errors
 
 
 def assert_only_faults(output: str) -> None:

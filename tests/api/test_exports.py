@@ -21,13 +21,7 @@ from assur.scenes.exports.doors import check_trajectory_document, export_documen
 from assur.scenes.plan_file import PlanFile
 from assur.scenes.report.report import ONLY_PROVED
 from assur.scenes.requests import assumptions_of
-
-
-def run(*arguments: str) -> tuple[int, str, str]:
-    """Exit code, standard output, standard error."""
-    result = CliRunner().invoke(app, list(arguments))
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    return result.exit_code, result.stdout, result.stderr
+from tests.api.test_command_line import run
 
 
 @pytest.fixture(scope="module")

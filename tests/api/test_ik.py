@@ -10,14 +10,13 @@ from typing import Any
 
 import httpx
 import pytest
-from typer.testing import CliRunner
 
 from assur.api.cli import cell_reading
 from assur.api.cli.border import BAD_INPUT, RIGHT, WRONG
-from assur.api.command_line import app
 from assur.api.problems import MEDIA_TYPE
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.scenes import ik, kernels, load
+from tests.api.test_command_line import run as any_command
 
 POSE = ("--at-mm", "350", "0", "120", "--yaw-deg", "90")
 QUESTION = {"at_mm": [350, 0, 120], "yaw_deg": 90}
@@ -25,10 +24,7 @@ RV_M1 = ("--robot", "mitsubishi-rv-m1", "--at-mm", "300", "0", "300", "--pitch-d
 
 
 def run(*arguments: str) -> tuple[int, str, str]:
-    """Exit code, standard output, standard error."""
-    result = CliRunner().invoke(app, ["ik", *arguments])
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    return result.exit_code, result.stdout, result.stderr
+    return any_command("ik", *arguments)
 
 
 def test_a_pose_in_a_frame_at_a_time_is_told_as_in_python() -> None:
@@ -182,11 +178,10 @@ def test_a_start_at_a_pose_says_before_it_is_read_that_kernels_are_compiled(
     file = tmp_path / "cell.json"
     for start, lines in (({"tool": {"at_m": [9, 0, 0.2], "yaw_deg": 0}}, 1), ({"joints": {}}, 4)):
         file.write_text(json.dumps({**FIRST_PLAN, "start": start}))
-        result = CliRunner().invoke(app, ["plan", str(file)])
-        assert result.exit_code == BAD_INPUT
-        faults = [line for line in result.stderr.splitlines() if "compiling" not in line]
-        assert len(faults) == lines
-        assert result.stderr.startswith("assur: compiling the planner's kernels once") == (lines == 1)
+        code, _, errors = any_command("plan", str(file))
+        assert code == BAD_INPUT
+        assert sum("compiling" not in line for line in errors.splitlines()) == lines
+        assert errors.startswith("assur: compiling the planner's kernels once") == (lines == 1)
     cell_reading.announce_compilation.cache_clear()
 
 

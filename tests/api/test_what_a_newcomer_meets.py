@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import os
 import re
 import socket
-import sys
 from collections.abc import Iterator
 from html.parser import HTMLParser
-from pathlib import Path
-from urllib.parse import urlsplit
 
 import httpx
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
-from tests.api.running import running, started
+from tests.api.processes import serving, until
+from tests.api.running import running
 
 
 class Links(HTMLParser):
@@ -99,18 +96,16 @@ UPGRADES = {
 
 
 @pytest.mark.slow
-def test_a_websocket_is_refused_in_words_and_nothing_else_is_logged(tmp_path: Path) -> None:
-    log = tmp_path / "log"
-    command = [sys.executable, "-m", "assur.api.command_line", "serve"]
-    with started(command, tmp_path, os.environ, log) as address:
-        place = urlsplit(address)
+def test_a_websocket_is_refused_in_words_and_nothing_else_is_logged() -> None:
+    with serving(WORKERS="1") as server:
+        until(server.ready)
         for name, (headers, status) in UPGRADES.items():
-            with socket.create_connection((str(place.hostname), int(place.port or 0)), timeout=30) as connection:
+            with socket.create_connection(("127.0.0.1", server.port), timeout=30) as connection:
                 connection.sendall(b"GET /livez HTTP/1.1\r\nHost: x\r\n" + headers + b"\r\n")
                 answer = connection.makefile("rb").read().decode()
             assert answer.startswith(f"HTTP/1.1 {status}"), name
             assert ("urn:assur:problem:no-websockets" in answer) == (status == 400), name
-    text = log.read_text(encoding="utf-8")
+    text = b"".join(server.raw).decode()
     assert '"problem": "no-websockets"' in text
     assert "pip install" not in text
     assert "pgrade" not in text
