@@ -170,25 +170,6 @@ def test_over_http_as_in_python(client: httpx.Client, answer: dict[str, Any]) ->
     assert (with_legs.json()["ok"], with_legs.json()["judged_as"]) == (True, "plan")
 
 
-@pytest.mark.parametrize(
-    ("address", "body", "field"),
-    [
-        ("/v1/plans/export", {"format": "csv", "plan": {}}, "request"),
-        ("/v1/plans/export", {"format": "csv", "request": FIRST_PLAN}, "plan"),
-        ("/v1/plans/export", {"format": "dxf", "request": FIRST_PLAN, "plan": {}}, "format"),
-        ("/v1/trajectories/check", {"format": "csv", "file": ""}, "request"),
-        ("/v1/trajectories/check", {"format": "csv", "request": FIRST_PLAN}, "file"),
-        ("/v1/trajectories/check", {"format": "csv", "request": FIRST_PLAN, "file": ""}, "file"),
-    ],
-)
-def test_what_is_wrong_is_a_problem_at_its_field(
-    client: httpx.Client, address: str, body: dict[str, Any], field: str
-) -> None:
-    found = client.post(address, json=body)
-    assert found.status_code == 422
-    assert found.json()["errors"][0]["field"] == field
-
-
 def test_the_description_has_what_is_asked_and_answered(client: httpx.Client) -> None:
     described = client.get("/openapi.json").json()
     schemas = described["components"]["schemas"]

@@ -13,7 +13,6 @@ import pytest
 
 from assur.api.cli import cell_reading
 from assur.api.cli.border import BAD_INPUT, RIGHT, WRONG
-from assur.api.problems import MEDIA_TYPE
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.scenes import ik, kernels, load
 from tests.api.test_command_line import run as any_command
@@ -209,34 +208,8 @@ def test_the_example_in_the_description_is_answered(client: httpx.Client) -> Non
     assert set(question["properties"]) == {"request", "robot", "pose", "joints", "at_s", "at_ms"}
 
 
-@pytest.mark.parametrize(
-    ("body", "field"),
-    [
-        ({}, "pose"),
-        ([], "body"),
-        ({"pose": QUESTION}, "request"),
-        ({"request": None, "pose": QUESTION}, "request"),
-        ({"request": None, "robot": FIRST_PLAN["robot"], "pose": QUESTION}, "request"),
-        ({"request": {}, "pose": QUESTION}, "schema"),
-        ({"request": 3, "pose": QUESTION}, "request"),
-        ({"request": {**FIRST_PLAN, "colour": 1}, "pose": QUESTION}, "colour"),
-        ({"request": FIRST_PLAN, "robot": FIRST_PLAN["robot"], "pose": QUESTION}, "robot"),
-        ({"request": FIRST_PLAN, "pose": {**QUESTION, "frame": "belt"}}, "pose.frame"),
-        ({"request": FIRST_PLAN, "pose": QUESTION, "scenario": "demo"}, "scenario"),
-        ({"scenario": "demo", "pose": QUESTION}, "scenario"),
-        ({"robot": {"file": "x.yaml", "tool": {"tcp_mm": [0, 0, 0]}}, "pose": QUESTION}, "robot.file"),
-    ],
-)
-def test_what_is_wrong_over_http_is_a_problem_at_its_field(client: httpx.Client, body: Any, field: str) -> None:
-    answer = asked(client, body)
-    assert answer.status_code == 422, answer.text
-    assert answer.headers["content-type"] == MEDIA_TYPE
-    assert answer.json()["errors"][0]["field"] == field
-
-
 def test_what_is_no_json_and_what_is_too_large_is_refused_as_in_a_plan(client: httpx.Client) -> None:
     headers = {"content-type": "application/json"}
     for content, status in ((b'{"pose": NaN}', 400), (b"{", 400), (b" " * (1 << 20) + b"{}", 413)):
         assert client.post("/v1/ik", content=content, headers=headers).status_code == status
-    assert client.post("/v1/ik?certificate=digest", json={}).json()["errors"][0]["field"] == "certificate"
     assert client.get("/v1/ik").status_code == 405
