@@ -117,34 +117,8 @@ def references(part: Any) -> list[str]:
     return [found for value in part for found in references(value)] if isinstance(part, list) else []
 
 
-def test_the_description_of_the_service_is_whole(client: httpx.Client) -> None:
+def test_every_reference_in_the_description_leads_to_a_component(client: httpx.Client) -> None:
     described = client.get("/openapi.json").json()
-    assert set(described["paths"]) == {
-        "/v1/plans",
-        "/v1/plans/check",
-        "/v1/plans/view",
-        "/v1/plans/report",
-        "/v1/jobs",
-        "/v1/jobs/{name}",
-        "/v1/jobs/{name}/answer",
-        "/v1/jobs/{name}/events",
-        "/v1/plans/export",
-        "/v1/trajectories/check",
-        "/v1/ik",
-        "/v1/robots",
-        "/v1/scenes",
-        "/v1/scenes/{name}",
-        "/v1/scenes/{name}/text",
-        "/v1/scenes/{name}/plans",
-        "/v1/scenes/{name}/jobs",
-        "/v1/meshes/{sha256}",
-        "/v1/scenes/parse",
-        "/v1/schema",
-        "/v1/version",
-        "/metrics",
-        "/livez",
-        "/readyz",
-    }
     found = references(described)
     assert len(found) > 10
     for reference in found:

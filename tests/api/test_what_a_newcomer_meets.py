@@ -9,10 +9,10 @@ from html.parser import HTMLParser
 
 import httpx
 import pytest
-from prometheus_client.parser import text_string_to_metric_families
 
 from tests.api.processes import serving, until
 from tests.api.running import running
+from tests.api.test_metrics import value
 
 
 class Links(HTMLParser):
@@ -43,21 +43,11 @@ def test_the_address_of_the_service_is_a_page_and_its_links_lead_somewhere(servi
         assert service.get(link).status_code == 200, link
 
 
-def requests_by_route(service: httpx.Client) -> dict[tuple[str, str], float]:
-    found: dict[tuple[str, str], float] = {}
-    for family in text_string_to_metric_families(service.get("/metrics").text):
-        for sample in family.samples:
-            if sample.name == "assur_requests_total":
-                key = sample.labels["route"], sample.labels["status"]
-                found[key] = found.get(key, 0.0) + sample.value
-    return found
-
-
 def test_every_address_that_there_is_counts_under_its_own_route(client: httpx.Client) -> None:
-    before = requests_by_route(client)
+    before = client.get("/metrics").text
     script = re.search(r'src="([^"]*static-offline-docs/[^"]+\.js)"', client.get("/docs").text)
     assert script is not None
-    asked = {
+    counted = {
         "/openapi.json": ("/openapi.json", "200"),
         "/docs": ("/docs", "200"),
         "/redoc": ("/redoc", "200"),
@@ -67,24 +57,20 @@ def test_every_address_that_there_is_counts_under_its_own_route(client: httpx.Cl
         "/nowhere": ("none", "404"),
         "/v1/plans": ("/v1/plans", "405"),
     }
-    for address in asked:
+    for address in counted:
         client.get(address)
-    after = requests_by_route(client)
-    for address, key in asked.items():
-        assert after.get(key, 0.0) > before.get(key, 0.0), address
-    none = [key for key in after if key[0] == "none" and key[1] != "404"]
-    assert none == []
+    after = client.get("/metrics").text
+    name = "assur_requests_total"
+    for route, status in counted.values():
+        of = {"route": route, "status": status}
+        assert value(after, name, **of) > value(before, name, **of), route
+    assert value(after, name, route="none") == value(after, name, route="none", status="404")
 
 
 def test_the_process_that_forks_the_workers_is_in_the_metrics_of_memory(client: httpx.Client) -> None:
-    found = {
-        sample.labels["process"]: sample.value
-        for family in text_string_to_metric_families(client.get("/metrics").text)
-        for sample in family.samples
-        if sample.name == "assur_resident_memory_bytes"
-    }
-    assert found.keys() == {"web", "template", "worker-0"}
-    assert all(value > 10 << 20 for value in found.values())
+    text = client.get("/metrics").text
+    for process in ("web", "template", "worker-0"):
+        assert value(text, "assur_resident_memory_bytes", process=process) > 10 << 20
 
 
 UPGRADES = {
