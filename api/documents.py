@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pydantic_core
 from starlette.responses import Response
 
 from assur.api.problems import MEDIA_TYPE, Problem
+from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_PLAN_FILE_BYTES
+
+if TYPE_CHECKING:
+    from assur.scenes.plan_file import PlanFile
 
 
 def to_json(document: Any) -> bytes:
@@ -36,6 +41,15 @@ def digest_of(*parts: str | bytes) -> str:
         data = part.encode() if isinstance(part, str) else part
         found.update(b"%d\n" % len(data) + data)
     return found.hexdigest()
+
+
+def plan_file_bytes(held: PlanFile, field: str) -> bytes:
+    """A plan file as it is written. Raises `InputError` that names `field` where it would be too long to be read."""
+    data = to_json(held.document) + b"\n"
+    if len(data) > MAX_PLAN_FILE_BYTES:
+        allowed = f"a plan file of up to {MAX_PLAN_FILE_BYTES} bytes: meshes with fewer triangles, or a shorter task"
+        raise InputError(field, f"{len(data)} bytes", allowed)
+    return data
 
 
 def json_response(body: bytes) -> Response:

@@ -13,7 +13,8 @@ from assur.api.cli.border import RIGHT, AsJson, answered, show, writable
 from assur.api.cli.cell_reading import compiled_work, read_cell
 from assur.api.cli.console_report import findings
 from assur.api.cli.inputs import given_options, json_file, target, text_file
-from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for, in_bytes
+from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for
+from assur.api.documents import plan_file_bytes
 from assur.planner.report.number_format import amount
 from assur.scenes.exports.doors import check_trajectory_cell, export_cell
 from assur.scenes.exports.export import file_bytes
@@ -65,7 +66,8 @@ def export(
     with compiled_work(f"exporting {given.name if plan is None else plan.name}"):
         made = export_cell(cell, given.whole, answer, question)
     if plan_out is not None:  # files first: who reads the output may close it
-        plan_out.write_bytes(in_bytes(PlanFile(made["request"], made["plan"], given.title, given.about)))
+        held = PlanFile(made["request"], made["plan"], given.title, given.about)
+        plan_out.write_bytes(plan_file_bytes(held, "--plan-out"))
     if out is None:
         for line in made["warnings"]:
             typer.echo(f"assur: {line}", err=True)

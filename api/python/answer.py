@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from assur.planner.errors import AssurError, InputError
 
@@ -92,20 +92,17 @@ class Answer(Mapping[str, Any]):
     @property
     def arrivals(self) -> list[written.Arrival]:
         """Where and when each control point is met, in order."""
-        found: list[written.Arrival] = self._of_plan("arrivals")
-        return found
+        return cast("list[written.Arrival]", self._of_plan("arrivals"))
 
     @property
     def legs(self) -> list[written.Leg]:
         """The parts of the motion, in order."""
-        found: list[written.Leg] = self._of_plan("legs")
-        return found
+        return cast("list[written.Leg]", self._of_plan("legs"))
 
     @property
     def margins(self) -> written.Margins:
         """What the plan leaves of its limits and distances."""
-        found: written.Margins = self._of_plan("margins")
-        return found
+        return cast("written.Margins", self._of_plan("margins"))
 
     @property
     def assumptions(self) -> list[str]:
@@ -114,14 +111,12 @@ class Answer(Mapping[str, Any]):
             from assur.scenes.requests import assumptions_of
 
             return assumptions_of(self._request)
-        found: list[str] = self._said("assumptions")
-        return found
+        return cast("list[str]", self._said("assumptions"))
 
     @property
     def warnings(self) -> list[written.InputWarning]:
         """What of the request is probably not meant, and refuses nothing."""
-        found: list[written.InputWarning] = self._said("warnings")
-        return found
+        return cast("list[written.InputWarning]", self._said("warnings"))
 
     def save(self, path: str | Path, *, title: str = "", about: str = "") -> Path:
         """Writes request and answer into one file, which `assur.load_answer` reads, and `assur check`, `assur report`

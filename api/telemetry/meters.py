@@ -38,7 +38,8 @@ SECONDS = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.
 
 
 class Meters:
-    """Counts what happens in one service; the functions given to `gauge` are called when the metrics are read."""
+    """Counts what happens in one service. The functions given to `gauge`, `counter` and `memory` are called when the
+    metrics are read."""
 
     def __init__(self) -> None:
         # a series more for each series, with nothing but the time at which it began
@@ -67,8 +68,6 @@ class Meters:
             self._stages.labels(stage)
         self.build = Info("assur_build", "Which build this is.", registry=self.registry)
         self.bodies = Gauge("assur_bodies_being_read", "Bodies that arrive.", registry=self.registry)
-        self._gauges = Gauges()
-        self.registry.register(self._gauges)
         ProcessCollector(registry=self.registry)  # the web process: its memory, processor time, descriptors
 
     def answered(self, route: str, method: str, status: int, outcome: str, problem: str, seconds: float) -> None:
@@ -94,41 +93,45 @@ class Meters:
         self._restarts.labels(cause).inc()
 
     def gauge(self, name: str, about: str, read: Callable[[], float]) -> None:
-        """A number that is read each time the metrics are read. One whose name ends in `_total` never falls."""
-        self._gauges.numbers[name] = (about, read)
+        """A number that is read each time the metrics are read."""
+        Gauge(name, about, registry=self.registry).set_function(read)
 
-    def memory(self, read: Callable[[], Mapping[str, int | None]]) -> None:
-        """The processes whose memory is read each time: their numbers by name; None: the process does not exist."""
-        self._gauges.processes = read
+    def counter(self, name: str, about: str, read: Callable[[], float]) -> None:
+        """The same for a number that never falls."""
+        self.registry.register(Reading(lambda: CounterMetricFamily(name, about, value=read())))
+
+    def memory(self, processes: Callable[[], Mapping[str, int | None]]) -> None:
+        """The memory of processes, each known by its number; None: the process does not exist."""
+        self.registry.register(Reading(lambda: _memory(processes())))
 
     def text(self) -> bytes:
         """All metrics in the text format of Prometheus."""
         return generate_latest(self.registry)
 
 
-class Gauges(Collector):
-    """What is not counted but read, all at one moment."""
+class Reading(Collector):
+    """A metric that is not counted but read."""
 
-    def __init__(self) -> None:
-        self.numbers: dict[str, tuple[str, Callable[[], float]]] = {}
-        self.processes: Callable[[], Mapping[str, int | None]] = dict
+    def __init__(self, read: Callable[[], Metric]) -> None:
+        self._read = read
 
     def describe(self) -> Iterable[Metric]:
-        """Nothing: the metrics depend on the service, and no name is used twice."""
+        """Nothing: no name is used twice."""
         return ()
 
     def collect(self) -> Iterable[Metric]:
-        """The numbers now."""
-        for name, (about, read) in self.numbers.items():
-            family = CounterMetricFamily if name.endswith("_total") else GaugeMetricFamily
-            yield family(name, about, value=read())
-        about = "Memory in use: of the web process, of each worker, and of their template."
-        memory = GaugeMetricFamily("assur_resident_memory_bytes", about, labels=("process",))
-        for process, pid in self.processes().items():
-            resident = None if pid is None else resident_bytes(pid)
-            if resident is not None:
-                memory.add_metric((process,), resident)
-        yield memory
+        """The metric now."""
+        yield self._read()
+
+
+def _memory(processes: Mapping[str, int | None]) -> GaugeMetricFamily:
+    about = "Memory in use: of the web process, of each worker, and of their template."
+    memory = GaugeMetricFamily("assur_resident_memory_bytes", about, labels=("process",))
+    for process, pid in processes.items():
+        resident = None if pid is None else resident_bytes(pid)
+        if resident is not None:
+            memory.add_metric((process,), resident)
+    return memory
 
 
 def parent_of(pid: int) -> int | None:

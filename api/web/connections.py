@@ -42,30 +42,27 @@ class Connections:
         self.settings = settings
         self.draining = False
         """Not ready any more, and every answer closes its connection."""
-        self._open: set[TimedProtocol] = set()
-        self._logged = -LOGGED_S
-
-    def open(self) -> frozenset[TimedProtocol]:
+        self.open: set[TimedProtocol] = set()
         """The open connections."""
-        return frozenset(self._open)
+        self._logged = -LOGGED_S
 
     def admit(self, connection: TimedProtocol) -> None:
         """Takes a new connection. Where there are too many, the one is closed that has waited longest for its client,
         first of those on which no request was answered; if none waits, the new one is closed."""
-        self._open.add(connection)
-        if len(self._open) <= self.settings.connections:
+        self.open.add(connection)
+        if len(self.open) <= self.settings.connections:
             return
-        rivals = [each for each in self._open if each.waiting and each is not connection]
+        rivals = [each for each in self.open if each.waiting and each is not connection]
         closed = min(rivals, key=lambda each: (each.used, each.since), default=connection)
-        self._open.discard(closed)
+        self.open.discard(closed)
         closed.transport.abort()
         if time.monotonic() - self._logged >= LOGGED_S:
             self._logged = time.monotonic()
-            event("too many connections", logging.WARNING, open=len(self._open))
+            event("too many connections", logging.WARNING, open=len(self.open))
 
     def leave(self, connection: TimedProtocol) -> None:
         """Forgets a connection that is closed; any number of times."""
-        self._open.discard(connection)
+        self.open.discard(connection)
 
 
 class CountedConnection(h11.Connection):

@@ -45,7 +45,7 @@ def watch(service: Service, jobs: JobStore, clients: Clients) -> Meters:
     """The meters of a service, with what it has besides its workers."""
     meters = service.meters
     meters.gauge("assur_jobs_kept", "Jobs that are worked on or kept.", lambda: len(jobs))
-    meters.gauge("assur_log_lines_lost_total", "Lines of the log that were dropped since the start.", Later.lost)
+    meters.counter("assur_log_lines_lost_total", "Lines of the log that were dropped since the start.", Later.lost)
     if service.settings.keys_file:
         about = "1 while the file of keys can be used as it is; 0 while the keys of before its change count."
         meters.gauge("assur_keys_file_usable", about, lambda: float(clients.usable))

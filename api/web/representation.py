@@ -33,10 +33,9 @@ CONSTANT = re.compile(
 """Addresses whose answer changes with the build only."""
 REVALIDATED = "no-cache"
 """May be kept, and is requested again each time, which costs a 304."""
-COMPRESSED_KEPT = 64
-"""So many constant documents are kept compressed."""
 PACKED_BYTES = 16 << 20
-"""So much of the latest large bodies is kept with what they are compressed: one may be requested many times."""
+"""So much of the latest bodies is kept with what they are compressed: constant ones, and large ones, which may be
+requested many times."""
 
 
 class Representation:
@@ -44,8 +43,7 @@ class Representation:
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
-        self._compressed: OrderedDict[str, bytes] = OrderedDict()
-        self._packed: OrderedDict[int, tuple[bytes, asyncio.Future[bytes]]] = OrderedDict()
+        self._packed: OrderedDict[str | int, tuple[bytes, asyncio.Future[bytes]]] = OrderedDict()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http" or scope["method"] == "HEAD":
@@ -97,36 +95,25 @@ class Representation:
         headers.add_vary_header("Accept-Encoding")
         if not takes_gzip(wanted.getlist("accept-encoding")):
             return body
-        body = await self._gzip(f"{scope['path']} {mark}" if mark else "", body)
+        body = await self._gzip(mark, body)
         headers["Content-Encoding"] = "gzip"
         headers["Content-Length"] = str(len(body))
         return body
 
-    async def _gzip(self, key: str, body: bytes) -> bytes:
-        """The body compressed. `key`: of a constant document, which is compressed once; else empty."""
-        if key in self._compressed:
-            self._compressed.move_to_end(key)
-            return self._compressed[key]
-        if len(body) <= AT_ONCE:
-            found = _compress(body)
-        else:
-            found = await self._pack(body)
-        if key:
-            self._compressed[key] = found
-            while len(self._compressed) > COMPRESSED_KEPT:
-                self._compressed.popitem(last=False)
-        return found
-
-    async def _pack(self, body: bytes) -> bytes:
-        """A large body compressed, beside the event loop, once for all who ask for it at about the same time. It is
-        known by being the same object: an answer that is kept is."""
-        _, packing = self._packed.get(id(body), (body, None))
+    async def _gzip(self, mark: str, body: bytes) -> bytes:
+        """The body compressed. Large bodies and constant ones, which have a `mark`, are compressed in a thread, once
+        for all requests of about the same time. A body without a mark is known by being the same object: an answer that
+        is kept is."""
+        if not mark and len(body) <= AT_ONCE:
+            return _compress(body)
+        key = mark or id(body)
+        _, packing = self._packed.get(key, (body, None))
         if packing is None:
             packing = asyncio.ensure_future(asyncio.to_thread(_compress, body))
-            self._packed[id(body)] = body, packing
+            self._packed[key] = body, packing
             while len(self._packed) > 1 and sum(len(each) for each, _ in self._packed.values()) > PACKED_BYTES:
                 self._packed.popitem(last=False)
-        self._packed.move_to_end(id(body))
+        self._packed.move_to_end(key)
         return await asyncio.shield(packing)
 
 

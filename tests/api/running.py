@@ -6,14 +6,13 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import cast
 
 import httpx
-import uvicorn
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from assur.api.web.app import create_app
-from assur.api.web.serve import listening
+from assur.api.web.serve import Server, listening, made
 from assur.api.web.settings import Settings
 
 PATIENT = Settings(workers=1, queue=8, max_budget_s=30.0, grace_s=30.0)
@@ -26,17 +25,26 @@ def running(settings: Settings = PATIENT, below: str = "") -> Iterator[httpx.Cli
 
     `below`: a path such as ``/cell-7``, below which a proxy that removes it has the service.
     """
-    with listening("127.0.0.1", 0) as door:
-        app = create_app(settings)
-        served = _below(below, app) if below else app
-        server = uvicorn.Server(uvicorn.Config(served, log_config=None, access_log=False, ws="none"))
-        thread = threading.Thread(target=server.run, kwargs={"sockets": [door]})
+    with (
+        in_a_thread(settings, below) as (_, port),
+        httpx.Client(base_url=f"http://127.0.0.1:{port}{below}", timeout=120.0) as client,
+    ):
+        while client.get("readyz").status_code != 200:
+            time.sleep(0.1)
+        yield client
+
+
+@contextmanager
+def in_a_thread(settings: Settings, below: str = "") -> Iterator[tuple[Server, int]]:
+    """A server that runs in a thread of its own, and its port; its workers may not have planned yet."""
+    with listening("127.0.0.1", 0) as listener:
+        server = made(settings)
+        if below:
+            server.config.app = _below(below, cast(ASGIApp, server.config.app))
+        thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
         thread.start()
         try:
-            with httpx.Client(base_url=f"http://127.0.0.1:{door.getsockname()[1]}{below}", timeout=120.0) as client:
-                while client.get("readyz").status_code != 200:
-                    time.sleep(0.1)
-                yield client
+            yield server, listener.getsockname()[1]
         finally:
             server.should_exit = True
             thread.join()

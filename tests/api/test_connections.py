@@ -22,9 +22,10 @@ from assur.api.web import body_reader
 from assur.api.web.addresses import network
 from assur.api.web.body_reader import Reading
 from assur.api.web.connections import CHUNK_BYTES, FIRST_CHUNKS, Connections
-from assur.api.web.serve import Server, listening, made
+from assur.api.web.serve import Server
 from assur.api.web.settings import Settings
 from tests.api.processes import until
+from tests.api.running import in_a_thread
 
 SHORT = Settings(workers=1, connections=40, header_s=1.5, keep_alive_s=2.0, body_s=30.0)
 """Times short enough to wait for. No test needs a worker, so none waits for one."""
@@ -52,7 +53,7 @@ class Running:
     @property
     def at_work(self) -> int:
         """Connections on which a request is read or answered."""
-        return sum(not each.idle for each in self.server._connections.open())
+        return sum(not each.idle for each in list(self.server._connections.open))
 
     def status(self, data: bytes = LIVE, address: str = "127.0.0.1") -> int:
         with self.connect(data, address) as connection:
@@ -61,15 +62,8 @@ class Running:
 
 @contextmanager
 def run(settings: Settings) -> Iterator[Running]:
-    with listening("127.0.0.1", 0) as door:
-        server = made(settings)
-        thread = threading.Thread(target=server.run, kwargs={"sockets": [door]})
-        thread.start()
-        try:
-            yield Running(server, door.getsockname()[1])
-        finally:
-            server.should_exit = True
-            thread.join()
+    with in_a_thread(settings) as (server, port):
+        yield Running(server, port)
 
 
 @pytest.fixture(scope="module")
@@ -231,7 +225,7 @@ def test_an_answer_that_is_not_taken_gives_way_to_a_new_connection() -> None:
             with contextlib.suppress(BlockingIOError):
                 connection.send(LARGE * 200)
         until(lambda: running.at_work == 4)
-        until(lambda: all(each.waiting for each in running.server._connections.open()))
+        until(lambda: all(each.waiting for each in list(running.server._connections.open)))
         assert running.status(LIVE.replace(b"/livez", b"/v1/robots")) == 200
 
 
@@ -286,7 +280,7 @@ def test_which_connection_is_closed_for_a_new_one(others: list[Waiter], closed: 
         connections.admit(each)
     chosen = new if closed is None else others[closed]
     assert [each for each in (*others, new) if each.closed] == [chosen]
-    assert len(connections.open()) == 2
+    assert len(connections.open) == 2
 
 
 @pytest.mark.parametrize("count", [512, 1000])
@@ -296,7 +290,7 @@ def test_idle_connections_do_not_stop_anybody(running: Running, count: int) -> N
             idle.enter_context(running.connect(address=f"127.0.0.{2 + number % 4}"))
         for _ in range(20):
             assert running.status() == 200
-        assert len(running.server._connections.open()) <= SHORT.connections
+        assert len(running.server._connections.open) <= SHORT.connections
 
 
 def test_a_body_that_comes_too_slowly_is_given_up_before_its_time(running: Running) -> None:

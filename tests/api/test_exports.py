@@ -135,15 +135,6 @@ def test_a_model_is_written_as_bytes(tmp_path: Path, files: tuple[str, str], ans
     assert (code, "tick_s" in errors) == (BAD_INPUT, True)
 
 
-def test_a_model_over_http_is_the_same(client: httpx.Client, answer: dict[str, Any]) -> None:
-    body = {"request": FIRST_PLAN, "plan": answer, "format": "glb"}
-    found = client.post("/v1/plans/export", json=body).json()
-    assert (found["encoding"], found["file"]) == (
-        "base64",
-        export_document(FIRST_PLAN, answer, {"format": "glb"})["file"],
-    )
-
-
 def test_what_cannot_be_read_or_written_is_told(tmp_path: Path, files: tuple[str, str]) -> None:
     cell, made = files
     nowhere = str(tmp_path / "no" / "x.csv")

@@ -71,14 +71,6 @@ def test_the_same_request_and_seed_give_the_same_bytes_but_for_the_times(
     assert to_json(first) == to_json(second)
 
 
-def test_the_scenarios_are_listed_with_why_they_exist_and_shown_as_requests(client: httpx.Client) -> None:
-    listed = client.get("/v1/scenes").json()["scenes"]
-    assert {scene["name"]: scene["about"] for scene in listed} == shipped_scenarios()
-    shown = client.get("/v1/scenes/demo")
-    assert shown.status_code == 200
-    assert shown.json()["schema"] == "assur/1"
-
-
 def test_the_schema_is_json_schema(client: httpx.Client) -> None:
     schema = client.get("/v1/schema").json()
     assert schema["$schema"] == "https://json-schema.org/draft/2020-12/schema"
@@ -168,10 +160,6 @@ def test_the_example_in_the_description_is_the_demo_in_full(client: httpx.Client
     (in_full,) = (example["value"] for example in body["examples"].values())
     assert planned(client, in_full, certificate="digest")["status"] == "planned"
     assert in_full == client.get("/v1/scenes/demo").json()
-
-
-def test_a_scenario_may_be_named_where_a_request_is_posted(client: httpx.Client) -> None:
-    assert planned(client, {"scenario": "demo"}, certificate="digest")["status"] == "planned"
 
 
 def test_every_answer_bears_an_id_and_is_not_kept_by_caches(client: httpx.Client) -> None:

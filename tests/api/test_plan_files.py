@@ -243,7 +243,7 @@ def test_a_request_may_not_be_as_long_as_a_plan_file(tmp_path: Path, held: dict[
 def test_what_could_not_be_read_again_is_not_written(
     cell: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("assur.api.cli.plan_files.MAX_PLAN_FILE_BYTES", 1000)
+    monkeypatch.setattr("assur.api.documents.MAX_PLAN_FILE_BYTES", 1000)
     out = tmp_path / "plan.json"
     code, _, errors = run("plan", str(cell), "--out", str(out))
     assert (code, "--out" in errors, out.exists()) == (BAD_INPUT, True, False)
