@@ -52,9 +52,10 @@ def plan_file_bytes(held: PlanFile, field: str) -> bytes:
     return data
 
 
-def json_response(body: bytes) -> Response:
-    """A document that is JSON already."""
-    return Response(body, media_type="application/json")
+def json_response(document: Any, status: int = 200, headers: dict[str, str] | None = None) -> Response:
+    """A document as its response; bytes are JSON already."""
+    body = document if isinstance(document, bytes) else to_json(document)
+    return Response(body, status, headers, media_type="application/json")
 
 
 def problem_response(problem: Problem) -> Response:

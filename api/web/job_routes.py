@@ -44,10 +44,7 @@ def _store(request: Request) -> JobStore:
 
 
 def _response(job: Job, status: int = 200, headers: dict[str, str] | None = None) -> Response:
-    response = json_response(to_json(job.document()))
-    response.status_code = status
-    response.headers.update({"Cache-Control": "no-store", **(headers or {})})
-    return response
+    return json_response(job.document(), status, {"Cache-Control": "no-store", **(headers or {})})
 
 
 async def start(request: Request) -> Response:

@@ -14,7 +14,7 @@ from fastapi import Request
 from starlette.responses import Response
 from typing_extensions import TypedDict
 
-from assur.api.documents import to_json
+from assur.api.documents import json_response
 from assur.api.logs import event
 from assur.api.problems import FieldError, Problem
 from assur.api.web.clients import client_of
@@ -119,4 +119,4 @@ def _response(digest: str, kept: Kept | None, cover: Covered | None, status: int
         raise Problem("mesh-unknown", f"Send the file with PUT /v1/meshes/{digest}.")
     until = datetime.fromtimestamp(time.time() + kept.left_s, UTC).isoformat(timespec="seconds")
     document = KeptMesh(sha256=digest, bytes=kept.size, expires=until, cover=cover)
-    return Response(to_json(dict(document)), status, media_type="application/json")
+    return json_response(document, status)

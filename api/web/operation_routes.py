@@ -10,7 +10,7 @@ from fastapi import Request
 from prometheus_client import CONTENT_TYPE_LATEST
 from starlette.responses import Response
 
-from assur.api.documents import json_response, to_json
+from assur.api.documents import json_response
 from assur.api.log_lines import Later
 from assur.api.problems import Problem
 from assur.api.telemetry.meters import Meters
@@ -30,7 +30,7 @@ def index() -> Response:
 
 
 async def show_version(request: Request) -> Response:
-    return json_response(to_json(version_document(service_of(request).settings.commit)))
+    return json_response(version_document(service_of(request).settings.commit))
 
 
 async def metrics(request: Request) -> Response:

@@ -136,19 +136,19 @@ async def plan_scene(request: Request) -> Response:
 
 
 def list_robots() -> Response:
-    return json_response(to_json({"robots": robots()}))
+    return json_response({"robots": robots()})
 
 
 def list_scenes() -> Response:
     scenes = [{"name": name, "about": about} for name, about in shipped_scenarios().items()]
-    return json_response(to_json({"scenes": scenes}))
+    return json_response({"scenes": scenes})
 
 
 def show_scene(request: Request, name: str) -> Response:
     if name == "parse":  # no scenario, but an address that takes a POST
         raise Problem("method-not-allowed", "Allowed here: POST.", headers={"Allow": "POST"})
     try:
-        return json_response(to_json(service_of(request).scene(name)))
+        return json_response(service_of(request).scene(name))
     except InputError as error:
         raise Problem.of_input(error, "not-found") from error
 
@@ -170,7 +170,7 @@ def _schema() -> bytes:
 
 
 async def live() -> Response:
-    return json_response(to_json({"live": True}))
+    return json_response({"live": True})
 
 
 async def ready(request: Request) -> Response:
@@ -182,4 +182,4 @@ async def ready(request: Request) -> Response:
         if workers.trouble:
             detail += f" The last one that was started did not plan: {workers.trouble}"
         raise Problem("not-ready", detail, again_s=1)
-    return json_response(to_json({"ready": True, "workers": workers.total}))
+    return json_response({"ready": True, "workers": workers.total})

@@ -12,7 +12,6 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
-from typing import Any
 
 import pytest
 from starlette.requests import Request
@@ -21,9 +20,10 @@ from assur.api.problems import Problem
 from assur.api.web import body_reader
 from assur.api.web.addresses import network
 from assur.api.web.body_reader import Reading
-from assur.api.web.connections import CHUNK_BYTES, FIRST_CHUNKS, Connections
+from assur.api.web.connections import CHUNK_BYTES, FIRST_CHUNKS
 from assur.api.web.serve import Server
 from assur.api.web.settings import Settings
+from assur.api.workers.jobs import FIRST_PLAN
 from tests.api.processes import until
 from tests.api.running import in_a_thread
 
@@ -252,35 +252,17 @@ def test_bodies_that_are_not_complete_give_way_to_new_connections(monkeypatch: p
         assert rest(first) == b""
 
 
-class Waiter:
-    """A connection as `Connections` sees it, and its transport."""
-
-    def __init__(self, *, waiting: bool, used: bool = False, since: float = 0.0) -> None:
-        self.waiting, self.used, self.since, self.transport = waiting, used, since, self
-        self.closed = False
-
-    def abort(self) -> None:
-        self.closed = True
-
-
-@pytest.mark.parametrize(
-    ("others", "closed"),
-    [
-        ([Waiter(waiting=False), Waiter(waiting=False)], None),
-        ([Waiter(waiting=False), Waiter(waiting=True, used=True)], 1),
-        ([Waiter(waiting=True, used=True), Waiter(waiting=True, since=9.0)], 1),
-        ([Waiter(waiting=True, since=2.0), Waiter(waiting=True, since=1.0)], 1),
-    ],
-    ids=["the new one where none waits", "one that waits", "one without an answer", "the one that waits longest"],
-)
-def test_which_connection_is_closed_for_a_new_one(others: list[Waiter], closed: int | None) -> None:
-    connections: Any = Connections(replace(SHORT, connections=2))
-    new = Waiter(waiting=True)
-    for each in (*others, new):
-        connections.admit(each)
-    chosen = new if closed is None else others[closed]
-    assert [each for each in (*others, new) if each.closed] == [chosen]
-    assert len(connections.open) == 2
+def test_where_no_connection_waits_for_its_client_the_new_one_is_closed() -> None:
+    endless = json.dumps({**FIRST_PLAN, "options": {"budget_s": 30.0, "stop": "budget"}}).encode()
+    head = SLOW.replace(b"1000", str(len(endless)).encode())
+    with run(replace(SHORT, connections=2, max_budget_s=30.0)) as running, ExitStack() as stack:
+        working = [stack.enter_context(running.connect(head + endless)) for _ in range(2)]
+        until(lambda: running.at_work == 2)
+        until(lambda: not any(each.waiting for each in list(running.server._connections.open)))
+        assert running.status() == 0
+        assert running.at_work == 2
+        working[0].close()
+        until(lambda: running.status() == 200)
 
 
 @pytest.mark.parametrize("count", [512, 1000])

@@ -377,18 +377,16 @@ async def test_a_long_job_gives_back_the_worker_that_it_has_borrowed_and_is_done
         await second
 
 
-async def test_a_worker_that_dies_while_idle_is_replaced_before_anyone_asks(workers: Workers) -> None:
+@pytest.mark.parametrize("noticed", [True, False])
+async def test_a_worker_that_dies_while_idle_is_replaced_and_the_next_request_is_served(
+    workers: Workers, *, noticed: bool
+) -> None:
     pid = await pid_of(workers)
     os.kill(pid, signal.SIGKILL)
-    await until(lambda: not is_ready(workers))
-    await until(lambda: workers.ready)
+    if noticed:
+        await until(lambda: not is_ready(workers))
+        await until(lambda: workers.ready)
     assert await pid_of(workers) not in (0, pid)
-
-
-async def test_a_request_in_the_moment_after_an_idle_worker_died_is_served(workers: Workers) -> None:
-    pid = await pid_of(workers)
-    os.kill(pid, signal.SIGKILL)
-    assert await pid_of(workers) != pid
 
 
 @with_workers(Settings(workers=1, max_tasks=2))
