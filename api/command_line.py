@@ -85,7 +85,7 @@ def _version(wanted: bool) -> None:
 def assur(
     _: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,
 ) -> None:
-    """What stands before a command."""
+    """The options before a command."""
 
 
 @app.command()

@@ -57,7 +57,7 @@ class KeysDocument(BaseModel):
     keys: Annotated[list[KeyDocument], Field(max_length=MAX_KEYS)] = Field(default_factory=list)
 
     def text(self) -> str:
-        """The document as it stands in a file."""
+        """The document as it is written in a file."""
         return json.dumps(self.model_dump(by_alias=True, exclude_none=True), indent=2) + "\n"
 
 

@@ -1,4 +1,4 @@
-"""Lines of a log on their way out. Who logs never waits: not for a disk, not for a pipe that nobody reads.
+"""The output of log lines. A caller that logs never waits: not for a disk, not for a pipe without a reader.
 
 In the web process lines wait in a bounded queue for a thread that writes them. In a worker they are written at once, to
 a pipe, if it takes them at once: what a worker logged before it died is kept that way. In both, a line for which there

@@ -100,7 +100,7 @@ class _Handler(logging.Handler):
 
 def configure(level: str, stream: IO[str] | None = None) -> None:
     """Sends every logger of this process to `stream`, as JSON lines. Default: to standard error, by a thread of its
-    own, so that nobody waits for who reads it."""
+    own, so that no caller waits for the reader."""
     if stream is None:
         handler: logging.Handler = _Handler(Later.on_standard_error(), JsonLines())
     else:

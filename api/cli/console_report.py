@@ -203,7 +203,7 @@ def _loads(load: dict[str, Any]) -> Iterator[str]:
 
 
 def _phase(legs: list[dict[str, Any]], nearest: dict[str, Any]) -> str:
-    """In which leg the arm is nearest; behind the last one it stands still."""
+    """In which leg the arm is nearest; after the last one it is at rest."""
     after = nearest["phase"] == "WAIT" and nearest["time_s"] >= legs[-1]["to_s"] and legs[-1]["kind"] != "WAIT"
     return "standstill after the end" if after else str(nearest["phase"])
 

@@ -219,6 +219,6 @@ def page_of(request: Mapping[str, Any], answer: Mapping[str, Any], title: str, a
 
 
 def tell_where_there_is_no_notebook() -> None:
-    """Warns the caller's caller whom nobody shows what `show` gives."""
+    """Warns the caller's caller where no notebook shows what `show` gives."""
     if not any(name in sys.modules for name in NOTEBOOKS):
         warnings.warn(f"no notebook is running here, so nothing is shown; {ELSEWHERE}", stacklevel=3)

@@ -47,7 +47,7 @@ def _too_large(limit: int) -> Problem:
 
 
 class Reading:
-    """What is held of bodies that have not come completely. Slow ones hold little, so they are in nobody's way."""
+    """The bytes of incomplete bodies that are held. Slow bodies hold little, so they hinder no other client."""
 
     def __init__(self, in_all: int = IN_ALL_BYTES, of_one: int = OF_ONE_BYTES) -> None:
         self._in_all, self._of_one = in_all, of_one

@@ -33,7 +33,7 @@ _KEY = re.compile(r'"?([\x21\x23-\x5b\x5d-\x7e]{1,255})"?')
 
 @dataclass(slots=True)
 class _Entry:
-    """What a key stands for: the digest of its request, until when, and the answer (None: it is worked on)."""
+    """What a key means: the digest of its request, until when, and the answer (None: it is worked on)."""
 
     request: str
     until: float
@@ -86,7 +86,7 @@ class Idempotency:
             self._forget()
 
     def _forget(self) -> None:
-        """Forgets what is over, and what is too much: of what has been answered the oldest, which stands first."""
+        """Forgets what is over, and what is too much: of the answers the oldest, which is the first one."""
         now = time.monotonic()
         for key, entry in list(self._entries.items()):
             if entry.response is None:

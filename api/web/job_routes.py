@@ -24,7 +24,7 @@ from assur.api.web.settings import PLAN_BODY_BYTES
 from assur.planner.model.deadline import Progress
 
 SILENCE_S = 15.0
-"""A stream of events with nothing to tell sends a comment this often, s, so that nobody between takes it for dead."""
+"""A stream without events sends a comment this often, s, so that no proxy takes it for dead."""
 
 
 class JobDocument(TypedDict):
@@ -94,7 +94,7 @@ async def events(request: Request, name: str) -> Response:
             else:
                 yield b": still working\n\n"
 
-    # what stands between must pass each event on as it comes
+    # a proxy between must pass each event on as it comes
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     return StreamingResponse(stream(), media_type="text/event-stream", headers=headers)
 

@@ -173,7 +173,7 @@ class Service:
         return Order(Work(jobs.plan_shipped, arguments, key, in_touch=True, listens=True), demand)
 
     def _budgets(self, body: bytes) -> dict[str, Any] | None:
-        """A request with the budgets that stand in the text of one, which the worker validates, and nothing else.
+        """A request with the budgets that are in the text of one, which the worker validates, and nothing else.
 
         None where only parsing can tell: a scenario may be named, a key may be escaped or given twice, or a budget is
         above what the service gives and may be no budget, but a field in the wrong place.

@@ -170,7 +170,7 @@ class Admission:
             return
         now = self._clock()
         self._balances[client.name] = self._balance(client) - took_s, now
-        # who owes nothing and has sent nothing for a minute has all of its seconds again, as one who is not known
+        # a client that owes nothing and has sent nothing for a minute has all of its seconds again, as an unknown one
         self._balances = {
             name: (balance, at) for name, (balance, at) in self._balances.items() if balance < 0.0 or now - at < 60.0
         }
