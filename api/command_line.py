@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 
+from assur.api.checked_report import checked_report
 from assur.api.cli import (
     console_report,
     ik_report,
@@ -45,10 +46,10 @@ from assur.api.cli.inputs import (
     given_options,
     joints_in,
     log_file,
+    named_as_options,
     robot_in_place,
     robot_named,
     target,
-    told_as_options,
 )
 from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL
 from assur.api.version import version
@@ -74,8 +75,8 @@ PlanOrCell = Annotated[str, typer.Argument(metavar="FILE", help=PLAN_OR_CELL)]
 Plan = Annotated[Path | None, typer.Argument(help=ANSWER)]
 
 
-def _version(asked: bool) -> None:
-    if asked:
+def _version(wanted: bool) -> None:
+    if wanted:
         typer.echo(f"assur {version()}")
         raise typer.Exit(RIGHT)
 
@@ -84,7 +85,7 @@ def _version(asked: bool) -> None:
 def assur(
     _: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,
 ) -> None:
-    """What stands before a command."""
+    """The options before a command."""
 
 
 @app.command()
@@ -113,7 +114,8 @@ def plan(
         answer = given.plan()
         checked = answer["status"] == "planned"
         verdict = _held_to_checker(requests.verdict_on(given.cell, answer))
-        page = report_file.page(given, answer, verdict) if opened else None
+        words = {"title": given.title, "about": given.about, "version": version()}
+        page = requests.report_page(given.cell, answer, verdict=verdict, **words) if opened else None
     if checked and certificate == "digest":
         answer["certificate"] = {key: answer["certificate"][key] for key in ("digest", "rows", "covers")}
     if out is not None:
@@ -126,7 +128,7 @@ def plan(
         if checked:
             show("plan checked")
     if page is not None:
-        say(report_file.show(report_file.kept(given.name, page)))
+        say(report_file.show(report_file.kept(given.name, page.encode())))
     for unmet in given.unmet(answer):
         say(f"not as the file expects: {unmet}")
     return RIGHT if checked else WRONG
@@ -165,11 +167,14 @@ def report(
     writable(out, file, plan)
     read = plan_files.answer_if_any(given, plan)
     with compiled_work(f"planning {given.name}" if read is None else f"reading {given.name}"):
-        page, right = report_file.made(given, given.plan() if read is None else read)
+        answer = given.plan() if read is None else read
+        text, verdict = checked_report(given.cell, answer, given.title, given.about)
+    page = text.encode()
     out.write_bytes(page)
     show(f"report of {given.title}: {out}, {len(page) / 1000:.0f} kB, opens in a browser without network")
     if opened:
         say(report_file.show(out))
+    right = verdict is None or verdict["ok"]
     return RIGHT if right else say("the checker refuses this plan; the report says why", WRONG)
 
 
@@ -202,7 +207,7 @@ def ik(
     if robot is not None:
         question["robot"] = robot_in_place(robot, cell)
     announce_compilation()
-    with told_as_options():
+    with named_as_options():
         answer = requests.ik_cell(None if robot is not None else cell, given_options(question))
     words = partial(ik_report.everything, answer)
     return answered(answer, words, as_json=as_json, right=answer["status"] == "reached")

@@ -1,14 +1,20 @@
-"""Documents as bytes, the same on the command line and over HTTP, and the responses that carry them."""
+"""Documents as bytes, the same on the command line and over HTTP, their digests, and the responses with them."""
 
 from __future__ import annotations
 
+import hashlib
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pydantic_core
 from starlette.responses import Response
 
 from assur.api.problems import MEDIA_TYPE, Problem
+from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_PLAN_FILE_BYTES
+
+if TYPE_CHECKING:
+    from assur.scenes.plan_file import PlanFile
 
 
 def to_json(document: Any) -> bytes:
@@ -27,9 +33,29 @@ def to_json(document: Any) -> bytes:
     return text
 
 
-def json_response(body: bytes) -> Response:
-    """A document that is JSON already."""
-    return Response(body, media_type="application/json")
+def digest_of(*parts: str | bytes) -> str:
+    """The SHA-256 of some parts, in hexadecimal digits. Each part counts with its length: two lists of parts have the
+    same digest only if they are equal."""
+    found = hashlib.sha256()
+    for part in parts:
+        data = part.encode() if isinstance(part, str) else part
+        found.update(b"%d\n" % len(data) + data)
+    return found.hexdigest()
+
+
+def plan_file_bytes(held: PlanFile, field: str) -> bytes:
+    """A plan file as it is written. Raises `InputError` that names `field` where it would be too long to be read."""
+    data = to_json(held.document) + b"\n"
+    if len(data) > MAX_PLAN_FILE_BYTES:
+        allowed = f"a plan file of up to {MAX_PLAN_FILE_BYTES} bytes: meshes with fewer triangles, or a shorter task"
+        raise InputError(field, f"{len(data)} bytes", allowed)
+    return data
+
+
+def json_response(document: Any, status: int = 200, headers: dict[str, str] | None = None) -> Response:
+    """A document as its response; bytes are JSON already."""
+    body = document if isinstance(document, bytes) else to_json(document)
+    return Response(body, status, headers, media_type="application/json")
 
 
 def problem_response(problem: Problem) -> Response:

@@ -22,7 +22,7 @@ from assur.scenes.schema.read import read
 from assur.scenes.text.json_text import parse_json
 
 PREFIX = "assur_"
-"""Begins each key, so that whoever finds one knows what it is."""
+"""Begins each key, so that a reader who meets one knows what it is."""
 MAX_BYTES = 1 << 20
 MAX_KEYS = 10_000
 NAME = r"^[a-z0-9][a-z0-9._-]{0,62}$"
@@ -30,7 +30,7 @@ NAME = r"^[a-z0-9][a-z0-9._-]{0,62}$"
 
 
 class KeyDocument(BaseModel):
-    """A key, and what is allowed to its holder at most; what is not said is as in the settings of the service."""
+    """A key, and what is allowed to its holder at most; what is not stated is as in the settings of the service."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
     name: Annotated[str, Field(pattern=NAME)]
@@ -57,7 +57,7 @@ class KeysDocument(BaseModel):
     keys: Annotated[list[KeyDocument], Field(max_length=MAX_KEYS)] = Field(default_factory=list)
 
     def text(self) -> str:
-        """The document as it stands in a file."""
+        """The document as it is written in a file."""
         return json.dumps(self.model_dump(by_alias=True, exclude_none=True), indent=2) + "\n"
 
 

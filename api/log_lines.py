@@ -1,8 +1,8 @@
-"""Lines of a log on their way out. Who logs never waits: not for a disk, not for a pipe that nobody reads.
+"""The output of log lines. A caller that logs never waits: not for a disk, not for a pipe without a reader.
 
 In the web process lines wait in a bounded queue for a thread that writes them. In a worker they are written at once, to
-a pipe, if it takes them at once: what a worker said before it died is kept that way. In both, a line that finds no room
-is dropped, and how many were is said as soon as there is room again.
+a pipe, if it takes them at once: what a worker logged before it died is kept that way. In both, a line for which there
+is no room is dropped, and the number of dropped lines is logged as soon as there is room again.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class AtOnce:
         self._descriptor = descriptor
         self._lock = threading.RLock()  # a line may be logged while one is: by what the garbage collector finds
         self.dropped = 0
-        """Lines that were dropped and not yet told of."""
+        """Lines that were dropped and not yet reported."""
 
     def put(self, line: str) -> None:
         """Writes a line, or drops it."""
@@ -72,7 +72,7 @@ class AtOnce:
                 return False
             return os.write(self._descriptor, data) == len(data)
         except OSError:
-            return False  # whoever read it is gone, or is too slow
+            return False  # the reader is gone, or is too slow
 
 
 class Later:
@@ -86,7 +86,7 @@ class Later:
         self._most = most
         self._lock = threading.RLock()  # a line may be logged while one is: by what the garbage collector finds
         self.dropped = 0
-        """Lines that were dropped and not yet told of."""
+        """Lines that were dropped and not yet reported."""
         self.dropped_ever = 0
         """Lines that were dropped since the start, for the metrics."""
         self._thread = threading.Thread(target=self._write, name="assur-log", daemon=True)
@@ -132,14 +132,14 @@ class Later:
                 self._all(_bytes(_dropped(count)))
 
     def _all(self, data: bytes) -> None:
-        """Writes all of it, and waits for whoever reads. Where nobody ever will, nothing is left to do."""
+        """Writes all of it, and waits for the reader. Without a reader, nothing is left to do."""
         poll = select.poll()
         poll.register(self._descriptor, select.POLLOUT)
         with contextlib.suppress(OSError):
             while data:
                 try:
                     data = data[os.write(self._descriptor, data) :]
-                except BlockingIOError:  # whoever made the descriptor made it so
+                except BlockingIOError:  # the owner of the descriptor made it so
                     poll.poll()
 
 

@@ -93,14 +93,14 @@ class _Handler(logging.Handler):
         self._lines.put(line)
 
     def handleError(self, record: logging.LogRecord) -> None:
-        """Says that a line could not be made, and where; never what it would have said."""
+        """Says that a line could not be made, and where; never its text."""
         line = {"time": now(), "level": "error", "logger": LOGGER.name, "event": "a line of the log could not be made"}
         self._lines.put(json.dumps({**line, "place": _place(record)}))
 
 
 def configure(level: str, stream: IO[str] | None = None) -> None:
     """Sends every logger of this process to `stream`, as JSON lines. Default: to standard error, by a thread of its
-    own, so that nobody waits for who reads it."""
+    own, so that no caller waits for the reader."""
     if stream is None:
         handler: logging.Handler = _Handler(Later.on_standard_error(), JsonLines())
     else:
@@ -154,7 +154,7 @@ class Printed(io.TextIOBase):
         return len(text)
 
     def _again(self) -> bool:
-        """Whether this is the next piece of an exception that was told: a traceback is printed line by line."""
+        """Whether this is the next piece of an exception that was logged: a traceback is printed line by line."""
         error = sys.exc_info()[1]
         again = error is not None and getattr(self, "_told", None) is error
         self._told = error

@@ -55,7 +55,7 @@ STATUS = {
 @dataclass(frozen=True, slots=True)
 class FieldError:
     """A field (dotted path), what it held (already fit to print; NOTHING: absent), what would be accepted, and the line
-    of the text in which the field stands, if it was written in one."""
+    of the text that has the field, if it was written in one."""
 
     field: str
     value: Any

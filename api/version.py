@@ -39,7 +39,7 @@ class VersionDocument(TypedDict):
 
 @cache
 def version_document(commit: str) -> VersionDocument:
-    """Which build this is. Two services of which it is the same give the same answers."""
+    """Which build this is. Two services with the same build give the same answers."""
     libraries = {name: metadata.version(name) for name in LIBRARIES}
     return {
         "version": version(),

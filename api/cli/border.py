@@ -27,8 +27,8 @@ OUT_OF_MEMORY = errno.ENOMEM
 """As a worker ends."""
 INTERRUPTED, PIPE_CLOSED = 128 + signal.SIGINT, 128 + signal.SIGPIPE
 
-TOLD_S = 10.0
-"""How often it is said how far something long is."""
+PROGRESS_S = 10.0
+"""How often the progress of long work is reported."""
 
 P = ParamSpec("P")
 
@@ -69,8 +69,8 @@ def code_of(run: Callable[[], int]) -> int:
             say(f"and {problem.left_out} more faults, which are reported when these are corrected")
         return BAD_INPUT
     except MemoryError:
-        told = f"out of memory: this takes more than the {MEMORY_MIB} MiB that a command may allocate"
-        return say(f"{told}; ask for less: shorter times, fewer or simpler bodies", OUT_OF_MEMORY)
+        why = f"out of memory: this takes more than the {MEMORY_MIB} MiB that a command may allocate"
+        return say(f"{why}; plan less: shorter times, fewer or simpler bodies", OUT_OF_MEMORY)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # so that the flush at exit is silent too
         return PIPE_CLOSED
@@ -80,8 +80,8 @@ def code_of(run: Callable[[], int]) -> int:
         if isinstance(error, OSError) and error.filename is not None:
             return say(f"{error.filename}: {error.strerror}", BAD_INPUT)
         last = "".join(where(error.__traceback__)[-1:])
-        said = f" ({error})" if isinstance(error, FaultError) else ""
-        return say(f"a fault of assur itself: {type(error).__name__} in {last}{said}; please report it", FAULT)
+        message = f" ({error})" if isinstance(error, FaultError) else ""
+        return say(f"a fault of assur itself: {type(error).__name__} in {last}{message}; please report it", FAULT)
 
 
 def say(text: str, code: int = RIGHT, line: int | None = None) -> int:
@@ -93,11 +93,11 @@ def say(text: str, code: int = RIGHT, line: int | None = None) -> int:
 
 @contextmanager
 def telling(how_far: Callable[[], str]) -> Iterator[None]:
-    """Says on standard error how far something long is, every `TOLD_S` while the block runs."""
+    """Says on standard error how far something long is, every `PROGRESS_S` while the block runs."""
     ended = threading.Event()
 
     def tell() -> None:
-        while not ended.wait(TOLD_S):
+        while not ended.wait(PROGRESS_S):
             say(how_far())
 
     teller = threading.Thread(target=tell, daemon=True)

@@ -20,7 +20,7 @@ from assur.planner.report.number_format import amount
 WIDTH = 110
 """Columns where the output is not a terminal."""
 CENSUS_LINES = 8
-"""So many kinds of refusal are told; the document has them all."""
+"""So many kinds of refusal are printed; the document has them all."""
 
 BEFORE = ("control point", "inverse")
 """Stages that look at poses and times at which a point could be met; candidates are ways to those that are left."""
@@ -29,7 +29,7 @@ RESTING = 1e-9
 arrival: rounding of what is written down."""
 
 APART_M = 0.002
-"""What is told of the distance of a part from tool or support, m: jaws that are open are nearer."""
+"""A larger distance of a part from tool or support is reported, m: jaws that are open are nearer."""
 
 
 class _Console(Console):
@@ -169,10 +169,10 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
 
 def _apart(arrivals: list[dict[str, Any]]) -> Iterator[Table | str]:
     """Parts that are taken, or put down, at a distance."""
-    said = {"grip_m": "the tool and the part that it takes", "support_m": "the part and what it is put down on"}
-    far = [(each, key) for each in arrivals for key in said if each.get(key, 0.0) > APART_M]
+    between = {"grip_m": "the tool and the part that it takes", "support_m": "the part and what it is put down on"}
+    far = [(each, key) for each in arrivals for key in between if each.get(key, 0.0) > APART_M]
     if far:
-        cells = ((each["control_point"], f"{1e3 * each[key]:.2f}", said[key]) for each, key in far)
+        cells = ((each["control_point"], f"{1e3 * each[key]:.2f}", between[key]) for each, key in far)
         yield from (rows(("distance at", ">mm", "between"), cells), "")
 
 
@@ -190,7 +190,7 @@ def _met(trajectory: dict[str, Any], arrival: dict[str, Any]) -> str:
 
 def _loads(load: dict[str, Any]) -> Iterator[str]:
     """Each load once: mass, inertia, and the share of the acceleration where that is less than all."""
-    told = set[str]()
+    printed = set[str]()
     for each in load["carried"]:
         inertia = "" if each["inertia_kgm2"] is None else f", {each['inertia_kgm2']:.3g} kg·m²"
         share = each["acceleration_share"]
@@ -198,13 +198,13 @@ def _loads(load: dict[str, Any]) -> Iterator[str]:
         what = "tool" if each["part"] is None else f"with {each['part']}"
         words = f"{what} {each['mass_kg']:.4g} kg{inertia}{scaled}"
 
-        if words not in told:
-            told.add(words)
+        if words not in printed:
+            printed.add(words)
             yield words
 
 
 def _phase(legs: list[dict[str, Any]], nearest: dict[str, Any]) -> str:
-    """In which leg the arm is nearest; behind the last one it stands still."""
+    """In which leg the arm is nearest; after the last one it is at rest."""
     after = nearest["phase"] == "WAIT" and nearest["time_s"] >= legs[-1]["to_s"] and legs[-1]["kind"] != "WAIT"
     return "standstill after the end" if after else str(nearest["phase"])
 

@@ -65,8 +65,8 @@ class Target:
     @property
     def about(self) -> str:
         """Why the cell exists, or nothing."""
-        told = self.scenario or self.plan_file
-        return "" if told is None else told.about
+        source = self.scenario or self.plan_file
+        return "" if source is None else source.about
 
     @property
     def starts_at_a_pose(self) -> bool:
@@ -104,7 +104,7 @@ class Target:
 
 
 def target(text: str) -> Target:
-    """What `text` names: a file (a scenario in YAML, a request in JSON, or a plan file, of which the request counts), -
+    """What `text` names: a file (a scenario in YAML, a request in JSON, or a plan file, whose request counts), -
     for a request or a plan file on standard input, else a shipped scenario.
 
     Raises `InputError`, or `OSError` for a file that cannot be read.
@@ -174,8 +174,8 @@ OPTIONS = {"at_m": "--at-mm", "yaw_rad": "--yaw-deg", "pitch_rad": "--pitch-deg"
 
 
 @contextmanager
-def told_as_options() -> Iterator[None]:
-    """What is wrong with the question of `ik` is told of the option that asks it, as it is written there."""
+def named_as_options() -> Iterator[None]:
+    """An error in the question of `ik` names the option that is wrong, as it is written there."""
     try:
         yield
     except InputError as error:
@@ -229,7 +229,7 @@ def json_file(path: Path, name: str, what: str) -> Any:
         return json_of(sys.stdin.buffer.read(MAX_PLAN_FILE_BYTES + 1), "standard input", allowed)
     except InputError as error:
         if error.field != WHOLE:
-            raise  # it is told with the name of the file, or with the field in it
+            raise  # it names the file, or the field in it
         raise InputError(name, error.value, allowed if error.allowed == "JSON" else error.allowed) from error
 
 

@@ -8,9 +8,8 @@ from typing import Any
 
 from assur.api.cli.cell_reading import read_cell
 from assur.api.cli.inputs import STANDARD, Target, json_file
-from assur.api.documents import to_json
+from assur.api.documents import plan_file_bytes
 from assur.planner.errors import InputError
-from assur.scenes.bounds import MAX_PLAN_FILE_BYTES
 from assur.scenes.faults import NOTHING
 from assur.scenes.plan_file import PlanFile, in_request, is_plan_file, plan_file_in
 from assur.scenes.requests import request_digest
@@ -56,16 +55,7 @@ def answer_if_any(given: Target, path: Path | None) -> Any:
 
 def plan_file_of(given: Target, answer: dict[str, Any]) -> bytes:
     """The plan file of an answer to what was given. Raises `InputError` where it would be too long to be read."""
-    return in_bytes(PlanFile(given.whole, answer, given.title, given.about))
-
-
-def in_bytes(held: PlanFile) -> bytes:
-    """A plan file as it is written. Raises `InputError` where it would be too long to be read."""
-    data = to_json(held.document) + b"\n"
-    if len(data) > MAX_PLAN_FILE_BYTES:
-        allowed = f"a plan file of up to {MAX_PLAN_FILE_BYTES} bytes: meshes with fewer triangles, or a shorter task"
-        raise InputError("--out", f"{len(data)} bytes", allowed)
-    return data
+    return plan_file_bytes(PlanFile(given.whole, answer, given.title, given.about), "--out")
 
 
 def write(out: Path, data: bytes) -> None:

@@ -57,7 +57,7 @@ def prove(
         raise empty(file, "a proof bundle, as JSON")
     try:
         with console_report.working(f"proving {file.name}"):
-            shown, told = show_claims(data)
+            shown, claims = show_claims(data)
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
         found, allowed = not_json(error) if isinstance(error, json.JSONDecodeError) else not_utf8(error)
         raise DocumentError(file.name, found, f"a proof bundle, as JSON; {allowed}") from error
@@ -66,10 +66,10 @@ def prove(
 
     def words() -> list[str]:
         if not shown:
-            return ["bundle not shown", *told]
-        return ["bundle shown", NAMES_ONLY, *(f"{name}: {_plain(value)}" for name, value in told.items())]
+            return ["bundle not shown", *claims]
+        return ["bundle shown", NAMES_ONLY, *(f"{name}: {_plain(value)}" for name, value in claims.items())]
 
-    return answered({"shown": shown, "claims" if shown else "not_shown": told}, words, as_json=as_json, right=shown)
+    return answered({"shown": shown, "claims" if shown else "not_shown": claims}, words, as_json=as_json, right=shown)
 
 
 def _plain(value: Any) -> str:

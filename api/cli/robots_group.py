@@ -79,13 +79,15 @@ def import_(
         Literal["refuse", "hull"], typer.Option(help="What a mesh that is not closed is taken as.")
     ] = "refuse",
     arg: Annotated[list[str] | None, typer.Option(help="NAME=VALUE of an argument of a xacro file.")] = None,
-    out: Annotated[Path | None, typer.Option(help="The robot's file; else NAME.yaml. Hulls go beside it.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="The robot's file; else NAME.yaml. Hulls go into the same folder.")
+    ] = None,
     as_json: AsJson = False,
 ) -> int:
     """Make a robot's file from a URDF: SCARA, elbow arm or five-axis arm.
 
-    All that is missing or unsuitable is told at once, with what to supply. The flange of the new robot is compared with
-    the URDF's at 1000 random states; more than 1 um or 1 urad is refused.
+    All that is missing or unsuitable is reported at once, with what to supply. The flange of the new robot is compared
+    with the URDF's at 1000 random states; more than 1 um or 1 urad is refused.
     """
     from assur.scenes.urdf.importing import ImportOptions, import_robot, write
     from assur.scenes.urdf.refusals import ImportRefused

@@ -13,7 +13,8 @@ from assur.api.cli.border import RIGHT, AsJson, answered, show, writable
 from assur.api.cli.cell_reading import compiled_work, read_cell
 from assur.api.cli.console_report import findings
 from assur.api.cli.inputs import given_options, json_file, target, text_file
-from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for, in_bytes
+from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for
+from assur.api.documents import plan_file_bytes
 from assur.planner.report.number_format import amount
 from assur.scenes.exports.documents import check_trajectory_cell, export_cell
 from assur.scenes.exports.export import file_bytes
@@ -57,15 +58,16 @@ def export(
     writable(out, file, plan, after)
     writable(plan_out, file, plan, after, out, option="--plan-out")
     given = target(file)
-    asked: dict[str, Any] = given_options({"format": form, "jerk": jerk, "tick_ms": tick_ms, "lead_ms": lead_ms})
+    question: dict[str, Any] = given_options({"format": form, "jerk": jerk, "tick_ms": tick_ms, "lead_ms": lead_ms})
     if after is not None:
-        asked["after"] = json_file(after, "--after", "a plan file")
+        question["after"] = json_file(after, "--after", "a plan file")
     answer = answer_for(given, plan)
     cell = read_cell(given)
     with compiled_work(f"exporting {given.name if plan is None else plan.name}"):
-        made = export_cell(cell, given.whole, answer, asked)
+        made = export_cell(cell, given.whole, answer, question)
     if plan_out is not None:  # files first: who reads the output may close it
-        plan_out.write_bytes(in_bytes(PlanFile(made["request"], made["plan"], given.title, given.about)))
+        held = PlanFile(made["request"], made["plan"], given.title, given.about)
+        plan_out.write_bytes(plan_file_bytes(held, "--plan-out"))
     if out is None:
         for line in made["warnings"]:
             typer.echo(f"assur: {line}", err=True)
@@ -101,11 +103,11 @@ def check_trajectory(
     text = text_file(trajectory, "TRAJECTORY")
     form = "ros2" if is_message(text.encode()) else "csv"
     late = {"start_s": start_s, "start_tolerance_ms": start_tolerance_ms}
-    asked = given_options({"file": text, "jerk": jerk, "format": form, **late})
+    question = given_options({"file": text, "jerk": jerk, "format": form, **late})
     answer = None if plan is None else answer_for(given, plan)
     cell = read_cell(given)
     with compiled_work(f"checking {trajectory.name}"):
-        verdict = check_trajectory_cell(cell, given.whole, asked, answer)
+        verdict = check_trajectory_cell(cell, given.whole, question, answer)
     return answered(verdict, lambda: lines(trajectory.name, verdict), as_json=as_json, right=verdict["ok"])
 
 
@@ -122,9 +124,9 @@ def _off(states: list[dict[str, Any]]) -> str:
 
 def lines(name: str, verdict: dict[str, Any]) -> Iterator[Table | str]:
     """What a verdict says, the first violation before all findings."""
-    said = "proved" if verdict["ok"] else "refused"
+    result = "proved" if verdict["ok"] else "refused"
     yield (
-        f"{name}: {said}, {verdict['points']} points from {verdict['start_s']:.6g} s, "
+        f"{name}: {result}, {verdict['points']} points from {verdict['start_s']:.6g} s, "
         f"{verdict['duration_s']:.6g} s long, up to {1e3 * verdict['start_tolerance_s']:.6g} ms late"
     )
     if verdict["judged_as"] == "travel":

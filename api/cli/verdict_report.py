@@ -1,4 +1,4 @@
-"""What the checker says of an answer, in words: right or wrong, and of a refusal which fields nobody looked at."""
+"""What the checker says of an answer, in words: right or wrong, and of a refusal which fields are not verified."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ NOTES = {
     "tried": "the changes that were tried",
     "warnings": "what is probably not meant",
 }
-"""Fields of a refusal that the checker does not look at, and what they say."""
+"""Fields of a refusal that the checker does not verify, and what they say."""
 
 
 def everything(verdict: dict[str, Any], answer: dict[str, Any]) -> Iterator[Table | str]:
@@ -45,7 +45,7 @@ def everything(verdict: dict[str, Any], answer: dict[str, Any]) -> Iterator[Tabl
 
 
 def _right(answer: dict[str, Any]) -> str:
-    """What is said of an answer in which nothing is wrong."""
+    """The sentence for an answer in which nothing is wrong."""
     if answer["status"] == "planned":
         return "plan right: everything that it promises holds against the model"
     if answer["proved"]:

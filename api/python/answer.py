@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from assur.planner.errors import AssurError, InputError
 
@@ -23,7 +23,7 @@ MOST_HIGH_PX = 10_000
 
 
 class NotPlannedError(AssurError):
-    """Something of a plan was asked of an answer that has none. Ask `answer.planned` first."""
+    """A part of a plan was read of an answer that has none. Read `answer.planned` first."""
 
 
 class Answer(Mapping[str, Any]):
@@ -33,7 +33,7 @@ class Answer(Mapping[str, Any]):
     read-only, and change a `copy.deepcopy`.
 
     `assur.plan` and `assur.load_answer` make one. It can also be made of a document: ``Answer(json.load(file))``. Only
-    what is asked for is looked at; whether the plan is right is what `check` says. Attributes of a plan raise
+    what is read is verified; whether the plan is right is what `check` says. Attributes of a plan raise
     `NotPlannedError` where there is none. `save`, `report` and `show` need the `request` and raise `InputError` where
     it is not known.
     """
@@ -99,20 +99,17 @@ class Answer(Mapping[str, Any]):
     @property
     def arrivals(self) -> list[written.Arrival]:
         """Where and when each control point is met, in order."""
-        found: list[written.Arrival] = self._of_plan("arrivals")
-        return found
+        return cast("list[written.Arrival]", self._of_plan("arrivals"))
 
     @property
     def legs(self) -> list[written.Leg]:
         """The parts of the motion, in order."""
-        found: list[written.Leg] = self._of_plan("legs")
-        return found
+        return cast("list[written.Leg]", self._of_plan("legs"))
 
     @property
     def margins(self) -> written.Margins:
         """What the plan leaves of its limits and distances."""
-        found: written.Margins = self._of_plan("margins")
-        return found
+        return cast("written.Margins", self._of_plan("margins"))
 
     @property
     def assumptions(self) -> list[str]:
@@ -121,14 +118,12 @@ class Answer(Mapping[str, Any]):
             from assur.scenes.requests import assumptions_of
 
             return assumptions_of(self._request)
-        found: list[str] = self._said("assumptions")
-        return found
+        return cast("list[str]", self._said("assumptions"))
 
     @property
     def warnings(self) -> list[written.InputWarning]:
         """What of the request is probably not meant, and refuses nothing."""
-        found: list[written.InputWarning] = self._said("warnings")
-        return found
+        return cast("list[written.InputWarning]", self._said("warnings"))
 
     def save(self, path: str | Path, *, title: str = "", about: str = "") -> Path:
         """Writes request and answer into one file, which `assur.load_answer` reads, and `assur check`, `assur report`
@@ -224,15 +219,13 @@ class Shown:
 
 def page_of(request: Mapping[str, Any], answer: Mapping[str, Any], title: str, about: str) -> str:
     """The report of an answer to a request, which says what the checker says. Raises `InputError` naming the field."""
-    from assur.api.version import version
-    from assur.scenes.requests import cell_of, report_page, verdict_on
+    from assur.api.checked_report import checked_report
+    from assur.scenes.requests import cell_of
 
-    cell, document = cell_of(dict(request)), dict(answer)
-    verdict = verdict_on(cell, document)
-    return report_page(cell, document, title=title, about=about, verdict=verdict, version=version())
+    return checked_report(cell_of(dict(request)), dict(answer), title, about)[0]
 
 
 def tell_where_there_is_no_notebook() -> None:
-    """Warns the caller's caller whom nobody shows what `show` gives."""
+    """Warns the caller's caller where no notebook shows what `show` gives."""
     if not any(name in sys.modules for name in NOTEBOOKS):
         warnings.warn(f"no notebook is running here, so nothing is shown; {ELSEWHERE}", stacklevel=3)

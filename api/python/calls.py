@@ -65,8 +65,8 @@ def ik(request: Mapping[str, Any] | Request | None = None, **question: object) -
     """All joint positions of a request's robot at ``pose={"at_mm": ..., "yaw_deg": ..., "frame": ...}``, with their
     margins; or the pose of its tool at ``joints={"j1_deg": ..., ...}``. At the time ``at_s``, or that of the start.
 
-    Without a request ``robot={"model": ..., "tool": ...}`` says which robot. What is built of `assur.request` may stand
-    in place of the mappings. Raises `InputError` naming the field that is not right.
+    Without a request ``robot={"model": ..., "tool": ...}`` says which robot. Objects of `assur.request` may be given in
+    place of the mappings. Raises `InputError` naming the field that is not right.
     """
     from assur.scenes.requests import ik_document
 

@@ -36,7 +36,7 @@ TIMEOUT_S = 120.0
 """Longest wait for an answer, if the caller names none: a service gives a plan up to twice 60 s by its own defaults."""
 
 
-class _Door:
+class _Endpoint:
     """Where the service is, and how long to wait for it. `_library`: the class of the connections."""
 
     _library: Any
@@ -65,19 +65,19 @@ class _Door:
         self._timeout = timeout
         self._http = self._library(base_url=url, timeout=timeout, headers={**own, **(headers or {})})
 
-    def _result(self, asked: Exchange[T], response: httpx.Response) -> T:
-        return asked.result(self.url, response.status_code, response.headers, response.content)
+    def _result(self, question: Exchange[T], response: httpx.Response) -> T:
+        return question.result(self.url, response.status_code, response.headers, response.content)
 
-    def _sent(self, asked: Exchange[T]) -> dict[str, Any]:
+    def _sent(self, question: Exchange[T]) -> dict[str, Any]:
         """The request as the library has it. Raises `ServiceError` for a client that is closed."""
         if self._http.is_closed:
             raise ServiceError(self.url, "this client is closed; make another one")
         return {
-            "method": asked.method,
-            "url": asked.path,
-            "params": dict(asked.parameters),
-            "content": asked.body,
-            "headers": asked.headers,
+            "method": question.method,
+            "url": question.path,
+            "params": dict(question.parameters),
+            "content": question.body,
+            "headers": question.headers,
         }
 
     def _lost(self, error: httpx.RequestError) -> ServiceError:
@@ -86,7 +86,7 @@ class _Door:
         return ServiceError(self.url, f"not reached ({error}); see whether `assur serve` runs there")
 
 
-class Client(_Door):
+class Client(_Endpoint):
     """A client of the service at `url`. It keeps connections: use it in a ``with`` block, or call `close`.
 
     Each method raises `RemoteInputError`, which is an `InputError`, for a request with a field that is not right,
@@ -98,40 +98,38 @@ class Client(_Door):
 
     def plan(self, request: Mapping[str, Any] | Request, *, certificate: Literal["full", "digest"] = "full") -> Answer:
         """The answer to a request, or to the shipped scenario that ``{"scenario": name}`` names; as `assur.plan`."""
-        return self._ask(exchange.planning(request, certificate))
+        return self._send(exchange.planning(request, certificate))
 
     def check(self, request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> Verdict:
         """The checker's verdict on a planned answer with its certificate in full; as `assur.check`."""
-        found: Verdict = self._ask(exchange.checking(request, answer))
-        return found
+        return self._send(exchange.checking(request, answer))
 
     def ik(self, request: Mapping[str, Any] | Request | None = None, **question: object) -> IkAnswer:
         """The joint positions at a pose, or the pose at joints; as `assur.ik`."""
-        found: IkAnswer = self._ask(exchange.kinematics(request, question))
-        return found
+        return self._send(exchange.kinematics(request, question))
 
     def robots(self) -> list[dict[str, Any]]:
         """The robots that the service knows, each number with unit, status and source."""
-        return self._ask(exchange.robots())
+        return self._send(exchange.robots())
 
     def scenarios(self) -> dict[str, str]:
         """Name and purpose of each scenario that the service ships."""
-        return self._ask(exchange.scenarios())
+        return self._send(exchange.scenarios())
 
     def load(self, name: str) -> dict[str, Any]:
         """The request of a scenario that the service ships, as a plain document of its own."""
-        return self._ask(exchange.loading(name))
+        return self._send(exchange.loading(name))
 
     def upload_mesh(
         self, content: bytes, form: Literal["stl", "obj", "ply", "glb"], unit: Literal["m", "mm", "cm", "in"]
     ) -> dict[str, Any]:
         """Sends the bytes of a mesh file, which the service keeps and covers now. The mesh as requests name it from
         then on, as in ``{"shape": {"mesh": client.upload_mesh(content, "stl", "mm")}}``."""
-        return self._ask(exchange.uploading(content, form, unit))
+        return self._send(exchange.uploading(content, form, unit))
 
     def health(self) -> Health:
         """Whether the service takes requests; raises `ServiceError` if nothing is there."""
-        return self._ask(exchange.health())
+        return self._send(exchange.health())
 
     def close(self) -> None:
         """Closes the connections."""
@@ -145,16 +143,16 @@ class Client(_Door):
     ) -> None:
         self.close()
 
-    def _ask(self, asked: Exchange[T]) -> T:
-        sent = self._sent(asked)
+    def _send(self, question: Exchange[T]) -> T:
+        sent = self._sent(question)
         try:
             response = self._http.request(**sent)
         except httpx.RequestError as error:
             raise self._lost(error) from error
-        return self._result(asked, response)
+        return self._result(question, response)
 
 
-class AsyncClient(_Door):
+class AsyncClient(_Endpoint):
     """`Client` for asyncio: the same methods, to be awaited. Use it in an ``async with`` block, or await `aclose`."""
 
     _library = httpx.AsyncClient
@@ -163,40 +161,38 @@ class AsyncClient(_Door):
         self, request: Mapping[str, Any] | Request, *, certificate: Literal["full", "digest"] = "full"
     ) -> Answer:
         """The answer to a request, or to the shipped scenario that ``{"scenario": name}`` names; as `assur.plan`."""
-        return await self._ask(exchange.planning(request, certificate))
+        return await self._send(exchange.planning(request, certificate))
 
     async def check(self, request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> Verdict:
         """The checker's verdict on a planned answer with its certificate in full; as `assur.check`."""
-        found: Verdict = await self._ask(exchange.checking(request, answer))
-        return found
+        return await self._send(exchange.checking(request, answer))
 
     async def ik(self, request: Mapping[str, Any] | Request | None = None, **question: object) -> IkAnswer:
         """The joint positions at a pose, or the pose at joints; as `assur.ik`."""
-        found: IkAnswer = await self._ask(exchange.kinematics(request, question))
-        return found
+        return await self._send(exchange.kinematics(request, question))
 
     async def robots(self) -> list[dict[str, Any]]:
         """The robots that the service knows, each number with unit, status and source."""
-        return await self._ask(exchange.robots())
+        return await self._send(exchange.robots())
 
     async def scenarios(self) -> dict[str, str]:
         """Name and purpose of each scenario that the service ships."""
-        return await self._ask(exchange.scenarios())
+        return await self._send(exchange.scenarios())
 
     async def load(self, name: str) -> dict[str, Any]:
         """The request of a scenario that the service ships, as a plain document of its own."""
-        return await self._ask(exchange.loading(name))
+        return await self._send(exchange.loading(name))
 
     async def upload_mesh(
         self, content: bytes, form: Literal["stl", "obj", "ply", "glb"], unit: Literal["m", "mm", "cm", "in"]
     ) -> dict[str, Any]:
         """Sends the bytes of a mesh file, which the service keeps and covers now. The mesh as requests name it from
         then on, as in ``{"shape": {"mesh": client.upload_mesh(content, "stl", "mm")}}``."""
-        return await self._ask(exchange.uploading(content, form, unit))
+        return await self._send(exchange.uploading(content, form, unit))
 
     async def health(self) -> Health:
         """Whether the service takes requests; raises `ServiceError` if nothing is there."""
-        return await self._ask(exchange.health())
+        return await self._send(exchange.health())
 
     async def aclose(self) -> None:
         """Closes the connections."""
@@ -210,10 +206,10 @@ class AsyncClient(_Door):
     ) -> None:
         await self.aclose()
 
-    async def _ask(self, asked: Exchange[T]) -> T:
-        sent = self._sent(asked)
+    async def _send(self, question: Exchange[T]) -> T:
+        sent = self._sent(question)
         try:
             response = await self._http.request(**sent)
         except httpx.RequestError as error:
             raise self._lost(error) from error
-        return self._result(asked, response)
+        return self._result(question, response)

@@ -8,7 +8,7 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Generic, Literal, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, cast
 
 from assur.api.python.answer import Answer
 from assur.api.python.calls import known, plain_answer, plain_parts, plain_request
@@ -16,6 +16,10 @@ from assur.api.python.service_errors import KIND, ProblemError, RemoteInputError
 from assur.planner.errors import InputError
 from assur.scenes.faults import dotted
 from assur.scenes.schema.normal import plain
+
+if TYPE_CHECKING:
+    from assur.scenes.schema.answer import Verdict
+    from assur.scenes.schema.ik import IkAnswer
 
 T = TypeVar("T")
 Parts = tuple[str | int, ...]
@@ -80,12 +84,12 @@ def planning(request: object, certificate: str) -> Exchange[Answer]:
     )
 
 
-def checking(request: object, answer: object) -> Exchange[Any]:
+def checking(request: object, answer: object) -> Exchange[Verdict]:
     body = {"request": plain_request(request), "plan": plain_answer(answer)}
     return Exchange("POST", "v1/plans/check", _same, _json(body))
 
 
-def kinematics(request: object | None, question: dict[str, object]) -> Exchange[Any]:
+def kinematics(request: object | None, question: dict[str, object]) -> Exchange[IkAnswer]:
     of = {} if request is None else {"request": plain_request(request)}
     return Exchange("POST", "v1/ik", _same, _json({**of, **plain_parts(question)}))
 

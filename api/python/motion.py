@@ -118,14 +118,14 @@ class Trajectory:
         At a knot the piece that begins there counts, which matters for the jerk, and for an acceleration that jumps.
         Raises `InputError` for a time outside: nothing is known of the robot there.
         """
-        asked = np.atleast_1d(np.array(times, dtype=np.float64))
-        if asked.ndim != 1:
-            raise InputError("times", asked.shape, "one time, or a list of times")
-        outside = ~((asked >= self.start_s) & (asked <= self.end_s))
+        wanted = np.atleast_1d(np.array(times, dtype=np.float64))
+        if wanted.ndim != 1:
+            raise InputError("times", wanted.shape, "one time, or a list of times")
+        outside = ~((wanted >= self.start_s) & (wanted <= self.end_s))
         if outside.any():
-            raise InputError("times", float(asked[outside][0]), f"{self.start_s!r} to {self.end_s!r} s")
-        states = self._spline.states(asked)
-        return Samples(self.joint_names, self.joint_units, asked, *states, self._spline.evaluate(asked, 3))
+            raise InputError("times", float(wanted[outside][0]), f"{self.start_s!r} to {self.end_s!r} s")
+        states = self._spline.states(wanted)
+        return Samples(self.joint_names, self.joint_units, wanted, *states, self._spline.evaluate(wanted, 3))
 
     def __repr__(self) -> str:
         return f"<Trajectory of {', '.join(self.joint_names)}: {len(self.times)} knots, {self.duration_s:.3f} s>"

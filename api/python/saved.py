@@ -11,17 +11,12 @@ from assur.api.python.answer import Answer
 
 def write(answer: Answer, request: Mapping[str, Any], path: Path, title: str, about: str) -> Path:
     """Writes the plan file of an answer. Raises `InputError`, or `OSError`."""
-    from assur.api.documents import to_json
-    from assur.planner.errors import InputError
-    from assur.scenes.bounds import MAX_PLAN_FILE_BYTES
+    from assur.api.documents import plan_file_bytes
     from assur.scenes.plan_file import PlanFile, plan_file_in
 
-    held = PlanFile(dict(request), answer.document, title, about).document
-    plan_file_in(held)  # what would not be read is not written
-    data = to_json(held) + b"\n"
-    if len(data) > MAX_PLAN_FILE_BYTES:
-        raise InputError("path", f"{len(data)} bytes", f"a plan file of up to {MAX_PLAN_FILE_BYTES} bytes")
-    path.write_bytes(data)
+    held = PlanFile(dict(request), answer.document, title, about)
+    plan_file_in(held.document)  # what would not be read is not written
+    path.write_bytes(plan_file_bytes(held, "path"))
     return path
 
 

@@ -11,7 +11,7 @@ KIND = "urn:assur:problem:"
 
 
 class ServiceError(AssurError):
-    """The service at `url` could not be asked, or what answered there is not this service."""
+    """The service at `url` did not answer, or what answered there is not this service."""
 
     def __init__(self, url: str, why: str) -> None:
         Exception.__init__(self, f"{url}: {why}")  # not the next class's own, which may be that of an InputError

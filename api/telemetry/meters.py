@@ -8,16 +8,15 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 from prometheus_client import (
     CollectorRegistry,
     Counter,
+    Gauge,
     Histogram,
     Info,
     ProcessCollector,
@@ -31,31 +30,16 @@ from prometheus_client.registry import Collector
 Cause = Literal["crash", "memory", "time", "called_off", "max_tasks", "idle", "start_failure"]
 """Why a worker was replaced: a signal or a fault ended it; it was out of memory; it did not end in its time; its client
 left and it did not end soon; it had done its share of requests; it died while idle; it did not start."""
-CAUSES: tuple[Cause, ...] = ("crash", "memory", "time", "called_off", "max_tasks", "idle", "start_failure")
+CAUSES: tuple[Cause, ...] = get_args(Cause)
 STAGES = ("queue", "read", "build", "search", "explain", "margins", "check", "draw", "export", "ik", "write")
 """Waiting for a worker; then what a worker does, in the order in which it does it."""
 SECONDS = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 30.0, 60.0, 120.0)
 """Bounds of the histograms, s: from reading a request to the longest that one may take."""
 
 
-@dataclass(frozen=True, slots=True)
-class Readings:
-    """The workers as they are now: requests that wait and that run; the seconds that all accepted ones may take at the
-    most; how many workers can take a request, and how many there are; requests in quarantine; the process of each
-    worker (None: it is being started), and that from which they are forked (None: it is not there yet)."""
-
-    waiting: int
-    running: int
-    owed_s: float
-    ready: int
-    total: int
-    quarantined: int
-    processes: tuple[int | None, ...]
-    template: int | None = None
-
-
 class Meters:
-    """Counts what happens in one service; `gauge` and `workers` are asked when the metrics are read."""
+    """Counts what happens in one service. The functions given to `gauge`, `counter` and `memory` are called when the
+    metrics are read."""
 
     def __init__(self) -> None:
         # a series more for each series, with nothing but the time at which it began
@@ -76,17 +60,14 @@ class Meters:
             "assur_client_refusals", "Requests refused with 429, by kind of problem.", ("problem",)
         )
         about = "Requests for a plan, by whether its answer was kept from before."
-        self._results = count("assur_result_cache", about, ("result",))
-        self._faults = count("assur_faults", "Faults of the service, and of its workers, that were met.")
+        self.results = count("assur_result_cache", about, ("result",))
+        self.faults = count("assur_faults", "Faults of the service, and of its workers, that were met.")
         for cause in CAUSES:
             self._restarts.labels(cause)  # there from the start, so that the first one is seen as a rise
         for stage in STAGES:
             self._stages.labels(stage)
-        self._build = Info("assur_build", "Which build this is.", registry=self.registry)
-        self._gauges = Gauges()
-        self._bodies = 0
-        self.gauge("assur_bodies_being_read", "Bodies that arrive.", lambda: self._bodies)
-        self.registry.register(self._gauges)
+        self.build = Info("assur_build", "Which build this is.", registry=self.registry)
+        self.bodies = Gauge("assur_bodies_being_read", "Bodies that arrive.", registry=self.registry)
         ProcessCollector(registry=self.registry)  # the web process: its memory, processor time, descriptors
 
     def answered(self, route: str, method: str, status: int, outcome: str, problem: str, seconds: float) -> None:
@@ -96,16 +77,12 @@ class Meters:
         if status == 429:
             self._turned_away.labels(problem).inc()
 
-    def fault(self) -> None:
-        """The service, or a worker, has met a fault of its own."""
-        self._faults.inc()
-
     def queued(self, seconds: float) -> None:
         """A request has waited so long for its worker, s."""
         self._stages.labels("queue").observe(seconds)
 
     def worked(self, work: str, outcome: str, reason: str, seconds: dict[str, float]) -> None:
-        """A worker has answered: the `work` that was asked of it, what it says in a word, the reason of a refusal (else
+        """A worker has answered: the kind of `work`, its outcome in a word, the reason of a refusal (else
         empty), and `seconds` by stage."""
         self._answers.labels(work, outcome, reason).inc()
         for stage, each in seconds.items():
@@ -115,77 +92,46 @@ class Meters:
         """A worker is replaced, or did not start and is started again."""
         self._restarts.labels(cause).inc()
 
-    @contextmanager
-    def reading(self) -> Iterator[None]:
-        """Within it a body is read."""
-        self._bodies += 1
-        try:
-            yield
-        finally:
-            self._bodies -= 1
-
-    def build(self, facts: dict[str, str]) -> None:
-        """Which build this is."""
-        self._build.info(facts)
-
-    def looked_up(self, *, hit: bool) -> None:
-        """An answer was looked for among those that are kept."""
-        self._results.labels("hit" if hit else "miss").inc()
-
     def gauge(self, name: str, about: str, read: Callable[[], float]) -> None:
-        """A number that is asked for each time the metrics are read. One whose name ends in `_total` never falls."""
-        self._gauges.numbers[name] = (about, read)
+        """A number that is read each time the metrics are read."""
+        Gauge(name, about, registry=self.registry).set_function(read)
 
-    def workers(self, read: Callable[[], Readings]) -> None:
-        """How the workers are, asked for each time the metrics are read."""
-        self._gauges.workers = read
+    def counter(self, name: str, about: str, read: Callable[[], float]) -> None:
+        """The same for a number that never falls."""
+        self.registry.register(Reading(lambda: CounterMetricFamily(name, about, value=read())))
+
+    def memory(self, processes: Callable[[], Mapping[str, int | None]]) -> None:
+        """The memory of processes, each known by its number; None: the process does not exist."""
+        self.registry.register(Reading(lambda: _memory(processes())))
 
     def text(self) -> bytes:
         """All metrics in the text format of Prometheus."""
         return generate_latest(self.registry)
 
 
-class Gauges(Collector):
-    """What is not counted but read, all at one moment."""
+class Reading(Collector):
+    """A metric that is not counted but read."""
 
-    def __init__(self) -> None:
-        self.numbers: dict[str, tuple[str, Callable[[], float]]] = {}
-        self.workers: Callable[[], Readings] | None = None
+    def __init__(self, read: Callable[[], Metric]) -> None:
+        self._read = read
 
     def describe(self) -> Iterable[Metric]:
-        """Nothing: what there is depends on who is asked, and no name is used twice."""
+        """Nothing: no name is used twice."""
         return ()
 
     def collect(self) -> Iterable[Metric]:
-        """The numbers now."""
-        for name, (about, read) in self.numbers.items():
-            family = CounterMetricFamily if name.endswith("_total") else GaugeMetricFamily
-            yield family(name, about, value=read())
-        if self.workers is not None:
-            yield from _of_workers(self.workers())
+        """The metric now."""
+        yield self._read()
 
 
-def _of_workers(now: Readings) -> Iterable[Metric]:
-    for name, about, value in (
-        ("assur_requests_waiting", "Requests that wait for a worker.", now.waiting),
-        ("assur_requests_running", "Requests that a worker works on.", now.running),
-        ("assur_owed_seconds", "What all accepted requests are expected to take yet, s.", now.owed_s),
-        ("assur_workers", "Workers that there should be.", now.total),
-        ("assur_workers_ready", "Workers that can take a request, or work on one.", now.ready),
-        ("assur_quarantined_requests", "Requests that are not tried again.", now.quarantined),
-    ):
-        yield GaugeMetricFamily(name, about, value=value)
-    memory = GaugeMetricFamily(
-        "assur_resident_memory_bytes",
-        "Memory in use: of the web process, of each worker, and of their template.",
-        labels=("process",),
-    )
-    workers = [(f"worker-{i}", pid) for i, pid in enumerate(now.processes)]
-    for process, pid in (("web", os.getpid()), ("template", now.template), *workers):
+def _memory(processes: Mapping[str, int | None]) -> GaugeMetricFamily:
+    about = "Memory in use: of the web process, of each worker, and of their template."
+    memory = GaugeMetricFamily("assur_resident_memory_bytes", about, labels=("process",))
+    for process, pid in processes.items():
         resident = None if pid is None else resident_bytes(pid)
         if resident is not None:
             memory.add_metric((process,), resident)
-    yield memory
+    return memory
 
 
 def parent_of(pid: int) -> int | None:

@@ -1,4 +1,4 @@
-"""Which request something belongs to: its id, its place in a trace, and what is to be told of it.
+"""Which request something belongs to: its id, its place in a trace, and the facts that are reported of it.
 
 The form of `traceparent` is that of W3C Trace Context, level 1. Of the header that a caller sent only what is valid is
 taken, and that is hexadecimal digits.
@@ -56,7 +56,7 @@ class Trace:
         """What a worker writes with each line of its log about this request."""
         return {"request": self.identity, "traceparent": self.traceparent}
 
-    def told(self) -> dict[str, Any]:
+    def log_facts(self) -> dict[str, Any]:
         """The facts of the log line, with times in ms."""
         times: dict[str, Any] = {}
         if self.queued_s is not None:
@@ -66,7 +66,7 @@ class Trace:
         return {**self.facts, **times}
 
     def server_timing(self) -> str:
-        """The times as the header `Server-Timing` has them, in ms; empty where no worker was asked."""
+        """The times as the header `Server-Timing` has them, in ms; empty where no worker was needed."""
         stages = {} if self.queued_s is None else {"queue": self.queued_s}
         return ", ".join(f"{stage};dur={_ms(seconds)}" for stage, seconds in {**stages, **self.stages}.items())
 
@@ -80,7 +80,7 @@ CURRENT: ContextVar[Trace | None] = ContextVar("assur_trace", default=None)
 
 
 def current() -> Trace:
-    """The request that is being answered; outside of one, one of its own that nobody is told of."""
+    """The request that is being answered; outside of one, a new one that nobody reads."""
     return CURRENT.get() or Trace("", "")
 
 

@@ -85,11 +85,11 @@ async def _on_problem(request: Request, problem: Any) -> Response:
 
 
 async def _on_http(request: Request, error: Any) -> Response:
-    """What Starlette refuses itself, as a problem; the path that was asked for is not repeated."""
+    """What Starlette refuses itself, as a problem; the path of the request is not repeated."""
     kind = HTTP_KINDS.get(error.status_code, "bad-syntax")
     request.scope[FACTS]["problem"] = kind
     headers = dict(error.headers or {})
-    if "Allow" in headers:  # Starlette tells of the first route of a path only
+    if "Allow" in headers:  # Starlette names the methods of the first route of a path only
         headers["Allow"] = ", ".join(sorted(_methods(request)))
     detail = f"Allowed here: {headers['Allow']}." if "Allow" in headers else "See /docs for what there is."
     return problem_response(Problem(kind, detail, headers=headers))

@@ -6,56 +6,12 @@ import asyncio
 import re
 from collections import Counter
 
-import h11
 from starlette.requests import Request
 
 from assur.api.problems import FieldError, Problem, shown
 from assur.api.web.addresses import network
 from assur.api.workers.admission import busy
 from assur.scenes.faults import NOTHING
-
-CHUNK_BYTES = 512
-"""Least size of the chunks of a body, on average."""
-FIRST_CHUNKS = 128
-"""So many chunks do not count: a small body may come in pieces of any size."""
-SMALL_CHUNKS = "assur.small_chunks"
-"""Key of the state of a request whose body was given up for its small chunks."""
-MOST_INCOMPLETE = 16 << 10
-"""So long may a head be, or a line of a chunk, that is not complete, bytes; as h11 has it."""
-
-
-class SmallChunksError(Exception):
-    """The chunks of a body are too small, and too many."""
-
-
-class CountedConnection(h11.Connection):
-    """The server's side of a connection, which counts the chunks of each body, and the bytes that it sends."""
-
-    def __init__(self, most_incomplete: int | None) -> None:
-        super().__init__(h11.SERVER, MOST_INCOMPLETE if most_incomplete is None else most_incomplete)
-        self._chunks = self._bytes = 0
-        self.sent = 0
-        """Bytes of all that was to be written."""
-
-    def send(self, event: h11.Event) -> bytes | None:  # type: ignore[override]
-        """As h11's."""
-        data: bytes | None = super().send(event)
-        self.sent += len(data or b"")
-        return data
-
-    def next_event(self) -> h11.Event | type[h11.NEED_DATA] | type[h11.PAUSED]:
-        """As h11's. Raises `SmallChunksError` at the first chunk that is one too many."""
-        event = super().next_event()
-        if isinstance(event, h11.Request):
-            self._chunks = self._bytes = 0
-        elif isinstance(event, h11.Data):
-            if event.chunk_start:
-                self._chunks += 1
-                if self._chunks - FIRST_CHUNKS > self._bytes / CHUNK_BYTES:
-                    raise SmallChunksError
-            self._bytes += len(event.data)
-        return event
-
 
 IN_ALL_BYTES = 128 << 20
 """So much of bodies that are not complete is held at a time: what has come, not what was announced."""
@@ -90,16 +46,8 @@ def _too_large(limit: int) -> Problem:
     return Problem("too-large", f"A body here has at most {limit} bytes.", (error,))
 
 
-def _require_larger_chunks(request: Request) -> None:
-    """Raises the problem of a body whose chunks are so small that the connection has given it up."""
-    if request.scope.get("state", {}).get(SMALL_CHUNKS):
-        allowed = f"chunks of at least {CHUNK_BYTES} bytes on average, but for the first {FIRST_CHUNKS}"
-        error = FieldError("Transfer-Encoding", "many small chunks", allowed)
-        raise Problem("bad-syntax", "Send the body in larger chunks, or with Content-Length.", (error,))
-
-
 class Reading:
-    """What is held of bodies that have not come completely. Slow ones hold little, so they are in nobody's way."""
+    """The bytes of incomplete bodies that are held. Slow bodies hold little, so they hinder no other client."""
 
     def __init__(self, in_all: int = IN_ALL_BYTES, of_one: int = OF_ONE_BYTES) -> None:
         self._in_all, self._of_one = in_all, of_one
@@ -121,8 +69,8 @@ class Reading:
 async def read_body(request: Request, limit: int, within_s: float, reading: Reading, *, json: bool = True) -> bytes:
     """The body of `request`. `json`: it must be declared to be that; else it may be of any type.
 
-    Raises `Problem`: wrong-media-type; too-large, before reading where the length is declared; too-slow; bad-syntax
-    for small chunks; busy where `reading` has no room.
+    Raises `Problem`: wrong-media-type; too-large, before reading where the length is declared; too-slow; busy where
+    `reading` has no room.
     """
     if json:
         _require_json(request)
@@ -142,7 +90,6 @@ async def read_body(request: Request, limit: int, within_s: float, reading: Read
                 if len(body) > limit:
                     raise _too_large(limit)
                 clock.reschedule(began + min(within_s, FIRST_S + len(body) / LEAST_BYTES_S))
-            _require_larger_chunks(request)
     except TimeoutError as late:
         raise Problem("too-slow", f"The body was not complete after {loop.time() - began:.1f} s.") from late
     finally:

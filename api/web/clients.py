@@ -1,4 +1,4 @@
-"""Who asks: the holder of a key where the service has keys, else whoever comes from one address.
+"""The client of a request: the holder of a key where the service has keys, else all who use one address.
 
 An ASGI middleware: it leaves the client in the scope of each request, and refuses one without a key that is known.
 """
@@ -27,11 +27,11 @@ from assur.planner.errors import InputError
 CLIENT = "assur.client"
 """Key of the request scope under which the client is."""
 KEPT = "/v1/"
-"""What needs a key begins with this, but for `OPEN`. Pages, health and metrics are for whoever reaches the service."""
+"""What needs a key begins with this, but for `OPEN`. Pages, health and metrics are for all who reach the service."""
 OPEN = frozenset({"/v1/version"})
 FIELD = "ASSUR_KEYS_FILE"
-LOOKED_AT_S = 2.0
-"""A file of keys is looked at this often, s: one that has changed counts without a restart."""
+REREAD_S = 2.0
+"""So often a file of keys is compared with the last one, s: one that has changed counts without a restart."""
 
 
 def needs_key(path: str) -> bool:
@@ -82,8 +82,8 @@ class Clients:
         return holder
 
     def _look(self, file: Path) -> None:
-        """Reads the keys anew where their file has changed; one that cannot be used changes nothing, and is told."""
-        if time.monotonic() - self._looked < LOOKED_AT_S:
+        """Reads the keys anew where their file has changed; one that cannot be used changes nothing, and is logged."""
+        if time.monotonic() - self._looked < REREAD_S:
             return
         self._looked = time.monotonic()
         stamp = _stamp(file)
@@ -115,7 +115,7 @@ class KnowsClients:
                 client = self._clients.of(_authorization(scope), peer[0] if peer else "")
             except Problem as problem:
                 scope[FACTS] |= {"problem": problem.kind, "client": network(peer[0] if peer else "")}
-                # it is not routed any more; the log and the metrics say what was asked for
+                # it is not routed any more; the log and the metrics need the route
                 scope["route"] = next((each for each in self._routes if each.matches(scope)[0] is Match.FULL), None)
                 await problem_response(problem)(scope, receive, send)
                 return
@@ -130,7 +130,7 @@ def _authorization(scope: Scope) -> str | None:
 
 
 def _stamp(file: Path) -> tuple[int, int] | None:
-    """What changes with the content of a file; None: it cannot be looked at."""
+    """What changes with the content of a file; None: the file cannot be read."""
     try:
         found = file.stat()
     except OSError:

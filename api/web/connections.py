@@ -1,7 +1,8 @@
-"""The connections of one service: how many there are, which is closed when there are too many, and the stop.
+"""The connections of one service: how many there are, how long their headers may take, and the stop.
 
-`Connections` counts, in all and per address. It is asked when a connection comes, and looks at all of them twice a
-second. `Gate` is the part that sees requests: what it turns away gets a problem, as any other refusal.
+uvicorn's h11 protocol gives a kept connection a time to begin its next request, and nothing else: a client may send
+headers for ever, and as many may connect as there are files. `TimedProtocol` adds a time for headers, `Connections` a
+number. `Gate` is the part that sees requests: what it refuses gets a problem, as any other refusal.
 """
 
 from __future__ import annotations
@@ -9,58 +10,29 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
-from collections import Counter
 from collections.abc import MutableMapping
-from typing import Any, Protocol
+from typing import Any
 
+import h11
+from h11._connection import DEFAULT_MAX_INCOMPLETE_EVENT_SIZE
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
+from uvicorn.config import Config
+from uvicorn.protocols.http.h11_impl import H11Protocol, RequestResponseCycle
+from uvicorn.server import ServerState
 
 from assur.api.documents import problem_response
 from assur.api.logs import event
 from assur.api.problems import Problem
 from assur.api.web.request_log import FACTS
 from assur.api.web.settings import Settings
-from assur.api.workers.admission import busy
 
-HEALTH = frozenset({"/livez", "/readyz"})
-"""Answered on every connection that is taken, also where there are too many."""
-RESERVE = 32
-"""So many connections are taken beyond the limits; only `HEALTH` is served on them."""
-LOOK_S = 0.5
-"""How often the connections are looked at, s: no time limit of theirs is more exact."""
-AGAIN = 64
-"""So many new connections of an address that has all it may have are taken between two looks; others of it give way.
-Further ones are closed unseen: to make a connection and to close another takes the event loop ten times as long."""
-CROWDED = "assur.crowded"
-"""Key of the state of a request whose connection is one too many."""
-SAID_S = 10.0
-"""How often it is logged at most that connections are closed or refused, s."""
-
-
-class Connection(Protocol):
-    """A connection as `Connections` sees it."""
-
-    address: str
-    crowded: bool
-    used: bool
-    """Whether a request was answered on it."""
-    since: float
-    """When it began to do what it does now, by the clock of `time.monotonic`."""
-
-    @property
-    def idle(self) -> bool:
-        """Whether it waits for a request, or for the rest of the headers of one."""
-
-    @property
-    def waiting(self) -> bool:
-        """Whether only its client keeps it: it is idle, or its answer is not taken."""
-
-    def look(self, now: float) -> None:
-        """Closes it if what it waits for has not come in time."""
-
-    def give_way(self) -> None:
-        """Closes it, which is `waiting`, in favour of another."""
+CHUNK_BYTES = 512
+"""Least size of the chunks of a body, on average."""
+FIRST_CHUNKS = 128
+"""So many chunks do not count: a small body may come in pieces of any size."""
+LOGGED_S = 10.0
+"""How often it is logged at most that connections are closed for others, s."""
 
 
 class Connections:
@@ -70,133 +42,148 @@ class Connections:
         self.settings = settings
         self.draining = False
         """Not ready any more, and every answer closes its connection."""
-        self._open: dict[Connection, None] = {}  # in the order in which they came
-        self._of: Counter[str] = Counter()
-        self._came: Counter[str] = Counter()  # since the last look, of addresses that have all they may have
-        self._crowded = 0
-        self._next_look: asyncio.TimerHandle | None = None
-        self._said = -SAID_S
+        self.open: set[TimedProtocol] = set()
+        """The open connections."""
+        self._logged = -LOGGED_S
 
-    def open(self) -> tuple[Connection, ...]:
-        """The open connections, in the order in which they came."""
-        return tuple(self._open)
+    def admit(self, connection: TimedProtocol) -> None:
+        """Takes a new connection. Where there are too many, the one is closed that has waited longest for its client,
+        first of those on which no request was answered; if none waits, the new one is closed."""
+        self.open.add(connection)
+        if len(self.open) <= self.settings.connections:
+            return
+        rivals = [each for each in self.open if each.waiting and each is not connection]
+        closed = min(rivals, key=lambda each: (each.used, each.since), default=connection)
+        self.open.discard(closed)
+        closed.transport.abort()
+        if time.monotonic() - self._logged >= LOGGED_S:
+            self._logged = time.monotonic()
+            event("too many connections", logging.WARNING, open=len(self.open))
 
-    def takes(self, address: str) -> bool:
-        """Whether a connection that comes from an address is to be made at all, and then to be asked for by `admit`."""
-        if self._of[address] < self.settings.connections_per_address:
-            return True
-        self._came[address] += 1
-        if self._came[address] <= AGAIN:
-            return True
-        self._tell("closed, too many at once")
-        return False
+    def leave(self, connection: TimedProtocol) -> None:
+        """Forgets a connection that is closed; any number of times."""
+        self.open.discard(connection)
 
-    def admit(self, connection: Connection) -> bool:
-        """Takes a new connection, and says whether it may stay.
 
-        Where there are too many, in all or of its address, the one closes that has waited longest for its client. If
-        none waits, the new one is `crowded`: one of `RESERVE` that are there for `HEALTH`.
-        """
-        full = len(self._open) - self._crowded >= self.settings.connections
-        crowd = self._of[connection.address] >= self.settings.connections_per_address
-        if full or crowd:
-            rivals = [
-                each
-                for each in self._open
-                if not each.crowded and (each.address == connection.address or not crowd) and each.waiting
-            ]
-            connection.crowded = not self._closes_one(rivals)
-        if connection.crowded and self._crowded >= RESERVE:
-            self._tell("refused")
-            if not self._closes_one([each for each in self._open if each.waiting and each.crowded]):
-                return False
-        self._open[connection] = None
-        if connection.crowded:
-            self._crowded += 1
+class CountedConnection(h11.Connection):
+    """The server's side of a connection, which counts the chunks of each body: one read from the system may hold
+    40,000 of them, and parsing these takes longer than anybody else should wait."""
+
+    def __init__(self, most_incomplete: int) -> None:
+        super().__init__(h11.SERVER, most_incomplete)
+        self._chunks = self._bytes = 0
+
+    def next_event(self) -> h11.Event | type[h11.NEED_DATA] | type[h11.PAUSED]:
+        """As h11's. Raises `RemoteProtocolError` at the first chunk that is one too many."""
+        event = super().next_event()
+        if isinstance(event, h11.Request):
+            self._chunks = self._bytes = 0
+        elif isinstance(event, h11.Data):
+            self._chunks += event.chunk_start
+            if self._chunks - FIRST_CHUNKS > self._bytes / CHUNK_BYTES:
+                raise h11.RemoteProtocolError("too many small chunks")
+            self._bytes += len(event.data)
+        return event
+
+
+class TimedProtocol(H11Protocol):
+    """One connection, with a time for the headers of each request. Make it by `functools.partial` with the
+    `Connections` of the service."""
+
+    def __init__(
+        self,
+        connections: Connections,
+        config: Config,
+        server_state: ServerState,
+        app_state: dict[str, Any],
+        _loop: asyncio.AbstractEventLoop | None = None,
+    ) -> None:
+        super().__init__(config, server_state, app_state, _loop)
+        self.conn = CountedConnection(config.h11_max_incomplete_event_size or DEFAULT_MAX_INCOMPLETE_EVENT_SIZE)
+        self._all = connections
+        self._clock: asyncio.TimerHandle | None = None
+        self.used = False
+        """Whether a request was answered on it."""
+        self.since = time.monotonic()
+        """When it began to wait for its next request."""
+
+    @property
+    def idle(self) -> bool:
+        """Whether it waits for a request, or for the rest of the headers of one."""
+        cycle: RequestResponseCycle | None = self.cycle  # None before the first request, whatever uvicorn declares
+        return cycle is None or cycle.response_complete
+
+    @property
+    def waiting(self) -> bool:
+        """Whether only its client keeps it: it is idle, its body is not complete, or its answer is being sent."""
+        return self.idle or self.cycle.more_body or self.cycle.response_started
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        self._limit(self._all.settings.header_s)
+        self._all.admit(self)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._all.leave(self)
+        self._unset_clock()
+        self._unset_keepalive_if_required()
+        super().connection_lost(exc)
+
+    def handle_events(self) -> None:
+        """As uvicorn's. The time runs from the first byte of a request until its headers are complete, and while a body
+        comes whose request was answered before."""
+        super().handle_events()
+        state = self.conn.their_state
+        if not self.idle or (self.used and state is h11.IDLE and not self.conn.trailing_data[0]):
+            self._unset_clock()
         else:
-            self._of[connection.address] += 1
-        if self._next_look is None:
-            self._look_later()
-        return True
+            self._limit(self._all.settings.body_s if state is h11.SEND_BODY else self._all.settings.header_s)
 
-    def leave(self, connection: Connection) -> None:
-        """Forgets a connection that is closed, or about to be; any number of times."""
-        if connection not in self._open:
-            return
-        del self._open[connection]
-        if connection.crowded:
-            self._crowded -= 1
-            return
-        self._of[connection.address] -= 1
-        if not self._of[connection.address]:
-            del self._of[connection.address]
+    def on_response_complete(self) -> None:
+        self.used, self.since = True, time.monotonic()
+        super().on_response_complete()
 
-    def _closes_one(self, rivals: list[Connection]) -> bool:
-        """Closes the one of `rivals` that has been idle longest, first of those on which no request ever came."""
-        if not rivals:
-            return False
-        self._tell("closed, idle longest")
-        chosen = min(rivals, key=lambda each: (each.used, each.since))
-        self.leave(chosen)
-        chosen.give_way()
-        return True
+    def _unsupported_upgrade_warning(self) -> None:
+        """Nothing: a request for another protocol is no fault of the service. `Gate` refuses WebSockets."""
 
-    def _tell(self, what: str) -> None:
-        now = time.monotonic()
-        if now - self._said >= SAID_S:
-            self._said = now
-            event("too many connections", logging.WARNING, what=what, open=len(self._open))
+    def _limit(self, within_s: float) -> None:
+        if self._clock is None and not self.transport.is_closing():
+            self._clock = self.loop.call_later(within_s, self.transport.abort)
 
-    def _look_later(self) -> None:
-        self._next_look = asyncio.get_running_loop().call_later(LOOK_S, self._look)
-
-    def _look(self) -> None:
-        self._next_look = None
-        if self._open:
-            self._look_later()
-        self._came.clear()
-        now = time.monotonic()
-        for connection in tuple(self._open):
-            connection.look(now)
+    def _unset_clock(self) -> None:
+        if self._clock is not None:
+            self._clock.cancel()
+            self._clock = None
 
 
 class Gate:
-    """ASGI middleware. Refuses WebSockets, and all but `HEALTH` on a connection that is one too many; while the service
-    drains, and on such a connection, each answer is the last one of its connection, and says so."""
+    """ASGI middleware. Refuses WebSockets; while the service drains, each answer is the last one of its connection, and
+    states this."""
 
     def __init__(self, app: ASGIApp, connections: Connections) -> None:
         self._app = app
         self._connections = connections
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] != "http":
-            await self._app(scope, receive, send)
-            return
-        crowded = bool(scope.get("state", {}).get(CROWDED))
-
         async def sending(message: MutableMapping[str, Any]) -> None:
-            if message["type"] == "http.response.start" and (crowded or self._connections.draining):
+            if message["type"] == "http.response.start" and self._connections.draining:
                 others = [pair for pair in message["headers"] if pair[0].lower() != b"connection"]
                 message["headers"] = [*others, (b"connection", b"close")]
             await send(message)
 
-        problem: Problem | None = None
-        if crowded and scope["path"] not in HEALTH:
-            problem = busy(1.0, "There are too many connections, here or from your address.")
-        elif _wants_websocket(Headers(scope=scope)):
+        if scope["type"] == "http" and _wants_websocket(Headers(scope=scope)):
             problem = Problem(
                 "no-websockets",
                 "Send requests of HTTP. GET /v1/jobs/{name}/events sends the progress of a job as server-sent events.",
             )
-        if problem is None:
-            await self._app(scope, receive, sending)
+            scope.get(FACTS, {})["problem"] = problem.kind
+            await problem_response(problem)(scope, receive, sending)
             return
-        scope.get(FACTS, {})["problem"] = problem.kind
-        await problem_response(problem)(scope, receive, sending)
+        await self._app(scope, receive, sending)
 
 
 def _wants_websocket(headers: Headers) -> bool:
     """Whether a request asks to go on as a WebSocket (RFC 6455, 4.1). Any other upgrade is ignored, as HTTP allows."""
-    asked = {name.strip().lower() for line in headers.getlist("upgrade") for name in line.split(",")}
+    wanted = {name.strip().lower() for line in headers.getlist("upgrade") for name in line.split(",")}
     tokens = {token.strip().lower() for line in headers.getlist("connection") for token in line.split(",")}
-    return "websocket" in asked and "upgrade" in tokens
+    return "websocket" in wanted and "upgrade" in tokens

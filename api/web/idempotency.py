@@ -1,12 +1,11 @@
 """`Idempotency-Key`: a request that is sent again with the same key gets the first answer, and starts nothing again.
 
 As the draft of the IETF's httpapi group has it. A key belongs to its client and its address. Answers are kept, problems
-are not: whoever met one may send the same key again.
+are not: after a problem, the same key may be sent again.
 """
 
 from __future__ import annotations
 
-import hashlib
 import re
 import time
 from collections import OrderedDict
@@ -16,6 +15,7 @@ from dataclasses import dataclass
 from starlette.requests import Request
 from starlette.responses import Response
 
+from assur.api.documents import digest_of
 from assur.api.problems import Problem
 from assur.api.telemetry.meters import Meters
 from assur.api.telemetry.trace import current
@@ -33,9 +33,9 @@ _KEY = re.compile(r'"?([\x21\x23-\x5b\x5d-\x7e]{1,255})"?')
 
 @dataclass(slots=True)
 class _Entry:
-    """What a key stands for: the digest of its request, until when, and the answer (None: it is worked on)."""
+    """What a key means: the digest of its request, until when, and the answer (None: it is worked on)."""
 
-    request: bytes
+    request: str
     until: float
     response: Response | None = None
 
@@ -51,7 +51,7 @@ class Idempotency:
         self, meters: Meters, *, kept_s: float = KEPT_S, most: int = MOST_KEYS, most_bytes: int = MOST_BYTES
     ) -> None:
         self._kept_s, self._most, self._most_bytes = kept_s, most, most_bytes
-        self._entries: OrderedDict[bytes, _Entry] = OrderedDict()
+        self._entries: OrderedDict[str, _Entry] = OrderedDict()
         self.bytes = 0
         """Bytes of all answers that are kept."""
         meters.gauge("assur_idempotency_keys", "Idempotency keys that are remembered.", lambda: len(self._entries))
@@ -67,12 +67,12 @@ class Idempotency:
         key = _key_of(request)
         if key is None:
             return await work()
-        asked = _digest(str(request.url.query).encode(), body)
+        wanted = digest_of(request.url.query, body)
         self._forget()
         entry = self._entries.get(key)
         if entry is not None:
-            return _again(entry, asked)
-        entry = self._entries[key] = _Entry(asked, time.monotonic() + self._kept_s)
+            return _again(entry, wanted)
+        entry = self._entries[key] = _Entry(wanted, time.monotonic() + self._kept_s)
         try:
             response = await work()
             if 200 <= response.status_code < 300:
@@ -86,7 +86,7 @@ class Idempotency:
             self._forget()
 
     def _forget(self) -> None:
-        """Forgets what is over, and what is too much: of what has been answered the oldest, which stands first."""
+        """Forgets what is over, and what is too much: of the answers the oldest, which is the first one."""
         now = time.monotonic()
         for key, entry in list(self._entries.items()):
             if entry.response is None:
@@ -97,9 +97,9 @@ class Idempotency:
             del self._entries[key]
 
 
-def _again(entry: _Entry, asked: bytes) -> Response:
+def _again(entry: _Entry, wanted: str) -> Response:
     """The answer to a request whose key is known."""
-    if entry.request != asked:
+    if entry.request != wanted:
         raise Problem("key-reused", f"This {HEADER} was sent with another request. Take a new key for each request.")
     if entry.response is None:
         raise Problem(
@@ -111,7 +111,7 @@ def _again(entry: _Entry, asked: bytes) -> Response:
     return entry.response
 
 
-def _key_of(request: Request) -> bytes | None:
+def _key_of(request: Request) -> str | None:
     """Whose key it is, where, and which; None where none is sent. Raises `Problem` for a header that is no key."""
     sent = request.headers.getlist(HEADER)
     if not sent:
@@ -122,11 +122,4 @@ def _key_of(request: Request) -> bytes | None:
         raise Problem.of_input(InputError(HEADER, ", ".join(sent), allowed))
     address = request.client.host if request.client else ""
     client = str(current().facts.get("client", address))
-    return _digest(client.encode(), request.url.path.encode(), found[1].encode())
-
-
-def _digest(*parts: bytes) -> bytes:
-    found = hashlib.sha256()
-    for part in parts:
-        found.update(b"%d\n" % len(part) + part)
-    return found.digest()
+    return digest_of(client, request.url.path, found[1])

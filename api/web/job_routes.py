@@ -1,4 +1,4 @@
-"""The addresses of jobs: a plan that is asked for now and fetched later, with its progress as server-sent events."""
+"""The addresses of jobs: a plan that is ordered now and fetched later, with its progress as server-sent events."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from assur.api.web.settings import PLAN_BODY_BYTES
 from assur.planner.model.deadline import Progress
 
 SILENCE_S = 15.0
-"""A stream of events with nothing to tell sends a comment this often, s, so that nobody between takes it for dead."""
+"""A stream without events sends a comment this often, s, so that no proxy takes it for dead."""
 
 
 class JobDocument(TypedDict):
     """A job. `progress`: null before a worker has begun; `outcome`: the status of its answer; `problem`: why there is
-    none, as the service would have said it at once."""
+    none, as the service would have answered at once."""
 
     id: str
     state: Literal["working", "done", "failed", "cancelled"]
@@ -43,11 +43,8 @@ def _store(request: Request) -> JobStore:
     return store
 
 
-def _told(job: Job, status: int = 200, headers: dict[str, str] | None = None) -> Response:
-    response = json_response(to_json(job.document()))
-    response.status_code = status
-    response.headers.update({"Cache-Control": "no-store", **(headers or {})})
-    return response
+def _response(job: Job, status: int = 200, headers: dict[str, str] | None = None) -> Response:
+    return json_response(job.document(), status, {"Cache-Control": "no-store", **(headers or {})})
 
 
 async def start(request: Request) -> Response:
@@ -57,7 +54,7 @@ async def start(request: Request) -> Response:
     async def begun() -> Response:
         job = _store(request).start(await service_of(request).order(body, certificate, client_of(request), parsed=True))
         # relative to this address, whatever prefix a proxy has put before it
-        return _told(job, 202, {"Location": f"jobs/{job.id}"})
+        return _response(job, 202, {"Location": f"jobs/{job.id}"})
 
     return await once(request, body, begun)
 
@@ -67,13 +64,13 @@ async def start_scene(request: Request) -> Response:
 
     async def begun() -> Response:
         job = _store(request).start(order)
-        return _told(job, 202, {"Location": f"../../jobs/{job.id}"})
+        return _response(job, 202, {"Location": f"../../jobs/{job.id}"})
 
     return await once(request, order.work.key.encode(), begun)
 
 
 async def show(request: Request, name: str) -> Response:
-    return _told(_store(request).get(name, client_of(request)))
+    return _response(_store(request).get(name, client_of(request)))
 
 
 async def answer(request: Request, name: str) -> Response:
@@ -97,10 +94,10 @@ async def events(request: Request, name: str) -> Response:
             else:
                 yield b": still working\n\n"
 
-    # what stands between must pass each event on as it comes
+    # a proxy between must pass each event on as it comes
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     return StreamingResponse(stream(), media_type="text/event-stream", headers=headers)
 
 
 async def cancel(request: Request, name: str) -> Response:
-    return _told(_store(request).cancel(name, client_of(request)))
+    return _response(_store(request).cancel(name, client_of(request)))

@@ -1,4 +1,4 @@
-"""Jobs: plans that are worked on while their client is elsewhere. Who asks is told how far they have come.
+"""Jobs: plans that are worked on while their client is elsewhere. The client can read how far they have come.
 
 A job lives in this process: after a restart it is lost. A finished one is kept for a stated time, and as long as not
 too many others have finished since.
@@ -38,7 +38,7 @@ class Job:
     work: asyncio.Task[None] | None = None
 
     def document(self) -> dict[str, Any]:
-        """What is told of it, without its answer."""
+        """The job as a document, without its answer."""
         outcome = None if self.answer is None else self.answer.outcome
         problem = None if self.problem is None else self.problem.document()
         return {
@@ -46,7 +46,7 @@ class Job:
         }  # fmt: skip
 
     def change(self) -> None:
-        """Wakes whoever waits for news."""
+        """Wakes all who wait for news."""
         self._changes += 1
         self._changed.set()
         self._changed = asyncio.Event()
@@ -128,17 +128,17 @@ class JobStore:
         await asyncio.gather(*running, return_exceptions=True)
 
     async def _run(self, job: Job, order: Order, ticket: Ticket) -> None:
-        def told(progress: dict[str, Any]) -> None:
+        def report(progress: dict[str, Any]) -> None:
             if job.state == "working":
                 job.progress = progress
                 job.change()
 
         try:
-            answer = await self._service.do(order, told, ticket)
+            answer = await self._service.do(order, report, ticket)
         except Problem as problem:
             self._end(job, "failed", problem=problem)
-        except Exception:  # noqa: BLE001 - told to whoever asks for the job, and logged
-            self._service.meters.fault()
+        except Exception:  # noqa: BLE001 - reported with the job, and logged
+            self._service.meters.faults.inc()
             LOGGER.exception("a job met a fault")
             self._end(job, "failed", problem=Problem("fault", "The service met a fault of its own; it is logged."))
         else:
@@ -146,7 +146,7 @@ class JobStore:
 
     @staticmethod
     def _end(job: Job, state: State, *, answer: jobs.Answer | None = None, problem: Problem | None = None) -> None:
-        """Says what has become of a job, unless it was called off: that has been told."""
+        """Says what has become of a job, unless it was called off: that has been reported."""
         if job.state == "working":
             job.state, job.answer, job.problem = state, answer, problem
 

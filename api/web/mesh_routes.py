@@ -14,7 +14,7 @@ from fastapi import Request
 from starlette.responses import Response
 from typing_extensions import TypedDict
 
-from assur.api.documents import to_json
+from assur.api.documents import json_response
 from assur.api.logs import event
 from assur.api.problems import FieldError, Problem
 from assur.api.web.clients import client_of
@@ -36,7 +36,7 @@ class Covered(TypedDict):
 
 
 class KeptMesh(TypedDict):
-    """A mesh that is known: its size, until when it is kept if no request names it, and its cover, if one was asked."""
+    """A mesh that is known: its size, until when it is kept if no request names it, and its cover, if it is covered."""
 
     sha256: str
     bytes: int
@@ -61,8 +61,8 @@ async def put_mesh(request: Request) -> Response:
             uploads.take_back(client.name, len(content))
     cover = None
     if how is not None:
-        told = json.loads((await service_of(request).quick(jobs.cover, client, digest, *how)).body)
-        cover = Covered(pieces=told["pieces"], excess_m=told["excess_m"])
+        found = json.loads((await service_of(request).quick(jobs.cover, client, digest, *how)).body)
+        cover = Covered(pieces=found["pieces"], excess_m=found["excess_m"])
     request.scope[FACTS]["outcome"] = "new" if is_new else "known"
     return _response(digest, folder.known(digest), cover, 201 if is_new else 200)
 
@@ -119,4 +119,4 @@ def _response(digest: str, kept: StoredFile | None, cover: Covered | None, statu
         raise Problem("mesh-unknown", f"Send the file with PUT /v1/meshes/{digest}.")
     until = datetime.fromtimestamp(time.time() + kept.left_s, UTC).isoformat(timespec="seconds")
     document = KeptMesh(sha256=digest, bytes=kept.size, expires=until, cover=cover)
-    return Response(to_json(dict(document)), status, media_type="application/json")
+    return json_response(document, status)

@@ -165,7 +165,7 @@ LINKS: dict[tuple[str, str, int], dict[str, dict[str, Any]]] = {
         for path in ("/v1/jobs", "/v1/scenes/{name}/jobs")
     },
 }
-"""From a response (address, method, status) to what can be asked next: name of the link to its description."""
+"""From a response (address, method, status) to what can be requested next: name of the link to its description."""
 TAGS = {
     "plans": "Plan a request, and what can be done with a plan",
     "jobs": "Plan now, fetch later",
@@ -213,8 +213,8 @@ def complete(document: dict[str, Any], most_budget_s: float) -> dict[str, Any]:
         for method, operation in item.items():
             if needs_key(path):
                 operation["security"] = [{}, {"key": []}]
-                for status, told in problems("unauthorized").items():
-                    operation["responses"].setdefault(str(status), told)
+                for status, response in problems("unauthorized").items():
+                    operation["responses"].setdefault(str(status), response)
             for status, response in operation["responses"].items():
                 headers = {"X-Request-Id": {"$ref": "#/components/headers/RequestId"}}
                 if int(status) in AGAIN:

@@ -10,7 +10,7 @@ from fastapi import Request
 from prometheus_client import CONTENT_TYPE_LATEST
 from starlette.responses import Response
 
-from assur.api.documents import json_response, to_json
+from assur.api.documents import json_response
 from assur.api.log_lines import Later
 from assur.api.problems import Problem
 from assur.api.telemetry.meters import Meters
@@ -30,7 +30,7 @@ def index() -> Response:
 
 
 async def show_version(request: Request) -> Response:
-    return json_response(to_json(version_document(service_of(request).settings.commit)))
+    return json_response(version_document(service_of(request).settings.commit))
 
 
 async def metrics(request: Request) -> Response:
@@ -45,7 +45,7 @@ def watch(service: Service, jobs: JobStore, clients: Clients) -> Meters:
     """The meters of a service, with what it has besides its workers."""
     meters = service.meters
     meters.gauge("assur_jobs_kept", "Jobs that are worked on or kept.", lambda: len(jobs))
-    meters.gauge("assur_log_lines_lost_total", "Lines of the log that were dropped since the start.", Later.lost)
+    meters.counter("assur_log_lines_lost_total", "Lines of the log that were dropped since the start.", Later.lost)
     if service.settings.keys_file:
         about = "1 while the file of keys can be used as it is; 0 while the keys of before its change count."
         meters.gauge("assur_keys_file_usable", about, lambda: float(clients.usable))
@@ -54,7 +54,9 @@ def watch(service: Service, jobs: JobStore, clients: Clients) -> Meters:
         meters.gauge("assur_mesh_folder_bytes", "Room that files for meshes take.", lambda: service.mesh_bytes)
         meters.gauge("assur_mesh_folder_quota_bytes", "Room that they may take.", lambda: quota)
     build = version_document(service.settings.commit)
-    meters.build({name: str(build.get(name) or "") for name in ("version", "schema", "kernels", "commit", "python")})
+    meters.build.info(
+        {name: str(build.get(name) or "") for name in ("version", "schema", "kernels", "commit", "python")}
+    )
     return meters
 
 

@@ -42,7 +42,7 @@ NO_FILE = "With `format`, where there is no plan: the answer, which is `not_plan
 
 def responses(problems: dict[int | str, dict[str, Any]]) -> dict[int | str, dict[str, Any]]:
     """The responses of the call, described, its `problems` among them."""
-    told = {
+    headers = {
         name: {"description": f"with `format`: {about}", "schema": {"type": "string"}}
         for name, about in HEADERS.items()
     }
@@ -51,13 +51,13 @@ def responses(problems: dict[int | str, dict[str, Any]]) -> dict[int | str, dict
     files: dict[str, Any] = {kind: BINARY for kind in MEDIA_TYPES.values() if kind != "application/json"}
     return {
         **problems,
-        200: {"description": "The answer; with `format` the file", "content": files, "headers": told},
+        200: {"description": "The answer; with `format` the file", "content": files, "headers": headers},
         409: {**both, "content": {**answer, **problems[409]["content"]}},
     }
 
 
-def asked(request: Request) -> dict[str, Any] | None:
-    """How the plan is to be written into a file, as an export has it; None: the answer is asked for. Raises `Problem`
+def file_wanted(request: Request) -> dict[str, Any] | None:
+    """How the plan is to be written into a file, as an export has it; None: the answer is wanted. Raises `Problem`
     naming the parameter."""
     given = request.query_params
     for name in NAMES:

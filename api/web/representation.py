@@ -1,5 +1,5 @@
 """How an answer that is whole leaves: compressed, if its caller can read that; and one that is always the same with a
-mark, so that a caller who has it already is told so.
+mark, so that it is not sent again to a caller who has it.
 
 What is sent as it comes, server-sent events, passes untouched.
 """
@@ -21,7 +21,7 @@ LEVEL = 1
 SMALLEST = 1024
 """Bodies below this are not compressed: they fit into a packet or two as they are."""
 AT_ONCE = 65536
-"""Bodies up to this are compressed on the event loop, in less than 1 ms; larger ones beside it."""
+"""Bodies up to this are compressed on the event loop, in less than 1 ms; larger ones in a thread."""
 COMPRESSIBLE = re.compile(r"(?:text/(?!event-stream)|application/(?:[\w.+-]*\+)?(?:json|yaml|javascript)|image/svg)")
 STREAM = "text/event-stream"
 PIECE = 65536
@@ -32,11 +32,10 @@ CONSTANT = re.compile(
 )
 """Addresses whose answer changes with the build only."""
 REVALIDATED = "no-cache"
-"""May be kept, and is asked for again each time, which costs a 304."""
-COMPRESSED_KEPT = 64
-"""So many constant documents are kept compressed."""
+"""May be kept, and is requested again each time, which costs a 304."""
 PACKED_BYTES = 16 << 20
-"""So much of the latest large bodies is kept with what they are compressed: one may be asked for many times."""
+"""So much of the latest bodies is kept with what they are compressed: constant ones, and large ones, which may be
+requested many times."""
 
 
 class Representation:
@@ -44,8 +43,7 @@ class Representation:
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
-        self._compressed: OrderedDict[str, bytes] = OrderedDict()
-        self._packed: OrderedDict[int, tuple[bytes, asyncio.Future[bytes]]] = OrderedDict()
+        self._packed: OrderedDict[str | int, tuple[bytes, asyncio.Future[bytes]]] = OrderedDict()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http" or scope["method"] == "HEAD":
@@ -78,13 +76,13 @@ class Representation:
 
     async def _represented(self, scope: Scope, start: Message, body: bytes) -> bytes:
         """The body to be sent; changes the head `start` accordingly."""
-        asked, headers = Headers(scope=scope), MutableHeaders(raw=list(start["headers"]))
+        wanted, headers = Headers(scope=scope), MutableHeaders(raw=list(start["headers"]))
         start["headers"] = headers.raw
         mark = ""
         if start["status"] == 200 and scope["method"] == "GET" and CONSTANT.fullmatch(scope["path"]):
             mark = headers.setdefault("ETag", f'W/"{hashlib.sha256(body).hexdigest()[:32]}"')
             headers.setdefault("Cache-Control", REVALIDATED)
-            if _known(mark, asked.getlist("if-none-match")):
+            if _known(mark, wanted.getlist("if-none-match")):
                 start["status"] = 304
                 for name in ("Content-Length", "Content-Type"):
                     if name in headers:
@@ -95,38 +93,27 @@ class Representation:
         if len(body) < SMALLEST or not COMPRESSIBLE.match(kind) or "content-encoding" in headers:
             return body
         headers.add_vary_header("Accept-Encoding")
-        if not takes_gzip(asked.getlist("accept-encoding")):
+        if not takes_gzip(wanted.getlist("accept-encoding")):
             return body
-        body = await self._gzip(f"{scope['path']} {mark}" if mark else "", body)
+        body = await self._gzip(mark, body)
         headers["Content-Encoding"] = "gzip"
         headers["Content-Length"] = str(len(body))
         return body
 
-    async def _gzip(self, key: str, body: bytes) -> bytes:
-        """The body compressed. `key`: of a constant document, which is compressed once; else empty."""
-        if key in self._compressed:
-            self._compressed.move_to_end(key)
-            return self._compressed[key]
-        if len(body) <= AT_ONCE:
-            found = _compress(body)
-        else:
-            found = await self._pack(body)
-        if key:
-            self._compressed[key] = found
-            while len(self._compressed) > COMPRESSED_KEPT:
-                self._compressed.popitem(last=False)
-        return found
-
-    async def _pack(self, body: bytes) -> bytes:
-        """A large body compressed, beside the event loop, once for all who ask for it at about the same time. It is
-        known by being the same object: an answer that is kept is."""
-        _, packing = self._packed.get(id(body), (body, None))
+    async def _gzip(self, mark: str, body: bytes) -> bytes:
+        """The body compressed. Large bodies and constant ones, which have a `mark`, are compressed in a thread, once
+        for all requests of about the same time. A body without a mark is known by being the same object: an answer that
+        is kept is."""
+        if not mark and len(body) <= AT_ONCE:
+            return _compress(body)
+        key = mark or id(body)
+        _, packing = self._packed.get(key, (body, None))
         if packing is None:
             packing = asyncio.ensure_future(asyncio.to_thread(_compress, body))
-            self._packed[id(body)] = body, packing
+            self._packed[key] = body, packing
             while len(self._packed) > 1 and sum(len(each) for each, _ in self._packed.values()) > PACKED_BYTES:
                 self._packed.popitem(last=False)
-        self._packed.move_to_end(id(body))
+        self._packed.move_to_end(key)
         return await asyncio.shield(packing)
 
 
@@ -139,16 +126,16 @@ def _whole(start: Message) -> bool:
     return not Headers(raw=start["headers"]).get("content-type", "").startswith(STREAM)
 
 
-def _known(mark: str, asked: list[str]) -> bool:
+def _known(mark: str, known: list[str]) -> bool:
     """Whether the caller has a document with this mark (RFC 9110, 13.1.2: compared weakly)."""
-    marks = {each.strip().removeprefix("W/") for line in asked for each in line.split(",")}
-    return bool(asked) and ("*" in marks or mark.removeprefix("W/") in marks)
+    marks = {each.strip().removeprefix("W/") for line in known for each in line.split(",")}
+    return bool(known) and ("*" in marks or mark.removeprefix("W/") in marks)
 
 
-def takes_gzip(asked: list[str]) -> bool:
+def takes_gzip(accepted: list[str]) -> bool:
     """Whether a caller that sent these `Accept-Encoding` reads gzip (RFC 9110, 12.5.3)."""
     weights: dict[str, float] = {}
-    for each in ",".join(asked).split(","):
+    for each in ",".join(accepted).split(","):
         name, _, rest = each.partition(";")
         found = re.fullmatch(r"\s*q\s*=\s*([01](?:\.[0-9]{0,3})?)\s*", rest)
         weights[name.strip().lower()] = float(found[1]) if found else (0.0 if rest.strip() else 1.0)

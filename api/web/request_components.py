@@ -2,7 +2,7 @@
 
 They are the JSON Schemas by which a document is read, changed so that generators of clients and of tests can use them.
 What a request over HTTP may never have is left out, names of what is shipped are listed, joints that turn and joints
-that lift are two components, and that at most one of two keys may be given is told by `AT_MOST_ONE`.
+that lift are two components, and that at most one of two keys may be given is stated by `AT_MOST_ONE`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from assur.scenes.requests import BUDGETS, ik_schema, request_schema
 from assur.scenes.units import TWIN_UNITS, any_unit, twin_of
 
 AT_MOST_ONE = "x-at-most-one"
-"""Keyword of a component: pairs of keys of which at most one may be given. In JSON Schema each pair is a rule with
+"""Keyword of a component: pairs of keys; at most one of each pair may be given. In JSON Schema each pair is a rule with
 `not`; generators of tests write out all combinations of such rules, and give up above 64."""
 REQUEST = {"$ref": "#/components/schemas/Request", "description": "The request."}
 NEVER = {"MeshDocument": "file", "RobotDocument": "file", "NeighbourDocument": "plan"}
@@ -29,14 +29,14 @@ def request_components(marks: dict[str, Any], most_budget_s: float) -> dict[str,
     `most_budget_s`: largest budget that the service gives, s."""
     request, question, export, trajectory = request_schema(), ik_schema(), *export_schemas()
     parts = {name: part for of in (request, question, export, trajectory) for name, part in of.pop("$defs", {}).items()}
-    for asked, needed in ((export, ["request", "plan"]), (trajectory, ["request"])):
-        asked["properties"]["request"] = REQUEST
-        asked["properties"]["plan"] = {
+    for of_plan, needed in ((export, ["request", "plan"]), (trajectory, ["request"])):
+        of_plan["properties"]["request"] = REQUEST
+        of_plan["properties"]["plan"] = {
             "$ref": "#/components/schemas/PlannedAnswer",
             "description": "Its planned answer.",
         }
-        asked["properties"] |= marks if asked is export else {}
-        asked["required"] = [*needed, *asked.get("required", [])]
+        of_plan["properties"] |= marks if of_plan is export else {}
+        of_plan["required"] = [*needed, *of_plan.get("required", [])]
     question["properties"]["request"] = REQUEST
     question["allOf"].append({"oneOf": [{"required": ["request"]}, {"required": ["robot"]}]})
     del request["$schema"], request["$id"]
@@ -73,7 +73,7 @@ def request_components(marks: dict[str, Any], most_budget_s: float) -> dict[str,
 
 
 def _forget(part: dict[str, Any], key: str) -> None:
-    """Leaves out a property of a component, which is one of those of which exactly one is needed."""
+    """Leaves out a property of a component, which is one of several keys; exactly one of them is needed."""
     del part["properties"][key]
     for rule in part["allOf"]:
         rule["oneOf"] = [option for option in rule.get("oneOf", ()) if option != {"required": [key]}]

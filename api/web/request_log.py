@@ -30,7 +30,7 @@ FACTS = "assur.facts"
 CLIENT_GONE = 499
 """Logged, never seen: who would have read it has closed the connection."""
 QUIET = frozenset({"/livez", "/readyz", "/metrics"})
-"""Routes that are asked every few seconds: logged at debug level only."""
+"""Routes that are called every few seconds: logged at debug level only."""
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 """Methods that are logged by their name. Any other is a word of the caller."""
 
@@ -48,7 +48,7 @@ class RequestLog:
             await self._app(scope, receive, send)
             return
         trace = Trace(uuid4().hex, new_traceparent(Headers(scope=scope).getlist("traceparent")))
-        asked = dict(scope)  # a part of the application that is mounted changes what the scope says of its path
+        original = dict(scope)  # a part of the application that is mounted changes what the scope says of its path
         scope[FACTS] = trace.facts
         began = time.monotonic()
         status = taken = 0
@@ -73,7 +73,7 @@ class RequestLog:
         finally:
             CURRENT.reset(token)
             method = scope["method"] if scope["method"] in METHODS else "OTHER"
-            route = self._route(scope, asked)
+            route = self._route(scope, original)
             self._count(route, method, status, trace, time.monotonic() - began)
             event(
                 "request",
@@ -84,13 +84,13 @@ class RequestLog:
                 status=status,
                 ms=round(1e3 * (time.monotonic() - began), 1),
                 bytes_in=taken,
-                **trace.told(),
+                **trace.log_facts(),
             )
 
-    def _route(self, scope: Scope, asked: Scope) -> str:
+    def _route(self, scope: Scope, original: Scope) -> str:
         """The address of a route; FastAPI leaves its own routes in the scope, Starlette (pages, files) does not."""
         found = scope.get("route") or next(
-            (each for each in self._routes if each.matches(asked)[0] is not Match.NONE), None
+            (each for each in self._routes if each.matches(original)[0] is not Match.NONE), None
         )
         return str(getattr(found, "path", "none"))
 
@@ -108,7 +108,7 @@ class RequestLog:
         except ClientDisconnect:
             return CLIENT_GONE
         except Exception:  # noqa: BLE001 - the last ring: whatever it is, it is logged and answered, never shown
-            self._meters.fault()
+            self._meters.faults.inc()
             LOGGER.exception("a request met a fault", extra={"facts": {"request": trace.identity}})
             trace.facts["problem"] = "fault"
             if not begun:

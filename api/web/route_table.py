@@ -231,7 +231,7 @@ TABLE = (
     Row("GET", "/metrics", operation_routes.metrics, "show_metrics", "service",
         "Metrics for operators, as Prometheus reads them", Response, responses={200: METRICS}),
 )  # fmt: skip
-"""All addresses, those that are asked most first."""
+"""All addresses, the most used first."""
 
 router = APIRouter()
 for _each in TABLE:

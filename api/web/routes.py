@@ -68,7 +68,7 @@ async def read_admitted(request: Request, limit: int, *parameters: str, json: bo
     """The body of a request that is admitted. `json`: as `read_body`. Raises `Problem`."""
     admit(request, *parameters)
     service = service_of(request)
-    with service.meters.reading():
+    with service.meters.bodies.track_inprogress():
         return await read_body(request, limit, service.settings.body_s, service.reading, json=json)
 
 
@@ -82,7 +82,7 @@ def admit(request: Request, *parameters: str) -> None:
 
 
 def certificate_of(request: Request) -> Detail:
-    """How much of the certificate is asked for. Raises `Problem`."""
+    """How much of the certificate is wanted. Raises `Problem`."""
     certificate = request.query_params.get("certificate", "full")
     if certificate not in get_args(Detail):
         raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(Detail))))
@@ -90,7 +90,7 @@ def certificate_of(request: Request) -> Detail:
 
 
 async def scene_order(request: Request) -> Order:
-    """What is asked about the shipped scenario that the address names. There may be no body. Raises `Problem`."""
+    """The order for the shipped scenario that the address names. There may be no body. Raises `Problem`."""
     certificate, headers = certificate_of(request), request.headers
     empty = headers.get("content-length", "0") == "0" and "transfer-encoding" not in headers
     if empty and "content-type" not in headers:
@@ -118,7 +118,7 @@ def answered_by(
 
 
 async def plan(request: Request) -> Response:
-    how, client = plan_files.asked(request), client_of(request)
+    how, client = plan_files.file_wanted(request), client_of(request)
     if how is not None:
         body = await read_admitted(request, PLAN_BODY_BYTES, *plan_files.NAMES)
         return await once(
@@ -136,19 +136,19 @@ async def plan_scene(request: Request) -> Response:
 
 
 def list_robots() -> Response:
-    return json_response(to_json({"robots": robots()}))
+    return json_response({"robots": robots()})
 
 
 def list_scenes() -> Response:
     scenes = [{"name": name, "about": about} for name, about in shipped_scenarios().items()]
-    return json_response(to_json({"scenes": scenes}))
+    return json_response({"scenes": scenes})
 
 
 def show_scene(request: Request, name: str) -> Response:
     if name == "parse":  # no scenario, but an address that takes a POST
         raise Problem("method-not-allowed", "Allowed here: POST.", headers={"Allow": "POST"})
     try:
-        return json_response(to_json(service_of(request).scene(name)))
+        return json_response(service_of(request).scene(name))
     except InputError as error:
         raise Problem.of_input(error, "not-found") from error
 
@@ -170,16 +170,16 @@ def _schema() -> bytes:
 
 
 async def live() -> Response:
-    return json_response(to_json({"live": True}))
+    return json_response({"live": True})
 
 
 async def ready(request: Request) -> Response:
     if request.app.state.connections.draining:
-        raise Problem("draining", "The service was told to stop. Send new requests elsewhere.")
+        raise Problem("draining", "The service is about to stop. Send new requests elsewhere.")
     workers = service_of(request).workers
     if not workers.ready:
         detail = f"{workers.warmed} of {workers.total} workers have planned."
         if workers.trouble:
             detail += f" The last one that was started did not plan: {workers.trouble}"
         raise Problem("not-ready", detail, again_s=1)
-    return json_response(to_json({"ready": True, "workers": workers.total}))
+    return json_response({"ready": True, "workers": workers.total})

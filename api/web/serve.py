@@ -6,7 +6,6 @@ import os
 import signal
 import socket
 import time
-from collections.abc import Callable
 from functools import partial
 from types import FrameType
 from typing import Any, cast
@@ -14,10 +13,8 @@ from typing import Any, cast
 import uvicorn
 
 from assur.api.logs import configure, event, one_log
-from assur.api.web.addresses import network
 from assur.api.web.app import create_app
-from assur.api.web.connections import Connections
-from assur.api.web.http_protocol import TimedProtocol
+from assur.api.web.connections import Connections, TimedProtocol
 from assur.api.web.settings import Settings
 from assur.planner.errors import InputError
 
@@ -36,10 +33,10 @@ def serve(settings: Settings) -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # a worker is one thread: its matrices are three by three
     signal.signal(signal.SIGTERM, _stopped)  # uvicorn repeats the signal when it has drained
     signal.signal(signal.SIGINT, _stopped)
-    with listening(settings.host, settings.port) as door, one_log():
+    with listening(settings.host, settings.port) as listener, one_log():
         server = made(settings)
-        event("listening", host=settings.host, port=door.getsockname()[1])
-        server.run(sockets=[door])
+        event("listening", host=settings.host, port=listener.getsockname()[1])
+        server.run(sockets=[listener])
 
 
 def made(settings: Settings) -> Server:
@@ -64,7 +61,7 @@ def made(settings: Settings) -> Server:
 
 
 class Server(uvicorn.Server):
-    """uvicorn's server, which goes on for a while when it is told to stop, so that nobody sends it new requests.
+    """uvicorn's server, which goes on for a while at a signal to stop, so that nobody sends it new requests.
 
     At SIGTERM or SIGINT `/readyz` begins to fail and answers close their connections. After `drain_s`, or at a second
     signal, it takes no connection any more, and ends when what it has accepted is answered.
@@ -74,17 +71,12 @@ class Server(uvicorn.Server):
         super().__init__(config)
         self._connections = connections
         self._drained_at = 0.0
-        self._told = False
-
-    def _takes(self, host: str) -> bool:
-        return self._connections.takes(network(host))
+        self._logged = False
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
-        for door in sockets or []:
-            door.listen(WAITING)  # asyncio has one number for what waits and for what it takes at once
-            if isinstance(door, Door):
-                door.takes = self._takes
+        for listener in sockets or []:
+            listener.listen(WAITING)  # asyncio has one number for what waits and for what it takes at once
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         if self._connections.draining or not self._connections.settings.drain_s:
@@ -96,29 +88,14 @@ class Server(uvicorn.Server):
         self._drained_at = time.monotonic() + self._connections.settings.drain_s
 
     async def on_tick(self, counter: int) -> bool:
-        if self._connections.draining and not self._told:
-            self._told = True
-            event("told to stop", drain_s=self._connections.settings.drain_s)  # not in the handler of a signal
+        if self._connections.draining and not self._logged:
+            self._logged = True
+            event("stopping", drain_s=self._connections.settings.drain_s)  # not in the handler of a signal
         drained = self._connections.draining and time.monotonic() >= self._drained_at
         return await super().on_tick(counter) or drained
 
 
-class Door(socket.socket):
-    """A socket that listens, and closes at once what `takes` does not want of a host."""
-
-    takes: Callable[[str], bool] = staticmethod(lambda _: True)
-
-    def accept(self) -> tuple[socket.socket, Any]:
-        """As the one of sockets, for asyncio: of those that are wanted."""
-        for _ in range(TAKEN_AT_ONCE):
-            connection, address = super().accept()
-            if self.takes(address[0]):
-                return connection, address
-            connection.close()
-        raise BlockingIOError  # more may be there: the event loop comes again, after other work
-
-
-def listening(host: str, port: int) -> Door:
+def listening(host: str, port: int) -> socket.socket:
     """A socket that listens on `host` (a name, an IPv4 or an IPv6 address) and `port`.
 
     It says that its protocol is TCP: asyncio switches Nagle's algorithm off only where it reads that, and with it on
@@ -133,16 +110,18 @@ def listening(host: str, port: int) -> Door:
     except OSError as error:
         reason = str(error.strerror)
     for family, kind, protocol, _, address in found:
-        door = Door(family, kind, protocol)
+        listener = socket.socket(family, kind, protocol)
         try:
-            door.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # a restart need not wait for old connections
-            door.bind(address)
-            door.listen()
+            listener.setsockopt(
+                socket.SOL_SOCKET, socket.SO_REUSEADDR, 1
+            )  # a restart need not wait for old connections
+            listener.bind(address)
+            listener.listen()
         except OSError as error:
-            door.close()
+            listener.close()
             reason = str(error.strerror)
         else:
-            return door
+            return listener
     raise InputError("ASSUR_HOST, ASSUR_PORT", f"{host}, {port}", f"a free address ({reason})")
 
 

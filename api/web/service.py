@@ -7,7 +7,6 @@ but for the body of a job, which is not accepted if it is not JSON.
 from __future__ import annotations
 
 import asyncio
-import hashlib
 import json
 import logging
 import re
@@ -17,7 +16,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from typing import Any
 
-from assur.api.documents import to_json
+from assur.api.documents import digest_of, to_json
 from assur.api.logs import event
 from assur.api.problems import Problem
 from assur.api.telemetry.meters import Meters
@@ -51,7 +50,7 @@ STATED = re.compile(rb'"((?:explain_)?budget_m?s)"\s*:\s*(-?\d+(?:\.\d+)?(?:[eE]
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """What a worker is to do, and what is asked of the workers for it."""
+    """What a worker is to do, and what it demands of the workers."""
 
     work: Work
     demand: Demand
@@ -68,7 +67,7 @@ class Service:
     reading: Reading = field(init=False)
     meshes: MeshFolder | None = field(init=False)
     mesh_bytes: int = 0
-    """Room that files in the folder for meshes took when it was last looked at."""
+    """Room that files in the folder for meshes took when it was last measured."""
     _turns: Turns = field(default_factory=Turns)
 
     def __post_init__(self) -> None:
@@ -91,7 +90,7 @@ class Service:
             order.work,
             job=file_jobs.plan_file,
             arguments=(source, how, self.settings.max_budget_s),
-            key=_digest("plan_file", order.work.key, json.dumps(how)),
+            key=digest_of("plan_file", order.work.key, json.dumps(how)),
         )
         # the file is made after the plan, as an export of it would be
         return await self.do(Order(work, replace(order.demand, wall_s=order.demand.wall_s + self.settings.check_s)))
@@ -113,12 +112,12 @@ class Service:
 
         return await (self._beside(client, read) if body else asyncio.to_thread(read))
 
-    async def quick(self, job: Callable[..., jobs.Reply], client: Client, *asked: bytes | str) -> jobs.Answer:
-        """The answer of a job without a budget, for its work is bounded by what is asked. Raises `Problem`."""
+    async def quick(self, job: Callable[..., jobs.Reply], client: Client, *question: bytes | str) -> jobs.Answer:
+        """The answer of a job without a budget, for its work is bounded by the question. Raises `Problem`."""
         kind = job.__name__
-        short = sum(map(len, asked)) <= SHORT_BYTES
+        short = sum(map(len, question)) <= SHORT_BYTES
         demand = Demand(client, self.settings.check_s, short, kind=kind if short else f"long {kind}")
-        return await self.do(Order(Work(job, asked, _digest(kind, *asked), in_touch=True), demand))
+        return await self.do(Order(Work(job, question, digest_of(kind, *question), in_touch=True), demand))
 
     async def _beside(self, client: Client, read: Callable[[], Order]) -> Order:
         """What `read` returns, in a thread, when it is the turn of `client`, which pays for its time. A thread cannot
@@ -137,7 +136,7 @@ class Service:
             self._turns.give_on()
             self.workers.admission.charge(client, sum(took_s))
             if not reading.cancelled():
-                reading.exception()  # whoever waits has it, too; nobody may wait any more
+                reading.exception()  # the caller has it, too, if it still waits
 
         reading = asyncio.ensure_future(asyncio.to_thread(timed))
         reading.add_done_callback(ended)
@@ -147,7 +146,7 @@ class Service:
         document = (None if parsed else self._budgets(body)) or jobs.request_in(body)
         if "scenario" not in document:
             arguments = body, certificate, self.settings.max_budget_s
-            work = Work(jobs.plan, arguments, _digest("plan", body), in_touch=True, listens=True)
+            work = Work(jobs.plan, arguments, digest_of("plan", body), in_touch=True, listens=True)
             return Order(work, self._demand(document, client))
         try:
             return self._scene(_scenario_name(document), {}, certificate, client)
@@ -169,12 +168,12 @@ class Service:
         # what the scenario's file states is not what the caller asks for: it is cut, and not refused
         budgets = {key: min(value, most_s) for key, value in own.items()}
         demand = self._demand(with_options({"options": budgets}, options), client)
-        key = _digest("scenario", name, *([json.dumps(options, sort_keys=True)] if options else []))
+        key = digest_of("scenario", name, *([json.dumps(options, sort_keys=True)] if options else []))
         arguments = name, options, certificate, most_s
         return Order(Work(jobs.plan_shipped, arguments, key, in_touch=True, listens=True), demand)
 
     def _budgets(self, body: bytes) -> dict[str, Any] | None:
-        """A request with the budgets that stand in the text of one, which the worker validates, and nothing else.
+        """A request with the budgets that are in the text of one, which the worker validates, and nothing else.
 
         None where only parsing can tell: a scenario may be named, a key may be escaped or given twice, or a budget is
         above what the service gives and may be no budget, but a field in the wrong place.
@@ -202,8 +201,8 @@ class Service:
         short = allowed_s <= self.settings.short_s
         return Demand(client, allowed_s + self.settings.grace_s, short, kind="short plan" if short else "long plan")
 
-    async def do(self, order: Order, told: Tell | None = None, ticket: Ticket | None = None) -> jobs.Answer:
-        """The answer to an order; `told` takes how far it has come. `ticket`: of its admission; None: it is admitted
+    async def do(self, order: Order, report: Tell | None = None, ticket: Ticket | None = None) -> jobs.Answer:
+        """The answer to an order; `report` takes how far it has come. `ticket`: of its admission; None: it is admitted
         now. Raises `Problem`."""
         work, trace = order.work, current()
         trace.facts["digest"] = work.key
@@ -216,7 +215,7 @@ class Service:
             trace.replayed("result", age_s)
             return answer
         ticket = ticket or self.workers.admit(order.demand)
-        reply: jobs.Reply = await self.workers.run(ticket, replace(work, job=Traced(work.job, trace.carried())), told)
+        reply: jobs.Reply = await self.workers.run(ticket, replace(work, job=Traced(work.job, trace.carried())), report)
         match reply:
             case jobs.Answer():
                 trace.answered(reply.outcome, reply.reason, reply.stages)
@@ -227,7 +226,7 @@ class Service:
                 raise reply
             case jobs.Fault():
                 where = list(reply.where)
-                self.meters.fault()
+                self.meters.faults.inc()
                 event("a worker met a fault", logging.ERROR, fault=reply.name, where=where, digest=work.key)
                 raise Problem("fault", f"The planner met a fault of its own; it is logged with digest {work.key}.")
 
@@ -250,8 +249,3 @@ def _scenario_name(document: dict[str, Any]) -> str:
     if not isinstance(document["scenario"], str):
         raise Problem.of_input(InputError("scenario", document["scenario"], "the name of a shipped scenario"))
     return document["scenario"]
-
-
-def _digest(kind: str, *asked: str | bytes) -> str:
-    data = [each.encode() if isinstance(each, str) else each for each in asked]
-    return hashlib.sha256(b"\n".join((kind.encode(), *data))).hexdigest()

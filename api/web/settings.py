@@ -135,7 +135,7 @@ class Settings:
     connections: int = _setting(
         512,
         _whole(1, 100_000),
-        "connections at a time; beyond this, a new one replaces the one that has been idle longest",
+        "connections at a time; beyond this, a new one replaces the one that has waited longest for its client",
     )
     log_level: str = _setting("info", _one_of(*LOG_LEVELS), "lowest severity that is logged")
     short_s: float = _setting(2.0, _seconds(0.0, 120.0), "largest sum of budget_s and explain_budget_s of a short plan")
@@ -162,14 +162,10 @@ class Settings:
     mesh_kept_s: float = _setting(
         604_800.0, _seconds(1.0, 1e9), "time for which a file in that folder is kept after its upload or last use"
     )
-    connections_per_address: int = _setting(
-        256, _whole(1, 100_000), "connections at a time of one address, also of a proxy"
-    )
     header_s: float = _setting(
         5.0, _seconds(0.1, 600.0), "time limit for the headers, from the connection or from their first byte"
     )
     keep_alive_s: float = _setting(75.0, _seconds(0.1, 3600.0), "time for which an idle connection is kept open")
-    write_s: float = _setting(20.0, _seconds(0.1, 3600.0), "time limit for a client to take 64 KiB of its answer")
     drain_s: float = _setting(
         0.0,
         _seconds(0.0, 3600.0),

@@ -1,7 +1,7 @@
 """Who is let in, and when the others should come again: the books of what is waited for and what is worked on.
 
 What a request will take is expected from what those before it took of the time that they might have taken. So a
-queue that is long but quick is told from one that is short but slow, and a request that would wait longer than the
+long queue of quick requests differs from a short one of slow requests, and a request that would wait longer than the
 service lets it wait is refused when it comes, not when it has waited.
 
 Each client gets the same share of the workers' time, by start-time fair queueing (Goyal, Vin, Cheng 1996): a request is
@@ -27,7 +27,7 @@ FIRST_SHARE = 0.1
 NEWS = 0.2
 """Weight of the last request in what is expected of the next."""
 LONGEST_S = 3600.0
-"""Longest time after which a client is told to come again, s."""
+"""Longest time after which a client is to come again, s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,7 +170,7 @@ class Admission:
             return
         now = self._clock()
         self._balances[client.name] = self._balance(client) - took_s, now
-        # who owes nothing and has not asked for a minute has all of its seconds again, as one who is not known
+        # a client that owes nothing and has sent nothing for a minute has all of its seconds again, as an unknown one
         self._balances = {
             name: (balance, at) for name, (balance, at) in self._balances.items() if balance < 0.0 or now - at < 60.0
         }
@@ -254,7 +254,7 @@ def busy(after_s: float, why: str) -> Problem:
 
 
 def too_many(after_s: float, why: str) -> Problem:
-    """The problem of a client that has asked for its share; it may ask again after a time, s."""
+    """The problem of a client that has used its share; it may come again after a time, s."""
     return _again("too-many-requests", after_s, why)
 
 

@@ -1,4 +1,4 @@
-"""Who asks, and how much of the service is theirs."""
+"""The client of a request, and how much of the service is theirs."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from math import inf
 
 @dataclass(frozen=True, slots=True)
 class Client:
-    """One who asks: the holder of a key, or whoever comes from one address.
+    """One client: the holder of a key, or all who use one address.
 
     `name`: for the books and the log. `running` and `waiting`: so many of its requests are worked on, and wait, at a
     time; inf: no limit of its own. `seconds`: so many seconds of workers are its own each minute.

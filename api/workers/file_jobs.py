@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from assur.api.checked_report import checked_report
 from assur.api.documents import to_json
-from assur.api.version import version
 from assur.api.workers.jobs import Answer, Reply, bordered, how_planned, request_in
 from assur.api.workers.worker_process import Line
 from assur.scenes.exports.documents import export_document
 from assur.scenes.exports.export import file_bytes
-from assur.scenes.requests import cell_of, plan_document, plan_scenario, report_page, shipped, verdict_on
+from assur.scenes.requests import cell_of, plan_document, plan_scenario, shipped
 
 REPORT, TITLE = "report", "plan"
 MEDIA_TYPES = {
@@ -34,8 +34,8 @@ HEADERS = {
 
 
 def plan_file(source: bytes | str, how: dict[str, Any], most_budget_s: float, line: Line) -> Reply:
-    """The file of a plan: of the request in a body, or of the shipped scenario of that name. `how`: as an export is
-    asked for, or {"format": "report"}. Where there is no plan, the answer that says so, with the status 409; a report
+    """The file of a plan: of the request in a body, or of the shipped scenario of that name. `how`: the fields of
+    an export, or {"format": "report"}. Where there is no plan, the answer that says so, with the status 409; a report
     of it is a page like any other."""
     given = how_planned("full", most_budget_s, line)
     laps, form = given["laps"], how["format"]
@@ -51,9 +51,7 @@ def plan_file(source: bytes | str, how: dict[str, Any], most_budget_s: float, li
         status, reason = answer["status"], str(answer.get("reason", ""))
         stated = {"Assur-Status": status, "Assur-Request-Digest": answer["request_digest"]}
         if form == REPORT:
-            cell = cell_of(request, folder=folder)
-            verdict = verdict_on(cell, answer)
-            page = report_page(cell, answer, title=TITLE, about=about, verdict=verdict, version=version())
+            page, verdict = checked_report(cell_of(request, folder=folder), answer, TITLE, about)
             laps.lap("draw")
             stated |= {} if verdict is None else {"Assur-Verdict": "right" if verdict["ok"] else "wrong"}
             return Answer(page.encode(), status, reason, laps.seconds, media_type=MEDIA_TYPES[form], headers=stated)

@@ -13,10 +13,10 @@ from dataclasses import asdict, dataclass, field
 from functools import wraps
 from typing import Any
 
+from assur.api.checked_report import checked_report
 from assur.api.documents import to_json
 from assur.api.logs import where
 from assur.api.problems import FieldError, Problem, shown
-from assur.api.version import version
 from assur.api.workers.worker_process import CalledOffError, Line, Tell
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.deadline import Progress, Stopwatch
@@ -33,9 +33,7 @@ from assur.scenes.requests import (
     parse_json,
     plan_document,
     plan_scenario,
-    report_page,
     shipped,
-    verdict_on,
     view_document,
     with_options,
 )
@@ -91,8 +89,8 @@ class Fault:
     where: tuple[str, ...]
 
 
-TOLD_S = 0.1
-"""How far a search has come is told this often, s."""
+PROGRESS_S = 0.1
+"""The progress of a search is reported this often, s."""
 Reply = Answer | Problem | Fault
 
 
@@ -134,7 +132,7 @@ def plan_shipped(name: str, options: dict[str, Any], certificate: Detail, most_b
 
 
 def how_planned(certificate: Detail, most_budget_s: float, line: Line) -> dict[str, Any]:
-    """How every request is planned here. What it means is said as soon as it is known to be valid, before meshes and
+    """How every request is planned here. Its meaning is reported as soon as it is known to be valid, before meshes and
     kernels work on it."""
     return {
         "certificate": certificate,
@@ -147,13 +145,13 @@ def how_planned(certificate: Detail, most_budget_s: float, line: Line) -> dict[s
 
 
 def _watch(tell: Tell) -> Callable[[Progress], None]:
-    """Tells every `TOLD_S`, and of each better plan; whether the job is called off is asked each time."""
+    """Reports every `PROGRESS_S`, and of each better plan; whether the job is called off is read each time."""
     last: Progress | None = None
 
     def watch(progress: Progress) -> None:
         nonlocal last
         better = last is None or (progress.stage, progress.duration_s) != (last.stage, last.duration_s)
-        if better or last is None or progress.elapsed_s - last.elapsed_s >= TOLD_S:
+        if better or last is None or progress.elapsed_s - last.elapsed_s >= PROGRESS_S:
             last = progress
             tell(asdict(progress))
         else:
@@ -226,9 +224,8 @@ def report(document: dict[str, Any]) -> str:
             raise InputError(name, document[name], f"a text of up to {LONGEST_TEXT} characters")
     if not isinstance(document["plan"], dict):
         raise InputError("plan", document["plan"], "an answer")
-    cell, plan = cell_of(document["request"]), document["plan"]
-    told = {name: document[name] for name in ("title", "about")}
-    return report_page(cell, plan, **told, verdict=verdict_on(cell, plan), version=version())
+    page, _ = checked_report(cell_of(document["request"]), document["plan"], document["title"], document["about"])
+    return page
 
 
 def cover(digest: str, form: str, unit: str, line: Line) -> Reply:
@@ -265,17 +262,17 @@ def parse(document: dict[str, Any]) -> dict[str, Any]:
 
 
 @of_body(EXPORTED, "export", "format", left_out=TEXTS)
-def export(asked: dict[str, Any]) -> dict[str, Any]:
+def export(question: dict[str, Any]) -> dict[str, Any]:
     """The export of the plan in {"request": ..., "plan": ..., "format": ...}."""
-    request, plan = _taken(asked, "request"), _taken(asked, "plan")
-    return export_document(request, plan, asked)
+    request, plan = _taken(question, "request"), _taken(question, "plan")
+    return export_document(request, plan, question)
 
 
 @of_body("a request, a file and its format", "check", "ok")
-def check_trajectory(asked: dict[str, Any]) -> dict[str, Any]:
+def check_trajectory(question: dict[str, Any]) -> dict[str, Any]:
     """The verdict on the trajectory in {"request": ..., "file": ..., "format": ...}."""
-    request, plan = _taken(asked, "request"), asked.pop("plan", None)
-    return check_trajectory_document(request, asked, plan)
+    request, plan = _taken(question, "request"), question.pop("plan", None)
+    return check_trajectory_document(request, question, plan)
 
 
 def _unmarked(document: dict[str, Any], *fields: str) -> dict[str, Any]:
@@ -295,7 +292,7 @@ def _taken(document: dict[str, Any], field: str) -> Any:
 
 
 def request_in(body: bytes) -> dict[str, Any]:
-    """The document in `body`, parsed and not looked at. Raises `Problem` where there is none."""
+    """The document in `body`, parsed and not validated. Raises `Problem` where there is none."""
     return _parsed(body, 'a request, or {"scenario": NAME}')
 
 
@@ -310,8 +307,8 @@ def options_in(body: bytes) -> dict[str, Any]:
     try:
         read(OptionsDocument, options)
     except DocumentError as error:
-        told = error.relocated(lambda field: "options" if field == WHOLE else f"options.{field}")
-        raise Problem.of_input(told) from error
+        named = error.relocated(lambda field: "options" if field == WHOLE else f"options.{field}")
+        raise Problem.of_input(named) from error
     return dict(options)
 
 
@@ -352,14 +349,14 @@ def _guarded(work: Callable[[], dict[str, Any] | str], says: str, laps: Stopwatc
     return bordered(answered)
 
 
-def _word(said: object) -> str:
+def _word(outcome: object) -> str:
     """What a document says, in a word: a status as it is, a verdict as `right` or `wrong`."""
-    return {True: "right", False: "wrong"}[said] if isinstance(said, bool) else str(said)
+    return {True: "right", False: "wrong"}[outcome] if isinstance(outcome, bool) else str(outcome)
 
 
 def _repeatable(document: dict[str, Any]) -> bool:
     """Whether an answer is a plan, or a refusal of one, that no clock had a say in. Changes that would help a refused
-    request are looked for until their budget is spent: what came of it is not said to be repeatable."""
+    request are searched until their budget is spent: the result is not stated to be repeatable."""
     helped = document.get("explain_budget_spent") or document.get("tried") or document.get("relaxation")
     return document.get("cut_by_clock") is False and not helped
 
@@ -376,5 +373,5 @@ def bordered(work: Callable[[], Answer]) -> Reply:
         return Problem.of_input(error)
     except MemoryError:
         os._exit(errno.ENOMEM)  # nothing that was allocated meanwhile can be trusted to be whole
-    except Exception as error:  # noqa: BLE001 - the border of the process: told to the web process, logged there
+    except Exception as error:  # noqa: BLE001 - the border of the process: reported to the web process, logged there
         return Fault(type(error).__name__, tuple(where(error.__traceback__)))

@@ -16,7 +16,7 @@ from typing import Any
 
 from assur.api.logs import LOGGER, event
 from assur.api.problems import Problem
-from assur.api.telemetry.meters import Meters, Readings, parent_of
+from assur.api.telemetry.meters import Meters, parent_of
 from assur.api.telemetry.trace import current
 from assur.api.web.settings import Settings
 from assur.api.workers.admission import Admission, Places
@@ -64,36 +64,42 @@ class Workers:
     def __init__(self, settings: Settings, warm: Callable[[], Any], meters: Meters | None = None) -> None:
         self._settings = settings
         self.meters = meters or Meters()
-        self.meters.workers(self.readings)
         self._processes = [WorkerProcess(settings.worker_mib, warm, settings.warm_s) for _ in range(settings.processes)]
         self._free: set[int] = set()
-        self._admission = Admission(
-            Places(settings.processes, settings.reserved, settings.queue, settings.queue_wait_s), self._open
-        )
+        places = Places(settings.processes, settings.reserved, settings.queue, settings.queue_wait_s)
+        self.admission = Admission(places, self._open)
         self._given: dict[Ticket, asyncio.Future[int]] = {}
         self._recalls: dict[Ticket, asyncio.Future[None]] = {}
         self._filling: set[int] = set()
         self._awaited: dict[int, asyncio.Future[None]] = {}
-        self._quarantine = Quarantine(settings.quarantine_s)
+        self.quarantine = Quarantine(settings.quarantine_s)
         self._tasks: set[asyncio.Task[None]] = set()
         self._warmed: set[int] = set()
         self.trouble = ""
         """Why the last worker that was started did not start; empty once one did."""
+        self._measure()
 
-    def readings(self) -> Readings:
-        """The workers as they are now, for the metrics."""
-        processes = tuple(process.pid for process in self._processes)
-        parents = {parent_of(pid) for pid in processes if pid is not None} - {None, os.getpid(), 1}
-        return Readings(
-            waiting=self._admission.waiting,
-            running=self._admission.running,
-            owed_s=self._admission.owed_s,
-            ready=sum(process.open for process in self._processes),
-            total=len(self._processes),
-            quarantined=len(self._quarantine),
-            processes=processes,
-            template=min(parents, default=None),  # type: ignore[type-var]
+    def _measure(self) -> None:
+        """Adds the workers, and the requests for them, to the metrics."""
+        gauge, books = self.meters.gauge, self.admission
+        gauge("assur_requests_waiting", "Requests that wait for a worker.", lambda: books.waiting)
+        gauge("assur_requests_running", "Requests that a worker works on.", lambda: books.running)
+        gauge("assur_owed_seconds", "What all accepted requests are expected to take yet, s.", lambda: books.owed_s)
+        gauge("assur_workers", "Workers that there should be.", lambda: self.total)
+        gauge(
+            "assur_workers_ready",
+            "Workers that can take a request, or work on one.",
+            lambda: sum(process.open for process in self._processes),
         )
+        gauge("assur_quarantined_requests", "Requests that are not tried again.", lambda: len(self.quarantine))
+        self.meters.memory(self.processes)
+
+    def processes(self) -> dict[str, int | None]:
+        """The numbers of the web process, of each worker and of the template of the workers; None: not started yet."""
+        workers = {f"worker-{number}": process.pid for number, process in enumerate(self._processes)}
+        parents = {parent_of(pid) for pid in workers.values() if pid is not None} - {None, os.getpid(), 1}
+        template = min(parents, default=None)  # type: ignore[type-var]
+        return {"web": os.getpid(), "template": template, **workers}
 
     @property
     def ready(self) -> bool:
@@ -109,16 +115,6 @@ class Workers:
     def total(self) -> int:
         """How many workers there are."""
         return len(self._processes)
-
-    @property
-    def admission(self) -> Admission:
-        """The books of what waits and what is worked on."""
-        return self._admission
-
-    @property
-    def quarantined(self) -> int:
-        """How many keys of requests are in quarantine."""
-        return len(self._quarantine)
 
     def start(self) -> None:
         """Starts all workers in the background; returns at once."""
@@ -137,12 +133,12 @@ class Workers:
     def require_room(self, client: Client) -> None:
         """Raises the `Problem` of a client whose request would be turned away, whatever it is: too-many-requests,
         busy."""
-        self._admission.require_room(client)
+        self.admission.require_room(client)
 
     def admit(self, demand: Demand) -> Ticket:
         """Accepts a request, which waits from now on: `run` it, or `give_up` its ticket. Raises `Problem`:
         too-many-requests, busy."""
-        ticket = self._admission.enter(demand)
+        ticket = self.admission.enter(demand)
         self._given[ticket] = asyncio.get_running_loop().create_future()
         self._hand_out()
         return ticket
@@ -150,25 +146,25 @@ class Workers:
     def give_up(self, ticket: Ticket) -> None:
         """Ends a ticket that was not run; one that has ended stays so."""
         given = self._given.pop(ticket, None)
-        self._admission.leave(ticket)
+        self.admission.leave(ticket)
         if given is not None and given.done() and not given.cancelled():
             self._leave(given.result())
 
-    async def run(self, ticket: Ticket, work: Work, told: Tell | None = None) -> Any:
-        """What the job of `work` returns in a worker, once it is the turn of `ticket`, which ends here. `told` takes
+    async def run(self, ticket: Ticket, work: Work, report: Tell | None = None) -> Any:
+        """What the job of `work` returns in a worker, once it is the turn of `ticket`, which ends here. `report` takes
         how far the job has come. Cancelling it: as `WorkerProcess.run` has it.
 
         Raises `Problem`: busy, not-ready, quarantined, worker-crashed, worker-timeout.
         """
         number = None
         try:
-            self._quarantine.refuse(work.key)
+            self.quarantine.refuse(work.key)
             while True:
                 number = await self._number(ticket)
                 current().queued_s = ticket.waited_s
                 self.meters.queued(ticket.waited_s)
                 try:
-                    return await self._on(number, work, ticket, told)
+                    return await self._on(number, work, ticket, report)
                 except RecalledError:
                     self._put_back(ticket, number)
         except asyncio.CancelledError:
@@ -192,23 +188,23 @@ class Workers:
         except TimeoutError as late:
             if not self.ready:
                 raise Problem("not-ready", f"No worker was ready within {late_s:g} s.", again_s=5) from late
-            raise self._admission.full() from late
+            raise self.admission.full() from late
 
     def _put_back(self, ticket: Ticket, number: int) -> None:
         """Has a request wait again, and frees the worker that it had borrowed."""
-        self._admission.put_back(ticket)
+        self.admission.put_back(ticket)
         self._given[ticket] = asyncio.get_running_loop().create_future()
         self._leave(number)
 
-    async def _on(self, number: int, work: Work, ticket: Ticket, told: Tell | None) -> Any:
+    async def _on(self, number: int, work: Work, ticket: Ticket, report: Tell | None) -> Any:
         """What the job returns on worker `number`, or on fresh ones in its place. Raises `RecalledError`."""
         meanings: list[str] = []
 
         def hear(value: Any) -> None:
             if isinstance(value, Meaning):
                 meanings.append(value.digest)
-            elif told is not None:
-                told(value)
+            elif report is not None:
+                report(value)
 
         deaths = 0
         while True:
@@ -216,7 +212,7 @@ class Workers:
                 raise RecalledError
             if not self._processes[number].open:
                 await self._renewed(number)
-            about = About(self._quarantine.left_s(), suspect=deaths > 0) if work.in_touch else None
+            about = About(self.quarantine.left_s(), suspect=deaths > 0) if work.in_touch else None
             try:
                 wall_s = ticket.demand.wall_s
                 running = self._processes[number].run(
@@ -233,7 +229,7 @@ class Workers:
                 if deaths > RETRIES:
                     event("request quarantined", logging.ERROR, digest=work.key, for_s=self._settings.quarantine_s)
                     why = f"The last of {deaths} workers {died.how}. "
-                    raise self._quarantine.add(work.key, *meanings, why=why) from died
+                    raise self.quarantine.add(work.key, *meanings, why=why) from died
 
     async def _unless_recalled(self, ticket: Ticket, running: Coroutine[Any, Any, Any]) -> Any:
         """What `running` returns. Raises `RecalledError` where the worker is wanted back; then it was called off."""
@@ -277,11 +273,11 @@ class Workers:
             self._refill(number)
         for lend in (False, True):
             for number in sorted(self._free):
-                ticket = self._admission.next(number, lend=lend)
+                ticket = self.admission.next(number, lend=lend)
                 if ticket is not None:
                     self._free.discard(number)
                     self._given[ticket].set_result(number)
-        recalled = self._admission.recall()
+        recalled = self.admission.recall()
         if recalled is not None and recalled in self._recalls:
             self._recalls[recalled].set_result(None)
 

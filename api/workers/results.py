@@ -5,13 +5,13 @@ Kept is what the same request would get again: a plan or a refusal that no clock
 
 from __future__ import annotations
 
-import hashlib
 import time
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from assur.api.documents import digest_of
 from assur.api.telemetry.meters import Meters
 from assur.api.workers import jobs
 
@@ -28,7 +28,7 @@ class Kept:
 
 
 class Results:
-    """The latest answers, up to a number of bytes in all; that which was asked for longest ago goes first."""
+    """The latest answers, up to a number of bytes in all; the least recently used goes first."""
 
     def __init__(self, most_bytes: int, build: str, meters: Meters) -> None:
         self._most, self._build, self._meters = most_bytes, build, meters
@@ -42,7 +42,7 @@ class Results:
         if not self._wanted(job):
             return None
         kept = self._kept.get(key := self._key(job, arguments))
-        self._meters.looked_up(hit=kept is not None)
+        self._meters.results.labels("miss" if kept is None else "hit").inc()
         if kept is None:
             return None
         self._kept.move_to_end(key)
@@ -66,9 +66,7 @@ class Results:
         return self._most > 0 and job in (jobs.plan, jobs.plan_shipped)
 
     def _key(self, job: Callable[..., Any], arguments: tuple[Any, ...]) -> str:
-        """The digest of all that the answer depends on: the build, what is asked, the body and its parameters."""
-        found = hashlib.sha256()
-        for part in (self._build, job.__name__, *arguments):
-            data = part if isinstance(part, bytes) else str(part).encode()
-            found.update(b"%d\n" % len(data) + data)
-        return found.hexdigest()
+        """The digest of all that the answer depends on: the build, the kind of work, the body and its parameters."""
+        return digest_of(
+            self._build, job.__name__, *(each if isinstance(each, bytes) else str(each) for each in arguments)
+        )

@@ -38,7 +38,7 @@ LENGTH = struct.Struct("!Q")
 """Stands before each pickle: its length in bytes."""
 ENDS_S = 2.0
 """A job that listens and is not wanted any more has so long to end, s, before its worker is killed: a search asks each
-round. Any other has the rest of its time, so that whoever comes and goes costs nobody a worker."""
+round. Any other has the rest of its time, so that a client that leaves costs nobody a worker."""
 
 NO_MEMORY = "ended for want of memory"
 """How a worker died that had no memory left."""
@@ -69,7 +69,7 @@ class Meaning:
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """What a job in touch is told. `banned`: the keys of requests in quarantine, and for how long they are, s;
+    """What a job in touch gets. `banned`: the keys of requests in quarantine, and for how long they are, s;
     `suspect`: a worker has died under this very request."""
 
     banned: dict[str, float]
@@ -192,7 +192,7 @@ def _context() -> ForkServerContext:
     try:
         tempfile.gettempdir()
     except FileNotFoundError:
-        tempfile.tempdir = SHARED  # the socket by which the template is asked needs a folder, and no other file is made
+        tempfile.tempdir = SHARED  # the socket of the template needs a folder, and no other file is made
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(list(TEMPLATE))
     return context
@@ -258,14 +258,14 @@ class WorkerProcess:
         job: Callable[..., Any],
         arguments: tuple[Any, ...],
         wall_s: float,
-        told: Tell | None = None,
+        report: Tell | None = None,
         about: About | None = None,
         *,
         listens: bool = False,
     ) -> Any:
         """What `job(*arguments)` returns, or raises, in the worker. Both are pickled.
 
-        `about`: the job is in touch: it takes one more argument, a `Line`, and `told` takes what it says there.
+        `about`: the job is in touch: it takes one more argument, a `Line`, and `report` takes what it sends there.
         `listens`: it asks there whether it is called off, which cancelling does; it is killed if it does not end
         within `ENDS_S`. Any other goes on when this is cancelled, up to `wall_s`, and its result is dropped; the second
         time it is killed. The process stays if the job has ended.
@@ -278,7 +278,9 @@ class WorkerProcess:
         self.jobs += 1
         try:
             ends_s = ENDS_S if listens else wall_s
-            succeeded, value = await self._in_time(self._streams, (job, arguments, about), wall_s, told, ends_s=ends_s)
+            succeeded, value = await self._in_time(
+                self._streams, (job, arguments, about), wall_s, report, ends_s=ends_s
+            )
         except BaseException:
             if not self._ended_early:
                 self._spoilt = True
@@ -305,7 +307,7 @@ class WorkerProcess:
         streams: tuple[asyncio.StreamReader, asyncio.StreamWriter],
         job: tuple[Callable[..., Any], tuple[Any, ...], About | None],
         wall_s: float,
-        told: Tell | None = None,
+        report: Tell | None = None,
         *,
         ends_s: float = 0.0,
     ) -> tuple[bool, Any]:
@@ -315,7 +317,7 @@ class WorkerProcess:
         """
         self._ended_early = False
         end_s = asyncio.get_running_loop().time() + wall_s
-        exchange = asyncio.ensure_future(self._exchange(streams, job, told))
+        exchange = asyncio.ensure_future(self._exchange(streams, job, report))
         try:
             async with asyncio.timeout(wall_s):
                 return await asyncio.shield(exchange)
@@ -333,7 +335,7 @@ class WorkerProcess:
         self,
         streams: tuple[asyncio.StreamReader, asyncio.StreamWriter],
         job: tuple[Callable[..., Any], tuple[Any, ...], About | None],
-        told: Tell | None,
+        report: Tell | None,
     ) -> tuple[bool, Any]:
         reader, writer = streams
         data = pickle.dumps(job)
@@ -351,8 +353,8 @@ class WorkerProcess:
                 if kind == RESULT:
                     reply: tuple[bool, Any] = value
                     return reply
-                if told is not None:
-                    told(value)
+                if report is not None:
+                    report(value)
         except (asyncio.IncompleteReadError, ConnectionError) as gone:
             raise CrashedError(_how(await self._exit_code())) from gone
 

@@ -14,6 +14,12 @@ from tests.api.running import running
 
 
 @pytest.fixture(scope="session")
+def anyio_backend() -> str:
+    """The library in whose event loop tests run that are coroutines (`pytest.mark.anyio`)."""
+    return "asyncio"
+
+
+@pytest.fixture(scope="session")
 def client() -> Iterator[httpx.Client]:
     """A client of a service that is ready."""
     with running() as made:

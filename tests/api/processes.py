@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -32,12 +32,16 @@ class Server:
     raw: list[bytes] = field(default_factory=list)
 
     @property
+    def address(self) -> str:
+        return f"http://127.0.0.1:{self.port}"
+
+    @property
     def port(self) -> int:
         until(lambda: bool(self.events("listening")) or self.process.poll() is not None)
         return int(self.events("listening")[0]["port"])
 
     def client(self) -> httpx.Client:
-        return httpx.Client(base_url=f"http://127.0.0.1:{self.port}", timeout=150.0)
+        return httpx.Client(base_url=self.address, timeout=150.0)
 
     def ready(self) -> bool:
         with self.client() as client:
@@ -71,17 +75,24 @@ def until(true: Callable[[], bool], within_s: float = 150.0) -> None:
         time.sleep(0.02)
 
 
-def environment(**settings: str) -> dict[str, str]:
-    """This process's environment with these settings and no others, by their names without the prefix."""
-    kept = {name: value for name, value in os.environ.items() if not name.startswith("ASSUR_")}
+def environment(others: Mapping[str, str] = os.environ, /, **settings: str) -> dict[str, str]:
+    """An environment (default: this process's) with these settings and no others, by their names without the prefix."""
+    kept = {name: value for name, value in others.items() if not name.startswith("ASSUR_")}
     return {**kept, **{f"ASSUR_{name}": value for name, value in settings.items()}}
 
 
 @contextlib.contextmanager
-def serving(port: int = 0, **settings: str) -> Iterator[Server]:
-    """A service on `port` (0: any free one), with these settings."""
-    command = [sys.executable, "-m", "assur.api.command_line", "serve", "--port", str(port)]
-    process = subprocess.Popen(command, cwd=ROOT, env=environment(**settings), stderr=subprocess.PIPE)
+def serving(
+    port: int = 0,
+    *,
+    program: Sequence[str] = (sys.executable, "-m", "assur.api.command_line"),
+    folder: Path = ROOT,
+    others: Mapping[str, str] = os.environ,
+    **settings: str,
+) -> Iterator[Server]:
+    """A service on `port` (0: any free one), with these settings: a `program` that runs in a `folder`."""
+    command, given = [*program, "serve", "--port", str(port)], environment(others, **settings)
+    process = subprocess.Popen(command, cwd=folder, env=given, stderr=subprocess.PIPE)
     server = Server(process)
     reader = threading.Thread(target=server.read)
     reader.start()
@@ -91,7 +102,7 @@ def serving(port: int = 0, **settings: str) -> Iterator[Server]:
         if process.poll() is None:
             process.send_signal(signal.SIGTERM)
         try:
-            process.wait(60)
+            assert process.wait(60) in (0, -signal.SIGKILL), b"".join(server.raw)
         finally:
             process.kill()
             process.wait()

@@ -8,17 +8,16 @@ from typing import Any
 
 import httpx
 import pytest
-from typer.testing import CliRunner
 
 from assur.api.cli.border import BAD_INPUT
-from assur.api.command_line import app
 from assur.api.problems import MEDIA_TYPE
 from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.planner.errors import InputError
 from assur.scenes.faults import MOST_FAULTS
 from assur.scenes.requests import parse_json, scene_of
-from tests.api.bad_bodies import BAD_BODIES, BadBody
+from tests.api.bad_bodies import BAD_BODIES, BAD_CALLS, BadBody
+from tests.api.test_command_line import run as in_parts
 from tests.scenes.bad_requests import BAD_REQUESTS, GOOD_REQUEST, Bad
 
 JSON = {"content-type": "application/json"}
@@ -105,25 +104,12 @@ def test_a_bad_request_is_refused_in_a_check_too(client: httpx.Client, bad: Bad)
     assert document["errors"][0]["field"].endswith(bad.field)
 
 
-@pytest.mark.parametrize(
-    "body",
-    [
-        b"{}",
-        b"[]",
-        b'{"request": {}}',
-        b'{"plan": {}}',
-        b'{"request": {}, "plan": {}, "more": {}}',
-        json.dumps({"request": FIRST_PLAN, "plan": {}}).encode(),
-        json.dumps({"request": FIRST_PLAN, "plan": []}).encode(),
-        json.dumps({"request": FIRST_PLAN, "plan": None}).encode(),
-        json.dumps({"request": FIRST_PLAN, "plan": {"status": "planned", "trajectory": {}}}).encode(),
-        json.dumps({"request": None, "plan": None}).encode(),
-    ],
-    ids=lambda body: body.decode()[-40:],
-)
-def test_a_check_of_something_else_than_a_request_and_a_plan_is_refused(client: httpx.Client, body: bytes) -> None:
-    document = problem(client.post("/v1/plans/check", content=body, headers=JSON), 422)
-    assert document["errors"][0]["field"] != ""
+@pytest.mark.parametrize(("address", "body", "field"), BAD_CALLS, ids=lambda value: str(value)[:40])
+def test_a_bad_call_is_refused_by_the_name_of_its_field(
+    client: httpx.Client, address: str, body: Any, field: str
+) -> None:
+    document = problem(client.post(address, json=body), 404 if "nowhere" in address else 422)
+    assert document["errors"][0]["field"] == field
 
 
 @pytest.mark.parametrize("bad", [bad for bad in BAD_BODIES if bad.status == 400], ids=lambda bad: bad.name)
@@ -179,26 +165,11 @@ def test_a_compressed_body_is_refused(client: httpx.Client) -> None:
     assert (document["errors"][0]["field"], document["errors"][0]["value"]) == ("Content-Encoding", "gzip")
 
 
-@pytest.mark.parametrize(
-    "query", ["certificate=none", "certificate=", "certificate=full&certificate=x", "certificate=%00"]
-)
-def test_a_parameter_that_is_not_allowed_is_refused_by_name(client: httpx.Client, query: str) -> None:
-    document = problem(client.post(f"/v1/plans?{query}", json=FIRST_PLAN), 422)
-    assert document["errors"][0]["field"] == "certificate"
-
-
-@pytest.mark.parametrize("query", ["certficate=digest", "budget_s=1", "certificate=full&x=1"])
-def test_a_parameter_that_is_not_known_is_refused_by_name(client: httpx.Client, query: str) -> None:
-    document = problem(client.post(f"/v1/plans?{query}", json=FIRST_PLAN), 422)
-    assert document["errors"][0]["field"] in ("certficate", "budget_s", "x")
-
-
 def run(*arguments: str) -> tuple[int, str]:
     """Exit code and everything that the command printed."""
-    result = CliRunner().invoke(app, list(arguments))
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    assert "Traceback" not in result.output
-    return result.exit_code, result.output
+    code, output, errors = in_parts(*arguments)
+    assert "Traceback" not in output + errors
+    return code, output + errors
 
 
 def assert_only_faults(output: str) -> None:

@@ -11,10 +11,8 @@ from pathlib import Path
 
 import httpx
 import pytest
-from typer.testing import CliRunner
 
 import assur
-from assur.api.command_line import app
 from assur.api.keys import digest, keys_in, new_key
 from assur.api.problems import Problem
 from assur.api.web import clients
@@ -24,11 +22,7 @@ from assur.api.web.settings import Settings
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.planner.errors import InputError
 from tests.api.running import PATIENT, running
-
-
-def command(*words: str) -> tuple[int, str, str]:
-    result = CliRunner().invoke(app, list(words))
-    return result.exit_code, result.stdout, result.stderr
+from tests.api.test_command_line import run
 
 
 @pytest.fixture
@@ -37,7 +31,7 @@ def file(tmp_path: Path) -> Path:
 
 
 def added(file: Path, name: str, *options: str) -> str:
-    code, shown, told = command("keys", "add", str(file), name, *options)
+    code, shown, told = run("keys", "add", str(file), name, *options)
     assert code == 0, told
     return shown.strip()
 
@@ -54,11 +48,11 @@ def test_a_key_is_shown_once_and_only_its_digest_is_kept(file: Path) -> None:
 def test_keys_are_listed_and_removed(file: Path) -> None:
     added(file, "line-3", "--waiting", "0")
     added(file, "line-4")
-    code, shown, _ = command("keys", "list", str(file))
+    code, shown, _ = run("keys", "list", str(file))
     assert code == 0
     assert shown.splitlines()[0].startswith("line-3")
     assert "waiting 0" in shown
-    assert command("keys", "remove", str(file), "line-3")[0] == 0
+    assert run("keys", "remove", str(file), "line-3")[0] == 0
     assert [key.name for key in keys_in(file).keys] == ["line-4"]
 
 
@@ -79,7 +73,7 @@ def test_a_wrong_command_says_what_is_allowed_and_changes_nothing(
 ) -> None:
     added(file, "line-3")
     before = file.read_bytes()
-    code, shown, told = command("keys", *[str(file) if word == "FILE" else word for word in words])
+    code, shown, told = run("keys", *[str(file) if word == "FILE" else word for word in words])
     assert (code, shown) == (2, "")
     assert says in told
     assert file.read_bytes() == before
@@ -142,7 +136,7 @@ def test_whoever_has_no_key_is_refused(file: Path, header: str | None) -> None:
 def test_a_file_that_changes_counts_without_a_restart_and_a_broken_one_does_not(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(clients, "LOOKED_AT_S", 0.0)
+    monkeypatch.setattr(clients, "REREAD_S", 0.0)
     old = added(file, "old")
     known = Clients(Settings(keys_file=str(file)))
     new = added(file, "new")

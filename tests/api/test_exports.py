@@ -21,13 +21,7 @@ from assur.scenes.exports.documents import check_trajectory_document, export_doc
 from assur.scenes.plan_file import PlanFile
 from assur.scenes.report.report import ONLY_PROVED
 from assur.scenes.requests import assumptions_of
-
-
-def run(*arguments: str) -> tuple[int, str, str]:
-    """Exit code, standard output, standard error."""
-    result = CliRunner().invoke(app, list(arguments))
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    return result.exit_code, result.stdout, result.stderr
+from tests.api.test_command_line import run
 
 
 @pytest.fixture(scope="module")
@@ -141,15 +135,6 @@ def test_a_model_is_written_as_bytes(tmp_path: Path, files: tuple[str, str], ans
     assert (code, "tick_s" in errors) == (BAD_INPUT, True)
 
 
-def test_a_model_over_http_is_the_same(client: httpx.Client, answer: dict[str, Any]) -> None:
-    body = {"request": FIRST_PLAN, "plan": answer, "format": "glb"}
-    found = client.post("/v1/plans/export", json=body).json()
-    assert (found["encoding"], found["file"]) == (
-        "base64",
-        export_document(FIRST_PLAN, answer, {"format": "glb"})["file"],
-    )
-
-
 def test_what_cannot_be_read_or_written_is_told(tmp_path: Path, files: tuple[str, str]) -> None:
     cell, made = files
     nowhere = str(tmp_path / "no" / "x.csv")
@@ -174,25 +159,6 @@ def test_over_http_as_in_python(client: httpx.Client, answer: dict[str, Any]) ->
     assert verdict.json()["ok"] is True
     with_legs = client.post("/v1/trajectories/check", json={"request": FIRST_PLAN, "plan": answer, **question})
     assert (with_legs.json()["ok"], with_legs.json()["judged_as"]) == (True, "plan")
-
-
-@pytest.mark.parametrize(
-    ("address", "body", "field"),
-    [
-        ("/v1/plans/export", {"format": "csv", "plan": {}}, "request"),
-        ("/v1/plans/export", {"format": "csv", "request": FIRST_PLAN}, "plan"),
-        ("/v1/plans/export", {"format": "dxf", "request": FIRST_PLAN, "plan": {}}, "format"),
-        ("/v1/trajectories/check", {"format": "csv", "file": ""}, "request"),
-        ("/v1/trajectories/check", {"format": "csv", "request": FIRST_PLAN}, "file"),
-        ("/v1/trajectories/check", {"format": "csv", "request": FIRST_PLAN, "file": ""}, "file"),
-    ],
-)
-def test_what_is_wrong_is_a_problem_at_its_field(
-    client: httpx.Client, address: str, body: dict[str, Any], field: str
-) -> None:
-    found = client.post(address, json=body)
-    assert found.status_code == 422
-    assert found.json()["errors"][0]["field"] == field
 
 
 def test_the_description_has_what_is_asked_and_answered(client: httpx.Client) -> None:

@@ -12,7 +12,7 @@ import yaml
 from assur.api.cli.border import BAD_INPUT, RIGHT
 from assur.scenes.exports.documents import export_document
 from assur.scenes.plan_file import PlanFile
-from tests.api.test_exports import run
+from tests.api.test_command_line import run
 from tests.scenes.exports.test_handover import following, running
 
 ASKED = {"format": "ros2", "lead_ms": 10}

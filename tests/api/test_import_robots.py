@@ -48,6 +48,12 @@ expect: {status: planned}
 """
 
 
+def imported(files: Files, *options: str) -> tuple[int, str, str]:
+    """The import of a URDF with its file of limits, to made.yaml in its folder."""
+    out = ("--out", str(files.folder / "made.yaml"))
+    return run("robots", "import", str(files.urdf), "--joint-limits", str(files.limits), *out, *options)
+
+
 @pytest.fixture
 def files(tmp_path: Path) -> Files:
     (tmp_path / "arm.stl").write_bytes(binary_stl(SOLIDS["star"]))
@@ -56,9 +62,7 @@ def files(tmp_path: Path) -> Files:
 
 def test_a_pick_and_place_with_an_imported_robot_is_planned_and_checked(files: Files) -> None:
     out = files.folder / "made.yaml"
-    code, output, errors = run(
-        "robots", "import", str(files.urdf), "--joint-limits", str(files.limits), "--out", str(out)
-    )
+    code, output, errors = imported(files)
     assert (code, errors) == (RIGHT, "")
     assert "made: SCARA, axis order rrpr, from link l0 to link l4" in output
     assert "flange at 1000 random states" in output
@@ -77,9 +81,7 @@ def test_a_pick_and_place_with_an_imported_robot_is_planned_and_checked(files: F
 
 def test_an_elbow_arm_with_zeros_of_its_own_is_planned_and_checked(tmp_path: Path) -> None:
     files = Files(tmp_path).write(FAMILIES["elbow arm, straight up at its zeros"][2], 3)
-    out = tmp_path / "made.yaml"
-    code, _, errors = run("robots", "import", str(files.urdf), "--joint-limits", str(files.limits), "--out", str(out))
-    assert (code, errors) == (RIGHT, "")
+    assert imported(files)[::2] == (RIGHT, "")
     request = {
         "schema": "assur/1",
         "robot": {"file": "made.yaml", "tool": {"tcp_mm": [0, 0, 0]}},
@@ -151,11 +153,10 @@ TURN = 'quat_xyzw="0 0 0.70710678118654757 0.70710678118654757"'
 def test_a_solid_that_is_turned_by_a_quaternion_is_where_the_plan_needs_it(tmp_path: Path) -> None:
     # turned by 90 deg about the vertical, the box of the fore arm reaches the post
     (tmp_path / "cell.yaml").write_text(POST)
-    given = ("--out", str(tmp_path / "made.yaml"))
     refused = {}
     for turn, version in ((TURN, "1.1"), ('rpy="0 0 1.5707963267948966"', "1.0")):
         files = cellarm(tmp_path, (FORE_AT, f"{FORE_AT} {turn}"), version=version)
-        assert run("robots", "import", str(files.urdf), "--joint-limits", str(files.limits), *given)[0] == RIGHT
+        assert imported(files)[0] == RIGHT
         code, output, errors = run("plan", str(tmp_path / "cell.yaml"))
         assert (code, errors) == (WRONG, "")
         assert "START_IN_COLLISION (proved: no plan exists)" in output
@@ -163,20 +164,18 @@ def test_a_solid_that_is_turned_by_a_quaternion_is_where_the_plan_needs_it(tmp_p
         refused[turn] = output
     assert len(set(refused.values())) == 1
     files = cellarm(tmp_path)
-    assert run("robots", "import", str(files.urdf), "--joint-limits", str(files.limits), *given)[0] == RIGHT
+    assert imported(files)[0] == RIGHT
     assert run("plan", str(tmp_path / "cell.yaml"))[0] == RIGHT
 
 
 def test_a_warning_and_what_no_plan_depends_on_are_printed(tmp_path: Path) -> None:
     files = cellarm(tmp_path, ('lower="-2.5" upper="2.5" velocity="9"', 'lower="-145" upper="145" velocity="9"'))
-    given = ("--joint-limits", str(files.limits), "--out", str(tmp_path / "made.yaml"))
-    code, output, errors = run("robots", "import", str(files.urdf), *given)
+    code, output, errors = imported(files)
     assert (code, errors) == (RIGHT, "")
     said = " ".join(output.split())
     assert "warning: joint elbow: its range is -145 to 145 rad, 46.2 turns; if these are deg, it is -2.53073" in said
     assert "no plan depends on what else the URDF has: limit.effort (4, first in line 10)" in said
-    code, output, _ = run("robots", "import", str(files.urdf), *given, "--json")
-    report = json.loads(output)
+    report = json.loads(imported(files, "--json")[1])
     assert [len(report["warnings"]), report["unused"]] == [1, ["limit.effort (4, first in line 10)"]]
 
 

@@ -20,7 +20,7 @@ import pytest
 import assur
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.planner import kernel_cache
-from tests.api.running import started
+from tests.api.processes import serving, until
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("planner", "scenes", "api", "experiments", "prover")
@@ -283,11 +283,10 @@ def test_the_demo_is_planned_beside_packages_of_other_people(python: Path, sourc
 def test_spawned_workers_plan_beside_packages_of_other_people(python: Path, tmp_path: Path) -> None:
     for name in OTHERS:  # in the working folder, too
         (tmp_path / f"{name}.py").write_text(THEIRS, encoding="utf-8")
-    program = str(python.parent / "assur")
-    with (
-        started([program, "serve"], tmp_path, clean(), tmp_path / "log") as address,
-        assur.Client(address) as service,
-    ):
-        answer = service.plan(FIRST_PLAN)
-        assert answer.planned
-        assert service.check(FIRST_PLAN, answer)["ok"]
+    program = [str(python.parent / "assur")]
+    with serving(program=program, folder=tmp_path, others=clean(), WORKERS="1", GRACE_S="30") as server:
+        until(server.ready)
+        with assur.Client(server.address) as service:
+            answer = service.plan(FIRST_PLAN)
+            assert answer.planned
+            assert service.check(FIRST_PLAN, answer)["ok"]

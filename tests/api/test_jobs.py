@@ -23,6 +23,8 @@ from assur.api.workers.pool import Work
 from assur.scenes.requests import with_options
 from tests.api.running import running
 
+pytestmark = pytest.mark.anyio
+
 ANYONE = Client("anyone")
 
 
@@ -202,49 +204,43 @@ def test_a_client_that_leaves_its_plan_costs_no_worker(service: httpx.Client, sm
     assert service.get("/readyz").status_code == 200
 
 
-def test_jobs_that_come_before_any_has_begun_have_places_of_their_own() -> None:
-    async def served() -> None:
-        service = Service(Settings(workers=1, queue=2))  # its workers are not started: every job waits
-        work = Work(lambda: Problem("fault", "not to be reached"), (), "")
-        store, order = JobStore(service), Order(work, Demand(ANYONE, 30.0, short=True, kind="test"))
-        taken = [store.start(order) for _ in range(2)]
-        with pytest.raises(Problem, match="busy"):
-            store.start(order)
-        assert store.cancel(taken[0].id, ANYONE).state == "cancelled"  # before it has begun
-        await asyncio.gather(*(job.work for job in taken[:1] if job.work is not None), return_exceptions=True)
+async def test_jobs_that_come_before_any_has_begun_have_places_of_their_own() -> None:
+    service = Service(Settings(workers=1, queue=2))  # its workers are not started: every job waits
+    work = Work(lambda: Problem("fault", "not to be reached"), (), "")
+    store, order = JobStore(service), Order(work, Demand(ANYONE, 30.0, short=True, kind="test"))
+    taken = [store.start(order) for _ in range(2)]
+    with pytest.raises(Problem, match="busy"):
+        store.start(order)
+    assert store.cancel(taken[0].id, ANYONE).state == "cancelled"  # before it has begun
+    await asyncio.gather(*(job.work for job in taken[:1] if job.work is not None), return_exceptions=True)
+    await asyncio.sleep(0)
+    taken.append(store.start(order))
+    await store.stop()
+    await asyncio.sleep(0)
+    assert {job.state for job in taken} == {"cancelled"}
+    service.workers.require_room(ANYONE)
+    assert service.workers.admission.waiting == 0
+
+
+async def test_a_client_whose_jobs_end_in_numbers_drives_out_its_own_first() -> None:
+    store = JobStore(Service(Settings(workers=1, queue=99, jobs_kept=3)))  # its workers are not started
+    work = Work(lambda: Problem("fault", "not to be reached"), (), "")
+
+    async def ended(client: Client) -> str:
+        job = store.start(Order(work, Demand(client, 30.0, short=True, kind="test")))
+        store.cancel(job.id, client)
+        assert job.work is not None
+        await asyncio.gather(job.work, return_exceptions=True)
         await asyncio.sleep(0)
-        taken.append(store.start(order))
-        await store.stop()
-        await asyncio.sleep(0)
-        assert {job.state for job in taken} == {"cancelled"}
-        service.workers.require_room(ANYONE)
-        assert service.workers.admission.waiting == 0
+        return job.id
 
-    asyncio.run(served())
-
-
-def test_a_client_whose_jobs_end_in_numbers_drives_out_its_own_first() -> None:
-    async def served() -> None:
-        store = JobStore(Service(Settings(workers=1, queue=99, jobs_kept=3)))  # its workers are not started
-        work = Work(lambda: Problem("fault", "not to be reached"), (), "")
-
-        async def ended(client: Client) -> str:
-            job = store.start(Order(work, Demand(client, 30.0, short=True, kind="test")))
-            store.cancel(job.id, client)
-            assert job.work is not None
-            await asyncio.gather(job.work, return_exceptions=True)
-            await asyncio.sleep(0)
-            return job.id
-
-        mine, other = Client("mine"), Client("other")
-        first = await ended(mine)
-        theirs = [await ended(other) for _ in range(10)]
-        assert store.get(first, mine).state == "cancelled"
-        assert [job for job in theirs if job in store] == theirs[-2:]
-        mine_too = [await ended(mine) for _ in range(2)]
-        assert [job for job in (first, *theirs, *mine_too) if job in store] == [theirs[-1], *mine_too]
-
-    asyncio.run(served())
+    mine, other = Client("mine"), Client("other")
+    first = await ended(mine)
+    theirs = [await ended(other) for _ in range(10)]
+    assert store.get(first, mine).state == "cancelled"
+    assert [job for job in theirs if job in store] == theirs[-2:]
+    mine_too = [await ended(mine) for _ in range(2)]
+    assert [job for job in (first, *theirs, *mine_too) if job in store] == [theirs[-1], *mine_too]
 
 
 def test_a_check_of_a_large_body_does_not_count_as_short() -> None:

@@ -23,6 +23,8 @@ from assur.api.workers.jobs import FIRST_PLAN
 from assur.api.workers.results import BESIDE_BYTES, Results
 from tests.api.running import PATIENT, running
 
+pytestmark = pytest.mark.anyio
+
 MADE = jobs.Answer(b"x" * 100, "planned", repeatable=True)
 
 
@@ -122,47 +124,41 @@ def asked(key: str, host: str = "10.0.0.1") -> Request:
     )  # fmt: skip
 
 
-def test_a_key_that_is_in_use_is_told_and_is_free_when_its_request_was_given_up() -> None:
-    async def story() -> None:
-        keys, gate = Idempotency(Meters()), asyncio.Event()
+async def test_a_key_that_is_in_use_is_told_and_is_free_when_its_request_was_given_up() -> None:
+    keys, gate = Idempotency(Meters()), asyncio.Event()
 
-        async def slow() -> Response:
-            await gate.wait()
-            return Response(b"first")
+    async def slow() -> Response:
+        await gate.wait()
+        return Response(b"first")
 
-        async def quick() -> Response:
-            return Response(b"quick")
+    async def quick() -> Response:
+        return Response(b"quick")
 
-        working = asyncio.create_task(keys.once(asked("k"), b"body", slow))
-        await asyncio.sleep(0)
-        with pytest.raises(Problem, match="key-in-use"):
-            await keys.once(asked("k"), b"body", quick)
-        assert (await keys.once(asked("k", "10.0.0.2"), b"body", quick)).body == b"quick", "another client"
-        working.cancel()
-        await asyncio.gather(working, return_exceptions=True)
-        assert (await keys.once(asked("k"), b"body", quick)).body == b"quick"
-        gate.set()
-        assert (await keys.once(asked("k"), b"body", slow)).body == b"quick"
-
-    asyncio.run(story())
+    working = asyncio.create_task(keys.once(asked("k"), b"body", slow))
+    await asyncio.sleep(0)
+    with pytest.raises(Problem, match="key-in-use"):
+        await keys.once(asked("k"), b"body", quick)
+    assert (await keys.once(asked("k", "10.0.0.2"), b"body", quick)).body == b"quick", "another client"
+    working.cancel()
+    await asyncio.gather(working, return_exceptions=True)
+    assert (await keys.once(asked("k"), b"body", quick)).body == b"quick"
+    gate.set()
+    assert (await keys.once(asked("k"), b"body", slow)).body == b"quick"
 
 
-def test_keys_are_forgotten_after_their_time_and_when_there_are_too_many() -> None:
-    async def story() -> None:
-        async def work() -> Response:
-            return Response(b"x" * 10)
+async def test_keys_are_forgotten_after_their_time_and_when_there_are_too_many() -> None:
+    async def work() -> Response:
+        return Response(b"x" * 10)
 
-        brief = Idempotency(Meters(), kept_s=0.0)
-        await brief.once(asked("k"), b"one", work)
-        await brief.once(asked("k"), b"another", work)
-        few = Idempotency(Meters(), most=2)
-        small = Idempotency(Meters(), most_bytes=25)
-        for key in "abc":
-            await few.once(asked(key), b"", work)
-            await small.once(asked(key), b"", work)
-        assert (len(few), few.bytes) == (len(small), small.bytes) == (2, 20)
-        with pytest.raises(Problem, match="key-reused"):
-            await few.once(asked("c"), b"another", work)
-        await few.once(asked("a"), b"another", work)
-
-    asyncio.run(story())
+    brief = Idempotency(Meters(), kept_s=0.0)
+    await brief.once(asked("k"), b"one", work)
+    await brief.once(asked("k"), b"another", work)
+    few = Idempotency(Meters(), most=2)
+    small = Idempotency(Meters(), most_bytes=25)
+    for key in "abc":
+        await few.once(asked(key), b"", work)
+        await small.once(asked(key), b"", work)
+    assert (len(few), few.bytes) == (len(small), small.bytes) == (2, 20)
+    with pytest.raises(Problem, match="key-reused"):
+        await few.once(asked("c"), b"another", work)
+    await few.once(asked("a"), b"another", work)

@@ -11,9 +11,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable
-from pathlib import Path
 
 import httpx
 import pytest
@@ -22,18 +19,9 @@ from assur.api.log_lines import LONGEST_LINE, AtOnce, Later
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.api.workers.pool import why_not_started
 from assur.api.workers.worker_process import CrashedError
+from tests.api.processes import ROOT, environment, until
 
-ROOT = Path(__file__).parents[2]
-ENVIRONMENT = {name: value for name, value in os.environ.items() if not name.startswith("ASSUR_")}
 LINE = json.dumps({"time": "now", "level": "info", "logger": "assur", "event": "x" * 300})
-
-
-def until(true: Callable[[], bool], within_s: float = 60.0) -> None:
-    """Waits for something that another thread or process does."""
-    end = time.monotonic() + within_s
-    while not true():
-        assert time.monotonic() < end, "it did not happen"
-        time.sleep(0.02)
 
 
 def small_pipe() -> tuple[int, int]:
@@ -94,7 +82,7 @@ def test_a_line_that_is_too_long_keeps_its_short_facts() -> None:
 def test_a_service_whose_log_nobody_reads_answers_and_ends() -> None:
     read, write = os.pipe()
     command = [sys.executable, "-m", "assur.api.command_line", "serve", "--port", "0"]
-    process = subprocess.Popen(command, cwd=ROOT, env={**ENVIRONMENT, "ASSUR_WORKERS": "1"}, stderr=write)
+    process = subprocess.Popen(command, cwd=ROOT, env=environment(WORKERS="1"), stderr=write)
     try:
         head = b""
         while (found := re.search(rb'"port": (\d+)', head)) is None:
@@ -141,7 +129,7 @@ def test_what_libraries_say_in_a_worker_is_lines_of_json_about_its_request_witho
     request["bodies"][1]["shape"] = {"mesh": {"data": data, "format": "stl", "unit": "m"}}
     run = subprocess.run(
         [sys.executable, "-c", WORKER],
-        input=json.dumps(request).encode(), cwd=ROOT, env=ENVIRONMENT, capture_output=True, timeout=120, check=True,
+        input=json.dumps(request).encode(), cwd=ROOT, env=environment(), capture_output=True, timeout=120, check=True,
     )  # fmt: skip
     assert run.stdout.split()[-1] == b"bad-input"
     lines = [json.loads(line) for line in run.stderr.splitlines()]

@@ -76,36 +76,6 @@ def test_a_report_is_the_page_of_either_answer(client: httpx.Client, request_: d
     assert found.text.startswith("<!doctype html>")
 
 
-@pytest.mark.parametrize(
-    ("query", "field"),
-    [
-        ("format=dxf", "format"),
-        ("format=", "format"),
-        ("format=csv&format=csv", "format"),
-        ("format=csv&certificate=digest", "certificate"),
-        ("format=csv&tick_us=4", "tick_us"),
-        ("format=csv&tick_ms=1_0", "tick_ms"),
-        ("format=csv&tick_ms=nan", "tick_ms"),
-        ("format=csv&tick_ms=-1", "tick_ms"),
-        ("format=csv&tick_ms=1&tick_s=0.001", "tick_ms"),
-        ("format=csv&jerk=none", "jerk"),
-        ("format=glb&tick_ms=1", "tick_s"),
-        ("format=report&tick_ms=1", "tick_ms"),
-        ("tick_ms=1", "tick_ms"),
-        ("jerk=report", "jerk"),
-        ("certificate=digest&jerk=limit", "jerk"),
-    ],
-)
-def test_what_the_address_says_and_nothing_knows_is_refused(client: httpx.Client, query: str, field: str) -> None:
-    found = client.post(f"/v1/plans?{query}", json=FIRST_PLAN)
-    assert (found.status_code, found.json()["errors"][0]["field"]) == (422, field)
-
-
-def test_what_is_wrong_with_the_request_is_a_problem_as_ever(client: httpx.Client) -> None:
-    found = client.post("/v1/plans?format=csv", json={**FIRST_PLAN, "optons": {}})
-    assert (found.status_code, found.json()["errors"][0]["field"]) == (422, "optons")
-
-
 def test_an_export_takes_an_answer_with_the_digest_of_its_certificate(client: httpx.Client) -> None:
     asked = {"format": "csv", "request": FIRST_PLAN}
     full = client.post("/v1/plans", json=FIRST_PLAN).json()

@@ -58,7 +58,7 @@ def test_the_file_has_request_and_answer_and_what_the_cell_is(tmp_path: Path) ->
     assert list(held) == ["schema", "title", "about", "request", "plan"]
     assert (held["schema"], held["title"]) == (FORM, "transfer")
     assert held["about"] == assur.scenarios()["transfer"]
-    assert held["request"] == assur.load("transfer") == assur.load(out)
+    assert held["request"] == assur.load("transfer") == assur.load(out) == assur.load_answer(out).request
     assert held["plan"]["request_digest"] == request_digest(held["request"])
     assert run("check", "transfer", str(out))[0] == RIGHT
 
@@ -126,7 +126,6 @@ def out_of(command: str, beside: Path) -> list[str]:
 def test_an_answer_alone_is_still_checked_against_a_cell(cell: Path, tmp_path: Path, answer: dict[str, Any]) -> None:
     alone = tmp_path / "answer.json"
     alone.write_text(json.dumps(answer))
-    assert run("check", str(cell), str(alone))[0] == RIGHT
     code, output, _ = run("check", str(cell), str(alone))
     assert (code, "plan right" in output) == (RIGHT, True)
 
@@ -244,7 +243,7 @@ def test_a_request_may_not_be_as_long_as_a_plan_file(tmp_path: Path, held: dict[
 def test_what_could_not_be_read_again_is_not_written(
     cell: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("assur.api.cli.plan_files.MAX_PLAN_FILE_BYTES", 1000)
+    monkeypatch.setattr("assur.api.documents.MAX_PLAN_FILE_BYTES", 1000)
     out = tmp_path / "plan.json"
     code, _, errors = run("plan", str(cell), "--out", str(out))
     assert (code, "--out" in errors, out.exists()) == (BAD_INPUT, True, False)

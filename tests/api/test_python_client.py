@@ -24,6 +24,8 @@ from assur.api.python import exchange
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.request import Request, ToolPose, mm
 
+pytestmark = pytest.mark.anyio
+
 POSE = {"at_mm": [350, 0, 150], "yaw_deg": 0}
 CLOCKS = ("elapsed_s", "first_s")
 """What is not the same in two answers to one request."""
@@ -153,21 +155,18 @@ def test_what_json_has_no_form_for_is_refused_before_it_is_sent(
     assert not isinstance(caught.value, assur.ServiceError)
 
 
-def test_the_awaited_client_does_the_same(url: str) -> None:
-    async def all_of_it() -> None:
-        async with assur.AsyncClient(url) as service:
-            answer, robots, health = await asyncio.gather(service.plan(FIRST_PLAN), service.robots(), service.health())
-            assert without_clocks(answer) == without_clocks(assur.plan(FIRST_PLAN))
-            assert (await service.check(FIRST_PLAN, answer))["ok"]
-            assert await service.ik(FIRST_PLAN, pose=POSE) == assur.ik(FIRST_PLAN, pose=POSE)
-            assert robots == assur.robots()
-            assert await service.scenarios() == assur.scenarios()
-            assert await service.load("demo") == assur.load("demo")
-            assert health.ready
-            with pytest.raises(assur.RemoteInputError):
-                await service.plan({})
-
-    asyncio.run(all_of_it())
+async def test_the_awaited_client_does_the_same(url: str) -> None:
+    async with assur.AsyncClient(url) as service:
+        answer, robots, health = await asyncio.gather(service.plan(FIRST_PLAN), service.robots(), service.health())
+        assert without_clocks(answer) == without_clocks(assur.plan(FIRST_PLAN))
+        assert (await service.check(FIRST_PLAN, answer))["ok"]
+        assert await service.ik(FIRST_PLAN, pose=POSE) == assur.ik(FIRST_PLAN, pose=POSE)
+        assert robots == assur.robots()
+        assert await service.scenarios() == assur.scenarios()
+        assert await service.load("demo") == assur.load("demo")
+        assert health.ready
+        with pytest.raises(assur.RemoteInputError):
+            await service.plan({})
 
 
 def test_both_clients_have_the_same_methods() -> None:
@@ -268,19 +267,16 @@ def test_a_time_that_is_none_is_refused(timeout: float) -> None:
         assur.Client("http://127.0.0.1:8000", timeout=timeout)
 
 
-def test_a_client_that_is_closed_says_so(url: str) -> None:
+async def test_a_client_that_is_closed_says_so(url: str) -> None:
     service = assur.Client(url)
     service.close()
     with pytest.raises(assur.ServiceError, match="this client is closed; make another one"):
         service.health()
 
-    async def closed() -> None:
-        there = assur.AsyncClient(url)
-        await there.aclose()
-        with pytest.raises(assur.ServiceError, match="this client is closed; make another one"):
-            await there.robots()
-
-    asyncio.run(closed())
+    there = assur.AsyncClient(url)
+    await there.aclose()
+    with pytest.raises(assur.ServiceError, match="this client is closed; make another one"):
+        await there.robots()
 
 
 def test_without_httpx_one_error_says_what_to_install() -> None:

@@ -43,14 +43,6 @@ def test_an_answer_is_saved_with_its_request_and_read_again(answer: assur.Answer
     assert run("check", str(saved))[0] == 0
 
 
-def test_what_the_command_line_writes_is_read(tmp_path: Path) -> None:
-    out = tmp_path / "plan.json"
-    assert run("plan", "transfer", "--out", str(out))[0] == 0
-    answer = assur.load_answer(out)
-    assert answer.planned
-    assert answer.request == assur.load("transfer")
-
-
 def test_a_request_that_is_changed_later_is_not_that_of_the_answer(answer: assur.Answer, tmp_path: Path) -> None:
     request = copy.deepcopy(FIRST_PLAN)
     made = assur.plan(request)

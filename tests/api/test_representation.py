@@ -15,6 +15,8 @@ from starlette.types import ASGIApp, Message
 from assur.api.web import representation
 from assur.api.web.representation import AT_ONCE, CONSTANT, PIECE, Representation, takes_gzip
 
+pytestmark = pytest.mark.anyio
+
 TIMES = ("elapsed_s", "first_s")
 CONSTANTS = (
     "/v1/schema", "/v1/robots", "/v1/scenes", "/v1/scenes/demo", "/v1/scenes/demo/text", "/v1/version",
@@ -100,7 +102,7 @@ def test_no_address_that_plans_counts_as_constant() -> None:
         assert CONSTANT.fullmatch(path) is None
 
 
-def test_a_large_answer_that_is_kept_is_compressed_once_for_all_who_ask(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_large_answer_that_is_kept_is_compressed_once_for_all_who_ask(monkeypatch: pytest.MonkeyPatch) -> None:
     body, packed = b"plan " * AT_ONCE, list[bytes]()
     pack = representation._compress
 
@@ -110,52 +112,43 @@ def test_a_large_answer_that_is_kept_is_compressed_once_for_all_who_ask(monkeypa
 
     monkeypatch.setattr(representation, "_compress", counted)
 
-    async def story() -> None:
-        app = Representation(Response(body, media_type="text/plain"))
-        answers = await asyncio.gather(*(sent(app) for _ in range(5)), sent(app))
-        assert {gzip.decompress(b"".join(pieces)) for pieces in answers} == {body}
-        assert len(packed) == 1
-        other = Representation(Response(body[1:], media_type="text/plain"))
-        assert gzip.decompress(b"".join(await sent(other))) == body[1:]
-        assert len(packed) == 2
-
-    asyncio.run(story())
+    app = Representation(Response(body, media_type="text/plain"))
+    answers = await asyncio.gather(*(sent(app) for _ in range(5)), sent(app))
+    assert {gzip.decompress(b"".join(pieces)) for pieces in answers} == {body}
+    assert len(packed) == 1
+    other = Representation(Response(body[1:], media_type="text/plain"))
+    assert gzip.decompress(b"".join(await sent(other))) == body[1:]
+    assert len(packed) == 2
 
 
-def test_of_large_answers_only_so_much_is_kept_compressed(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_of_large_answers_only_so_much_is_kept_compressed(monkeypatch: pytest.MonkeyPatch) -> None:
     bodies = [bytes([65 + number]) * (AT_ONCE + 1) for number in range(4)]
     monkeypatch.setattr(representation, "PACKED_BYTES", 2 * len(bodies[0]))
 
-    async def story() -> None:
-        app = Representation(Response(b""))
-        for each in bodies:
-            assert gzip.decompress(await app._pack(each)) == each
-        assert [each for each, _ in app._packed.values()] == bodies[2:]
-
-    asyncio.run(story())
+    app = Representation(Response(b""))
+    for each in bodies:
+        assert gzip.decompress(await app._gzip("", each)) == each
+    assert [each for each, _ in app._packed.values()] == bodies[2:]
 
 
-def test_a_large_body_leaves_in_pieces_and_others_have_their_turn_between() -> None:
+async def test_a_large_body_leaves_in_pieces_and_others_have_their_turn_between() -> None:
     body = bytes(range(256)) * 4 * (PIECE // 256) + b"the end"
 
-    async def story() -> None:
-        turns = 0
+    turns = 0
 
-        async def others() -> None:
-            nonlocal turns
-            while True:
-                turns += 1
-                await asyncio.sleep(0)
+    async def others() -> None:
+        nonlocal turns
+        while True:
+            turns += 1
+            await asyncio.sleep(0)
 
-        beside = asyncio.ensure_future(others())
-        pieces = await sent(Representation(Response(body)))
-        beside.cancel()
-        assert b"".join(pieces) == body
-        assert [len(each) for each in pieces] == [PIECE] * 4 + [7]
-        assert turns >= 4
-        assert await sent(Representation(Response(b""))) == [b""]
-
-    asyncio.run(story())
+    beside = asyncio.ensure_future(others())
+    pieces = await sent(Representation(Response(body)))
+    beside.cancel()
+    assert b"".join(pieces) == body
+    assert [len(each) for each in pieces] == [PIECE] * 4 + [7]
+    assert turns >= 4
+    assert await sent(Representation(Response(b""))) == [b""]
 
 
 async def sent(app: ASGIApp) -> list[bytes]:

@@ -6,7 +6,6 @@ import time
 from typing import Any
 
 import httpx
-import pytest
 
 from assur.api.web.settings import Settings
 from assur.scenes.requests import with_options
@@ -31,25 +30,6 @@ def test_an_option_of_a_body_takes_the_place_of_its_twin() -> None:
     request = {"options": {"budget_s": 5, "clearance_mm": {"travel": 1, "near": 0}, "seed": 1}}
     found = with_options(request, {"budget_ms": 20, "clearance_m": {"travel": 0, "near": 0}})
     assert found["options"] == {"seed": 1, "budget_ms": 20, "clearance_m": {"travel": 0, "near": 0}}
-
-
-@pytest.mark.parametrize(
-    ("address", "body", "status", "field"),
-    [
-        ("/v1/scenes/nowhere/plans", {}, 404, "scenario"),
-        ("/v1/scenes/nowhere/jobs", {}, 404, "scenario"),
-        ("/v1/scenes/demo/plans", {"task": []}, 422, "task"),
-        ("/v1/scenes/demo/plans", {"options": []}, 422, "options"),
-        ("/v1/scenes/demo/plans", {"options": {"seeds": 1}}, 422, "options.seeds"),
-        ("/v1/scenes/demo/jobs", {"options": {"budget_s": 1, "budget_ms": 1}}, 422, "options.budget_ms"),
-        ("/v1/scenes/demo/plans", {"options": {"budget_s": 59}}, 422, "options.budget_s"),
-        ("/v1/scenes/demo/plans?certificate=no", {}, 422, "certificate"),
-    ],
-)
-def test_what_is_wrong_is_named(client: httpx.Client, address: str, body: Any, status: int, field: str) -> None:
-    told = client.post(address, json=body)
-    assert told.status_code == status
-    assert told.json()["errors"][0]["field"] == field
 
 
 def test_a_scenario_is_a_job_too(client: httpx.Client) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import copy
-import http.client
 import json
 import os
 import signal
@@ -21,7 +20,6 @@ import psutil
 import pytest
 
 from assur.api.web.serve import listening
-from assur.api.web.settings import PLAN_BODY_BYTES
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.planner.errors import InputError
 from tests.api.processes import ROOT, Server, environment, serving, until
@@ -138,16 +136,6 @@ def test_a_plan_whose_client_hangs_up_is_stopped(server: Server) -> None:
     assert [each.pid for each in server.workers()] == [worker.pid]
 
 
-def test_a_body_that_trickles_is_given_up(server: Server) -> None:
-    with socket.create_connection(("127.0.0.1", server.port)) as connection:
-        connection.sendall(
-            b"POST /v1/plans HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 9000\r\n\r\n{"
-        )
-        connection.settimeout(30.0)
-        assert b" 408 " in connection.recv(4096).split(b"\r\n")[0]
-    served(server)
-
-
 def test_a_client_that_leaves_in_the_middle_of_its_body_is_no_fault(server: Server) -> None:
     faults = len(server.events("a request met a fault"))
     with socket.create_connection(("127.0.0.1", server.port)) as connection:
@@ -156,19 +144,6 @@ def test_a_client_that_leaves_in_the_middle_of_its_body_is_no_fault(server: Serv
         )
     until(lambda: any(line.get("status") == 499 for line in server.events("request")))
     assert len(server.events("a request met a fault")) == faults
-
-
-@pytest.mark.parametrize("chunked", [False, True], ids=["declared", "in chunks"])
-def test_a_body_above_the_cap_is_refused_over_a_real_socket(server: Server, chunked: bool) -> None:
-    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=30)
-    data = b" " * (PLAN_BODY_BYTES + 1)
-    body: Any = (data[i : i + 65_536] for i in range(0, len(data), 65_536)) if chunked else data
-    connection.request("POST", "/v1/plans", body, {"Content-Type": "application/json"}, encode_chunked=chunked)
-    answer = connection.getresponse()
-    assert answer.status == 413
-    assert json.loads(answer.read())["type"] == "urn:assur:problem:too-large"
-    connection.close()
-    served(server)
 
 
 def test_nothing_that_a_caller_sends_is_logged(server: Server) -> None:

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import os
 import re
 import socket
-import sys
 from collections.abc import Iterator
 from html.parser import HTMLParser
-from pathlib import Path
-from urllib.parse import urlsplit
 
 import httpx
 import pytest
-from prometheus_client.parser import text_string_to_metric_families
 
-from tests.api.running import running, started
+from tests.api.processes import serving, until
+from tests.api.running import running
+from tests.api.test_metrics import value
 
 
 class Links(HTMLParser):
@@ -46,21 +43,11 @@ def test_the_address_of_the_service_is_a_page_and_its_links_lead_somewhere(servi
         assert service.get(link).status_code == 200, link
 
 
-def requests_by_route(service: httpx.Client) -> dict[tuple[str, str], float]:
-    found: dict[tuple[str, str], float] = {}
-    for family in text_string_to_metric_families(service.get("/metrics").text):
-        for sample in family.samples:
-            if sample.name == "assur_requests_total":
-                key = sample.labels["route"], sample.labels["status"]
-                found[key] = found.get(key, 0.0) + sample.value
-    return found
-
-
 def test_every_address_that_there_is_counts_under_its_own_route(client: httpx.Client) -> None:
-    before = requests_by_route(client)
+    before = client.get("/metrics").text
     script = re.search(r'src="([^"]*static-offline-docs/[^"]+\.js)"', client.get("/docs").text)
     assert script is not None
-    asked = {
+    counted = {
         "/openapi.json": ("/openapi.json", "200"),
         "/docs": ("/docs", "200"),
         "/redoc": ("/redoc", "200"),
@@ -70,24 +57,20 @@ def test_every_address_that_there_is_counts_under_its_own_route(client: httpx.Cl
         "/nowhere": ("none", "404"),
         "/v1/plans": ("/v1/plans", "405"),
     }
-    for address in asked:
+    for address in counted:
         client.get(address)
-    after = requests_by_route(client)
-    for address, key in asked.items():
-        assert after.get(key, 0.0) > before.get(key, 0.0), address
-    none = [key for key in after if key[0] == "none" and key[1] != "404"]
-    assert none == []
+    after = client.get("/metrics").text
+    name = "assur_requests_total"
+    for route, status in counted.values():
+        of = {"route": route, "status": status}
+        assert value(after, name, **of) > value(before, name, **of), route
+    assert value(after, name, route="none") == value(after, name, route="none", status="404")
 
 
 def test_the_process_that_forks_the_workers_is_in_the_metrics_of_memory(client: httpx.Client) -> None:
-    found = {
-        sample.labels["process"]: sample.value
-        for family in text_string_to_metric_families(client.get("/metrics").text)
-        for sample in family.samples
-        if sample.name == "assur_resident_memory_bytes"
-    }
-    assert found.keys() == {"web", "template", "worker-0"}
-    assert all(value > 10 << 20 for value in found.values())
+    text = client.get("/metrics").text
+    for process in ("web", "template", "worker-0"):
+        assert value(text, "assur_resident_memory_bytes", process=process) > 10 << 20
 
 
 UPGRADES = {
@@ -99,18 +82,16 @@ UPGRADES = {
 
 
 @pytest.mark.slow
-def test_a_websocket_is_refused_in_words_and_nothing_else_is_logged(tmp_path: Path) -> None:
-    log = tmp_path / "log"
-    command = [sys.executable, "-m", "assur.api.command_line", "serve"]
-    with started(command, tmp_path, os.environ, log) as address:
-        place = urlsplit(address)
+def test_a_websocket_is_refused_in_words_and_nothing_else_is_logged() -> None:
+    with serving(WORKERS="1") as server:
+        until(server.ready)
         for name, (headers, status) in UPGRADES.items():
-            with socket.create_connection((str(place.hostname), int(place.port or 0)), timeout=30) as connection:
+            with socket.create_connection(("127.0.0.1", server.port), timeout=30) as connection:
                 connection.sendall(b"GET /livez HTTP/1.1\r\nHost: x\r\n" + headers + b"\r\n")
                 answer = connection.makefile("rb").read().decode()
             assert answer.startswith(f"HTTP/1.1 {status}"), name
             assert ("urn:assur:problem:no-websockets" in answer) == (status == 400), name
-    text = log.read_text(encoding="utf-8")
+    text = b"".join(server.raw).decode()
     assert '"problem": "no-websockets"' in text
     assert "pip install" not in text
     assert "pgrade" not in text

@@ -7,8 +7,10 @@ import errno
 import os
 import signal
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,16 +18,18 @@ import psutil
 import pytest
 
 from assur.api.problems import Problem
+from assur.api.telemetry.trace import CURRENT, Trace
 from assur.api.web.settings import Settings
 from assur.api.workers import worker_process
 from assur.api.workers.client import Client, Demand
 from assur.api.workers.pool import Work, Workers
 from assur.api.workers.worker_process import NAME, WorkerProcess
+from tests.api.test_metrics import value
 from tests.api.watched_jobs import all_but_the_last, counting, deaf, dies_unless, recalled_once, until_called_off
 
 SETTINGS = Settings(workers=2, queue=1, queue_wait_s=30.0, warm_s=60.0, max_tasks=1000)
-
-
+ONE = replace(SETTINGS, workers=1)
+pytestmark = pytest.mark.anyio
 ANYONE = Client("anyone")
 
 
@@ -45,19 +49,29 @@ async def ran(
     return await workers.run(ticket, Work(job, arguments, key, in_touch=tells, listens=tells), told)
 
 
-def with_workers(settings: Settings, story: Callable[[Workers], Awaitable[None]]) -> None:
-    """Tells `story` with workers that have all started, and stops them."""
+def with_workers(settings: Settings) -> pytest.MarkDecorator:
+    """A test gets workers with these settings, and not with `ONE`."""
+    return pytest.mark.parametrize("workers", [settings], indirect=True)
 
-    async def tell() -> None:
-        workers = Workers(settings, os.getpid)
-        workers.start()
-        try:
-            await until(lambda: workers.ready)
-            await story(workers)
-        finally:
-            await workers.stop()
 
-    asyncio.run(tell())
+@asynccontextmanager
+async def starting(settings: Settings, warm: Callable[[], Any] = os.getpid) -> AsyncIterator[Workers]:
+    """Workers that start; they are stopped with the block."""
+    made = Workers(settings, warm)
+    assert not made.ready
+    made.start()
+    try:
+        yield made
+    finally:
+        await made.stop()
+
+
+@pytest.fixture
+async def workers(request: pytest.FixtureRequest) -> AsyncIterator[Workers]:
+    """Workers that have all started."""
+    async with starting(getattr(request, "param", ONE)) as made:
+        await until(lambda: made.ready)
+        yield made
 
 
 async def until(true: Callable[[], bool], within_s: float = 150.0) -> None:
@@ -128,123 +142,99 @@ def is_full(workers: Workers) -> bool:
     return False
 
 
-def test_jobs_run_in_processes_of_their_own_at_the_same_time(held: Held) -> None:
-    async def story(workers: Workers) -> None:
-        job = held.job(workers)
-        await held.begun()
-        assert await pid_of(workers) != os.getpid()
-        assert not job.done()
-        held.release()
-        assert await job == b"released"
-
-    with_workers(SETTINGS, story)
+@with_workers(SETTINGS)
+async def test_jobs_run_in_processes_of_their_own_at_the_same_time(workers: Workers, held: Held) -> None:
+    job = held.job(workers)
+    await held.begun()
+    assert await pid_of(workers) != os.getpid()
+    assert not job.done()
+    held.release()
+    assert await job == b"released"
 
 
 @pytest.mark.parametrize(("job", "stays"), [(until_called_off, True), (deaf, False)])
-def test_a_job_that_is_called_off_keeps_its_worker_if_it_ends_soon(job: Callable[..., Any], stays: bool) -> None:
+async def test_a_job_that_is_called_off_keeps_its_worker_if_it_ends_soon(
+    workers: Workers, job: Callable[..., Any], stays: bool
+) -> None:
     """... and the next job is not told what the first one was."""
-
-    async def story(workers: Workers) -> None:
-        told: list[int] = []
-        working = asyncio.create_task(ran(workers, job, (), "watched", 90.0, told.append))
-        await until(lambda: bool(told))
-        working.cancel()
-        with pytest.raises(asyncio.CancelledError):
-            await working
-        assert (await pid_of(workers) == told[0]) == stays
-        assert told == told[:1]
-
-    with_workers(replace(SETTINGS, workers=1), story)
+    told: list[int] = []
+    working = asyncio.create_task(ran(workers, job, (), "watched", 90.0, told.append))
+    await until(lambda: bool(told))
+    working.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await working
+    assert (await pid_of(workers) == told[0]) == stays
+    assert told == told[:1]
 
 
-def test_a_job_that_does_not_listen_goes_on_when_its_client_leaves_and_keeps_its_worker(
-    held: Held, monkeypatch: pytest.MonkeyPatch
+async def test_a_job_that_does_not_listen_goes_on_when_its_client_leaves_and_keeps_its_worker(
+    workers: Workers, held: Held, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(worker_process, "ENDS_S", 0.02)
 
-    async def story(workers: Workers) -> None:
-        pid = await pid_of(workers)
-        job = held.job(workers)
-        await held.begun()
-        job.cancel()
-        await asyncio.sleep(10 * worker_process.ENDS_S)
-        assert not job.done()
-        held.release()
-        with pytest.raises(asyncio.CancelledError):
-            await job
-        assert await pid_of(workers) == pid
-
-    with_workers(replace(SETTINGS, workers=1), story)
+    pid = await pid_of(workers)
+    job = held.job(workers)
+    await held.begun()
+    job.cancel()
+    await asyncio.sleep(10 * worker_process.ENDS_S)
+    assert not job.done()
+    held.release()
+    with pytest.raises(asyncio.CancelledError):
+        await job
+    assert await pid_of(workers) == pid
 
 
-def test_a_job_that_does_not_listen_is_killed_at_its_own_limit_when_its_client_has_left() -> None:
-    async def story(workers: Workers) -> None:
-        pid = await pid_of(workers)
-        job = asyncio.create_task(ran(workers, time.sleep, (600.0,), "asleep", 1.0))
-        await until(lambda: workers.admission.running == 1)
-        job.cancel()
-        with pytest.raises(asyncio.CancelledError):
-            await job
-        await until(lambda: not alive(pid))
-        assert await pid_of(workers) != pid
-        assert not is_full(workers)
-
-    with_workers(replace(SETTINGS, workers=1), story)
+async def test_a_job_that_does_not_listen_is_killed_at_its_own_limit_when_its_client_has_left(workers: Workers) -> None:
+    pid = await pid_of(workers)
+    job = asyncio.create_task(ran(workers, time.sleep, (600.0,), "asleep", 1.0))
+    await until(lambda: workers.admission.running == 1)
+    job.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await job
+    await until(lambda: not alive(pid))
+    assert await pid_of(workers) != pid
+    assert not is_full(workers)
 
 
-def test_what_a_job_tells_arrives_in_order_and_before_its_result() -> None:
-    async def story(workers: Workers) -> None:
-        told: list[int] = []
-        assert await ran(workers, counting, (500,), "counting", 90.0, told.append) == 500
-        assert told == list(range(500))
-        assert await pid_of(workers) > 0
-
-    with_workers(SETTINGS, story)
+@with_workers(SETTINGS)
+async def test_what_a_job_tells_arrives_in_order_and_before_its_result(workers: Workers) -> None:
+    told: list[int] = []
+    assert await ran(workers, counting, (500,), "counting", 90.0, told.append) == 500
+    assert told == list(range(500))
+    assert await pid_of(workers) > 0
 
 
-def test_workers_are_not_ready_before_every_one_has_planned_once() -> None:
-    async def tell() -> None:
-        workers = Workers(SETTINGS, os.getpid)
-        assert not is_ready(workers)
-        workers.start()
+async def test_workers_are_not_ready_before_every_one_has_planned_once() -> None:
+    async with starting(SETTINGS) as workers:
         seen = set()
         while not is_ready(workers):
             seen.add(workers.warmed)
             await asyncio.sleep(0.005)
         assert max(seen) < 2
         assert workers.warmed == 2
-        await workers.stop()
-
-    asyncio.run(tell())
 
 
-def test_workers_whose_first_plan_fails_are_never_ready_and_take_no_job() -> None:
-    async def tell() -> None:
-        workers = Workers(Settings(workers=1, queue_wait_s=2.0), os.abort)
-        workers.start()
+async def test_workers_whose_first_plan_fails_are_never_ready_and_take_no_job() -> None:
+    async with starting(Settings(workers=1, queue_wait_s=2.0), os.abort) as workers:
         problem = await refused(ran(workers, os.getpid, (), "x", 1.0))
         assert problem.kind == "not-ready"
         assert not is_ready(workers)
-        await workers.stop()
-
-    asyncio.run(tell())
 
 
-def test_a_killed_worker_costs_nothing_but_time_and_its_request_is_tried_again(held: Held) -> None:
-    async def story(workers: Workers) -> None:
-        victim = await pid_of(workers)
-        job = held.job(workers)
-        await held.begun()
-        os.kill(victim, signal.SIGKILL)
-        await until(lambda: not alive(victim))
-        os.close(held.end)
-        again = Held(held.pipe)
-        await again.begun()
-        again.release()
-        assert await job == b"released"
-        assert await pid_of(workers) != victim
-
-    with_workers(replace(SETTINGS, workers=1), story)
+async def test_a_killed_worker_costs_nothing_but_time_and_its_request_is_tried_again(
+    workers: Workers, held: Held
+) -> None:
+    victim = await pid_of(workers)
+    job = held.job(workers)
+    await held.begun()
+    os.kill(victim, signal.SIGKILL)
+    await until(lambda: not alive(victim))
+    os.close(held.end)
+    again = Held(held.pipe)
+    await again.begun()
+    again.release()
+    assert await job == b"released"
+    assert await pid_of(workers) != victim
 
 
 @pytest.mark.parametrize(
@@ -256,235 +246,227 @@ def test_a_killed_worker_costs_nothing_but_time_and_its_request_is_tried_again(h
         (os._exit, errno.ENOMEM, "want of memory"),
     ],
 )
-def test_a_request_that_ends_every_worker_is_quarantined_and_told_by_what(
-    job: Callable[..., Any], argument: int, how: str
+async def test_a_request_that_ends_every_worker_is_quarantined_and_told_by_what(
+    workers: Workers, job: Callable[..., Any], argument: int, how: str
 ) -> None:
-    async def story(workers: Workers) -> None:
-        problem = await refused(ran(workers, job, (argument,), "bad", 30.0))
-        assert problem.kind == "quarantined"
-        assert f"The last of 3 workers {'ended' if 'S' not in how else 'was'}" in problem.detail
-        assert how in problem.detail
-        assert int(problem.headers["Retry-After"]) == 600
-        before = await pid_of(workers)
-        assert (await refused(ran(workers, job, (argument,), "bad", 30.0))).kind == "quarantined"
-        assert await pid_of(workers) == before  # it was not given a fourth
-
-    with_workers(Settings(workers=1), story)
+    problem = await refused(ran(workers, job, (argument,), "bad", 30.0))
+    assert problem.kind == "quarantined"
+    assert f"The last of 3 workers {'ended' if 'S' not in how else 'was'}" in problem.detail
+    assert how in problem.detail
+    assert int(problem.headers["Retry-After"]) == 600
+    before = await pid_of(workers)
+    assert (await refused(ran(workers, job, (argument,), "bad", 30.0))).kind == "quarantined"
+    assert await pid_of(workers) == before  # it was not given a fourth
 
 
 @pytest.mark.parametrize("deaths", [1, 2])
-def test_a_request_that_a_fresh_worker_serves_is_not_the_cause(deaths: int, tmp_path: Path) -> None:
-    async def story(workers: Workers) -> None:
-        told: list[Any] = []
-        for _ in range(3):
-            (tmp_path / "deaths").write_text(str(deaths), encoding="utf-8")
-            assert await ran(workers, dies_unless, (str(tmp_path),), "same body", 90.0, told.append) == "planned"
-        assert told == []  # what a request means is for the service alone
-
-    with_workers(Settings(workers=1), story)
+async def test_a_request_that_a_fresh_worker_serves_is_not_the_cause(
+    workers: Workers, deaths: int, tmp_path: Path
+) -> None:
+    told: list[Any] = []
+    for _ in range(3):
+        (tmp_path / "deaths").write_text(str(deaths), encoding="utf-8")
+        assert await ran(workers, dies_unless, (str(tmp_path),), "same body", 90.0, told.append) == "planned"
+    assert told == []  # what a request means is for the service alone
 
 
 @pytest.mark.slow
-def test_a_request_in_quarantine_is_known_by_its_meaning_and_forgotten_in_time(tmp_path: Path) -> None:
-    async def story(workers: Workers) -> None:
-        async def asked(key: str) -> Any:
-            return await ran(workers, dies_unless, (str(tmp_path),), key, 90.0, lambda _: None)
+@with_workers(Settings(workers=1, quarantine_s=10.0))
+async def test_a_request_in_quarantine_is_known_by_its_meaning_and_forgotten_in_time(
+    workers: Workers, tmp_path: Path
+) -> None:
+    async def asked(key: str) -> Any:
+        return await ran(workers, dies_unless, (str(tmp_path),), key, 90.0, lambda _: None)
 
-        (tmp_path / "deaths").write_text("3", encoding="utf-8")
-        assert (await refused(asked("a body"))).kind == "quarantined"
-        worker = await pid_of(workers)
-        assert (await refused(asked("another body"))).kind == "quarantined"
-        assert await pid_of(workers) == worker
-        await until(lambda: workers.quarantined == 0)
-        assert await asked("a body") == "planned"
-
-    with_workers(Settings(workers=1, quarantine_s=10.0), story)
+    (tmp_path / "deaths").write_text("3", encoding="utf-8")
+    assert (await refused(asked("a body"))).kind == "quarantined"
+    worker = await pid_of(workers)
+    assert (await refused(asked("another body"))).kind == "quarantined"
+    assert await pid_of(workers) == worker
+    await until(lambda: len(workers.quarantine) == 0)
+    assert await asked("a body") == "planned"
 
 
 @pytest.mark.parametrize(
     ("job", "argument"), [(time.sleep, 60.0), (signal.raise_signal, signal.SIGSTOP)], ids=["asleep", "deaf to signals"]
 )
-def test_a_job_that_does_not_end_is_killed_and_the_next_is_served(job: Callable[..., Any], argument: Any) -> None:
-    async def story(workers: Workers) -> None:
-        stuck = await pid_of(workers)
-        problem = await refused(ran(workers, job, (argument,), "stuck", 0.5))
-        assert problem.kind == "worker-timeout"
-        assert await pid_of(workers) != stuck
-        assert not alive(stuck)
-
-    with_workers(Settings(workers=1), story)
-
-
-def test_a_worker_that_does_not_read_its_job_is_killed_too() -> None:
-    async def story(workers: Workers) -> None:
-        stuck = await pid_of(workers)
-        os.kill(stuck, signal.SIGSTOP)
-        problem = await refused(ran(workers, len, (bytes(20 << 20),), "unread", 0.5))
-        assert problem.kind == "worker-timeout"
-        assert await pid_of(workers) != stuck
-
-    with_workers(Settings(workers=1), story)
+async def test_a_job_that_does_not_end_is_killed_and_the_next_is_served(
+    workers: Workers, job: Callable[..., Any], argument: Any
+) -> None:
+    stuck = await pid_of(workers)
+    problem = await refused(ran(workers, job, (argument,), "stuck", 0.5))
+    assert problem.kind == "worker-timeout"
+    assert await pid_of(workers) != stuck
+    assert not alive(stuck)
 
 
-def test_what_a_job_raises_is_raised_here_and_its_worker_goes_on() -> None:
-    async def story(workers: Workers) -> None:
-        pid = await pid_of(workers)
-        with pytest.raises(ZeroDivisionError):
-            await ran(workers, divmod, (1, 0), "raises", 30.0)
-        assert await pid_of(workers) == pid
-
-    with_workers(Settings(workers=1), story)
+async def test_a_worker_that_does_not_read_its_job_is_killed_too(workers: Workers) -> None:
+    stuck = await pid_of(workers)
+    os.kill(stuck, signal.SIGSTOP)
+    problem = await refused(ran(workers, len, (bytes(20 << 20),), "unread", 0.5))
+    assert problem.kind == "worker-timeout"
+    assert await pid_of(workers) != stuck
 
 
-def test_a_short_job_whose_caller_has_gone_ends_and_costs_no_worker() -> None:
-    async def story(workers: Workers) -> None:
-        pid = await pid_of(workers)
-        for _ in range(5):
-            job = asyncio.create_task(ran(workers, time.sleep, (0.2,), "gone", 90.0))
-            await asyncio.sleep(0.05)
-            job.cancel()
-            with pytest.raises(asyncio.CancelledError):
-                await job
-            assert await pid_of(workers) == pid
-        assert not is_full(workers)
-
-    with_workers(Settings(workers=1), story)
+async def test_what_a_job_raises_is_raised_here_and_its_worker_goes_on(workers: Workers) -> None:
+    pid = await pid_of(workers)
+    with pytest.raises(ZeroDivisionError):
+        await ran(workers, divmod, (1, 0), "raises", 30.0)
+    assert await pid_of(workers) == pid
 
 
-def test_one_request_more_than_workers_and_queue_is_told_when_to_come_again(held: Held) -> None:
-    async def story(workers: Workers) -> None:
-        running = held.job(workers)
-        waiting = asyncio.create_task(pid_of(workers))
-        await held.begun()
-        assert is_full(workers)
-        problem = await refused(pid_of(workers))
-        assert problem.kind == "busy"
-        assert 1 <= int(problem.headers["Retry-After"]) <= 60
-        held.release()
-        assert await running == b"released"
-        assert await waiting
-        assert not is_full(workers)
-        assert await pid_of(workers)
-
-    with_workers(Settings(workers=1, queue=1), story)
-
-
-def test_a_request_that_waited_too_long_for_a_worker_is_told_so(held: Held) -> None:
-    async def story(workers: Workers) -> None:
-        first = held.job(workers)
-        await held.begun()
-        assert (await refused(pid_of(workers))).kind == "busy"
-        held.release()
-        assert await first == b"released"
-        assert await pid_of(workers)
-
-    with_workers(Settings(workers=1, queue=1, queue_wait_s=0.5), story)
-
-
-def test_a_long_job_gives_back_the_worker_that_it_has_borrowed_and_is_done_again(held: Held, tmp_path: Path) -> None:
-    async def story(workers: Workers) -> None:
-        first = held.job(workers, short=False)
-        await held.begun()  # on the worker for all; the next long one borrows the other
-        second = asyncio.create_task(
-            ran(workers, recalled_once, (str(tmp_path / "begun"),), "long", 90.0, lambda _: None, short=False)
-        )
-        await until((tmp_path / "begun").exists)
-        assert await pid_of(workers) > 0  # a short one is served at once
-        assert not first.done()
-        assert not second.done()
-        (tmp_path / "begun").unlink()
-        held.release()
-        assert await first == b"released"
-        await until((tmp_path / "begun").exists)  # the second has begun again, on the worker for all
-        assert await pid_of(workers) > 0  # and keeps it, for there is another for short ones
-        assert not second.done()
-        second.cancel()
+async def test_a_short_job_whose_caller_has_gone_ends_and_costs_no_worker(workers: Workers) -> None:
+    pid = await pid_of(workers)
+    for _ in range(5):
+        job = asyncio.create_task(ran(workers, time.sleep, (0.2,), "gone", 90.0))
+        await asyncio.sleep(0.05)
+        job.cancel()
         with pytest.raises(asyncio.CancelledError):
-            await second
+            await job
+        assert await pid_of(workers) == pid
+    assert not is_full(workers)
 
-    with_workers(SETTINGS, story)
+
+@with_workers(Settings(workers=1, queue=1))
+async def test_one_request_more_than_workers_and_queue_is_told_when_to_come_again(workers: Workers, held: Held) -> None:
+    running = held.job(workers)
+    waiting = asyncio.create_task(pid_of(workers))
+    await held.begun()
+    assert is_full(workers)
+    problem = await refused(pid_of(workers))
+    assert problem.kind == "busy"
+    assert 1 <= int(problem.headers["Retry-After"]) <= 60
+    held.release()
+    assert await running == b"released"
+    assert await waiting
+    assert not is_full(workers)
+    assert await pid_of(workers)
 
 
-def test_a_worker_that_dies_while_idle_is_replaced_before_anyone_asks() -> None:
-    async def story(workers: Workers) -> None:
-        pid = await pid_of(workers)
-        os.kill(pid, signal.SIGKILL)
+@with_workers(Settings(workers=1, queue=1, queue_wait_s=0.5))
+async def test_a_request_that_waited_too_long_for_a_worker_is_told_so(workers: Workers, held: Held) -> None:
+    first = held.job(workers)
+    await held.begun()
+    assert (await refused(pid_of(workers))).kind == "busy"
+    held.release()
+    assert await first == b"released"
+    assert await pid_of(workers)
+
+
+@with_workers(SETTINGS)
+async def test_a_long_job_gives_back_the_worker_that_it_has_borrowed_and_is_done_again(
+    workers: Workers, held: Held, tmp_path: Path
+) -> None:
+    first = held.job(workers, short=False)
+    await held.begun()  # on the worker for all; the next long one borrows the other
+    second = asyncio.create_task(
+        ran(workers, recalled_once, (str(tmp_path / "begun"),), "long", 90.0, lambda _: None, short=False)
+    )
+    await until((tmp_path / "begun").exists)
+    assert await pid_of(workers) > 0  # a short one is served at once
+    assert not first.done()
+    assert not second.done()
+    (tmp_path / "begun").unlink()
+    held.release()
+    assert await first == b"released"
+    await until((tmp_path / "begun").exists)  # the second has begun again, on the worker for all
+    assert await pid_of(workers) > 0  # and keeps it, for there is another for short ones
+    assert not second.done()
+    second.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await second
+
+
+@pytest.mark.parametrize("noticed", [True, False])
+async def test_a_worker_that_dies_while_idle_is_replaced_and_the_next_request_is_served(
+    workers: Workers, *, noticed: bool
+) -> None:
+    pid = await pid_of(workers)
+    os.kill(pid, signal.SIGKILL)
+    if noticed:
         await until(lambda: not is_ready(workers))
         await until(lambda: workers.ready)
-        assert await pid_of(workers) not in (0, pid)
-
-    with_workers(Settings(workers=1), story)
+    assert await pid_of(workers) not in (0, pid)
 
 
-def test_a_request_in_the_moment_after_an_idle_worker_died_is_served() -> None:
-    async def story(workers: Workers) -> None:
-        pid = await pid_of(workers)
-        os.kill(pid, signal.SIGKILL)
-        assert await pid_of(workers) != pid
-
-    with_workers(Settings(workers=1), story)
+@with_workers(Settings(workers=1, max_tasks=2))
+async def test_a_worker_is_replaced_after_its_share_of_jobs(workers: Workers) -> None:
+    pids = [await pid_of(workers) for _ in range(4)]
+    assert pids[0] == pids[1] != pids[2] == pids[3]
 
 
-def test_a_worker_is_replaced_after_its_share_of_jobs() -> None:
-    async def story(workers: Workers) -> None:
-        pids = [await pid_of(workers) for _ in range(4)]
-        assert pids[0] == pids[1] != pids[2] == pids[3]
-
-    with_workers(Settings(workers=1, max_tasks=2), story)
-
-
-def test_a_worker_is_deaf_to_the_signals_that_stop_the_service(held: Held) -> None:
-    async def story(workers: Workers) -> None:
-        pid = await pid_of(workers)
-        job = held.job(workers)
-        await held.begun()
-        os.kill(pid, signal.SIGTERM)
-        os.kill(pid, signal.SIGINT)
-        held.release()
-        assert await job == b"released"
-        assert await pid_of(workers) == pid
-
-    with_workers(Settings(workers=1), story)
+async def test_a_worker_is_deaf_to_the_signals_that_stop_the_service(workers: Workers, held: Held) -> None:
+    pid = await pid_of(workers)
+    job = held.job(workers)
+    await held.begun()
+    os.kill(pid, signal.SIGTERM)
+    os.kill(pid, signal.SIGINT)
+    held.release()
+    assert await job == b"released"
+    assert await pid_of(workers) == pid
 
 
-def test_a_worker_cannot_take_more_memory_than_it_was_given() -> None:
-    async def tell() -> None:
-        process = WorkerProcess(512, os.getpid, 60.0)
-        await process.start()
-        with pytest.raises(MemoryError):
-            await process.run(bytearray, (1 << 30,), 30.0)
-        await process.stop()
-
-    asyncio.run(tell())
+async def test_a_worker_cannot_take_more_memory_than_it_was_given() -> None:
+    process = WorkerProcess(512, os.getpid, 60.0)
+    await process.start()
+    with pytest.raises(MemoryError):
+        await process.run(bytearray, (1 << 30,), 30.0)
+    await process.stop()
 
 
 @pytest.mark.slow
-def test_a_worker_gives_back_what_a_large_job_took() -> None:
-    async def story(workers: Workers) -> None:
-        worker = psutil.Process(await pid_of(workers))
-        before = worker.memory_info().rss
-        assert await ran(workers, all_but_the_last, (200,), "large", 60.0) == worker.pid
-        await until(lambda: worker.memory_info().rss < before + (32 << 20))
-
-    with_workers(Settings(workers=1), story)
+async def test_a_worker_gives_back_what_a_large_job_took(workers: Workers) -> None:
+    worker = psutil.Process(await pid_of(workers))
+    before = worker.memory_info().rss
+    assert await ran(workers, all_but_the_last, (200,), "large", 60.0) == worker.pid
+    await until(lambda: worker.memory_info().rss < before + (32 << 20))
 
 
-def test_a_large_result_and_a_large_argument_pass_through() -> None:
-    async def story(workers: Workers) -> None:
-        data = os.urandom(1 << 20) * 20
-        assert await ran(workers, bytes.__add__, (data, b"x"), "large", 60.0) == data + b"x"
-
-    with_workers(Settings(workers=1), story)
+async def test_a_large_result_and_a_large_argument_pass_through(workers: Workers) -> None:
+    data = os.urandom(1 << 20) * 20
+    assert await ran(workers, bytes.__add__, (data, b"x"), "large", 60.0) == data + b"x"
 
 
-def test_when_stopped_no_process_is_left() -> None:
+async def test_when_stopped_no_process_is_left() -> None:
     before = set(psutil.Process().children(recursive=True))
-    seen: list[int] = []
-
-    async def story(workers: Workers) -> None:
-        seen.append(await pid_of(workers))
-
-    with_workers(Settings(workers=1), story)
-    assert not alive(seen[0])
+    async with starting(ONE) as workers:
+        pid = await pid_of(workers)
+    assert not alive(pid)
     left = set(psutil.Process().children(recursive=True)) - before
     assert [child.pid for child in left if child.name() == NAME.decode()] == []
+
+
+def measured(workers: Workers, name: str, **labels: str) -> float:
+    return value(workers.meters.text().decode(), name, **labels)
+
+
+def restarts(workers: Workers, cause: str) -> float:
+    return measured(workers, "assur_worker_restarts_total", cause=cause)
+
+
+@with_workers(replace(ONE, max_tasks=2))
+async def test_deaths_and_replacements_are_counted_each_by_its_cause(workers: Workers) -> None:
+    assert measured(workers, "assur_workers_ready") == measured(workers, "assur_workers") == 1
+    trace = Trace("id", "traceparent")
+    CURRENT.set(trace)
+    first = await pid_of(workers)
+    assert trace.queued_s is not None
+    assert workers.processes()["worker-0"] == first
+    assert measured(workers, "assur_requests_running") == measured(workers, "assur_requests_waiting") == 0
+    assert await pid_of(workers) == first
+    assert restarts(workers, "max_tasks") == 1
+    assert (await refused(ran(workers, os.abort, (), "b", 30.0))).kind == "quarantined"
+    assert restarts(workers, "crash") == 3
+    pid = await pid_of(workers)
+    os.kill(pid, signal.SIGKILL)
+    await until(lambda: restarts(workers, "idle") == 1)
+    assert restarts(workers, "crash") == 3
+
+
+async def test_what_the_system_denies_to_a_worker_is_reported_counted_and_tried_again() -> None:
+    async with starting(ONE, partial(os.stat, "/no/such/place")) as workers:
+        await until(lambda: restarts(workers, "start_failure") >= 2)
+        assert "FileNotFoundError ENOENT (No such file or directory)" in workers.trouble
+        assert "/dev/shm" in workers.trouble
+        assert "/no/such/place" not in workers.trouble
+        assert not workers.ready

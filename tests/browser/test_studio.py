@@ -43,7 +43,7 @@ def test_two_plans_are_compared_with_one_clock_and_one_camera(studio: Studio) ->
     page.frames[-1].evaluate("window.assur.look('top')")
     top = studio.ask(VIEWS)[0]
     page.click("#keep")
-    assert page.locator("#note").inner_text() == "This answer is kept. Press Plan: the next answer is shown beside it."
+    assert page.locator("#note").inner_text() == "This answer is kept. Press Plan: the next answer is shown next to it."
     studio.choose("demo")  # another cell, of another size
     studio.planned()
     assert page.locator("iframe").count() == 2

@@ -47,7 +47,7 @@ def studio(context: BrowserContext, locked: httpx.Client) -> Locked:
 
 def test_the_form_asks_until_the_key_is_known_and_the_tab_keeps_it(studio: Locked) -> None:
     page = studio.page
-    said = page.locator("#key-said")
+    said = page.locator("#key-message")
     assert said.inner_text() == "The service needs a key."
     assert page.get_attribute("#key", "type") == "password"
     assert page.evaluate("document.activeElement.id") == "key"

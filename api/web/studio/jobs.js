@@ -37,10 +37,10 @@ export function tellProgress(doing, progress, durations) {
   find("numbers").replaceChildren(...rows.map(([name, value]) => {
     const row = document.createElement("div");
     const term = document.createElement("dt");
-    const told = document.createElement("dd");
+    const description = document.createElement("dd");
     term.textContent = name;
-    told.textContent = value;
-    row.append(term, told);
+    description.textContent = value;
+    row.append(term, description);
     return row;
   }));
   drawBest(durations);
@@ -74,15 +74,15 @@ export async function searched(request) {
   const address = `v1/jobs/${id}`;
   running = address;
   try {
-    for await (const told of events(address)) {
-      const { progress } = told;
+    for await (const job of events(address)) {
+      const { progress } = job;
       if (progress && progress.stage === "search" && progress.duration_s !== null)
         durations.push([progress.elapsed_s, progress.duration_s]);
       const looking = progress && progress.stage === "relaxation";
       tellProgress(looking ? "There is no plan; looking for a change that would help" : "Planning", progress, durations);
-      if (told.state === "cancelled") return null;
-      if (told.state === "failed") throw new Refused(told.problem);
-      if (told.state === "done") return (await ask(`${address}/answer`)).json();
+      if (job.state === "cancelled") return null;
+      if (job.state === "failed") throw new Refused(job.problem);
+      if (job.state === "done") return (await ask(`${address}/answer`)).json();
     }
     throw new Refused({ detail: "The connection to the service was lost." });
   } finally {

@@ -18,7 +18,7 @@ export class Refused extends Error {
 // Opens the form for the key. True once a key was entered, false if the form was closed without one.
 export function enterKey() {
   find("enter").hidden = false;
-  find("key-said").textContent = key ? "The service does not know this key." : "The service needs a key.";
+  find("key-message").textContent = key ? "The service does not know this key." : "The service needs a key.";
   entered = entered || new Promise((resolve) => {
     const dialog = find("key-dialog");
     find("key").value = "";
@@ -37,7 +37,7 @@ find("key-form").addEventListener("submit", (event) => {
   event.preventDefault();
   const value = find("key").value.trim();
   if (!/^[!-~]+$/.test(value)) { // nothing else can be sent in a header
-    find("key-said").textContent = "A key has letters, digits and signs of ASCII, and no spaces.";
+    find("key-message").textContent = "A key has letters, digits and signs of ASCII, and no spaces.";
     return;
   }
   key = value;

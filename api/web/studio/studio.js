@@ -10,7 +10,7 @@ const find = (id) => document.getElementById(id);
 const text = find("text");
 let scenario = null; // the name of the shipped scenario that is shown unchanged
 let changes = 0; // counts those of the text
-let connected = false; // whether the service has said which scenarios and formats there are
+let connected = false; // whether the service has sent its scenarios and formats
 let kept = true; // whether the browser keeps the text as it is
 const shipped = new Map(); // texts of shipped scenarios by name
 const history = new History();
@@ -61,7 +61,7 @@ function tellFaults(problem) {
   number(new Set(errors.map((error) => error.line)));
 }
 
-// What is said of the answer and its files; faults of the text are not touched.
+// The messages about the answer and its files; faults of the text are not touched.
 function note(sentence, bad = false) {
   find("note").textContent = sentence;
   find("note").classList.toggle("bad", bad);
@@ -83,7 +83,7 @@ function forget() {
   number();
 }
 
-// Faults are told while one writes, once nothing has been typed for a moment.
+// Faults are shown while one writes, once nothing has been typed for a moment.
 const MOMENT_MS = 600;
 async function examine() {
   const of = (changes += 1);
@@ -399,7 +399,7 @@ find("plan").addEventListener("click", plan);
 find("cancel").addEventListener("click", () => attempt(cancel)); // the job may have ended meanwhile
 find("keep").addEventListener("click", () => {
   answers.keep();
-  note("This answer is kept. Press Plan: the next answer is shown beside it.");
+  note("This answer is kept. Press Plan: the next answer is shown next to it.");
 });
 find("save").addEventListener("change", save);
 find("scenario").addEventListener("change", choose);

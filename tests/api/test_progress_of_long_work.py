@@ -26,7 +26,7 @@ def test_kernels_are_counted_in_the_folder(monkeypatch: pytest.MonkeyPatch, tmp_
 def test_how_far_it_is_is_said_until_it_ends(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(border, "TOLD_S", 0.01)
+    monkeypatch.setattr(border, "PROGRESS_S", 0.01)
     said: list[int] = []
 
     def how_far() -> str:
