@@ -73,12 +73,8 @@ def _in_no_mode(scene: Scene, point: ControlPoint) -> Refusal | None:
         if not refused:
             return None
         # the worst of them: with less, the others would still not be met
-        refusals.append(max(refused, key=_amount))
-    return min(refusals, key=_amount, default=None)
-
-
-def _amount(refusal: Refusal) -> float:
-    return 0.0 if refusal.amount is None else refusal.amount.value
+        refusals.append(max(refused, key=lambda refusal: refusal.missing))
+    return min(refusals, key=lambda refusal: refusal.missing, default=None)
 
 
 def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refusal | None:

@@ -416,6 +416,11 @@ class Refusal:
         return self.subject.names if isinstance(self.subject, Bodies) else ()
 
     @property
+    def missing(self) -> float:
+        """The amount as a number, in its unit; infinite where there is none."""
+        return math.inf if self.amount is None else self.amount.value
+
+    @property
     def joint(self) -> str | None:
         return self.subject.name if isinstance(self.subject, JointName) else None
 

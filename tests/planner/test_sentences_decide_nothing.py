@@ -18,7 +18,7 @@ from assur.api.workers.jobs import FIRST_PLAN
 from assur.planner.model.outcome import NotPlanned, Outcome
 from assur.planner.model.scene import Scene
 from assur.planner.pipeline import plan
-from assur.planner.report import notes, sentence
+from assur.planner.report import notes, refusal_words, sentence
 from assur.scenes import answer_facts
 from assur.scenes.reading import plan as read_plans
 from assur.scenes.reading import refusal as read_refusals
@@ -39,15 +39,15 @@ def nonsense(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
 
     def replace() -> None:
         makers = [
-            name
-            for texts in (sentence, notes)
-            for name, item in vars(texts).items()
+            item
+            for texts in (sentence, refusal_words, notes)
+            for item in vars(texts).values()
             if callable(item) and item.__module__ == texts.__name__ and item.__annotations__.get("return") == "str"
         ]
-        assert {"sentence", "because", "note", "warned"} <= set(makers)
+        assert {"sentence", "because", "note", "warned"} <= {each.__name__ for each in makers}
         # those that are imported in the course of a check, too, so that none keeps nonsense
         assert {read_plans.__name__, read_refusals.__name__, answer_facts.__name__} <= sys.modules.keys()
-        originals = {id(getattr(texts, name)) for texts in (sentence, notes) for name in makers if hasattr(texts, name)}
+        originals = set(map(id, makers))
         for module in [each for key, each in sys.modules.items() if key.startswith("assur.")]:
             for name in [name for name, item in vars(module).items() if id(item) in originals]:
                 monkeypatch.setattr(module, name, lambda *_, **__: NONSENSE)
