@@ -1,6 +1,6 @@
 """Bodies that are in the way of the arm wherever it must be: at its start, or on all ways through a control point.
 
-What is found is said twice: as the refusal, and as the witness that the checker can verify.
+What is found is stated twice: as the refusal, and as the witness that the checker can verify.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ EDGE_M = 1e-9
 """A point is called out of reach at every pitch, or at all times, from this much on, m: rounding of coordinates of a
 few metres, and of times."""
 PARTS = 512
-"""Parts of a period over each of which the way of a point is bounded."""
+"""Parts of a period; the way of a point is bounded over each."""
 
 
 def out_of_range(scene: Scene, number: int) -> Refusal | None:
@@ -239,7 +239,7 @@ def arches_impossible(scene: Scene) -> Refusal | None:
 def windows_impossible(scene: Scene) -> Refusal | None:
     """A step whose window, or what is known of whose frame's motion, is too short for it whenever the arm comes.
 
-    Where along its frame a point is does not depend on how the tool is turned: one way to hold the parts is looked at.
+    Where along its frame a point is does not depend on how the tool is turned: one way to hold the parts is evaluated.
     """
     attached = at_start(scene)
     for number, step in enumerate(scene.task):

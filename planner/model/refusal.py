@@ -318,7 +318,7 @@ class ForbiddenYaw:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LawEnds:
-    """A frame's motion is known on `known_s`, s (None: of which frame is not known; None for an end: for ever), and
+    """A frame's motion is known on `known_s`, s (None: which frame, is not known; None for an end: for ever), and
     needed at `needed_s`. `tracked_s`: for so long a control point must be tracked in the frame, s, until `needed_s` at
     the earliest (None: it is not for a control point that it is needed); `on_arrival`: the arm comes no sooner."""
 

@@ -14,6 +14,6 @@ def checker_first(census: Census) -> str:
 
 
 def beginning(count: int, code: str, what: str) -> str:
-    """A sentence about so many plans, in one of which this was found."""
+    """A sentence about so many plans; this was found in one of them."""
     plans = "a plan" if count == 1 else f"{count} plans"
     return f"A fault of the planner: the checker refused {plans} of the search ({code}: {what}); please report it. "

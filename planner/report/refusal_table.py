@@ -297,4 +297,4 @@ PARTS: dict[str, tuple[Row, ...]] = {
     "law": ("the motion of {frame} is known {known}",),
     "sooner": ("[; the arm cannot be there sooner{on_arrival}]",),
 }
-"""What several sentences have in common; each may be in those below it."""
+"""What several sentences have in common."""

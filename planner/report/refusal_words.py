@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Hashable
 from dataclasses import MISSING, fields
+from functools import cache
+from typing import Any, cast
 
+from assur.planner.errors import FaultError
 from assur.planner.model.phases import CONTACT_M
 from assur.planner.model.refusal import (
     BeyondRange,
@@ -45,32 +49,65 @@ BY_ROUNDING = ", which differ by rounding only"
 """Written behind two lengths that no digits tell apart."""
 
 Words = dict[str, str]
-OPTIONAL, NAME = re.compile(r"\[([^\[\]]*)\]"), re.compile(r"\{(\w+)\}")
+PIECES = re.compile(r"[\[\]]|\{\w+\}|[^\[\]{}]+")
 
 
 def because(scene: Scene, refusal: Refusal) -> str:
     """What would happen, or what is missing: a sentence without its step and its full stop."""
-    codes = {str(refusal.stage), str(refusal.reason), *(str(getattr(refusal.facts, name, "")) for name in CODES)}
     words = words_of(scene, refusal)
-    for name, rows in PARTS.items():
-        words |= dict(zip((name,), _filled(rows, codes, words), strict=False))
-    return words.get("on_path", "") + _filled(SENTENCES[type(refusal.facts)], codes, words)[0]
+    codes = {refusal.stage, refusal.reason, *(words.get(name, "") for name in CODES)}
+    place = _first("on_path", codes, words) if "path" in words else None
+    found = _first(type(refusal.facts), codes, words)
+    if found is None:
+        raise FaultError(f"a refusal has no sentence: {refusal}")
+    return (place or "") + found
 
 
-def _filled(rows: tuple[Row, ...], codes: set[str], words: Words) -> list[str]:
-    """The templates that are for these codes and have all their words, filled."""
-    found = []
-    for row in rows:
-        template, *needed = (row,) if isinstance(row, str) else row
-        while "[" in template:
-            template = OPTIONAL.sub(lambda part: part[1] if _known(part[1], words) else "", template)
-        if codes.issuperset(needed) and _known(template, words):
-            found.append(template.format_map(words))
+def _parsed(template: str) -> list[Any]:
+    """The text and the names, each in {}, of a template; what is in [] is a list of its own."""
+    levels: list[list[Any]] = [[]]
+    for piece in PIECES.findall(template):
+        if piece == "[":
+            levels.append([])
+        else:
+            inner = levels.pop() if piece == "]" else piece
+            levels[-1].append(inner)
+    return levels[0]
+
+
+def _rows(rows: tuple[Row, ...]) -> list[tuple[frozenset[str], list[Any]]]:
+    pairs = (row if isinstance(row, tuple) else (row,) for row in rows)
+    return [(frozenset(codes), _parsed(template)) for template, *codes in pairs]
+
+
+ROWS = {key: _rows(rows) for table in (SENTENCES, PARTS) for key, rows in table.items()}
+"""Codes and parsed templates of each kind of facts, and of each part."""
+
+
+def _first(key: type | str, codes: set[str], words: Words) -> str | None:
+    """The first template that is for these codes and has all its words, filled; None: there is none."""
+    for needed, pieces in ROWS.get(key, ()):
+        if needed <= codes and (found := _filled(pieces, codes, words)) is not None:
+            return found
+    return None
+
+
+def _filled(pieces: list[Any], codes: set[str], words: Words) -> str | None:
+    """A template with its words; None: a word outside of [] is not known."""
+    found = ""
+    text: str | None
+    for piece in pieces:
+        if isinstance(piece, list):
+            text = _filled(piece, codes, words) or ""
+        elif piece[0] == "{":
+            name = piece[1:-1]
+            text = words[name] if name in words else _first(name, codes, words)
+        else:
+            text = piece
+        if text is None:
+            return None
+        found += text
     return found
-
-
-def _known(template: str, words: Words) -> bool:
-    return words.keys() >= set(NAME.findall(template))
 
 
 def words_of(scene: Scene, refusal: Refusal) -> Words:
@@ -83,11 +120,23 @@ def words_of(scene: Scene, refusal: Refusal) -> Words:
         words["short"] = f"{amount(100 * short.value, '1')} %" if short.unit == "1" else amount(short.value, short.unit)
     of_joint = "joint" in KINDS[type(facts)].about
     unit = "1" if not of_joint else "" if short is None or short.unit == "1" else short.unit
-    for each in fields(facts):
-        value = getattr(facts, each.name)
-        if value not in (None, "") and (each.default is MISSING or value != each.default):
-            words |= _fact(each.name, value, unit)
+    for name, default in _defaults(cast(Hashable, type(facts))):
+        value = getattr(facts, name)
+        if value not in (None, "") and (default is MISSING or value != default):
+            words |= _fact(name, value, unit)
     return words | _on_path(scene, refusal) | _computed(scene, refusal)
+
+
+@cache
+def _defaults(kind: Any) -> list[tuple[str, object]]:
+    """The facts of a kind, and what each is where it is not stated."""
+    return [(each.name, each.default) for each in fields(kind) if each.name != "kind"]
+
+
+@cache
+def _unit(name: str) -> str | None:
+    """The unit with which the name of a fact ends."""
+    return next((unit for end, unit in UNITS.items() if name.rstrip("_01").endswith(end)), None)
 
 
 def _fact(name: str, value: object, unit: str) -> Words:
@@ -99,7 +148,7 @@ def _fact(name: str, value: object, unit: str) -> Words:
         return {name: ""} if value else {}
     if not isinstance(value, float | int):
         return {name: str(value)}
-    own = next((each for end, each in UNITS.items() if name.rstrip("_01").endswith(end)), None)
+    own = _unit(name)
     shown = position(value, unit) if own is None and unit in ("m", "rad") else amount(value, own or unit)
     return {name: shown} if own or unit else {}
 

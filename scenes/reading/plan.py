@@ -43,7 +43,7 @@ BESIDE = document.PlannedAnswer.__annotations__.keys() - document.CheckedPlan.__
 CERTIFICATE_DIGEST = frozenset(document.CertificateDigest.__annotations__)
 """Fields of a certificate that is not in full."""
 COLUMNS = document.Certificate.__required_keys__ - CERTIFICATE_DIGEST
-"""What a certificate in full has besides."""
+"""What a certificate in full has in addition."""
 
 
 PATH_TIME_S = 1e-3
@@ -163,12 +163,12 @@ def _untrue(item: document.CheckedPlan) -> tuple[Finding, ...]:
     first, last = item["trajectory"]["time_s"][0], item["trajectory"]["time_s"][-1]
     duration = last - first
     return tuple(
-        Finding(Code.FORM, f"{key} is {said:.6f}, but the trajectory's is {true:.6f}", abs(said - true), "s", key)
-        for key, said, true in (
+        Finding(Code.FORM, f"{key} is {stated:.6f}, but the trajectory's is {true:.6f}", abs(stated - true), "s", key)
+        for key, stated, true in (
             ("duration_s", item.get("duration_s"), duration),
             ("start_s", item.get("start_s"), first),
         )
-        if said is not None and not abs(said - true) <= TIME_S
+        if stated is not None and not abs(stated - true) <= TIME_S
     )
 
 
@@ -180,11 +180,11 @@ def _untrue_joints(item: document.CheckedPlan, made: Plan, conventions: Conventi
         if not made.trajectory.start <= time <= made.trajectory.end:
             continue  # the checker says so
         q = made.trajectory.evaluate(time)
-        said = arrival.get("joints")
-        if said is not None:
-            if len(said) != len(conventions):
+        stated = arrival.get("joints")
+        if stated is not None:
+            if len(stated) != len(conventions):
                 raise Refused(f"{len(conventions)} numbers, one for each joint", "arrivals", i, "joints")
-            off = float(np.abs(converted(np.array(said, dtype=np.float64), conventions) - q).max())
+            off = float(np.abs(converted(np.array(stated, dtype=np.float64), conventions) - q).max())
             if not off <= JOINTS:
                 what = "the joints of an arrival are not those of the trajectory"
                 found.append(Finding(Code.FORM, what, off, "rad or m", f"{field}.joints"))
