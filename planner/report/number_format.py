@@ -26,16 +26,16 @@ MOST_DIGITS = 12
 """No more digits than these tell two lengths apart: more are rounding."""
 
 
-def amount(value: float | None, unit: str | None, digits: int = 3) -> str:
-    """A length in mm, a time in ms or s, an angle in degrees, anything else as it is, with so many digits that count;
-    nothing for no number."""
+def amount(value: float | None, unit: str | None) -> str:
+    """A length in mm, a time in ms or s, an angle in degrees, anything else as it is, with three digits that count, or
+    four of a load; nothing for no number."""
     if value is None or not math.isfinite(value):
         return ""
     name, factor = ("s", 1.0) if unit == "s" and abs(value) >= 1.0 else SHOWN_AS.get(unit or "", (unit or "", 1.0))
     size = abs(value * factor)
     if 0.0 < size < LEAST_SHOWN and unit in SHOWN_AS and unit != "1":
         return f"less than {LEAST_SHOWN:g} {name}".rstrip()
-    return f"{number(value * factor, digits)} {name}".rstrip()
+    return f"{number(value * factor, 4 if name.startswith('kg') else 3)} {name}".rstrip()
 
 
 def apart(one: float, other: float) -> tuple[str, str]:

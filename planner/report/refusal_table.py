@@ -185,7 +185,9 @@ SENTENCES: dict[type, tuple[Row, ...]] = {
         "the yaw of the tool would be {yaw_rad}, in the forbidden range {range}{deep}" + MODE,
     ),
     r.Inaccurate: (
-        ("the tool may be {off} off, but only {allowed} are allowed; most of it, {largest}, is due to: {cause}",),
+        ("the tool may be {position_m} off, but only {allowed_m} are allowed; {cause_of_most}", "m"),
+        ("the tool may be {yaw_rad} off, but only {allowed_rad} are allowed; {cause_of_most}", "rad"),
+        "the tool may be farther off than is allowed, most of it due to: {cause}",
     ),
     r.NotTouching: (
         ("the tool would be too far from {second} when it takes it: {first}, its nearest body, {far}", "grip"),
@@ -205,7 +207,9 @@ SENTENCES: dict[type, tuple[Row, ...]] = {
         (
             "{load}, but the maximum of {robot} is {limit}; {lighter}a tool that is lighter or nearer to the axis "
             "or a robot for this load would help",
+            "max_inertia",
         ),
+        "the robot may not carry so much",
     ),
     WindowMissed: (
         "the arm comes [at least {short} ]too late for latest_end_s{late}",
@@ -286,9 +290,11 @@ PARTS: dict[str, tuple[Row, ...]] = {
     "range": ("from {first_rad} to {last_rad}[ ({lag_rad} wider at both ends, for joints that lag)]",),
     "deep": ("[, {short} beyond its nearer end]",),
     "far": ("is {distance_m} away, and at most {allowed_m} is allowed",),
+    "cause_of_most": ("most of it, {most}, is due to: {cause}",),
+    "axis": (("[ about {last_joint}]", "max_inertia"), ""),
     "load": (
-        ("tool and {part} have {value}{axis} together ({tool} and {share}) from the start on", Stage.START),
-        "tool and {part} have {value}{axis} together ({tool} and {share}) from here on",
+        ("tool and {part} have {value}{axis} together[ ({tool} and {part_value})] from the start on", Stage.START),
+        "tool and {part} have {value}{axis} together[ ({tool} and {part_value})] from here on",
         "the tool has {value}{axis}",
     ),
     "lighter": ("[a part of up to {spare}, ]",),

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Hashable
 from dataclasses import MISSING, fields
 from functools import cache
 from typing import Any, cast
 
+import numpy as np
+
 from assur.planner.errors import FaultError
 from assur.planner.model.phases import CONTACT_M
 from assur.planner.model.refusal import (
     BeyondRange,
+    Carrying,
     ForbiddenYaw,
-    Inaccurate,
     LawEnds,
     OnPath,
     Overload,
@@ -26,7 +27,7 @@ from assur.planner.model.refusal import (
 from assur.planner.model.scene import Pick, Place, Scene, Trace, Window
 from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.report.number_format import amount, apart, position
-from assur.planner.report.refusal_table import KINDS, PARTS, SENTENCES, Row
+from assur.planner.report.refusal_table import PARTS, SENTENCES, Row
 
 UNITS = {"_m_s": "m/s", "_m": "m", "_rad": "rad", "_s": "s"}
 """The units that names of facts end with."""
@@ -56,6 +57,7 @@ def because(scene: Scene, refusal: Refusal) -> str:
     """What would happen, or what is missing: a sentence without its step and its full stop."""
     words = words_of(scene, refusal)
     codes = {refusal.stage, refusal.reason, *(words.get(name, "") for name in CODES)}
+    codes |= set() if refusal.amount is None else {refusal.amount.unit}
     place = _first("on_path", codes, words) if "path" in words else None
     found = _first(type(refusal.facts), codes, words)
     if found is None:
@@ -114,12 +116,12 @@ def words_of(scene: Scene, refusal: Refusal) -> Words:
     """All words that templates may have of a refusal: each fact that is known and is not the default of its field, by
     its name, what the refusal is about, and what is computed of both."""
     facts, short = refusal.facts, refusal.amount
-    words = {**UNNAMED, "robot": scene.robot.name, **dict(zip(("first", "second"), refusal.bodies, strict=False))}
+    words = {**UNNAMED, "robot": scene.robot.name, "last_joint": scene.robot.joints[-1].name}
+    words |= dict(zip(("first", "second"), refusal.bodies, strict=False))
     words |= {key: name for key, name in (("joint", refusal.joint), ("frame", refusal.frame)) if name is not None}
     if short is not None:
         words["short"] = f"{amount(100 * short.value, '1')} %" if short.unit == "1" else amount(short.value, short.unit)
-    of_joint = "joint" in KINDS[type(facts)].about
-    unit = "1" if not of_joint else "" if short is None or short.unit == "1" else short.unit
+    unit = "1" if isinstance(facts, Singular | Carrying) else "" if short is None or short.unit == "1" else short.unit
     for name, default in _defaults(cast(Hashable, type(facts))):
         value = getattr(facts, name)
         if value not in (None, "") and (default is MISSING or value != default):
@@ -149,7 +151,8 @@ def _fact(name: str, value: object, unit: str) -> Words:
     if not isinstance(value, float | int):
         return {name: str(value)}
     own = _unit(name)
-    shown = position(value, unit) if own is None and unit in ("m", "rad") else amount(value, own or unit)
+    is_position = name in ("value", "limit") and unit in ("m", "rad")
+    shown = position(value, unit) if is_position else amount(value, own or unit)
     return {name: shown} if own or unit else {}
 
 
@@ -175,18 +178,8 @@ def _computed(scene: Scene, refusal: Refusal) -> Words:
             return crossed | ({"names": " or ".join(facts.positions), "positions": positions} if positions else {})
         case ForbiddenYaw() as facts:
             return {name: position(getattr(facts, name), "rad") for name in ("first_rad", "last_rad", "yaw_rad")}
-        case Inaccurate() as facts:
-            far = facts.allowed_m is not None and facts.position_m > facts.allowed_m
-            off, allowed = (facts.position_m, facts.allowed_m) if far else (facts.yaw_rad, facts.allowed_rad or 0.0)
-            shown = {"off": off, "allowed": allowed, "largest": facts.most}
-            return {name: amount(value, "m" if far else "rad") for name, value in shown.items()}
-        case Overload() as facts:
-            heavy = facts.of != "max_inertia"
-            shares = {"value": facts.value, "limit": facts.limit, "tool": facts.tool, "share": facts.part_value}
-            spare = facts.limit - facts.tool
-            shares |= {"spare": spare} if facts.part is not None and spare > 0.0 else {}
-            words = {name: amount(value, "kg" if heavy else "kg·m²", 4) for name, value in shares.items()}
-            return words | {"axis": "" if heavy else f" about {scene.robot.joints[-1].name}"}
+        case Overload() as facts if refusal.amount is not None and facts.part is not None and facts.limit > facts.tool:
+            return {"spare": amount(facts.limit - facts.tool, refusal.amount.unit)}
         case WindowMissed() as facts:
             step = scene.task[refusal.step]
             closed = step.window != Window()
@@ -231,7 +224,7 @@ def _separation(facts: Separation) -> Words:
             words["gap"], words["required"] = one, other = apart(max(gap, 0.0), required)
         words["alike"] = BY_ROUNDING if one == other else ""
     if facts.least_m is not None:
-        words["enough"] = f"{math.ceil(facts.least_m * 1e4 - 1e-6) / 10:g} mm"
+        words["enough"] = f"{float(np.ceil(facts.least_m * 1e4 - 1e-6)) / 10:g} mm"
     return words
 
 

@@ -156,7 +156,7 @@ def test_an_allowed_contact_that_is_too_deep_is_told_with_what_is_allowed() -> N
     assert because(SCENE, refusal(facts=unsure)) == said
 
 
-COMPUTED = {"behind", "late", "other", "pressed", "resting"}
+COMPUTED = {"allowed", "behind", "late", "other", "pressed", "resting"}
 """Words that none of the refusals in `CASES` has; other tests have them."""
 RULES = {
     "near": ((0.0, 0.006), "near"),
@@ -402,19 +402,26 @@ CASES: list[tuple[Refusal, str]] = [
         of(
             Reason.LOAD_LIMIT,
             Overload(of="max_load", value=6.4, limit=6.0, tool=1.2, part="part", part_value=5.2),
+            Quantity(0.4, "kg"),
             stage=Stage.CONTROL_POINT,
         ),
         "tool and part have 6.4 kg together (1.2 kg and 5.2 kg) from here on, but the maximum load of test is 6 kg; "
         "a part of up to 4.8 kg, a lighter tool or a robot for this load would help",
     ),
     (
-        of(Reason.LOAD_LIMIT, Overload(of="table", value=6.4, limit=6.0, tool=6.4), stage=Stage.START),
+        of(
+            Reason.LOAD_LIMIT,
+            Overload(of="table", value=6.4, limit=6.0, tool=6.4),
+            Quantity(0.4, "kg"),
+            stage=Stage.START,
+        ),
         "the tool has 6.4 kg, but acceleration_by_load ends at 6 kg; a lighter tool or a row for this mass would help",
     ),
     (
         of(
             Reason.LOAD_LIMIT,
             Overload(of="max_inertia", value=0.2, limit=0.12, tool=0.15, part="part", part_value=0.05),
+            Quantity(0.08, "kg·m²"),
             stage=Stage.START,
         ),
         "tool and part have 0.2 kg·m² about theta4 together (0.15 kg·m² and 0.05 kg·m²) from the start on, but the "
@@ -425,8 +432,17 @@ CASES: list[tuple[Refusal, str]] = [
         of(
             Reason.TOLERANCE,
             Inaccurate(position_m=0.0142, yaw_rad=0.0, allowed_m=0.005, allowed_rad=None, cause="frame", most=0.012),
+            Quantity(0.0092, "m"),
         ),
         "the tool may be 14.2 mm off, but only 5 mm are allowed; most of it, 12 mm, is due to: frame",
+    ),
+    (
+        of(
+            Reason.TOLERANCE,
+            Inaccurate(position_m=0.001, yaw_rad=0.2, allowed_m=0.005, allowed_rad=0.1, cause="lag", most=0.15),
+            Quantity(0.1, "rad"),
+        ),
+        "the tool may be 11.5 deg off, but only 5.73 deg are allowed; most of it, 8.59 deg, is due to: lag",
     ),
     (
         of(Reason.TOLERANCE, NotTouching(of="support", distance_m=0.02, allowed_m=0.005)),
@@ -536,6 +552,14 @@ def test_no_template_has_a_word_that_nothing_gives_or_a_bracket_that_is_not_clos
                 bare, count = re.subn(r"\[[^][]*\]", "", bare)
                 assert count, template
             assert not set(bare) & set("[]{}"), template
+
+
+@pytest.mark.parametrize("least", [0.0321, 1e300, 1.7e308])
+def test_a_number_without_bounds_has_its_words(least: float) -> None:
+    """Numbers of an answer that is read are any that are finite."""
+    end = replace(APART, gap_m=-least, end="depart", straight_m=least, least_m=least)
+    found = because(SCENE, of(Reason.CONTROL_POINT_IN_COLLISION, end, Quantity(least, "m")))
+    assert found.startswith("depart is too short: ")
 
 
 def test_a_name_with_brackets_is_no_template() -> None:
