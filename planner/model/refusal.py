@@ -1,4 +1,4 @@
-"""Why a candidate, or a whole request, was refused: typed facts. `report.sentence` alone makes sentences of them.
+"""Why a candidate, or a whole request, was refused: typed facts. `report.refusal_table` has their sentences.
 
 Whoever decides reads these facts, never a sentence. Times are absolute seconds of the scene's clock, all else is SI.
 """
@@ -188,7 +188,7 @@ class Obstacle(StrEnum):
     """... because a frame that must be tracked is too fast."""
     PATH_TOO_FAST = "path too fast"
     """... because a path in a frame is traced too fast."""
-    # the others are no joint's rate; `report.sentence.OBSTACLES` has each in words
+    # the others are no joint's rate; `report.refusal_table` has each in words
     NOT_SMOOTH = "not smooth"
     NO_PATH_LAW = "no path law"
     NO_PROFILE = "no profile"

@@ -20,8 +20,7 @@ Row = str | tuple[str, ...]
 
 class Kind(NamedTuple):
     """What holds of refusals with facts of one kind. `about`: the subject that it may have ("nothing": it may have
-    none); `units`: of its amount, if it has one. Numbers whose names state no unit have that of the amount, if the
-    refusal is about a joint, and none otherwise."""
+    none); `units`: of its amount, if it has one."""
 
     reasons: tuple[Reason, ...]
     about: tuple[Literal["nothing", "body", "pair", "joint", "frame"], ...]

@@ -48,8 +48,6 @@ SEARCH = (
 )
 """Fields of an answer without a plan about the search, its times, and what may help, which is a proposal: only their
 form is checked."""
-REPEATED = ("assumptions", "notice", "request_digest", "seed")
-"""... and those that repeat the request."""
 CHECKED = ("schema", "status", "reason", "proved", "sentence", "refusal")
 """... and those that the checker evaluates. All but the first must be there."""
 NOT_PROVED = ("reason", "refusal", "sentence")
@@ -77,9 +75,8 @@ def refusal_of(answer: object, scene: Scene) -> ReadRefusal:
     with located({PLAN: answer}), within(PLAN):
         if not isinstance(answer, dict):
             raise Refused("an answer")
-        known = {*CHECKED, *SEARCH, *REPEATED}
         for key in answer:
-            if key not in known:
+            if key not in document.NotPlannedAnswer.__annotations__:
                 raise Refused("no such field: an answer without a plan has none of this name", key)
         kept = {key: value for key, value in answer.items() if key in CHECKED}
         item: dict[str, Any] = read_written(_checked(), kept, kept, (PLAN,))

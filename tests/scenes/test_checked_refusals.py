@@ -397,6 +397,8 @@ def test_a_status_that_is_an_array_is_named(status: object) -> None:
         assert caught.value.field == "plan.status"
         assert "planned" in caught.value.allowed
         assert caught.value.value is status or list(caught.value.value) == list(status)  # type: ignore[call-overload]
+    with pytest.raises(InputError, match=r"status"):
+        plan_document({**request, "status": status})
 
 
 def test_of_a_joint_and_a_frame_the_second_is_named() -> None:
