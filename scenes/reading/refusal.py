@@ -20,7 +20,6 @@ from assur.planner.model.refusal import (
     Quantity,
     Refusal,
     Separation,
-    Stage,
     Subject,
 )
 from assur.planner.model.scene import Scene
@@ -143,9 +142,8 @@ def _untrue(
 def _checker_first(answer: dict[str, Any]) -> str:
     """How the sentence of a search must begin whose census states that the checker refused plans; nothing: it states
     none."""
-    lines = [line for line in answer.get("census", {}).get("lines", ()) if line["stage"] == Stage.CHECKER]
-    found = [line["facts"] for line in lines if line["facts"]["kind"] == "refuted"]
-    return beginning(sum(line["count"] for line in lines), found[0]["code"], found[0]["what"]) if found else ""
+    lines = ((line["count"], line["facts"]) for line in answer.get("census", {}).get("lines", ()))
+    return beginning([(count, facts["code"], facts["what"]) for count, facts in lines if facts["kind"] == "refuted"])
 
 
 def _refusal(given: dict[str, Any], scene: Scene) -> Refusal:
