@@ -12,7 +12,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.refusals import points, start
 from assur.planner.checker.refusals.postures import allowed_modes
-from assur.planner.checker.refusals.stated import Shown, spots
+from assur.planner.checker.refusals.stated import Shown, exceeded, spots
 from assur.planner.checker.refusals.ways import is_turn, ways
 from assur.planner.checker.refusals.windows import overshoots
 from assur.planner.collision.proof import Prover
@@ -26,12 +26,10 @@ from assur.planner.legs.tilt import pitch_free, tilts
 from assur.planner.model.deadline import look
 from assur.planner.model.phases import Attachments, at_start
 from assur.planner.model.refusal import (
-    JointName,
     OutOfReach,
     Reason,
     Refusal,
     Stage,
-    of_joint,
     out_of_reach,
 )
 from assur.planner.model.scene import Scene, beyond_at_nearest_turn
@@ -90,8 +88,8 @@ def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refu
     over, lead_in = beyond_range(robot, q), lead_in_begin(point)
     worst = int(np.argmax(over))
     facts = replace(beyond_at_nearest_turn(scene, worst, q), mode=robot.modes[mode], above_m=above, **lead_in)
-    amount, joint = of_joint(robot.joints[worst].kind, float(over[worst])), JointName(robot.joints[worst].name)
-    return Shown(Reason.JOINT_LIMIT, facts, amount, joint).refusal(Stage.CONTROL_POINT, point.step)
+    beyond = exceeded(scene, Reason.JOINT_LIMIT, worst, float(over[worst]), facts)
+    return beyond.refusal(Stage.CONTROL_POINT, point.step)
 
 
 def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusal:
