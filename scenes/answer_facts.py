@@ -23,7 +23,7 @@ from assur.planner.model.load import Carried
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.model.witness import Witness
-from assur.planner.report.sentence import because
+from assur.planner.report.refusal_words import because
 from assur.scenes.numbers import interval, number, optional
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.normal import LEAVES

@@ -17,7 +17,8 @@ def refuse_other(document: object) -> None:
         raise InputError(WHOLE, document, allowed)
     if not isinstance(document, dict):
         return  # its model says what a request is
-    if document.get("status") in ("planned", "not_planned"):
+    status = document.get("status")
+    if isinstance(status, str) and status in ("planned", "not_planned"):
         raise fault(document, ("status",), "no status: this is an answer, not a request")
     if is_plan_file(document):
         raise fault(document, ("schema",), f"{SCHEMA}: this is a plan file; its part `request` is the request")

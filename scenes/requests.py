@@ -282,19 +282,20 @@ def check_cell(cell: Cell, answer: object) -> dict[str, Any]:
 
 def refused(answer: object) -> bool:
     """Whether an answer says that there is no plan."""
-    return isinstance(answer, dict) and answer.get("status") == "not_planned"
+    status = answer.get("status") if isinstance(answer, dict) else None
+    return isinstance(status, str) and status == "not_planned"
 
 
 def _check_refusal(cell: Cell, answer: object) -> dict[str, Any]:
-    """The verdict on an answer without a plan: whether what it calls proved is proved, and what it repeats is so."""
+    """The verdict on an answer without a plan: whether what it calls proved is proved, and what it repeats is true."""
     from assur.planner.checker.refusals.judging import check_refusal
     from assur.scenes.reading.refusal import refusal_of
 
-    told = refusal_of(plain(answer), cell.scene)
-    findings = told.findings
-    if told.refusal is not None and told.proved:
-        findings += check_refusal(cell.scene, told.refusal, told.witness).findings
-    return _verdict(cell, findings, told.not_checked)
+    given = refusal_of(plain(answer), cell.scene)
+    findings = given.findings
+    if given.refusal is not None and given.proved:
+        findings += check_refusal(cell.scene, given.refusal, given.witness).findings
+    return _verdict(cell, findings, given.not_checked)
 
 
 def view_document(request: object, plan: object, *, folder: Path | None = None) -> dict[str, Any]:

@@ -211,7 +211,7 @@ def _phase(legs: list[dict[str, Any]], nearest: dict[str, Any]) -> str:
 
 def not_planned(answer: dict[str, Any]) -> Iterator[Table | str]:
     """What a refused request says."""
-    proved = "proved: no plan exists" if answer["proved"] else "not found, which is no proof that there is none"
+    proved = "proved: no plan exists" if answer["proved"] else "not proved: the search found none, but a plan may exist"
     yield f"not planned         {answer['reason']} ({proved})"
     yield answer["sentence"]
     relaxation = answer["relaxation"]
@@ -276,7 +276,9 @@ def census(document: dict[str, Any], *, planned: bool) -> Iterator[Table | str]:
     yield f"{count} {'candidate' if count == 1 else 'candidates'}, {refused} refused{note}"
     others = document["candidates"] - refused
     if others > 0 and not planned:
-        yield f"not refused: {others}; they end before the last step, or a quicker one was found"
+        one = others == 1
+        many = "1 candidate was" if one else f"{others} candidates were"
+        yield f"{many} not refused: {'it ends' if one else 'they end'} before the last step, or a quicker one was used"
     yield from _kinds(lines)
     if before:
         yield "why control points cannot be met at some times or poses, found before any candidate:"

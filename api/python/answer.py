@@ -45,10 +45,9 @@ class Answer(Mapping[str, Any]):
         """
         if not isinstance(document, dict):
             raise InputError("answer", document, "the document of an answer, a dict")
-        if document.get("status") not in (PLANNED, NOT_PLANNED):
-            raise InputError(
-                "answer.status", document.get("status"), f"{PLANNED} or {NOT_PLANNED}: no answer has another"
-            )
+        status = document.get("status")
+        if not isinstance(status, str) or status not in (PLANNED, NOT_PLANNED):
+            raise InputError("answer.status", status, f"{PLANNED} or {NOT_PLANNED}: no answer has another")
         self._document = document
         self._request = None if request is None else copy.deepcopy(dict(request))
 

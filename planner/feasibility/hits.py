@@ -1,6 +1,6 @@
 """Bodies that are in the way of the arm wherever it must be: at its start, or on all ways through a control point.
 
-What is found is said twice: as the refusal, and as the witness that the checker can verify.
+What is found is stated twice: as the refusal, and as the witness that the checker can verify.
 """
 
 from __future__ import annotations
@@ -235,7 +235,7 @@ def never_touching(scene: Scene, prover: Prover) -> Refusal | None:
         far = [too_far(prover, number, way.before, way.turn or 0.0, scene.start.time) for way in found]
         refusals = [refusal for refusal in far if refusal is not None]
         if refusals and len(refusals) == len(far):
-            return min(refusals, key=_amount)
+            return min(refusals, key=lambda refusal: refusal.missing)
     return None
 
 
@@ -251,7 +251,3 @@ def always(scene: Scene, step: Step, attached: Attachments) -> bool:
 
 def _stand(scene: Scene, *frames: str) -> bool:
     return all(scene.frames[name].law.is_fixed for name in frames)
-
-
-def _amount(refusal: Refusal) -> float:
-    return math.inf if refusal.amount is None else refusal.amount.value

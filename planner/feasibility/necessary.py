@@ -12,7 +12,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.refusals import points, start
 from assur.planner.checker.refusals.postures import allowed_modes
-from assur.planner.checker.refusals.stated import Shown, spots
+from assur.planner.checker.refusals.stated import Shown, exceeded, spots
 from assur.planner.checker.refusals.ways import is_turn, ways
 from assur.planner.checker.refusals.windows import overshoots
 from assur.planner.collision.proof import Prover
@@ -26,12 +26,10 @@ from assur.planner.legs.tilt import pitch_free, tilts
 from assur.planner.model.deadline import look
 from assur.planner.model.phases import Attachments, at_start
 from assur.planner.model.refusal import (
-    JointName,
     OutOfReach,
     Reason,
     Refusal,
     Stage,
-    of_joint,
     out_of_reach,
 )
 from assur.planner.model.scene import Scene, beyond_at_nearest_turn
@@ -45,7 +43,7 @@ EDGE_M = 1e-9
 """A point is called out of reach at every pitch, or at all times, from this much on, m: rounding of coordinates of a
 few metres, and of times."""
 PARTS = 512
-"""Parts of a period over each of which the way of a point is bounded."""
+"""Parts of a period; the way of a point is bounded over each."""
 
 
 def out_of_range(scene: Scene, number: int) -> Refusal | None:
@@ -73,12 +71,8 @@ def _in_no_mode(scene: Scene, point: ControlPoint) -> Refusal | None:
         if not refused:
             return None
         # the worst of them: with less, the others would still not be met
-        refusals.append(max(refused, key=_amount))
-    return min(refusals, key=_amount, default=None)
-
-
-def _amount(refusal: Refusal) -> float:
-    return 0.0 if refusal.amount is None else refusal.amount.value
+        refusals.append(max(refused, key=lambda refusal: refusal.missing))
+    return min(refusals, key=lambda refusal: refusal.missing, default=None)
 
 
 def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refusal | None:
@@ -94,8 +88,8 @@ def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refu
     over, lead_in = beyond_range(robot, q), lead_in_begin(point)
     worst = int(np.argmax(over))
     facts = replace(beyond_at_nearest_turn(scene, worst, q), mode=robot.modes[mode], above_m=above, **lead_in)
-    amount, joint = of_joint(robot.joints[worst].kind, float(over[worst])), JointName(robot.joints[worst].name)
-    return Shown(Reason.JOINT_LIMIT, facts, amount, joint).refusal(Stage.CONTROL_POINT, point.step)
+    beyond = exceeded(scene, Reason.JOINT_LIMIT, worst, float(over[worst]), facts)
+    return beyond.refusal(Stage.CONTROL_POINT, point.step)
 
 
 def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusal:
@@ -243,7 +237,7 @@ def arches_impossible(scene: Scene) -> Refusal | None:
 def windows_impossible(scene: Scene) -> Refusal | None:
     """A step whose window, or what is known of whose frame's motion, is too short for it whenever the arm comes.
 
-    Where along its frame a point is does not depend on how the tool is turned: one way to hold the parts is looked at.
+    Where along its frame a point is does not depend on how the tool is turned: one way to hold the parts is evaluated.
     """
     attached = at_start(scene)
     for number, step in enumerate(scene.task):

@@ -94,7 +94,7 @@ def allowed_branches(scene: Scene, point: ControlPoint, branches: list[Branch]) 
             kept.append(replace(branch, table=branch.table[may].copy(), numbers=branch.numbers[may]))
         else:
             refusals.append(_unmet(scene, point, branch, yaws, outside.tolist(), free))
-    return kept, None if kept else min(refusals, key=_amount)
+    return kept, None if kept else min(refusals, key=lambda refusal: refusal.missing)
 
 
 def _unmet(
@@ -111,10 +111,6 @@ def _unmet(
         raise FaultError(f"a yaw of {yaw} rad is in no forbidden range, nor behind one")
     over = max(free.low - yaw, yaw - free.high)
     return _refusal(scene, Stage.INVERSE, point.step, between, over, yaw, mode=mode, interval=span, way=True)
-
-
-def _amount(refusal: Refusal) -> float:
-    return math.inf if refusal.amount is None else refusal.amount.value
 
 
 def turns_into(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:

@@ -1,4 +1,4 @@
-"""Why a candidate, or a whole request, was refused: typed facts. `report.sentence` alone makes sentences of them.
+"""Why a candidate, or a whole request, was refused: typed facts. `report.refusal_table` has their sentences.
 
 Whoever decides reads these facts, never a sentence. Times are absolute seconds of the scene's clock, all else is SI.
 """
@@ -188,7 +188,7 @@ class Obstacle(StrEnum):
     """... because a frame that must be tracked is too fast."""
     PATH_TOO_FAST = "path too fast"
     """... because a path in a frame is traced too fast."""
-    # the others are no joint's rate; `report.sentence.OBSTACLES` has each in words
+    # the others are no joint's rate; `report.refusal_table` has each in words
     NOT_SMOOTH = "not smooth"
     NO_PATH_LAW = "no path law"
     NO_PROFILE = "no profile"
@@ -318,7 +318,7 @@ class ForbiddenYaw:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LawEnds:
-    """A frame's motion is known on `known_s`, s (None: of which frame is not known; None for an end: for ever), and
+    """A frame's motion is known on `known_s`, s (None: which frame, is not known; None for an end: for ever), and
     needed at `needed_s`. `tracked_s`: for so long a control point must be tracked in the frame, s, until `needed_s` at
     the earliest (None: it is not for a control point that it is needed); `on_arrival`: the arm comes no sooner."""
 
@@ -414,6 +414,11 @@ class Refusal:
     def bodies(self) -> tuple[str, ...]:
         """Names of the bodies that it is about; none where it is about something else."""
         return self.subject.names if isinstance(self.subject, Bodies) else ()
+
+    @property
+    def missing(self) -> float:
+        """The amount as a number, in its unit; infinite where there is none."""
+        return math.inf if self.amount is None else self.amount.value
 
     @property
     def joint(self) -> str | None:

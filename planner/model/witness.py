@@ -1,7 +1,7 @@
-"""What proves that there is no plan: witnesses of a refusal, for the checker and for whoever wants to see for himself.
+"""What proves that there is no plan: witnesses of a refusal, for the checker and for everybody who wants to verify it.
 
 A refusal whose facts and amount are all there is to prove (a limit, a load, a range of yaw, a law that ends) needs no
-witness beside them. Lengths in m, angles in rad, times in s of the scene's clock; points in the world at the start.
+witness in addition. Lengths in m, angles in rad, times in s of the scene's clock; points in the world at the start.
 """
 
 from __future__ import annotations

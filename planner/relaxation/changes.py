@@ -294,8 +294,8 @@ def _listed(scene: Scene, step: int, blocker: str | None, refusal: Refusal | Non
     if what.window != Window():
         span, along = what.window.time, what.window.along
         later = Window(None if span is None else (span[0], FAR), None if along is None else (along[0], FAR))
-        yield on_step("window", "open at its end", window=later)
-        yield on_step("window", "open", window=Window())
+        yield on_step("window", "without its end", window=later)
+        yield on_step("window", "removed", window=Window())
     if options.latest_end_s is not None:
         yield option("latest end", "none", latest_end_s=None)
     if options.acceleration_time_s is not None:

@@ -1,4 +1,4 @@
-"""Approaches and departs that are longer than they are asked for."""
+"""Approaches and departs that are longer than the request states."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ def lengthened(scene: Scene) -> tuple[str, ...]:
     """A sentence for each straight part that is lengthened so that it clears the clearance of travel."""
     found = []
     for step in scene.task:
-        asked = (("approach", step.approach_m), ("depart", step.depart_m))
-        for (name, wanted), length in zip(asked, scene.straight(step), strict=True):
+        stated = (("approach", step.approach_m), ("depart", step.depart_m))
+        for (name, wanted), length in zip(stated, scene.straight(step), strict=True):
             if length > wanted:
                 travel, made = amount(length / STRAIGHT, "m"), amount(length, "m")
                 found.append(

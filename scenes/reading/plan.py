@@ -43,7 +43,7 @@ BESIDE = document.PlannedAnswer.__annotations__.keys() - document.CheckedPlan.__
 CERTIFICATE_DIGEST = frozenset(document.CertificateDigest.__annotations__)
 """Fields of a certificate that is not in full."""
 COLUMNS = document.Certificate.__required_keys__ - CERTIFICATE_DIGEST
-"""What a certificate in full has besides."""
+"""What a certificate in full has in addition."""
 
 
 PATH_TIME_S = 1e-3
@@ -60,8 +60,9 @@ def plan_of(plan: object, conventions: Conventions, *, proved_anew: bool = False
     """
     with located({PLAN: plan}), within(PLAN):
         if isinstance(plan, dict):
-            if plan.get("status") == "not_planned":
-                raise Refused(REFUSAL, "status")
+            status = plan.get("status", "planned")
+            if not isinstance(status, str) or status != "planned":
+                raise Refused(REFUSAL if isinstance(status, str) and status == "not_planned" else "planned", "status")
             certificate = plan.get("certificate")
             plan = {key: value for key, value in plan.items() if key not in BESIDE}
             if isinstance(certificate, dict) and set(certificate) == CERTIFICATE_DIGEST:

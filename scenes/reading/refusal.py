@@ -1,13 +1,14 @@
-"""A refusal out of its document: the facts and the witness that the checker judges, and what else it says."""
+"""A refusal out of its document: the facts and the witness that the checker judges, and what else it states."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, Any, get_args
 
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.model.outcome import Census
@@ -19,12 +20,12 @@ from assur.planner.model.refusal import (
     Quantity,
     Refusal,
     Separation,
-    Stage,
     Subject,
 )
 from assur.planner.model.scene import Scene
 from assur.planner.model.witness import Witness
 from assur.planner.report.checker_first import beginning
+from assur.planner.report.refusal_table import KINDS
 from assur.planner.report.sentence import sentence
 from assur.scenes.answer_facts import refusal_document
 from assur.scenes.faults import Refused, located, within
@@ -44,20 +45,22 @@ SEARCH = (
     "tried",
     "warnings",
 )
-"""Fields of an answer without a plan that tell of the search, its times, and what may help, which is a proposal: nobody
-looks at them but for their form."""
-REPEATED = ("assumptions", "notice", "request_digest", "seed")
-"""... and those that repeat the request."""
+"""Fields of an answer without a plan about the search, its times, and what may help, which is a proposal: only their
+form is checked."""
 CHECKED = ("schema", "status", "reason", "proved", "sentence", "refusal")
-"""... and those that the checker evaluates, all of which but the first must be there."""
+"""... and those that the checker evaluates. All but the first must be there."""
 NOT_PROVED = ("reason", "refusal", "sentence")
-"""What a refusal that is not proved tells of the search."""
+"""What a refusal that is not proved states about the search."""
+SUBJECTS: dict[str, Callable[[Any], Subject]] = {"bodies": Bodies, "joint": JointName, "frame": FrameName}
+"""Fields that say what a refusal is about."""
+ABOUT = {"nothing": "nothing", "body": "one body", "pair": "two bodies", "joint": "a joint", "frame": "a frame"}
+"""Subjects in words."""
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
-    """What an answer without a plan says: whether it is proved, its refusal and witness, and what of it is not so and
-    needs no checker to see. `not_checked`: the fields of the answer that nobody looks at but for their form."""
+class ReadRefusal:
+    """What an answer without a plan states: whether it is proved, its refusal and witness, and `findings`: what is
+    wrong and needs no checker to see. `not_checked`: the fields of the answer whose form alone is checked."""
 
     proved: bool
     refusal: Refusal | None
@@ -66,14 +69,13 @@ class Told:
     not_checked: tuple[str, ...]
 
 
-def refusal_of(answer: object, scene: Scene) -> Told:
+def refusal_of(answer: object, scene: Scene) -> ReadRefusal:
     """The refusal in an answer without a plan. Raises `DocumentError` below "plan"."""
     with located({PLAN: answer}), within(PLAN):
         if not isinstance(answer, dict):
             raise Refused("an answer")
-        known = {*CHECKED, *SEARCH, *REPEATED}
         for key in answer:
-            if key not in known:
+            if key not in document.NotPlannedAnswer.__annotations__:
                 raise Refused("no such field: an answer without a plan has none of this name", key)
         kept = {key: value for key, value in answer.items() if key in CHECKED}
         item: dict[str, Any] = read_written(_checked(), kept, kept, (PLAN,))
@@ -81,13 +83,13 @@ def refusal_of(answer: object, scene: Scene) -> Told:
         found = untrue_repeats(answer, scene)
         reason = item["refusal"]
         if reason is None:
-            untold = _untold(answer, None, proved=item["proved"])
-            return Told(item["proved"], None, None, found + _without(item), untold)
+            if item["proved"]:
+                found += (Finding(Code.REFUSAL, "the answer says that it is proved, and not what", where="proved"),)
+            return ReadRefusal(item["proved"], None, None, found, _unchecked(answer, None, proved=item["proved"]))
         with within("refusal"):
             refusal, witness = _refusal(reason, scene), _typed(Witness, reason.get("witness"), "witness")
-        untold = _untold(answer, refusal, proved=item["proved"])
         found += _untrue(item, reason, refusal, witness, scene, _checker_first(answer))
-        return Told(item["proved"], refusal, witness, found, untold)
+        return ReadRefusal(item["proved"], refusal, witness, found, _unchecked(answer, refusal, proved=item["proved"]))
 
 
 @cache
@@ -100,22 +102,16 @@ def _checked() -> Any:
     return document.partial(document.NotPlannedAnswer, CHECKED, CHECKED[1:], (("refusal", refusal | None),))
 
 
-def _untold(answer: dict[str, Any], refusal: Refusal | None, *, proved: bool) -> tuple[str, ...]:
+def _unchecked(answer: dict[str, Any], refusal: Refusal | None, *, proved: bool) -> tuple[str, ...]:
     """The fields of an answer that are not checked."""
     fields = list(SEARCH)
     if not proved:
         fields += NOT_PROVED
     elif refusal is not None and isinstance(refusal.facts, Separation):
-        if refusal.facts.touching:  # how deep bodies overlap is told, not shown
+        if refusal.facts.touching:  # how deep bodies overlap is stated, not shown
             fields += ["refusal.amount", "refusal.facts.gap_m"]
         fields += ["refusal.facts.least_m"]
     return present(answer, sorted(fields))
-
-
-def _without(item: dict[str, Any]) -> tuple[Finding, ...]:
-    if not item["proved"]:
-        return ()
-    return (Finding(Code.REFUSAL, "the answer says that it is proved, and not what", where="proved"),)
 
 
 def _untrue(
@@ -126,64 +122,64 @@ def _untrue(
     scene: Scene,
     first: str,
 ) -> tuple[Finding, ...]:
-    """What an answer says in words or twice, and is not what its facts say. `first`: what the sentence of a search says
-    before them."""
-    found = list[Finding]()
-    if item["reason"] is not refusal.reason:
-        what = f"the answer's reason is {item['reason']}, but its refusal's is {refusal.reason}"
-        found.append(Finding(Code.CLAIM, what, where="reason"))
-    if witness is not None and not item["proved"]:
-        found.append(Finding(Code.CLAIM, "a refusal that is not proved has no witness", where="refusal.witness"))
+    """What an answer states in words or twice, and its facts do not. `first`: with what the sentence of a search
+    begins."""
     own: dict[str, Any] = dict(refusal_document(scene, refusal, witness))
-    found += [
-        Finding(Code.CLAIM, f"{key} of the refusal is not what its facts say", where=f"refusal.{key}")
-        for key, value in given.items()
-        if key != "witness" and own[key] != _listed(value)
+    words, proved = sentence(scene, refusal, None, Census(0, 0), cut=False), item["proved"]
+    begins = item["sentence"].startswith(first + words.removesuffix("."))
+    is_true = {"reason": item["reason"] is refusal.reason} | {f"refusal.{key}": own[key] == given[key] for key in given}
+    is_true["sentence"] = item["sentence"] == words if proved else begins
+    found = [
+        Finding(Code.CLAIM, f"{where} is not what the facts of the refusal say", where=where)
+        for where, true in is_true.items()
+        if not true
     ]
-    if "witness" in given and own["witness"] != _listed(given["witness"]):
-        found.append(Finding(Code.FORM, "the witness has fields that no witness has", where="refusal.witness"))
-    told = sentence(scene, refusal, None, Census(0, 0), cut=False)
-    right = item["sentence"] == told
-    if not item["proved"]:
-        right = item["sentence"].startswith(first + told.removesuffix("."))
-    if not right:
-        found.append(Finding(Code.CLAIM, "the sentence is not what the facts of the refusal say", where="sentence"))
+    if witness is not None and not proved:
+        found.append(Finding(Code.CLAIM, "a refusal that is not proved has no witness", where="refusal.witness"))
     return tuple(found)
 
 
 def _checker_first(answer: dict[str, Any]) -> str:
-    """How the sentence of a search must begin whose census says that the checker refused plans; nothing: it says
+    """How the sentence of a search must begin whose census states that the checker refused plans; nothing: it states
     none."""
-    lines = [line for line in answer.get("census", {}).get("lines", ()) if line["stage"] == Stage.CHECKER]
-    found = [line["facts"] for line in lines if line["facts"]["kind"] == "refuted"]
-    return beginning(sum(line["count"] for line in lines), found[0]["code"], found[0]["what"]) if found else ""
+    lines = ((line["count"], line["facts"]) for line in answer.get("census", {}).get("lines", ()))
+    return beginning([(count, facts["code"], facts["what"]) for count, facts in lines if facts["kind"] == "refuted"])
 
 
 def _refusal(given: dict[str, Any], scene: Scene) -> Refusal:
     if not 0 <= given["step"] < len(scene.task):
         raise Refused(f"a step of the task, from 0 to {len(scene.task) - 1}", "step")
-    subjects: list[Subject] = []
-    if given["bodies"]:
-        subjects.append(Bodies(tuple(given["bodies"])))
-    if given["joint"] is not None:
-        subjects.append(JointName(given["joint"]))
-    if given["frame"] is not None:
-        subjects.append(FrameName(given["frame"]))
-    if len(subjects) > 1:
-        told = [key for key in ("bodies", "joint", "frame") if given[key] not in (None, [])]
-        raise Refused(f"nothing beside {told[0]}: only one of bodies, joint and frame", told[1])
+    facts = _typed(Facts, given["facts"], "facts")
     amount, unit = given["amount"], given["unit"]
-    if (amount is None) is not (unit is None):
-        raise Refused("a unit where there is an amount, and only there", "unit")
+    subject = _subject(given, facts)
+    kind = KINDS[type(facts)]
+    for key, allowed in (("reason", kind.reasons), ("unit", kind.units)):
+        if given[key] is not None and given[key] not in allowed:
+            raise Refused(f"{' or '.join(allowed) or 'none'}, as for all facts of the kind {facts.kind}", key)
     return Refusal(
         stage=given["stage"],
         reason=given["reason"],
         step=given["step"],
-        subject=subjects[0] if subjects else None,
+        subject=subject,
         interval=_interval(given["interval_s"]),
         amount=None if amount is None or unit is None else Quantity(amount, unit),
-        facts=_typed(Facts, given["facts"], "facts"),
+        facts=facts,
     )
+
+
+def _subject(given: dict[str, Any], facts: Any) -> Subject | None:
+    """What a refusal is about: as many bodies as its facts are about, a joint, a frame, or nothing."""
+    stated = [key for key in SUBJECTS if given[key] not in (None, [])]
+    if len(stated) > 1:
+        raise Refused(f"nothing in addition to {stated[0]}: only one of bodies, joint and frame", stated[1])
+    allowed, key = KINDS[type(facts)].about, stated[0] if stated else "bodies"
+    about = ("nothing", "body", "pair")[len(given["bodies"])] if key == "bodies" else key
+    if about not in allowed:
+        words = " or ".join(ABOUT[each] for each in allowed)
+        raise Refused(f"{words}, as for all facts of the kind {facts.kind}", key)
+    if not stated:
+        return None
+    return SUBJECTS[key](tuple(given[key]) if key == "bodies" else given[key])
 
 
 def _interval(given: list[float | None] | None) -> tuple[float, float] | None:
@@ -205,17 +201,12 @@ def _typed(kind: Any, given: object, key: str) -> Any:
         if first["type"] in ("union_tag_invalid", "union_tag_not_found"):
             kinds = (each.__dataclass_fields__["kind"].default for each in get_args(kind))
             raise Refused(f"one of {', '.join(kinds)}", key, "kind") from None
-        allowed = TYPES.get(first["type"], f"what there is of this kind of {key}")
+        allowed = TYPES.get(
+            first["type"], f"what {'a witness of this kind has' if key == 'witness' else 'facts of this kind have'}"
+        )
         raise Refused(allowed, key, *first["loc"][1:]) from None  # the place begins with the kind
 
 
 @cache
 def _adapter(kind: Any) -> TypeAdapter[Any]:
-    return TypeAdapter(Annotated[kind, Field(discriminator="kind")])
-
-
-def _listed(value: object) -> object:
-    """A document with lists in place of tuples."""
-    if isinstance(value, dict):
-        return {key: _listed(item) for key, item in value.items()}
-    return [_listed(item) for item in value] if isinstance(value, list | tuple) else value
+    return TypeAdapter(Annotated[kind, Field(discriminator="kind")], config=ConfigDict(allow_inf_nan=False))

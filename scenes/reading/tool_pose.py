@@ -11,7 +11,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
 from assur.planner.laws.law import Law
 from assur.planner.report.number_format import SHOWN_AS, amount
-from assur.planner.report.sentence import POSITIONS
+from assur.planner.report.refusal_words import POSITIONS
 from assur.planner.robots.facts import TURN, Code
 from assur.planner.robots.turns import ModeSolutions
 from assur.scenes.conventions import JointConvention, as_maker, last_joint, rates_as_maker, zeros

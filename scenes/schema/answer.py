@@ -460,7 +460,7 @@ def partial(
     required: tuple[str, ...] = (),
     others: tuple[tuple[str, Any], ...] = (),
 ) -> Any:
-    """The fields `keys` of a form (None: all), and `others` in place of its own, of which only those `required` must be
+    """The fields `keys` of a form (None: all), and `others` in place of its own; only those `required` must be
     there."""
     hints = get_type_hints(form, include_extras=True) | dict(others)
     fields = {

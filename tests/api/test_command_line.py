@@ -316,7 +316,7 @@ def test_the_census_is_a_table_with_a_row_for_each_kind_of_refusal() -> None:
     document = {"candidates": 7, "refused": 1, "lines": [LINE, {**LINE, "count": 3, "most": 0.004}]}
     first, second, _, *rows = shown(console_report.census(document, planned=False))
     assert first == "7 candidates, 1 refused; a candidate may be refused for several bodies"
-    assert second.startswith("not refused: 6; they end before the last step")
+    assert second.startswith("6 candidates were not refused: they end before the last step")
     assert rows == ["1 1 screening cup would hit bar 2 mm", "3 1 screening cup would hit bar 2 mm to 4 mm"]
     told = shown(console_report.census({**document, "refused": 4}, planned=True))
     assert told[0] == "7 candidates, 4 refused"
@@ -362,10 +362,10 @@ def test_a_point_that_stands_is_met_at_rest_and_no_zero_has_a_sign(small_file: P
 def test_what_was_tried_in_vain_is_listed_without_what_is_no_change() -> None:
     answer = {"reason": "OUT_OF_REACH", "proved": False, "sentence": "", "relaxation": None}
     spent = {**answer, "explain_budget_spent": True}
-    told = list(console_report.not_planned({**spent, "tried": ["window: open"]}))
+    told = list(console_report.not_planned({**spent, "tried": ["window: removed"]}))
     assert told[-3:] == [
         "what would not help, each tried by itself:",
-        "  another window  open",
+        "  another window  removed",
         "  the explain budget was spent: other changes were not tried",
     ]
     assert "nothing was tried" in shown(console_report.not_planned({**spent, "tried": []}))[-1]

@@ -160,7 +160,7 @@ def test_a_solid_that_is_turned_by_a_quaternion_is_where_the_plan_needs_it(tmp_p
         code, output, errors = run("plan", str(tmp_path / "cell.yaml"))
         assert (code, errors) == (WRONG, "")
         assert "START_IN_COLLISION (proved: no plan exists)" in output
-        assert "fore would hit post: overlap up to 30 mm" in output
+        assert "fore would hit post: they would overlap by up to 30 mm" in output
         refused[turn] = output
     assert len(set(refused.values())) == 1
     files = cellarm(tmp_path)

@@ -217,3 +217,9 @@ def test_a_request_that_is_not_right_is_refused_at_its_field() -> None:
     with pytest.raises(assur.InputError) as caught:
         assur.plan(request)
     assert caught.value.field == "start.joints.j1_deg"
+
+
+@pytest.mark.parametrize("status", [None, "done", np.array(["planned", "not_planned"]), ["planned"]], ids=str)
+def test_an_answer_of_another_status_is_none(answer: assur.Answer, status: object) -> None:
+    with pytest.raises(assur.InputError, match=r"answer\.status: .*planned or not_planned"):
+        assur.Answer({**answer.document, "status": status})

@@ -4,6 +4,7 @@ proofs agrees with the shipped scenarios."""
 from __future__ import annotations
 
 import re
+from dataclasses import fields
 from enum import StrEnum
 
 import pytest
@@ -11,6 +12,8 @@ import pytest
 from assur.planner.checker.verdict import Code
 from assur.planner.model.input_warning import Odd
 from assur.planner.model.refusal import Reason, Stage
+from assur.planner.report.refusal_table import KINDS
+from assur.scenes.reading.refusal import ABOUT
 from assur.scenes.requests import plan_scenario, shipped
 from assur.scenes.scenarios import shipped_scenarios
 from tests.docs.pages import PAGES, prose
@@ -42,6 +45,19 @@ def test_a_table_lists_every_code_once_in_the_order_of_the_code(heading: str, co
 @pytest.mark.parametrize("heading", ["The reasons", "The stages", "Warnings", "What the checker finds"])
 def test_no_cell_of_a_table_is_empty(heading: str) -> None:
     assert all(len(cell) > 3 for cells in rows(heading).values() for cell in cells)
+
+
+def test_the_table_of_facts_is_that_of_the_code() -> None:
+    written = {
+        next(each.default for each in fields(facts) if each.name == "kind"): [
+            ", ".join(f"`{reason}`" for reason in kind.reasons),
+            " or ".join(ABOUT[each] for each in kind.about),
+            ", ".join(kind.units) or "none",
+        ]
+        for facts, kind in KINDS.items()
+    }
+    assert {name: [cell.removesuffix(" |") for cell in cells] for name, cells in rows("The facts").items()} == written
+    assert [section("The facts").count(f"`{name}` |") for name in written] == [1] * len(written)
 
 
 FOUND_BY = {"proof": {True}, "search": {False}, "both": {True, False}}

@@ -6,6 +6,7 @@ import copy
 import json
 import sys
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +19,10 @@ from assur.api.workers.jobs import FIRST_PLAN
 from assur.planner.model.outcome import NotPlanned, Outcome
 from assur.planner.model.scene import Scene
 from assur.planner.pipeline import plan
-from assur.planner.report import notes, sentence
+from assur.planner.report import notes, refusal_words, sentence
+from assur.planner.report.refusal_table import KINDS
 from assur.scenes import answer_facts
+from assur.scenes.answer_facts import refused_document
 from assur.scenes.reading import plan as read_plans
 from assur.scenes.reading import refusal as read_refusals
 from assur.scenes.requests import check_document, plan_document, shipped, shipped_scenarios
@@ -39,15 +42,15 @@ def nonsense(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
 
     def replace() -> None:
         makers = [
-            name
-            for texts in (sentence, notes)
-            for name, item in vars(texts).items()
+            item
+            for texts in (sentence, refusal_words, notes)
+            for item in vars(texts).values()
             if callable(item) and item.__module__ == texts.__name__ and item.__annotations__.get("return") == "str"
         ]
-        assert {"sentence", "because", "note", "warned"} <= set(makers)
+        assert {"sentence", "because", "note", "warned"} <= {each.__name__ for each in makers}
         # those that are imported in the course of a check, too, so that none keeps nonsense
         assert {read_plans.__name__, read_refusals.__name__, answer_facts.__name__} <= sys.modules.keys()
-        originals = {id(getattr(texts, name)) for texts in (sentence, notes) for name in makers if hasattr(texts, name)}
+        originals = set(map(id, makers))
         for module in [each for key, each in sys.modules.items() if key.startswith("assur.")]:
             for name in [name for name, item in vars(module).items() if id(item) in originals]:
                 monkeypatch.setattr(module, name, lambda *_, **__: NONSENSE)
@@ -55,10 +58,23 @@ def nonsense(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
     return replace
 
 
-def decided(outcome: Outcome) -> Any:
+BY_KIND = {each.default: kind for facts, kind in KINDS.items() for each in fields(facts) if each.name == "kind"}
+
+
+def is_of_the_table(line: Any) -> bool:
+    """Whether reason, subject and unit of a refusal, as a document, go with its facts: another could not be read."""
+    kind = BY_KIND[line["facts"]["kind"]]
+    bodies = ("nothing", "body", "pair")[len(line["bodies"])]
+    about = "joint" if line["joint"] else "frame" if line["frame"] else bodies
+    return line["reason"] in kind.reasons and about in kind.about and line["unit"] in (None, *kind.units)
+
+
+def decided(scene: Scene, outcome: Outcome) -> Any:
     """All of an outcome but the sentence and the time that it took."""
+    assert all(is_of_the_table(refused_document(scene, line.refusal)) for line in outcome.census.lines)
     lines = [(line.refusal, line.count, line.most) for line in outcome.census.lines]
     if isinstance(outcome, NotPlanned):
+        assert outcome.refusal is None or is_of_the_table(refused_document(scene, outcome.refusal))
         return outcome.reason, outcome.proved, outcome.refusal, outcome.tried, lines
     return outcome.plan.certificate.digest, outcome.plan.legs, lines
 
@@ -71,10 +87,11 @@ TABLE: dict[str, Callable[[], Scene]] = {
 
 @pytest.mark.parametrize("name", sorted(TABLE))
 def test_no_refusal_changes_with_its_sentence(name: str, nonsense: Callable[[], None]) -> None:
-    before = decided(plan(TABLE[name]()))
+    scene = TABLE[name]()
+    before = decided(scene, plan(scene))
     nonsense()
     outcome = plan(TABLE[name]())
-    assert decided(outcome) == before
+    assert decided(scene, outcome) == before
     assert not isinstance(outcome, NotPlanned) or outcome.sentence == NONSENSE
 
 
@@ -93,6 +110,7 @@ def test_no_answer_to_a_shipped_scenario_changes_with_its_sentences(name: str, n
         request["options"].pop(other, None)
     before = plan_document(request, folder=scenario.folder)
     assert check_document(request, before, folder=scenario.folder)["ok"]
+    assert all(map(is_of_the_table, before["census"]["lines"]))
     nonsense()
     answer = plan_document(request, folder=scenario.folder)
     assert without(answer, TEXTS | TIMES) == without(before, TEXTS | TIMES)

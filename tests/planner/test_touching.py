@@ -30,7 +30,7 @@ from assur.planner.model.refusal import NotTouching, Reason, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Tool
 from assur.planner.pipeline import plan
 from assur.planner.report.notes import warned
-from assur.planner.report.sentence import because
+from assur.planner.report.refusal_words import because
 from tests.planner.cells import BARE, frame, solid, table_to_table
 from tests.planner.checker.hand_made import sealed
 from tests.planner.test_odd_places import gripped, placed

@@ -151,7 +151,10 @@ def test_a_place_that_is_too_low_is_mended_by_a_higher_one_and_not_by_contact_wi
     request["task"][1]["place"]["to"]["at_mm"][2] = 60 - low_mm
     answer = planned(request)
     assert (answer["reason"], answer["proved"]) == ("CONTROL_POINT_IN_COLLISION", True)
-    assert f"box would hit tray-floor: overlap up to {low_mm:g} mm, required 2 mm" in answer["sentence"]
+    assert (
+        f"box would hit tray-floor: they would overlap by up to {low_mm:g} mm, and the required distance is 2 mm"
+        in answer["sentence"]
+    )
     assert "contact_with" not in answer["sentence"]
     assert (answer["relaxation"]["what"], answer["relaxation"]["value"]) == ("point height", f"{low_mm:g} mm higher")
     assert {each.partition(":")[0] for each in answer["tried"]} == {"point height"}

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import copy
 import json
+import math
 from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
+import numpy as np
 import pytest
 
 from assur.planner.errors import InputError
 from assur.planner.model.outcome import Census
+from assur.planner.report.refusal_table import KINDS
 from assur.planner.report.sentence import sentence
 from assur.scenes.answer_facts import refusal_document
-from assur.scenes.reading.refusal import NOT_PROVED, SEARCH, refusal_of
-from assur.scenes.requests import cell_of, check_cell, check_document, plan_document
+from assur.scenes.reading.refusal import ABOUT, NOT_PROVED, SEARCH, refusal_of
+from assur.scenes.requests import cell_of, check_cell, check_document, plan_document, view_document
 from tests.scenes.refused_cells import PROVED, cell, follow, go, options
 
 Document = dict[str, Any]
@@ -305,12 +308,12 @@ def test_what_is_not_checked_must_have_its_form(key: str, value: object, field: 
     [
         (("witness",), {"kind": "oath"}, "witness.kind", "one of hindered, met, openings, orbit"),
         (("witness",), {"ways": []}, "witness.kind", "one of hindered, met, openings, orbit"),
-        (("witness",), {"kind": "met"}, "witness.ways", "what there is of this kind of witness"),
-        (("witness",), {"kind": "met", "ways": "all"}, "witness.ways", "what there is of this kind of witness"),
+        (("witness",), {"kind": "met"}, "witness.ways", "what a witness of this kind has"),
+        (("witness",), {"kind": "met", "ways": "all"}, "witness.ways", "what a witness of this kind has"),
         (("witness",), {"kind": "met", "ways": [{"mode": 1}]}, "witness.ways[0].mode", "text"),
         (("facts", "kind"), "hearsay", "facts.kind", "one of out_of_reach, joint_limit"),
-        (("joint",), "j1", "joint", "nothing beside bodies: only one of bodies, joint and frame"),
-        (("frame",), "belt", "frame", "nothing beside bodies: only one of bodies, joint and frame"),
+        (("joint",), "j1", "joint", "nothing in addition to bodies: only one of bodies, joint and frame"),
+        (("frame",), "belt", "frame", "nothing in addition to bodies: only one of bodies, joint and frame"),
     ],
 )
 def test_what_is_wrong_in_a_refusal_is_named_in_words(path: Place, value: object, field: str, allowed: str) -> None:
@@ -323,8 +326,83 @@ def test_what_is_wrong_in_a_refusal_is_named_in_words(path: Place, value: object
     )
 
 
+NO_NUMBERS = [math.nan, math.inf, -math.inf, 1e308, -1e308]
+
+
+@pytest.mark.parametrize("name", PROVED)
+@pytest.mark.parametrize("value", NO_NUMBERS, ids=str)
+def test_no_number_of_a_refusal_may_be_none_or_without_bounds(name: str, value: float) -> None:
+    """Each number of the refusal, its facts and its witness: those that are not finite have no form, and those that
+    are too large are refused one way or the other."""
+    given, tried = answer(name), 0
+    for at, number in leaves(given["refusal"]):
+        if isinstance(number, int | float) and not isinstance(number, bool):
+            forged = copy.deepcopy(given)
+            put(forged["refusal"], at, value)
+            tried += 1
+            if math.isfinite(value):
+                assert refused(PROVED[name][0], forged), at
+                continue
+            with pytest.raises(InputError) as caught:
+                check_document(PROVED[name][0], forged)
+            assert caught.value.field.startswith("plan.refusal."), at
+            assert "number" in caught.value.allowed, str(caught.value)
+    assert tried
+
+
+SUBJECTS: dict[str, Document] = {
+    "nothing": {},
+    "body": {"bodies": ["block"]},
+    "pair": {"bodies": ["block", "cup"]},
+    "joint": {"joint": "j1"},
+    "frame": {"frame": "belt"},
+}
+
+
+@pytest.mark.parametrize("name", ["a block at a point", "a load", "an arch", "out of reach", "a window that was over"])
+@pytest.mark.parametrize("about", ABOUT)
+def test_a_refusal_is_about_what_its_facts_are_about(name: str, about: str) -> None:
+    """Another subject has no sentence; it is named with what is allowed."""
+    forged = answer(name)
+    kind = KINDS[type(refusal_of(forged, cell_of(PROVED[name][0]).scene).refusal.facts)]  # type: ignore[union-attr]
+    forged["refusal"] |= {"bodies": [], "joint": None, "frame": None, **SUBJECTS[about]}
+    if about in kind.about:
+        check_document(PROVED[name][0], forged)
+        return
+    with pytest.raises(InputError, match=r"plan\.refusal\.(bodies|joint|frame): .*as for all facts of the kind"):
+        check_document(PROVED[name][0], forged)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "allowed"),
+    [("reason", "BODY_COLLISION", "OUT_OF_REACH"), ("unit", "kg", "m")],
+)
+def test_reason_and_unit_are_those_of_the_facts(key: str, value: str, allowed: str) -> None:
+    forged = answer("out of reach")
+    forged["refusal"][key] = value
+    with pytest.raises(InputError) as caught:
+        check_document(PROVED["out of reach"][0], forged)
+    assert caught.value.field == f"plan.refusal.{key}"
+    assert caught.value.allowed == f"{allowed}, as for all facts of the kind out_of_reach"
+
+
+@pytest.mark.parametrize(
+    "status", [np.array(["not_planned", "planned"]), ["not_planned"], np.array([1.0, 2.0])], ids=str
+)
+def test_a_status_that_is_an_array_is_named(status: object) -> None:
+    request = PROVED["out of reach"][0]
+    for call in (check_document, view_document):
+        with pytest.raises(InputError) as caught:
+            call(request, {**answer("out of reach"), "status": status})
+        assert caught.value.field == "plan.status"
+        assert "planned" in caught.value.allowed
+        assert caught.value.value is status or list(caught.value.value) == list(status)  # type: ignore[call-overload]
+    with pytest.raises(InputError, match=r"status"):
+        plan_document({**request, "status": status})
+
+
 def test_of_a_joint_and_a_frame_the_second_is_named() -> None:
     forged = answer("a block at a point")
     forged["refusal"].update(bodies=[], joint="j1", frame="belt")
-    with pytest.raises(InputError, match=r"plan\.refusal\.frame: got 'belt'; allowed: nothing beside joint"):
+    with pytest.raises(InputError, match=r"plan\.refusal\.frame: got 'belt'; allowed: nothing in addition to joint"):
         check_document(PROVED["a block at a point"][0], forged)

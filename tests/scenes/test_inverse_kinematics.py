@@ -182,7 +182,7 @@ def test_collisions_at_rest_are_those_that_a_start_there_would_have() -> None:
             assert (refusal is None) == (told == [])
             if refusal is not None:
                 assert list(refusal.bodies) == told[0]["bodies"]
-                assert " would hit post: overlap up to " in told[0]["detail"]
+                assert " would hit post: they would overlap by up to " in told[0]["detail"]
 
 
 def test_every_pair_is_told_and_a_clearance_that_is_missing_with_its_distances() -> None:

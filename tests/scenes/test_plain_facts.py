@@ -237,7 +237,7 @@ def test_a_part_that_is_to_rest_on_what_is_in_its_way_is_told_how_to_say_so() ->
     part_in_a_desk(cell)
     hint = "; if part is to rest on desk, name it in contact_with."
     deep = plan(cell)["sentence"]
-    assert "part would hit desk: overlap up to 5 mm" in deep
+    assert "part would hit desk: they would overlap by up to 5 mm" in deep
     assert "contact_with" not in deep
     desk = next(body for body in cell["bodies"] if body["name"] == "desk")
     desk["pose"]["at_mm"][2] -= 5.5

@@ -43,7 +43,7 @@ OBSTRUCTED = frozenset(
         Reason.FORBIDDEN_YAW,
     }
 )
-"""Reasons of which there must be one for each way to a control point."""
+"""There must be one of these reasons for each way to a control point."""
 BY_STEP: dict[tuple[Stage, type], Callable[[Scene, int], Iterator[Shown]]] = {
     (Stage.START, BeyondRange): start.beyond_limits,
     (Stage.START, MotionLimit): start.beyond_limits,
@@ -62,7 +62,7 @@ BY_FACTS: dict[tuple[Stage, type], Callable[[Scene, Refusal], Iterator[Shown]]] 
     (Stage.CONTROL_POINT, Overload): start.overload,
     (Stage.CONTROL_POINT, NotTouching): never_touching,
 }
-"""The same where a number of the refusal may be any of a range."""
+"""The same where a number of the refusal may be any number of a range."""
 
 
 @np.errstate(all="ignore")

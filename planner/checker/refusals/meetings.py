@@ -47,7 +47,7 @@ from assur.planner.model.scene import Pick, Place, Scene
 from assur.planner.model.witness import PROVED_M, PROVED_RAD, PROVED_TRACKED_M, Meeting, Met
 
 OUTSIDE_M = 1e-9
-"""By this much, m, a point may be outside of the body that it is said to be of: rounding of poses."""
+"""By this much, m, a point may be outside of the body whose point it is stated to be: rounding of poses."""
 REACHED_M = 1e-6
 """The flange of a posture is at its goal up to this, m: rounding, also where the arm is stretched."""
 NOWHERE = np.full(3, np.nan)
@@ -70,7 +70,7 @@ class Solid:
 
 
 def met(scene: Scene, refusal: Refusal, witness: Met) -> Iterator[Shown]:
-    """What is in the way as a witness says: in each way to a control point, or at the start. Raises `NotShownError`
+    """What is in the way as a witness states: in each way to a control point, or at the start. Raises `NotShownError`
     where it is not."""
     if len(witness.ways) > MOST:
         raise NotShownError("its witness has more meetings than there are")

@@ -14,7 +14,7 @@ from assur.planner.geometry.shapes import Body, Hull, Piece, Primitive, corners
 # Points of convex solids: the farthest along a direction, how deep a point is, and what a closed surface holds.
 
 BLOCK = 100_000
-"""Triangles that are looked at together."""
+"""Triangles that are evaluated together."""
 
 
 def farthest(piece: Piece, n: FloatArray) -> FloatArray:

@@ -14,7 +14,7 @@ from itertools import chain
 
 from assur.planner.checker.refusals.postures import forbidden, posture, reaches_by_joint, unreachable
 from assur.planner.checker.refusals.spans import Span, beyond
-from assur.planner.checker.refusals.stated import NotShownError, Shown, same
+from assur.planner.checker.refusals.stated import NotShownError, Shown, exceeded, same
 from assur.planner.checker.refusals.ways import Way, each_way
 from assur.planner.model.refusal import (
     JointName,
@@ -24,7 +24,6 @@ from assur.planner.model.refusal import (
     Refusal,
     Singular,
     Unit,
-    of_joint,
 )
 from assur.planner.model.scene import Scene
 from assur.planner.model.scene import beyond as beyond_range
@@ -37,7 +36,7 @@ NUMBER: Unit = "1"
 MOST = 4096
 """A witness with more obstructions is refused: four modes, dozens of turns, and all joints of each are fewer."""
 Obstruction = tuple[Hindrance, list[Shown]]
-"""What a witness says of an obstruction, and what a refusal may state of it."""
+"""What a witness states of an obstruction, and what a refusal may state of it."""
 
 
 def witness_of(scene: Scene, number: int) -> Hindered | None:
@@ -47,7 +46,7 @@ def witness_of(scene: Scene, number: int) -> Hindered | None:
 
 
 def obstructed(scene: Scene, refusal: Refusal, witness: Hindered) -> Iterator[Shown]:
-    """What obstructs each way to a point as the witness says. Raises `NotShownError` where one is not obstructed so."""
+    """What obstructs each way to a point as the witness states. Raises `NotShownError` where one is not."""
     if len(witness.ways) > MOST:
         raise NotShownError("its witness has more obstructions than there are")
     shown, left = list[Shown](), set(map(id, witness.ways))
@@ -116,8 +115,7 @@ def _at_height(scene: Scene, way: Way, mode: str, above: float) -> Iterator[list
             off = {value: value - middle for value in (low - by, high + by)}
             ends = [v for v, d in off.items() if abs(math.remainder(d, math.tau) if turns else d) <= STATED]
             facts = [replace(beyond_range(scene, k, v), mode=mode, above_m=above, **way.on_path) for v in ends]
-            subject, amount = JointName(joint.name), of_joint(joint.kind, by)
-            yield [Shown(Reason.JOINT_LIMIT, each, amount, subject, STATED) for each in facts]
+            yield [exceeded(scene, Reason.JOINT_LIMIT, k, by, each, by=STATED) for each in facts]
     # the margin that is required where the tool tracks the point, and that to a type 2 singularity everywhere
     margin = scene.options.singularity_margin if step.tracks else 0.0
     for reason, need, one, other in (

@@ -22,14 +22,13 @@ from assur.planner.checker.refusals.postures import (
     still,
 )
 from assur.planner.checker.refusals.spans import ANY, Span, around, sine
-from assur.planner.checker.refusals.stated import NotShownError, Shown, same
+from assur.planner.checker.refusals.stated import NotShownError, Shown, exceeded, same
 from assur.planner.checker.refusals.ways import Way, ways
 from assur.planner.checker.statement import laws
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import Law
 from assur.planner.model.refusal import (
-    JointName,
     MotionLimit,
     Obstacle,
     OutOfReach,
@@ -68,7 +67,7 @@ def arch(scene: Scene, number: int) -> Iterator[Shown]:
     top, high = of.top_m - scene.tool.tcp.z - robot.base.z, float(robot.limits.upper[robot.lift])
     if top - high > PROVED_M:
         facts = replace(beyond(scene, robot.lift, top), arch_top_m=of.top_m)
-        yield Shown(Reason.JOINT_LIMIT, facts, Quantity(top - high, "m"), JointName(robot.joints[robot.lift].name))
+        yield exceeded(scene, Reason.JOINT_LIMIT, robot.lift, top - high, facts)
 
 
 def no_path(scene: Scene, number: int = 0) -> Iterator[Shown]:
@@ -148,7 +147,7 @@ def _swept(scene: Scene, way: Way, when: tuple[float, float]) -> Goal:
 
 def frame_over(law: Law, when: tuple[float, float]) -> list[Span]:
     """Between which values x, y, z and yaw of a frame are over an interval. Each piece of its law is a polynomial: its
-    coefficients of Chebyshev say how far it is from its middle at most."""
+    coefficients of Chebyshev bound how far it is from its middle."""
     formula = laws.formula_of(law, *when)
     cuts = sorted({*when, *(t for t in formula.ends if when[0] < t < when[1])})
     found = [Span(math.inf, -math.inf)] * 4

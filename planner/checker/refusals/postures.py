@@ -50,7 +50,7 @@ class Goal:
 
 @dataclass(frozen=True, slots=True)
 class Posture:
-    """What a goal asks of an arm in one working mode. `short`: by how much, m, it is out of reach (below 0: it is not);
+    """What a goal requires of an arm in one mode. `short`: by how much, m, it is out of reach (below 0: it is not);
     `level`: how far, m, it is above the height at which an arm without a lift has its flange; `joints`: their values,
     rad or m, revolute ones up to full turns; `margin`, `parallel`: serial and parallel margin (None: the arm has
     none)."""
@@ -134,7 +134,7 @@ def _upright(robot: TiltingArm, own: list[Limb], goal: Goal, *, back: bool) -> P
     return Posture(short, AT, (heading, direction(out, height), ram), margin)
 
 
-# Where an arm is that stands at some joint values, and where frames are: by the formulas of the statement checker.
+# Where an arm is at some joint values, and where frames are: by the formulas of the statement checker.
 
 
 class Link(NamedTuple):

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Literal
 
 from assur.planner.checker.refusals.postures import forbidden, links_at, yaw_at
-from assur.planner.checker.refusals.stated import Shown, law_ends
+from assur.planner.checker.refusals.stated import Shown, exceeded, law_ends
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.arms import link_names
 from assur.planner.checker.statement.differences import inverse, numbers, then
@@ -17,7 +17,6 @@ from assur.planner.model.refusal import (
     RATES,
     Bodies,
     Facts,
-    JointName,
     MotionLimit,
     Obstacle,
     Overload,
@@ -27,7 +26,6 @@ from assur.planner.model.refusal import (
     Singular,
     Stage,
     finite,
-    of_joint,
 )
 from assur.planner.model.scene import Pick, Scene, beyond
 from assur.planner.model.witness import PROVED_S, PROVED_SHARE
@@ -45,7 +43,7 @@ def beyond_limits(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iter
     limits, start, held = scene.robot.limits, scene.start, at_start(scene).held
     accelerations = share_of(scene, _mass(scene, None if held is None else held.part)) * limits.acceleration
     rows = zip(limits.lower, limits.upper, start.q, start.qd, limits.velocity, start.qdd, accelerations, strict=True)
-    for k, (joint, row) in enumerate(zip(scene.robot.joints, rows, strict=True)):
+    for k, row in enumerate(rows):
         low, high, q, *rates = map(float, row)
         found: list[tuple[float, float, Facts]] = [(max(low - q, q - high), high - low, beyond(scene, k, q))]
         for rate, value, limit in zip(RATES, map(abs, rates[::2]), rates[1::2], strict=False):
@@ -54,7 +52,7 @@ def beyond_limits(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iter
         for order, (over, of, each) in enumerate(found):
             if over > least * of:
                 reason = Reason.MOTION_LIMIT if order else Reason.JOINT_LIMIT
-                yield Shown(reason, each, of_joint(joint.kind, over, order), JointName(joint.name))
+                yield exceeded(scene, reason, k, over, each, order)
 
 
 def unassembled(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iterator[Shown]:

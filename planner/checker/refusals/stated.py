@@ -1,4 +1,4 @@
-"""Whether a refusal states what was shown: the checker says itself what is right, and compares all that both state."""
+"""Whether a refusal states what was shown: the checker derives what is right, and compares all that both state."""
 
 from __future__ import annotations
 
@@ -8,7 +8,19 @@ from typing import Literal, NamedTuple
 
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Attachments, Contacts, contacts_of
-from assur.planner.model.refusal import Facts, FrameName, LawEnds, Quantity, Reason, Refusal, Stage, Subject, finite
+from assur.planner.model.refusal import (
+    Facts,
+    FrameName,
+    JointName,
+    LawEnds,
+    Quantity,
+    Reason,
+    Refusal,
+    Stage,
+    Subject,
+    finite,
+    of_joint,
+)
 from assur.planner.model.scene import Scene
 from assur.planner.model.witness import Place
 
@@ -47,6 +59,14 @@ def law_ends(
     facts = LawEnds(known_s=(finite(known[0]), finite(known[1])), needed_s=needed, tracked_s=tracked)
     over = Quantity(max(known[0] - needed, needed - known[1]), "s")
     return Shown(Reason.LAW_ENDS, facts, over, FrameName(frame), by, interval)
+
+
+def exceeded(
+    scene: Scene, reason: Reason, joint: int, over: float, facts: Facts, order: int = 0, by: float = SAME
+) -> Shown:
+    """A joint, by its index, exceeds its range (order 0) or a limit of a rate by `over`, rad or m, and per s."""
+    of = scene.robot.joints[joint]
+    return Shown(reason, facts, of_joint(of.kind, over, order), JointName(of.name), by)
 
 
 class NotShownError(Exception):
@@ -90,7 +110,7 @@ def _is_alike(one: object, other: object, by: float) -> bool:
 @dataclass(frozen=True, slots=True)
 class Spot:
     """The flange `above` a point, m, in a phase of this kind, with bodies as `attached` has them and pairs that may
-    touch; `end`: of which straight part it is the outer end. `place`: what a witness calls it."""
+    touch; `end`: the straight part whose outer end it is. `place`: what a witness calls it."""
 
     attached: Attachments
     kind: LegKind

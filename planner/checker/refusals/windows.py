@@ -16,14 +16,14 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.refusals.stated import NotShownError, Shown, law_ends, same
+from assur.planner.checker.refusals.stated import NotShownError, Shown, exceeded, law_ends, same
 from assur.planner.checker.refusals.ways import ways
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.differences import SAME, Four, numbers, then
 from assur.planner.checker.statement.limits import SHARES, share_of
 from assur.planner.laws import Law
 from assur.planner.model.phases import at_start
-from assur.planner.model.refusal import JointName, LawEnds, Overshoot, Quantity, Reason, Refusal, of_joint
+from assur.planner.model.refusal import LawEnds, Overshoot, Quantity, Reason, Refusal
 from assur.planner.model.scene import Place, Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.model.witness import PROVED_M, PROVED_S, PROVED_SHARE, Openings
@@ -236,18 +236,13 @@ def overshoots(scene: Scene, _: int = 0) -> Iterator[Shown]:
                 least = highest_velocity(*worse[1:], harder[1])[1]
                 if after <= until and least - fastest > PROVED_SHARE * fastest:
                     facts = Overshoot(rate="velocity", value=value, limit=fastest, after_s=after)
-                    yield _shown(scene, Reason.MOTION_LIMIT, k, value - fastest, facts)
+                    yield exceeded(scene, Reason.MOTION_LIMIT, k, value - fastest, facts, 1)
                 after, value = farthest_position(q, v, a, *hard)
                 least = farthest_position(*worse, *harder)[1]
                 if after <= until and least - end > PROVED_SHARE * (high - low):
                     reached, limit = scene.counted(k, sign * value), scene.counted(k, sign * end)
                     facts = Overshoot(rate=None, value=reached, limit=limit, after_s=after)
-                    yield _shown(scene, Reason.JOINT_LIMIT, k, value - end, facts)
-
-
-def _shown(scene: Scene, reason: Reason, k: int, over: float, facts: Overshoot) -> Shown:
-    joint = scene.robot.joints[k]
-    return Shown(reason, facts, of_joint(joint.kind, over, 0 if facts.rate is None else 1), JointName(joint.name))
+                    yield exceeded(scene, Reason.JOINT_LIMIT, k, value - end, facts)
 
 
 def _shares(scene: Scene) -> list[tuple[float, float]]:

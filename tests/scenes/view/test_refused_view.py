@@ -54,7 +54,7 @@ def test_the_box_of_the_tutorial_is_drawn_in_the_floor_of_the_tray(low: float) -
     assert deep(view, "box", "tray-floor") == pytest.approx(low / 1e3, abs=2e-4)
     # the sentence, the facts and the picture have the same number; the floor must be 2 mm away from what passes it
     assert answer["refusal"]["facts"]["gap_m"] == pytest.approx(-low / 1e3, abs=1e-9)
-    assert f"overlap up to {low:g} mm, required 2 mm" in answer["sentence"]
+    assert f"they would overlap by up to {low:g} mm, and the required distance is 2 mm" in answer["sentence"]
     # the cup is on the box
     assert body(view, "cup")[:, 2].min() == pytest.approx(body(view, "box")[:, 2].max(), abs=2e-4)
 
