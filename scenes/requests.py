@@ -178,7 +178,7 @@ def plan_document(
     `started`: the reading of `time.perf_counter` from which the budget counts. A service gives the time at which it
     took the request up, so that reading it and building the scene count, too, and a budget that ends there is an
     answer; None: the budget is for the search alone. `most_budget_s`: largest budget of either kind, to which a larger
-    one is cut; None: there is none. `watch` is told how far the search has come; what it raises ends the planning and
+    one is cut; None: there is none. `watch` gets the progress of the search; what it raises ends the planning and
     is raised here. `valid`: as `cell_of`; `laps` measures the stages.
     """
     if certificate not in get_args(Detail):
@@ -319,7 +319,7 @@ def report_page(
     cell: Cell, answer: dict[str, Any], *, title: str, about: str = "", verdict: dict[str, Any] | None, version: str
 ) -> str:
     """The report of an answer to the request of a cell, a page of HTML that needs no network. `verdict`: of the checker
-    (None: it was not asked). Raises `InputError` naming the field."""
+    (None: there is none). Raises `InputError` naming the field."""
     from assur.scenes.report.report import report_of
 
     return report_of(cell, answer, title=title, about=about, verdict=verdict, version=version)
@@ -357,25 +357,27 @@ def read_plan(cell: Cell, plan: object, *, proved_anew: bool = False) -> tuple[P
 
     answer = plain(plan)
     claimed = claimed_in(answer)
-    made, told = plan_of(answer, cell.conventions, proved_anew=proved_anew)
+    made, findings = plan_of(answer, cell.conventions, proved_anew=proved_anew)
     check_lengths(answer, made, cell.scene)
-    told += untrue_repeats(claimed, cell.scene) + untrue_arrivals(made.arrivals, cell.scene)
-    return made, told, claims_of(answer, claimed)
+    findings += untrue_repeats(claimed, cell.scene) + untrue_arrivals(made.arrivals, cell.scene)
+    return made, findings, claims_of(answer, claimed)
 
 
-def check_plan(cell: Cell, made: Plan, told: tuple[Finding, ...] = (), claims: Claims | None = None) -> dict[str, Any]:
+def check_plan(
+    cell: Cell, made: Plan, findings: tuple[Finding, ...] = (), claims: Claims | None = None
+) -> dict[str, Any]:
     """The checker's verdict on a plan that has been read, and on what is claimed of it (None: nothing is), with the
-    lower bound computed again. `told`: findings before the checker's, who knows no documents."""
+    lower bound computed again. `findings`: those that were made before, of the document."""
     from assur.planner.checked import check
     from assur.planner.model.claims import NOTHING
     from assur.scenes.reading.claims import untrue_bound, untrue_errors
 
     claims = claims or NOTHING
     verdict = check(cell.scene, made, claims)
-    told += verdict.findings + untrue_bound(claims.lower_bound, cell.scene, made.trajectory.duration)
+    findings += verdict.findings + untrue_bound(claims.lower_bound, cell.scene, made.trajectory.duration)
     if verdict.ok:  # errors are those of a motion and of legs that are right
-        told += untrue_errors(made, cell.scene)
-    return _verdict(cell, told, claims.not_checked)
+        findings += untrue_errors(made, cell.scene)
+    return _verdict(cell, findings, claims.not_checked)
 
 
 def _verdict(cell: Cell, found: tuple[Finding, ...], not_checked: Iterable[str]) -> dict[str, Any]:

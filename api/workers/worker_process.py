@@ -32,7 +32,7 @@ from assur.api.workers.quarantine import quarantined
 
 JOB, CALL_OFF = b"J", b"C"
 """What the web process writes: a job, and that the result of the job that runs is not wanted any more."""
-BEGUN, TOLD, RESULT = b"B", b"T", b"R"
+BEGUN, MESSAGE, RESULT = b"B", b"T", b"R"
 """What a worker writes. `BEGUN`: it has read a job, which from then on may have had effects."""
 LENGTH = struct.Struct("!Q")
 """Stands before each pickle: its length in bytes."""
@@ -90,7 +90,7 @@ class Line:
         found = digest()
         if found in self._about.banned:
             raise quarantined(self._about.banned[found])
-        _send(self._end, TOLD, Meaning(found))
+        _send(self._end, MESSAGE, Meaning(found))
 
     def tell(self, value: Any) -> None:
         """Says how far the job has come; None: nothing. Raises `CalledOffError` if it was called off."""
@@ -99,7 +99,7 @@ class Line:
             _received(self._end, len(CALL_OFF))  # nothing else is sent while a job runs; or the other end is closed
             raise CalledOffError
         if value is not None:
-            _send(self._end, TOLD, value)
+            _send(self._end, MESSAGE, value)
 
 
 class CrashedError(Exception):

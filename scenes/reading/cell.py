@@ -209,7 +209,7 @@ def _left_out(robot: Robot, request: RequestDocument) -> tuple[str, ...]:
 
 
 def _check_riders(request: RequestDocument, picked: set[str]) -> None:
-    """A body whose place is told by a part would stay behind when that part is picked up."""
+    """A body whose pose is relative to a part would stay behind when that part is picked up."""
     for i, body in enumerate(request.bodies):
         if body.pose is not None and body.pose.body in picked:
             raise Refused("a body that no step picks", "bodies", i, "pose", "body")

@@ -27,13 +27,6 @@ FOLDERS = (*PRODUCT, "benchmarks", "deploy", "docs")
 """Folders that are read, in addition to README.md. Tests are not read: their texts are not public."""
 LATER = {
     "planner": "its modules are shortened first; its sentences are written anew after that",
-    "api": "its modules are shortened first; its sentences are written anew after that",
-    "docs/api.md": "its sentences change together with the document of an answer",
-    "docs/refusals.md": "its sentences change together with the table of reasons",
-    "scenes/reading/cell.py": "it changes together with what is kept of a cell",
-    "scenes/reading/refusal.py": "its sentences change together with the table of reasons",
-    "scenes/requests.py": "it changes together with what is kept of a cell",
-    "scenes/schema/answer.py": "its sentences change together with the document of an answer",
 }
 """Folder or file that is not read yet → why. An entry goes as soon as it has none of the words."""
 
@@ -41,7 +34,6 @@ EXCEPTIONS = {
     ("benchmarks/soak_service/rolling_restart.py", "lost, and told so"): "a key of recorded results",
     ("docs/how-it-is-tested.md", "lost, and told so"): "a key of recorded results",
     ("benchmarks/soak_service/row.py", "told"): "a field of recorded results",
-    ("deploy/haproxy.cfg", "has asked for its share"): "the title of a problem, which the service has, too",
 }
 """File, and a name, or a phrase in a text, that may have a refused word → why."""
 
