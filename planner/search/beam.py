@@ -41,6 +41,11 @@ from assur.planner.search.rough_score import CoarseScore, score_of
 from assur.planner.search.tuning import BEAM, KEPT_PLANS, MOST_OPTIONS, PROVED_A_BATCH, SAME_DURATION, SAME_TRAVEL
 
 
+PATIENT = 2
+"""Rounds, the direct ways and the first arches, after which it is evaluated whether points can be met at all: nearly
+all requests are planned by then."""
+
+
 @dataclass(eq=False)
 class Found:
     """What the search came to: the best whole plan, when the first was found, whether the clock ended it."""
@@ -106,7 +111,7 @@ class Search:
                     if self._over():
                         return self.found
             round_number += 1
-            if round_number == 1 and self.found.best is None:
+            if self.found.best is None and (round_number == PATIENT or (round_number < PATIENT and not explored)):
                 self.found.never = points_impossible(self.scene, self.prover, start_is_free=self.start_is_free)
                 if self.found.never is not None:
                     return self.found
