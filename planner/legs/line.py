@@ -199,5 +199,5 @@ class Pace:
 
 def part(rows: Numbers, joints: list[int]) -> Numbers:
     """The numbers of some joints."""
-    first, second, third = ([row[i] for i in joints] for row in rows)
-    return first, second, third
+    first, second, third = rows
+    return [first[i] for i in joints], [second[i] for i in joints], [third[i] for i in joints]

@@ -187,10 +187,12 @@ class Scene:
         seats = [(body.frame, body.pose, body) for body in self.bodies]
         seats += [(step.to.frame, step.to.pose, self.index[step.part]) for step in self.task if isinstance(step, Place)]
         lasts = sum(step.dwell_s for step in self.task) + self.options.stay_safe_s
+        reach = dict[str, float]()
         for frame, pose, each in seats:
-            law = self.frames[frame].law
-            reach = math.hypot(pose.x, pose.y, pose.z) + (0.0 if law.is_fixed else each.body.radius)
-            check_rounding(f"frames.{frame}", law, reach, self.start.time, lasts)
+            far = math.hypot(pose.x, pose.y, pose.z) + (0.0 if self.frames[frame].law.is_fixed else each.body.radius)
+            reach[frame] = max(far, reach.get(frame, 0.0))
+        for frame, far in reach.items():
+            check_rounding(f"frames.{frame}", self.frames[frame].law, far, self.start.time, lasts)
 
     @cached_property
     def ending(self) -> tuple[tuple[str, tuple[float, float]], ...]:
