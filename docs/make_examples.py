@@ -16,7 +16,7 @@ from typing import Any
 from rich.console import Console
 
 from assur.api.cli import console_report
-from assur.scenes.requests import plan_scenario, shipped
+from assur.scenes.requests import cell_of, plan_cell, shipped
 
 PAGE = Path(__file__).parent / "examples.md"
 ANSWER = re.compile(r"(?<=<!-- answer: )([\w-]+)( -->\n).*?(?=<!-- end -->)", re.DOTALL)
@@ -55,12 +55,18 @@ def head(name: str, answer: dict[str, Any]) -> str:
     return "\n".join(kept)
 
 
+def answer_to(name: str) -> dict[str, Any]:
+    """The answer to a shipped scenario with a full report, as `assur plan` requires it."""
+    scenario = shipped(name)
+    return plan_cell(cell_of(scenario.request, folder=scenario.folder), unstated={"report": "full"})
+
+
 def filled(page: str) -> str:
     """The page with the answers of now."""
 
     def answered(match: re.Match[str]) -> str:
         name = match.group(1)
-        return f"{name}{match.group(2)}\n```text\n{head(name, plan_scenario(shipped(name)))}\n```\n\n"
+        return f"{name}{match.group(2)}\n```text\n{head(name, answer_to(name))}\n```\n\n"
 
     return ANSWER.sub(answered, page)
 

@@ -12,7 +12,7 @@ import pytest
 from assur.api.documents import to_json
 from assur.api.problems import MEDIA_TYPE
 from assur.api.web.settings import Settings
-from assur.scenes.requests import shipped_scenarios, validate, view_document
+from assur.scenes.requests import shipped_scenarios, validate, view_document, with_options
 
 TIMES = ("elapsed_s", "first_s")
 """What differs between two runs of the same request."""
@@ -44,11 +44,13 @@ def test_a_request_is_planned_and_the_answer_has_what_a_controller_needs(
         "certificate",
         "census",
         "assumptions",
-        "warnings",
         "seed",
         "elapsed_s",
     }
     assert expected | {"notice"} <= set(answer)
+    assert not {"warnings", "lower_bound_s"} & set(answer)
+    full = planned(client, with_options(small, {"report": "full"}))
+    assert full.keys() - answer.keys() == {"warnings", "lower_bound_s"}
 
 
 def test_a_view_over_http_is_the_view_in_python_with_the_certificate_in_full_or_as_a_digest(

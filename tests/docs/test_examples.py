@@ -7,30 +7,29 @@ import runpy
 
 import pytest
 
-from assur.scenes.requests import plan_scenario, shipped
 from assur.scenes.scenarios import shipped_scenarios
 from tests.docs.pages import ROOT, commands, text
 
 PAGE = "docs/examples.md"
 PROGRAM = runpy.run_path(str(ROOT / "docs" / "make_examples.py"), run_name="make_examples")
-ANSWER, head = PROGRAM["ANSWER"], PROGRAM["head"]
+ANSWER, answer_to, head = PROGRAM["ANSWER"], PROGRAM["answer_to"], PROGRAM["head"]
 SHOWN = {match.group(1): match.group(0) for match in ANSWER.finditer(text(PAGE))}
 
 
 @pytest.mark.parametrize("name", SHOWN)
 def test_an_answer_that_is_shown_is_that_of_the_planner(name: str) -> None:
-    answer = plan_scenario(shipped(name))
+    answer = answer_to(name)
     assert f"```text\n{head(name, answer)}\n```" in SHOWN[name]
 
 
 def test_a_changed_number_is_found() -> None:
-    answer = plan_scenario(shipped("rv-m1"))
+    answer = answer_to("rv-m1")
     answer["duration_s"] += 0.001
     assert head("rv-m1", answer) not in SHOWN["rv-m1"]
 
 
 def test_an_answer_that_the_clock_ended_is_not_shown() -> None:
-    answer = plan_scenario(shipped("rv-m1"))
+    answer = answer_to("rv-m1")
     with pytest.raises(SystemExit, match="rv-m1: the clock"):
         head("rv-m1", answer | {"cut_by_clock": True})
 

@@ -62,13 +62,14 @@ def test_every_key_of_a_request_is_explained() -> None:
 @pytest.fixture(scope="module")
 def planned() -> dict[str, Any]:
     request = load("standard-cycle")
-    request["options"] |= {"stop": "first", "budget_s": 60}
+    request["options"] |= {"stop": "first", "budget_s": 60, "report": "full"}
     return plan(request)
 
 
 def refused() -> dict[str, Any]:
     request = load("standard-cycle")
     request["task"] = [{"move": {"to": {"at_mm": [1500, 0, 250]}}}]
+    request["options"]["report"] = "full"
     return plan(request)
 
 

@@ -98,7 +98,7 @@ def scenarios() -> dict[str, dict[str, Any]]:
         options = document.setdefault("options", {})
         for key in ("budget_s", "budget_ms", "explain_budget_s", "explain_budget_ms"):
             options.pop(key, None)
-        options |= {"budget_s": 60.0, "max_candidates": CANDIDATES, "stop": "first"}
+        options |= {"budget_s": 60.0, "max_candidates": CANDIDATES, "stop": "first", "report": "full"}
         found[name] = document
     return found
 

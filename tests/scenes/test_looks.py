@@ -12,7 +12,7 @@ from collections import Counter
 import pytest
 
 from assur.planner.model import deadline
-from assur.scenes.requests import plan_scenario, shipped
+from assur.scenes.requests import cell_of, plan_cell, shipped
 
 
 class Clock:
@@ -33,7 +33,8 @@ class Clock:
 def asked(name: str, monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
     clock = Clock()
     monkeypatch.setattr(deadline, "time", clock)
-    plan_scenario(shipped(name))
+    scenario = shipped(name)
+    plan_cell(cell_of(scenario.request, folder=scenario.folder), unstated={"report": "full"})
     return clock.asked
 
 

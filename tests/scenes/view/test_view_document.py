@@ -102,7 +102,7 @@ def test_an_answer_to_another_request_is_refused_by_its_digest() -> None:
         ({"status": "perhaps"}, "plan.status"),
         ({"trajectory": {}}, "plan.trajectory.joint_names"),
         ({"census": None}, "plan.census"),
-        ({"margins": {"nearest": 3}}, "plan.margins.peaks"),
+        ({"margins": {"nearest": 3}}, "plan.margins.nearest"),
         ({"legs": [{"kind": "FLY"}]}, "plan.legs[0].kind"),
     ],
 )

@@ -23,6 +23,7 @@ from assur.planner.laws import kinds, ramps
 from assur.planner.laws.law import EXACT
 from assur.planner.model import phases
 from assur.planner.model import scene as scenes
+from assur.scenes.reading.cell import _kept
 from assur.scenes.requests import cell_of
 from tests.planner.checker.statement.cases import case_of, claim_of, differences, planned, sealed
 
@@ -113,9 +114,13 @@ REFUSED = 10
 
 @contextmanager
 def replaced(fault: Fault) -> Iterator[None]:
-    """The product with the fault."""
+    """The product with the fault. No cell is kept from before, or for what comes after."""
     with patch.object(fault.owner, fault.attribute, fault.instead):
-        yield
+        _kept.clear()
+        try:
+            yield
+        finally:
+            _kept.clear()
 
 
 @pytest.mark.parametrize("fault", SHARED + WRITTEN, ids=[fault.name for fault in SHARED + WRITTEN])
