@@ -61,7 +61,7 @@ class _Run:
         return time.perf_counter() - self.started
 
     def tail(self, scene: Scene) -> Deadline:
-        """Until when what is told of an outcome beside it may be looked for, now that there is one."""
+        """The deadline for warnings and margins, which are computed after the outcome."""
         return Deadline(self.started, max(scene.options.budget_s, self.elapsed) + MARGINS_S)
 
 
@@ -78,7 +78,7 @@ def plan(
 
     `started`: the reading of `time.perf_counter` from which the budget counts (None: now); a caller that has built the
     scene for this request says when it began.
-    `watch` is told how far the search has come, at each of its rounds; what it raises ends the planning.
+    `watch` receives how far the search has come, at each of its rounds; what it raises ends the planning.
     `laps` measures the stages `search`, with proof and check, `explain` (what would have helped) and `margins`.
     Every plan was accepted by the checker. What the prover accepts and the checker refuses is a fault of the planner:
     it is no answer, the census counts it at the stage `checker`, and the sentence of a refusal begins with it.
@@ -90,9 +90,9 @@ def plan(
     outcome = _outcome(scene, run, prover)
     if isinstance(outcome, NotPlanned) and scene.options.report == "full":
         with run.tail(scene):
-            told, late = _warnings(scene, prover, ())
+            warnings, late = _warnings(scene, prover, ())
         cut = outcome.cut_by_clock or late
-        outcome = replace(outcome, warnings=told, elapsed_s=run.elapsed, cut_by_clock=cut)
+        outcome = replace(outcome, warnings=warnings, elapsed_s=run.elapsed, cut_by_clock=cut)
     run.laps.lap("margins")
     return outcome
 
@@ -135,7 +135,7 @@ def _outcome(scene: Scene, run: _Run, prover: Prover) -> Outcome:
     run.laps.lap("search")
     if found.plan is None:
         with run.tail(scene):
-            # the search may have ended before it asked
+            # the search may have ended before this test
             never = found.never or start_collides(scene, prover)
         if never is not None:
             census = found.census.census()
@@ -154,7 +154,7 @@ def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan) 
     of_plan, full = phases(scene, made.legs, made.arrivals), scene.options.report == "full"
     with run.tail(scene):
         # warnings first: the smallest clearance may use all remaining time
-        told = _warnings(scene, prover, made.arrivals)[0] if full else ()
+        warnings = _warnings(scene, prover, made.arrivals)[0] if full else ()
         least = reported(scene, prover, made.trajectory, of_plan)
         late = out_of_time()
     return Planned(
@@ -169,7 +169,7 @@ def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan) 
         elapsed_s=run.elapsed,
         first_s=found.first_s,
         cut_by_clock=found.cut_by_clock or late,
-        warnings=told,
+        warnings=warnings,
     )
 
 

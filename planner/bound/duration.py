@@ -21,9 +21,9 @@ from assur.planner.bound.events import (
     STOPS,
     Event,
     Unplaced,
+    allowed_modes,
     climbs,
     events,
-    modes_asked,
     places,
     rates,
     straight_times,
@@ -47,9 +47,9 @@ FIRST_S = 0.3
 """The time that is searched first, s; twice as much where all of it is excluded."""
 WAITS_S = (0.8, 0.4, 0.2, 0.1, 0.05)
 """How long an arm may be guided along before it leaves a point that moves, s: the first of them for which its rates are
-bounded; the next point is not said to be met later than that."""
+bounded; no bound says that the next point is met later than that."""
 MOST_STATES = 64
-"""States from which an arm may leave a point, at most: with more, nothing is said of the way to the next one."""
+"""States from which an arm may leave a point, at most: with more, the way to the next point has no bound."""
 WINDOW_S, WINDOW_M = 1e-9, 1e-6
 """A window counts as wider by this at both ends: so much of it a check of a plan allows."""
 
@@ -69,11 +69,11 @@ class Left:
 def least_duration(scene: Scene) -> float | None:
     """Seconds from the start that every plan takes at least; None: nothing is known.
 
-    It is of plans that meet their points as they are asked to: in the working mode of the options, along a frame with
-    its velocity and acceleration. What the tolerances of a check would save is not taken off.
+    It is for plans that meet their points as the request requires: in the working mode of the options, along a frame
+    with its velocity and acceleration. What the tolerances of a check would save is not taken off.
     """
     floor, left, lifts, points = scene.start.time, _begun(scene), 0.0, events(scene)
-    # the limits of the way so far: with another part in the gripper before a point of which nothing is known
+    # the limits of the way so far: before a point without a bound the gripper may hold another part
     since = _limits(scene, points[0].before)
     for event in points:
         before, behind = _limits(scene, event.before), _limits(scene, event.after)
@@ -152,7 +152,7 @@ class _Way:
     def met(self) -> tuple[float, Left] | None:
         """When the event can be met first, and how it is left then; None: nothing is known of where it is."""
         scene, event = self.scene, self.event
-        modes = modes_asked(scene.robot, scene.options.elbow, scene.start.q)
+        modes = allowed_modes(scene.robot, scene.options.elbow, scene.start.q)
         if scene.frames[event.frame].law.is_fixed:
             return self._met_still(modes)
         bounded = scene.robot.dyads > 0 and scene.frames[event.frame].law.link is None
@@ -272,7 +272,7 @@ class _Way:
         return max(self.floor, low + early)
 
     def _outside(self, edges: FloatArray) -> BoolArray:
-        """Of which intervals (N,) between edges (N + 1,), s, it is known that the point is outside of its window."""
+        """Whether the point is outside its window, for certain, over each of N intervals; `edges` (N + 1,), s."""
         event = self.event
         law, window = self.scene.frames[event.frame].law, event.step.window
         out = np.zeros(len(edges) - 1, dtype=bool)

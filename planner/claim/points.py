@@ -33,7 +33,7 @@ UP = (0.0, 0.0, 1.0)
 FREE = -1.0
 """In place of an error: nothing is claimed of it."""
 ANYWHERE_M = 2.0 * c.FARTHEST_M
-"""How far the tool may be from a point of which only the yaw counts."""
+"""How far the tool may be from a point whose yaw alone counts."""
 
 
 def tool_on(scene: Scene) -> tuple[int, float, float, float, float]:

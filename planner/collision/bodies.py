@@ -254,7 +254,7 @@ class Pairs:
 
     def exactly(self, arm: float, placed: float) -> FloatArray:
         """Pairs (P, PAIR_COLUMNS) that may not touch, with other distances, m, where nothing is uncertain: `arm` with a
-        unit of the robot, `placed` without one. Those of which less than 0 is required are left out."""
+        unit of the robot, `placed` without one. Pairs with less than 0 are left out."""
         found = certain(self.rows)
         found[: self.own, REQUIRED], found[self.own :, REQUIRED] = arm, placed
         return found[(self.rows[:, REQUIRED] >= 0.0) & (found[:, REQUIRED] >= 0.0)]

@@ -70,7 +70,7 @@ MOST_PARTS = 1_000
 ROOM = 128
 """Rows, and open pairs, for which there is room at first; it is doubled when it runs out."""
 MOST_HITS = 64
-"""Pairs of one phase of which the deepest hit is kept."""
+"""Most pairs of one phase whose deepest hit is kept."""
 STACK = 64
 """Intervals on the stack at a time: two for each halving, and no motion is halved so often."""
 ANY_GAP_M = 1e3
@@ -153,7 +153,7 @@ class Prover:
         self.collider = Collider()
         none = np.zeros(len(scene.robot.joints))
         self.exact: Doubt = (np.zeros((0, SET_COLUMNS)), none, np.array([scene.start.time, 0.0, 0.0, 0.0]))
-        """What kernels are told where all is where it is planned."""
+        """The uncertainty for kernels where everything is where it is planned."""
         self.has_loop = has_loop(scene.robot)
         self._boxes: dict[int, tuple[FloatArray, FloatArray, FloatArray]] = {}
         self._phase: Phase | None = None
@@ -201,14 +201,14 @@ class Prover:
         return self.carried_by, spline
 
     def prove(self, phase: Phase, trajectory: Trajectory) -> Rows | Unproved:
-        """Rows that cover every asked pair over the whole phase, or the first pair that resists."""
+        """Rows that cover every required pair over the whole phase, or the first pair that resists."""
         spline, pairs = self.spline(trajectory), self.pairs_of(phase)
         known = self._rows.get(phase)
         if known is None:
-            known, asked = self._planes(phase, spline, pairs)
+            known, remaining = self._planes(phase, spline, pairs)
         else:
-            asked = pairs.rows[pairs.rows[:, REQUIRED] < 0.0]
-        return self._shown(phase, spline, known, asked, pairs.doubt)
+            remaining = pairs.rows[pairs.rows[:, REQUIRED] < 0.0]
+        return self._shown(phase, spline, known, remaining, pairs.doubt)
 
     def prove_gaps(self, phase: Phase, trajectory: Trajectory, arm: float, placed: float) -> Rows | Unproved:
         """The same for other distances, m, where all is where it is planned: `arm` for pairs with a body of the robot,
@@ -217,13 +217,13 @@ class Prover:
         return self._shown(phase, self.spline(trajectory), np.zeros((0, ROW_COLUMNS)), pairs, self.exact)
 
     def _shown(
-        self, phase: Phase, spline: Spline, known: FloatArray, asked: FloatArray, doubt: Doubt
+        self, phase: Phase, spline: Spline, known: FloatArray, remaining: FloatArray, doubt: Doubt
     ) -> Rows | Unproved:
         """The rows that are `known`, and those that show all pairs that are left, or the first pair that resists."""
         arrangement = self.of(phase)
-        if not (len(asked) and phase.t1 > phase.t0):
+        if not (len(remaining) and phase.t1 > phase.t0):
             return Rows(arrangement, known)
-        search = Search(self, phase, spline, asked, doubt)
+        search = Search(self, phase, spline, remaining, doubt)
         while True:
             status = search.go_on(PROVE)
             if status == DONE:
@@ -248,13 +248,13 @@ class Prover:
     def hits(self, phase: Phase, spline: Spline, pairs: FloatArray, *, doubted: bool = True) -> Search:
         """A search for an instant of a phase at which some of `pairs` (P, PAIR_COLUMNS) are too near. Pairs that may
         touch are left out. `doubted`: whether links count where they may be displaced to."""
-        asked = pairs[pairs[:, REQUIRED] >= 0.0]
+        remaining = pairs[pairs[:, REQUIRED] >= 0.0]
         # the end is an instant of its own: often what is near is nearest there; and nothing is proved of the start
         instants = [phase.t1] * (phase.t1 > phase.t0)
         instants += [phase.t0] * (phase.t0 == self.scene.start.time < phase.t1)
         ends = tuple((t, t) for t in instants)
         doubt = self.pairs_of(phase).doubt if doubted else self.exact
-        search = Search(self, phase, spline, asked, doubt, ends, MOST_HITS)
+        search = Search(self, phase, spline, remaining, doubt, ends, MOST_HITS)
         while search.go_on(SCREEN) not in (DONE, HIT, RESISTED) and not search.over:
             pass
         return search
@@ -332,14 +332,14 @@ class Prover:
         """How deep (W,) motions are in something at instants `t` (W, T) with joints `q` (W, T, n), up to about `most`
         (`kernels.screening.depths`)."""
         arrangement, pairs, found = self.of(phase), self.pairs_of(phase), np.empty(len(t))
-        asked = pairs.rows
+        remaining = pairs.rows
         if pairs.many:
             least = np.empty((len(pairs.mine), SIDES))
             flat = q.reshape(-1, q.shape[-1]), t.reshape(-1)
             sampled_behind(self.carried_by, *flat, arrangement.cell, pairs.mine, least)
-            asked = self.not_behind(phase, pairs, pairs.rows, least)
+            remaining = self.not_behind(phase, pairs, pairs.rows, least)
         depths(
-            self.carried_by, self.scene.robot.limits.table, q, t, arrangement.cell, asked, pairs.doubt[0],
+            self.carried_by, self.scene.robot.limits.table, q, t, arrangement.cell, remaining, pairs.doubt[0],
             growing_for(pairs.doubt[2], phase.t1), deepest, most, found,
         )  # fmt: skip
         return found

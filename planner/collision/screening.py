@@ -1,7 +1,7 @@
 """Refuses colliding candidates: a kernel finds an instant at which something is too near.
 
 The instants are the middles of intervals that are halved, as in a proof, whose bounds leave out all instants at which a
-pair cannot be too near. What passes is not yet proved. FCL is asked whether true shapes touch where that is told.
+pair cannot be too near. What passes is not yet proved. For what is reported, FCL decides whether true shapes touch.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from assur.planner.trajectory import Trajectory
 EXACT_M = 1e-6
 """Gaps that differ by no more are one, m: GJK is near enough by then."""
 MOST_BODIES = 3
-"""Bodies that are told for one candidate: one refuses it, the others are reported in the census."""
+"""Most bodies that are reported for one candidate: one refuses it, the others are reported in the census."""
 
 
 class Timed(Protocol):

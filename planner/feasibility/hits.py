@@ -20,7 +20,7 @@ from assur.planner.checker.refusals.ways import Way, each_way, ways
 from assur.planner.collision.fcl_door import Posed
 from assur.planner.collision.nearest import TooNear, Within, closest, enclosed
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.touching import asked, too_far
+from assur.planner.collision.touching import allowed_m, too_far
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Piece
 from assur.planner.legs.control_point import ControlPoint, control_point
@@ -227,7 +227,7 @@ def never_touching(scene: Scene, prover: Prover) -> Refusal | None:
     move against each other. Raises `OutOfTimeError` where the deadline in force passes."""
     for number, step in enumerate(scene.task):
         look()
-        found = ways(scene, number) if math.isfinite(asked(step)) else ()
+        found = ways(scene, number) if math.isfinite(allowed_m(step)) else ()
         if isinstance(step, Pick):
             found = () if found and found[0].turn is None else found
         else:

@@ -219,7 +219,7 @@ def _overlaps(scene: Scene, at: AtStart) -> list[InputWarning]:
 # What is probably not meant about what a part rests on: bodies that `contact_with` names and it does not touch.
 
 OFF_M = 0.002
-"""A part that is no farther than this from what it is said to rest on is dropped on purpose, as some grippers do, or
+"""A part that is no farther than this from its stated support is dropped on purpose, as some grippers do, or
 measured so, m."""
 
 

@@ -121,10 +121,10 @@ def settle(
     not displaced. `found` (2,) is the best gap there, NaN where nothing is known, and the one needed.
     """
     a, b, p, sways = int(items[i, 0]), int(items[i, 1]), int(items[i, 2]), len(sway) > 0
-    d, asked, unsure = items[i, ITEM_TO] - items[i, ITEM_FROM], pairs[p, REQUIRED] + RESERVE_M, pairs[p, SET] >= 0.0
+    d, required, unsure = items[i, ITEM_TO] - items[i, ITEM_FROM], pairs[p, REQUIRED] + RESERVE_M, pairs[p, SET] >= 0.0
     late, bodies = d > 0.0 or items[i, ITEM_TO] != 0.0, units[0]
     view, m = ((bodies, units[1], shifted[1]), MIDDLE) if late else (units, 1)
-    best, need, kept = -math.inf, asked, normal_of(items, i)
+    best, need, kept = -math.inf, required, normal_of(items, i)
     for attempt in range(4):
         if attempt == 0:
             normal = kept
@@ -142,7 +142,7 @@ def settle(
             if best > NARROW_M:
                 break
             other, normal, _ = separate(view, m, a, b, math.inf, sets, int(pairs[p, SET]), lasts, points, work)
-        wanted = asked
+        wanted = required
         if unsure or sways:
             wanted += doubtful(pairs, sets, p, bodies, sway, lasts, sways, a, b, normal)
         if not (other - wanted > best or other > wanted):

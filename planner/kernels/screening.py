@@ -191,7 +191,7 @@ def sampled_behind(
 # instant; the smallest distance found is one that occurs. The `state` goes on from one phase to the next.
 
 LOWER, UPPER, NEAREST_T, NEAREST_A, NEAREST_B = 2, 3, 4, 5, 6
-"""In `state`, besides TOP: the proved lower value, the smallest distance found, m, when and of which units it is."""
+"""In `state`, besides TOP: the proved lower value, the smallest distance found, m, its time and its units."""
 WITHIN_M = 3e-5
 """How far the lower value may be below the upper one, m: less than the 0.05 mm that is promised."""
 SHORT = 16.0

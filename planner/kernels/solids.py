@@ -53,8 +53,8 @@ REQUIRED = 2
 SET = 3
 """... the number of its set of displacements (`kernels.uncertainty`), -1 for none, ..."""
 EARLY, LATE = 4, 5
-"""... and from when to when, s, the second is looked at while the first is looked at: the robot may start late, and the
-whole motion of a frame be shifted in time. 0 and 0 for what is known, or does not move."""
+"""... and the shifts in time of the second against the first, from and to, s: the robot may start late, and the whole
+motion of a frame be shifted. 0 and 0 for what is known, or does not move."""
 PAIR_COLUMNS = 6
 
 COVER = -1

@@ -2,8 +2,8 @@
 
 `PROVE`: do they stay apart at every instant? Every pair that is proved on an interval writes a row; the first that
 resists ends the search. `SCREEN`: the same, and an instant at which pairs are too near ends the search: all of them
-are told. `NEAREST`: what is the smallest distance? The state of a search is in arrays of
-the caller (`assur.planner.kernels.intervals`).
+are reported. `NEAREST`: what is the smallest distance? The state of a search is in arrays of the caller
+(`assur.planner.kernels.intervals`).
 """
 
 from __future__ import annotations

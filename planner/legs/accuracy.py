@@ -257,12 +257,12 @@ def _shares(terms: _Terms) -> tuple[Share, ...]:
 
 def too_far(scene: Scene, number: int, error: ArrivalError | None) -> Refusal | None:
     """Whether the tool may be farther off than a step allows."""
-    asked = scene.task[number].tolerance
-    if error is None or (error.position_m <= asked.position_m and error.within.yaw_rad <= asked.yaw_rad):
+    allowed = scene.task[number].tolerance
+    if error is None or (error.position_m <= allowed.position_m and error.within.yaw_rad <= allowed.yaw_rad):
         return None
-    far = error.position_m > asked.position_m
+    far = error.position_m > allowed.position_m
     worst = max(error.shares, key=lambda share: share.position_m if far else share.yaw_rad)
-    amount = error.position_m - asked.position_m if far else error.within.yaw_rad - asked.yaw_rad
+    amount = error.position_m - allowed.position_m if far else error.within.yaw_rad - allowed.yaw_rad
     return Refusal(
         stage=Stage.TRACKING,
         reason=Reason.TOLERANCE,
@@ -271,8 +271,8 @@ def too_far(scene: Scene, number: int, error: ArrivalError | None) -> Refusal | 
         facts=Inaccurate(
             position_m=error.position_m,
             yaw_rad=error.within.yaw_rad,
-            allowed_m=None if math.isinf(asked.position_m) else asked.position_m,
-            allowed_rad=None if math.isinf(asked.yaw_rad) else asked.yaw_rad,
+            allowed_m=None if math.isinf(allowed.position_m) else allowed.position_m,
+            allowed_rad=None if math.isinf(allowed.yaw_rad) else allowed.yaw_rad,
             cause=worst.cause,
             most=worst.position_m if far else worst.yaw_rad,
         ),

@@ -257,10 +257,10 @@ def continued(robot: Robot, q: FloatArray, first: FloatArray) -> FloatArray:
 def _lost(way: Way, t: FloatArray, mode: int, found: Inverse) -> Refusal | None:
     """The first time at which the arm does not reach, and how far the course goes out of reach; or else the first at
     which it is too near a singularity, and how near it comes."""
-    asked, robot = way.scene.options.singularity_margin, way.scene.robot
+    least, robot = way.scene.options.singularity_margin, way.scene.robot
 
     def lost(there: Inverse) -> BoolArray:
-        return np.asarray(~((there.code == Code.ASSEMBLED) & there.keeps(asked)))
+        return np.asarray(~((there.code == Code.ASSEMBLED) & there.keeps(least)))
 
     def outside(there: Inverse) -> BoolArray:
         return np.asarray(there.code == Code.OUT_OF_REACH)
@@ -277,7 +277,7 @@ def _lost(way: Way, t: FloatArray, mode: int, found: Inverse) -> Refusal | None:
         outer = OutOfReach(**spot)
         return out_of_reach(way.stage, way.step, short_m=short if short > 0.0 else math.nan, interval=span, facts=outer)
     if way.stage is Stage.STRAIGHT and not spot:
-        near = nearest(robot, found, asked, rows, best=False)
+        near = nearest(robot, found, least, rows, best=False)
         if near.reason is Reason.NEAR_PARALLEL_SINGULARITY:
             return near.refusal(way.stage, way.step, span)
         left = float(robot.singular_distance(found.q[near.row]))
@@ -288,10 +288,10 @@ def _lost(way: Way, t: FloatArray, mode: int, found: Inverse) -> Refusal | None:
         facts = Singular(**spot)
         return Refusal(stage=way.stage, reason=Reason.NEAR_SINGULARITY, step=way.step, interval=span, facts=facts)
     # the kind of singularity is that of the first place; how near the arm comes is looked for among all
-    first = nearest(robot, there, asked, np.zeros(1, dtype=int), best=False)
+    first = nearest(robot, there, least, np.zeros(1, dtype=int), best=False)
     known = rows[(found.code[rows] == Code.ASSEMBLED) & np.isfinite(found.margin[rows])]
     if len(known):
-        worst = nearest(robot, found, asked, known, best=False)
+        worst = nearest(robot, found, least, known, best=False)
         first = worst if worst.reason is first.reason and worst.missing > first.missing else first
     refusal = first.refusal(way.stage, way.step, span)
     if not isinstance(refusal.facts, Singular):

@@ -82,8 +82,8 @@ class JointMotion:
         """The leg to the earliest meeting on the branch's grid that this shape reaches (or `late` seconds later). Its
         last knot is at the time of the meeting to the bit, as the control point is.
 
-        Ruckig is asked to take exactly the time that is left: to the first grid time that a lower bound allows, and
-        then to the first one that its shortest duration allows, until it fits.
+        Ruckig must take exactly the time that is left: to the first grid time that a lower bound allows, and then to
+        the first one that its shortest duration allows, until it fits.
         """
         failed = self._through_vias()
         if failed is not None:
@@ -105,7 +105,7 @@ class JointMotion:
             goal, left = self._goal(row), time - begin - spent
             found = None if late > 0 or left < SHORTEST else self._last(goal, left)
             if found is None or (isinstance(found, TimingRefusal) and found.reason != "too short"):
-                # not asked yet, or not in exactly this time: what is possible at all?
+                # not tried yet, or not possible in exactly this time: what is the shortest time?
                 shortest = self._shortest(goal)
                 if isinstance(shortest, TimingRefusal):
                     number = int(times.searchsorted(time + max(GRID_S, shortest.excess)))

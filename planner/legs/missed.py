@@ -117,7 +117,7 @@ def holds_for_all_times(refusal: Refusal) -> bool:
 def _never_open(scene: Scene, point: ControlPoint) -> tuple[Quantity | None, WindowMissed]:
     """By how much and why the point may be met at no time, however short it would have to be tracked.
 
-    A number is a fact for all times; there is none where not all of them were looked at, or known.
+    A number is a fact for all times; there is none where some of them are unknown or were not evaluated.
     """
     (low, high), start, latest = point.span, scene.start.time, scene.options.latest_end_s
     ends = scene.frames[point.frame].law.valid[1]
@@ -206,7 +206,7 @@ def height_of(scene: Scene, arch: Arch, q: FloatArray) -> float:
 
 def too_high(scene: Scene, number: int, q: FloatArray, rounding: float = 0.0) -> Refusal | None:
     """Why the arch that step `number` asks for cannot be: the lift ends more than `rounding`, m, below it;
-    None: it can, or none is asked. `q` (n,): any joint position."""
+    None: it can, or the step has none. `q` (n,): any joint position."""
     lift, arch = scene.robot.lift, scene.task[number].arch
     if lift is None or arch is None:
         return None

@@ -273,7 +273,7 @@ def _at(way: Way, point: ControlPoint, ratios: FloatArray, when: float) -> Refus
 
 
 def traced(scene: Scene, point: ControlPoint, trajectory: Trajectory, begin: float, until: float) -> Traced | Refusal:
-    """What is said of a path that is traced from `begin` to `until`, s; a refusal where the promise is not kept."""
+    """The report on a path that is traced from `begin` to `until`, s; a refusal where the promise is not kept."""
     step = _trace(point)
     way = _way(point, begin - lead(point))
     t = np.clip(looks(trajectory.time[(trajectory.time >= begin) & (trajectory.time <= until)]), begin, until)

@@ -21,7 +21,7 @@ from typing import Literal
 
 
 class OutOfTimeError(Exception):
-    """The deadline in force has passed. Whoever set it makes an answer of what is known by then."""
+    """The deadline in force has passed. The function that set it answers with what is known by then."""
 
 
 @dataclass(eq=False)

@@ -320,19 +320,19 @@ def _points(number: int, part: PathPart, here: FloatArray | None) -> Circular | 
     arc = circle_through(here, np.array(part.via), np.array(part.to))
     if arc is None or not arc.radius <= LARGEST_RADIUS_M:
         allowed = (
-            f"a point beside the line from {_told(here.tolist())} to {_told(part.to)}, on a circle of "
+            f"a point beside the line from {_in_mm(here.tolist())} to {_in_mm(part.to)}, on a circle of "
             f"{LARGEST_RADIUS_M:g} m at most; or a line"
         )
         raise PathError(number, "via", part.via, allowed)
     return arc
 
 
-def _apart(number: int, key: str, point: Point, other: Point, told: str) -> None:
-    """Raises `PathError` at a point that is too near another one, which is what is `told`."""
+def _apart(number: int, key: str, point: Point, other: Point, what: str) -> None:
+    """Raises `PathError` at a point that is too near another one, described by `what`."""
     if not math.dist(point, other) > CLOSEST_M:
-        allowed = f"points that are more than {1e3 * CLOSEST_M:g} mm apart; {_told(other)} is {told}"
+        allowed = f"points that are more than {1e3 * CLOSEST_M:g} mm apart; {_in_mm(other)} is {what}"
         raise PathError(number, key, point, allowed)
 
 
-def _told(point: Sequence[float]) -> str:
+def _in_mm(point: Sequence[float]) -> str:
     return "({}) mm".format(", ".join(f"{round(1e3 * x, 4) + 0.0:g}" for x in point))

@@ -148,8 +148,8 @@ class Phase:
     """[t0, t1] of one leg (or the standstill after the last, whose step is -1).
 
     `contacts`: pairs that may touch, as deep as `contact_tolerance_m` allows; `tracked`: the frame that a tracking leg
-    follows; `corrected`: with belt correction, the belts that the tracking legs before and behind this leg follow, for
-    either of which the arm may be shifted on its way; `handled`: what is known of parts that were gripped. `robot`:
+    follows; `corrected`: with belt correction, the belts that the tracking legs before and behind this leg follow: for
+    either the arm may be shifted on its way; `handled`: what is known of parts that were gripped. `robot`:
     whether the robot counts; it does not where only its late start is waited for.
     """
 
@@ -237,7 +237,7 @@ def step_phases(
 
 
 def gripped_within(step: Step, arrival: Arrival | None) -> PoseUncertainty:
-    """How well a part is known once it was gripped or put down: as well as the tool met it, or as is said."""
+    """How well a part is known once it was gripped or put down: as well as the tool met it, or as is stated."""
     if isinstance(step, Pick) and step.held_within is not None:
         return step.held_within
     error = None if arrival is None else arrival.error

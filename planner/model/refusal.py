@@ -1,6 +1,6 @@
 """Why a candidate, or a whole request, was refused: typed facts. `report.refusal_table` has their sentences.
 
-Whoever decides reads these facts, never a sentence. Times are absolute seconds of the scene's clock, all else is SI.
+Decisions depend on these facts, never on a sentence. Times are absolute seconds of the scene's clock, all else is SI.
 """
 
 from __future__ import annotations

@@ -178,8 +178,8 @@ class Search:
         return bool(batch)
 
     def _in_order(self, partial: PartialPlan, sampler: Sampler, batch: list[Candidate]) -> Iterator[TimedMotion]:
-        """The motions of a batch, the quickest first: each is timed when it is asked for, if a score says how long
-        it takes, and else all are timed at once."""
+        """The motions of a batch, the quickest first: each is timed when it is needed, if a score says how long it
+        takes, and else all are timed at once."""
         made: list[TimedMotion] = []
         for candidate in batch:
             if self._late():
@@ -224,7 +224,7 @@ class Search:
         return met
 
     def _gripping(self, partial: PartialPlan, offsets: tuple[float, ...]) -> list[float]:
-        """The turns of the tool in which it is near enough to the part that is picked; any, where that is not asked."""
+        """The turns of the tool in which it is near enough to the part that is picked; any, where that is free."""
         step, kept = self.scene.task[partial.step], list[float]()
         for offset in offsets:
             apart = None

@@ -225,13 +225,13 @@ class Sampler:
                 stops.append(ends[-1] + entry.far - entry.height)
         if arch is not None:
             # an arch that is lower than one of its ends is as high as it has to be anyway
-            asked = max(height_of(scene, arch, state.q), min(upper, max([max(ends) + LEAST_RISE_M, *stops])))
-            return [asked] if asked <= upper else []
+            height = max(height_of(scene, arch, state.q), min(upper, max([max(ends) + LEAST_RISE_M, *stops])))
+            return [height] if height <= upper else []
         tops = [upper, (max(ends) + upper) / 2, *([max(stops)] if stops else [])]
         return [top for top in tops if top > max(ends) + LEAST_RISE_M]
 
     def too_high(self) -> Refusal | None:
-        """Why the arch that is asked for cannot be: the lift ends below it; None: it can, or none is asked."""
+        """Why the required arch cannot be: the lift ends below it; None: it can, or none is required."""
         return too_high(self.scene, self.partial.step, self.partial.state.q)
 
     @property

@@ -36,9 +36,9 @@ def cause_of(found: Found) -> Cause:
         return place[kind_of(encounter.refusal)]
 
     # of several bodies that it meets at one instant, the one that most candidates meet
-    told = min(furthest.encounters, key=of_all)
-    census = found.census.census(told)
-    return Cause(census.lines[of_all(told)], census, replace(furthest, encounters=(told,)))
+    reported = min(furthest.encounters, key=of_all)
+    census = found.census.census(reported)
+    return Cause(census.lines[of_all(reported)], census, replace(furthest, encounters=(reported,)))
 
 
 def most_frequent(census: Census, step: int) -> CensusLine | None:

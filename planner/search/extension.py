@@ -240,10 +240,10 @@ def _continued(
     made = tuple(Leg(leg.kind, partial.step, leg.knots.begin, leg.knots.end, leg.route) for leg in legs)
     met = arrival(scene, point, partial, trajectory, begin, end)
     if isinstance(point.facts, Trace):
-        told = traced(scene, point, trajectory, begin, end)
-        if isinstance(told, Refusal):
-            return told
-        met, point = replace(met, trace=told), left_at(point)
+        report = traced(scene, point, trajectory, begin, end)
+        if isinstance(report, Refusal):
+            return report
+        met, point = replace(met, trace=report), left_at(point)
     inaccurate = too_far(scene, partial.step, met.error)
     if inaccurate is not None:
         return inaccurate

@@ -188,7 +188,7 @@ def paced(scene: Scene, partial: PartialPlan, shape: Shape, point: ControlPoint)
 # is shown of a refusal.
 
 MOST_KNOTS = 1_000
-"""Knots of the motion that is told of a refusal, about 100 kB of an answer: a follow of many minutes has 20,000."""
+"""Most knots of the reported motion of a refusal, about 100 kB of an answer: a follow of many minutes has 20,000."""
 
 
 ORDER = tuple(Stage)
@@ -222,7 +222,7 @@ def best_candidate(scene: Scene, refused: RefusedMotion | None, proved: PartialP
         return _of_motion(scene, refused.motion, refused.encounters[0].confirmed())
     if proved is None or proved.knots is None:
         return None
-    return BestCandidate(motion_told(scene, proved.knots), proved.legs, _with_known_errors(proved.arrivals))
+    return BestCandidate(reported_motion(scene, proved.knots), proved.legs, _with_known_errors(proved.arrivals))
 
 
 def _with_known_errors(arrivals: tuple[Arrival, ...]) -> tuple[Arrival, ...]:
@@ -251,7 +251,7 @@ def _of_motion(scene: Scene, motion: TimedMotion, refusal: Refusal) -> BestCandi
     met = isinstance(facts, Separation)
     bodies = refusal.bodies
     return BestCandidate(
-        trajectory=motion_told(scene, knots),
+        trajectory=reported_motion(scene, knots),
         legs=legs,
         arrivals=_with_known_errors(arrivals),
         at=interval[0] if met and interval is not None else None,
@@ -272,9 +272,9 @@ def _leg_of(motion: TimedMotion) -> tuple[tuple[Leg, ...], tuple[Arrival, ...]]:
     return (*legs, Leg(kind, step, begin, end, shape.route)), before.arrivals
 
 
-def motion_told(scene: Scene, knots: Knots) -> Trajectory:
-    """The motion through knots, or, where they are more than `MOST_KNOTS`, through so many of them: it is told for help
-    and nothing is proved of it."""
+def reported_motion(scene: Scene, knots: Knots) -> Trajectory:
+    """The motion through knots, or, where they are more than `MOST_KNOTS`, through so many of them: it is
+    reported for help and nothing is proved of it."""
     table = knots.table
     if len(table) > MOST_KNOTS:
         table = table[np.linspace(0, len(table) - 1, MOST_KNOTS).round().astype(np.int64)]

@@ -13,8 +13,8 @@ R8  Vectors of the wrong length read foreign memory: lengths checked here.
 R9  Positions overshoot when ends move, and there are no position limits: for the caller to check, on extrema.
 R10 Infinite limits switch to another family of profiles: finite limits only.
 R11 It promises to end within 1e-8 of its goal: the phases are summed up here, and a miss is refused.
-R12 It holds the GIL: processes, never threads. A `Solver` keeps the library's objects, of which making takes as long as
-    a motion from rest to rest: every field that is ever set is set anew at every call, and answers are never shared.
+R12 It holds the GIL: processes, never threads. A `Solver` keeps the library's objects: to make them takes as long as a
+    motion from rest to rest: every field that is ever set is set anew at every call, and answers are never shared.
 R13 At a time that is not a number it reads foreign memory, or dies: no state is read from it, only its phases.
 """
 
@@ -53,11 +53,11 @@ Reason = Literal["limits", "too short", "blocked", "too long", "no profile", "un
 
 @dataclass(frozen=True, slots=True)
 class TimingRefusal:
-    """Why there is no motion as asked.
+    """Why there is no motion as required.
 
     limits      a given state is, or will inevitably come, beyond a limit; `excess` relative to it
-    too short   the earliest motion takes `excess` seconds longer than asked
-    blocked     shorter motions exist, but the next possible duration is `excess` seconds above the one asked
+    too short   the earliest motion takes `excess` seconds longer than allowed
+    blocked     shorter motions exist, but the next possible duration is `excess` seconds above the required one
     too long    it takes more than `LONGEST`; `excess` in seconds
     no profile  the solver found none for a legal problem; `excess` is NaN
     unsound     its profile does not end where it should; `excess` is how far, in units of what is allowed
@@ -196,7 +196,7 @@ class RawProfile:
         return (self,)
 
     def at(self, t: float) -> Numbers:
-        """q, q̇, q̈ after t s, of which the phases are summed up."""
+        """q, q̇, q̈ after t s, as sums over the phases."""
         rows: Numbers = [], [], []
         for q, v, a, (lengths, jerks) in zip(*self.begin, self.phases.tolist(), strict=True):
             left = t

@@ -119,8 +119,8 @@ def is_outside(k: Claim, g: tb.Geometry, s: tb.Scratch, pair: FloatArray, far: F
 
 @kernel(i8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, tb.PROOF, i8), allocates=True)
 def first_within(k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof, after: int) -> int:
-    """The first pair after row `after` of the pairs of which nothing shows that neither body is within the other; -1:
-    none. While a pair keeps apart, and both bodies keep their seats, one is within the other all the time, or never."""
+    """The first pair, after row `after` of the pairs, without a proof that neither body is within the other; -1: none.
+    While a pair keeps apart, and both bodies keep their seats, one is within the other all the time, or never."""
     if len(k.triangles) == 0:
         return -1
     far, pairs = np.empty((len(k.vertices), 4)), proof.pairs
