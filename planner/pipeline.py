@@ -21,7 +21,7 @@ from assur.planner.feasibility.necessary import (
     windows_impossible,
     yaw_impossible,
 )
-from assur.planner.feasibility.odd_input import odd_arrivals, odd_input, odd_places, odd_supports
+from assur.planner.feasibility.suspicious_input import odd_arrivals, odd_input, odd_places, odd_supports
 from assur.planner.feasibility.witnesses import Shown, shown
 from assur.planner.kernel_cache import is_compiled
 from assur.planner.legs.meeting import every_turn
@@ -39,7 +39,7 @@ from assur.planner.report.checker_first import checker_first
 from assur.planner.report.margins import carried, contacts, reported
 from assur.planner.report.sentence import sentence
 from assur.planner.report.straight_parts import assumed
-from assur.planner.search.beam import Found, Search
+from assur.planner.search.beam import Search, SearchResult
 from assur.planner.search.cause import cause_of
 from assur.planner.search.census import Counter
 from assur.planner.search.partial_plan import best_candidate
@@ -150,7 +150,7 @@ def _search_of(scene: Scene) -> type[Search]:
     return Search if scene.options.jerk_limited else BlendSearch
 
 
-def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan) -> Planned:
+def _planned(scene: Scene, run: _Run, prover: Prover, found: SearchResult, made: Plan) -> Planned:
     of_plan, full = phases(scene, made.legs, made.arrivals), scene.options.report == "full"
     with run.tail(scene):
         # warnings first: the smallest clearance may use all remaining time
@@ -173,7 +173,7 @@ def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan) 
     )
 
 
-def _not_found(scene: Scene, run: _Run, prover: Prover, found: Found) -> NotPlanned:
+def _not_found(scene: Scene, run: _Run, prover: Prover, found: SearchResult) -> NotPlanned:
     cause = cause_of(found)
     line, census = cause.line, cause.census
     refusal = None if line is None else line.refusal

@@ -55,7 +55,7 @@ WINDOW_S, WINDOW_M = 1e-9, 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Left:
+class Departure:
     """How an arm may leave a point: one of `states` (S, 4, n), each joint at its time of `times` (S, n), s, or later,
     along what keeps to `kept` (S, 3, n). What is met next is met at `until` at the latest, s, or it is not known."""
 
@@ -98,7 +98,7 @@ def _widest(one: FloatArray, other: FloatArray) -> FloatArray:
     return np.concatenate([np.minimum(one[:1], other[:1]), np.maximum(one[1:], other[1:])])
 
 
-def _rested(scene: Scene, left: Left, since: FloatArray, held: str | None) -> float:
+def _rested(scene: Scene, left: Departure, since: FloatArray, held: str | None) -> float:
     """When all joints can stand still first, s, after a point was left, within the limits `since` then (5, n) or those
     at the end, with the part `held` in the gripper (None: none)."""
     soon = math.inf
@@ -122,10 +122,10 @@ def _claimed(scene: Scene, lasts: float) -> float | None:
     return bound if bound > RESERVE else None
 
 
-def _begun(scene: Scene) -> Left:
+def _begun(scene: Scene) -> Departure:
     start, n = scene.start, len(scene.robot.joints)
     state = np.array([[start.q, start.qd, start.qdd, np.full(n, EXACT)]])
-    return Left(state, np.full((1, n), start.time), np.zeros((1, 3, n)))
+    return Departure(state, np.full((1, n), start.time), np.zeros((1, 3, n)))
 
 
 def _limits(scene: Scene, part: str | None) -> FloatArray:
@@ -143,13 +143,13 @@ class _Way:
 
     scene: Scene
     event: Event
-    left: Left
+    left: Departure
     limits: FloatArray
     floor: float
     early: float
     late: float
 
-    def met(self) -> tuple[float, Left] | None:
+    def met(self) -> tuple[float, Departure] | None:
         """When the event can be met first, and how it is left then; None: nothing is known of where it is."""
         scene, event = self.scene, self.event
         modes = allowed_modes(scene.robot, scene.options.elbow, scene.start.q)
@@ -168,7 +168,7 @@ class _Way:
             found[self.scene.robot.lift] = 0.0
         return found
 
-    def _met_still(self, modes: tuple[int, ...]) -> tuple[float, Left] | None:
+    def _met_still(self, modes: tuple[int, ...]) -> tuple[float, Departure] | None:
         """`met` of a point that stands still: the arm may wait there, so what is not too soon stays so."""
         scene, event, left = self.scene, self.event, self.left
         goals, latest = list[FloatArray](), max(left.until, self.floor)
@@ -193,9 +193,9 @@ class _Way:
         arrivals(left.states, left.kept, left.times, states, guides, rates, floor, times)
         leaves = np.repeat((np.minimum(times, latest) + event.dwell)[:, None], every.shape[1], axis=1)
         leaves += self._besides_lift(self.late)
-        return min(float(times.min()), latest), Left(states, leaves, np.zeros((len(every), 3, every.shape[1])))
+        return min(float(times.min()), latest), Departure(states, leaves, np.zeros((len(every), 3, every.shape[1])))
 
-    def _along(self, met: float, modes: tuple[int, ...]) -> Left:
+    def _along(self, met: float, modes: tuple[int, ...]) -> Departure:
         """How a point that moves is left, if it was met at `met`, s, or later."""
         scene, event = self.scene, self.event
         n, law = len(scene.robot.joints), scene.frames[event.frame].law
@@ -217,10 +217,10 @@ class _Way:
                         states += [np.array([q, *state[1:]]) for q in turns]
                         kept += [most] * (len(states) - len(kept))
             if fine and states:
-                return Left(np.array(states), np.tile(times, (len(states), 1)), np.array(kept), begin + waits)
+                return Departure(np.array(states), np.tile(times, (len(states), 1)), np.array(kept), begin + waits)
         nowhere = np.zeros((1, STATE, n))
         nowhere[:, 0], nowhere[:, KINDS] = np.nan, FREE
-        return Left(nowhere, times[None, :], np.zeros((1, 3, n)))
+        return Departure(nowhere, times[None, :], np.zeros((1, 3, n)))
 
     def _points(self, pose: Pose, t: FloatArray) -> FloatArray:
         """The motion (T, 4, 4) of the flange at times (T,): a row an order, columns x, y, z, yaw."""

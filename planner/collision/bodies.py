@@ -45,7 +45,7 @@ from assur.planner.kernels.uncertainty import (
     SET_COLUMNS,
     UPRIGHT,
     UPRIGHT_GROWTH,
-    Doubt,
+    Errors,
 )
 from assur.planner.kernels.units import seat_bodies, write_units
 from assur.planner.model.phases import Attachments, Phase, at_start
@@ -228,7 +228,7 @@ class Pairs:
     `rows` (P, PAIR_COLUMNS): the robot's bodies against all of the surroundings, which are the first `across` pairs;
     then those within the robot, with which the first `own` pairs end; then those of parts that were put down with what
     passes by. `rules` (P,): what requires the distance of each pair, a number of `RULES`. `mine` (R,): units of the
-    robot's bodies. `doubt`: the sets, and what else kernels know of uncertainty.
+    robot's bodies. `errors`: the sets, and what else kernels know of uncertainty.
     """
 
     rows: FloatArray
@@ -236,7 +236,7 @@ class Pairs:
     across: int
     own: int
     mine: IntArray
-    doubt: Doubt
+    errors: Errors
 
     def __len__(self) -> int:
         return len(self.rows)

@@ -15,6 +15,7 @@ from assur.planner.collision.bodies import Arrangement, Pairs, certain
 from assur.planner.collision.proof import Prover, Search
 from assur.planner.geometry.containment import inside
 from assur.planner.kernels.gjk import nearest_to_origin
+from assur.planner.kernels.interval_search import NEAREST
 from assur.planner.kernels.intervals import DONE, RESERVE_M, STATE_COLUMNS
 from assur.planner.kernels.proof import SIDES
 from assur.planner.kernels.screening import (
@@ -31,8 +32,7 @@ from assur.planner.kernels.screening import (
     sample_distance,
 )
 from assur.planner.kernels.solids import BALL, DISC, FIRST, HALF, PAIR_COLUMNS, REQUIRED, SECOND, SET, VERTEX, VERTICES
-from assur.planner.kernels.walk import NEAREST
-from assur.planner.model.deadline import look, out_of_time
+from assur.planner.model.deadline import out_of_time, raise_if_late
 from assur.planner.model.outcome import Nearest
 from assur.planner.model.phases import Attachments, Contacts, Phase, pair
 from assur.planner.model.refusal import Separation
@@ -297,7 +297,7 @@ def closest(
         wanted &= hanging[one] & named[other]
     if not wanted.any():
         return None
-    found = prover.hits(phase, stands, pairs[wanted], doubted=False).too_near
+    found = prover.hits(phase, stands, pairs[wanted], displaced_links=False).too_near
     if not len(found):
         return None
     hit = found[found[:, HIT_PAIR].argmin()]
@@ -346,7 +346,7 @@ def enclosed(
         number = arrangement.number[world.name]
         if arrangement.of_robot[number]:
             continue  # it is in the gripper
-        look()
+        raise_if_late()
         low, high = prover.box(world.body.surface[0])
         carrier = carriers[int(arrangement.carrier[arrangement.roots[number]])]
         origin, turn = carrier[:3], carrier[3:].reshape(3, 3)
@@ -359,7 +359,7 @@ def enclosed(
             near = ~((local < low) | (local > high)).any(-1)
             if pair(arrangement.names[mine], world.name) in contacts or not near.any():
                 continue
-            within = inside(world.body.surface, local[near], look)
+            within = inside(world.body.surface, local[near], raise_if_late)
             if within.any():
                 x, y, z = here[near][within.argmax()].tolist()
                 return Within((arrangement.names[mine], world.name), (x, y, z))

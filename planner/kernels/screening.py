@@ -22,10 +22,10 @@ from assur.planner.kernels.intervals import (
     RESERVE_M,
     Cell,
     Motion,
-    fetch,
     keep_normal,
     least_gap,
     normal_of,
+    place_unit,
     places_for,
 )
 from assur.planner.kernels.laws import place_frame
@@ -145,8 +145,8 @@ def depths(
                 if p >= len(pairs) or pairs[p, REQUIRED] < 0.0:
                     continue
                 a, b, need = int(pairs[p, FIRST]), int(pairs[p, SECOND]), pairs[p, REQUIRED] + RESERVE_M
-                fetch(units, a, carriers, stamp, number, still)
-                fetch(units, b, carriers, stamp, number, still)
+                place_unit(units, a, carriers, stamp, number, still)
+                place_unit(units, b, carriers, stamp, number, still)
                 if spheres_apart(units, 0, a, b, need):
                     continue
                 normal, k = (normals[p, 0], normals[p, 1], normals[p, 2]), int(pairs[p, SET])
@@ -265,8 +265,8 @@ def sample_distance(
             a, b = int(pairs[p, FIRST]), int(pairs[p, SECOND])
             if pairs[p, REQUIRED] < 0.0 or bodies[a, PIECES] > 0.0 or bodies[b, PIECES] > 0.0:
                 continue
-            fetch(units, a, carriers, stamp, i + 1, still)
-            fetch(units, b, carriers, stamp, i + 1, still)
+            place_unit(units, a, carriers, stamp, i + 1, still)
+            place_unit(units, b, carriers, stamp, i + 1, still)
             if spheres_apart(units, 0, a, b, state[UPPER]):
                 continue
             found = likely(units, 0, a, b, state[UPPER])[0]

@@ -19,7 +19,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion, Pose, Sweep
 from assur.planner.laws.law import EXACT, PoseUncertainty
 from assur.planner.model.arrival_error import ArrivalError, Cause, Share
-from assur.planner.model.phases import Attachments, Handled, on_way
+from assur.planner.model.phases import Attachments, GraspUncertainty, on_way
 from assur.planner.model.refusal import Inaccurate, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Trace
 
@@ -74,7 +74,7 @@ class _Terms:
 
 
 def arrival_error(
-    scene: Scene, number: int, attached: Attachments, handled: Handled, q: FloatArray, until: float
+    scene: Scene, number: int, attached: Attachments, handled: GraspUncertainty, q: FloatArray, until: float
 ) -> ArrivalError | None:
     """How far the tool may be from the control point of step `number` at time `until`, s, with joints at q (n,); None
     where nothing is left open."""
@@ -82,7 +82,7 @@ def arrival_error(
 
 
 def realised(
-    scene: Scene, number: int, attached: Attachments, handled: Handled, q: FloatArray, until: float,
+    scene: Scene, number: int, attached: Attachments, handled: GraspUncertainty, q: FloatArray, until: float,
     worst: Mapping[str, float],
 ) -> float | None:  # fmt: skip
     """How far the tool is from the control point of step `number`, m, in a realisation as `ArrivalError.worst` states
@@ -104,7 +104,7 @@ def realised(
 
 
 def _terms_of(
-    scene: Scene, number: int, attached: Attachments, handled: Handled, q: FloatArray, until: float
+    scene: Scene, number: int, attached: Attachments, handled: GraspUncertainty, q: FloatArray, until: float
 ) -> tuple[_Terms, float]:
     """What adds to the error at a control point, and how far the tool point is from the part's axis, m."""
     step, terms = scene.task[number], _Terms()

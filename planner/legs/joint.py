@@ -10,9 +10,9 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.kernels.candidates import passing_velocity
 from assur.planner.legs.limits import beyond_limits
-from assur.planner.legs.line import Pace
+from assur.planner.legs.line import ScaledLimits
 from assur.planner.legs.meeting import GRID_S
-from assur.planner.legs.missed import Hop, Vertical, arch, vertical
+from assur.planner.legs.missed import ArchForm, Vertical, arch, vertical
 from assur.planner.legs.state import Branch, State
 from assur.planner.legs.tool_motion import RESERVE, tool_peak
 from assur.planner.model.outcome import Course, Route
@@ -43,16 +43,16 @@ class Shape:
     wait: float = 0.0
     late: float = 0.0
     vias: tuple[Via, ...] = ()
-    hop: Hop | None = None
+    form: ArchForm | None = None
     effort: float = 1.0
     pull: float = 1.0
     """Share of the acceleration that the joints across use, velocity and jerk left as they are."""
     through: float = 0.0
-    """Pace at which a via control point is flown by, in mean joint velocities of the way to the one behind it."""
+    """Speed at which a via control point is flown by, in mean joint velocities of the way to the one behind it."""
 
     @property
     def route(self) -> Route:
-        course = Course.ARCH if self.hop else Course.DIRECT
+        course = Course.ARCH if self.form else Course.DIRECT
         return Route(course, len(self.vias), after_wait=self.wait > 0, later=self.late > 0)
 
 
@@ -68,11 +68,11 @@ class JointMotion:
         shape: Shape,
         branch: Branch,
         ahead: FloatArray | None = None,
-        pace: Pace | None = None,
+        pace: ScaledLimits | None = None,
     ) -> None:
         self.scene, self.step, self.state, self.shape, self.branch = scene, step, state, shape, branch
         self.ahead: list[float] | None = None if ahead is None else ahead.tolist()
-        self.pace = Pace(scene.limits_with(None), scene.robot.lift, shape.effort) if pace is None else pace
+        self.pace = ScaledLimits(scene.limits_with(None), scene.robot.lift, shape.effort) if pace is None else pace
         self.origin: Numbers = (state.q.tolist(), state.qd.tolist(), state.qdd.tolist())
         """Where the last leg sets out: at the arm's state, or at the last via."""
         self.prefix: list[RawProfile] = []
@@ -135,9 +135,9 @@ class JointMotion:
 
     def _shortest(self, goal: Numbers) -> float | TimingRefusal:
         """How long the last leg takes at least, s."""
-        if self.shape.hop is None:
+        if self.shape.form is None:
             return self.pace.together.shortest(self.origin, goal)
-        found = self._arch(self.shape.hop, goal, None)
+        found = self._arch(self.shape.form, goal, None)
         return found if isinstance(found, TimingRefusal) else found.duration
 
     def _goal(self, row: int) -> Numbers:
@@ -174,8 +174,8 @@ class JointMotion:
         return None
 
     def _last(self, goal: Numbers, duration: float | None) -> RawProfile | TimingRefusal:
-        if self.shape.hop is not None:
-            return self._arch(self.shape.hop, goal, duration)
+        if self.shape.form is not None:
+            return self._arch(self.shape.form, goal, duration)
         return self.pace.together.raw_profile(self.origin, goal, duration)
 
     def _at_any_time(self, begin: float) -> Trajectory | Refusal:
@@ -195,12 +195,12 @@ class JointMotion:
         trajectory = trajectory_of(parts, begins)
         return beyond_limits(self.scene, self.step, trajectory, self.pace.limits) or trajectory
 
-    def _arch(self, hop: Hop, goal: Numbers, duration: float | None) -> RawProfile | TimingRefusal:
+    def _arch(self, form: ArchForm, goal: Numbers, duration: float | None) -> RawProfile | TimingRefusal:
         # on a belt the lift joint meets all later points as it meets the first: its motions are timed once
         key = tuple(row[self.pace.lift[0]] for row in goal)
         if key not in self._verticals:
-            self._verticals[key] = vertical(self.origin, goal, hop.top, self.pace)
-        return arch(self.origin, goal, hop, self.pace, duration, self._verticals[key])
+            self._verticals[key] = vertical(self.origin, goal, form.top, self.pace)
+        return arch(self.origin, goal, form, self.pace, duration, self._verticals[key])
 
 
 # A joint motion, slowed down where it pulls too hard at the held part, and nowhere else.

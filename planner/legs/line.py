@@ -142,7 +142,7 @@ def _times(values: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
-class Pace:
+class ScaledLimits:
     """The robot's `limits` at this `effort`: the share of the acceleration limits that is used (of velocity its root,
     of jerk its power of 3/2). `pull`: share of the acceleration that the joints across use of that.
     `lift_joint`: the number of the joint that lifts; None: no arches. `lift_effort`: its own, and `lift_most`: the

@@ -12,7 +12,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.laws.belt_window import HORIZON_S, PARTS, ROUNDS
 from assur.planner.legs.control_point import ControlPoint
-from assur.planner.legs.line import Pace, part
+from assur.planner.legs.line import ScaledLimits, part
 from assur.planner.model.refusal import JointName, LawEnds, Quantity, Reason, Refusal, Stage, law_ends, window_missed
 from assur.planner.model.scene import Scene, beyond
 from assur.planner.model.task import Arch
@@ -188,7 +188,7 @@ stand still."""
 
 
 @dataclass(frozen=True, slots=True)
-class Hop:
+class ArchForm:
     """Over an arch: the lift joint goes to `top`, the other joints set out when `rise` of the way up (in time) is done
     and arrive when `fall` of the way down is left. 1: corners are stopped at; 0: full overlap."""
 
@@ -229,7 +229,7 @@ SHORTEST_PART_S = 1e-3
 """s. Parts of an arch last at least so long: a part makes up for what its shared switches miss."""
 
 
-def vertical(start: Numbers, goal: Numbers, top: float, pace: Pace) -> Vertical | TimingRefusal:
+def vertical(start: Numbers, goal: Numbers, top: float, pace: ScaledLimits) -> Vertical | TimingRefusal:
     """The fastest motions of the lift joint from the start up to `top` and from there down to the goal."""
     high = [top], [0.0], [0.0]
     up = pace.lifting.raw_profile(part(start, pace.lift), high)
@@ -242,8 +242,8 @@ def vertical(start: Numbers, goal: Numbers, top: float, pace: Pace) -> Vertical 
 def arch(
     start: Numbers,
     goal: Numbers,
-    hop: Hop,
-    pace: Pace,
+    form: ArchForm,
+    pace: ScaledLimits,
     duration: float | None,
     lifted: Vertical | TimingRefusal | None = None,
 ) -> RawProfile | TimingRefusal:
@@ -253,14 +253,14 @@ def arch(
     are at rest; at a moving end there is no time to spare, so the joints across fill it. `lifted`: from `vertical`,
     where it is known already.
     """
-    lifted = vertical(start, goal, hop.top, pace) if lifted is None else lifted
+    lifted = vertical(start, goal, form.top, pace) if lifted is None else lifted
     if isinstance(lifted, TimingRefusal):
         return lifted
     up, down = lifted
     begin, end = part(start, pace.others), part(goal, pace.others)
     resting, arriving = (not (any(state[1]) or any(state[2])) for state in (begin, end))
-    before = hop.rise * up.duration if resting else 0.0
-    after = hop.fall * down.duration if arriving else 0.0
+    before = form.rise * up.duration if resting else 0.0
+    after = form.fall * down.duration if arriving else 0.0
     across = pace.across.raw_profile(begin, end)
     if isinstance(across, TimingRefusal):
         return across
@@ -280,7 +280,7 @@ def arch(
 
 
 def _laid_over(
-    start: Numbers, goal: Numbers, lifted: Vertical, across: RawProfile, before: float, total: float, pace: Pace
+    start: Numbers, goal: Numbers, lifted: Vertical, across: RawProfile, before: float, total: float, pace: ScaledLimits
 ) -> RawProfile:
     """Up from 0, down to the end, the joints across from `before` on; in between each stands still."""
     up, down = lifted
@@ -307,7 +307,7 @@ class ArchProfile(RawProfile):
     lifted: Vertical
     across: RawProfile
     before: float
-    pace: Pace
+    pace: ScaledLimits
 
     @property
     def parts(self) -> list[RawProfile]:
@@ -336,7 +336,7 @@ class ArchProfile(RawProfile):
         return found
 
 
-def _together(lift: Numbers, others: Numbers, pace: Pace) -> Numbers:
+def _together(lift: Numbers, others: Numbers, pace: ScaledLimits) -> Numbers:
     """The state of all joints from that of the lift joint and that of the others."""
     rows = [row.copy() for row in others]
     for row, (value,) in zip(rows, lift, strict=True):

@@ -19,7 +19,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion
 from assur.planner.legs.course import PathCourse
-from assur.planner.legs.follower import UNIFORM, Way, followed
+from assur.planner.legs.follower import UNIFORM, PathTask, followed
 from assur.planner.legs.limits import rates
 from assur.planner.legs.line import Along, Line, Rates
 from assur.planner.legs.phase_law import TABLE, faster, quickest
@@ -74,7 +74,7 @@ def straight(
     of the spline. Refused: out of reach, too near a singularity, a joint position beyond its limit.
     """
     start, limits = np.array([state.time]), scene.limits_with(held)
-    line = Way(scene, Stage.STRAIGHT, step, Line(left, met, scene.tool.tcp), UNIFORM, state.time)
+    line = PathTask(scene, Stage.STRAIGHT, step, Line(left, met, scene.tool.tcp), UNIFORM, state.time)
 
     def by(law: Trajectory, closely: int) -> TimedLeg | Refusal:
         return by_law(line, state, mode, law, closely, limits)
@@ -137,7 +137,7 @@ def _still(along: Along, t: FloatArray) -> bool:
     return not (motion.v.any() or motion.a.any() or motion.yaw_d.any() or motion.yaw_dd.any())
 
 
-def by_law(way: Way, state: State, mode: int, law: Trajectory, closely: int, limits: Limits) -> TimedLeg | Refusal:
+def by_law(way: PathTask, state: State, mode: int, law: Trajectory, closely: int, limits: Limits) -> TimedLeg | Refusal:
     """The leg on the course of `way` by a phase law, as fast as keeps the joints' `limits`; in so many rounds to begin
     with, closely so."""
     scale, on_path = 1.0, isinstance(way.course, PathCourse)

@@ -29,7 +29,7 @@ from assur.planner.geometry.curves import (
     slowest,
     spline_through,
 )
-from assur.planner.model.deadline import look
+from assur.planner.model.deadline import raise_if_late
 
 Point = tuple[float, float, float]
 
@@ -128,7 +128,7 @@ class PathCurve:
         `OutOfTimeError` where the deadline in force passes."""
         found = np.zeros((3, len(s), 3))
         for first in range(0, len(s), BLOCK):
-            look()
+            raise_if_late()
             rows = slice(first, first + BLOCK)
             found[:, rows] = self._block(s[rows])
         return found[0], found[1], found[2]
@@ -201,7 +201,7 @@ class Path:
         found: list[tuple[Curve, float, float]] = []
         here = np.array(self.begin)
         for number, part in enumerate(self.parts):
-            look()
+            raise_if_late()
             tangent = None if not found else _end(found[-1])[1][0]
             pieces = _curves(number, part, here, tangent)
             found += self._rounded(number, found, pieces)

@@ -9,7 +9,7 @@ from assur.planner.checked import check
 from assur.planner.collision.rows import Unproved, written
 from assur.planner.collision.screening import Encounter
 from assur.planner.errors import FaultError
-from assur.planner.model.deadline import look
+from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.outcome import Census, CensusLine, Plan
 from assur.planner.model.refusal import (
     Bodies,
@@ -134,7 +134,7 @@ def completed(scene: Scene, partial: PartialPlan) -> Plan | Refusal:
     trajectory = Trajectory.of_knots(partial.knots.table, jumps=not scene.options.jerk_limited)
     certificate = written(scene, trajectory, partial.legs, partial.arrivals, list(partial.proofs))
     plan = Plan(trajectory, partial.legs, partial.arrivals, certificate)
-    verdict = check(scene, plan, between=look)
+    verdict = check(scene, plan, between=raise_if_late)
     if verdict.ok:
         return plan
     first = verdict.findings[0]

@@ -65,7 +65,7 @@ def timed(
     reached = JointMotion(scene, partial.step, partial.state, candidate.shape, candidate.branch, ahead, pace).meet()
     if isinstance(reached, Refusal):
         return by_law(point, candidate.option.meeting.last, reached)
-    if candidate.shape.hop is not None and not _is_arch(scene, reached):
+    if candidate.shape.form is not None and not _is_arch(scene, reached):
         return unmoved(Stage.TIMING, partial.step, Obstacle.NO_ARCH)
     if not point.tracks:
         missed = _window_refusal(point, reached.end)
@@ -138,7 +138,7 @@ def _slowed(scene: Scene, made: TimedCandidate, limit: float) -> Extension | Non
 
 def _extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:
     shape, trajectory = made.candidate.shape, made.trajectory
-    leg = TimedLeg(LegKind.ARCH if shape.hop else LegKind.MOVE, Knots.of(trajectory), shape.route)
+    leg = TimedLeg(LegKind.ARCH if shape.form else LegKind.MOVE, Knots.of(trajectory), shape.route)
     return _continued(scene, made.before, made.candidate, leg, trajectory)
 
 

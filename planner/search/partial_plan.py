@@ -13,7 +13,7 @@ from assur.planner.collision.screening import Encounter
 from assur.planner.frames.motion import Tilt
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.joint import Shape
-from assur.planner.legs.line import Pace
+from assur.planner.legs.line import ScaledLimits
 from assur.planner.legs.meeting import Meetings, entering, meetings
 from assur.planner.legs.path_leg import lead as lead_of_trace
 from assur.planner.legs.state import Branch, Knots, State, TimedLeg
@@ -24,7 +24,7 @@ from assur.planner.model.phases import (
     AT_START,
     NOTHING_HANDLED,
     Attachments,
-    Handled,
+    GraspUncertainty,
     Phase,
     at_start,
     handled_at_start,
@@ -44,7 +44,7 @@ class PartialPlan:
     state: State
     mode: int
     attached: Attachments = AT_START
-    handled: Handled = NOTHING_HANDLED
+    handled: GraspUncertainty = NOTHING_HANDLED
     legs: tuple[Leg, ...] = ()
     arrivals: tuple[Arrival, ...] = ()
     knots: Knots | None = None
@@ -57,7 +57,7 @@ class PartialPlan:
     """Whether the candidate that led here was to stop (`Candidate.stops`)."""
     tracked: ControlPoint | None = None
     """The control point above which a tracking leg ended: the arm still moves with its frame."""
-    paces: dict[tuple[float, float, Limits, bool, bool], Pace] = field(default_factory=dict)
+    paces: dict[tuple[float, float, Limits, bool, bool], ScaledLimits] = field(default_factory=dict)
     """Of joint legs (`paced`): one table for all partial plans of a search."""
     lines: dict[tuple[float, Tilt | None, float, int], TimedLeg | Refusal] = field(default_factory=dict)
     """Straight legs from here by yaw and tilt of the tool, wait and mode: full turns of the meeting make no other."""
@@ -172,7 +172,7 @@ def prepared(
     return found
 
 
-def paced(scene: Scene, partial: PartialPlan, shape: Shape, point: ControlPoint) -> Pace:
+def paced(scene: Scene, partial: PartialPlan, shape: Shape, point: ControlPoint) -> ScaledLimits:
     """The pace of joint legs of this shape to a point, with what the gripper holds; made once a search. Where the lift
     moves at an end it has to go on as it has begun: it has all of its limits then."""
     whole = partial.rises > 0.0 or point.entry is not None
@@ -180,7 +180,9 @@ def paced(scene: Scene, partial: PartialPlan, shape: Shape, point: ControlPoint)
     key = shape.effort, shape.pull, limits, whole, carried
     if key not in partial.paces:
         most = lift_most(scene, carried=carried)
-        partial.paces[key] = Pace(limits, scene.robot.lift, shape.effort, 1.0 if whole else None, most, shape.pull)
+        partial.paces[key] = ScaledLimits(
+            limits, scene.robot.lift, shape.effort, 1.0 if whole else None, most, shape.pull
+        )
     return partial.paces[key]
 
 
@@ -268,7 +270,7 @@ def _leg_of(motion: TimedMotion) -> tuple[tuple[Leg, ...], tuple[Arrival, ...]]:
     legs = before.legs
     if begin > before.state.time:
         legs += (Leg(LegKind.WAIT, step, before.state.time, begin, Route(Course.FOR_BODIES)),)
-    kind = LegKind.ARCH if shape.hop else LegKind.MOVE
+    kind = LegKind.ARCH if shape.form else LegKind.MOVE
     return (*legs, Leg(kind, step, begin, end, shape.route)), before.arrivals
 
 

@@ -11,7 +11,7 @@ import pytest
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.joint import Shape, Via
 from assur.planner.legs.meeting import Meetings
-from assur.planner.legs.missed import Hop
+from assur.planner.legs.missed import ArchForm
 from assur.planner.model.phases import AT_START, Attachments
 from assur.planner.model.scene import Scene
 from assur.planner.search.extension import extended, straight_extension, timed
@@ -63,7 +63,7 @@ SHAPES = {
     "two vias after a wait": Shape(
         wait=0.2, vias=(Via(np.array([0.1, 0.9, 0.22, 0.4]), 0.8), Via(np.array([0.0, 1.2, 0.2, 0.0]), 0.0))
     ),
-    "arch": Shape(hop=Hop(0.24, 0.3, 0.6)),
+    "arch": Shape(form=ArchForm(0.24, 0.3, 0.6)),
     "half the effort": Shape(effort=0.5),
 }
 

@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 
 from assur.planner import pipeline
-from assur.planner.collision.fcl_door import Posed
+from assur.planner.collision.fcl_entry import PlacedShape
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.hits import AtStart, touch
-from assur.planner.feasibility.odd_input import MOST_OVERLAPS, odd_input, odd_places, smallest_extent
+from assur.planner.feasibility.suspicious_input import MOST_OVERLAPS, odd_input, odd_places, smallest_extent
 from assur.planner.geometry.shapes import box
 from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.planner.model.input_warning import Odd
@@ -49,7 +49,7 @@ def posed(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
     """How often each body was posed."""
     count, own = Counter[str](), Prover.posed
 
-    def counted(*asked: Any) -> list[Posed]:
+    def counted(*asked: Any) -> list[PlacedShape]:
         made = own(*asked)
         count.update({each.name for each in made})
         return made

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from assur.planner.feasibility.odd_input import odd_arrivals, smallest_extent
+from assur.planner.feasibility.suspicious_input import odd_arrivals, smallest_extent
 from assur.planner.geometry.shapes import Body, Piece, Primitive, box, capsule, cylinder
 from assur.planner.laws.law import PoseUncertainty
 from assur.planner.model.input_warning import Odd

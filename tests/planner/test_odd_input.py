@@ -10,7 +10,7 @@ import pytest
 
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.hits import AtStart
-from assur.planner.feasibility.odd_input import FLOAT_M, MOUNT_M, odd_input
+from assur.planner.feasibility.suspicious_input import FLOAT_M, MOUNT_M, odd_input
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, box, cylinder
 from assur.planner.model.input_warning import InputWarning, Odd

@@ -10,7 +10,7 @@ import pytest
 
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.hits import AtStart
-from assur.planner.feasibility.odd_input import DROP_M, GRIP_M, OVERLAP_M, odd_places
+from assur.planner.feasibility.suspicious_input import DROP_M, GRIP_M, OVERLAP_M, odd_places
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder
 from assur.planner.laws import turntable

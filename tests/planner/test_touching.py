@@ -18,7 +18,7 @@ from assur.planner.collision.proof import Prover
 from assur.planner.collision.touching import TOUCH_M, apart, grip, support
 from assur.planner.errors import InputError
 from assur.planner.feasibility.hits import never_touching
-from assur.planner.feasibility.odd_input import OFF_M, odd_supports
+from assur.planner.feasibility.suspicious_input import OFF_M, odd_supports
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder, sphere
 from assur.planner.laws import conveyor

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import assur.planner.collision.proof
 from assur.planner.collision.bodies import COVER
-from assur.planner.collision.fcl_door import Collider
+from assur.planner.collision.fcl_entry import Collider
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved
 from assur.planner.frames.motion import Pose

@@ -13,13 +13,13 @@ from operator import itemgetter
 import numpy as np
 
 from assur.planner.checker.refusals.ways import ways
-from assur.planner.collision.fcl_door import Posed
+from assur.planner.collision.fcl_entry import PlacedShape
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.touching import apart, grip
 from assur.planner.feasibility.hits import AtStart, always, posed, touch
 from assur.planner.geometry.shapes import Body, support
 from assur.planner.model.arrival_error import Cause
-from assur.planner.model.deadline import look
+from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.input_warning import InputWarning, Odd
 from assur.planner.model.outcome import Arrival
 from assur.planner.model.phases import CONTACT_M, Attachments, at_start, resting_on, yaw_offsets
@@ -80,7 +80,7 @@ def _just_below(scene: Scene, at: AtStart, part: str) -> list[tuple[str, float]]
     for other in at.near(part, bottom - FLOAT_M, bottom):
         below = at.shapes(other)
 
-        def sunk(by: float, below: list[Posed] = below) -> bool:
+        def sunk(by: float, below: list[PlacedShape] = below) -> bool:
             return touch(at.prover, own, below, np.array([0.0, 0.0, -by]))
 
         if sunk(CONTACT_M):
@@ -125,7 +125,7 @@ def smallest_extent(body: Body) -> float:
     askew in their body's frame, as it is looked for in steps of 1°."""
     widths = []
     for angle in np.pi * np.arange(DIRECTIONS) / DIRECTIONS:
-        look()
+        raise_if_late()
         n = np.array([np.cos(angle), np.sin(angle), 0.0])
         widths.append(
             max(support(piece, n) for piece in body.pieces) + max(support(piece, -n) for piece in body.pieces)
@@ -156,7 +156,7 @@ def odd_places(scene: Scene, at: AtStart) -> tuple[InputWarning, ...]:
     Raises `OutOfTimeError` where the deadline in force passes."""
     attached, found = at_start(scene), dict[InputWarning, None]()
     for step in scene.task:
-        look()
+        raise_if_late()
         before, attached = attached, attached.after(scene, step)
         if isinstance(step, Pick):
             found |= dict.fromkeys(_off_part(scene, at.prover, step, before))
@@ -230,7 +230,7 @@ def odd_supports(scene: Scene, prover: Prover, arrivals: Sequence[Arrival]) -> t
     attached, found = at_start(scene), list[InputWarning]()
     until = {arrival.step: arrival.until for arrival in arrivals}
     for number, step in enumerate(scene.task):
-        look()
+        raise_if_late()
         before, attached = attached, attached.after(scene, step)
         if not isinstance(step, Pick | Place) or not step.contact_with:
             continue
