@@ -1,4 +1,4 @@
-"""The one door to FCL: do two units touch at one time? A boolean, about true shapes, with a fresh result each time.
+"""The one entry to FCL: do two units touch at one time? A boolean, about true shapes, with a fresh result each time.
 
 What is not used, and why (all reproduced with python-fcl 0.7.0.11): `distance` over-estimates for aligned primitives,
 up to tenfold; `continuousCollide` misses most meshes; signed distance aborts the process; planes crash it; a reused

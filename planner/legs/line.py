@@ -138,7 +138,7 @@ def _times(values: FloatArray) -> FloatArray:
 
 # How fast joint legs may go, and who times them: all joints together or, over an arch, the lift apart from the others.
 #
-# A pace is made once for many legs: limits are checked once, and the solvers stay.
+# Scaled limits are made once for many legs: limits are checked once, and the solvers stay.
 
 
 @dataclass(frozen=True, eq=False)

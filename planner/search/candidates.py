@@ -202,7 +202,7 @@ class Sampler:
         for option in self._first_of_modes()[: tuning.ARCHED]:
             moves = not self.partial.state.resting, option.meeting.point.entry is not None
             top = tops[-1] if any(moves) else tops[0]
-            for corner in tuning.HOPS[:1] if self.step.via or all(moves) else tuning.HOPS:
+            for corner in tuning.ARCH_CORNERS[:1] if self.step.via or all(moves) else tuning.ARCH_CORNERS:
                 rise, fall = (0.0 if moving else corner for moving in moves)
                 shape = Shape(form=ArchForm(top, rise, fall), through=through)
                 found.append(Candidate(option, shape))

@@ -57,8 +57,8 @@ class PartialPlan:
     """Whether the candidate that led here was to stop (`Candidate.stops`)."""
     tracked: ControlPoint | None = None
     """The control point above which a tracking leg ended: the arm still moves with its frame."""
-    paces: dict[tuple[float, float, Limits, bool, bool], ScaledLimits] = field(default_factory=dict)
-    """Of joint legs (`paced`): one table for all partial plans of a search."""
+    scaled: dict[tuple[float, float, Limits, float | None, bool], ScaledLimits] = field(default_factory=dict)
+    """Of joint legs (`scaled_limits`): one table for all partial plans of a search."""
     lines: dict[tuple[float, Tilt | None, float, int], TimedLeg | Refusal] = field(default_factory=dict)
     """Straight legs from here by yaw and tilt of the tool, wait and mode: full turns of the meeting make no other."""
 
@@ -172,18 +172,16 @@ def prepared(
     return found
 
 
-def paced(scene: Scene, partial: PartialPlan, shape: Shape, point: ControlPoint) -> ScaledLimits:
-    """The pace of joint legs of this shape to a point, with what the gripper holds; made once a search. Where the lift
-    moves at an end it has to go on as it has begun: it has all of its limits then."""
-    whole = partial.rises > 0.0 or point.entry is not None
+def scaled_limits(scene: Scene, partial: PartialPlan, shape: Shape, point: ControlPoint) -> ScaledLimits:
+    """The limits of joint legs of this shape to a point, with what the gripper holds; made once a search. Where the
+    lift moves at an end it has to go on as it has begun: it has all of its limits then."""
+    lift_effort = 1.0 if partial.rises > 0.0 or point.entry is not None else None
     carried, limits = partial.attached.held is not None, partial.attached.limits(scene)
-    key = shape.effort, shape.pull, limits, whole, carried
-    if key not in partial.paces:
+    key = shape.effort, shape.pull, limits, lift_effort, carried
+    if key not in partial.scaled:
         most = lift_most(scene, carried=carried)
-        partial.paces[key] = ScaledLimits(
-            limits, scene.robot.lift, shape.effort, 1.0 if whole else None, most, shape.pull
-        )
-    return partial.paces[key]
+        partial.scaled[key] = ScaledLimits(limits, scene.robot.lift, shape.effort, lift_effort, most, shape.pull)
+    return partial.scaled[key]
 
 
 # The candidate that came furthest, of a search that finds no plan: what stopped it is why there is none, and it is what

@@ -1,4 +1,4 @@
-"""The door to Ruckig: time-optimal jerk-limited motion from state to state. No other module imports it.
+"""The entry to Ruckig: time-optimal jerk-limited motion from state to state. No other module imports it.
 
 What its traps are and how they are met (numbers of the hazards' list):
 

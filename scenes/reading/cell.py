@@ -1,4 +1,4 @@
-"""A request becomes a scene: robot, frames, neighbours, bodies, task, in this order, each at its own door."""
+"""A request becomes a scene: robot, frames, neighbours, bodies, task, in this order, each in a module of its own."""
 
 from __future__ import annotations
 

@@ -22,8 +22,8 @@ from assur.planner.search.partial_plan import (
     PartialPlan,
     TimedCandidate,
     initial,
-    paced,
     prepared,
+    scaled_limits,
 )
 from tests.planner.cells import cell, go, table_to_table
 from tests.planner.second_solids import standing
@@ -89,8 +89,8 @@ def test_each_effort_has_one_pace_with_its_own_limits() -> None:
     scene = cell(go(0.35, -0.2))
     partial = initial(scene)
     point = control_point(scene, 0, AT_START, 0.0)
-    whole, half = paced(scene, partial, Shape(), point), paced(scene, partial, Shape(effort=0.25), point)
-    assert paced(scene, partial, Shape(), point) is whole
+    whole, half = (scaled_limits(scene, partial, shape, point) for shape in (Shape(), Shape(effort=0.25)))
+    assert scaled_limits(scene, partial, Shape(), point) is whole
     limits = scene.robot.limits
     for mine, own, power in zip(half.rates, whole.rates, (0.5, 1.0, 1.5), strict=True):
         assert mine == pytest.approx([0.25**power * x for x in own], rel=1e-12)

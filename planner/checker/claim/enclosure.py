@@ -88,12 +88,12 @@ def is_outside(k: Claim, g: tb.Geometry, s: tb.Scratch, pair: FloatArray, far: F
     p = int(pair[tb.PAIR_PHASE])
     begin, ahead = k.phases[p, c.PHASE_T0], k.phases[p, c.PHASE_T0] + pair[tb.PAIR_EARLY]
     for side in range(2):
-        shell, other = (tb.PAIR_A, tb.PAIR_B) if side == 0 else (tb.PAIR_B, tb.PAIR_A)
+        hollow, other = (tb.PAIR_A, tb.PAIR_B) if side == 0 else (tb.PAIR_B, tb.PAIR_A)
         t, u = (begin, ahead) if side == 0 else (ahead, begin)
-        body = k.bodies[int(pair[shell])]
+        body = k.bodies[int(pair[hollow])]
         if body[c.BODY_TRIANGLES] == 0.0:
             continue
-        one, two = int(k.seated[p, int(pair[shell])]), int(k.seated[p, int(pair[other])])
+        one, two = int(k.seated[p, int(pair[hollow])]), int(k.seated[p, int(pair[other])])
         here, there = k.seats[one], k.seats[two]
         on = int(here[c.SEAT_LINK] if here[c.SEAT_LINK] >= 0.0 else g.on[int(here[c.SEAT_FRAME]), 0])
         other_on = int(there[c.SEAT_LINK] if there[c.SEAT_LINK] >= 0.0 else g.on[int(there[c.SEAT_FRAME]), 0])
