@@ -14,6 +14,7 @@ from assur.planner.bound.duration import least_duration
 from assur.planner.collision.proof import Prover
 from assur.planner.compiled import load_defined
 from assur.planner.feasibility.hits import AtStart, never_touching
+from assur.planner.feasibility.input_warnings import unusual_arrivals, unusual_bodies, unusual_places, unusual_supports
 from assur.planner.feasibility.necessary import (
     arches_impossible,
     start_collides,
@@ -21,8 +22,7 @@ from assur.planner.feasibility.necessary import (
     windows_impossible,
     yaw_impossible,
 )
-from assur.planner.feasibility.suspicious_input import odd_arrivals, odd_input, odd_places, odd_supports
-from assur.planner.feasibility.witnesses import Shown, shown
+from assur.planner.feasibility.witnesses import RefusalProof, shown
 from assur.planner.kernel_cache import is_compiled
 from assur.planner.legs.meeting import every_turn
 from assur.planner.legs.missed import holds_for_all_times
@@ -102,10 +102,10 @@ def _warnings(scene: Scene, prover: Prover, arrivals: tuple[Arrival, ...]) -> tu
     passed before all was looked for. Then the kinds that were not finished are left out."""
     found, at = list[InputWarning](), AtStart(scene, prover)
     kinds = (
-        partial(odd_input, at=at),
-        partial(odd_places, at=at),
-        partial(odd_supports, prover=prover, arrivals=arrivals),
-        partial(odd_arrivals, arrivals=arrivals),
+        partial(unusual_bodies, at=at),
+        partial(unusual_places, at=at),
+        partial(unusual_supports, prover=prover, arrivals=arrivals),
+        partial(unusual_arrivals, arrivals=arrivals),
     )
     for kind in kinds:
         try:
@@ -208,7 +208,7 @@ def _not_planned(
     refusal: Refusal | None,
     census: Census,
     *,
-    proof: Shown | None,
+    proof: RefusalProof | None,
     cut: bool,
     deepest: int = 0,
     line: CensusLine | None = None,

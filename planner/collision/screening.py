@@ -33,7 +33,7 @@ MOST_BODIES = 3
 """Most bodies that are reported for one candidate: one refuses it, the others are reported in the census."""
 
 
-class Timed(Protocol):
+class PhasedMotion(Protocol):
     """A timed motion in phases."""
 
     @property
@@ -85,7 +85,7 @@ class ScreeningResult:
         return self.encounters[0].refusal if self.encounters else None
 
 
-def screen(prover: Prover, candidate: Timed) -> ScreeningResult:
+def screen(prover: Prover, candidate: PhasedMotion) -> ScreeningResult:
     """What is in the way of a candidate."""
     lost = leaves_assembly(prover.scene.robot, candidate.phases[0].step, candidate.trajectory)
     if lost is not None:

@@ -33,7 +33,7 @@ HALVINGS = 20
 """Of `FLOAT_M`, until the height of a part above what is below it is known: to less than 0.1 µm."""
 
 
-def odd_input(scene: Scene, at: AtStart) -> tuple[InputWarning, ...]:
+def unusual_bodies(scene: Scene, at: AtStart) -> tuple[InputWarning, ...]:
     """The warnings of a request: tools first, then parts in the order of the task. Raises `OutOfTimeError` where the
     deadline in force passes."""
     return (*_tools_in_the_arm(scene, at.prover), *_floating_parts(scene, at))
@@ -100,7 +100,7 @@ DIRECTIONS = 180
 """Horizontal directions in which the extent of a part is taken, 1° apart, its own axes among them."""
 
 
-def odd_arrivals(scene: Scene, arrivals: Sequence[Arrival]) -> tuple[InputWarning, ...]:
+def unusual_arrivals(scene: Scene, arrivals: Sequence[Arrival]) -> tuple[InputWarning, ...]:
     """A warning for each pick without a tolerance of its position where the tool may be farther from the part than half
     of the part's smallest horizontal extent. Raises `OutOfTimeError` where the deadline in force passes."""
     found = []
@@ -150,7 +150,7 @@ MOST_OVERLAPS = 5
 AXES = np.concatenate([np.eye(3), -np.eye(3)])
 
 
-def odd_places(scene: Scene, at: AtStart) -> tuple[InputWarning, ...]:
+def unusual_places(scene: Scene, at: AtStart) -> tuple[InputWarning, ...]:
     """The warnings about picks and places, in the order of the task, and then about bodies that overlap.
 
     Raises `OutOfTimeError` where the deadline in force passes."""
@@ -223,7 +223,7 @@ OFF_M = 0.002
 measured so, m."""
 
 
-def odd_supports(scene: Scene, prover: Prover, arrivals: Sequence[Arrival]) -> tuple[InputWarning, ...]:
+def unusual_supports(scene: Scene, prover: Prover, arrivals: Sequence[Arrival]) -> tuple[InputWarning, ...]:
     """A warning for each body that a pick or place names as touched by its part and that is farther than `OFF_M` from
     it, in the order of the task. What moves against the part is checked where there is an arrival. Raises
     `OutOfTimeError` where the deadline in force passes."""
