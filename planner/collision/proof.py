@@ -10,7 +10,7 @@ import numpy as np
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.collision.bodies import Arrangement, Pairs, PairTables, bodies_of
 from assur.planner.collision.fcl_entry import Collider, PlacedShape
-from assur.planner.collision.rows import Rows, Unproved
+from assur.planner.collision.rows import ProofFailure, Rows
 from assur.planner.kernels.carriers import Carried, place_carriers
 from assur.planner.kernels.interval_search import PROVE, SCREEN, search_intervals
 from assur.planner.kernels.intervals import (
@@ -200,7 +200,7 @@ class Prover:
         """What moves the carriers, as kernels read it."""
         return self.carried_by, spline
 
-    def prove(self, phase: Phase, trajectory: Trajectory) -> Rows | Unproved:
+    def prove(self, phase: Phase, trajectory: Trajectory) -> Rows | ProofFailure:
         """Rows that cover every required pair over the whole phase, or the first pair that resists."""
         spline, pairs = self.spline(trajectory), self.pairs_of(phase)
         known = self._rows.get(phase)
@@ -210,7 +210,7 @@ class Prover:
             remaining = pairs.rows[pairs.rows[:, REQUIRED] < 0.0]
         return self._shown(phase, spline, known, remaining, pairs.errors)
 
-    def prove_gaps(self, phase: Phase, trajectory: Trajectory, arm: float, placed: float) -> Rows | Unproved:
+    def prove_gaps(self, phase: Phase, trajectory: Trajectory, arm: float, placed: float) -> Rows | ProofFailure:
         """The same for other distances, m, where all is where it is planned: `arm` for pairs with a body of the robot,
         `placed` for those of parts that were put down; less than 0: none is required. Pairs in contact do not count."""
         pairs = self.pairs_of(phase).exactly(arm, placed)
@@ -218,7 +218,7 @@ class Prover:
 
     def _shown(
         self, phase: Phase, spline: Spline, known: FloatArray, remaining: FloatArray, errors: Errors
-    ) -> Rows | Unproved:
+    ) -> Rows | ProofFailure:
         """The rows that are `known`, and those that show all pairs that are left, or the first pair that resists."""
         arrangement = self.of(phase)
         if not (len(remaining) and phase.t1 > phase.t0):
@@ -313,7 +313,7 @@ class Prover:
             planes.append(rows)
         return np.concatenate(planes), left
 
-    def _resisted(self, arrangement: Arrangement, spline: Spline, state: FloatArray) -> Unproved:
+    def _resisted(self, arrangement: Arrangement, spline: Spline, state: FloatArray) -> ProofFailure:
         """What FCL says of the true shapes of a pair that resisted."""
         a, b, t, gap, need = state[[RESISTED_A, RESISTED_B, RESISTED_T, RESISTED_GAP, RESISTED_NEED]].tolist()
         touching = gap <= need and self.touch(arrangement, spline, t, int(a), int(b), float(state[RESISTED_S]))
@@ -392,8 +392,8 @@ def _parts(phase: Phase) -> FloatArray:
 
 def _unproved(
     arrangement: Arrangement, a: float, b: float, t: float, gap: float, required: float, *, touching: bool = False
-) -> Unproved:
+) -> ProofFailure:
     """What is not proved of units a and b around time t."""
     one, other = arrangement.body[[int(a), int(b)]].tolist()
     names = arrangement.names[one], arrangement.names[other]
-    return Unproved(names, float(t), gap, required, touching, bool(arrangement.of_robot[other]))
+    return ProofFailure(names, float(t), gap, required, touching, bool(arrangement.of_robot[other]))

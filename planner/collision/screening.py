@@ -16,7 +16,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.proof import Prover, Search
-from assur.planner.collision.rows import Unproved
+from assur.planner.collision.rows import ProofFailure
 from assur.planner.kernels.interval_search import SCREEN
 from assur.planner.kernels.intervals import DONE, HIT, RESERVE_M, RESISTED
 from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_GAP, HIT_NEED, HIT_S, HIT_T
@@ -137,7 +137,7 @@ def _encounter(prover: Prover, phase: Phase, hit: list[float], q: FloatArray) ->
 # How deep a pair that may touch is pressed together: where a straight part begins or ends, which no screening sees.
 
 
-def deepest(prover: Prover, phase: Phase, trajectory: Trajectory, unproved: Unproved) -> Unproved:
+def deepest(prover: Prover, phase: Phase, trajectory: Trajectory, unproved: ProofFailure) -> ProofFailure:
     """A pair that may touch and was not proved in a phase, where it is deepest: there, or at an end of the phase."""
     arrangement, spline = prover.of(phase), prover.spline(trajectory)
     pairs = prover.pairs_of(phase)

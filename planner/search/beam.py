@@ -13,7 +13,7 @@ import numpy as np
 
 from assur.planner.bound.duration import least_duration
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.rows import Rows, Unproved
+from assur.planner.collision.rows import ProofFailure, Rows
 from assur.planner.collision.screening import Encounter, ScreeningResult, deepest, screen
 from assur.planner.collision.touching import too_far, touching
 from assur.planner.feasibility.necessary import points_impossible
@@ -330,7 +330,7 @@ class Search:
         proofs: list[Rows] = []
         for phase in made.phases:
             rows = self.prover.prove(phase, made.trajectory)
-            if isinstance(rows, Unproved):
+            if isinstance(rows, ProofFailure):
                 rows = deepest(self.prover, phase, made.trajectory, rows)
                 why = refused_proof(rows, made.before.step, self.prover.rule(phase, *rows.bodies))
                 unfinished = why.amount is None and self._late()

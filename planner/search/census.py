@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from assur.planner.checked import check
-from assur.planner.collision.rows import Unproved, written
+from assur.planner.collision.rows import ProofFailure, written
 from assur.planner.collision.screening import Encounter
 from assur.planner.errors import FaultError
 from assur.planner.model.deadline import raise_if_late
@@ -100,7 +100,7 @@ class Counter:
         return Census(self.candidates, self.refused, tuple(lines))
 
 
-def refused_proof(unproved: Unproved, step: int, rule: tuple[Rule, float]) -> Refusal:
+def refused_proof(unproved: ProofFailure, step: int, rule: tuple[Rule, float]) -> Refusal:
     """A failed proof as a refusal. `rule`: what requires a distance of the two, and how far, m (`Prover.rule`)."""
     reason = Reason.NOT_CERTIFIED
     if unproved.touching or unproved.gap <= unproved.required:

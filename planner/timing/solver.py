@@ -80,7 +80,7 @@ class Limits:
 
 
 @dataclass(frozen=True, slots=True)
-class Allowed:
+class RobotLimits:
     """The robot's own limits, n finite positive numbers each, and `lowered`: what the solver gets of them at least.
 
     Raises `InputError` for limits that are none, or of different length.
@@ -128,7 +128,7 @@ def accepted_duration(duration: float | None) -> None:
         raise InputError("timing.duration", duration, "None, or a number of seconds from 0")
 
 
-def lowered_limits(start: Numbers, goal: Numbers, allowed: Allowed) -> Limits | TimingRefusal:
+def lowered_limits(start: Numbers, goal: Numbers, allowed: RobotLimits) -> Limits | TimingRefusal:
     """Limits for the solver: lowered, but never below what the end states need, each direction by itself.
 
     A state with acceleration a comes to the velocity v ± a|a|/(2j) whatever one does (equation P2: + after the start,
@@ -277,7 +277,7 @@ class Solver:
     """
 
     def __init__(self, velocity: Row, acceleration: Row, jerk: Row) -> None:
-        self._allowed = Allowed(velocity, acceleration, jerk)
+        self._allowed = RobotLimits(velocity, acceleration, jerk)
         self._n = len(velocity)
         self._ruckig, self._given = ruckig.Ruckig(self._n), ruckig.InputParameter(self._n)
 
