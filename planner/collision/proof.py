@@ -62,11 +62,11 @@ from assur.planner.trajectory.spline import spline_table
 MOST_ROWS = 200_000
 """A phase that needs more rows than this is not certified: it would be neither quick nor small."""
 BUDGET = 20_000
-"""Pairs and intervals that the kernel settles between two looks at the clock: some milliseconds."""
+"""Pairs and intervals that the kernel decides between two readings of the clock: some milliseconds."""
 PART_S = 0.08
 """Intervals over which planes are proved, s."""
 MOST_PARTS = 1_000
-"""... and so many of them at most: what longer ones do not prove is left to the search over pairs."""
+"""Most of these intervals in a phase; the rest is left to the search over pairs."""
 ROOM = 128
 """Rows, and open pairs, for which there is room at first; it is doubled when it runs out."""
 MOST_HITS = 64
@@ -83,7 +83,7 @@ class Search:
     """A search over the halved intervals of one phase (`kernels.interval_search`); its room grows where it runs out.
 
     `pairs` (P, PAIR_COLUMNS) are evaluated, over all of the phase, and before that over other `spans` of time, with
-    what is not known of them (`errors`); `rows` and `hits` take what is written, `most_hits` at most.
+    their uncertainty (`errors`); `rows` and `hits` take what is written, `most_hits` at most.
     """
 
     def __init__(

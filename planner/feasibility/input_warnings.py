@@ -146,7 +146,7 @@ GRIP_M = 0.01
 OVERLAP_M = 0.001
 """By so much a body may be inside another, m: it was placed by hand."""
 MOST_OVERLAPS = 5
-"""So many overlaps are reported: more come from a model that is made so."""
+"""Maximum number of overlap warnings: more come from a model that is made so."""
 AXES = np.concatenate([np.eye(3), -np.eye(3)])
 
 

@@ -51,7 +51,7 @@ VIA_VELOCITY = 0.9
 BRIEFEST = 1e-3
 """A motion through a via is taken to last this long at least, s."""
 SAFETY_FACTOR = 1.01
-"""Ruckig's motions take this much longer at most, nearly always: a meeting is not to be missed by a hair."""
+"""Ruckig's motions are nearly always at most 1 % longer than the estimate."""
 MEETINGS = 2
 """Times that the meeting is looked up again after the motion to it was timed."""
 REACHED = 1e-6

@@ -168,7 +168,7 @@ def search_intervals(
                         continue
                     status = ITEMS_FULL
                 else:
-                    # of what is not known, or within the reserve, a proof says so
+                    # where the gap is unknown, or within the reserve, a proof reports it
                     hit = verdict == TOO_NEAR and task == SCREEN and found[0] <= found[1] - RESERVE_M
                     if proving and not hit and (verdict == TOO_NEAR or (h > 0.0 and not h > FINEST_S)):
                         state[RESISTED_A], state[RESISTED_B], state[RESISTED_T] = a, b, middle

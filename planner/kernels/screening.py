@@ -85,7 +85,7 @@ def note_hit(hits: FloatArray, state: FloatArray, items: FloatArray, i: int, t: 
 
 @kernel(f"Tuple((float64, {NORMAL}))({UNITS}, int64, int64, {TABLE}, int64, float64)")
 def widest(units: Units, a: int, b: int, sets: FloatArray, k: int, lasts: float) -> tuple[float, Normal]:
-    """How much two units are apart at the first instant beyond what is not known of them (set k), along the better of
+    """How much two units are apart at the first instant beyond their uncertainty (set k), along the better of
     the vertical and the likely normal, and that normal."""
     up = (0.0, 0.0, 1.0 if units[2][0, b, 2] >= units[2][0, a, 2] else -1.0)
     above = gap(units, 0, a, b, up) - spread(sets, k, lasts, up)
@@ -159,7 +159,7 @@ def depths(
                 else:
                     found, normal = widest(units, a, b, sets, k, lasts)
                 if not found > need:
-                    # what is not known counts as deep
+                    # an unknown gap counts as deep
                     depth[w] += min(1.0, (need - found) / deepest) if found > -math.inf else 1.0
                     met = p
                     break

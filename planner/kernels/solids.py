@@ -49,7 +49,7 @@ COLUMNS = 25
 FIRST, SECOND = 0, 1
 """Columns of a pair: its two units, the first of the robot."""
 REQUIRED = 2
-"""Distance that a pair must keep, m (N8), but for what is not known of where the two are: ..."""
+"""Distance that a pair must keep, m (N8), in addition to the uncertainty of where the two are: ..."""
 SET = 3
 """... the number of its set of displacements (`kernels.uncertainty`), -1 for none, ..."""
 EARLY, LATE = 4, 5

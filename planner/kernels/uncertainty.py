@@ -1,4 +1,4 @@
-"""How much nearer two bodies may be than planned, along a normal: what is not known of where they are.
+"""How much nearer two bodies may be than planned, along a normal: the uncertainty of their places.
 
 A *set* is what two bodies of one pair may be displaced against each other. It is a disc in the horizontal plane, an
 interval along the vertical, and segments along given directions (an error of a belt lies along the belt); each is

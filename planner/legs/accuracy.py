@@ -200,7 +200,7 @@ def _add_lag(scene: Scene, here: Motion, q: FloatArray, terms: _Terms) -> None:
     joints = np.column_stack([q, lag, none, lag, none, none])
     swept = robot.sweep(joints, flange)
     bend = float(np.linalg.norm(swept.point(2, at.x, at.y, at.z)))
-    # twice for each half of the bow: the checker looks at the bent way from its ends
+    # twice for each half of the bow: the checker bounds the bent way from its ends
     bow = 1.5 * math.sqrt(2.0) * bend
     turn = 0.0 if robot.tilting else _turned(scene, q, lag, swept)
     terms.add(Cause.LAG, bow, bow if robot.tilting else 0.0, turn)

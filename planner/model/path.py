@@ -49,12 +49,12 @@ once, and the middle is nearest to the corner."""
 SECTIONS, ROUNDS = 64, 10
 """Into so many sections the range of what a corner may take is divided, and so often the one that is left: by 2^60."""
 BLOCK = 2048
-"""Arc lengths between two looks at the clock."""
+"""Arc lengths between two readings of the clock."""
 CUSP = 0.05
 """A spline whose |dr/du| falls below this share of its chord turns too sharply to be followed."""
 
 LONGEST_S = 600.0
-"""For so long the tool may be on one path, s: who checks a path looks at it every 2 ms from its begin to its end."""
+"""Longest time of the tool on one path, s: a check of a path evaluates it every 2 ms from its begin to its end."""
 
 
 class PathError(InputError):

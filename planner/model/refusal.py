@@ -257,7 +257,7 @@ exception that names them; or that they may touch."""
 class Separation:
     """How near two bodies come: `gap_m` (negative: how deep, at most; None: not known) where `required_m` is
     required; both are None where time ran out before they were known. `required_m` is `clearance_m`, which `rule` says,
-    and what is not known of where the two are."""
+    and the uncertainty of where the two are."""
 
     kind: Literal["separation"] = "separation"
     touching: bool
