@@ -66,7 +66,7 @@ BUDGET = 20_000
 PART_S = 0.08
 """Intervals over which planes are proved, s."""
 MOST_PARTS = 1_000
-"""Most of these intervals in a phase; the rest is left to the search over pairs."""
+"""Maximum number of these intervals in a phase: in a long phase they are longer and prove fewer pairs."""
 ROOM = 128
 """Rows, and open pairs, for which there is room at first; it is doubled when it runs out."""
 MOST_HITS = 64
