@@ -17,7 +17,7 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 A_FEW = 32
-"""Up to so many numbers are looked at one by one."""
+"""Up to so many numbers are examined one by one."""
 
 
 def frozen(values: Any, shape: Sequence[int | None], field: str) -> FloatArray:

@@ -196,7 +196,7 @@ def _strange(scene: Scene, plan: Plan, bodies: Collection[str]) -> list[Finding]
     if knots.n != n:
         findings.append(Finding(Code.FORM, f"knots of {knots.n} joints, the robot has {n}"))
     if knots.jumps is not (not scene.options.jerk_limited):
-        what = f"jumps in acceleration are said to be {knots.jumps}, the timing is {scene.options.timing}"
+        what = f"jumps in acceleration are stated as {knots.jumps}, the timing is {scene.options.timing}"
         findings.append(Finding(Code.FORM, what))
     if plan.certificate.covers != covered(knots):
         what = f"the certificate must say that it covers {', '.join(covered(knots))}"

@@ -1,7 +1,7 @@
 """Faults, drawn as a small tree: the caller's and ours.
 
 A refusal of a candidate or of a request that cannot be planned is a *value* (see `assur.planner.model.outcome`);
-exceptions are for what should never have been asked, and for what should never have happened.
+exceptions are for input that is never valid, and for faults of this program.
 """
 
 from __future__ import annotations

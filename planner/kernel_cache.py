@@ -1,6 +1,6 @@
 """Where compiled kernels are kept, and whether they are there. Imports no compiler.
 
-The compiler decides by a kernel's own file whether its compiled code is still good, and does not look at the kernels
+The compiler decides by a kernel's own file whether its compiled code is still good, and does not read the kernels
 that it calls. Therefore the folder is named by the digest of the sources of all kernels.
 """
 

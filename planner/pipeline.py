@@ -14,6 +14,7 @@ from assur.planner.bound.duration import least_duration
 from assur.planner.collision.proof import Prover
 from assur.planner.compiled import load_defined
 from assur.planner.feasibility.hits import AtStart, never_touching
+from assur.planner.feasibility.input_warnings import unusual_arrivals, unusual_bodies, unusual_places, unusual_supports
 from assur.planner.feasibility.necessary import (
     arches_impossible,
     start_collides,
@@ -21,8 +22,7 @@ from assur.planner.feasibility.necessary import (
     windows_impossible,
     yaw_impossible,
 )
-from assur.planner.feasibility.odd_input import odd_arrivals, odd_input, odd_places, odd_supports
-from assur.planner.feasibility.witnesses import Shown, shown
+from assur.planner.feasibility.witnesses import RefusalProof, shown
 from assur.planner.kernel_cache import is_compiled
 from assur.planner.legs.meeting import every_turn
 from assur.planner.legs.missed import holds_for_all_times
@@ -39,7 +39,7 @@ from assur.planner.report.checker_first import checker_first
 from assur.planner.report.margins import carried, contacts, reported
 from assur.planner.report.sentence import sentence
 from assur.planner.report.straight_parts import assumed
-from assur.planner.search.beam import Found, Search
+from assur.planner.search.beam import Search, SearchResult
 from assur.planner.search.cause import cause_of
 from assur.planner.search.census import Counter
 from assur.planner.search.partial_plan import best_candidate
@@ -61,7 +61,7 @@ class _Run:
         return time.perf_counter() - self.started
 
     def tail(self, scene: Scene) -> Deadline:
-        """Until when what is told of an outcome beside it may be looked for, now that there is one."""
+        """The deadline for warnings and margins, which are computed after the outcome."""
         return Deadline(self.started, max(scene.options.budget_s, self.elapsed) + MARGINS_S)
 
 
@@ -78,7 +78,7 @@ def plan(
 
     `started`: the reading of `time.perf_counter` from which the budget counts (None: now); a caller that has built the
     scene for this request says when it began.
-    `watch` is told how far the search has come, at each of its rounds; what it raises ends the planning.
+    `watch` receives how far the search has come, at each of its rounds; what it raises ends the planning.
     `laps` measures the stages `search`, with proof and check, `explain` (what would have helped) and `margins`.
     Every plan was accepted by the checker. What the prover accepts and the checker refuses is a fault of the planner:
     it is no answer, the census counts it at the stage `checker`, and the sentence of a refusal begins with it.
@@ -90,9 +90,9 @@ def plan(
     outcome = _outcome(scene, run, prover)
     if isinstance(outcome, NotPlanned) and scene.options.report == "full":
         with run.tail(scene):
-            told, late = _warnings(scene, prover, ())
+            warnings, late = _warnings(scene, prover, ())
         cut = outcome.cut_by_clock or late
-        outcome = replace(outcome, warnings=told, elapsed_s=run.elapsed, cut_by_clock=cut)
+        outcome = replace(outcome, warnings=warnings, elapsed_s=run.elapsed, cut_by_clock=cut)
     run.laps.lap("margins")
     return outcome
 
@@ -102,10 +102,10 @@ def _warnings(scene: Scene, prover: Prover, arrivals: tuple[Arrival, ...]) -> tu
     passed before all was looked for. Then the kinds that were not finished are left out."""
     found, at = list[InputWarning](), AtStart(scene, prover)
     kinds = (
-        partial(odd_input, at=at),
-        partial(odd_places, at=at),
-        partial(odd_supports, prover=prover, arrivals=arrivals),
-        partial(odd_arrivals, arrivals=arrivals),
+        partial(unusual_bodies, at=at),
+        partial(unusual_places, at=at),
+        partial(unusual_supports, prover=prover, arrivals=arrivals),
+        partial(unusual_arrivals, arrivals=arrivals),
     )
     for kind in kinds:
         try:
@@ -135,7 +135,7 @@ def _outcome(scene: Scene, run: _Run, prover: Prover) -> Outcome:
     run.laps.lap("search")
     if found.plan is None:
         with run.tail(scene):
-            # the search may have ended before it asked
+            # the search may have ended before this test
             never = found.never or start_collides(scene, prover)
         if never is not None:
             census = found.census.census()
@@ -150,11 +150,11 @@ def _search_of(scene: Scene) -> type[Search]:
     return Search if scene.options.jerk_limited else BlendSearch
 
 
-def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan) -> Planned:
+def _planned(scene: Scene, run: _Run, prover: Prover, found: SearchResult, made: Plan) -> Planned:
     of_plan, full = phases(scene, made.legs, made.arrivals), scene.options.report == "full"
     with run.tail(scene):
         # warnings first: the smallest clearance may use all remaining time
-        told = _warnings(scene, prover, made.arrivals)[0] if full else ()
+        warnings = _warnings(scene, prover, made.arrivals)[0] if full else ()
         least = reported(scene, prover, made.trajectory, of_plan)
         late = out_of_time()
     return Planned(
@@ -169,11 +169,11 @@ def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan) 
         elapsed_s=run.elapsed,
         first_s=found.first_s,
         cut_by_clock=found.cut_by_clock or late,
-        warnings=told,
+        warnings=warnings,
     )
 
 
-def _not_found(scene: Scene, run: _Run, prover: Prover, found: Found) -> NotPlanned:
+def _not_found(scene: Scene, run: _Run, prover: Prover, found: SearchResult) -> NotPlanned:
     cause = cause_of(found)
     line, census = cause.line, cause.census
     refusal = None if line is None else line.refusal
@@ -208,7 +208,7 @@ def _not_planned(
     refusal: Refusal | None,
     census: Census,
     *,
-    proof: Shown | None,
+    proof: RefusalProof | None,
     cut: bool,
     deepest: int = 0,
     line: CensusLine | None = None,

@@ -1,4 +1,4 @@
-"""The doors of this package: what the service, the command line and Python call.
+"""The entry points of this package: what the service, the command line and Python call.
 
 A request is a plain document (dict, list, str, float, int, bool; NumPy's numbers and arrays count as such). Whatever is
 wrong with it is an `InputError` that names the field as it was written. Reading and building load no native library;

@@ -58,9 +58,8 @@ SLOWED, SLOWER = 8, 0.97
 
 @dataclass(frozen=True, eq=False)
 class Run(Candidate):
-    """A run through control points, each in one branch (`stations`), the last of which is its end; `frees[k]` (each
-    (n,)): more poses on the way to station k. Of its shape the wait counts, and the effort where no acceleration time
-    is given."""
+    """A run through control points, each in one branch (`stations`), to the last one; `frees[k]` (each (n,)): more
+    poses on the way to station k. Of its shape the wait counts, and the effort where no acceleration time is given."""
 
     stations: tuple[Option, ...] = ()
     frees: tuple[tuple[FloatArray, ...], ...] = ()

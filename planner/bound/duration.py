@@ -21,9 +21,9 @@ from assur.planner.bound.events import (
     STOPS,
     Event,
     Unplaced,
+    allowed_modes,
     climbs,
     events,
-    modes_asked,
     places,
     rates,
     straight_times,
@@ -47,15 +47,15 @@ FIRST_S = 0.3
 """The time that is searched first, s; twice as much where all of it is excluded."""
 WAITS_S = (0.8, 0.4, 0.2, 0.1, 0.05)
 """How long an arm may be guided along before it leaves a point that moves, s: the first of them for which its rates are
-bounded; the next point is not said to be met later than that."""
+bounded; no bound says that the next point is met later than that."""
 MOST_STATES = 64
-"""States from which an arm may leave a point, at most: with more, nothing is said of the way to the next one."""
+"""States from which an arm may leave a point, at most: with more, the way to the next point has no bound."""
 WINDOW_S, WINDOW_M = 1e-9, 1e-6
 """A window counts as wider by this at both ends: so much of it a check of a plan allows."""
 
 
 @dataclass(frozen=True, eq=False)
-class Left:
+class Departure:
     """How an arm may leave a point: one of `states` (S, 4, n), each joint at its time of `times` (S, n), s, or later,
     along what keeps to `kept` (S, 3, n). What is met next is met at `until` at the latest, s, or it is not known."""
 
@@ -69,11 +69,11 @@ class Left:
 def least_duration(scene: Scene) -> float | None:
     """Seconds from the start that every plan takes at least; None: nothing is known.
 
-    It is of plans that meet their points as they are asked to: in the working mode of the options, along a frame with
-    its velocity and acceleration. What the tolerances of a check would save is not taken off.
+    It is for plans that meet their points as the request requires: in the working mode of the options, along a frame
+    with its velocity and acceleration. What the tolerances of a check would save is not taken off.
     """
     floor, left, lifts, points = scene.start.time, _begun(scene), 0.0, events(scene)
-    # the limits of the way so far: with another part in the gripper before a point of which nothing is known
+    # the limits of the way so far: before a point without a bound the gripper may hold another part
     since = _limits(scene, points[0].before)
     for event in points:
         before, behind = _limits(scene, event.before), _limits(scene, event.after)
@@ -98,7 +98,7 @@ def _widest(one: FloatArray, other: FloatArray) -> FloatArray:
     return np.concatenate([np.minimum(one[:1], other[:1]), np.maximum(one[1:], other[1:])])
 
 
-def _rested(scene: Scene, left: Left, since: FloatArray, held: str | None) -> float:
+def _rested(scene: Scene, left: Departure, since: FloatArray, held: str | None) -> float:
     """When all joints can stand still first, s, after a point was left, within the limits `since` then (5, n) or those
     at the end, with the part `held` in the gripper (None: none)."""
     soon = math.inf
@@ -122,10 +122,10 @@ def _claimed(scene: Scene, lasts: float) -> float | None:
     return bound if bound > RESERVE else None
 
 
-def _begun(scene: Scene) -> Left:
+def _begun(scene: Scene) -> Departure:
     start, n = scene.start, len(scene.robot.joints)
     state = np.array([[start.q, start.qd, start.qdd, np.full(n, EXACT)]])
-    return Left(state, np.full((1, n), start.time), np.zeros((1, 3, n)))
+    return Departure(state, np.full((1, n), start.time), np.zeros((1, 3, n)))
 
 
 def _limits(scene: Scene, part: str | None) -> FloatArray:
@@ -143,16 +143,16 @@ class _Way:
 
     scene: Scene
     event: Event
-    left: Left
+    left: Departure
     limits: FloatArray
     floor: float
     early: float
     late: float
 
-    def met(self) -> tuple[float, Left] | None:
+    def met(self) -> tuple[float, Departure] | None:
         """When the event can be met first, and how it is left then; None: nothing is known of where it is."""
         scene, event = self.scene, self.event
-        modes = modes_asked(scene.robot, scene.options.elbow, scene.start.q)
+        modes = allowed_modes(scene.robot, scene.options.elbow, scene.start.q)
         if scene.frames[event.frame].law.is_fixed:
             return self._met_still(modes)
         bounded = scene.robot.dyads > 0 and scene.frames[event.frame].law.link is None
@@ -168,7 +168,7 @@ class _Way:
             found[self.scene.robot.lift] = 0.0
         return found
 
-    def _met_still(self, modes: tuple[int, ...]) -> tuple[float, Left] | None:
+    def _met_still(self, modes: tuple[int, ...]) -> tuple[float, Departure] | None:
         """`met` of a point that stands still: the arm may wait there, so what is not too soon stays so."""
         scene, event, left = self.scene, self.event, self.left
         goals, latest = list[FloatArray](), max(left.until, self.floor)
@@ -193,9 +193,9 @@ class _Way:
         arrivals(left.states, left.kept, left.times, states, guides, rates, floor, times)
         leaves = np.repeat((np.minimum(times, latest) + event.dwell)[:, None], every.shape[1], axis=1)
         leaves += self._besides_lift(self.late)
-        return min(float(times.min()), latest), Left(states, leaves, np.zeros((len(every), 3, every.shape[1])))
+        return min(float(times.min()), latest), Departure(states, leaves, np.zeros((len(every), 3, every.shape[1])))
 
-    def _along(self, met: float, modes: tuple[int, ...]) -> Left:
+    def _along(self, met: float, modes: tuple[int, ...]) -> Departure:
         """How a point that moves is left, if it was met at `met`, s, or later."""
         scene, event = self.scene, self.event
         n, law = len(scene.robot.joints), scene.frames[event.frame].law
@@ -217,10 +217,10 @@ class _Way:
                         states += [np.array([q, *state[1:]]) for q in turns]
                         kept += [most] * (len(states) - len(kept))
             if fine and states:
-                return Left(np.array(states), np.tile(times, (len(states), 1)), np.array(kept), begin + waits)
+                return Departure(np.array(states), np.tile(times, (len(states), 1)), np.array(kept), begin + waits)
         nowhere = np.zeros((1, STATE, n))
         nowhere[:, 0], nowhere[:, KINDS] = np.nan, FREE
-        return Left(nowhere, times[None, :], np.zeros((1, 3, n)))
+        return Departure(nowhere, times[None, :], np.zeros((1, 3, n)))
 
     def _points(self, pose: Pose, t: FloatArray) -> FloatArray:
         """The motion (T, 4, 4) of the flange at times (T,): a row an order, columns x, y, z, yaw."""
@@ -272,7 +272,7 @@ class _Way:
         return max(self.floor, low + early)
 
     def _outside(self, edges: FloatArray) -> BoolArray:
-        """Of which intervals (N,) between edges (N + 1,), s, it is known that the point is outside of its window."""
+        """Whether the point is outside its window, for certain, over each of N intervals; `edges` (N + 1,), s."""
         event = self.event
         law, window = self.scene.frames[event.frame].law, event.step.window
         out = np.zeros(len(edges) - 1, dtype=bool)

@@ -22,9 +22,9 @@ from assur.planner.robots.facts import Code
 from assur.planner.robots.robot import Robot
 
 MOST_TURNS = 8
-"""Turns of a symmetric part that are told apart; with more, its yaw counts as free."""
+"""Most turns of a symmetric part that are distinguished; with more, its yaw counts as free."""
 ALONG, STOPS, PASSES = range(3)
-"""What is asked when a point is met: to go along with it, to stand still, or nothing but to be there."""
+"""What is required when a point is met: to go along with it, to stand still, or only to be there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +166,7 @@ def places(
     return np.array(found)
 
 
-def modes_asked(robot: Robot, elbow: str, q: FloatArray) -> tuple[int, ...]:
+def allowed_modes(robot: Robot, elbow: str, q: FloatArray) -> tuple[int, ...]:
     """Numbers of the working modes in which an arm that starts at q (n,) may meet its points."""
     if elbow == "keep" and robot.dyads == 1:
         return (int(robot.mode_of(q)),)

@@ -70,7 +70,7 @@ def changed(v0: float, a0: float, v1: float, a1: float, most_a: float, most_j: f
 
 @kernel("float64(float64, float64, float64, float64, float64, float64)")
 def unhindered(time: float, v: float, a: float, most_v: float, most_a: float, most_j: float) -> float:
-    """The longest way in `time` from (v, a) if nothing is asked of the end: velocity rises as fast as it may, to V."""
+    """The longest way in `time` from (v, a) if the end is free: velocity rises as fast as it may, to V."""
     rise = max(0.0, (most_a - a) / most_j)
     until = 0.0  # when V is reached
     if v < most_v:

@@ -59,7 +59,7 @@ def dyad(
     out: FloatArray,
 ) -> int:
     """Fills `out` for a dyad from (0, 0) to (x, y), bent to the side of `sign`, at an instant, with bounds over the
-    time of `before` s beside it in which its end is at most `off` m away. `point` (4, 4): rows v, a of x, y."""
+    time of `before` s next to it in which its end is at most `off` m away. `point` (4, 4): rows v, a of x, y."""
     far = math.sqrt(x * x + y * y)
     low, high = max(0.0, far - off), far + off
     if low > l1 + l2 + ROUNDING or high < abs(l1 - l2) - ROUNDING:
@@ -111,7 +111,7 @@ def guided(
 ) -> int:
     """Fills `state` (4, n) with the joints of an arm in a working mode whose flange moves as `point` (4, 4: a row an
     order, columns x, y, z, yaw in the world) at an instant, and `bounds` (3, n) with bounds of their velocities,
-    accelerations and jerks over the `before` s beside it, in which the point keeps to `rates` (9,). `work` (28,)."""
+    accelerations and jerks over the `before` s next to it, in which the point keeps to `rates` (9,). `work` (28,)."""
     dx, dy = point[0, 0] - arm[BASE_X], point[0, 1] - arm[BASE_Y]
     off, turning = rates[0] * before, 1
     left, right = work[:DYAD], work[DYAD : 2 * DYAD]
@@ -169,8 +169,8 @@ def apart(
 
     At the end the joints keep to `bounds` (3, n): who were there sooner could go on to where they are at `time`, within
     bounds and limits. `boxed`: they stop there instead, or pass, and only where they are is bounded.
-    `limits` (5, n): range, velocity, acceleration, jerk. A joint whose position is not known (NaN) is asked nothing but
-    that it has time.
+    `limits` (5, n): range, velocity, acceleration, jerk. A joint whose position is not known (NaN) only needs
+    enough time.
     """
     for joint in range(begin.shape[1]):
         at = end[0, joint]
@@ -231,8 +231,8 @@ def first_open(
     """The first of the intervals between `edges` (N + 1,) in which a point cannot be shown not to be met; N: none.
 
     `points` (N, 4, 4): its motion at the end of each interval; `rates` (N, 9): bounds over it; `outside` (N,): where it
-    may not be met. `stops`: the joints stand when it is met; `passes`: nothing is asked but where they are; else they
-    go along with it. From any of the states `begins` (S, 4, n), left at `left` (S, n) or later, along what keeps to
+    may not be met. `stops`: the joints stand when it is met; `passes`: only their positions count; else they go
+    along with it. From any of the states `begins` (S, 4, n), left at `left` (S, n) or later, along what keeps to
     `kept` (S, 3, n). A joint is there `late` (n,) s after the point is met.
     """
     n = limits.shape[1]

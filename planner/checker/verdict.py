@@ -62,9 +62,9 @@ class Code(StrEnum):
     YAW = "YAW"
     """The yaw of the tool is in a forbidden range, or not shown to stay outside it."""
     BLEND = "BLEND"
-    """Of a plan with parabolic blends: no parabola, not the asked acceleration time, not missed as it says."""
+    """Of a plan with parabolic blends: no parabola, another acceleration time, or other misses than it states."""
     ELBOW = "ELBOW"
-    """A control point is met in another working mode than is asked or stated."""
+    """A control point is met in another working mode than is required or stated."""
     SINGULARITY = "SINGULARITY"
     """Nearer to a singular position than `singularity_margin` allows, or than is stated."""
     SEPARATION = "SEPARATION"
@@ -88,7 +88,7 @@ class Code(StrEnum):
     CLAIM = "CLAIM"
     """Something else that the answer says beside its plan is not so: contacts, or what it repeats of the request."""
     REFUSAL = "REFUSAL"
-    """A refusal that is said to be proved is not shown to be, or says what is not so."""
+    """A refusal claims to be proved and is not, or what it states is wrong."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -41,14 +41,14 @@ Row = tuple[float, ...]
 Spans = list[tuple[float, float, FloatArray]]
 
 
-def joint_peaks_of(scene: Scene, plan: Plan, phases: Sequence[Phase], said: Sequence[JointPeak]) -> list[Row]:
+def joint_peaks_of(scene: Scene, plan: Plan, phases: Sequence[Phase], claimed: Sequence[JointPeak]) -> list[Row]:
     """Rows of `sums` for the stated peaks of the joints, and for their shares of the limits if a load changes these."""
-    found, path, names = list[Row](), plan.trajectory, [peak.joint for peak in said]
+    found, path, names = list[Row](), plan.trajectory, [peak.joint for peak in claimed]
     if names != [joint.name for joint in scene.robot.joints]:
         return found
     own, loads = scene.robot.limits, [(t0, t1, scene.limits_with(part)) for part, t0, t1 in loads_of(phases) if t1 > t0]
     for order, kind in enumerate(RATES, start=1):
-        sizes, ratios = ([getattr(peak, kind + of) for peak in said] for of in ("", "_ratio"))
+        sizes, ratios = ([getattr(peak, kind + of) for peak in claimed] for of in ("", "_ratio"))
         if None in sizes or None in ratios:
             continue
         slack = WITHIN[order - 1] * np.array(getattr(own, kind))
@@ -78,15 +78,15 @@ def _reached(path: Trajectory, order: int, slack: FloatArray, spans: Spans) -> l
 
 def tool_peaks_of(scene: Scene, plan: Plan, phases: Sequence[Phase], claims: Claims) -> list[Row]:
     """Rows of `rates` for the stated peaks of the tool point."""
-    path, found, said = plan.trajectory, list[Row](), claims.tool
+    path, found, tool = plan.trajectory, list[Row](), claims.tool
     whole, on = (path.start, path.end), (*tool_on(scene)[:4], -1)
 
     def bounded(t0: float, t1: float, order: int, size: float) -> None:
         most = size * (1.0 + BETWEEN) + LEAST
         found.extend((*part, *on, order, 0.0, most) for part in between_jumps(path, t0, t1))
 
-    if said is not None:
-        for order, size, t in ((1, said.speed, said.speed_time), (2, said.acceleration, said.acceleration_time)):
+    if tool is not None:
+        for order, size, t in ((1, tool.speed, tool.speed_time), (2, tool.acceleration, tool.acceleration_time)):
             bounded(*whole, order, size)
             at = _beside(scene, path, t) if order == 2 else min(max(t, path.start), path.end)
             off = ROUNDING * size + OFF[order - 1]

@@ -10,7 +10,7 @@ from assur.planner.claim import columns as c
 from assur.planner.collision.nearest import nearest_at, pairs_of_pieces, simplex
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, written
-from assur.planner.collision.touching import asked, supports
+from assur.planner.collision.touching import allowed_m, supports
 from assur.planner.model.claims import Claims
 from assur.planner.model.outcome import Arrival, Certificate, LegKind, Nearest, Plan
 from assur.planner.model.phases import Phase, pair
@@ -26,7 +26,7 @@ Row = tuple[float, ...]
 
 def is_limited(scene: Scene) -> bool:
     """Whether a step limits how far its part may be from tool or support."""
-    return any(math.isfinite(asked(step)) for step in scene.task)
+    return any(math.isfinite(allowed_m(step)) for step in scene.task)
 
 
 class Distances(NamedTuple):
@@ -39,7 +39,7 @@ class Distances(NamedTuple):
 
     def required(self) -> list[Row]:
         """Grips and supports of the steps that limit how far they may be."""
-        limits = [(arrival, asked(self.prover.scene.task[arrival.step])) for arrival in self.plan.arrivals]
+        limits = [(arrival, allowed_m(self.prover.scene.task[arrival.step])) for arrival in self.plan.arrivals]
         return [row for arrival, most in limits if math.isfinite(most) for row in self._touching(arrival, most)]
 
     def stated(self, claims: Claims) -> list[Row]:
@@ -50,7 +50,7 @@ class Distances(NamedTuple):
             stated = arrival.grip_m if is_pick else arrival.support_m
             if stated is not None:
                 found += self._touching(arrival, stated)
-        smallest = [said[0] for said in (claims.nearest, claims.placed) if said is not None]
+        smallest = [each[0] for each in (claims.nearest, claims.placed) if each is not None]
         for each in (*(one for one in smallest if one is not None), *claims.pairs):
             found += self._named(each)
         return found
@@ -107,12 +107,12 @@ def proofs_of(prover: Prover, plan: Plan, phases: Sequence[Phase], least: tuple[
     return written(prover.scene, plan.trajectory, plan.legs, plan.arrivals, shown) if shown else None
 
 
-def least_of(said: tuple[Nearest | None] | None) -> float:
+def least_of(stated: tuple[Nearest | None] | None) -> float:
     """The second distance that is required for a smallest clearance that is stated, as a claim has it: -1 for none, and
     where there is no such pair `LIMITLESS`. A clearance within rounding of 0 is one that all pairs keep anyway."""
-    if said is None:
+    if stated is None:
         return -1.0
-    if said[0] is None:
+    if stated[0] is None:
         return c.LIMITLESS
-    least = said[0].gap_m - WITHIN_M
+    least = stated[0].gap_m - WITHIN_M
     return least if least > 0.0 else -1.0

@@ -139,7 +139,7 @@ NAMED = ("points", "rates", "axes")
 """Those whose objects have a name."""
 
 
-# What the rows of a claim are called for people, and of which request and plan it is. Nothing is proved of it.
+# Names of the rows of a claim for readers, and its request and plan. No proof depends on these.
 
 
 class Labels(NamedTuple):

@@ -112,13 +112,13 @@ class Postures:
     """The numbers of an arm from which margins and working modes follow, and the mode that a scene requires."""
 
     def __init__(self, scene: Scene) -> None:
-        self._scene, chain, asked = scene, scene.robot.chain, scene.options.elbow
+        self._scene, chain, elbow = scene, scene.robot.chain, scene.options.elbow
         self._bends, self._signs, self._couplers = chain.bends, chain.signs, list[tuple[Bend, int]]()
         if chain.loop is not None:
             first, second = [k for k, link in enumerate(chain.links) if link.coupler >= 0][:2]
             self._couplers.append((Bend(second, first, LEFT), int(chain.loop.side)))
-        self._mode = None if asked == "auto" else scene.robot.modes.index(asked) if asked != "keep" else -1
-        if asked == "keep":
+        self._mode = None if elbow == "auto" else scene.robot.modes.index(elbow) if elbow != "keep" else -1
+        if elbow == "keep":
             self._mode = int(scene.robot.mode_of(scene.start.q))
 
     def of_plan(self, plan: Plan) -> Rows:
@@ -154,10 +154,10 @@ class Postures:
         first = int(robot.mode_of(path.q[0]))
         serial = [] if first < 0 else list(zip(self._bends, self._signs[first], strict=True))
         stated = (("singularity", claims.singularity, serial), ("parallel", claims.parallel, self._couplers))
-        for (name, said, bends), own in zip(stated, least_margins(robot, path, instants(path)[0]), strict=True):
-            if said is None or said[0] is None:
+        for (name, claimed, bends), own in zip(stated, least_margins(robot, path, instants(path)[0]), strict=True):
+            if claimed is None or claimed[0] is None:
                 continue
-            least, reached = said[0] - MARGIN, said[0] + MARGIN
+            least, reached = claimed[0] - MARGIN, claimed[0] + MARGIN
             if least > 0.0:
                 # a number that is never 0 keeps its sign
                 found += [(name, _beyond(bend, path.start, path.end, sign, least)) for bend, sign in bends]

@@ -24,7 +24,7 @@ from assur.planner.trajectory import Trajectory
 
 Rows = list[tuple[str, tuple[float, ...]]]
 MEET_M, MEET_RAD, MEET_M_S, MEET_RAD_S = 1e-6, 1e-6, 1e-6, 1e-6
-"""How far the tool may be off its control point when it meets it: half of what who measures may find."""
+"""How far the tool may be off its control point when it meets it: half of what a measurement would show."""
 TRACKED_M, TRACKED_RAD = 1e-5, 1e-4
 """The promise of legs that track."""
 CARRY_SHARE = 1e-6
@@ -33,7 +33,7 @@ UP = (0.0, 0.0, 1.0)
 FREE = -1.0
 """In place of an error: nothing is claimed of it."""
 ANYWHERE_M = 2.0 * c.FARTHEST_M
-"""How far the tool may be from a point of which only the yaw counts."""
+"""How far the tool may be from a point whose yaw alone counts."""
 
 
 def tool_on(scene: Scene) -> tuple[int, float, float, float, float]:

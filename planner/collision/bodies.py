@@ -45,7 +45,7 @@ from assur.planner.kernels.uncertainty import (
     SET_COLUMNS,
     UPRIGHT,
     UPRIGHT_GROWTH,
-    Doubt,
+    Errors,
 )
 from assur.planner.kernels.units import seat_bodies, write_units
 from assur.planner.model.phases import Attachments, Phase, at_start
@@ -228,7 +228,7 @@ class Pairs:
     `rows` (P, PAIR_COLUMNS): the robot's bodies against all of the surroundings, which are the first `across` pairs;
     then those within the robot, with which the first `own` pairs end; then those of parts that were put down with what
     passes by. `rules` (P,): what requires the distance of each pair, a number of `RULES`. `mine` (R,): units of the
-    robot's bodies. `doubt`: the sets, and what else kernels know of uncertainty.
+    robot's bodies. `errors`: the sets, and what else kernels know of uncertainty.
     """
 
     rows: FloatArray
@@ -236,7 +236,7 @@ class Pairs:
     across: int
     own: int
     mine: IntArray
-    doubt: Doubt
+    errors: Errors
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -254,7 +254,7 @@ class Pairs:
 
     def exactly(self, arm: float, placed: float) -> FloatArray:
         """Pairs (P, PAIR_COLUMNS) that may not touch, with other distances, m, where nothing is uncertain: `arm` with a
-        unit of the robot, `placed` without one. Those of which less than 0 is required are left out."""
+        unit of the robot, `placed` without one. Pairs with less than 0 are left out."""
         found = certain(self.rows)
         found[: self.own, REQUIRED], found[self.own :, REQUIRED] = arm, placed
         return found[(self.rows[:, REQUIRED] >= 0.0) & (found[:, REQUIRED] >= 0.0)]

@@ -15,6 +15,7 @@ from assur.planner.collision.bodies import Arrangement, Pairs, certain
 from assur.planner.collision.proof import Prover, Search
 from assur.planner.geometry.containment import inside
 from assur.planner.kernels.gjk import nearest_to_origin
+from assur.planner.kernels.interval_search import NEAREST
 from assur.planner.kernels.intervals import DONE, RESERVE_M, STATE_COLUMNS
 from assur.planner.kernels.proof import SIDES
 from assur.planner.kernels.screening import (
@@ -31,8 +32,7 @@ from assur.planner.kernels.screening import (
     sample_distance,
 )
 from assur.planner.kernels.solids import BALL, DISC, FIRST, HALF, PAIR_COLUMNS, REQUIRED, SECOND, SET, VERTEX, VERTICES
-from assur.planner.kernels.walk import NEAREST
-from assur.planner.model.deadline import look, out_of_time
+from assur.planner.model.deadline import out_of_time, raise_if_late
 from assur.planner.model.outcome import Nearest
 from assur.planner.model.phases import Attachments, Contacts, Phase, pair
 from assur.planner.model.refusal import Separation
@@ -40,8 +40,8 @@ from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 
 Kind = Literal["all", "arm", "placed"]
-"""Which pairs count: all; those of the arm, its tool and what it holds; or those of which the arm bears none, a part
-that was put down and what moves against it."""
+"""Which pairs count: all; those of the arm, its tool and what it holds; or those without a body of the arm, a part that
+was put down and what moves against it."""
 INSTANTS = 16
 """Instants of a phase at which a first distance is looked for: the nearer to the smallest, the shorter the search."""
 NEARBY_M = 0.05
@@ -95,7 +95,7 @@ def nearest(
 
 
 def pairs_of_pieces(arrangement: Arrangement, bodies: Iterable[tuple[int, int]]) -> FloatArray:
-    """The pairs (P, PAIR_COLUMNS) of all pieces of pairs of bodies, of which a gap of 0 is required."""
+    """The pairs (P, PAIR_COLUMNS) of all pieces of pairs of bodies; their required gap is 0."""
     units = [two for one, other in bodies for two in product(arrangement.pieces(one), arrangement.pieces(other))]
     found = np.zeros((len(units), PAIR_COLUMNS))
     found[:, FIRST : SECOND + 1], found[:, SET] = np.array(units).reshape(-1, 2), -1.0
@@ -114,11 +114,11 @@ def nearest_at(
 
 
 def _counted(
-    arrangement: Arrangement, asked: Pairs, without: frozenset[tuple[str, str]], of: Kind
+    arrangement: Arrangement, every: Pairs, without: frozenset[tuple[str, str]], of: Kind
 ) -> FloatArray:  # fmt: skip
     """The rows of pairs of a kind that may not touch and whose bodies are not in `without`, where all is where it is
     planned."""
-    rows = asked.rows if of == "all" else asked.rows[: asked.own] if of == "arm" else asked.rows[asked.own :]
+    rows = every.rows if of == "all" else every.rows[: every.own] if of == "arm" else every.rows[every.own :]
     pairs = certain(rows[rows[:, REQUIRED] >= 0.0])
     if without:
         bodies = arrangement.body[pairs[:, FIRST : SECOND + 1].astype(np.int64)].tolist()
@@ -137,17 +137,17 @@ def _search(
 ) -> None:
     """Goes on with the search over one phase."""
     arrangement, spline = prover.of(phase), prover.spline(trajectory)
-    motion, asked, within = prover.motion(spline), prover.pairs_of(phase), NEARBY_M
-    pairs = counted = _counted(arrangement, asked, without, of)
+    motion, every, within = prover.motion(spline), prover.pairs_of(phase), NEARBY_M
+    pairs = counted = _counted(arrangement, every, without, of)
     if not len(counted):
         return
-    least = prover.behind(phase, spline, asked) if asked.many else np.zeros((0, SIDES))
+    least = prover.behind(phase, spline, every) if every.many else np.zeros((0, SIDES))
     while True:
         # what planes keep further apart than `within` cannot be nearest, if anything is found that is nearer
         within = min(within, float(state[UPPER]))
-        if asked.many:
+        if every.many:
             counted[:, REQUIRED] = within
-            pairs = prover.not_behind(phase, asked, counted, least)
+            pairs = prover.not_behind(phase, every, counted, least)
         sample_distance(motion, arrangement.cell, pairs, phase.t0, phase.t1, INSTANTS, state)
         if len(pairs) == len(counted) or state[UPPER] <= within:
             break
@@ -189,7 +189,7 @@ ITERATIONS = 200
 
 class Simplex(NamedTuple):
     """`distance_m` of two points; `weights` (4,), and `directions` (4, 3) in the world from the first piece to the
-    second, of which the last ones may have no weight."""
+    second; the last ones may have no weight."""
 
     distance_m: float
     weights: FloatArray
@@ -297,7 +297,7 @@ def closest(
         wanted &= hanging[one] & named[other]
     if not wanted.any():
         return None
-    found = prover.hits(phase, stands, pairs[wanted], doubted=False).too_near
+    found = prover.hits(phase, stands, pairs[wanted], displaced_links=False).too_near
     if not len(found):
         return None
     hit = found[found[:, HIT_PAIR].argmin()]
@@ -346,7 +346,7 @@ def enclosed(
         number = arrangement.number[world.name]
         if arrangement.of_robot[number]:
             continue  # it is in the gripper
-        look()
+        raise_if_late()
         low, high = prover.box(world.body.surface[0])
         carrier = carriers[int(arrangement.carrier[arrangement.roots[number]])]
         origin, turn = carrier[:3], carrier[3:].reshape(3, 3)
@@ -359,7 +359,7 @@ def enclosed(
             near = ~((local < low) | (local > high)).any(-1)
             if pair(arrangement.names[mine], world.name) in contacts or not near.any():
                 continue
-            within = inside(world.body.surface, local[near], look)
+            within = inside(world.body.surface, local[near], raise_if_late)
             if within.any():
                 x, y, z = here[near][within.argmax()].tolist()
                 return Within((arrangement.names[mine], world.name), (x, y, z))

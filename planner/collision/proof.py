@@ -9,9 +9,10 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.collision.bodies import Arrangement, Pairs, PairTables, bodies_of
-from assur.planner.collision.fcl_door import Collider, Posed
-from assur.planner.collision.rows import Rows, Unproved
+from assur.planner.collision.fcl_entry import Collider, PlacedShape
+from assur.planner.collision.rows import ProofFailure, Rows
 from assur.planner.kernels.carriers import Carried, place_carriers
+from assur.planner.kernels.interval_search import PROVE, SCREEN, search_intervals
 from assur.planner.kernels.intervals import (
     DONE,
     FOUND,
@@ -49,8 +50,7 @@ from assur.planner.kernels.proof import (
 from assur.planner.kernels.screening import HIT_COLUMNS, HIT_GAP, HITS, depths, sampled_behind
 from assur.planner.kernels.solids import EARLY, FIRST, LATE, PAIR_COLUMNS, REQUIRED, SECOND, SET
 from assur.planner.kernels.spline import Spline, spline_state
-from assur.planner.kernels.uncertainty import SET_COLUMNS, Doubt, growing_for
-from assur.planner.kernels.walk import PROVE, SCREEN, walk
+from assur.planner.kernels.uncertainty import SET_COLUMNS, Errors, growing_for
 from assur.planner.model.assembly_mode import has_loop
 from assur.planner.model.deadline import out_of_time
 from assur.planner.model.phases import Phase
@@ -62,15 +62,15 @@ from assur.planner.trajectory.spline import spline_table
 MOST_ROWS = 200_000
 """A phase that needs more rows than this is not certified: it would be neither quick nor small."""
 BUDGET = 20_000
-"""Pairs and intervals that the kernel settles between two looks at the clock: some milliseconds."""
+"""Pairs and intervals that the kernel decides between two readings of the clock: some milliseconds."""
 PART_S = 0.08
 """Intervals over which planes are proved, s."""
 MOST_PARTS = 1_000
-"""... and so many of them at most: what longer ones do not prove is left to the search over pairs."""
+"""Maximum number of these intervals in a phase: in a long phase they are longer and prove fewer pairs."""
 ROOM = 128
 """Rows, and open pairs, for which there is room at first; it is doubled when it runs out."""
 MOST_HITS = 64
-"""Pairs of one phase of which the deepest hit is kept."""
+"""Most pairs of one phase whose deepest hit is kept."""
 STACK = 64
 """Intervals on the stack at a time: two for each halving, and no motion is halved so often."""
 ANY_GAP_M = 1e3
@@ -80,10 +80,10 @@ ORIGIN = -1.0
 
 
 class Search:
-    """A search over the halved intervals of one phase (`kernels.walk`), which gets more room where it runs out.
+    """A search over the halved intervals of one phase (`kernels.interval_search`); its room grows where it runs out.
 
     `pairs` (P, PAIR_COLUMNS) are evaluated, over all of the phase, and before that over other `spans` of time, with
-    what is not known of them (`doubt`); `rows` and `hits` take what is written, `most_hits` at most.
+    their uncertainty (`errors`); `rows` and `hits` take what is written, `most_hits` at most.
     """
 
     def __init__(
@@ -92,12 +92,12 @@ class Search:
         phase: Phase,
         spline: Spline,
         pairs: FloatArray,
-        doubt: Doubt,
+        errors: Errors,
         spans: tuple[tuple[float, float], ...] = (),
         most_hits: int = 0,
     ) -> None:
         self.prover, self.spline, self.pairs, self.cell = prover, spline, pairs, prover.of(phase).cell
-        self.doubt = doubt
+        self.errors = errors
         self.rows, self.hits = np.empty((ROOM + len(pairs), ROW_COLUMNS)), np.empty((most_hits, HIT_COLUMNS))
         self.state, self.stack = np.zeros(STATE_COLUMNS), np.zeros((STACK, 4))
         count, many = len(pairs), 1 + len(spans)
@@ -112,8 +112,8 @@ class Search:
     def go_on(self, task: int) -> int:
         """Goes on until it is done, a pair resists, or the budget of a call is spent, and gives room for the next."""
         prover = self.prover
-        status = walk(
-            task, prover.motion(self.spline), self.cell, self.pairs, self.doubt, self.items, self.stack,
+        status = search_intervals(
+            task, prover.motion(self.spline), self.cell, self.pairs, self.errors, self.items, self.stack,
             self.state, self.rows, self.hits, BUDGET,
         )  # fmt: skip
         if status == ROWS_FULL:
@@ -152,8 +152,8 @@ class Prover:
         self.carried_by: Carried = scene.robot.row, self.laws, self.side
         self.collider = Collider()
         none = np.zeros(len(scene.robot.joints))
-        self.exact: Doubt = (np.zeros((0, SET_COLUMNS)), none, np.array([scene.start.time, 0.0, 0.0, 0.0]))
-        """What kernels are told where all is where it is planned."""
+        self.exact: Errors = (np.zeros((0, SET_COLUMNS)), none, np.array([scene.start.time, 0.0, 0.0, 0.0]))
+        """The uncertainty for kernels where everything is where it is planned."""
         self.has_loop = has_loop(scene.robot)
         self._boxes: dict[int, tuple[FloatArray, FloatArray, FloatArray]] = {}
         self._phase: Phase | None = None
@@ -200,30 +200,30 @@ class Prover:
         """What moves the carriers, as kernels read it."""
         return self.carried_by, spline
 
-    def prove(self, phase: Phase, trajectory: Trajectory) -> Rows | Unproved:
-        """Rows that cover every asked pair over the whole phase, or the first pair that resists."""
+    def prove(self, phase: Phase, trajectory: Trajectory) -> Rows | ProofFailure:
+        """Rows that cover every required pair over the whole phase, or the first pair that resists."""
         spline, pairs = self.spline(trajectory), self.pairs_of(phase)
         known = self._rows.get(phase)
         if known is None:
-            known, asked = self._planes(phase, spline, pairs)
+            known, remaining = self._planes(phase, spline, pairs)
         else:
-            asked = pairs.rows[pairs.rows[:, REQUIRED] < 0.0]
-        return self._shown(phase, spline, known, asked, pairs.doubt)
+            remaining = pairs.rows[pairs.rows[:, REQUIRED] < 0.0]
+        return self._shown(phase, spline, known, remaining, pairs.errors)
 
-    def prove_gaps(self, phase: Phase, trajectory: Trajectory, arm: float, placed: float) -> Rows | Unproved:
+    def prove_gaps(self, phase: Phase, trajectory: Trajectory, arm: float, placed: float) -> Rows | ProofFailure:
         """The same for other distances, m, where all is where it is planned: `arm` for pairs with a body of the robot,
         `placed` for those of parts that were put down; less than 0: none is required. Pairs in contact do not count."""
         pairs = self.pairs_of(phase).exactly(arm, placed)
         return self._shown(phase, self.spline(trajectory), np.zeros((0, ROW_COLUMNS)), pairs, self.exact)
 
     def _shown(
-        self, phase: Phase, spline: Spline, known: FloatArray, asked: FloatArray, doubt: Doubt
-    ) -> Rows | Unproved:
+        self, phase: Phase, spline: Spline, known: FloatArray, remaining: FloatArray, errors: Errors
+    ) -> Rows | ProofFailure:
         """The rows that are `known`, and those that show all pairs that are left, or the first pair that resists."""
         arrangement = self.of(phase)
-        if not (len(asked) and phase.t1 > phase.t0):
+        if not (len(remaining) and phase.t1 > phase.t0):
             return Rows(arrangement, known)
-        search = Search(self, phase, spline, asked, doubt)
+        search = Search(self, phase, spline, remaining, errors)
         while True:
             status = search.go_on(PROVE)
             if status == DONE:
@@ -245,16 +245,16 @@ class Prover:
             self._rows[phase] = search.proved
         return search.too_near
 
-    def hits(self, phase: Phase, spline: Spline, pairs: FloatArray, *, doubted: bool = True) -> Search:
+    def hits(self, phase: Phase, spline: Spline, pairs: FloatArray, *, displaced_links: bool = True) -> Search:
         """A search for an instant of a phase at which some of `pairs` (P, PAIR_COLUMNS) are too near. Pairs that may
-        touch are left out. `doubted`: whether links count where they may be displaced to."""
-        asked = pairs[pairs[:, REQUIRED] >= 0.0]
+        touch are left out. `displaced_links`: whether links count where they may be displaced to."""
+        remaining = pairs[pairs[:, REQUIRED] >= 0.0]
         # the end is an instant of its own: often what is near is nearest there; and nothing is proved of the start
         instants = [phase.t1] * (phase.t1 > phase.t0)
         instants += [phase.t0] * (phase.t0 == self.scene.start.time < phase.t1)
         ends = tuple((t, t) for t in instants)
-        doubt = self.pairs_of(phase).doubt if doubted else self.exact
-        search = Search(self, phase, spline, asked, doubt, ends, MOST_HITS)
+        errors = self.pairs_of(phase).errors if displaced_links else self.exact
+        search = Search(self, phase, spline, remaining, errors, ends, MOST_HITS)
         while search.go_on(SCREEN) not in (DONE, HIT, RESISTED) and not search.over:
             pass
         return search
@@ -272,7 +272,7 @@ class Prover:
         behind(
             self.motion(spline),
             self.of(phase).cell,
-            pairs.doubt,
+            pairs.errors,
             pairs.mine,
             _parts(phase) if edges is None else edges,
             least,
@@ -289,8 +289,8 @@ class Prover:
 
     def _beyond(self, phase: Phase, pairs: Pairs, least: FloatArray) -> Planes:
         """The planes of `least` in a phase, as kernels read them."""
-        arrangement, lasts = self.of(phase), growing_for(pairs.doubt[2], phase.t1)
-        return arrangement.boxes, pairs.number(arrangement), least, pairs.doubt[0], lasts
+        arrangement, lasts = self.of(phase), growing_for(pairs.errors[2], phase.t1)
+        return arrangement.boxes, pairs.number(arrangement), least, pairs.errors[0], lasts
 
     def _planes(self, phase: Phase, spline: Spline, pairs: Pairs) -> tuple[FloatArray, FloatArray]:
         """Rows of single units of the robot, and the pairs that they do not keep apart."""
@@ -313,7 +313,7 @@ class Prover:
             planes.append(rows)
         return np.concatenate(planes), left
 
-    def _resisted(self, arrangement: Arrangement, spline: Spline, state: FloatArray) -> Unproved:
+    def _resisted(self, arrangement: Arrangement, spline: Spline, state: FloatArray) -> ProofFailure:
         """What FCL says of the true shapes of a pair that resisted."""
         a, b, t, gap, need = state[[RESISTED_A, RESISTED_B, RESISTED_T, RESISTED_GAP, RESISTED_NEED]].tolist()
         touching = gap <= need and self.touch(arrangement, spline, t, int(a), int(b), float(state[RESISTED_S]))
@@ -325,22 +325,22 @@ class Prover:
         pairs = np.zeros((1, PAIR_COLUMNS))
         pairs[0, FIRST], pairs[0, SECOND], pairs[0, REQUIRED], pairs[0, SET] = a, b, ANY_GAP_M, -1.0
         pairs[0, EARLY], pairs[0, LATE] = ahead, ahead
-        found = self.hits(replace(phase, t0=t, t1=t), self.standing(q, t), pairs, doubted=False).too_near
+        found = self.hits(replace(phase, t0=t, t1=t), self.standing(q, t), pairs, displaced_links=False).too_near
         return float(found[0, HIT_GAP]) if len(found) else -math.inf
 
     def depths(self, phase: Phase, q: FloatArray, t: FloatArray, deepest: float, most: float) -> FloatArray:
         """How deep (W,) motions are in something at instants `t` (W, T) with joints `q` (W, T, n), up to about `most`
         (`kernels.screening.depths`)."""
         arrangement, pairs, found = self.of(phase), self.pairs_of(phase), np.empty(len(t))
-        asked = pairs.rows
+        remaining = pairs.rows
         if pairs.many:
             least = np.empty((len(pairs.mine), SIDES))
             flat = q.reshape(-1, q.shape[-1]), t.reshape(-1)
             sampled_behind(self.carried_by, *flat, arrangement.cell, pairs.mine, least)
-            asked = self.not_behind(phase, pairs, pairs.rows, least)
+            remaining = self.not_behind(phase, pairs, pairs.rows, least)
         depths(
-            self.carried_by, self.scene.robot.limits.table, q, t, arrangement.cell, asked, pairs.doubt[0],
-            growing_for(pairs.doubt[2], phase.t1), deepest, most, found,
+            self.carried_by, self.scene.robot.limits.table, q, t, arrangement.cell, remaining, pairs.errors[0],
+            growing_for(pairs.errors[2], phase.t1), deepest, most, found,
         )  # fmt: skip
         return found
 
@@ -367,12 +367,12 @@ class Prover:
         place_carriers(self.carried_by, np.array(q), t, found)
         return found
 
-    def posed(self, arrangement: Arrangement, q: FloatArray, t: float, units: IntArray) -> list[Posed]:
+    def posed(self, arrangement: Arrangement, q: FloatArray, t: float, units: IntArray) -> list[PlacedShape]:
         """The shapes of units (N,), which are pieces, where they are at time t with joints q."""
         (_, _, placed), names = arrangement.placed(self.carriers(q, t), units), arrangement.names
         axes = placed[0, :, 3:].reshape(-1, 3, 3)
         return [
-            Posed(
+            PlacedShape(
                 names[arrangement.body[i]],
                 arrangement.shape(i),
                 placed[0, i, :3] - axes[i] @ arrangement.offset(i),
@@ -392,8 +392,8 @@ def _parts(phase: Phase) -> FloatArray:
 
 def _unproved(
     arrangement: Arrangement, a: float, b: float, t: float, gap: float, required: float, *, touching: bool = False
-) -> Unproved:
+) -> ProofFailure:
     """What is not proved of units a and b around time t."""
     one, other = arrangement.body[[int(a), int(b)]].tolist()
     names = arrangement.names[one], arrangement.names[other]
-    return Unproved(names, float(t), gap, required, touching, bool(arrangement.of_robot[other]))
+    return ProofFailure(names, float(t), gap, required, touching, bool(arrangement.of_robot[other]))

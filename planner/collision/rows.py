@@ -17,8 +17,8 @@ from assur.planner.trajectory import Trajectory
 
 
 @dataclass(frozen=True, slots=True)
-class Unproved:
-    """Two bodies that could not be shown to stay apart around `time`: `gap` m where `required` m is asked.
+class ProofFailure:
+    """Two bodies that could not be shown to stay apart around `time`: `gap` m instead of `required` m.
 
     `touching`: FCL says that they touch.
     """

@@ -1,7 +1,7 @@
 """Refuses colliding candidates: a kernel finds an instant at which something is too near.
 
 The instants are the middles of intervals that are halved, as in a proof, whose bounds leave out all instants at which a
-pair cannot be too near. What passes is not yet proved. FCL is asked whether true shapes touch where that is told.
+pair cannot be too near. What passes is not yet proved. For what is reported, FCL decides whether true shapes touch.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.proof import Prover, Search
-from assur.planner.collision.rows import Unproved
+from assur.planner.collision.rows import ProofFailure
+from assur.planner.kernels.interval_search import SCREEN
 from assur.planner.kernels.intervals import DONE, HIT, RESERVE_M, RESISTED
 from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_GAP, HIT_NEED, HIT_S, HIT_T
 from assur.planner.kernels.solids import FIRST, REQUIRED, SECOND
 from assur.planner.kernels.spline import Spline, spline_state
-from assur.planner.kernels.walk import SCREEN
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Separation, Stage
@@ -30,10 +30,10 @@ from assur.planner.trajectory import Trajectory
 EXACT_M = 1e-6
 """Gaps that differ by no more are one, m: GJK is near enough by then."""
 MOST_BODIES = 3
-"""Bodies that are told for one candidate: one refuses it, the others are reported in the census."""
+"""Most bodies that are reported for one candidate: one refuses it, the others are reported in the census."""
 
 
-class Timed(Protocol):
+class PhasedMotion(Protocol):
     """A timed motion in phases."""
 
     @property
@@ -74,7 +74,7 @@ class Encounter:
 
 
 @dataclass(frozen=True, slots=True)
-class Screened:
+class ScreeningResult:
     """What became of a candidate: the encounters at the instant for which it is refused, the deepest first; or none."""
 
     encounters: tuple[Encounter, ...] = ()
@@ -85,19 +85,19 @@ class Screened:
         return self.encounters[0].refusal if self.encounters else None
 
 
-def screen(prover: Prover, candidate: Timed) -> Screened:
+def screen(prover: Prover, candidate: PhasedMotion) -> ScreeningResult:
     """What is in the way of a candidate."""
     lost = leaves_assembly(prover.scene.robot, candidate.phases[0].step, candidate.trajectory)
     if lost is not None:
-        return Screened((Encounter(replace(lost, stage=Stage.SCREENING)),))
+        return ScreeningResult((Encounter(replace(lost, stage=Stage.SCREENING)),))
     for phase in candidate.phases:
         hits = prover.screened(phase, candidate.trajectory)
         if len(hits):
             return _refused(prover, phase, prover.spline(candidate.trajectory), hits)
-    return Screened()
+    return ScreeningResult()
 
 
-def _refused(prover: Prover, phase: Phase, spline: Spline, hits: FloatArray) -> Screened:
+def _refused(prover: Prover, phase: Phase, spline: Spline, hits: FloatArray) -> ScreeningResult:
     """Hits (H, HIT_COLUMNS) at an instant: the deepest with each body of the surroundings."""
     body, deepest = prover.of(phase).body, dict[int, list[float]]()
     for row in hits.tolist():
@@ -107,7 +107,7 @@ def _refused(prover: Prover, phase: Phase, spline: Spline, hits: FloatArray) -> 
     order = sorted(deepest.values(), key=itemgetter(HIT_GAP))[:MOST_BODIES]
     q = np.empty(spline[1].shape[1])
     spline_state(spline, order[0][HIT_T], q)
-    return Screened(tuple(_encounter(prover, phase, row, q) for row in order))
+    return ScreeningResult(tuple(_encounter(prover, phase, row, q) for row in order))
 
 
 def _encounter(prover: Prover, phase: Phase, hit: list[float], q: FloatArray) -> Encounter:
@@ -137,7 +137,7 @@ def _encounter(prover: Prover, phase: Phase, hit: list[float], q: FloatArray) ->
 # How deep a pair that may touch is pressed together: where a straight part begins or ends, which no screening sees.
 
 
-def deepest(prover: Prover, phase: Phase, trajectory: Trajectory, unproved: Unproved) -> Unproved:
+def deepest(prover: Prover, phase: Phase, trajectory: Trajectory, unproved: ProofFailure) -> ProofFailure:
     """A pair that may touch and was not proved in a phase, where it is deepest: there, or at an end of the phase."""
     arrangement, spline = prover.of(phase), prover.spline(trajectory)
     pairs = prover.pairs_of(phase)
@@ -145,7 +145,7 @@ def deepest(prover: Prover, phase: Phase, trajectory: Trajectory, unproved: Unpr
     ours = [arrangement.number[name] for name in unproved.bodies]
     touching = pairs.rows[(body == ours).all(1) & (pairs.rows[:, REQUIRED] < 0.0)]
     for t in (phase.t0, phase.t1) if len(touching) else ():
-        search = Search(prover, replace(phase, t0=t, t1=t), spline, touching, pairs.doubt, most_hits=len(touching))
+        search = Search(prover, replace(phase, t0=t, t1=t), spline, touching, pairs.errors, most_hits=len(touching))
         while search.go_on(SCREEN) not in (DONE, HIT, RESISTED) and not search.over:
             pass
         for hit in search.too_near:

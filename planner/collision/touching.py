@@ -1,7 +1,7 @@
 """How far a tool is from the part that it takes, and a part from what it is put down on, when it changes hands.
 
 The tool and what it holds are rigid, so a pick needs no time: what counts is how the part sits in the gripper.
-Distances are those of the convex pieces of which proofs are made; a mesh is hollow.
+Distances are those of the convex pieces in proofs; a mesh is hollow.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from assur.planner.model.refusal import Bodies, NotTouching, Quantity, Reason, R
 from assur.planner.model.scene import Pick, Place, Scene, Step
 
 TOUCH_M = 1e-6
-"""Bodies this near, m, count as touching where that is asked: faces that lie on each other are computed some roundings
-apart, and the tool meets its part within as much."""
+"""Bodies this near, m, count as touching where they must touch: faces that lie on each other are computed some
+roundings apart, and the tool meets its part within as much."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,8 +80,8 @@ def too_far(prover: Prover, number: int, attached: Attachments, yaw_offset: floa
     return None if found is None or facts is None else refused(Stage.CONTROL_POINT, number, found, facts)
 
 
-def asked(step: Step) -> float:
-    """How far tool or support may be from the part of a step, m; inf: nothing is asked."""
+def allowed_m(step: Step) -> float:
+    """How far tool or support may be from the part of a step, m; inf: without a limit."""
     if isinstance(step, Pick):
         return step.grip_within_m
     return step.support_within_m if isinstance(step, Place) else math.inf
@@ -108,10 +108,10 @@ def _measured(
         found = grip(prover, step, attached, yaw_offset)
     elif isinstance(step, Place):
         found = support(prover, step, attached, t)
-    if found is None or found.distance_m <= asked(step) + TOUCH_M:
+    if found is None or found.distance_m <= allowed_m(step) + TOUCH_M:
         return found, None
     of = "grip" if isinstance(step, Pick) else "support"
-    return found, NotTouching(of=of, distance_m=found.distance_m, allowed_m=asked(step))  # type: ignore[arg-type]
+    return found, NotTouching(of=of, distance_m=found.distance_m, allowed_m=allowed_m(step))  # type: ignore[arg-type]
 
 
 def _nearest(prover: Prover, attached: Attachments, t: float, pairs: list[tuple[str, str]]) -> Nearest | None:

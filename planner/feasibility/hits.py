@@ -15,17 +15,17 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.refusals.nearest import points_between
-from assur.planner.checker.refusals.stated import Shown, Spot, spots
-from assur.planner.checker.refusals.ways import Way, each_way, ways
-from assur.planner.collision.fcl_door import Posed
+from assur.planner.checker.refusals.stated import Proof, Spot, spots
+from assur.planner.checker.refusals.ways import GraspOption, each_way, ways
+from assur.planner.collision.fcl_entry import PlacedShape
 from assur.planner.collision.nearest import TooNear, Within, closest, enclosed
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.touching import asked, too_far
+from assur.planner.collision.touching import allowed_m, too_far
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Piece
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.tilt import tilts
-from assur.planner.model.deadline import look
+from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import AT_START, Attachments, Phase, at_start
 from assur.planner.model.refusal import Bodies, Enclosed, Quantity, Reason, Refusal, Separation, Stage
@@ -46,7 +46,7 @@ class Hit:
     spot: Spot
     phase: Phase
     q: FloatArray
-    way: Way | None = None
+    way: GraspOption | None = None
     mode: str | None = None
 
 
@@ -65,7 +65,7 @@ def hits(scene: Scene, prover: Prover, number: int) -> list[Hit] | None:
     of them nothing is, or it is not known, as the point may be met at another time."""
     found = list[Hit]()
     for way, mode, _ in each_way(scene, number, ()):
-        look()
+        raise_if_late()
         at = (_in_the_way(scene, prover, way, mode, spot) for spot in spots(scene, number, way.before, way.after))
         hit = next((each for each in at if each is not None), None)
         if hit is None:
@@ -74,7 +74,7 @@ def hits(scene: Scene, prover: Prover, number: int) -> list[Hit] | None:
     return found
 
 
-def posture(scene: Scene, way: Way, mode: str, spot: Spot) -> FloatArray | None:
+def posture(scene: Scene, way: GraspOption, mode: str, spot: Spot) -> FloatArray | None:
     """Joints (n,) at a spot in one working mode, the frame of the point being where it is at the start; None: the arm
     does not reach it."""
     flange = point_of(scene, way).flange(np.array([scene.start.time]), spot.above).at_rest()
@@ -82,13 +82,13 @@ def posture(scene: Scene, way: Way, mode: str, spot: Spot) -> FloatArray | None:
     return solution.q[0] if solution.code[0] in (Code.ASSEMBLED, Code.STRETCHED, Code.FOLDED) else None
 
 
-def point_of(scene: Scene, way: Way) -> ControlPoint:
+def point_of(scene: Scene, way: GraspOption) -> ControlPoint:
     """The control point that a way leads to."""
     tilt = tilts(scene, scene.task[way.number], scene.start.q)[0]
     return control_point(scene, way.number, way.before, way.turn or 0.0, tilt)
 
 
-def _in_the_way(scene: Scene, prover: Prover, way: Way, mode: str, spot: Spot) -> Hit | None:
+def _in_the_way(scene: Scene, prover: Prover, way: GraspOption, mode: str, spot: Spot) -> Hit | None:
     """What is in the way of the flange's bodies at one spot and in one working mode."""
     t, attached, q = scene.start.time, spot.attached, posture(scene, way, mode, spot)
     if q is None:
@@ -113,8 +113,8 @@ def refusal_of(scene: Scene, prover: Prover, hit: Hit) -> Refusal:
         facts = _of_straight_part(scene, prover, hit, facts, facts.required_m - max(facts.gap_m, 0.0))
     subject, t = Bodies(hit.found.names), hit.phase.t0
     if hit.way is None:
-        return Shown(Reason.START_IN_COLLISION, facts, short, subject, interval=(t, t)).refusal(Stage.START, 0)
-    return Shown(Reason.CONTROL_POINT_IN_COLLISION, facts, short, subject).refusal(Stage.CONTROL_POINT, hit.way.number)
+        return Proof(Reason.START_IN_COLLISION, facts, short, subject, interval=(t, t)).refusal(Stage.START, 0)
+    return Proof(Reason.CONTROL_POINT_IN_COLLISION, facts, short, subject).refusal(Stage.CONTROL_POINT, hit.way.number)
 
 
 def _of_straight_part(scene: Scene, prover: Prover, hit: Hit, facts: Separation, missing: float) -> Separation:
@@ -154,7 +154,7 @@ class AtStart:
 
     def __init__(self, scene: Scene, prover: Prover) -> None:
         self.scene, self.prover = scene, prover
-        self._posed: dict[tuple[str, str, Pose], list[Posed]] = {}
+        self._posed: dict[tuple[str, str, Pose], list[PlacedShape]] = {}
         self._table: FloatArray | None = None
 
     @cached_property
@@ -170,7 +170,7 @@ class AtStart:
         carrier = self._frames[frame]
         return np.asarray(carrier[:3] + carrier[3:].reshape(3, 3) @ pose.position)
 
-    def shapes(self, name: str, attached: Attachments = AT_START) -> list[Posed]:
+    def shapes(self, name: str, attached: Attachments = AT_START) -> list[PlacedShape]:
         """The shapes of a body."""
         at = (name, *attached.pose_of(self.scene, name))
         if at not in self._posed:
@@ -189,28 +189,28 @@ class AtStart:
 
     def _row(self, name: str) -> list[float]:
         """x, y, radius, lowest and highest z of a body in the world, m."""
-        look()
+        raise_if_late()
         (x, y, z), body = self.place(name).tolist(), self.scene.index[name].body
         return [x, y, body.radius, z + body.heights[0], z + body.heights[1]]
 
 
-def posed(prover: Prover, name: str, attached: Attachments = AT_START) -> list[Posed]:
+def posed(prover: Prover, name: str, attached: Attachments = AT_START) -> list[PlacedShape]:
     """The shapes of any body as they are at the start, or would be then if it were so attached."""
     arrangement, start = prover.arrangement(attached), prover.scene.start
     return prover.posed(arrangement, start.q, start.time, np.array(arrangement.pieces(arrangement.number[name])))
 
 
-def moved(posed: Iterable[Posed], by: FloatArray) -> list[Posed]:
+def moved(posed: Iterable[PlacedShape], by: FloatArray) -> list[PlacedShape]:
     """Shapes shifted by (3,) m."""
     return [replace(each, position=each.position + by) for each in posed]
 
 
-def touch(prover: Prover, ones: list[Posed], others: list[Posed], *shifts: FloatArray) -> bool:
+def touch(prover: Prover, ones: list[PlacedShape], others: list[PlacedShape], *shifts: FloatArray) -> bool:
     """Whether any two of the shapes touch, after each of the shifts (3,) of the first ones, m. Checks the deadline
     before each two."""
     for by in shifts or (np.zeros(3),):
         for one, other in product(moved(ones, by), others):
-            look()
+            raise_if_late()
             if prover.collider.touch(one, other):
                 break
         else:
@@ -226,8 +226,8 @@ def never_touching(scene: Scene, prover: Prover) -> Refusal | None:
     what it is put down on, whenever; or None. Not known here: where any turn will do, and what rests on frames that
     move against each other. Raises `OutOfTimeError` where the deadline in force passes."""
     for number, step in enumerate(scene.task):
-        look()
-        found = ways(scene, number) if math.isfinite(asked(step)) else ()
+        raise_if_late()
+        found = ways(scene, number) if math.isfinite(allowed_m(step)) else ()
         if isinstance(step, Pick):
             found = () if found and found[0].turn is None else found
         else:

@@ -12,7 +12,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.refusals import points, start
 from assur.planner.checker.refusals.postures import allowed_modes
-from assur.planner.checker.refusals.stated import Shown, exceeded, spots
+from assur.planner.checker.refusals.stated import Proof, exceeded, spots
 from assur.planner.checker.refusals.ways import is_turn, ways
 from assur.planner.checker.refusals.windows import overshoots
 from assur.planner.collision.proof import Prover
@@ -23,7 +23,7 @@ from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.missed import never_in_window, too_high
 from assur.planner.legs.path_leg import lead_in_begin
 from assur.planner.legs.tilt import pitch_free, tilts
-from assur.planner.model.deadline import look
+from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.phases import Attachments, at_start
 from assur.planner.model.refusal import (
     OutOfReach,
@@ -153,7 +153,7 @@ def start_impossible(scene: Scene, prover: Prover) -> Refusal | None:
     )
 
 
-def _stated(found: Iterator[Shown], stage: Stage, step: int) -> Refusal | None:
+def _stated(found: Iterator[Proof], stage: Stage, step: int) -> Refusal | None:
     """The refusal that states the first of what was found."""
     return next((each.refusal(stage, step) for each in found), None)
 
@@ -223,7 +223,7 @@ def yaw_impossible(scene: Scene) -> Refusal | None:
         return None
     found = _stated(start.turned_into_range(scene), Stage.START, 0)
     for number in range(len(scene.task)):
-        look()
+        raise_if_late()
         found = found or _stated(points.yaws_forbidden(scene, number), Stage.CONTROL_POINT, number)
     return found
 

@@ -16,16 +16,16 @@ from assur.planner.model.witness import Met, Orbit, Witness
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class RefusalProof:
     """A refusal that the checker accepts as proved, by its facts alone or by a witness."""
 
     witness: Witness | None
 
 
-def shown(scene: Scene, prover: Prover, refusal: Refusal) -> Shown | None:
+def shown(scene: Scene, prover: Prover, refusal: Refusal) -> RefusalProof | None:
     """What shows that a refusal holds for all times and modes; None: nothing that convinces the checker."""
     witness = _witness(scene, prover, refusal)
-    return Shown(witness) if check_refusal(scene, refusal, witness).ok else None
+    return RefusalProof(witness) if check_refusal(scene, refusal, witness).ok else None
 
 
 def _witness(scene: Scene, prover: Prover, refusal: Refusal) -> Witness | None:

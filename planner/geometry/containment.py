@@ -1,7 +1,7 @@
 """What is enclosed by a closed surface: the winding number of its triangles about a point.
 
 Hulls that cover a surface are hollow together: a body inside touches none of them. With the surface never crossed,
-whatever is outside at the start stays outside, so one point of each body, asked once, settles it (docs/guarantees.md).
+whatever is outside at the start stays outside, so one test of one point of each body decides it (docs/guarantees.md).
 """
 
 from __future__ import annotations

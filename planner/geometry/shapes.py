@@ -157,8 +157,7 @@ class Body:
     """A named solid: the union of convex pieces, in the body's own frame.
 
     `surface`: of a body whose pieces cover its surface but do not fill it, the closed triangles, outward: vertices
-    (m, 3) in metres and faces (f, 3); what is enclosed by them is asked of `assur.planner.geometry.containment`. None:
-    solid pieces.
+    (m, 3) in metres and faces (f, 3); `assur.planner.geometry.containment` finds what they enclose. None: solid pieces.
     """
 
     name: str

@@ -1,1 +1,1 @@
-"""Compiled loops over flat tables. A kernel imports math, numpy, the door to the compiler, and other kernels."""
+"""Compiled loops over flat tables. A kernel imports math, numpy, the entry to the compiler, and other kernels."""

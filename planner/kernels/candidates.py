@@ -50,8 +50,8 @@ VIA_VELOCITY = 0.9
 """Share of a velocity limit up to which a via is flown by: the rest is left to Ruckig."""
 BRIEFEST = 1e-3
 """A motion through a via is taken to last this long at least, s."""
-PRUDENCE = 1.01
-"""Ruckig's motions take this much longer at most, nearly always: a meeting is not to be missed by a hair."""
+SAFETY_FACTOR = 1.01
+"""Ruckig's motions are nearly always at most 1 % longer than the estimate."""
 MEETINGS = 2
 """Times that the meeting is looked up again after the motion to it was timed."""
 REACHED = 1e-6
@@ -199,7 +199,7 @@ def rough_motions(
         last = _longest(q[vias], qd[vias], q[segments], qd[segments], v, mean)
         if not option[ANY_TIME] > 0:
             for _ in range(MEETINGS):
-                at = next_meeting(meetings, option, begin + PRUDENCE * (spent + last) + row[LATE])
+                at = next_meeting(meetings, option, begin + SAFETY_FACTOR * (spent + last) + row[LATE])
                 if at < 0:
                     break
                 for i in range(n):

@@ -18,7 +18,7 @@ e = d/l and e⊥:
     l̈ = e·d̈ + l θ̇²   θ̈ = (e⊥·d̈ − 2 l̇ θ̇)/l                                                           (K21)
     l⃛ = e·d⃛ + 3 l̇ θ̇² + 3 l θ̇ θ̈    θ⃛ = (e⊥·d⃛ − 3 l̇ θ̈ − 3 l̈ θ̇ + l θ̇³)/l                              (K22)
 
-Sources: 000 of Noriega, García and Muñiz, of which K1 to K6 and K19 to K22 are another form with one order more.
+Sources: 000 of Noriega, García and Muñiz; K1 to K6 and K19 to K22 are another form of it with one order more.
 """
 
 from __future__ import annotations

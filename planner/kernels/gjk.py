@@ -190,7 +190,7 @@ def separate(
 
     Ends once the gap exceeds `enough`. Where the units meet, the last is 0 and no normal need be of use; where nothing
     is known, the gap is −inf or NaN. With a set number k of `sets` (-1: none) the second unit counts as enlarged by it
-    while the normal is looked for. `points` (4, 3) and `work` (3, 4) are room to work in.
+    during the search for the normal. `points` (4, 3) and `work` (3, 4) are room to work in.
     """
     bodies, _, placed = units
     balls = bodies[a, BALL] + bodies[b, BALL]

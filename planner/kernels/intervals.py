@@ -84,7 +84,7 @@ def places_for(cell: Cell, moments: int) -> tuple[FloatArray, Units]:
 
 
 @kernel(f"void({MOTION}, float64, float64, {ROOM}, {CUBE}, {CUBE})")
-def survey(motion: Motion, t0: float, t1: float, room: Room, carriers: FloatArray, jets: FloatArray) -> None:
+def evaluate_motion(motion: Motion, t0: float, t1: float, room: Room, carriers: FloatArray, jets: FloatArray) -> None:
     """Fills `carriers` (3, K, 12) at both ends and in the middle of [t0, t1], and over it `jets` (K, JETS, JET_COLUMNS)
     and those of the joints in `room`."""
     carried, spline = motion
@@ -98,7 +98,7 @@ def survey(motion: Motion, t0: float, t1: float, room: Room, carriers: FloatArra
 
 
 @kernel(f"void({UNITS}, int64, {CUBE}, {NUMBERS}, int64, {NUMBERS})")
-def fetch(units: Units, i: int, carriers: FloatArray, stamp: IntArray, number: int, still: IntArray) -> None:
+def place_unit(units: Units, i: int, carriers: FloatArray, stamp: IntArray, number: int, still: IntArray) -> None:
     """Places unit i at the instants of `carriers` of interval number `number`, unless it has been."""
     bodies, _, placed = units
     if stamp[i] < number:

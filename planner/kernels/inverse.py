@@ -1,4 +1,4 @@
-"""Joint states for a motion of the flange, and what is to be said of a joint vector: one branch a family.
+"""Joint states for a motion of the flange, and facts about a joint vector: one branch a family.
 
 A motion is (4, 6): a row an order, columns x, y, z, yaw, pitch, roll in the world, m and rad (`motion`).
 """
@@ -66,7 +66,7 @@ from assur.planner.kernels.motion import ORDERS, add_vector, close_loop, turned
 TURN = 2.0 * math.pi
 """A full turn, rad."""
 FLAT_M = 1e-9
-"""How far from its height, m (and m/s, m/s²), the flange of an arm without a quill may be asked to be: rounding."""
+"""How far from its height, m (and m/s, m/s²), the required flange of an arm without a quill may be: rounding."""
 
 SINGULARITY, DISTANCE, MODE, SERIAL, LOOP = range(5)
 """Columns of a posture: which singularity its margin is measured to, a code of `dyads`; metres that the flange may move

@@ -14,7 +14,7 @@ rest, over the whole duration T of the leg (equation T5), with u = t/T:
     c(u) = u³ (c3 + c4 u + c5 u²)        c3 = 10 r − 4 T r' + T² r''/2
     c4 = −15 r + 7 T r' − T² r''         c5 = 6 r − 3 T r' + T² r''/2
 
-Its jerk is of the order of 60 r/T³. Nothing else is mended: whoever asks for the knots checks their limits.
+Its jerk is of the order of 60 r/T³. Nothing else is mended: the caller checks limits.
 """
 
 from __future__ import annotations

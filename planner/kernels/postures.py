@@ -18,10 +18,10 @@ from assur.planner.kernels.motion import COORDINATES, ORDERS, link_motion
 from assur.planner.kernels.solids import CUBE, ROW, TABLE
 from assur.planner.kernels.spline import SPLINE, Spline, piece_at, piece_motion, piece_state, spline_state, sweep_joints
 from assur.planner.kernels.uncertainty import (
-    DOUBT,
+    ERRORS,
     SHIFT,
     SHIFT_GROWTH,
-    Doubt,
+    Errors,
     corrected_angles,
     growing_for,
 )
@@ -65,13 +65,13 @@ FITS, SINGULAR = -2, -1
 """What is found where no joint goes beyond its range."""
 
 
-@kernel(f"int64({ROW}, {SPLINE}, {TABLE}, {DOUBT}, float64, float64, {ROW})", allocates=True)
+@kernel(f"int64({ROW}, {SPLINE}, {TABLE}, {ERRORS}, float64, float64, {ROW})", allocates=True)
 def correction_fits(
-    robot: FloatArray, spline: Spline, limits: FloatArray, doubt: Doubt, t0: float, t1: float, found: FloatArray
+    robot: FloatArray, spline: Spline, limits: FloatArray, errors: Errors, t0: float, t1: float, found: FloatArray
 ) -> int:
     """The joint that a correction may bring beyond its range over [t0, t1], SINGULAR or FITS; `found` (2,) takes when,
     s, and by how much, rad. `limits` (≥ 2, n): the lower and the upper ends of the joints."""
-    n, lag, clock = spline[1].shape[1], doubt[1], doubt[2]
+    n, lag, clock = spline[1].shape[1], errors[1], errors[2]
     joints, stack, top = np.empty((n, JET_COLUMNS)), np.empty((HALVED + 2, 3)), 1
     stack[0, 0], stack[0, 1], stack[0, 2] = t0, t1, 0.0
     while top > 0:

@@ -23,14 +23,14 @@ from assur.planner.kernels.intervals import (
     RESERVE_M,
     Cell,
     Motion,
-    fetch,
+    evaluate_motion,
     keep_normal,
     least_between,
     least_gap,
     normal_of,
+    place_unit,
     places_for,
     room_for,
-    survey,
 )
 from assur.planner.kernels.jets import ACCELERATION, JET_COLUMNS, JETS
 from assur.planner.kernels.solids import (
@@ -56,17 +56,17 @@ from assur.planner.kernels.solids import (
     support,
 )
 from assur.planner.kernels.uncertainty import (
-    DOUBT,
+    ERRORS,
     MIDDLE,
+    OFFSET_COLUMNS,
     SHIFTED,
-    SWAY_COLUMNS,
-    Doubt,
+    Errors,
     Shifted,
+    displace_links,
     displaced,
-    doubtful,
     least_shifted,
     spread,
-    sway_links,
+    uncertainty_margin,
 )
 
 RESISTED_A, RESISTED_B, RESISTED_T, RESISTED_GAP, RESISTED_NEED, RESISTED_S = 2, 3, 4, 5, 6, 8
@@ -98,13 +98,13 @@ def shown(units: Units, jets: FloatArray, a: int, b: int, normal: Normal, h: flo
     f"int64({UNITS}, {CUBE}, {SHIFTED}, {TABLE}, {TABLE}, {TABLE}, float64, float64, {TABLE}, int64, {TABLE}, {TABLE},"
     f" {ROW})"
 )
-def settle(
+def decide_pair(
     units: Units,
     jets: FloatArray,
     shifted: Shifted,
     pairs: FloatArray,
     sets: FloatArray,
-    sway: FloatArray,
+    offsets: FloatArray,
     lasts: float,
     h: float,
     items: FloatArray,
@@ -117,14 +117,14 @@ def settle(
     middle.
 
     Normals are tried in this order: that of the longer interval, the vertical, the best of the likely ones, and that of
-    GJK, the last only where the others keep the pair hardly apart in the middle. `sway` is of no rows where links are
-    not displaced. `found` (2,) is the best gap there, NaN where nothing is known, and the one needed.
+    GJK, the last only where the others keep the pair hardly apart in the middle. `offsets` has no rows where no
+    link is displaced. `found` (2,) is the best gap there, NaN where nothing is known, and the one needed.
     """
-    a, b, p, sways = int(items[i, 0]), int(items[i, 1]), int(items[i, 2]), len(sway) > 0
-    d, asked, unsure = items[i, ITEM_TO] - items[i, ITEM_FROM], pairs[p, REQUIRED] + RESERVE_M, pairs[p, SET] >= 0.0
+    a, b, p, is_offset = int(items[i, 0]), int(items[i, 1]), int(items[i, 2]), len(offsets) > 0
+    d, required, unsure = items[i, ITEM_TO] - items[i, ITEM_FROM], pairs[p, REQUIRED] + RESERVE_M, pairs[p, SET] >= 0.0
     late, bodies = d > 0.0 or items[i, ITEM_TO] != 0.0, units[0]
     view, m = ((bodies, units[1], shifted[1]), MIDDLE) if late else (units, 1)
-    best, need, kept = -math.inf, asked, normal_of(items, i)
+    best, need, kept = -math.inf, required, normal_of(items, i)
     for attempt in range(4):
         if attempt == 0:
             normal = kept
@@ -142,9 +142,9 @@ def settle(
             if best > NARROW_M:
                 break
             other, normal, _ = separate(view, m, a, b, math.inf, sets, int(pairs[p, SET]), lasts, points, work)
-        wanted = asked
-        if unsure or sways:
-            wanted += doubtful(pairs, sets, p, bodies, sway, lasts, sways, a, b, normal)
+        wanted = required
+        if unsure or is_offset:
+            wanted += uncertainty_margin(pairs, sets, p, bodies, offsets, lasts, is_offset, a, b, normal)
         if not (other - wanted > best or other > wanted):
             continue
         if other - wanted > best:
@@ -196,8 +196,8 @@ def ahead(units: Units, m: int, i: int, normal: Normal) -> float:
     return float(-along - support(units, m, i, normal))
 
 
-@kernel(f"void({MOTION}, {CELL}, {DOUBT}, {NUMBERS}, {ROW}, {TABLE})", allocates=True)
-def behind(motion: Motion, cell: Cell, doubt: Doubt, units: IntArray, edges: FloatArray, least: FloatArray) -> None:
+@kernel(f"void({MOTION}, {CELL}, {ERRORS}, {NUMBERS}, {ROW}, {TABLE})", allocates=True)
+def behind(motion: Motion, cell: Cell, errors: Errors, units: IntArray, edges: FloatArray, least: FloatArray) -> None:
     """Fills `least` (R, 6): each of `units` (R,) stays behind the plane n·x = −least of each side all along, wherever
     its link may be displaced to.
 
@@ -205,16 +205,16 @@ def behind(motion: Motion, cell: Cell, doubt: Doubt, units: IntArray, edges: Flo
     miss of it is taken off: it proves a plane over eighths of an interval, by bounds of its own.
     """
     bodies, _, still = cell
-    (carriers, seen), room, sway = places_for(cell, 3), room_for(motion), np.zeros((len(still), SWAY_COLUMNS))
+    (carriers, seen), room, offsets = places_for(cell, 3), room_for(motion), np.zeros((len(still), OFFSET_COLUMNS))
     jets, stamp = np.zeros((len(still), JETS, JET_COLUMNS)), np.zeros(len(bodies), dtype=np.int64)
     least[:] = math.inf
     for part in range(len(edges) - 1):
         t0, t1 = edges[part], edges[part + 1]
-        survey(motion, t0, t1, room, carriers, jets)
-        sways = sway_links(motion[0][0], room, doubt, t1, sway)
+        evaluate_motion(motion, t0, t1, room, carriers, jets)
+        is_offset = displace_links(motion[0][0], room, errors, t1, offsets)
         for r in range(len(units)):
             i = units[r]
-            fetch(seen, i, carriers, stamp, part + 1, still)
+            place_unit(seen, i, carriers, stamp, part + 1, still)
             turning, square = jets[int(bodies[i, CARRIER])], (t1 - t0) * (t1 - t0)
             turned = 0.0
             for j in range(3, JETS):
@@ -224,8 +224,8 @@ def behind(motion: Motion, cell: Cell, doubt: Doubt, units: IntArray, edges: Flo
                 middle, radius = derivative(bodies, jets, i, 2, normal)
                 shown = least_between(ahead(seen, 0, i, normal), ahead(seen, 2, i, normal), radius - middle, t1 - t0)
                 shown -= (abs(middle) + radius + bodies[i, RADIUS] * math.sqrt(turned)) * square / SPARED
-                if sways:
-                    shown -= displaced(bodies, sway, i, normal)
+                if is_offset:
+                    shown -= displaced(bodies, offsets, i, normal)
                 # what is not a number shows nothing
                 least[r, k] = min(least[r, k], shown) if shown > -math.inf else -math.inf
 

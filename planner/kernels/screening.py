@@ -22,10 +22,10 @@ from assur.planner.kernels.intervals import (
     RESERVE_M,
     Cell,
     Motion,
-    fetch,
     keep_normal,
     least_gap,
     normal_of,
+    place_unit,
     places_for,
 )
 from assur.planner.kernels.laws import place_frame
@@ -85,7 +85,7 @@ def note_hit(hits: FloatArray, state: FloatArray, items: FloatArray, i: int, t: 
 
 @kernel(f"Tuple((float64, {NORMAL}))({UNITS}, int64, int64, {TABLE}, int64, float64)")
 def widest(units: Units, a: int, b: int, sets: FloatArray, k: int, lasts: float) -> tuple[float, Normal]:
-    """How much two units are apart at the first instant beyond what is not known of them (set k), along the better of
+    """How much two units are apart at the first instant beyond their uncertainty (set k), along the better of
     the vertical and the likely normal, and that normal."""
     up = (0.0, 0.0, 1.0 if units[2][0, b, 2] >= units[2][0, a, 2] else -1.0)
     above = gap(units, 0, a, b, up) - spread(sets, k, lasts, up)
@@ -145,8 +145,8 @@ def depths(
                 if p >= len(pairs) or pairs[p, REQUIRED] < 0.0:
                     continue
                 a, b, need = int(pairs[p, FIRST]), int(pairs[p, SECOND]), pairs[p, REQUIRED] + RESERVE_M
-                fetch(units, a, carriers, stamp, number, still)
-                fetch(units, b, carriers, stamp, number, still)
+                place_unit(units, a, carriers, stamp, number, still)
+                place_unit(units, b, carriers, stamp, number, still)
                 if spheres_apart(units, 0, a, b, need):
                     continue
                 normal, k = (normals[p, 0], normals[p, 1], normals[p, 2]), int(pairs[p, SET])
@@ -159,7 +159,7 @@ def depths(
                 else:
                     found, normal = widest(units, a, b, sets, k, lasts)
                 if not found > need:
-                    # what is not known counts as deep
+                    # an unknown gap counts as deep
                     depth[w] += min(1.0, (need - found) / deepest) if found > -math.inf else 1.0
                     met = p
                     break
@@ -191,7 +191,7 @@ def sampled_behind(
 # instant; the smallest distance found is one that occurs. The `state` goes on from one phase to the next.
 
 LOWER, UPPER, NEAREST_T, NEAREST_A, NEAREST_B = 2, 3, 4, 5, 6
-"""In `state`, besides TOP: the proved lower value, the smallest distance found, m, when and of which units it is."""
+"""In `state`, besides TOP: the proved lower value, the smallest distance found, m, its time and its units."""
 WITHIN_M = 3e-5
 """How far the lower value may be below the upper one, m: less than the 0.05 mm that is promised."""
 SHORT = 16.0
@@ -265,8 +265,8 @@ def sample_distance(
             a, b = int(pairs[p, FIRST]), int(pairs[p, SECOND])
             if pairs[p, REQUIRED] < 0.0 or bodies[a, PIECES] > 0.0 or bodies[b, PIECES] > 0.0:
                 continue
-            fetch(units, a, carriers, stamp, i + 1, still)
-            fetch(units, b, carriers, stamp, i + 1, still)
+            place_unit(units, a, carriers, stamp, i + 1, still)
+            place_unit(units, b, carriers, stamp, i + 1, still)
             if spheres_apart(units, 0, a, b, state[UPPER]):
                 continue
             found = likely(units, 0, a, b, state[UPPER])[0]

@@ -49,12 +49,12 @@ COLUMNS = 25
 FIRST, SECOND = 0, 1
 """Columns of a pair: its two units, the first of the robot."""
 REQUIRED = 2
-"""Distance that a pair must keep, m (N8), but for what is not known of where the two are: ..."""
+"""Distance that a pair must keep, m (N8), in addition to the uncertainty of where the two are: ..."""
 SET = 3
 """... the number of its set of displacements (`kernels.uncertainty`), -1 for none, ..."""
 EARLY, LATE = 4, 5
-"""... and from when to when, s, the second is looked at while the first is looked at: the robot may start late, and the
-whole motion of a frame be shifted in time. 0 and 0 for what is known, or does not move."""
+"""... and the shifts in time of the second against the first, from and to, s: the robot may start late, and the whole
+motion of a frame be shifted. 0 and 0 for what is known, or does not move."""
 PAIR_COLUMNS = 6
 
 COVER = -1

@@ -1,4 +1,4 @@
-"""How much nearer two bodies may be than planned, along a normal: what is not known of where they are.
+"""How much nearer two bodies may be than planned, along a normal: the uncertainty of their places.
 
 A *set* is what two bodies of one pair may be displaced against each other. It is a disc in the horizontal plane, an
 interval along the vertical, and segments along given directions (an error of a belt lies along the belt); each is
@@ -55,15 +55,15 @@ SET_COLUMNS = SEGMENTS + MOST_SEGMENTS * SEGMENT
 SINCE, LATEST, SHIFT, SHIFT_GROWTH = range(4)
 """In `clock`: since when errors grow, s; how late the robot may start at most, s; how far a correction shifts the tool,
 m, and by how much that grows, m/s."""
-DOUBT = f"Tuple(({TABLE}, {ROW}, {ROW}))"
+ERRORS = f"Tuple(({TABLE}, {ROW}, {ROW}))"
 """`sets`, `lag` and `clock`: all that is not known of a motion in a cell; `lag` (n,): how far each joint lags."""
-Doubt = tuple[FloatArray, FloatArray, FloatArray]
+Errors = tuple[FloatArray, FloatArray, FloatArray]
 
-SWAY_TURNS, SWAY_LEVEL, SWAY_SHIFT, SWAY_REACH = 12, 13, 14, 15
+OFFSET_TURNS, OFFSET_LEVEL, OFFSET_SHIFT, OFFSET_REACH = 12, 13, 14, 15
 """Columns of how far a link may be displaced, behind how far the coordinates of its origin and of the columns of its
 rotation may: the size of the latter together; 1 if it stays upright; how far a correction shifts its axis, m, and by
 how much more for each metre from the axis."""
-SWAY_COLUMNS = 16
+OFFSET_COLUMNS = 16
 
 
 @kernel(f"float64({ROW}, float64)")
@@ -144,17 +144,17 @@ def corrected_angles(robot: FloatArray, theta_low: float, theta_high: float, shi
     return shift * l2 / cross, shift * l1 / cross
 
 
-@kernel(f"boolean({ROW}, {ROOM}, {DOUBT}, float64, {TABLE})")
-def sway_links(robot: FloatArray, room: Room, doubt: Doubt, t1: float, sway: FloatArray) -> bool:
-    """Fills the first rows of `sway` (K, SWAY_COLUMNS) with how far links may be from where they are planned while
-    joints are as `survey` has put them into `room`, and until t1 (N8, N10). False: they cannot be."""
-    (_, lag, clock), (_, joints, turns, lagging, jets) = doubt, room
+@kernel(f"boolean({ROW}, {ROOM}, {ERRORS}, float64, {TABLE})")
+def displace_links(robot: FloatArray, room: Room, errors: Errors, t1: float, offsets: FloatArray) -> bool:
+    """Fills the first rows of `offsets` (K, OFFSET_COLUMNS) with how far links may be from where they are planned while
+    joints are as `evaluate_motion` has put them into `room`, and until t1 (N8, N10). False: they cannot be."""
+    (_, lag, clock), (_, joints, turns, lagging, jets) = errors, room
     shift = clock[SHIFT] + clock[SHIFT_GROWTH] * growing_for(clock, t1)
     lags = lag.any()
     if not (lags or shift > 0.0):
         return False
     links = int(robot[LINKS])
-    fill_rows(sway, 0, links, 0.0)
+    fill_rows(offsets, 0, links, 0.0)
     if lags:
         for j in range(len(joints)):
             lagging[j, 0], lagging[j, 1] = joints[j, 0], joints[j, 1] + lag[j]
@@ -164,57 +164,57 @@ def sway_links(robot: FloatArray, room: Room, doubt: Doubt, t1: float, sway: Flo
         for k in range(links):
             square = 0.0
             for i in range(12):
-                sway[k, i] = abs(jets[k, i, RATE]) + jets[k, i, RATE + 1] if jets[k, 0, 1] < math.inf else math.inf
-            sway[k, SWAY_LEVEL] = 1.0 if sway[k, 5] + sway[k, 8] + sway[k, 11] == 0.0 else 0.0
-            for i in range(3, 5 if sway[k, SWAY_LEVEL] > 0.0 else 12):
-                square += sway[k, i] * sway[k, i]
-            sway[k, SWAY_TURNS] = math.sqrt(square)
+                offsets[k, i] = abs(jets[k, i, RATE]) + jets[k, i, RATE + 1] if jets[k, 0, 1] < math.inf else math.inf
+            offsets[k, OFFSET_LEVEL] = 1.0 if offsets[k, 5] + offsets[k, 8] + offsets[k, 11] == 0.0 else 0.0
+            for i in range(3, 5 if offsets[k, OFFSET_LEVEL] > 0.0 else 12):
+                square += offsets[k, i] * offsets[k, i]
+            offsets[k, OFFSET_TURNS] = math.sqrt(square)
     if shift > 0.0:
         first, second = math.inf, math.inf
         if robot[KIND] == SCARA:
             low, high = joints[1, 0] - joints[1, 1] - lag[1], joints[1, 0] + joints[1, 1] + lag[1]
             first, second = corrected_angles(robot, low, high, shift)
-        sway[1, SWAY_REACH] = first
-        sway[2, SWAY_SHIFT], sway[2, SWAY_REACH] = robot[L1] * first, second
+        offsets[1, OFFSET_REACH] = first
+        offsets[2, OFFSET_SHIFT], offsets[2, OFFSET_REACH] = robot[L1] * first, second
     return True
 
 
 @kernel(f"float64({TABLE}, {TABLE}, int64, {NORMAL})")
-def displaced(bodies: FloatArray, sway: FloatArray, i: int, normal: Normal) -> float:
+def displaced(bodies: FloatArray, offsets: FloatArray, i: int, normal: Normal) -> float:
     """By how much points of unit i may be displaced along n, m: 0 for what no link carries.
 
     The unit counts as the ball around it, and both horizontal coordinates count in full: a checker may bound a
     displacement by the sum of what each joint adds to it, and its bound must not be larger.
     """
     nx, ny, nz = normal
-    own, radius, flat = sway[int(bodies[i, CARRIER])], bodies[i, RADIUS], math.sqrt(nx * nx + ny * ny)
+    own, radius, flat = offsets[int(bodies[i, CARRIER])], bodies[i, RADIUS], math.sqrt(nx * nx + ny * ny)
     x, y, z = abs(bodies[i, CENTRE]), abs(bodies[i, CENTRE + 1]), abs(bodies[i, CENTRE + 2])
     level, up = 0.0, own[2] + own[5] * x + own[8] * y + own[11] * z
     for axis in range(2):
         level += own[axis] + own[3 + axis] * x + own[6 + axis] * y + own[9 + axis] * z
-    found = flat * level + abs(nz) * up + radius * own[SWAY_TURNS] * (flat if own[SWAY_LEVEL] > 0.0 else 1.0)
-    if own[SWAY_REACH] > 0.0:
-        found += flat * (own[SWAY_SHIFT] + own[SWAY_REACH] * (math.hypot(x, y) + radius))
+    found = flat * level + abs(nz) * up + radius * own[OFFSET_TURNS] * (flat if own[OFFSET_LEVEL] > 0.0 else 1.0)
+    if own[OFFSET_REACH] > 0.0:
+        found += flat * (own[OFFSET_SHIFT] + own[OFFSET_REACH] * (math.hypot(x, y) + radius))
     return found if found >= 0.0 else math.inf
 
 
 @kernel(f"float64({TABLE}, {TABLE}, int64, {TABLE}, {TABLE}, float64, boolean, int64, int64, {NORMAL})")
-def doubtful(
+def uncertainty_margin(
     pairs: FloatArray,
     sets: FloatArray,
     p: int,
     bodies: FloatArray,
-    sway: FloatArray,
+    offsets: FloatArray,
     lasts: float,
-    sways: bool,
+    is_offset: bool,
     a: int,
     b: int,
     normal: Normal,
 ) -> float:
     """By how much units a and b of pair p may be nearer along n than planned, m."""
     found = spread(sets, int(pairs[p, SET]), lasts, normal)
-    if sways:
-        found += displaced(bodies, sway, a, normal) + displaced(bodies, sway, b, normal)
+    if is_offset:
+        found += displaced(bodies, offsets, a, normal) + displaced(bodies, offsets, b, normal)
     return found
 
 

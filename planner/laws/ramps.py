@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from assur.planner.errors import InputError
 from assur.planner.laws.validity import FURTHEST_S, LARGEST, number
 
-Way = tuple[float, float, float, float, float]
+TravelPiece = tuple[float, float, float, float, float]
 """When a piece begins, and travel, speed, acceleration and jerk then."""
 SMALLEST = 1e-6
 """Least acceleration (and jerk) of a change, SI: below it the speed takes days to change."""
@@ -60,7 +60,7 @@ class Change:
         return [(rise, 0.0, sign * self.jerk), *middle, (rise, peak, -sign * self.jerk)]
 
 
-def ramped(speed: float, changes: Sequence[Change], at_time: float, field: str) -> list[Way]:
+def ramped(speed: float, changes: Sequence[Change], at_time: float, field: str) -> list[TravelPiece]:
     """The travel of what has `speed` from the beginning and is given `changes`, zero at `at_time`, piece by piece.
     The first piece and the last one are at constant speed for ever.
 

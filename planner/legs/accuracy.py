@@ -19,7 +19,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion, Pose, Sweep
 from assur.planner.laws.law import EXACT, PoseUncertainty
 from assur.planner.model.arrival_error import ArrivalError, Cause, Share
-from assur.planner.model.phases import Attachments, Handled, on_way
+from assur.planner.model.phases import Attachments, GraspUncertainty, on_way
 from assur.planner.model.refusal import Inaccurate, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Trace
 
@@ -74,7 +74,7 @@ class _Terms:
 
 
 def arrival_error(
-    scene: Scene, number: int, attached: Attachments, handled: Handled, q: FloatArray, until: float
+    scene: Scene, number: int, attached: Attachments, handled: GraspUncertainty, q: FloatArray, until: float
 ) -> ArrivalError | None:
     """How far the tool may be from the control point of step `number` at time `until`, s, with joints at q (n,); None
     where nothing is left open."""
@@ -82,7 +82,7 @@ def arrival_error(
 
 
 def realised(
-    scene: Scene, number: int, attached: Attachments, handled: Handled, q: FloatArray, until: float,
+    scene: Scene, number: int, attached: Attachments, handled: GraspUncertainty, q: FloatArray, until: float,
     worst: Mapping[str, float],
 ) -> float | None:  # fmt: skip
     """How far the tool is from the control point of step `number`, m, in a realisation as `ArrivalError.worst` states
@@ -104,7 +104,7 @@ def realised(
 
 
 def _terms_of(
-    scene: Scene, number: int, attached: Attachments, handled: Handled, q: FloatArray, until: float
+    scene: Scene, number: int, attached: Attachments, handled: GraspUncertainty, q: FloatArray, until: float
 ) -> tuple[_Terms, float]:
     """What adds to the error at a control point, and how far the tool point is from the part's axis, m."""
     step, terms = scene.task[number], _Terms()
@@ -200,7 +200,7 @@ def _add_lag(scene: Scene, here: Motion, q: FloatArray, terms: _Terms) -> None:
     joints = np.column_stack([q, lag, none, lag, none, none])
     swept = robot.sweep(joints, flange)
     bend = float(np.linalg.norm(swept.point(2, at.x, at.y, at.z)))
-    # twice for each half of the bow: the checker looks at the bent way from its ends
+    # twice for each half of the bow: the checker bounds the bent way from its ends
     bow = 1.5 * math.sqrt(2.0) * bend
     turn = 0.0 if robot.tilting else _turned(scene, q, lag, swept)
     terms.add(Cause.LAG, bow, bow if robot.tilting else 0.0, turn)
@@ -257,12 +257,12 @@ def _shares(terms: _Terms) -> tuple[Share, ...]:
 
 def too_far(scene: Scene, number: int, error: ArrivalError | None) -> Refusal | None:
     """Whether the tool may be farther off than a step allows."""
-    asked = scene.task[number].tolerance
-    if error is None or (error.position_m <= asked.position_m and error.within.yaw_rad <= asked.yaw_rad):
+    allowed = scene.task[number].tolerance
+    if error is None or (error.position_m <= allowed.position_m and error.within.yaw_rad <= allowed.yaw_rad):
         return None
-    far = error.position_m > asked.position_m
+    far = error.position_m > allowed.position_m
     worst = max(error.shares, key=lambda share: share.position_m if far else share.yaw_rad)
-    amount = error.position_m - asked.position_m if far else error.within.yaw_rad - asked.yaw_rad
+    amount = error.position_m - allowed.position_m if far else error.within.yaw_rad - allowed.yaw_rad
     return Refusal(
         stage=Stage.TRACKING,
         reason=Reason.TOLERANCE,
@@ -271,8 +271,8 @@ def too_far(scene: Scene, number: int, error: ArrivalError | None) -> Refusal | 
         facts=Inaccurate(
             position_m=error.position_m,
             yaw_rad=error.within.yaw_rad,
-            allowed_m=None if math.isinf(asked.position_m) else asked.position_m,
-            allowed_rad=None if math.isinf(asked.yaw_rad) else asked.yaw_rad,
+            allowed_m=None if math.isinf(allowed.position_m) else allowed.position_m,
+            allowed_rad=None if math.isinf(allowed.yaw_rad) else allowed.yaw_rad,
             cause=worst.cause,
             most=worst.position_m if far else worst.yaw_rad,
         ),

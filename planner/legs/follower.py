@@ -22,7 +22,7 @@ from assur.planner.legs.course import BEND_M, PathCourse
 from assur.planner.legs.limits import nearest
 from assur.planner.legs.state import State
 from assur.planner.legs.tilt import PATH_RAD, tilt_off
-from assur.planner.model.deadline import look
+from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.refusal import (
     FrameName,
     LawEnds,
@@ -79,7 +79,7 @@ class Course(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
+class PathTask:
     """A motion of the flange: a course under the law of its `phase` s, whose time counts from `begin`, s; `frame`: that
     whose law has to be known for it (None: there are several). Refusals have the stage and the step."""
 
@@ -126,7 +126,7 @@ class Jumps:
     half: FloatArray
 
     @staticmethod
-    def of(way: Way) -> Jumps:
+    def of(way: PathTask) -> Jumps:
         """Of a motion; a course that is no path has none."""
         course = way.course
         if not isinstance(course, PathCourse):
@@ -165,7 +165,7 @@ def _apart(times: FloatArray, least: float) -> FloatArray:
     return kept
 
 
-def marks_of(way: Way, jumps: Jumps) -> FloatArray:
+def marks_of(way: PathTask, jumps: Jumps) -> FloatArray:
     """Times of knots (T,) to begin with: all switches, and enough between."""
     switches = np.concatenate([way.begin + way.phase.time, jumps.smooth, [way.begin, way.end]])
     return spaced(_apart(switches[(way.begin <= switches) & (switches <= way.end)], MERGED_S), SPACING_S)
@@ -181,7 +181,7 @@ def spaced(marks: FloatArray, spacing: float) -> FloatArray:
     return np.append(np.repeat(marks[:-1], count) + number * np.repeat(length / count, count), marks[-1])
 
 
-def followed(way: Way, state: State, mode: int, rests: tuple[float, float] | None = None) -> Trajectory | Refusal:
+def followed(way: PathTask, state: State, mode: int, rests: tuple[float, float] | None = None) -> Trajectory | Refusal:
     """The spline of the joints from `state`, with knots as close as the motion requires: at rest to the bit where the
     flange is, and without knots within `rests`, s, in which it stays at rest.
 
@@ -192,7 +192,7 @@ def followed(way: Way, state: State, mode: int, rests: tuple[float, float] | Non
     if rests is not None:
         marks = marks[(marks <= rests[0] + MERGED_S) | (marks >= rests[1] - MERGED_S)]
     for _ in range(ROUNDS):
-        look()
+        raise_if_late()
         t, over = jumps.times(marks)
         made = _joints(way, state, mode, t)
         if isinstance(made, Refusal):
@@ -217,7 +217,7 @@ def followed(way: Way, state: State, mode: int, rests: tuple[float, float] | Non
     )
 
 
-def _joints(way: Way, state: State, mode: int, t: FloatArray) -> Trajectory | Refusal:
+def _joints(way: PathTask, state: State, mode: int, t: FloatArray) -> Trajectory | Refusal:
     motion, robot = way.motion(t), way.scene.robot
     if not np.isfinite(motion.p).all():
         needed, span = float(t[-1]), (float(t[0]), float(t[-1]))
@@ -254,13 +254,13 @@ def continued(robot: Robot, q: FloatArray, first: FloatArray) -> FloatArray:
     return result
 
 
-def _lost(way: Way, t: FloatArray, mode: int, found: Inverse) -> Refusal | None:
+def _lost(way: PathTask, t: FloatArray, mode: int, found: Inverse) -> Refusal | None:
     """The first time at which the arm does not reach, and how far the course goes out of reach; or else the first at
     which it is too near a singularity, and how near it comes."""
-    asked, robot = way.scene.options.singularity_margin, way.scene.robot
+    least, robot = way.scene.options.singularity_margin, way.scene.robot
 
     def lost(there: Inverse) -> BoolArray:
-        return np.asarray(~((there.code == Code.ASSEMBLED) & there.keeps(asked)))
+        return np.asarray(~((there.code == Code.ASSEMBLED) & there.keeps(least)))
 
     def outside(there: Inverse) -> BoolArray:
         return np.asarray(there.code == Code.OUT_OF_REACH)
@@ -277,7 +277,7 @@ def _lost(way: Way, t: FloatArray, mode: int, found: Inverse) -> Refusal | None:
         outer = OutOfReach(**spot)
         return out_of_reach(way.stage, way.step, short_m=short if short > 0.0 else math.nan, interval=span, facts=outer)
     if way.stage is Stage.STRAIGHT and not spot:
-        near = nearest(robot, found, asked, rows, best=False)
+        near = nearest(robot, found, least, rows, best=False)
         if near.reason is Reason.NEAR_PARALLEL_SINGULARITY:
             return near.refusal(way.stage, way.step, span)
         left = float(robot.singular_distance(found.q[near.row]))
@@ -288,10 +288,10 @@ def _lost(way: Way, t: FloatArray, mode: int, found: Inverse) -> Refusal | None:
         facts = Singular(**spot)
         return Refusal(stage=way.stage, reason=Reason.NEAR_SINGULARITY, step=way.step, interval=span, facts=facts)
     # the kind of singularity is that of the first place; how near the arm comes is looked for among all
-    first = nearest(robot, there, asked, np.zeros(1, dtype=int), best=False)
+    first = nearest(robot, there, least, np.zeros(1, dtype=int), best=False)
     known = rows[(found.code[rows] == Code.ASSEMBLED) & np.isfinite(found.margin[rows])]
     if len(known):
-        worst = nearest(robot, found, asked, known, best=False)
+        worst = nearest(robot, found, least, known, best=False)
         first = worst if worst.reason is first.reason and worst.missing > first.missing else first
     refusal = first.refusal(way.stage, way.step, span)
     if not isinstance(refusal.facts, Singular):
@@ -299,7 +299,7 @@ def _lost(way: Way, t: FloatArray, mode: int, found: Inverse) -> Refusal | None:
     return replace(refusal, facts=replace(refusal.facts, **spot))
 
 
-def _first(way: Way, t: FloatArray, mode: int, row: int, lost: Callable[[Inverse], BoolArray]) -> float:
+def _first(way: PathTask, t: FloatArray, mode: int, row: int, lost: Callable[[Inverse], BoolArray]) -> float:
     """When the arm is lost first, s: it is so at `row` of times `t` (T,), and not one before."""
     low, high = float(t[max(0, row - 1)]), float(t[row])
     for _ in range(ROUNDS_TO_PLACE):
@@ -311,7 +311,7 @@ def _first(way: Way, t: FloatArray, mode: int, row: int, lost: Callable[[Inverse
     return high
 
 
-def _off(way: Way, trajectory: Trajectory, knots: FloatArray, over: IntArray) -> BoolArray:
+def _off(way: PathTask, trajectory: Trajectory, knots: FloatArray, over: IntArray) -> BoolArray:
     """Which pieces (T - 1,) between `knots` (T,), s, which reach `over` jumps, leave the course by too much."""
     t = (knots[:-1] + SHARES * np.diff(knots)).ravel()
     q, path, robot = trajectory.evaluate(t), way.motion(t), way.scene.robot

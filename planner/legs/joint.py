@@ -10,9 +10,9 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.kernels.candidates import passing_velocity
 from assur.planner.legs.limits import beyond_limits
-from assur.planner.legs.line import Pace
+from assur.planner.legs.line import ScaledLimits
 from assur.planner.legs.meeting import GRID_S
-from assur.planner.legs.missed import Hop, Vertical, arch, vertical
+from assur.planner.legs.missed import ArchForm, Vertical, arch, vertical
 from assur.planner.legs.state import Branch, State
 from assur.planner.legs.tool_motion import RESERVE, tool_peak
 from assur.planner.model.outcome import Course, Route
@@ -43,21 +43,21 @@ class Shape:
     wait: float = 0.0
     late: float = 0.0
     vias: tuple[Via, ...] = ()
-    hop: Hop | None = None
+    form: ArchForm | None = None
     effort: float = 1.0
     pull: float = 1.0
     """Share of the acceleration that the joints across use, velocity and jerk left as they are."""
     through: float = 0.0
-    """Pace at which a via control point is flown by, in mean joint velocities of the way to the one behind it."""
+    """Speed at which a via control point is flown by, in mean joint velocities of the way to the one behind it."""
 
     @property
     def route(self) -> Route:
-        course = Course.ARCH if self.hop else Course.DIRECT
+        course = Course.ARCH if self.form else Course.DIRECT
         return Route(course, len(self.vias), after_wait=self.wait > 0, later=self.late > 0)
 
 
 class JointMotion:
-    """The legs of one shape from one state towards one branch. `pace`: that of the shape's effort and of what the
+    """The legs of one shape from one state towards one branch. `scaled`: limits for the shape's effort and of what the
     gripper holds; None: the gripper is empty."""
 
     def __init__(
@@ -68,11 +68,11 @@ class JointMotion:
         shape: Shape,
         branch: Branch,
         ahead: FloatArray | None = None,
-        pace: Pace | None = None,
+        scaled: ScaledLimits | None = None,
     ) -> None:
         self.scene, self.step, self.state, self.shape, self.branch = scene, step, state, shape, branch
         self.ahead: list[float] | None = None if ahead is None else ahead.tolist()
-        self.pace = Pace(scene.limits_with(None), scene.robot.lift, shape.effort) if pace is None else pace
+        self.scaled = scaled or ScaledLimits(scene.limits_with(None), scene.robot.lift, shape.effort)
         self.origin: Numbers = (state.q.tolist(), state.qd.tolist(), state.qdd.tolist())
         """Where the last leg sets out: at the arm's state, or at the last via."""
         self.prefix: list[RawProfile] = []
@@ -82,8 +82,8 @@ class JointMotion:
         """The leg to the earliest meeting on the branch's grid that this shape reaches (or `late` seconds later). Its
         last knot is at the time of the meeting to the bit, as the control point is.
 
-        Ruckig is asked to take exactly the time that is left: to the first grid time that a lower bound allows, and
-        then to the first one that its shortest duration allows, until it fits.
+        Ruckig must take exactly the time that is left: to the first grid time that a lower bound allows, and then to
+        the first one that its shortest duration allows, until it fits.
         """
         failed = self._through_vias()
         if failed is not None:
@@ -93,7 +93,7 @@ class JointMotion:
             return self._at_any_time(begin)
         spent = sum(profile.duration for profile in self.prefix)
         # velocity limits alone say that nothing earlier can be met; Ruckig says the rest
-        least = branch.velocity_times(self.origin[0], self.pace.rates[0])
+        least = branch.velocity_times(self.origin[0], self.scaled.rates[0])
         # an arm that moves with the point already is at it now: a leg that takes no time is none
         rows = np.flatnonzero(branch.time >= begin + spent + np.maximum(least, SHORTEST))
         times = branch.time[rows]
@@ -105,7 +105,7 @@ class JointMotion:
             goal, left = self._goal(row), time - begin - spent
             found = None if late > 0 or left < SHORTEST else self._last(goal, left)
             if found is None or (isinstance(found, TimingRefusal) and found.reason != "too short"):
-                # not asked yet, or not in exactly this time: what is possible at all?
+                # not tried yet, or not possible in exactly this time: what is the shortest time?
                 shortest = self._shortest(goal)
                 if isinstance(shortest, TimingRefusal):
                     number = int(times.searchsorted(time + max(GRID_S, shortest.excess)))
@@ -135,9 +135,9 @@ class JointMotion:
 
     def _shortest(self, goal: Numbers) -> float | TimingRefusal:
         """How long the last leg takes at least, s."""
-        if self.shape.hop is None:
-            return self.pace.together.shortest(self.origin, goal)
-        found = self._arch(self.shape.hop, goal, None)
+        if self.shape.form is None:
+            return self.scaled.together.shortest(self.origin, goal)
+        found = self._arch(self.shape.form, goal, None)
         return found if isinstance(found, TimingRefusal) else found.duration
 
     def _goal(self, row: int) -> Numbers:
@@ -149,7 +149,7 @@ class JointMotion:
         return q, self._passing(self.state.q.tolist(), q, self.ahead, self.shape.through), [0.0] * len(q)
 
     def _passing(self, before: list[float], at: list[float], behind: list[float], share: float) -> list[float]:
-        velocity, acceleration, _ = self.pace.rates
+        velocity, acceleration, _ = self.scaled.rates
         found = np.empty(len(at))
         first, here, last = (np.array(station) for station in (before, at, behind))
         passing_velocity(first, here, last, share, np.array(velocity), np.array(acceleration), found)
@@ -166,7 +166,7 @@ class JointMotion:
         for i, via in enumerate(shape.vias, start=1):
             v = self._passing(stations[i - 1], stations[i], stations[i + 1], via.pace)
             passed: Numbers = (stations[i], v, [0.0] * len(v))
-            found = self.pace.together.raw_profile(self.origin, passed)
+            found = self.scaled.together.raw_profile(self.origin, passed)
             if isinstance(found, TimingRefusal):
                 return unmoved(Stage.TIMING, self.step, Obstacle.NO_PROFILE)
             self.prefix.append(found)
@@ -174,9 +174,9 @@ class JointMotion:
         return None
 
     def _last(self, goal: Numbers, duration: float | None) -> RawProfile | TimingRefusal:
-        if self.shape.hop is not None:
-            return self._arch(self.shape.hop, goal, duration)
-        return self.pace.together.raw_profile(self.origin, goal, duration)
+        if self.shape.form is not None:
+            return self._arch(self.shape.form, goal, duration)
+        return self.scaled.together.raw_profile(self.origin, goal, duration)
 
     def _at_any_time(self, begin: float) -> Trajectory | Refusal:
         """The way to a point that stands: the fastest."""
@@ -193,14 +193,14 @@ class JointMotion:
         if end is not None:
             begins[-1] = end
         trajectory = trajectory_of(parts, begins)
-        return beyond_limits(self.scene, self.step, trajectory, self.pace.limits) or trajectory
+        return beyond_limits(self.scene, self.step, trajectory, self.scaled.limits) or trajectory
 
-    def _arch(self, hop: Hop, goal: Numbers, duration: float | None) -> RawProfile | TimingRefusal:
+    def _arch(self, form: ArchForm, goal: Numbers, duration: float | None) -> RawProfile | TimingRefusal:
         # on a belt the lift joint meets all later points as it meets the first: its motions are timed once
-        key = tuple(row[self.pace.lift[0]] for row in goal)
+        key = tuple(row[self.scaled.lift[0]] for row in goal)
         if key not in self._verticals:
-            self._verticals[key] = vertical(self.origin, goal, hop.top, self.pace)
-        return arch(self.origin, goal, hop, self.pace, duration, self._verticals[key])
+            self._verticals[key] = vertical(self.origin, goal, form.top, self.scaled)
+        return arch(self.origin, goal, form, self.scaled, duration, self._verticals[key])
 
 
 # A joint motion, slowed down where it pulls too hard at the held part, and nowhere else.

@@ -217,7 +217,7 @@ def _around(margin: Callable[[FloatArray], FloatArray], trajectory: Trajectory, 
 
 @dataclass(frozen=True, slots=True)
 class Near:
-    """The singularity that is nearest, by `reason`; its `margin` (no unit), which is `missing` short of what is asked.
+    """The singularity that is nearest, by `reason`; its `margin` (no unit), `missing` too small.
 
     `row`: where.
     """
@@ -257,13 +257,13 @@ class Margins(NamedTuple):
     parallel: FloatArray | None
 
 
-def nearest(robot: Robot, found: Inverse | Margins, asked: float, rows: IntArray, *, best: bool) -> Near:
+def nearest(robot: Robot, found: Inverse | Margins, least: float, rows: IntArray, *, best: bool) -> Near:
     """The margin that is short by most in the row of `rows` that is best (or worst) in this; NaN is no margin.
 
-    The parallel margin must be `asked` and the robot's own `parallel_least`, whichever is more.
+    The parallel margin must be `least` and the robot's own `parallel_least`, whichever is more.
     """
-    need = max(asked, robot.parallel_least)
-    serial = asked - found.margin[rows]
+    need = max(least, robot.parallel_least)
+    serial = least - found.margin[rows]
     parallel = np.full(len(rows), -np.inf) if found.parallel is None else need - found.parallel[rows]
     short: FloatArray = np.fmax(serial, parallel)
     at = int(np.nanargmin(short) if best else np.nanargmax(short))
@@ -274,16 +274,16 @@ def nearest(robot: Robot, found: Inverse | Margins, asked: float, rows: IntArray
 
 def too_near(scene: Scene, stage: Stage, step: int, trajectory: Trajectory, t0: float, t1: float) -> Refusal | None:
     """Whether the arm comes nearer to a singular position than `singularity_margin` over [t0, t1] of a motion."""
-    asked, robot = scene.options.singularity_margin, scene.robot
-    if not (asked > 0.0 and t1 > t0):
+    least, robot = scene.options.singularity_margin, scene.robot
+    if not (least > 0.0 and t1 > t0):
         return None
     t, _ = instants(trajectory)
     t = np.concatenate([[t0], t[(t0 < t) & (t < t1)], [t1]])
     q = trajectory.evaluate(t)
     margin, parallel = robot.margin(q), robot.parallel_margin(q) if robot.parallel_least > 0.0 else None
-    kept = margin >= asked if parallel is None else (margin >= asked) & (parallel >= asked)
+    kept = margin >= least if parallel is None else (margin >= least) & (parallel >= least)
     if kept.all():
         return None
     rows = np.flatnonzero(~kept)
-    near = nearest(robot, Margins(robot.singularity(q), margin, parallel), asked, rows, best=False)
+    near = nearest(robot, Margins(robot.singularity(q), margin, parallel), least, rows, best=False)
     return near.refusal(stage, step, (float(t[rows[0]]), float(t[rows[-1]])))

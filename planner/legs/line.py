@@ -138,11 +138,11 @@ def _times(values: FloatArray) -> FloatArray:
 
 # How fast joint legs may go, and who times them: all joints together or, over an arch, the lift apart from the others.
 #
-# A pace is made once for many legs: limits are checked once, and the solvers stay.
+# Scaled limits are made once for many legs: limits are checked once, and the solvers stay.
 
 
 @dataclass(frozen=True, eq=False)
-class Pace:
+class ScaledLimits:
     """The robot's `limits` at this `effort`: the share of the acceleration limits that is used (of velocity its root,
     of jerk its power of 3/2). `pull`: share of the acceleration that the joints across use of that.
     `lift_joint`: the number of the joint that lifts; None: no arches. `lift_effort`: its own, and `lift_most`: the

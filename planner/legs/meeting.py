@@ -287,7 +287,7 @@ def _beyond_limits(point: ControlPoint, t: FloatArray, q: FloatArray, lead: floa
 # which that motion is cut. So no state is handed over from which the lift could not stop within its range.
 
 FARTHER, FARTHER_M = 3.0, 0.02
-"""The motion of which a straight part is cut goes so many times as far, but at most so much farther, m, unless an arch
+"""A straight part is cut from a motion that goes so many times as far, but at most so much farther, m, unless an arch
 says how far it goes, ..."""
 LEAST_FARTHER = 1.2
 """... and at least so many times as far: with less room the tool stops where the straight part ends."""

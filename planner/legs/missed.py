@@ -12,7 +12,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.laws.belt_window import HORIZON_S, PARTS, ROUNDS
 from assur.planner.legs.control_point import ControlPoint
-from assur.planner.legs.line import Pace, part
+from assur.planner.legs.line import ScaledLimits, part
 from assur.planner.model.refusal import JointName, LawEnds, Quantity, Reason, Refusal, Stage, law_ends, window_missed
 from assur.planner.model.scene import Scene, beyond
 from assur.planner.model.task import Arch
@@ -117,7 +117,7 @@ def holds_for_all_times(refusal: Refusal) -> bool:
 def _never_open(scene: Scene, point: ControlPoint) -> tuple[Quantity | None, WindowMissed]:
     """By how much and why the point may be met at no time, however short it would have to be tracked.
 
-    A number is a fact for all times; there is none where not all of them were looked at, or known.
+    A number is a fact for all times; there is none where some of them are unknown or were not evaluated.
     """
     (low, high), start, latest = point.span, scene.start.time, scene.options.latest_end_s
     ends = scene.frames[point.frame].law.valid[1]
@@ -188,7 +188,7 @@ stand still."""
 
 
 @dataclass(frozen=True, slots=True)
-class Hop:
+class ArchForm:
     """Over an arch: the lift joint goes to `top`, the other joints set out when `rise` of the way up (in time) is done
     and arrive when `fall` of the way down is left. 1: corners are stopped at; 0: full overlap."""
 
@@ -206,7 +206,7 @@ def height_of(scene: Scene, arch: Arch, q: FloatArray) -> float:
 
 def too_high(scene: Scene, number: int, q: FloatArray, rounding: float = 0.0) -> Refusal | None:
     """Why the arch that step `number` asks for cannot be: the lift ends more than `rounding`, m, below it;
-    None: it can, or none is asked. `q` (n,): any joint position."""
+    None: it can, or the step has none. `q` (n,): any joint position."""
     lift, arch = scene.robot.lift, scene.task[number].arch
     if lift is None or arch is None:
         return None
@@ -229,21 +229,21 @@ SHORTEST_PART_S = 1e-3
 """s. Parts of an arch last at least so long: a part makes up for what its shared switches miss."""
 
 
-def vertical(start: Numbers, goal: Numbers, top: float, pace: Pace) -> Vertical | TimingRefusal:
+def vertical(start: Numbers, goal: Numbers, top: float, scaled: ScaledLimits) -> Vertical | TimingRefusal:
     """The fastest motions of the lift joint from the start up to `top` and from there down to the goal."""
     high = [top], [0.0], [0.0]
-    up = pace.lifting.raw_profile(part(start, pace.lift), high)
+    up = scaled.lifting.raw_profile(part(start, scaled.lift), high)
     if isinstance(up, TimingRefusal):
         return up
-    down = pace.lifting.raw_profile(high, part(goal, pace.lift))
+    down = scaled.lifting.raw_profile(high, part(goal, scaled.lift))
     return down if isinstance(down, TimingRefusal) else (up, down)
 
 
 def arch(
     start: Numbers,
     goal: Numbers,
-    hop: Hop,
-    pace: Pace,
+    form: ArchForm,
+    scaled: ScaledLimits,
     duration: float | None,
     lifted: Vertical | TimingRefusal | None = None,
 ) -> RawProfile | TimingRefusal:
@@ -253,15 +253,15 @@ def arch(
     are at rest; at a moving end there is no time to spare, so the joints across fill it. `lifted`: from `vertical`,
     where it is known already.
     """
-    lifted = vertical(start, goal, hop.top, pace) if lifted is None else lifted
+    lifted = vertical(start, goal, form.top, scaled) if lifted is None else lifted
     if isinstance(lifted, TimingRefusal):
         return lifted
     up, down = lifted
-    begin, end = part(start, pace.others), part(goal, pace.others)
+    begin, end = part(start, scaled.others), part(goal, scaled.others)
     resting, arriving = (not (any(state[1]) or any(state[2])) for state in (begin, end))
-    before = hop.rise * up.duration if resting else 0.0
-    after = hop.fall * down.duration if arriving else 0.0
-    across = pace.across.raw_profile(begin, end)
+    before = form.rise * up.duration if resting else 0.0
+    after = form.fall * down.duration if arriving else 0.0
+    across = scaled.across.raw_profile(begin, end)
     if isinstance(across, TimingRefusal):
         return across
     total = max(before + across.duration + after, up.duration + down.duration)
@@ -273,26 +273,26 @@ def arch(
         # moving ends leave no time to spare at that end: the joints across fill it
         required = total - before - after
         if required > across.duration + SPARE_S:
-            across = pace.across.raw_profile(begin, end, required)
+            across = scaled.across.raw_profile(begin, end, required)
             if isinstance(across, TimingRefusal):
                 return across
-    return _laid_over(start, goal, (up, down), across, before, total, pace)
+    return _laid_over(start, goal, (up, down), across, before, total, scaled)
 
 
 def _laid_over(
-    start: Numbers, goal: Numbers, lifted: Vertical, across: RawProfile, before: float, total: float, pace: Pace
+    start: Numbers, goal: Numbers, lifted: Vertical, across: RawProfile, wait: float, total: float, scaled: ScaledLimits
 ) -> RawProfile:
-    """Up from 0, down to the end, the joints across from `before` on; in between each stands still."""
+    """Up from 0, down to the end, the joints across from `wait` on; in between each stands still."""
     up, down = lifted
     stands, flat = up.phases.shape[2], across.phases.shape[2]
     phases = np.zeros((len(start[0]), 2, max(stands + 1 + down.phases.shape[2], 1 + flat)))
-    phases[pace.lift, :, :stands] = up.phases
+    phases[scaled.lift, :, :stands] = up.phases
     spent = float(up.phases[0, 0].sum() + down.phases[0, 0].sum())
-    phases[pace.lift, 0, stands] = max(0.0, total - spent)
-    phases[pace.lift, :, stands + 1 : stands + 1 + down.phases.shape[2]] = down.phases
-    phases[pace.others, 0, 0] = before
-    phases[pace.others, :, 1 : 1 + flat] = across.phases
-    return ArchProfile(total, start, goal, phases, lifted, across, before, pace)
+    phases[scaled.lift, 0, stands] = max(0.0, total - spent)
+    phases[scaled.lift, :, stands + 1 : stands + 1 + down.phases.shape[2]] = down.phases
+    phases[scaled.others, 0, 0] = wait
+    phases[scaled.others, :, 1 : 1 + flat] = across.phases
+    return ArchProfile(total, start, goal, phases, lifted, across, wait, scaled)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -307,11 +307,11 @@ class ArchProfile(RawProfile):
     lifted: Vertical
     across: RawProfile
     before: float
-    pace: Pace
+    scaled: ScaledLimits
 
     @property
     def parts(self) -> list[RawProfile]:
-        (up, down), across, pace = self.lifted, self.across, self.pace
+        (up, down), across, scaled = self.lifted, self.across, self.scaled
         high, arrived = (up.duration, self.duration - down.duration), self.before + across.duration
         cuts = [0.0, self.duration]
         for t in (*high, min(max(arrived, high[0]), high[1])):
@@ -321,7 +321,7 @@ class ArchProfile(RawProfile):
         states = [self.begin]
         for t in cuts[1:-1]:
             others = across.begin if t <= self.before else across.goal if t >= arrived else across.at(t - self.before)
-            states.append(_together(up.goal, others, pace))
+            states.append(_together(up.goal, others, scaled))
         states.append(self.goal)
         ends, edges = self.phases[:, 0].cumsum(1), np.array(cuts)[:, None, None]
         begins, own = ends - self.phases[:, 0], np.repeat(self.phases[None], len(cuts) - 1, axis=0)
@@ -329,16 +329,16 @@ class ArchProfile(RawProfile):
         found = list[RawProfile]()
         for (t0, t1), (first, last), phases in zip(pairwise(cuts), pairwise(states), own, strict=True):
             if high[0] <= t0 and t1 <= high[1]:
-                phases[pace.lift] = 0.0
+                phases[scaled.lift] = 0.0
             if t1 <= self.before or t0 >= arrived:
-                phases[pace.others] = 0.0
+                phases[scaled.others] = 0.0
             found.append(RawProfile(t1 - t0, first, last, phases))
         return found
 
 
-def _together(lift: Numbers, others: Numbers, pace: Pace) -> Numbers:
+def _together(lift: Numbers, others: Numbers, scaled: ScaledLimits) -> Numbers:
     """The state of all joints from that of the lift joint and that of the others."""
     rows = [row.copy() for row in others]
     for row, (value,) in zip(rows, lift, strict=True):
-        row.insert(pace.lift[0], value)
+        row.insert(scaled.lift[0], value)
     return rows[0], rows[1], rows[2]

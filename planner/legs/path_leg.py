@@ -17,13 +17,13 @@ from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.legs.course import PathCourse, spot
-from assur.planner.legs.follower import UNIFORM, Jumps, Way, first_beyond, followed, looks, marks_of
+from assur.planner.legs.follower import UNIFORM, Jumps, PathTask, first_beyond, followed, looks, marks_of
 from assur.planner.legs.limits import rates, too_fast
 from assur.planner.legs.phase_law import CORNER_SAMPLES, STEEPER, TABLE, Bends, quickest, slowed_at_bends
 from assur.planner.legs.state import State, TimedLeg
 from assur.planner.legs.straight import CLOSE_ROUNDS, by_law, constant_law
 from assur.planner.legs.tilt import flange_of, tilt_of
-from assur.planner.legs.tracking import Tracked, cut
+from assur.planner.legs.tracking import TrackingLegs, cut
 from assur.planner.model.outcome import Traced
 from assur.planner.model.path import Path
 from assur.planner.model.refusal import (
@@ -53,7 +53,7 @@ def along_path(
     course = _course(scene, point, state, modes, tracked)
     if isinstance(course, Refusal):
         return course
-    way = Way(scene, Stage.STRAIGHT, point.step, course, UNIFORM, state.time, point.frame)
+    way = PathTask(scene, Stage.STRAIGHT, point.step, course, UNIFORM, state.time, point.frame)
     mode, limits = modes[0], point.limits
     found = [by_law(way, state, mode, law, CLOSE_ROUNDS, limits) for law in _laws(way, course, mode, limits)]
     if not (point.still and any(isinstance(leg, TimedLeg) for leg in found)):
@@ -63,7 +63,7 @@ def along_path(
     return min(legs, key=lambda leg: leg.knots.end) if legs else found[-1]
 
 
-def _placed(way: Way, state: State, mode: int, refusal: Refusal) -> Refusal:
+def _placed(way: PathTask, state: State, mode: int, refusal: Refusal) -> Refusal:
     """A refusal of a joint's range with where on the path it is beyond."""
     if not isinstance(refusal.facts, BeyondRange) or refusal.joint is None:
         return refusal
@@ -115,7 +115,7 @@ def path_from(move: Move, step: int, begin: Pose) -> Path | Refusal:
     return path
 
 
-def _laws(way: Way, course: PathCourse, mode: int, limits: Limits) -> list[Trajectory]:
+def _laws(way: PathTask, course: PathCourse, mode: int, limits: Limits) -> list[Trajectory]:
     """Laws made for the path in the frame as it stands when the leg begins: one that slows down where the path bends,
     and the quickest that is found without parts."""
     stands, curve, robot = replace(way, course=replace(course, stands=way.begin)), course.path.curve, way.scene.robot
@@ -206,17 +206,17 @@ def _trace(point: ControlPoint) -> Trace:
     return step
 
 
-def _way(point: ControlPoint, begin: float) -> Way:
+def _way(point: ControlPoint, begin: float) -> PathTask:
     """The motion of the flange along the path from `begin`, s."""
     step, scene = _trace(point), point.scene
     edges = -step.lead_in_m, step.path.length + step.lead_out_m
     beside = point.pose.position - step.path.curve.at(np.array(edges[:1]))[0][0]
     tilts = None if point.tilt is None else (point.tilt, point.tilt)
     course = PathCourse(scene, point.frame, step.path, edges, 1.0, Pose(), beside, (point.pose.yaw, 0.0), tilts)
-    return Way(scene, Stage.TRACKING, point.step, course, _process(step), begin, point.frame)
+    return PathTask(scene, Stage.TRACKING, point.step, course, _process(step), begin, point.frame)
 
 
-def trace(point: ControlPoint, state: State, mode: int) -> Tracked | Refusal:
+def trace(point: ControlPoint, state: State, mode: int) -> TrackingLegs | Refusal:
     """Lead-in, path and lead-out from `state`, in which the flange is where the lead-in begins, moving with the frame.
 
     Refused, with the place on the path: out of reach, too near a singularity, a joint beyond its range or its rates.
@@ -234,7 +234,7 @@ def trace(point: ControlPoint, state: State, mode: int) -> Tracked | Refusal:
     return refusal or cut(spline, way.begin + met, way.begin + left)
 
 
-def _refused_rates(way: Way, point: ControlPoint, spline: Trajectory) -> Refusal | None:
+def _refused_rates(way: PathTask, point: ControlPoint, spline: Trajectory) -> Refusal | None:
     """Which joint breaks a limit, and where on the path it does most."""
     fast = rates(way.scene, way.stage, way.step, spline, point.limits)
     if isinstance(fast, Refusal):
@@ -249,7 +249,7 @@ def _refused_rates(way: Way, point: ControlPoint, spline: Trajectory) -> Refusal
     return _at(way, point, fast.ratios, float(t[int(np.abs(spline.evaluate(t, kind + 1)[:, joint]).argmax())]))
 
 
-def _too_fast(way: Way, point: ControlPoint, mode: int, t: FloatArray) -> Refusal | None:
+def _too_fast(way: PathTask, point: ControlPoint, mode: int, t: FloatArray) -> Refusal | None:
     """Which joint would be too fast for the exact motion at times `t` (T,), and where on the path it would be most."""
     found, limits = way.scene.robot.inverse(way.motion(t), mode, 2), point.limits
     ratios = np.abs(np.stack([found.qd, found.qdd])) / np.stack([limits.velocity, limits.acceleration])[:, None]
@@ -261,7 +261,7 @@ def _too_fast(way: Way, point: ControlPoint, mode: int, t: FloatArray) -> Refusa
     return _at(way, point, worst, float(t[int(ratios.max((0, 2)).argmax())]))
 
 
-def _at(way: Way, point: ControlPoint, ratios: FloatArray, when: float) -> Refusal:
+def _at(way: PathTask, point: ControlPoint, ratios: FloatArray, when: float) -> Refusal:
     """The refusal of a joint that is too fast for a path, with where on it that is at its worst; `ratios` (3, n) of its
     rates to their limits."""
     refusal = too_fast(way.scene, way.stage, way.step, ratios, point.limits, point.frame)
@@ -273,7 +273,7 @@ def _at(way: Way, point: ControlPoint, ratios: FloatArray, when: float) -> Refus
 
 
 def traced(scene: Scene, point: ControlPoint, trajectory: Trajectory, begin: float, until: float) -> Traced | Refusal:
-    """What is said of a path that is traced from `begin` to `until`, s; a refusal where the promise is not kept."""
+    """The report on a path that is traced from `begin` to `until`, s; a refusal where the promise is not kept."""
     step = _trace(point)
     way = _way(point, begin - lead(point))
     t = np.clip(looks(trajectory.time[(trajectory.time >= begin) & (trajectory.time <= until)]), begin, until)

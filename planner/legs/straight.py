@@ -19,7 +19,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion
 from assur.planner.legs.course import PathCourse
-from assur.planner.legs.follower import UNIFORM, Way, followed
+from assur.planner.legs.follower import UNIFORM, PathTask, followed
 from assur.planner.legs.limits import rates
 from assur.planner.legs.line import Along, Line, Rates
 from assur.planner.legs.phase_law import TABLE, faster, quickest
@@ -53,15 +53,15 @@ LOOSE, LOOSE_AIM = 0.9, 0.96
 FIRST = (2.0, 8.0, 80.0)
 """Limits of the constant phase law to begin with, 1/s, 1/s², 1/s³."""
 CONSTANT_LOOKS = 201
-"""Times at which the constant law is looked at to tell how long it would take on a line."""
+"""Times at which the constant law is evaluated to compute how long it would take on a line."""
 SURELY = 0.95
 """A leg that takes less than this share of what the constant law would take needs no comparison with it ..."""
-AS_TOLD = 0.05
-"""... if the leg itself was told to this share before it was made. Past a singular position a rate can rise and fall
-between two points of the table, and then neither is."""
+AS_PREDICTED = 0.05
+"""... if its own predicted duration was right to this share. Past a singular position a rate can rise and fall between
+two points of the table, and then neither prediction is."""
 
 LOOKS = 201
-"""Points of a line at which its distance from a singular position is looked at."""
+"""Points of a line at which its distance from a singular position is evaluated."""
 
 
 def straight(
@@ -74,7 +74,7 @@ def straight(
     of the spline. Refused: out of reach, too near a singularity, a joint position beyond its limit.
     """
     start, limits = np.array([state.time]), scene.limits_with(held)
-    line = Way(scene, Stage.STRAIGHT, step, Line(left, met, scene.tool.tcp), UNIFORM, state.time)
+    line = PathTask(scene, Stage.STRAIGHT, step, Line(left, met, scene.tool.tcp), UNIFORM, state.time)
 
     def by(law: Trajectory, closely: int) -> TimedLeg | Refusal:
         return by_law(line, state, mode, law, closely, limits)
@@ -87,8 +87,8 @@ def straight(
             leg = by(law, CLOSE_ROUNDS)
         if law is not None and isinstance(leg, TimedLeg):
             t = leg.knots.time
-            told = abs(leg.duration / law.duration - 1) <= AS_TOLD
-            if told and leg.duration <= surely and _still(left, t) and _still(met, t):
+            predicted = abs(leg.duration / law.duration - 1) <= AS_PREDICTED
+            if predicted and leg.duration <= surely and _still(left, t) and _still(met, t):
                 return leg
     plain = by(constant_law(), 0)
     if isinstance(plain, Refusal):
@@ -137,7 +137,7 @@ def _still(along: Along, t: FloatArray) -> bool:
     return not (motion.v.any() or motion.a.any() or motion.yaw_d.any() or motion.yaw_dd.any())
 
 
-def by_law(way: Way, state: State, mode: int, law: Trajectory, closely: int, limits: Limits) -> TimedLeg | Refusal:
+def by_law(way: PathTask, state: State, mode: int, law: Trajectory, closely: int, limits: Limits) -> TimedLeg | Refusal:
     """The leg on the course of `way` by a phase law, as fast as keeps the joints' `limits`; in so many rounds to begin
     with, closely so."""
     scale, on_path = 1.0, isinstance(way.course, PathCourse)

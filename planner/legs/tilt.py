@@ -1,4 +1,4 @@
-"""With which pitch and roll a control point may be met: what is asked, and choices where that is free."""
+"""With which pitch and roll a control point may be met: as required, and choices where that is free."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion
 from assur.planner.legs.control_point import ControlPoint, MovingEnd
-from assur.planner.legs.follower import Way, followed
+from assur.planner.legs.follower import PathTask, followed
 from assur.planner.legs.limits import Rates, parts, rates, too_fast
 from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.legs.tool_motion import lift_most
@@ -34,7 +34,7 @@ WITHOUT_LIFT = (0.5, 5.0, 250.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Tracked:
+class TrackingLegs:
     """The tracking legs of one step, and the span [begin, end] in which the tool is at the point itself."""
 
     legs: tuple[TimedLeg, ...]
@@ -76,7 +76,7 @@ def lead_time(scene: Scene, point: ControlPoint, effort: float) -> float | Refus
 
 def track(
     scene: Scene, point: ControlPoint, state: State, mode: int, effort: float, leaves: MovingEnd | None = None
-) -> Tracked | Refusal:
+) -> TrackingLegs | Refusal:
     """The tracking legs that begin in `state`, which must be that of the flange `point.approach` above the point.
 
     `effort`: share of the limits that heights use, between stops. `leaves`: how the tool goes on behind the depart.
@@ -92,9 +92,9 @@ def track(
         left = met + point.dwell
         if down is None and up is None and not point.dwell > 0.0:
             touch = Knots.made(np.array([state.time]), state.q[None], state.qd[None], state.qdd[None])
-            return Tracked((TimedLeg(LegKind.FOLLOW, touch),), state.time, state.time)
+            return TrackingLegs((TimedLeg(LegKind.FOLLOW, touch),), state.time, state.time)
         heights, met, left = _heights(down, left, up), state.time + met, state.time + left
-        way = Way(scene, Stage.TRACKING, point.step, _Above(point), heights, state.time, point.frame)
+        way = PathTask(scene, Stage.TRACKING, point.step, _Above(point), heights, state.time, point.frame)
         spline = followed(way, state, mode, (met, left) if point.still else None)
         if isinstance(spline, Refusal):
             return spline
@@ -150,7 +150,7 @@ def _way(
     return found
 
 
-def cut(spline: Trajectory, met: float, left: float) -> Tracked:
+def cut(spline: Trajectory, met: float, left: float) -> TrackingLegs:
     """A motion as the legs before a point or path is met, s, until it is left, and behind that."""
     table = spline.knots
     for time in (met, left):
@@ -169,4 +169,4 @@ def cut(spline: Trajectory, met: float, left: float) -> Tracked:
         if t1 > t0 + SAME_S or kind is LegKind.FOLLOW:
             rows = (table[:, 0] >= t0 - SAME_S) & (table[:, 0] <= t1 + SAME_S)
             legs.append(TimedLeg(kind, Knots(table[rows])))
-    return Tracked(tuple(legs), met, left)
+    return TrackingLegs(tuple(legs), met, left)

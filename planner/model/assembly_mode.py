@@ -1,7 +1,7 @@
 """Whether a robot with a loop stays in its assembly mode all along a trajectory, proved over intervals.
 
 Between two assembly modes lies a type 2 singularity; a trajectory that keeps its distance from all of them cannot have
-changed its mode. Arms without a loop are not looked at.
+changed its mode. Arms without a loop are not checked.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from assur.planner.model.outcome import Contact, JointPeak, Nearest, ToolPeaks
 
 @dataclass(frozen=True, slots=True)
 class Claims:
-    """Claims about one plan, each None where nothing is said.
+    """Claims about one plan, each None where nothing is claimed.
 
     `nearest`: the smallest clearance of the arm, its tool and what it holds, and `placed` that of parts that were put
     down, (None,) being that there is nothing to keep apart; `pairs`: how near pairs of

@@ -5,7 +5,7 @@ Work that ends by a clock asks the deadline that is in force where it runs, so t
     with Deadline(started, budget_s):
         ...
         if out_of_time(): ...  # what is sound already may be used as it is
-        look()                 # or: there is nothing to use yet
+        raise_if_late()        # or: there is nothing to use yet
 
 A deadline never changes a result that is found before it passes.
 """
@@ -21,7 +21,7 @@ from typing import Literal
 
 
 class OutOfTimeError(Exception):
-    """The deadline in force has passed. Whoever set it makes an answer of what is known by then."""
+    """The deadline in force has passed. The function that set it answers with what is known by then."""
 
 
 @dataclass(eq=False)
@@ -54,7 +54,7 @@ def out_of_time() -> bool:
     return time.perf_counter() >= _IN_FORCE.get()
 
 
-def look() -> None:
+def raise_if_late() -> None:
     """Raises `OutOfTimeError` if the deadline in force has passed."""
     if out_of_time():
         raise OutOfTimeError

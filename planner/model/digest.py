@@ -1,4 +1,4 @@
-"""One number for a request and its plan: whoever changes either afterwards changes the number.
+"""One number for a request and its plan: to change either afterwards changes the number.
 
 It guards against mistakes (a certificate of another plan, a file cut short), not against malice: anyone can compute it
 again, so the checker trusts nothing because of it.
@@ -86,9 +86,9 @@ def _arrival(arrival: Arrival) -> list[Any]:
 
 
 def _touching(arrival: Arrival) -> list[float | None]:
-    """How far tool or support are from the part; nothing where neither is said, as in plans from before it was."""
-    said = (arrival.grip_m, arrival.support_m)
-    return [] if said == (None, None) else [None if value is None else float(value) + 0.0 for value in said]
+    """How far tool or support are from the part; nothing where neither is stated, as in old plans."""
+    stated = (arrival.grip_m, arrival.support_m)
+    return [] if stated == (None, None) else [None if value is None else float(value) + 0.0 for value in stated]
 
 
 def _trace(trace: Traced) -> list[float]:

@@ -91,8 +91,8 @@ def room(ranges: Sequence[YawRange], yaw: float, slack: float) -> Room:
 
 
 def check_ranges(robot: Robot, ranges: Sequence[YawRange], lag: Sequence[float]) -> None:
-    """Raises `InputError` for ranges that leave no yaw, for an arm that cannot turn its tool at will, and for lags of
-    which it is not known by how much they turn the tool."""
+    """Raises `InputError` for ranges that leave no yaw, for an arm that cannot turn its tool at will, and for lags
+    that turn the tool by an unknown angle."""
     if not ranges:
         return
     if len(ranges) > MOST:

@@ -31,8 +31,8 @@ class ClearanceException:
 
 @dataclass(frozen=True, slots=True)
 class Clearance:
-    """Required distances, m: `near` in approach, follow and depart, `travel` elsewhere; and what differs from that, of
-    which the last that names a pair counts."""
+    """Required distances, m: `near` in approach, follow and depart, `travel` elsewhere; and what differs from that:
+    the last that names a pair counts."""
 
     travel_m: float = 0.0
     near_m: float = 0.0

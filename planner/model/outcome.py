@@ -256,7 +256,7 @@ class Certificate:
 class Plan:
     """What will run, and its proof. The checker needs this and the scene, nothing else.
 
-    Raises `InputError` for parts that are not what they are said to be here.
+    Raises `InputError` for parts that contradict this description.
     """
 
     trajectory: Trajectory

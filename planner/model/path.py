@@ -29,7 +29,7 @@ from assur.planner.geometry.curves import (
     slowest,
     spline_through,
 )
-from assur.planner.model.deadline import look
+from assur.planner.model.deadline import raise_if_late
 
 Point = tuple[float, float, float]
 
@@ -49,12 +49,12 @@ once, and the middle is nearest to the corner."""
 SECTIONS, ROUNDS = 64, 10
 """Into so many sections the range of what a corner may take is divided, and so often the one that is left: by 2^60."""
 BLOCK = 2048
-"""Arc lengths between two looks at the clock."""
+"""Arc lengths between two readings of the clock."""
 CUSP = 0.05
 """A spline whose |dr/du| falls below this share of its chord turns too sharply to be followed."""
 
 LONGEST_S = 600.0
-"""For so long the tool may be on one path, s: who checks a path looks at it every 2 ms from its begin to its end."""
+"""Longest time of the tool on one path, s: a check of a path evaluates it every 2 ms from its begin to its end."""
 
 
 class PathError(InputError):
@@ -128,7 +128,7 @@ class PathCurve:
         `OutOfTimeError` where the deadline in force passes."""
         found = np.zeros((3, len(s), 3))
         for first in range(0, len(s), BLOCK):
-            look()
+            raise_if_late()
             rows = slice(first, first + BLOCK)
             found[:, rows] = self._block(s[rows])
         return found[0], found[1], found[2]
@@ -201,7 +201,7 @@ class Path:
         found: list[tuple[Curve, float, float]] = []
         here = np.array(self.begin)
         for number, part in enumerate(self.parts):
-            look()
+            raise_if_late()
             tangent = None if not found else _end(found[-1])[1][0]
             pieces = _curves(number, part, here, tangent)
             found += self._rounded(number, found, pieces)
@@ -320,19 +320,19 @@ def _points(number: int, part: PathPart, here: FloatArray | None) -> Circular | 
     arc = circle_through(here, np.array(part.via), np.array(part.to))
     if arc is None or not arc.radius <= LARGEST_RADIUS_M:
         allowed = (
-            f"a point beside the line from {_told(here.tolist())} to {_told(part.to)}, on a circle of "
+            f"a point beside the line from {_in_mm(here.tolist())} to {_in_mm(part.to)}, on a circle of "
             f"{LARGEST_RADIUS_M:g} m at most; or a line"
         )
         raise PathError(number, "via", part.via, allowed)
     return arc
 
 
-def _apart(number: int, key: str, point: Point, other: Point, told: str) -> None:
-    """Raises `PathError` at a point that is too near another one, which is what is `told`."""
+def _apart(number: int, key: str, point: Point, other: Point, what: str) -> None:
+    """Raises `PathError` at a point that is too near another one, described by `what`."""
     if not math.dist(point, other) > CLOSEST_M:
-        allowed = f"points that are more than {1e3 * CLOSEST_M:g} mm apart; {_told(other)} is {told}"
+        allowed = f"points that are more than {1e3 * CLOSEST_M:g} mm apart; {_in_mm(other)} is {what}"
         raise PathError(number, key, point, allowed)
 
 
-def _told(point: Sequence[float]) -> str:
+def _in_mm(point: Sequence[float]) -> str:
     return "({}) mm".format(", ".join(f"{round(1e3 * x, 4) + 0.0:g}" for x in point))

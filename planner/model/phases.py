@@ -122,7 +122,7 @@ Contacts = frozenset[tuple[str, str]]
 
 
 @dataclass(frozen=True, slots=True)
-class Handled:
+class GraspUncertainty:
     """What is known of the parts that were gripped: how well each is known, in the gripper that holds it or in the
     frame where it was put down, sorted by name; and with what a part that was put down may stay in contact."""
 
@@ -133,14 +133,14 @@ class Handled:
         """How well a part is known; None: it was not gripped."""
         return dict(self.within).get(part)
 
-    def changed(self, part: str, within: PoseUncertainty, supports: Contacts) -> Handled:
+    def changed(self, part: str, within: PoseUncertainty, supports: Contacts) -> GraspUncertainty:
         """The same after a part was gripped (no supports) or put down."""
         others = [each for each in self.within if each[0] != part]
         kept = frozenset(each for each in self.supports if part not in each)
-        return Handled(tuple(sorted([*others, (part, within)], key=itemgetter(0))), kept | supports)
+        return GraspUncertainty(tuple(sorted([*others, (part, within)], key=itemgetter(0))), kept | supports)
 
 
-NOTHING_HANDLED = Handled()
+NOTHING_HANDLED = GraspUncertainty()
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,8 +148,8 @@ class Phase:
     """[t0, t1] of one leg (or the standstill after the last, whose step is -1).
 
     `contacts`: pairs that may touch, as deep as `contact_tolerance_m` allows; `tracked`: the frame that a tracking leg
-    follows; `corrected`: with belt correction, the belts that the tracking legs before and behind this leg follow, for
-    either of which the arm may be shifted on its way; `handled`: what is known of parts that were gripped. `robot`:
+    follows; `corrected`: with belt correction, the belts that the tracking legs before and behind this leg follow: for
+    either the arm may be shifted on its way; `handled`: what is known of parts that were gripped. `robot`:
     whether the robot counts; it does not where only its late start is waited for.
     """
 
@@ -162,7 +162,7 @@ class Phase:
     tracked: str | None = None
     corrected: tuple[str, ...] = ()
     contact_tolerance_m: float = 0.0
-    handled: Handled = NOTHING_HANDLED
+    handled: GraspUncertainty = NOTHING_HANDLED
     robot: bool = True
 
     @property
@@ -191,13 +191,13 @@ def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -
     return tuple(found + stay_phases(scene, legs[-1].t1, attached, handled)) if legs else ()
 
 
-def handled_at_start(scene: Scene) -> Handled:
+def handled_at_start(scene: Scene) -> GraspUncertainty:
     """What is known of the part that the gripper holds when the plan begins."""
     holding = scene.start.holding
-    return NOTHING_HANDLED if holding is None else Handled(((holding.part, holding.within),))
+    return NOTHING_HANDLED if holding is None else GraspUncertainty(((holding.part, holding.within),))
 
 
-def stay_phases(scene: Scene, end: float, attached: Attachments, handled: Handled) -> list[Phase]:
+def stay_phases(scene: Scene, end: float, attached: Attachments, handled: GraspUncertainty) -> list[Phase]:
     """What follows a motion that ends at `end`, s: the standstill for `stay_safe_s`, if one is required; and for parts
     that were put down the time by which the robot may be late, until when they must be kept clear, too."""
     stay, corrected = scene.options.stay_safe_s, on_way(scene, len(scene.task))
@@ -212,8 +212,8 @@ def stay_phases(scene: Scene, end: float, attached: Attachments, handled: Handle
 
 
 def step_phases(
-    scene: Scene, attached: Attachments, handled: Handled, legs: tuple[Leg, ...], arrival: Arrival | None
-) -> tuple[list[Phase], Attachments, Handled]:
+    scene: Scene, attached: Attachments, handled: GraspUncertainty, legs: tuple[Leg, ...], arrival: Arrival | None
+) -> tuple[list[Phase], Attachments, GraspUncertainty]:
     """The phases of the legs of one step, which begins with `attached` and `handled`; and both behind them."""
     number = legs[0].step
     step = scene.task[number]
@@ -237,7 +237,7 @@ def step_phases(
 
 
 def gripped_within(step: Step, arrival: Arrival | None) -> PoseUncertainty:
-    """How well a part is known once it was gripped or put down: as well as the tool met it, or as is said."""
+    """How well a part is known once it was gripped or put down: as well as the tool met it, or as is stated."""
     if isinstance(step, Pick) and step.held_within is not None:
         return step.held_within
     error = None if arrival is None else arrival.error

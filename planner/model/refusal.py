@@ -1,6 +1,6 @@
 """Why a candidate, or a whole request, was refused: typed facts. `report.refusal_table` has their sentences.
 
-Whoever decides reads these facts, never a sentence. Times are absolute seconds of the scene's clock, all else is SI.
+Decisions depend on these facts, never on a sentence. Times are absolute seconds of the scene's clock, all else is SI.
 """
 
 from __future__ import annotations
@@ -257,7 +257,7 @@ exception that names them; or that they may touch."""
 class Separation:
     """How near two bodies come: `gap_m` (negative: how deep, at most; None: not known) where `required_m` is
     required; both are None where time ran out before they were known. `required_m` is `clearance_m`, which `rule` says,
-    and what is not known of where the two are."""
+    and the uncertainty of where the two are."""
 
     kind: Literal["separation"] = "separation"
     touching: bool

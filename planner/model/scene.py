@@ -1,4 +1,4 @@
-"""The cell and the task: what a request means once it is valid. Facts only, SI, world frame unless said."""
+"""The cell and the task: what a request means once it is valid. Facts only, SI, world frame unless stated."""
 
 from __future__ import annotations
 
@@ -203,12 +203,12 @@ class Scene:
         return tuple((name, span) for name, span in valid.items() if span[1] != math.inf)
 
     def straight(self, step: Step) -> tuple[float, float]:
-        """Lengths of the straight parts of a step's approach and depart, m: as they are asked for, but long enough for
-        what touches at the point to be as far apart as in travel where the clearance of travel begins. One with a stop
-        has the length that is asked for."""
+        """Lengths of the straight parts of a step's approach and depart, m: as required, but long enough for what
+        touches at the point to be as far apart as in travel where the clearance of travel begins. One with a stop has
+        exactly the required length."""
         clear = STRAIGHT * self.options.clearance.travel_m
-        asked = ((step.approach_m, step.approach_stop), (step.depart_m, step.depart_stop))
-        approach, depart = (length if stop or not length > 0.0 else max(length, clear) for length, stop in asked)
+        required = ((step.approach_m, step.approach_stop), (step.depart_m, step.depart_stop))
+        approach, depart = (length if stop or not length > 0.0 else max(length, clear) for length, stop in required)
         return approach, depart
 
     def counted(self, joint: int, value: float) -> float:

@@ -1,6 +1,6 @@
 """The steps of a task: control points, and how each is to be met. Facts only, SI.
 
-Every kind of step answers the same questions; what a kind does not have is said once, in its class: `tracks` (whether
+Every kind of step answers the same questions; what a kind does not have is stated once, in its class: `tracks` (whether
 the tool is guided along the point's frame for a time), `part`, `target`, `approach_m`, `depart_m`, `dwell_s`, `match`,
 `via`, `arch`, `leg`, `window`, `tolerance`, `contact_tolerance_m`, `approach_stop`, `depart_stop`.
 """

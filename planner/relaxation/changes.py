@@ -94,7 +94,7 @@ def _of_separation(refusal: Refusal, facts: Separation) -> tuple[str, ...]:
         return ("straight part",)
     if facts.gap_m is None:
         return ()
-    # planned to be one in the other: the point is too low; else what is not known presses them together
+    # planned to be one in the other: the point is too low; else the uncertainty presses them together
     planned = facts.gap_m < -CONTACT_M
     if facts.rule == "contact":
         return ("point height", "contact tolerance") if planned else ("contact tolerance", "point height")

@@ -44,7 +44,7 @@ SHARE, FIRST_SHARE = 1 / 3, 1 / 2
 FEWEST_S = 0.02
 """A change is not tried with less time than this left, s."""
 NARROWED = frozenset({"window", "latest end"})
-"""Kinds of which the plan that was found says how much would do."""
+"""Kinds whose sufficient amount is read from the plan that was found."""
 
 
 def relax(
@@ -119,8 +119,8 @@ def _attempt(
         longest = min(ATTEMPT_S, (SHARE if tried else FIRST_SHARE) * left, options.budget_s)
     tried.append(f"{what}: {value}")
     changed = replace(scene, options=replace(options, budget_s=longest))
-    told: Watch | None = None if watch is None else lambda progress: watch(replace(progress, stage="relaxation"))
-    first = search(changed, Prover(changed), time.perf_counter(), watch=told)
+    reporting: Watch | None = None if watch is None else lambda progress: watch(replace(progress, stage="relaxation"))
+    first = search(changed, Prover(changed), time.perf_counter(), watch=reporting)
     first.until_first = True
     return first.run().plan
 

@@ -65,7 +65,7 @@ def margins(
 
 
 def _peaks(scene: Scene, trajectory: Trajectory, phases: tuple[Phase, ...]) -> tuple[tuple[JointPeak, ...], MostUsed]:
-    """The peaks of all joints, and the limit of which most is used. No jerk where it has no limit. A ratio is the
+    """The peaks of all joints, and the most used limit. No jerk where it has no limit. A ratio is the
     greatest of all phases, each with the limits of its load."""
     joints, kinds = scene.robot.joints, RATES if scene.options.jerk_limited else RATES[:2]
     tops, ratios = np.zeros((2, 3, len(joints)))

@@ -23,7 +23,7 @@ NEAR_PEAK = 0.01
 
 @dataclass(frozen=True, slots=True)
 class MostUsed:
-    """The limit of which a plan uses the largest share: velocity, acceleration or jerk (`kind`) of a joint, or, where
+    """The limit that a plan uses to the largest share: velocity, acceleration or jerk (`kind`) of a joint, or, where
     `joint` is empty, the acceleration of the carried part."""
 
     share: float
@@ -44,8 +44,8 @@ class MostUsed:
 def busiest(
     scene: Scene, trajectory: Trajectory, phases: tuple[Phase, ...], limit: MostUsed, t: FloatArray, lasts: FloatArray
 ) -> Busiest | None:
-    """The phase in which a limit is longest within `NEAR_PEAK` of its peak; None: it is at none of the times `t` (T,),
-    each of which counts for so long (T,), s."""
+    """The phase in which a limit is longest within `NEAR_PEAK` of its peak; None: it is at none of the times `t` (T,);
+    each time counts for so long (T,), s."""
     from assur.planner.legs.tool_motion import tool_accelerations  # kernels, which no writer of answers may load
 
     if limit.joint:

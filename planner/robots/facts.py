@@ -24,8 +24,8 @@ from assur.planner.geometry.shapes import LARGEST_M, SMALLEST_M, Body, Piece, Pr
 class Code(IntEnum):
     """How an inverse solution came out, one per row of a batch (docs/kinematics.md, table of cases).
 
-    ASSEMBLED is the only one that may be followed. OUT_OF_REACH also answers a question that is not finite (NaN or
-    infinity in a position or in a derivative that was asked for): what cannot be answered is refused.
+    ASSEMBLED is the only one that may be followed. OUT_OF_REACH also answers input that is not finite (NaN or
+    infinity in a position or in a derivative that is required): what cannot be answered is refused.
     """
 
     ASSEMBLED = 0
@@ -125,10 +125,10 @@ class Inverse:
     margin: FloatArray
     parallel: FloatArray | None = None
 
-    def keeps(self, asked: float) -> BoolArray:
-        """Rows (...) whose margins are both `asked` at least."""
-        enough = self.margin >= asked
-        return np.asarray(enough if self.parallel is None else enough & (self.parallel >= asked))
+    def keeps(self, least: float) -> BoolArray:
+        """Rows (...) whose margins are both `least` at least."""
+        enough = self.margin >= least
+        return np.asarray(enough if self.parallel is None else enough & (self.parallel >= least))
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,8 +11,8 @@ with u (from the left elbow to the tool axis) and w (from there to the right elb
     s = P2 − P1 = u + w        P1 = A_L + a_L e(θ1)        P2 = A_R + a_R e(θ5)                         (K32)
 
 in base axes, the cranks turning about A_L = (0, d/2) and A_R = (0, −d/2). The inverse is two RRR dyads, one from each
-crank axis to the tool axis: four working modes. The direct problem is one dyad between the elbows: two assembly modes,
-of which a robot has one for good. Type 1 (serial) singularities, a crank in line with its coupler, may be crossed by
+crank axis to the tool axis: four working modes. The direct problem is one dyad between the elbows: two assembly modes;
+a robot never leaves its own. Type 1 (serial) singularities, a crank in line with its coupler, may be crossed by
 joint legs; type 2 may not be neared.
 """
 

@@ -23,7 +23,7 @@ class Robot(ABC):
     """A robot arm with n joints and L link frames; a family gives the facts below. World frame everywhere.
 
     `limits` in the order of q; `base` in the world; `bodies` on links by number; `self_pairs`: names of links between
-    which self-collision is asked, bodies on the one against bodies on the other; `joint_names`: those of the family if
+    which self-collision counts, bodies on the one against bodies on the other; `joint_names`: those of the family if
     none are given; `parallel_least`: the parallel margin below which the arm may never be, 0 without a loop.
 
     Raises `InputError` unless joint names are different and, as the limits, as many as the joints; for a body on a

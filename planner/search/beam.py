@@ -13,13 +13,13 @@ import numpy as np
 
 from assur.planner.bound.duration import least_duration
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.rows import Rows, Unproved
-from assur.planner.collision.screening import Encounter, Screened, deepest, screen
+from assur.planner.collision.rows import ProofFailure, Rows
+from assur.planner.collision.screening import Encounter, ScreeningResult, deepest, screen
 from assur.planner.collision.touching import too_far, touching
 from assur.planner.feasibility.necessary import points_impossible
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
-from assur.planner.model.deadline import Deadline, OutOfTimeError, Progress, Watch, look, out_of_time
+from assur.planner.model.deadline import Deadline, OutOfTimeError, Progress, Watch, out_of_time, raise_if_late
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.refusal import Refusal, Separation
@@ -46,7 +46,7 @@ all requests are planned by then."""
 
 
 @dataclass(eq=False)
-class Found:
+class SearchResult:
     """What the search came to: the best whole plan, when the first was found, whether the clock ended it."""
 
     best: PartialPlan | None = None
@@ -84,13 +84,13 @@ class Search:
         self.samplers: dict[PartialPlan, Sampler] = {}
         self.until_first = scene.options.stop == "first"
         """Whether the first plan ends the search. It says nothing about how that one is found."""
-        self.found = Found()
+        self.found = SearchResult()
         self.start_is_free = False
         """Whether a candidate from the start was screened that is near nothing there, with all errors."""
         self._bound: list[float | None] = []
         """What no plan beats, once it is required."""
 
-    def run(self) -> Found:
+    def run(self) -> SearchResult:
         """Rounds over all lengths until something ends them, or the budget is spent."""
         with self.deadline:
             try:
@@ -99,7 +99,7 @@ class Search:
                 self.found.cut_by_clock = True
                 return self.found
 
-    def _rounds(self) -> Found:
+    def _rounds(self) -> SearchResult:
         self.pool[0].append(initial(self.scene))
         round_number = 0
         while True:
@@ -182,8 +182,8 @@ class Search:
         return bool(batch)
 
     def _in_order(self, partial: PartialPlan, sampler: Sampler, batch: list[Candidate]) -> Iterator[TimedMotion]:
-        """The motions of a batch, the quickest first: each is timed when it is asked for, if a score says how long
-        it takes, and else all are timed at once."""
+        """The motions of a batch, the quickest first: each is timed when it is needed, if a score says how long it
+        takes, and else all are timed at once."""
         made: list[TimedMotion] = []
         for candidate in batch:
             if self._late():
@@ -219,7 +219,7 @@ class Search:
         if offsets is None:
             offsets = free_yaws(scene, partial, partial.step, modes)
         for offset, tilt in product(self._gripping(partial, offsets), attitudes):
-            look()
+            raise_if_late()
             for meeting in prepared(scene, partial, offset, tilt, modes):
                 for refusal in (meeting,) if isinstance(meeting, Refusal) else meeting.refusals:
                     self.found.census.note(refusal)
@@ -228,7 +228,7 @@ class Search:
         return met
 
     def _gripping(self, partial: PartialPlan, offsets: tuple[float, ...]) -> list[float]:
-        """The turns of the tool in which it is near enough to the part that is picked; any, where that is not asked."""
+        """The turns of the tool in which it is near enough to the part that is picked; any, where that is free."""
         step, kept = self.scene.task[partial.step], list[float]()
         for offset in offsets:
             apart = None
@@ -299,7 +299,7 @@ class Search:
         """Candidates of one batch after whose proof the others are left alone."""
         return 1 if self.scene.options.stop == "first" else PROVED_A_BATCH
 
-    def _tried(self, motion: TimedMotion) -> tuple[Screened, bool | None]:
+    def _tried(self, motion: TimedMotion) -> tuple[ScreeningResult, bool | None]:
         """Screens a timed candidate and, if nothing is in its way, proves it and adds the partial plan it leads to.
 
         Also returns whether it was proved; None: it was not needed any more.
@@ -334,7 +334,7 @@ class Search:
         proofs: list[Rows] = []
         for phase in made.phases:
             rows = self.prover.prove(phase, made.trajectory)
-            if isinstance(rows, Unproved):
+            if isinstance(rows, ProofFailure):
                 rows = deepest(self.prover, phase, made.trajectory, rows)
                 why = refused_proof(rows, made.before.step, self.prover.rule(phase, *rows.bodies))
                 unfinished = why.amount is None and self._late()

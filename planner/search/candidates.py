@@ -17,7 +17,7 @@ from assur.planner.kernels.drawing import FASTEST_THROUGH, NUDGED_TIME, SLOWEST_
 from assur.planner.laws import all_stand
 from assur.planner.legs.joint import Shape
 from assur.planner.legs.meeting import may_stop
-from assur.planner.legs.missed import Hop, height_of, too_high
+from assur.planner.legs.missed import ArchForm, height_of, too_high
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene, Step
 from assur.planner.search import tuning
@@ -165,7 +165,7 @@ class Sampler:
         else. `end`: when it ends, `at`: when something was in its way, s."""
         if self.population is not None:
             self.population.learn(candidate, bad, at)
-        if candidate.shape.hop is not None:
+        if candidate.shape.form is not None:
             self.elite = [each for each in self.elite if each[2] is not candidate] + [(bad, end, candidate)]
             self.elite.sort(key=lambda each: each[:2])
             del self.elite[tuning.ELITE :]
@@ -202,9 +202,9 @@ class Sampler:
         for option in self._first_of_modes()[: tuning.ARCHED]:
             moves = not self.partial.state.resting, option.meeting.point.entry is not None
             top = tops[-1] if any(moves) else tops[0]
-            for corner in tuning.HOPS[:1] if self.step.via or all(moves) else tuning.HOPS:
+            for corner in tuning.ARCH_CORNERS[:1] if self.step.via or all(moves) else tuning.ARCH_CORNERS:
                 rise, fall = (0.0 if moving else corner for moving in moves)
-                shape = Shape(hop=Hop(top, rise, fall), through=through)
+                shape = Shape(form=ArchForm(top, rise, fall), through=through)
                 found.append(Candidate(option, shape))
         return found
 
@@ -225,13 +225,13 @@ class Sampler:
                 stops.append(ends[-1] + entry.far - entry.height)
         if arch is not None:
             # an arch that is lower than one of its ends is as high as it has to be anyway
-            asked = max(height_of(scene, arch, state.q), min(upper, max([max(ends) + LEAST_RISE_M, *stops])))
-            return [asked] if asked <= upper else []
+            height = max(height_of(scene, arch, state.q), min(upper, max([max(ends) + LEAST_RISE_M, *stops])))
+            return [height] if height <= upper else []
         tops = [upper, (max(ends) + upper) / 2, *([max(stops)] if stops else [])]
         return [top for top in tops if top > max(ends) + LEAST_RISE_M]
 
     def too_high(self) -> Refusal | None:
-        """Why the arch that is asked for cannot be: the lift ends below it; None: it can, or none is asked."""
+        """Why the required arch cannot be: the lift ends below it; None: it can, or none is required."""
         return too_high(self.scene, self.partial.step, self.partial.state.q)
 
     @property
@@ -256,7 +256,7 @@ class Sampler:
             return self._varied()
         option, tops = self._any_option(), self._tops()
         top = float(rng.uniform(min(tops), max(tops))) if rng.random() < 0.5 else max(tops)
-        shape = Shape(hop=Hop(top, float(rng.random()), float(rng.random())))
+        shape = Shape(form=ArchForm(top, float(rng.random()), float(rng.random())))
         if self.step.via:
             shape = replace(shape, through=float(rng.uniform(SLOWEST_THROUGH, FASTEST_THROUGH)))
         if self.may_wait() and rng.random() < tuning.ARCH_WAITS:
@@ -266,11 +266,11 @@ class Sampler:
     def _varied(self) -> Candidate:
         rng = self.rng
         *_, parent = self.elite[int(rng.integers(len(self.elite)))]
-        shape, hop = parent.shape, parent.shape.hop
-        if hop is not None:
-            corners = np.array([hop.rise, hop.fall]) + rng.normal(0.0, tuning.CORNER_NUDGE, 2)
+        shape, form = parent.shape, parent.shape.form
+        if form is not None:
+            corners = np.array([form.rise, form.fall]) + rng.normal(0.0, tuning.CORNER_NUDGE, 2)
             rise, fall = np.clip(corners, 0.0, 1.0)
-            shape = replace(shape, hop=Hop(hop.top, float(rise), float(fall)))
+            shape = replace(shape, form=ArchForm(form.top, float(rise), float(fall)))
         if self.may_wait() and rng.random() < NUDGED_TIME:
             shape = replace(shape, wait=max(0.0, shape.wait + float(rng.normal(0.0, TIME_NUDGE_S))))
         return replace(parent, shape=shape)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from assur.planner.collision.screening import Encounter
 from assur.planner.model.outcome import Census, CensusLine
 from assur.planner.model.refusal import OF_CANDIDATES, Stage
-from assur.planner.search.beam import Found
+from assur.planner.search.beam import SearchResult
 from assur.planner.search.census import kind_of
 from assur.planner.search.partial_plan import RefusedMotion
 
@@ -22,7 +22,7 @@ class Cause:
     motion: RefusedMotion | None
 
 
-def cause_of(found: Found) -> Cause:
+def cause_of(found: SearchResult) -> Cause:
     """The cause of a search without a plan. What the checker refused came further than all else: it was a whole one."""
     census, furthest = found.census.census(), found.furthest
     whole = next((line for line in census.lines if line.refusal.stage is Stage.CHECKER), None)
@@ -36,9 +36,9 @@ def cause_of(found: Found) -> Cause:
         return place[kind_of(encounter.refusal)]
 
     # of several bodies that it meets at one instant, the one that most candidates meet
-    told = min(furthest.encounters, key=of_all)
-    census = found.census.census(told)
-    return Cause(census.lines[of_all(told)], census, replace(furthest, encounters=(told,)))
+    reported = min(furthest.encounters, key=of_all)
+    census = found.census.census(reported)
+    return Cause(census.lines[of_all(reported)], census, replace(furthest, encounters=(reported,)))
 
 
 def most_frequent(census: Census, step: int) -> CensusLine | None:

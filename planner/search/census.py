@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from assur.planner.checked import check
-from assur.planner.collision.rows import Unproved, written
+from assur.planner.collision.rows import ProofFailure, written
 from assur.planner.collision.screening import Encounter
 from assur.planner.errors import FaultError
-from assur.planner.model.deadline import look
+from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.outcome import Census, CensusLine, Plan
 from assur.planner.model.refusal import (
     Bodies,
@@ -60,9 +60,9 @@ class _Group:
         if mildest.amount is None or amount < mildest.amount.value:
             self.mildest = encounter
 
-    def line(self, told: Encounter | None = None) -> CensusLine:
-        """The line of the census, with the facts of `told` (None: of the mildest), about which FCL is asked."""
-        least, one = self.mildest.refusal.amount, (told or self.mildest).confirmed()
+    def line(self, reported: Encounter | None = None) -> CensusLine:
+        """The line of the census, with the facts of `reported` (None: of the mildest), confirmed by FCL."""
+        least, one = self.mildest.refusal.amount, (reported or self.mildest).confirmed()
         return CensusLine(
             replace(one, interval=self.span), self.count, self.most, None if least is None else least.value
         )
@@ -80,7 +80,7 @@ class Counter:
         self.add_all((Encounter(refusal),))
 
     def add_all(self, encounters: Sequence[Encounter]) -> None:
-        """Records one refused candidate and with what it met; those that are told are confirmed by then."""
+        """Records one refused candidate and with what it met; those that are reported are confirmed by then."""
         self.refused += 1
         for encounter in encounters:
             self._put(encounter)
@@ -92,15 +92,15 @@ class Counter:
     def _put(self, encounter: Encounter) -> None:
         self._groups.setdefault(kind_of(encounter.refusal), _Group(encounter)).take(encounter)
 
-    def census(self, told: Encounter | None = None) -> Census:
-        """All lines, the most frequent first. `told`: the refusal whose facts its line has."""
-        kind = None if told is None else kind_of(told.refusal)
-        lines = [group.line(told if key == kind else None) for key, group in self._groups.items()]
+    def census(self, reported: Encounter | None = None) -> Census:
+        """All lines, the most frequent first. `reported`: the refusal whose facts its line has."""
+        kind = None if reported is None else kind_of(reported.refusal)
+        lines = [group.line(reported if key == kind else None) for key, group in self._groups.items()]
         lines.sort(key=lambda line: (-line.count, line.refusal.stage, line.refusal.reason, str(line.refusal.subject)))
         return Census(self.candidates, self.refused, tuple(lines))
 
 
-def refused_proof(unproved: Unproved, step: int, rule: tuple[Rule, float]) -> Refusal:
+def refused_proof(unproved: ProofFailure, step: int, rule: tuple[Rule, float]) -> Refusal:
     """A failed proof as a refusal. `rule`: what requires a distance of the two, and how far, m (`Prover.rule`)."""
     reason = Reason.NOT_CERTIFIED
     if unproved.touching or unproved.gap <= unproved.required:
@@ -134,7 +134,7 @@ def completed(scene: Scene, partial: PartialPlan) -> Plan | Refusal:
     trajectory = Trajectory.of_knots(partial.knots.table, jumps=not scene.options.jerk_limited)
     certificate = written(scene, trajectory, partial.legs, partial.arrivals, list(partial.proofs))
     plan = Plan(trajectory, partial.legs, partial.arrivals, certificate)
-    verdict = check(scene, plan, between=look)
+    verdict = check(scene, plan, between=raise_if_late)
     if verdict.ok:
         return plan
     first = verdict.findings[0]

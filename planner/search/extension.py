@@ -42,7 +42,7 @@ from assur.planner.report.notes import window_left
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.robot import Robot
 from assur.planner.search.meeting_options import ends_too_late, laws_over, shifted_out, stops_at_via, tracked_too_long
-from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, paced
+from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, scaled_limits
 from assur.planner.timing import TimingRefusal, fastest_motion
 from assur.planner.trajectory import Trajectory
 
@@ -61,11 +61,11 @@ def timed(
 ) -> TimedCandidate | Refusal:
     """The joint leg to the control point that `candidate` describes, or why Ruckig has none."""
     point = candidate.point
-    pace = paced(scene, partial, candidate.shape, point)
-    reached = JointMotion(scene, partial.step, partial.state, candidate.shape, candidate.branch, ahead, pace).meet()
+    scaled = scaled_limits(scene, partial, candidate.shape, point)
+    reached = JointMotion(scene, partial.step, partial.state, candidate.shape, candidate.branch, ahead, scaled).meet()
     if isinstance(reached, Refusal):
         return by_law(point, candidate.option.meeting.last, reached)
-    if candidate.shape.hop is not None and not _is_arch(scene, reached):
+    if candidate.shape.form is not None and not _is_arch(scene, reached):
         return unmoved(Stage.TIMING, partial.step, Obstacle.NO_ARCH)
     if not point.tracks:
         missed = _window_refusal(point, reached.end)
@@ -138,7 +138,7 @@ def _slowed(scene: Scene, made: TimedCandidate, limit: float) -> Extension | Non
 
 def _extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:
     shape, trajectory = made.candidate.shape, made.trajectory
-    leg = TimedLeg(LegKind.ARCH if shape.hop else LegKind.MOVE, Knots.of(trajectory), shape.route)
+    leg = TimedLeg(LegKind.ARCH if shape.form else LegKind.MOVE, Knots.of(trajectory), shape.route)
     return _continued(scene, made.before, made.candidate, leg, trajectory)
 
 
@@ -240,10 +240,10 @@ def _continued(
     made = tuple(Leg(leg.kind, partial.step, leg.knots.begin, leg.knots.end, leg.route) for leg in legs)
     met = arrival(scene, point, partial, trajectory, begin, end)
     if isinstance(point.facts, Trace):
-        told = traced(scene, point, trajectory, begin, end)
-        if isinstance(told, Refusal):
-            return told
-        met, point = replace(met, trace=told), left_at(point)
+        report = traced(scene, point, trajectory, begin, end)
+        if isinstance(report, Refusal):
+            return report
+        met, point = replace(met, trace=report), left_at(point)
     inaccurate = too_far(scene, partial.step, met.error)
     if inaccurate is not None:
         return inaccurate
@@ -273,7 +273,7 @@ def _continued(
         rises=0.0 if leaves is None else leaves.far - leaves.height,
         stops=candidate.stops,
         tracked=point if leaves is None and not knots.last.resting and point.matched and not point.via else None,
-        paces=partial.paces,
+        scaled=partial.scaled,
     )
     return Extension(partial, candidate, trajectory, tuple(ours), after)
 

@@ -18,7 +18,7 @@ from assur.planner.legs.forbidden_yaw import free_yaws_between
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.state import Branch
 from assur.planner.legs.tilt import tilts
-from assur.planner.model.deadline import look
+from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import (
     Corrected,
@@ -52,7 +52,7 @@ def options(scene: Scene, partial: PartialPlan, found: list[Meetings]) -> tuple[
     start = np.array([state.q, state.qd, state.qdd])
     result = []
     for meeting in found:
-        look()
+        raise_if_late()
         for branch in meeting.branches:
             every = 1 + len(branch.table) // EVALUATED_MEETINGS
             least = branch.least_durations(start, limits, every, jerk_limited=scene.options.jerk_limited)
@@ -210,8 +210,8 @@ def shifted_out(scene: Scene, step: int, trajectory: Trajectory, phases: list[Ph
             continue
         clock = np.array([scene.start.time, execution.start_tolerance_s, *shift])
         found = np.empty(2)
-        doubt = (np.zeros((0, 1)), lag, clock)
-        joint = correction_fits(robot.row, spline, robot.limits.table, doubt, phase.t0, phase.t1, found)
+        errors = (np.zeros((0, 1)), lag, clock)
+        joint = correction_fits(robot.row, spline, robot.limits.table, errors, phase.t0, phase.t1, found)
         if joint == FITS:
             continue
         when = float(found[0])

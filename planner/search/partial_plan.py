@@ -13,7 +13,7 @@ from assur.planner.collision.screening import Encounter
 from assur.planner.frames.motion import Tilt
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.joint import Shape
-from assur.planner.legs.line import Pace
+from assur.planner.legs.line import ScaledLimits
 from assur.planner.legs.meeting import Meetings, entering, meetings
 from assur.planner.legs.path_leg import lead as lead_of_trace
 from assur.planner.legs.state import Branch, Knots, State, TimedLeg
@@ -24,7 +24,7 @@ from assur.planner.model.phases import (
     AT_START,
     NOTHING_HANDLED,
     Attachments,
-    Handled,
+    GraspUncertainty,
     Phase,
     at_start,
     handled_at_start,
@@ -44,7 +44,7 @@ class PartialPlan:
     state: State
     mode: int
     attached: Attachments = AT_START
-    handled: Handled = NOTHING_HANDLED
+    handled: GraspUncertainty = NOTHING_HANDLED
     legs: tuple[Leg, ...] = ()
     arrivals: tuple[Arrival, ...] = ()
     knots: Knots | None = None
@@ -57,8 +57,8 @@ class PartialPlan:
     """Whether the candidate that led here was to stop (`Candidate.stops`)."""
     tracked: ControlPoint | None = None
     """The control point above which a tracking leg ended: the arm still moves with its frame."""
-    paces: dict[tuple[float, float, Limits, bool, bool], Pace] = field(default_factory=dict)
-    """Of joint legs (`paced`): one table for all partial plans of a search."""
+    scaled: dict[tuple[float, float, Limits, float | None, bool], ScaledLimits] = field(default_factory=dict)
+    """Of joint legs (`scaled_limits`): one table for all partial plans of a search."""
     lines: dict[tuple[float, Tilt | None, float, int], TimedLeg | Refusal] = field(default_factory=dict)
     """Straight legs from here by yaw and tilt of the tool, wait and mode: full turns of the meeting make no other."""
 
@@ -172,23 +172,23 @@ def prepared(
     return found
 
 
-def paced(scene: Scene, partial: PartialPlan, shape: Shape, point: ControlPoint) -> Pace:
-    """The pace of joint legs of this shape to a point, with what the gripper holds; made once a search. Where the lift
-    moves at an end it has to go on as it has begun: it has all of its limits then."""
-    whole = partial.rises > 0.0 or point.entry is not None
+def scaled_limits(scene: Scene, partial: PartialPlan, shape: Shape, point: ControlPoint) -> ScaledLimits:
+    """The limits of joint legs of this shape to a point, with what the gripper holds; made once a search. Where the
+    lift moves at an end it has to go on as it has begun: it has all of its limits then."""
+    lift_effort = 1.0 if partial.rises > 0.0 or point.entry is not None else None
     carried, limits = partial.attached.held is not None, partial.attached.limits(scene)
-    key = shape.effort, shape.pull, limits, whole, carried
-    if key not in partial.paces:
+    key = shape.effort, shape.pull, limits, lift_effort, carried
+    if key not in partial.scaled:
         most = lift_most(scene, carried=carried)
-        partial.paces[key] = Pace(limits, scene.robot.lift, shape.effort, 1.0 if whole else None, most, shape.pull)
-    return partial.paces[key]
+        partial.scaled[key] = ScaledLimits(limits, scene.robot.lift, shape.effort, lift_effort, most, shape.pull)
+    return partial.scaled[key]
 
 
 # The candidate that came furthest, of a search that finds no plan: what stopped it is why there is none, and it is what
 # is shown of a refusal.
 
 MOST_KNOTS = 1_000
-"""Knots of the motion that is told of a refusal, about 100 kB of an answer: a follow of many minutes has 20,000."""
+"""Most knots of the reported motion of a refusal, about 100 kB of an answer: a follow of many minutes has 20,000."""
 
 
 ORDER = tuple(Stage)
@@ -222,7 +222,7 @@ def best_candidate(scene: Scene, refused: RefusedMotion | None, proved: PartialP
         return _of_motion(scene, refused.motion, refused.encounters[0].confirmed())
     if proved is None or proved.knots is None:
         return None
-    return BestCandidate(motion_told(scene, proved.knots), proved.legs, _with_known_errors(proved.arrivals))
+    return BestCandidate(reported_motion(scene, proved.knots), proved.legs, _with_known_errors(proved.arrivals))
 
 
 def _with_known_errors(arrivals: tuple[Arrival, ...]) -> tuple[Arrival, ...]:
@@ -251,7 +251,7 @@ def _of_motion(scene: Scene, motion: TimedMotion, refusal: Refusal) -> BestCandi
     met = isinstance(facts, Separation)
     bodies = refusal.bodies
     return BestCandidate(
-        trajectory=motion_told(scene, knots),
+        trajectory=reported_motion(scene, knots),
         legs=legs,
         arrivals=_with_known_errors(arrivals),
         at=interval[0] if met and interval is not None else None,
@@ -268,13 +268,13 @@ def _leg_of(motion: TimedMotion) -> tuple[tuple[Leg, ...], tuple[Arrival, ...]]:
     legs = before.legs
     if begin > before.state.time:
         legs += (Leg(LegKind.WAIT, step, before.state.time, begin, Route(Course.FOR_BODIES)),)
-    kind = LegKind.ARCH if shape.hop else LegKind.MOVE
+    kind = LegKind.ARCH if shape.form else LegKind.MOVE
     return (*legs, Leg(kind, step, begin, end, shape.route)), before.arrivals
 
 
-def motion_told(scene: Scene, knots: Knots) -> Trajectory:
-    """The motion through knots, or, where they are more than `MOST_KNOTS`, through so many of them: it is told for help
-    and nothing is proved of it."""
+def reported_motion(scene: Scene, knots: Knots) -> Trajectory:
+    """The motion through knots, or, where they are more than `MOST_KNOTS`, through so many of them: it is
+    reported for help and nothing is proved of it."""
     table = knots.table
     if len(table) > MOST_KNOTS:
         table = table[np.linspace(0, len(table) - 1, MOST_KNOTS).round().astype(np.int64)]

@@ -41,7 +41,7 @@ APART_S = 0.01
 DEPTH_M = 0.05
 """What is deeper than this in something counts as so deep, m: how deep a large body is entered says little."""
 
-HOPS = (0.5, 1.0)
+ARCH_CORNERS = (0.5, 1.0)
 """Corners of an arch that are tried first: half overlapped, stopped at; full overlap where the tool does not stop above
 its point: 0."""
 ARCHED = 2

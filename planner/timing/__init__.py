@@ -1,4 +1,4 @@
-"""When joints are where: phases of constant jerk, the door to the solver that makes them, and lower bounds."""
+"""When joints are where: phases of constant jerk, the entry to the solver that makes them, and lower bounds."""
 
 from assur.planner.timing.solver import (
     SHORTEST,

@@ -1,4 +1,4 @@
-"""The door to Ruckig: time-optimal jerk-limited motion from state to state. No other module imports it.
+"""The entry to Ruckig: time-optimal jerk-limited motion from state to state. No other module imports it.
 
 What its traps are and how they are met (numbers of the hazards' list):
 
@@ -13,8 +13,8 @@ R8  Vectors of the wrong length read foreign memory: lengths checked here.
 R9  Positions overshoot when ends move, and there are no position limits: for the caller to check, on extrema.
 R10 Infinite limits switch to another family of profiles: finite limits only.
 R11 It promises to end within 1e-8 of its goal: the phases are summed up here, and a miss is refused.
-R12 It holds the GIL: processes, never threads. A `Solver` keeps the library's objects, of which making takes as long as
-    a motion from rest to rest: every field that is ever set is set anew at every call, and answers are never shared.
+R12 It holds the GIL: processes, never threads. A `Solver` keeps the library's objects: to make them takes as long as a
+    motion from rest to rest: every field that is ever set is set anew at every call, and answers are never shared.
 R13 At a time that is not a number it reads foreign memory, or dies: no state is read from it, only its phases.
 """
 
@@ -53,11 +53,11 @@ Reason = Literal["limits", "too short", "blocked", "too long", "no profile", "un
 
 @dataclass(frozen=True, slots=True)
 class TimingRefusal:
-    """Why there is no motion as asked.
+    """Why there is no motion as required.
 
     limits      a given state is, or will inevitably come, beyond a limit; `excess` relative to it
-    too short   the earliest motion takes `excess` seconds longer than asked
-    blocked     shorter motions exist, but the next possible duration is `excess` seconds above the one asked
+    too short   the earliest motion takes `excess` seconds longer than allowed
+    blocked     shorter motions exist, but the next possible duration is `excess` seconds above the required one
     too long    it takes more than `LONGEST`; `excess` in seconds
     no profile  the solver found none for a legal problem; `excess` is NaN
     unsound     its profile does not end where it should; `excess` is how far, in units of what is allowed
@@ -80,7 +80,7 @@ class Limits:
 
 
 @dataclass(frozen=True, slots=True)
-class Allowed:
+class RobotLimits:
     """The robot's own limits, n finite positive numbers each, and `lowered`: what the solver gets of them at least.
 
     Raises `InputError` for limits that are none, or of different length.
@@ -128,7 +128,7 @@ def accepted_duration(duration: float | None) -> None:
         raise InputError("timing.duration", duration, "None, or a number of seconds from 0")
 
 
-def lowered_limits(start: Numbers, goal: Numbers, allowed: Allowed) -> Limits | TimingRefusal:
+def lowered_limits(start: Numbers, goal: Numbers, allowed: RobotLimits) -> Limits | TimingRefusal:
     """Limits for the solver: lowered, but never below what the end states need, each direction by itself.
 
     A state with acceleration a comes to the velocity v ± a|a|/(2j) whatever one does (equation P2: + after the start,
@@ -196,7 +196,7 @@ class RawProfile:
         return (self,)
 
     def at(self, t: float) -> Numbers:
-        """q, q̇, q̈ after t s, of which the phases are summed up."""
+        """q, q̇, q̈ after t s, as sums over the phases."""
         rows: Numbers = [], [], []
         for q, v, a, (lengths, jerks) in zip(*self.begin, self.phases.tolist(), strict=True):
             left = t
@@ -277,7 +277,7 @@ class Solver:
     """
 
     def __init__(self, velocity: Row, acceleration: Row, jerk: Row) -> None:
-        self._allowed = Allowed(velocity, acceleration, jerk)
+        self._allowed = RobotLimits(velocity, acceleration, jerk)
         self._n = len(velocity)
         self._ruckig, self._given = ruckig.Ruckig(self._n), ruckig.InputParameter(self._n)
 

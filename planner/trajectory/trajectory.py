@@ -7,7 +7,7 @@ exactly. Times are strictly increasing; q, q̇ and q̈ are continuous, the jerk 
 A trajectory that says so (`jumps`) may hold two knots at one time, with the same q and q̇, where q̈
 jumps (`assur.planner.trajectory.trajectory`). Its pieces are those that last; at a jump the one to the right counts.
 
-Kernels are imported where they are called: whoever only names a trajectory, as the web process does, loads no compiler.
+Kernels are imported where they are called: code that only names a trajectory (the web process) loads no compiler.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from assur.planner.errors import FaultError, InputError
 
 
 def doubled(time: FloatArray, q: FloatArray, qd: FloatArray, qdd: FloatArray) -> None:
-    """Accept knots of which two at one time are a jump. Raises `InputError` naming field and knot otherwise."""
+    """Accept knots; two at one time are a jump. Raises `InputError` naming field and knot otherwise."""
     step = time[1:] - time[:-1]
     if not (step >= 0).all():
         raise InputError("trajectory.time", int(np.argmin(step >= 0)) + 1, "times that do not decrease")

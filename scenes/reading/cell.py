@@ -1,4 +1,4 @@
-"""A request becomes a scene: robot, frames, neighbours, bodies, task, in this order, each at its own door."""
+"""A request becomes a scene: robot, frames, neighbours, bodies, task, in this order, each in a module of its own."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hashlib import sha256
 from threading import Lock
 
 from assur.planner.errors import FaultError
-from assur.planner.model.deadline import look
+from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.kept import NOTHING_KEPT, KeptCell
 from assur.planner.model.load import Tool
 from assur.planner.model.scene import (
@@ -168,14 +168,14 @@ def _surroundings(request: RequestDocument, own: list[str], held: str | None, fa
     `held`: the part that the gripper holds at the start."""
     known, places, found = frames.frames_of(request.frames, faults), Places(), list[WorldBody]()
     for i, item in enumerate(request.neighbours):
-        look()
+        raise_if_late()
         with faults.part(partial(places.unread.add, item.name)), within("neighbours", i):
             if item.name in {other.name for other in request.neighbours[:i]}:
                 raise Refused("a name that no other neighbour has", "name")
             found += neighbours.add_neighbour(item, known.laws, places)
     known.unread.update(places.unread)
     for i, named in enumerate(request.bodies):
-        look()
+        raise_if_late()
         with faults.part(partial(places.unread.add, named.name)), within("bodies", i):
             if named.name in own:
                 raise Refused("a name that no body of the robot or its tool has", "name")

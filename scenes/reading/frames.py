@@ -10,7 +10,7 @@ from typing import Any
 from assur.planner import laws
 from assur.planner.errors import FaultError
 from assur.planner.laws import ALWAYS, Change, Frame, Law, Pose, PoseUncertainty, Uncertainty
-from assur.planner.model.deadline import look
+from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.scene import WORLD
 from assur.scenes.faults import FollowsError, Gathered, Refused, choices, within
 from assur.scenes.schema.frames import (
@@ -134,7 +134,7 @@ def frames_of(frames: Mapping[str, FrameDocument], faults: Gathered) -> Frames:
     """The frames, `world` among them. `faults` gets what a law refuses, and what leads to no frame."""
     found = Frames({WORLD: STILL}, {})
     for name, item in frames.items():
-        look()
+        raise_if_late()
         with faults.part(partial(found.unread.add, name)), within("frames", name):
             if name == WORLD:
                 raise Refused(f"another name: {WORLD} is the frame that does not move")
@@ -166,7 +166,7 @@ def _check_fixed(item: FrameDocument, frames: Mapping[str, FrameDocument]) -> No
 
 def _fixed_on(name: str, frames: Mapping[str, FrameDocument], known: Frames) -> tuple[str, Pose]:
     """The frame with a law that carries the frame `name`, directly or over others, and its pose there."""
-    look()
+    raise_if_late()
     pose, way = Pose(), [name]
     while way[-1] not in known.laws:
         if way[-1] in known.unread:

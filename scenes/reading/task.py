@@ -9,7 +9,7 @@ from typing import Any
 
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Pose
-from assur.planner.model.deadline import look
+from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.path import LONGEST_S, ArcTo, LineTo, Path, PathError, PathPart, Point, SplineThrough, never
 from assur.planner.model.scene import Arch, Follow, Move, Pick, Place, Step, Target, Trace, Window
 from assur.planner.model.task import Tolerance, lead_length
@@ -153,7 +153,7 @@ class _Task:
 
         parts = list[PathPart]()
         for k, item in enumerate(items):
-            look()
+            raise_if_late()
             if item.line is not None:
                 parts.append(LineTo(there(item.line.to_m, k, "line", "to_m")))
             elif item.arc is not None:

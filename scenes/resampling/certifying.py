@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from assur.planner.checked import check
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.rows import Rows, Unproved, written
+from assur.planner.collision.rows import ProofFailure, Rows, written
 from assur.planner.model.outcome import Arrival, Leg, Plan
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import Scene
@@ -28,7 +28,7 @@ def recertified(scene: Scene, plan: Plan, trajectory: Trajectory) -> Plan | Refu
     prover, proofs = Prover(scene), list[Rows]()
     for phase in phases(scene, legs, arrivals):
         rows = prover.prove(phase, trajectory)
-        if isinstance(rows, Unproved):
+        if isinstance(rows, ProofFailure):
             return Refutation((unproved(rows, phase.kind),))
         proofs.append(rows)
     certificate = written(scene, trajectory, legs, arrivals, proofs)
@@ -37,7 +37,7 @@ def recertified(scene: Scene, plan: Plan, trajectory: Trajectory) -> Plan | Refu
     return made if verdict.ok else Refutation(verdict.findings)
 
 
-def unproved(found: Unproved, where: str) -> Finding:
+def unproved(found: ProofFailure, where: str) -> Finding:
     """A pair that resists a proof, as a finding."""
     one, other = found.bodies
     place = f"{where}, {found.time:.6g} s"

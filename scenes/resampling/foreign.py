@@ -15,7 +15,7 @@ from assur.planner.checked import check, check_motion
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.rows import Rows, Unproved, written
+from assur.planner.collision.rows import ProofFailure, Rows, written
 from assur.planner.kernels.limits import NONE, first_beyond
 from assur.planner.kernels.proof import ROW_COLUMNS
 from assur.planner.model.outcome import Arrival, Leg, LegKind, Nearest, Plan
@@ -104,7 +104,7 @@ def judged(scene: Scene, trajectory: Trajectory, plan: Plan | None = None) -> Mo
     prover, proofs, resisted = Prover(scene), list[Rows](), None
     for phase in of_motion:
         rows = prover.prove(phase, trajectory)
-        if isinstance(rows, Unproved):
+        if isinstance(rows, ProofFailure):
             resisted = phase, rows
             break
         proofs.append(rows)
@@ -149,13 +149,13 @@ def _still_moving(scene: Scene, trajectory: Trajectory) -> list[Finding]:
     return [Finding(Code.END, what, fastest - REST, "1/s, 1/s²", f"{trajectory.end:.6g} s")]
 
 
-def _earliest(prover: Prover, phase: Phase, resisted: Unproved, trajectory: Trajectory) -> Unproved:
+def _earliest(prover: Prover, phase: Phase, resisted: ProofFailure, trajectory: Trajectory) -> ProofFailure:
     """The first part that cannot be proved, up to `NARROW_S`: the phase before that time less this is proved."""
     low, high, found = phase.t0, min(max(resisted.time, phase.t0), phase.t1), resisted
     while high - low > NARROW_S:
         middle = (low + high) / 2.0
         rows = prover.prove(replace(phase, t0=low, t1=middle), trajectory)
-        if isinstance(rows, Unproved):
+        if isinstance(rows, ProofFailure):
             high, found = min(middle, rows.time), rows
         else:
             low = middle

@@ -10,7 +10,7 @@ from tests.architecture.source_tree import BESIDE, PRODUCT, Source, dotted, impo
 
 DOORS = {
     "numba": ("assur.planner.compiled",),
-    "fcl": ("assur.planner.collision.fcl_door",),
+    "fcl": ("assur.planner.collision.fcl_entry",),
     "ruckig": ("assur.planner.timing",),
     "trimesh": ("assur.scenes.meshes",),
     "fastapi": ("assur.api",),
@@ -220,7 +220,7 @@ def test_an_import_beside_the_door_is_found(text: str) -> None:
 
 
 def test_an_import_at_the_door_is_not_found() -> None:
-    assert doors_forced(made_up("assur.planner.collision.fcl_door", "import fcl")) == []
+    assert doors_forced(made_up("assur.planner.collision.fcl_entry", "import fcl")) == []
     assert doors_forced(made_up("assur.planner.timing.profile", "import ruckig")) == []
 
 
@@ -236,7 +236,7 @@ def test_an_import_at_the_door_is_not_found() -> None:
     ],
 )
 def test_a_banned_call_is_found_under_each_of_its_spellings(text: str) -> None:
-    assert len(banned_uses(made_up("assur.planner.collision.fcl_door", text))) >= 1
+    assert len(banned_uses(made_up("assur.planner.collision.fcl_entry", text))) >= 1
 
 
 @pytest.mark.parametrize("call", ["load('x.stl')", "load(io.BytesIO(b''))", "load_mesh(name, file_type='stl')"])

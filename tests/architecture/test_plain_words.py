@@ -25,10 +25,6 @@ PAGES = (".md", ".yaml", ".yml", ".html", ".js", ".css", ".cfg", ".toml", ".sh")
 
 FOLDERS = (*PRODUCT, "benchmarks", "deploy", "docs")
 """Folders that are read, in addition to README.md. Tests are not read: their texts are not public."""
-LATER = {
-    "planner": "its modules are shortened first; its sentences are written anew after that",
-}
-"""Folder or file that is not read yet → why. An entry goes as soon as it has none of the words."""
 
 EXCEPTIONS = {
     ("benchmarks/soak_service/rolling_restart.py", "lost, and told so"): "a key of recorded results",
@@ -108,11 +104,6 @@ def all_texts() -> tuple[tuple[str, str], ...]:
     return tuple(found)
 
 
-def later(path: str) -> list[str]:
-    """The entries of LATER that a file belongs to."""
-    return [each for each in LATER if path == each or path.startswith(f"{each}/")]
-
-
 def refused(path: str, text: str) -> list[str]:
     """Each refused word of a text with what is round it, except phrases that the file may have."""
     for file, phrase in EXCEPTIONS:
@@ -122,11 +113,7 @@ def refused(path: str, text: str) -> list[str]:
 
 
 def test_no_text_has_a_word_that_must_be_read_twice() -> None:
-    assert [finding for path, text in all_texts() if not later(path) for finding in refused(path, text)] == []
-
-
-def test_each_folder_that_is_left_out_still_has_such_words() -> None:
-    assert {each for path, text in all_texts() if refused(path, text) for each in later(path)} == set(LATER)
+    assert [finding for path, text in all_texts() for finding in refused(path, text)] == []
 
 
 def test_each_exception_occurs_and_needs_to_be_one() -> None:

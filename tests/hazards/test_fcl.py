@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from assur.planner.collision.fcl_door import Collider, Posed
+from assur.planner.collision.fcl_entry import Collider, PlacedShape
 from assur.planner.errors import FaultError, InputError
 from assur.planner.geometry import shapes
 from tests.hazards.known import mended_since
@@ -240,8 +240,8 @@ def _touch(
     second: shapes.Primitive | shapes.Hull | None = None,
 ) -> bool:
     """Asks our door about `first` at `at`, turned by `axes`, and `second` at the origin; boxes of one metre."""
-    here = Posed("first", first or shapes.box(1, 1, 1), np.array(at), axes)
-    there = Posed("second", second or shapes.box(1, 1, 1), np.zeros(3), np.eye(3))
+    here = PlacedShape("first", first or shapes.box(1, 1, 1), np.array(at), axes)
+    there = PlacedShape("second", second or shapes.box(1, 1, 1), np.zeros(3), np.eye(3))
     return (collider or Collider()).touch(here, there)
 
 

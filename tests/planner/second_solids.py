@@ -8,7 +8,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.collision.bodies import Arrangement
-from assur.planner.collision.fcl_door import Posed
+from assur.planner.collision.fcl_entry import PlacedShape
 from assur.planner.collision.rows import Rows
 from assur.planner.geometry.shapes import Hull
 from assur.planner.kernels.gjk import separate
@@ -73,13 +73,13 @@ class Placed:
         found: FloatArray = self.centre[row] + local @ axes.T
         return found
 
-    def posed(self, row: int) -> Posed:
+    def posed(self, row: int) -> PlacedShape:
         """The shape in a row, for FCL."""
         unit = int(self.unit[row])
         with np.errstate(invalid="ignore"):  # some poses are none on purpose
             position = self.centre[row] - self.axes[row] @ self.arrangement.offset(unit)
         name = self.arrangement.names[self.arrangement.body[unit]]
-        return Posed(name, self.arrangement.shape(unit), position, self.axes[row])
+        return PlacedShape(name, self.arrangement.shape(unit), position, self.axes[row])
 
 
 def place(arrangement: Arrangement, where: Carriers, row: IntArray, unit: IntArray) -> Placed:

@@ -8,7 +8,7 @@ from functools import partial
 
 import pytest
 
-from assur.planner.collision.rows import Unproved
+from assur.planner.collision.rows import ProofFailure
 from assur.planner.collision.screening import Encounter
 from assur.planner.model.refusal import (
     Bodies,
@@ -124,7 +124,7 @@ def test_without_numbers_a_line_has_none() -> None:
 def test_a_failed_proof_is_a_collision_unless_the_bodies_are_apart(
     gap: float, touching: bool, of_robot: bool, reason: Reason
 ) -> None:
-    found = refused_proof(Unproved(("cup", "gate"), 1.5, gap, 0.002, touching, of_robot), 3, ("near", 0.0015))
+    found = refused_proof(ProofFailure(("cup", "gate"), 1.5, gap, 0.002, touching, of_robot), 3, ("near", 0.0015))
     assert (found.reason, found.bodies, found.step, found.interval) == (reason, ("cup", "gate"), 3, (1.5, 1.5))
     assert isinstance(found.facts, Separation)
     assert (found.facts.touching, found.facts.required_m) == (touching, 0.002)

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assur.planner.collision.fcl_door import Collider
+from assur.planner.collision.fcl_entry import Collider
 from assur.planner.errors import FaultError
 from assur.planner.geometry.shapes import Piece, box, sphere
 from tests.planner.cells import placed, rotation

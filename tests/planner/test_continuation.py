@@ -11,7 +11,7 @@ import pytest
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.joint import Shape, Via
 from assur.planner.legs.meeting import Meetings
-from assur.planner.legs.missed import Hop
+from assur.planner.legs.missed import ArchForm
 from assur.planner.model.phases import AT_START, Attachments
 from assur.planner.model.scene import Scene
 from assur.planner.search.extension import extended, straight_extension, timed
@@ -22,8 +22,8 @@ from assur.planner.search.partial_plan import (
     PartialPlan,
     TimedCandidate,
     initial,
-    paced,
     prepared,
+    scaled_limits,
 )
 from tests.planner.cells import cell, go, table_to_table
 from tests.planner.second_solids import standing
@@ -63,7 +63,7 @@ SHAPES = {
     "two vias after a wait": Shape(
         wait=0.2, vias=(Via(np.array([0.1, 0.9, 0.22, 0.4]), 0.8), Via(np.array([0.0, 1.2, 0.2, 0.0]), 0.0))
     ),
-    "arch": Shape(hop=Hop(0.24, 0.3, 0.6)),
+    "arch": Shape(form=ArchForm(0.24, 0.3, 0.6)),
     "half the effort": Shape(effort=0.5),
 }
 
@@ -89,8 +89,8 @@ def test_each_effort_has_one_pace_with_its_own_limits() -> None:
     scene = cell(go(0.35, -0.2))
     partial = initial(scene)
     point = control_point(scene, 0, AT_START, 0.0)
-    whole, half = paced(scene, partial, Shape(), point), paced(scene, partial, Shape(effort=0.25), point)
-    assert paced(scene, partial, Shape(), point) is whole
+    whole, half = (scaled_limits(scene, partial, shape, point) for shape in (Shape(), Shape(effort=0.25)))
+    assert scaled_limits(scene, partial, Shape(), point) is whole
     limits = scene.robot.limits
     for mine, own, power in zip(half.rates, whole.rates, (0.5, 1.0, 1.5), strict=True):
         assert mine == pytest.approx([0.25**power * x for x in own], rel=1e-12)

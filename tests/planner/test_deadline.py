@@ -6,19 +6,19 @@ import time
 
 import pytest
 
-from assur.planner.model.deadline import Deadline, OutOfTimeError, look, out_of_time
+from assur.planner.model.deadline import Deadline, OutOfTimeError, out_of_time, raise_if_late
 from assur.scenes.requests import plan_document, shipped
 
 
 def test_no_deadline_is_in_force_outside() -> None:
     assert not out_of_time()
-    look()
+    raise_if_late()
 
 
 def test_a_deadline_that_has_passed_ends_the_work_that_looks() -> None:
     with Deadline(time.perf_counter() - 1.0, 0.5), pytest.raises(OutOfTimeError):
-        look()
-    look()
+        raise_if_late()
+    raise_if_late()
 
 
 def test_the_innermost_deadline_counts_and_the_one_before_it_is_in_force_again() -> None:

@@ -87,7 +87,7 @@ def test_a_mesh_that_may_be_around_the_arm_is_left_between_blocks_of_its_triangl
     scene = replace(among_meshes(1), bodies=(around,))
     looks = Counted()
     monkeypatch.setattr(containment, "BLOCK", 1)
-    monkeypatch.setattr(nearest, "look", looks)
+    monkeypatch.setattr(nearest, "raise_if_late", looks)
     assert enclosed(scene, Prover(scene), at_start(scene), scene.start.q, 0.0, frozenset())
     assert looks.calls > 10
 

@@ -19,7 +19,7 @@ from assur.planner.legs import limits
 from assur.planner.legs.state import Knots
 from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.planner.model.path import LineTo, Path, PathPart, Point, SplineThrough
-from assur.planner.search.partial_plan import MOST_KNOTS, motion_told
+from assur.planner.search.partial_plan import MOST_KNOTS, reported_motion
 from assur.planner.trajectory import Trajectory
 from assur.scenes.reading.cell import cell_of
 from assur.scenes.requests import validate
@@ -128,12 +128,12 @@ def test_a_long_motion_that_is_told_of_a_refusal_has_a_bounded_number_of_knots()
     rates = [np.stack([sign * (0.01 * (k + 1)) ** n * wave(0.01 * (k + 1) * t) for k in range(4)], 1)
              for n, sign, wave in ((1, 1.0, np.cos), (2, -1.0, np.sin))]  # fmt: skip
     long = Knots(np.concatenate([t[:, None], q, *rates], axis=1))
-    told = motion_told(scene, long)
+    told = reported_motion(scene, long)
     assert len(told.time) == MOST_KNOTS
     assert (told.start, told.end) == (0.0, 100.0)
     assert np.abs(told.evaluate(t) - q).max() < 1e-6
     short = Knots(long.table[:MOST_KNOTS])
-    assert np.array_equal(motion_told(scene, short).knots, short.table)
+    assert np.array_equal(reported_motion(scene, short).knots, short.table)
 
 
 def test_times_at_which_a_long_motion_is_looked_at_are_even_in_each_part_that_moves(

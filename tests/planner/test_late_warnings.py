@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 
 from assur.planner import pipeline
-from assur.planner.collision.fcl_door import Posed
+from assur.planner.collision.fcl_entry import PlacedShape
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.hits import AtStart, touch
-from assur.planner.feasibility.odd_input import MOST_OVERLAPS, odd_input, odd_places, smallest_extent
+from assur.planner.feasibility.input_warnings import MOST_OVERLAPS, smallest_extent, unusual_bodies, unusual_places
 from assur.planner.geometry.shapes import box
 from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.planner.model.input_warning import Odd
@@ -49,7 +49,7 @@ def posed(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
     """How often each body was posed."""
     count, own = Counter[str](), Prover.posed
 
-    def counted(*asked: Any) -> list[Posed]:
+    def counted(*asked: Any) -> list[PlacedShape]:
         made = own(*asked)
         count.update({each.name for each in made})
         return made
@@ -61,8 +61,8 @@ def posed(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
 def test_each_body_is_posed_once_in_each_of_its_places_for_all_warnings(posed: Counter[str]) -> None:
     scene = heap(apart=2e-3)
     at = started(scene)
-    odd_input(scene, at)
-    odd_places(scene, at)
+    unusual_bodies(scene, at)
+    unusual_places(scene, at)
     counts = {name: count for name, count in posed.items() if name in scene.index}
     assert counts.pop("part") == 2  # where it is picked, and where it is put down
     assert set(counts.values()) == {1}
@@ -70,14 +70,14 @@ def test_each_body_is_posed_once_in_each_of_its_places_for_all_warnings(posed: C
 
 def test_bodies_that_cannot_touch_are_not_posed(posed: Counter[str]) -> None:
     scene = heap(apart=0.2)
-    warnings = odd_places(scene, started(scene))
+    warnings = unusual_places(scene, started(scene))
     assert [each for each in warnings if each.kind is Odd.BODIES_OVERLAP] == []
     assert not [name for name in posed if name.startswith("box-")]
 
 
 def test_overlaps_beyond_those_that_are_told_are_not_looked_for(posed: Counter[str]) -> None:
     scene = heap()
-    warnings = odd_places(scene, started(scene))
+    warnings = unusual_places(scene, started(scene))
     overlaps = [each.bodies for each in warnings if each.kind is Odd.BODIES_OVERLAP]
     assert overlaps == [("part", f"box-{i}") for i in range(MOST_OVERLAPS)]
     assert len([name for name in posed if name.startswith("box-")]) == MOST_OVERLAPS
@@ -92,7 +92,7 @@ MOVE = cell(go(0.33, -0.25), tool=CUP)
 WORK: dict[str, Callable[[Scene], object]] = {
     "touch": _touching,
     "places of bodies": lambda scene: started(scene).near("part", -1.0, 1.0),
-    "steps": lambda _: odd_places(MOVE, started(MOVE)),
+    "steps": lambda _: unusual_places(MOVE, started(MOVE)),
     "widths": lambda scene: smallest_extent(scene.index["part"].body),
 }
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.rows import Rows, Unproved
+from assur.planner.collision.rows import ProofFailure, Rows
 from assur.planner.collision.screening import screen
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
@@ -47,7 +47,7 @@ def test_what_screening_refuses_really_is_too_close_where_and_as_it_says(
     proof = prover.prove(case.phase(), case.path)
     if found.refusal is None:
         return
-    assert isinstance(proof, Unproved)
+    assert isinstance(proof, ProofFailure)
     assert found.refusal.reason is Reason.BODY_COLLISION
     assert found.refusal.bodies == ("ball", "thing")
     assert found.refusal.interval is not None
@@ -156,9 +156,9 @@ def test_what_was_screened_shows_nothing_of_another_motion_or_of_another_phase()
     prover = Prover(cell(go(0.3, 0.0), bodies=(post,), tool=CUP, clearance=Clearance(0.001, 0.6)))
     there, here = still(THERE), still(HERE)
     assert screen(prover, there).refusal is None
-    assert isinstance(prover.prove(here.phases[0], here.trajectory), Unproved)
+    assert isinstance(prover.prove(here.phases[0], here.trajectory), ProofFailure)
     assert screen(prover, there).refusal is None
-    assert isinstance(prover.prove(replace(there.phases[0], kind=LegKind.FOLLOW), there.trajectory), Unproved)
+    assert isinstance(prover.prove(replace(there.phases[0], kind=LegKind.FOLLOW), there.trajectory), ProofFailure)
     assert isinstance(prover.prove(there.phases[0], there.trajectory), Rows)
 
 

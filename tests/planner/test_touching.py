@@ -18,7 +18,7 @@ from assur.planner.collision.proof import Prover
 from assur.planner.collision.touching import TOUCH_M, apart, grip, support
 from assur.planner.errors import InputError
 from assur.planner.feasibility.hits import never_touching
-from assur.planner.feasibility.odd_input import OFF_M, odd_supports
+from assur.planner.feasibility.input_warnings import OFF_M, unusual_supports
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder, sphere
 from assur.planner.laws import conveyor
@@ -33,7 +33,7 @@ from assur.planner.report.notes import warned
 from assur.planner.report.refusal_words import because
 from tests.planner.cells import BARE, frame, solid, table_to_table
 from tests.planner.checker.hand_made import sealed
-from tests.planner.test_odd_places import gripped, placed
+from tests.planner.test_unusual_places import gripped, placed
 
 FINGER = Tool(Pose(z=-0.06), (solid("finger", box(0.01, 0.01, 0.06), 0.06, 0.0, -0.03),))
 """One finger 60 mm beside the axis, so that the turn of the tool counts."""
@@ -252,7 +252,7 @@ def test_what_cannot_be_measured_cannot_be_asked_for(scene: Any, field: str) -> 
 @pytest.mark.parametrize("by", [OFF_M + 0.0005, 0.1])
 def test_a_named_support_that_the_part_does_not_touch_is_told(by: float) -> None:
     scene = placed(by, contact_with=("right-table",))
-    (warning,) = odd_supports(scene, Prover(scene), ())
+    (warning,) = unusual_supports(scene, Prover(scene), ())
     assert (warning.kind, warning.bodies, warning.step) == (Odd.SUPPORT_OFF_PART, ("part", "right-table"), "place")
     assert warning.amount_m == pytest.approx(by)
     words = f"part should touch right-table in step place, as contact_with says, but is {1e3 * by:.3g} mm away from it"
@@ -264,12 +264,12 @@ def test_every_named_support_is_told_of_picks_as_well_and_what_touches_is_not() 
     pick, place = scene.task
     assert isinstance(pick, Pick)
     both = replace(scene, task=(replace(pick, contact_with=("right-table", "left-table")), place))
-    found = odd_supports(both, Prover(both), ())
+    found = unusual_supports(both, Prover(both), ())
     assert [(each.step, each.bodies[1]) for each in found] == [("pick", "right-table"), ("place", "left-table")]
     away = math.hypot(0.3, 0.1)  # no farther than the part's place is from the table's centre
     assert all(0.1 < each.amount_m < 1.0 and each.amount_m > away - 0.3 for each in found)
     near = placed(OFF_M - 0.0005, contact_with=("right-table",))
-    assert odd_supports(near, Prover(near), ()) == ()
+    assert unusual_supports(near, Prover(near), ()) == ()
 
 
 def test_where_a_body_is_not_known_nothing_is_measured() -> None:

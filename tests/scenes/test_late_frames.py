@@ -21,13 +21,13 @@ def test_the_clock_is_looked_at_for_each_frame_twice(last: int, monkeypatch: pyt
     request = validate(with_task(move, frames=chain))
     calls = 0
 
-    def look() -> None:
+    def raise_if_late() -> None:
         nonlocal calls
         calls += 1
         if calls == last:
             raise OutOfTimeError
 
-    monkeypatch.setattr(frames, "look", look)
+    monkeypatch.setattr(frames, "raise_if_late", raise_if_late)
     with pytest.raises(OutOfTimeError):
         frames.frames_of(request.frames, Gathered())
     assert calls == last

@@ -48,7 +48,7 @@ LOOKS: dict[str, dict[str, str | int]] = {
         "planner.search.beam._met": STEPS,
         "planner.search.meeting_options.options": STEPS,
         "planner.legs.follower.followed": STEPS,
-        "planner.feasibility.odd_input.odd_places": STEPS,
+        "planner.feasibility.input_warnings.unusual_places": STEPS,
     },
     "crowded": {"scenes.reading.cell._surroundings": BODIES, "planner.feasibility.hits._row": BODIES},
     "carton": {"planner.feasibility.hits.hits": STEPS},

@@ -88,12 +88,12 @@ def is_outside(k: Claim, g: tb.Geometry, s: tb.Scratch, pair: FloatArray, far: F
     p = int(pair[tb.PAIR_PHASE])
     begin, ahead = k.phases[p, c.PHASE_T0], k.phases[p, c.PHASE_T0] + pair[tb.PAIR_EARLY]
     for side in range(2):
-        shell, other = (tb.PAIR_A, tb.PAIR_B) if side == 0 else (tb.PAIR_B, tb.PAIR_A)
+        hollow, other = (tb.PAIR_A, tb.PAIR_B) if side == 0 else (tb.PAIR_B, tb.PAIR_A)
         t, u = (begin, ahead) if side == 0 else (ahead, begin)
-        body = k.bodies[int(pair[shell])]
+        body = k.bodies[int(pair[hollow])]
         if body[c.BODY_TRIANGLES] == 0.0:
             continue
-        one, two = int(k.seated[p, int(pair[shell])]), int(k.seated[p, int(pair[other])])
+        one, two = int(k.seated[p, int(pair[hollow])]), int(k.seated[p, int(pair[other])])
         here, there = k.seats[one], k.seats[two]
         on = int(here[c.SEAT_LINK] if here[c.SEAT_LINK] >= 0.0 else g.on[int(here[c.SEAT_FRAME]), 0])
         other_on = int(there[c.SEAT_LINK] if there[c.SEAT_LINK] >= 0.0 else g.on[int(there[c.SEAT_FRAME]), 0])
@@ -119,8 +119,8 @@ def is_outside(k: Claim, g: tb.Geometry, s: tb.Scratch, pair: FloatArray, far: F
 
 @kernel(i8(tb.CLAIM, tb.GEOMETRY, tb.SCRATCH, tb.PROOF, i8), allocates=True)
 def first_within(k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof, after: int) -> int:
-    """The first pair after row `after` of the pairs of which nothing shows that neither body is within the other; -1:
-    none. While a pair keeps apart, and both bodies keep their seats, one is within the other all the time, or never."""
+    """The first pair, after row `after` of the pairs, without a proof that neither body is within the other; -1: none.
+    While a pair keeps apart, and both bodies keep their seats, one is within the other all the time, or never."""
     if len(k.triangles) == 0:
         return -1
     far, pairs = np.empty((len(k.vertices), 4)), proof.pairs

@@ -139,8 +139,8 @@ def make_pairs(k: Claim, g: tb.Geometry, proof: tb.Proof) -> None:
 @kernel(i8(tb.CLAIM, tb.PROOF))
 def require_second(k: Claim, proof: tb.Proof) -> int:
     """Makes the distance of each pair the second one, with nothing uncertain: of a pair with a body on a link, and of a
-    pair of two bodies on frames. Pairs that may touch, or of which nothing is claimed, are not needed. Returns the
-    first pair that must not exist; -1: none."""
+    pair of two bodies on frames. Pairs that may touch, or without a claim, are not needed. Returns the first
+    pair that must not exist; -1: none."""
     for d in range(int(proof.state[tb.PAIRS])):
         pair = proof.pairs[d]
         p, a, b = int(pair[tb.PAIR_PHASE]), int(pair[tb.PAIR_A]), int(pair[tb.PAIR_B])

@@ -14,7 +14,7 @@ import numpy as np
 from assur.planner.checker.refusals import points, start
 from assur.planner.checker.refusals.meetings import met, never_touching
 from assur.planner.checker.refusals.obstructions import obstructed
-from assur.planner.checker.refusals.stated import NotShownError, Shown, states
+from assur.planner.checker.refusals.stated import NotShownError, Proof, states
 from assur.planner.checker.refusals.windows import missed, overshoots
 from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.model.refusal import (
@@ -44,7 +44,7 @@ OBSTRUCTED = frozenset(
     }
 )
 """There must be one of these reasons for each way to a control point."""
-BY_STEP: dict[tuple[Stage, type], Callable[[Scene, int], Iterator[Shown]]] = {
+BY_STEP: dict[tuple[Stage, type], Callable[[Scene, int], Iterator[Proof]]] = {
     (Stage.START, BeyondRange): start.beyond_limits,
     (Stage.START, MotionLimit): start.beyond_limits,
     (Stage.START, Overshoot): overshoots,
@@ -57,7 +57,7 @@ BY_STEP: dict[tuple[Stage, type], Callable[[Scene, int], Iterator[Shown]]] = {
     (Stage.STRAIGHT, MotionLimit): points.no_path,
 }
 """What shows refusals that need no witness, by their stage and their facts."""
-BY_FACTS: dict[tuple[Stage, type], Callable[[Scene, Refusal], Iterator[Shown]]] = {
+BY_FACTS: dict[tuple[Stage, type], Callable[[Scene, Refusal], Iterator[Proof]]] = {
     (Stage.START, Overload): start.overload,
     (Stage.CONTROL_POINT, Overload): start.overload,
     (Stage.CONTROL_POINT, NotTouching): never_touching,
@@ -91,7 +91,7 @@ def _missing(scene: Scene, refusal: Refusal, witness: Witness | None) -> str:
     return "what it states is not what is shown"
 
 
-def _shown(scene: Scene, refusal: Refusal, witness: Witness | None) -> Iterator[Shown]:
+def _shown(scene: Scene, refusal: Refusal, witness: Witness | None) -> Iterator[Proof]:
     """What can be shown of the kind of a refusal with a witness."""
     match witness:
         case Hindered() if refusal.stage in (Stage.CONTROL_POINT, Stage.INVERSE) and refusal.reason in OBSTRUCTED:

@@ -22,8 +22,8 @@ from assur.planner.checker.refusals.nearest import deepest, distance, is_within
 from assur.planner.checker.refusals.obstructions import MOST, STATED
 from assur.planner.checker.refusals.postures import frame_at, links_at, posture, still
 from assur.planner.checker.refusals.spans import around
-from assur.planner.checker.refusals.stated import NotShownError, Shown, Spot, spots
-from assur.planner.checker.refusals.ways import Way, each_way, ways
+from assur.planner.checker.refusals.stated import NotShownError, Proof, Spot, spots
+from assur.planner.checker.refusals.ways import GraspOption, each_way, ways
 from assur.planner.checker.statement.arms import link_names
 from assur.planner.checker.statement.differences import TRACKED_RAD
 from assur.planner.checker.statement.distances import required_between
@@ -69,7 +69,7 @@ class Solid:
         return np.asarray(self.turn.T @ (point - self.at))
 
 
-def met(scene: Scene, refusal: Refusal, witness: Met) -> Iterator[Shown]:
+def met(scene: Scene, refusal: Refusal, witness: Met) -> Iterator[Proof]:
     """What is in the way as a witness states: in each way to a control point, or at the start. Raises `NotShownError`
     where it is not."""
     if len(witness.ways) > MOST:
@@ -80,7 +80,7 @@ def met(scene: Scene, refusal: Refusal, witness: Met) -> Iterator[Shown]:
             raise NotShownError("one pair must be named, at the start")
         yield _at_the_start(scene, refusal, first)
         return
-    found = list[Shown]()
+    found = list[Proof]()
     for way, mode, here in each_way(scene, refusal.step, witness.ways):
         if not here:
             raise NotShownError(f"the witness has nothing that is in the way in mode {mode}")
@@ -88,7 +88,7 @@ def met(scene: Scene, refusal: Refusal, witness: Met) -> Iterator[Shown]:
     yield from found
 
 
-def _at_the_start(scene: Scene, refusal: Refusal, meeting: Meeting) -> Shown:
+def _at_the_start(scene: Scene, refusal: Refusal, meeting: Meeting) -> Proof:
     t, attached = scene.start.time, at_start(scene)
     first, second = _solids(scene, scene.start.q, attached, meeting.bodies)
     links = pair(first.link or "", second.link or "")
@@ -100,7 +100,7 @@ def _at_the_start(scene: Scene, refusal: Refusal, meeting: Meeting) -> Shown:
     return true._replace(reason=Reason.START_IN_COLLISION, interval=(t, t))
 
 
-def _at_a_point(scene: Scene, refusal: Refusal, way: Way, mode: str, meeting: Meeting) -> Shown:
+def _at_a_point(scene: Scene, refusal: Refusal, way: GraspOption, mode: str, meeting: Meeting) -> Proof:
     t, robot, step = scene.start.time, scene.robot, scene.task[way.number]
     if scene.options.vias_missed and step.via:
         raise NotShownError("the via is missed")
@@ -133,7 +133,7 @@ def _at_a_point(scene: Scene, refusal: Refusal, way: Way, mode: str, meeting: Me
     return _too_near(scene, refusal, spot, first, second, meeting, turned)
 
 
-def _check_constant(scene: Scene, way: Way, first: Solid, second: Solid, attached: Attachments) -> None:
+def _check_constant(scene: Scene, way: GraspOption, first: Solid, second: Solid, attached: Attachments) -> None:
     """Raises `NotShownError` for a pair that may be less near when the point is met at another time: the first must be
     on the flange, or the point stand still, and the second never move against the point; and where the tool may be
     turned at will, that must change nothing."""
@@ -199,7 +199,7 @@ def about_vertical(yaw: float) -> FloatArray:
 
 def _too_near(
     scene: Scene, given: Refusal, spot: Spot, first: Solid, second: Solid, meeting: Meeting, turned: float
-) -> Shown:
+) -> Proof:
     """What both points of a meeting at a spot show, if its bodies are nearer than required by more than a plan may be
     off its place, `turned`, m, of it by its yaw."""
     near = turned + (PROVED_TRACKED_M if spot.above > 0.0 else PROVED_M)
@@ -212,7 +212,7 @@ def _too_near(
         surface = second.body.surface
         if surface is None or not (x == y).all() or not is_within(surface, second.local(y), near):
             raise NotShownError(f"the point is not inside the surface of {second.body.name}")
-        return Shown(reason, Enclosed(), None, subject, STATED)
+        return Proof(reason, Enclosed(), None, subject, STATED)
     rule, required = required_between(scene, spot.kind in TRACKING, first.body.name, second.body.name)
     distance = float(np.linalg.norm(x - y)) - sum(depths)
     if not distance <= required - near - 2.0 * OUTSIDE_M:
@@ -227,7 +227,7 @@ def _too_near(
         straight_m=None if spot.end is None else spot.above,
     )
     facts = _as_given(facts, distance, given.facts)
-    return Shown(reason, facts, Quantity(required - (facts.gap_m or 0.0), "m"), subject, STATED)
+    return Proof(reason, facts, Quantity(required - (facts.gap_m or 0.0), "m"), subject, STATED)
 
 
 def _as_given(true: Separation, distance: float, given: Facts) -> Separation:
@@ -247,7 +247,7 @@ WITHIN_M = 5e-5
 """By how much a distance that is stated may be off, m."""
 
 
-def never_touching(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
+def never_touching(scene: Scene, refusal: Refusal) -> Iterator[Proof]:
     """The part of a step is too far from the tool that takes it, or from what it is put down on: by the distance in the
     turn in which it is least."""
     step = scene.task[refusal.step]
@@ -272,10 +272,10 @@ def never_touching(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
     facts = NotTouching(of=of, distance_m=least, allowed_m=allowed)
     for name in (name for name, high in found.items() if high <= least + WITHIN_M):
         for bodies in ((name, step.part), (step.part, name)):
-            yield Shown(Reason.TOLERANCE, facts, Quantity(least - allowed, "m"), Bodies(bodies))
+            yield Proof(Reason.TOLERANCE, facts, Quantity(least - allowed, "m"), Bodies(bodies))
 
 
-def _others(scene: Scene, step: Pick | Place, way: Way) -> list[tuple[Body, Pose]]:
+def _others(scene: Scene, step: Pick | Place, way: GraspOption) -> list[tuple[Body, Pose]]:
     """What counts, with its pose in the part's frame: of a pick the tool's bodies; of a place what the part is put down
     on, where it never moves against the part."""
     held = way.after.held

@@ -14,8 +14,8 @@ from itertools import chain
 
 from assur.planner.checker.refusals.postures import forbidden, posture, reaches_by_joint, unreachable
 from assur.planner.checker.refusals.spans import Span, beyond
-from assur.planner.checker.refusals.stated import NotShownError, Shown, exceeded, same
-from assur.planner.checker.refusals.ways import Way, each_way
+from assur.planner.checker.refusals.stated import NotShownError, Proof, exceeded, same
+from assur.planner.checker.refusals.ways import GraspOption, each_way
 from assur.planner.model.refusal import (
     JointName,
     OutOfReach,
@@ -35,7 +35,7 @@ rounds, and what the planner counts ranges of yaw wider."""
 NUMBER: Unit = "1"
 MOST = 4096
 """A witness with more obstructions is refused: four modes, dozens of turns, and all joints of each are fewer."""
-Obstruction = tuple[Hindrance, list[Shown]]
+Obstruction = tuple[Hindrance, list[Proof]]
 """What a witness states of an obstruction, and what a refusal may state of it."""
 
 
@@ -45,11 +45,11 @@ def witness_of(scene: Scene, number: int) -> Hindered | None:
     return Hindered(ways=tuple(dict.fromkeys(chain.from_iterable(found)))) if all(found) else None
 
 
-def obstructed(scene: Scene, refusal: Refusal, witness: Hindered) -> Iterator[Shown]:
+def obstructed(scene: Scene, refusal: Refusal, witness: Hindered) -> Iterator[Proof]:
     """What obstructs each way to a point as the witness states. Raises `NotShownError` where one is not."""
     if len(witness.ways) > MOST:
         raise NotShownError("its witness has more obstructions than there are")
-    shown, left = list[Shown](), set(map(id, witness.ways))
+    shown, left = list[Proof](), set(map(id, witness.ways))
     for way, mode, here in each_way(scene, refusal.step, witness.ways):
         own = list(obstructions(scene, way, mode)) if here else []
         held = [next((stated for true, stated in own if _is_same(each, true)), None) for each in here]
@@ -67,7 +67,7 @@ def _is_same(one: Hindrance, other: Hindrance) -> bool:
     return alike and same(one.above_m, other.above_m) and same(one.by, other.by, STATED)
 
 
-def obstructions(scene: Scene, way: Way, mode: str) -> Iterator[Obstruction]:
+def obstructions(scene: Scene, way: GraspOption, mode: str) -> Iterator[Obstruction]:
     """Everything that prevents the arm from meeting the point of a way that stands still; nothing: perhaps it can."""
     for above in dict.fromkeys((0.0, *scene.straight(scene.task[way.number]))):
         for stated in _at_height(scene, way, mode, above):
@@ -81,7 +81,7 @@ def obstructions(scene: Scene, way: Way, mode: str) -> Iterator[Obstruction]:
             )
 
 
-def _at_height(scene: Scene, way: Way, mode: str, above: float) -> Iterator[list[Shown]]:
+def _at_height(scene: Scene, way: GraspOption, mode: str, above: float) -> Iterator[list[Proof]]:
     """What may be stated of each obstruction at a height above the point."""
     at, robot, step = way.still(scene), scene.robot, scene.task[way.number]
     if at is None:
@@ -98,9 +98,9 @@ def _at_height(scene: Scene, way: Way, mode: str, above: float) -> Iterator[list
         **way.on_path,
     )
     if wide.level.low > 0.0 or wide.level.high < 0.0:
-        yield [Shown(Reason.OUT_OF_REACH, far, Quantity(abs(exact.level.middle), "m"), within=STATED)]
+        yield [Proof(Reason.OUT_OF_REACH, far, Quantity(abs(exact.level.middle), "m"), within=STATED)]
     if wide.short.low > 0.0 and not reaches_by_joint(robot):
-        yield [Shown(Reason.OUT_OF_REACH, far, Quantity(max(exact.short.low, 0.0), "m"), within=STATED)]
+        yield [Proof(Reason.OUT_OF_REACH, far, Quantity(max(exact.short.low, 0.0), "m"), within=STATED)]
         return
     if scene.options.vias_missed and step.via:
         return  # its joints are missed; that there are none is all that can be shown
@@ -124,7 +124,7 @@ def _at_height(scene: Scene, way: Way, mode: str, above: float) -> Iterator[list
     ):
         if one is not None and other is not None and other.high < need * (1.0 - PROVED_SHARE):
             near_one = Singular(margin=one.middle, required=need, mode=mode)
-            yield [Shown(reason, near_one, Quantity(need - one.middle, "1"), within=STATED)]
+            yield [Proof(reason, near_one, Quantity(need - one.middle, "1"), within=STATED)]
     if scene.forbidden_yaw and way.turn is not None and robot.turns_load:
         yaw = at.then(way.flange).yaw + scene.tool.tcp.yaw
         stated = forbidden(scene, yaw, mode) or unreachable(scene, yaw, wide.joints, mode)

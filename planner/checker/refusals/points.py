@@ -22,8 +22,8 @@ from assur.planner.checker.refusals.postures import (
     still,
 )
 from assur.planner.checker.refusals.spans import ANY, Span, around, sine
-from assur.planner.checker.refusals.stated import NotShownError, Shown, exceeded, same
-from assur.planner.checker.refusals.ways import Way, ways
+from assur.planner.checker.refusals.stated import NotShownError, Proof, exceeded, same
+from assur.planner.checker.refusals.ways import GraspOption, ways
 from assur.planner.checker.statement import laws
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
@@ -43,11 +43,11 @@ PARTS, DEEPEST = 64, 12
 """Into so many parts a period is cut, and each is halved so often at most."""
 
 
-def _out_of_reach(short: float, facts: OutOfReach) -> Shown:
-    return Shown(Reason.OUT_OF_REACH, facts, Quantity(short, "m"))
+def _out_of_reach(short: float, facts: OutOfReach) -> Proof:
+    return Proof(Reason.OUT_OF_REACH, facts, Quantity(short, "m"))
 
 
-def every_pitch(scene: Scene, number: int) -> Iterator[Shown]:
+def every_pitch(scene: Scene, number: int) -> Iterator[Proof]:
     """A point that a hand reaches at no pitch."""
     way = ways(scene, number)[0]
     at = way.still(scene)
@@ -59,7 +59,7 @@ def every_pitch(scene: Scene, number: int) -> Iterator[Shown]:
         yield _out_of_reach(short, OutOfReach(every_pitch=True))
 
 
-def arch(scene: Scene, number: int) -> Iterator[Shown]:
+def arch(scene: Scene, number: int) -> Iterator[Proof]:
     """An arch that is above the range of the lift: the flange is as high above the base as the lift is extended."""
     robot, of = scene.robot, scene.task[number].arch
     if robot.lift is None or of is None:
@@ -70,7 +70,7 @@ def arch(scene: Scene, number: int) -> Iterator[Shown]:
         yield exceeded(scene, Reason.JOINT_LIMIT, robot.lift, top - high, facts)
 
 
-def no_path(scene: Scene, number: int = 0) -> Iterator[Shown]:
+def no_path(scene: Scene, number: int = 0) -> Iterator[Proof]:
     """A path of the first step that cannot begin where the tool is."""
     move = scene.task[0]
     if number != 0 or not isinstance(move, Move) or not move.path:
@@ -83,7 +83,7 @@ def no_path(scene: Scene, number: int = 0) -> Iterator[Shown]:
     at = frame.inverse().then(tool).position
     near = np.array([np.zeros(3), *(PROVED_M * np.eye(3)), *(-PROVED_M * np.eye(3))])
     if not any(_begins(move, (x, y, z)) for x, y, z in (at + near).tolist()):
-        yield Shown(Reason.MOTION_LIMIT, MotionLimit(obstacle=Obstacle.NO_PATH))
+        yield Proof(Reason.MOTION_LIMIT, MotionLimit(obstacle=Obstacle.NO_PATH))
 
 
 def _begins(move: Move, point: tuple[float, float, float]) -> bool:
@@ -95,7 +95,7 @@ def _begins(move: Move, point: tuple[float, float, float]) -> bool:
     return True
 
 
-def yaws_forbidden(scene: Scene, number: int) -> Iterator[Shown]:
+def yaws_forbidden(scene: Scene, number: int) -> Iterator[Proof]:
     """A forbidden range in which the tool is at a control point, however the part is turned."""
     if scene.options.vias_missed and scene.task[number].via:
         return
@@ -109,7 +109,7 @@ def yaws_forbidden(scene: Scene, number: int) -> Iterator[Shown]:
     yield from (each for found in inside for each in found if all(inside))
 
 
-def orbit(scene: Scene, refusal: Refusal, witness: Orbit) -> Iterator[Shown]:
+def orbit(scene: Scene, refusal: Refusal, witness: Orbit) -> Iterator[Proof]:
     """A point on a frame that repeats its motion and is never within reach. Raises `NotShownError` where it may be."""
     number, t0, short = refusal.step, scene.start.time, witness.short_m
     found = ways(scene, number)
@@ -127,7 +127,7 @@ def orbit(scene: Scene, refusal: Refusal, witness: Orbit) -> Iterator[Shown]:
     yield _out_of_reach(short, OutOfReach())
 
 
-def _is_far(scene: Scene, way: Way, mode: str, when: tuple[float, float], short: float, depth: int) -> bool:
+def _is_far(scene: Scene, way: GraspOption, mode: str, when: tuple[float, float], short: float, depth: int) -> bool:
     """Whether the flange is at least `short`, m, out of reach over an interval (up to `STATED`)."""
     if posture(scene.robot, mode, _swept(scene, way, when)).short.low >= short - STATED:
         return True
@@ -136,7 +136,7 @@ def _is_far(scene: Scene, way: Way, mode: str, when: tuple[float, float], short:
     return depth < DEEPEST and all(_is_far(scene, way, mode, half, short, depth + 1) for half in halves)
 
 
-def _swept(scene: Scene, way: Way, when: tuple[float, float]) -> Goal:
+def _swept(scene: Scene, way: GraspOption, when: tuple[float, float]) -> Goal:
     """Where the flange is over an interval, by bounds of the frame's motion."""
     x, y, z, yaw = frame_over(scene.frames[way.frame].law, when)
     c, s = sine(yaw + math.pi / 2), sine(yaw)

@@ -20,7 +20,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.refusals.spans import ANY, Span, arc_cosine, beyond, direction, length, pick, sine
-from assur.planner.checker.refusals.stated import Shown
+from assur.planner.checker.refusals.stated import Proof
 from assur.planner.checker.statement import arms, laws
 from assur.planner.checker.statement.arms import Limb, limbs
 from assur.planner.checker.statement.joints import mode_at
@@ -191,7 +191,7 @@ MOST_TURNS = 64
 """Full turns, either way, by which a yaw that is stated may differ."""
 
 
-def forbidden(scene: Scene, yaw: float, mode: str | None = None) -> list[Shown]:
+def forbidden(scene: Scene, yaw: float, mode: str | None = None) -> list[Proof]:
     """The ranges that a yaw of the tool, rad, is in by more than a plan may be off it, with how deep it is in each, the
     deepest first."""
     slack = slack_of(scene.execution.lag)
@@ -200,7 +200,7 @@ def forbidden(scene: Scene, yaw: float, mode: str | None = None) -> list[Shown]:
     return [_in_range(scene, each, depth, yaw, mode, way=False) for depth, each in inside]
 
 
-def unreachable(scene: Scene, yaw: float, joints: tuple[Span, ...], mode: str) -> list[Shown]:
+def unreachable(scene: Scene, yaw: float, joints: tuple[Span, ...], mode: str) -> list[Proof]:
     """Whether the tool of an arm with one limb would have to turn through a forbidden range to a yaw, rad, with joints
     within spans: by how much less it would have to be turned, for each full turn that may be stated, nearest first; or
     nothing."""
@@ -212,7 +212,7 @@ def unreachable(scene: Scene, yaw: float, joints: tuple[Span, ...], mode: str) -
     return [_in_range(scene, each, by, yaw, mode, way=True) for by in over for each in scene.forbidden_yaw]
 
 
-def _in_range(scene: Scene, each: YawRange, by: float, yaw: float, mode: str | None, *, way: bool) -> Shown:
+def _in_range(scene: Scene, each: YawRange, by: float, yaw: float, mode: str | None, *, way: bool) -> Proof:
     facts = ForbiddenYaw(
         first_rad=each.first,
         last_rad=each.last,
@@ -221,7 +221,7 @@ def _in_range(scene: Scene, each: YawRange, by: float, yaw: float, mode: str | N
         on_the_way=way,
         mode=mode,
     )
-    return Shown(Reason.FORBIDDEN_YAW, facts, Quantity(by, "rad"), within=PROVED_RAD)
+    return Proof(Reason.FORBIDDEN_YAW, facts, Quantity(by, "rad"), within=PROVED_RAD)
 
 
 def _room(scene: Scene) -> Span | None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Literal
 
 from assur.planner.checker.refusals.postures import forbidden, links_at, yaw_at
-from assur.planner.checker.refusals.stated import Shown, exceeded, law_ends
+from assur.planner.checker.refusals.stated import Proof, exceeded, law_ends
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.arms import link_names
 from assur.planner.checker.statement.differences import inverse, numbers, then
@@ -37,7 +37,7 @@ MARGIN = 1e-6
 """By how much a margin that is stated may be off: the square root of what sums round."""
 
 
-def beyond_limits(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iterator[Shown]:
+def beyond_limits(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iterator[Proof]:
     """Joints that are beyond their range, faster than they may be, or accelerate more, by more than a share `least` of
     range or limit."""
     limits, start, held = scene.robot.limits, scene.start, at_start(scene).held
@@ -55,7 +55,7 @@ def beyond_limits(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iter
                 yield exceeded(scene, reason, k, over, each, order)
 
 
-def unassembled(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iterator[Shown]:
+def unassembled(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iterator[Proof]:
     """A closed chain that is too near a type 2 singularity, where its couplers are parallel, or does not close."""
     need, names, t = scene.robot.parallel_least, link_names(scene.robot), scene.start.time
     if not set(COUPLERS) <= set(names):
@@ -65,10 +65,10 @@ def unassembled(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iterat
     margin = finite(abs(math.sin(other - one)))
     if (margin or 0.0) < need * (1.0 - least):
         facts, amount = Singular(margin=margin, required=need), Quantity(need - (margin or 0.0), "1")
-        yield Shown(Reason.NEAR_PARALLEL_SINGULARITY, facts, amount, within=MARGIN, interval=(t, t))
+        yield Proof(Reason.NEAR_PARALLEL_SINGULARITY, facts, amount, within=MARGIN, interval=(t, t))
 
 
-def law_over(scene: Scene, _: int = 0, least: float = PROVED_S) -> Iterator[Shown]:
+def law_over(scene: Scene, _: int = 0, least: float = PROVED_S) -> Iterator[Proof]:
     """Frames that bear a body and whose motion is not known at the start, by more than `least`, s."""
     t = scene.start.time
     for name in dict.fromkeys(body.frame for body in scene.bodies):
@@ -77,7 +77,7 @@ def law_over(scene: Scene, _: int = 0, least: float = PROVED_S) -> Iterator[Show
             yield law_ends(name, known, t, interval=known)
 
 
-def turned_into_range(scene: Scene, _: int = 0) -> Iterator[Shown]:
+def turned_into_range(scene: Scene, _: int = 0) -> Iterator[Proof]:
     """Forbidden ranges that the yaw of the tool is in."""
     t = scene.start.time
     return (each._replace(interval=(t, t)) for each in forbidden(scene, yaw_at(scene, scene.start.q)))
@@ -88,7 +88,7 @@ def _mass(scene: Scene, part: str | None) -> float:
     return (scene.tool.mass_kg or 0.0) + (0.0 if part is None else scene.index[part].mass_kg or 0.0)
 
 
-def overload(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
+def overload(scene: Scene, refusal: Refusal) -> Iterator[Proof]:
     """Loads that the robot may not carry: the tool alone, or with the part that is held at the start or that the step
     takes."""
     step, holding, limits = scene.task[refusal.step], scene.start.holding, scene.load_limits
@@ -110,13 +110,13 @@ def overload(scene: Scene, refusal: Refusal) -> Iterator[Shown]:
 
 def too_much(
     part: str | None, of: Load, value: float, limit: float | None, tool: float, least: float = PROVED_SHARE
-) -> Iterator[Shown]:
+) -> Iterator[Proof]:
     """A load of tool and part, kg or kg·m², that is beyond its limit by more than a share `least` of it. None: no part,
     or no limit."""
     if limit is not None and value > limit * (1.0 + least):
         facts = Overload(of=of, value=value, limit=limit, tool=tool, part=part, part_value=value - tool)
         amount = Quantity(value - limit, "kg·m²" if of == "max_inertia" else "kg")
-        yield Shown(Reason.LOAD_LIMIT, facts, amount, None if part is None else Bodies((part,)))
+        yield Proof(Reason.LOAD_LIMIT, facts, amount, None if part is None else Bodies((part,)))
 
 
 def _inertia(scene: Scene, refusal: Refusal, part: str | None) -> float:

@@ -33,7 +33,7 @@ ANGLES = frozenset({"yaw_rad"})
 """Facts whose full turns do not count."""
 
 
-class Shown(NamedTuple):
+class Proof(NamedTuple):
     """What is right of a stage and a step, and by how much the numbers of a refusal that states it may differ (as
     `same` has it)."""
 
@@ -54,19 +54,19 @@ class Shown(NamedTuple):
 
 def law_ends(
     frame: str, known: Span, needed: float, tracked: float | None = None, interval: Span | None = None, by: float = SAME
-) -> Shown:
+) -> Proof:
     """The motion of a frame is known on `known`, s, and not at `needed`; `tracked`: as in `LawEnds`."""
     facts = LawEnds(known_s=(finite(known[0]), finite(known[1])), needed_s=needed, tracked_s=tracked)
     over = Quantity(max(known[0] - needed, needed - known[1]), "s")
-    return Shown(Reason.LAW_ENDS, facts, over, FrameName(frame), by, interval)
+    return Proof(Reason.LAW_ENDS, facts, over, FrameName(frame), by, interval)
 
 
 def exceeded(
     scene: Scene, reason: Reason, joint: int, over: float, facts: Facts, order: int = 0, by: float = SAME
-) -> Shown:
+) -> Proof:
     """A joint, by its index, exceeds its range (order 0) or a limit of a rate by `over`, rad or m, and per s."""
     of = scene.robot.joints[joint]
-    return Shown(reason, facts, of_joint(of.kind, over, order), JointName(of.name), by)
+    return Proof(reason, facts, of_joint(of.kind, over, order), JointName(of.name), by)
 
 
 class NotShownError(Exception):
@@ -80,7 +80,7 @@ def same(one: float | None, other: float | None, by: float = SAME) -> bool:
     return one == other or (math.isfinite(other) and abs(one - other) <= by * max(1.0, abs(other)))
 
 
-def states(given: Refusal, shown: Shown) -> bool:
+def states(given: Refusal, shown: Proof) -> bool:
     """Whether a given refusal states what is shown of its stage and step. It may leave out its interval and the facts
     in `OPTIONAL`."""
     if (given.reason, given.subject, type(given.facts)) != (shown.reason, shown.subject, type(shown.facts)):

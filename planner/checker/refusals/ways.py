@@ -29,7 +29,7 @@ ANY_TURN: Turns = (None,)
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class GraspOption:
     """One way to meet the control point of step `number`.
 
     `turn`: of the part in the gripper, rad; None: any, and then the flange is `spread`, m, off `point`, in any
@@ -78,7 +78,7 @@ class Way:
         return still(scene, self.frame)
 
 
-def ways(scene: Scene, number: int) -> tuple[Way, ...]:
+def ways(scene: Scene, number: int) -> tuple[GraspOption, ...]:
     """All ways to meet the control point of a step, one for each turn of the part that its symmetry leaves."""
     step, state, picked, turns = scene.task[number], at_start(scene), None, NOT_TURNED
     hands, target = isinstance(step, Pick | Place), step.target
@@ -101,7 +101,7 @@ def ways(scene: Scene, number: int) -> tuple[Way, ...]:
             flange = point.then(scene.tool.tcp.inverse())
         any_turn = free or turn is None
         found.append(
-            Way(
+            GraspOption(
                 number=number,
                 turn=None if any_turn else turn,
                 frame=frame,
@@ -122,7 +122,7 @@ def _own(step: Step, turn: float | None) -> float:
     return turn or 0.0 if isinstance(step, Pick) else 0.0
 
 
-def each_way(scene: Scene, number: int, stated: Sequence[Stated]) -> Iterator[tuple[Way, str, list[Stated]]]:
+def each_way(scene: Scene, number: int, stated: Sequence[Stated]) -> Iterator[tuple[GraspOption, str, list[Stated]]]:
     """All ways to the control point of a step in all working modes that are allowed, with what a witness states of
     each."""
     for way in ways(scene, number):

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.refusals.stated import NotShownError, Shown, exceeded, law_ends, same
+from assur.planner.checker.refusals.stated import NotShownError, Proof, exceeded, law_ends, same
 from assur.planner.checker.refusals.ways import ways
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.differences import SAME, Four, numbers, then
@@ -137,7 +137,7 @@ def witness_of(scene: Scene, number: int) -> Openings:
     return Openings(spans_s=tuple(tracking(scene, number).open_spans()))
 
 
-def missed(scene: Scene, refusal: Refusal, witness: Openings) -> Iterator[Shown]:
+def missed(scene: Scene, refusal: Refusal, witness: Openings) -> Iterator[Proof]:
     """Refusals of a point that can never be tracked for long enough. Raises `NotShownError` where it may be."""
     of = tracking(scene, refusal.step)
     along = None if of.along is None else (of.along[0] - PROVED_M, of.along[1] + PROVED_M)
@@ -159,11 +159,11 @@ def missed(scene: Scene, refusal: Refusal, witness: Openings) -> Iterator[Shown]
         yield from _miss(short, of.needed - longest, (a, b))
 
 
-def _miss(facts: WindowMissed, by: float, when: Times | None = None) -> Iterator[Shown]:
+def _miss(facts: WindowMissed, by: float, when: Times | None = None) -> Iterator[Proof]:
     """A window that is missed by more than nothing, s or m."""
     if by > 0.0:
         amount = Quantity(by, "m" if facts.miss is Miss.NEVER_INSIDE else "s")
-        yield Shown(Reason.WINDOW_MISSED, facts, amount, within=STATED, interval=when)
+        yield Proof(Reason.WINDOW_MISSED, facts, amount, within=STATED, interval=when)
 
 
 def _are_alike(spans: list[Times], stated: list[Times]) -> bool:
@@ -175,7 +175,7 @@ def _are_alike(spans: list[Times], stated: list[Times]) -> bool:
     return all(has(stated, *each) for each in spans) and all(has(spans, *each) for each in stated)
 
 
-def _by_law(of: Tracking) -> Shown:
+def _by_law(of: Tracking) -> Proof:
     """Because the law of its frame ends: the point could be met if the motion went on."""
     needed = of.start
     if not of.known[1] < of.start:
@@ -216,7 +216,7 @@ def _gone(of: Tracking, t0: float, t1: float) -> float | None:
 # max(a - J t, -A), so velocity and position are never less than those of the hardest braking, either.
 
 
-def overshoots(scene: Scene, _: int = 0) -> Iterator[Shown]:
+def overshoots(scene: Scene, _: int = 0) -> Iterator[Proof]:
     """Each limit of a joint that is exceeded after the start by all motions that end at rest. It is also
     exceeded from each state that a plan may have in place of the start (its first knot may differ, and a motion is at
     rest up to `SAME`), with limits that are exceeded as far as a plan may."""

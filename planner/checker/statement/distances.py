@@ -15,8 +15,8 @@ from assur.planner.model.scene import Scene
 
 
 def require_distances(report: Requirements, scene: Scene, claim: c.Claim) -> None:
-    """Distances in travel and near a control point, with their exceptions, of which the last one that names a pair
-    counts; and the pairs of the robot's links that are kept apart."""
+    """Distances in travel and near a control point, with their exceptions (the last one that names a pair
+    counts), and the pairs of the robot's links that are kept apart."""
     names, clearance, stated = [body.name for body in bodies_of(scene)], scene.options.clearance, claim.required[0]
     count = len(names)
     required = np.full((count, count, 2), (clearance.travel_m, clearance.near_m))

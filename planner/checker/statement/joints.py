@@ -325,12 +325,12 @@ def require_postures(statement: Statement, claims: Claims) -> None:
         stated = mode is None or _is_in_mode(statement, mode, met)
         what = f"{arrival.control_point} is not stated to be met in mode {mode or '':.40}"
         statement.require(stated, Code.ELBOW, what, met)
-    for name, said, numbers in (
+    for name, claimed, numbers in (
         ("singularity", claims.singularity, numbers_of(robot)),
         ("parallel", claims.parallel, couplers_of(robot)),
     ):
-        margin = None if said is None else said[0]
-        has_one = said is None or (margin is not None) is bool(numbers)
+        margin = None if claimed is None else claimed[0]
+        has_one = claimed is None or (margin is not None) is bool(numbers)
         statement.require(has_one, Code.SINGULARITY, f"whether the arm has a {name} margin is stated wrongly")
         if margin is None or not numbers:
             continue

@@ -137,11 +137,11 @@ def require_nearness(statement: Statement, claims: Claims) -> None:
             what = f"the part of {arrival.control_point} is not stated to be as near as the answer states"
             statement.require(near, Code.NEAREST, what, (arrival.until, arrival.until))
     named = [(each, False) for each in claims.pairs]
-    for placed, column, said in (
+    for placed, column, claimed in (
         (False, c.REQUIRED_NEAREST, claims.nearest),
         (True, c.REQUIRED_PLACED, claims.placed),
     ):
-        for nearest in said or ():
+        for nearest in claimed or ():
             least = c.LIMITLESS if nearest is None else nearest.gap_m - WITHIN_M
             kept = least <= 0.0 or statement.claim.required[0, column] >= least
             what = "pairs may come nearer than the smallest clearance that is stated"

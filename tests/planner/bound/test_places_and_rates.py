@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from assur.planner.arrays import FloatArray
-from assur.planner.bound.events import LEAST_MARGIN, Unplaced, climbs, modes_asked, places, rates
+from assur.planner.bound.events import LEAST_MARGIN, Unplaced, allowed_modes, climbs, places, rates
 from assur.planner.bound.fastest import STATE
 from assur.planner.bound.guided import BOUNDED, DYAD, NOWHERE, UNKNOWN, guided
 from assur.planner.frames.motion import Motion, Pose
@@ -126,10 +126,10 @@ def test_what_is_not_known_near_a_singularity_is_not_claimed_and_out_of_reach_is
 def test_the_working_modes_that_are_asked_for() -> None:
     robot = scara(base=Pose())
     left, right = np.array([0.3, -1.0, 0.2, 0.0]), np.array([0.3, 1.0, 0.2, 0.0])
-    assert modes_asked(robot, "keep", left) == (0,)
-    assert modes_asked(robot, "keep", right) == (1,)
-    assert modes_asked(robot, "left", right) == (0,)
-    assert modes_asked(robot, "auto", right) == (0, 1)
+    assert allowed_modes(robot, "keep", left) == (0,)
+    assert allowed_modes(robot, "keep", right) == (1,)
+    assert allowed_modes(robot, "left", right) == (0,)
+    assert allowed_modes(robot, "auto", right) == (0, 1)
 
 
 @pytest.mark.parametrize("robot", PLANAR, ids=lambda robot: f"{robot.name}-{len(robot.joints)}")

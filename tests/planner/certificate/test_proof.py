@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 
 import assur.planner.collision.proof
 from assur.planner.collision.bodies import COVER
-from assur.planner.collision.fcl_door import Collider
+from assur.planner.collision.fcl_entry import Collider
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.rows import Rows, Unproved
+from assur.planner.collision.rows import ProofFailure, Rows
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, box, cylinder, sphere
 from assur.planner.kernels.proof import ALONG, OTHER, T0, T1, UNIT
@@ -94,7 +94,7 @@ def test_what_comes_closer_than_the_clearance_is_never_certified(
     case = encounter(seed, kind, how)
     scene, phase = asked(case, clearance, 1.0 - 1e-6 / clearance)
     found = Prover(scene).prove(phase, case.path)
-    assert isinstance(found, Unproved)
+    assert isinstance(found, ProofFailure)
     assert found.bodies == ("ball", "thing")
     assert not found.of_robot
 
@@ -108,7 +108,7 @@ def test_a_refusal_names_a_time_at_which_the_pair_really_is_too_close(seed: int,
     for deep in (0.001, 0.02):
         scene = case.scene(least + deep, clearance=Clearance(0.002, 0.0))
         found = Prover(scene).prove(case.phase(), case.path)
-        assert isinstance(found, Unproved)
+        assert isinstance(found, ProofFailure)
         there = float(case.apart(np.array([found.time]))[0]) - (least + deep)
         assert there <= 0.002 + 1e-9
         assert found.touching == (there <= 0)
@@ -126,7 +126,7 @@ def test_bodies_of_several_pieces_are_certified_piece_by_piece(seed: int, kind: 
     assert isinstance(rows, Rows), rows
     assert covered(rows, phase, scene)
     scene, phase = asked(case, 0.001, 0.999)
-    assert isinstance(Prover(scene).prove(phase, case.path), Unproved)
+    assert isinstance(Prover(scene).prove(phase, case.path), ProofFailure)
 
 
 @settings(max_examples=40)
@@ -162,7 +162,7 @@ def test_a_proof_that_runs_out_of_work_or_room_goes_on_where_it_was(
         with monkeypatch.context() as scarce:
             scarce.setattr(assur.planner.collision.proof, short, {"BUDGET": 1, "ROOM": 0, "STACK": 2}[short])
             rows = Prover(scene).prove(phase, case.path)
-            assert isinstance(Prover(too_near).prove(phase, case.path), Unproved)
+            assert isinstance(Prover(too_near).prove(phase, case.path), ProofFailure)
         assert isinstance(rows, Rows)
         assert isinstance(whole, Rows)
         assert covered(rows, phase, scene)
@@ -225,9 +225,9 @@ def test_an_allowed_contact_is_held_to_a_tenth_of_a_millimetre(gap: float, may: 
 def test_without_the_allowance_a_contact_is_refused() -> None:
     scene, phase, path = standing_beside(0.0)
     found = Prover(scene).prove(phase, path)
-    assert isinstance(found, Unproved)
+    assert isinstance(found, ProofFailure)
     other = frozenset({("cup", "table")})
-    assert isinstance(Prover(scene).prove(replace(phase, contacts=other), path), Unproved)
+    assert isinstance(Prover(scene).prove(replace(phase, contacts=other), path), ProofFailure)
 
 
 @pytest.mark.parametrize(("kind", "need"), [(LegKind.FOLLOW, 0.001), (LegKind.APPROACH, 0.001), (LegKind.MOVE, 0.004)])
@@ -335,7 +335,7 @@ def test_an_arm_that_fcl_sees_touching_a_mesh_is_never_certified(seed: int) -> N
     collider = Collider()
     touching = any(collider.touch(one.posed(k), other.posed(k)) for k in range(0, len(row), 3))
     if touching:
-        assert isinstance(found, Unproved)
+        assert isinstance(found, ProofFailure)
     if isinstance(found, Rows):
         assert covered(found, phase, scene)
 
@@ -360,7 +360,7 @@ def test_unknown_laws_are_never_certified() -> None:
     known = Encounter(case.path, far, case.frames)
     assert isinstance(Prover(known.scene(0.01)).prove(known.phase(), case.path), Rows)
     unknown = Encounter(case.path, far, (short,))
-    assert isinstance(Prover(unknown.scene(0.01)).prove(unknown.phase(), case.path), Unproved)
+    assert isinstance(Prover(unknown.scene(0.01)).prove(unknown.phase(), case.path), ProofFailure)
 
 
 def test_what_is_proved_by_planes_keeps_what_the_checker_may_miss_of_them() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from assur.planner.checked import check
 from assur.planner.checker import Code
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.rows import Unproved, written
+from assur.planner.collision.rows import ProofFailure, written
 from assur.planner.laws import Pose
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import phases
@@ -18,7 +18,7 @@ def within(mesh: Around) -> set[str]:
     _, plan = crossing_case()
     scene = crossing(bodies=(mesh,))
     proofs = [Prover(scene).prove(phase, plan.trajectory) for phase in phases(scene, plan.legs, plan.arrivals)]
-    rows = [each for each in proofs if not isinstance(each, Unproved)]
+    rows = [each for each in proofs if not isinstance(each, ProofFailure)]
     assert len(rows) == len(proofs)
     certificate = written(scene, plan.trajectory, plan.legs, plan.arrivals, rows)
     findings = check(scene, sealed(scene, Plan(plan.trajectory, plan.legs, plan.arrivals, certificate))).findings

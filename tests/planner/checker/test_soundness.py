@@ -26,7 +26,7 @@ from assur.planner.model.outcome import (
     LegKind,
     Plan,
 )
-from assur.planner.model.phases import AT_START, Handled
+from assur.planner.model.phases import AT_START, GraspUncertainty
 from assur.planner.model.scene import Execution, Follow, Move, Options, Scene, Target, WorldBody
 from tests.planner.checker.hand_made import (
     TOOL,
@@ -163,7 +163,7 @@ def test_an_honest_plan_for_an_uncertain_cell_is_accepted(execution: Execution) 
         hand.arrive(number, t, t)
     plan = hand.plan()
     states = [(arrival, plan.trajectory.evaluate(arrival.until)) for arrival in plan.arrivals]
-    errors = [arrival_error(scene, each.step, AT_START, Handled(), q, each.until) for each, q in states]
+    errors = [arrival_error(scene, each.step, AT_START, GraspUncertainty(), q, each.until) for each, q in states]
     arrivals = tuple(replace(arrival, error=error) for (arrival, _), error in zip(states, errors, strict=True))
     assert check(scene, sealed(scene, replace(plan, arrivals=arrivals))).findings == ()
     assert {finding.code for finding in check(scene, plan).findings} == {Code.ARRIVAL}

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.legs.line import Pace
-from assur.planner.legs.missed import SHORTEST_PART_S, Hop, arch
+from assur.planner.legs.line import ScaledLimits
+from assur.planner.legs.missed import SHORTEST_PART_S, ArchForm, arch
 from assur.planner.timing import RawProfile, TimingRefusal, trajectory_of
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import limits
@@ -34,12 +34,14 @@ def state(rng: np.random.Generator, speed: float = 0.0) -> JointState:
     return q, qd, qdd
 
 
-def over(start: JointState, goal: JointState, hop: Hop, duration: float | None = None) -> RawProfile | TimingRefusal:
-    return arch(numbers(start), numbers(goal), hop, Pace(LIMITS, LIFT), duration)
+def over(
+    start: JointState, goal: JointState, form: ArchForm, duration: float | None = None
+) -> RawProfile | TimingRefusal:
+    return arch(numbers(start), numbers(goal), form, ScaledLimits(LIMITS, LIFT), duration)
 
 
-def made(start: JointState, goal: JointState, hop: Hop, duration: float | None = None) -> RawProfile:
-    found = over(start, goal, hop, duration)
+def made(start: JointState, goal: JointState, form: ArchForm, duration: float | None = None) -> RawProfile:
+    found = over(start, goal, form, duration)
     assert isinstance(found, RawProfile), found
     return found
 
@@ -78,18 +80,18 @@ def test_an_overlapped_arch_takes_no_longer_than_its_parts_and_no_less_than_the_
     rng = np.random.default_rng(seed)
     start, goal, top = state(rng), state(rng), float(rng.uniform(0.15, 0.25))
     up, across, down = parts(start, goal, top)
-    found = made(start, goal, Hop(top, rise, fall))
+    found = made(start, goal, ArchForm(top, rise, fall))
     assert max(up + down, across) - 1e-9 <= found.duration <= up + across + down + 1e-9
     if rise == fall == 1.0:
         assert found.duration == pytest.approx(up + across + down, abs=1e-9)
-    assert made(start, goal, Hop(top, 0.0, 0.0)).duration == pytest.approx(max(up + down, across), abs=1e-9)
+    assert made(start, goal, ArchForm(top, 0.0, 0.0)).duration == pytest.approx(max(up + down, across), abs=1e-9)
 
 
 @given(st.integers(0, 10**6), SHARES, SHARES)
 def test_an_arch_keeps_every_limit_by_exact_extrema_and_goes_over_its_top(seed: int, rise: float, fall: float) -> None:
     rng = np.random.default_rng(seed)
     start, goal, top = state(rng), state(rng), float(rng.uniform(0.15, 0.25))
-    found = made(start, goal, Hop(top, rise, fall))
+    found = made(start, goal, ArchForm(top, rise, fall))
     trajectory = path(found, 3.0)
     assert keeps(trajectory)
     low, high = trajectory.extrema(0)
@@ -103,7 +105,7 @@ def test_an_arch_keeps_every_limit_by_exact_extrema_and_goes_over_its_top(seed: 
 def test_knots_begin_and_end_in_the_states_that_were_asked_for_to_the_bit(seed: int, rise: float, fall: float) -> None:
     rng = np.random.default_rng(seed)
     start, goal = state(rng, float(rng.integers(2)) * 0.3), state(rng, float(rng.integers(2)) * 0.3)
-    found = over(start, goal, Hop(0.22, rise, fall))
+    found = over(start, goal, ArchForm(0.22, rise, fall))
     if isinstance(found, TimingRefusal):
         return
     way = path(found)
@@ -126,8 +128,8 @@ def corner(arched: RawProfile) -> FloatArray:
 def test_without_overlap_the_others_move_only_at_the_top_and_with_it_earlier() -> None:
     start = (np.array([-0.8, 1.0, 0.08, 0.0]), NONE, NONE)
     goal = (np.array([0.8, 1.2, 0.08, 0.5]), NONE, NONE)
-    assert corner(made(start, goal, Hop(0.2, 1.0, 1.0))) == pytest.approx([0.2, 0.2], abs=1e-3)
-    half = corner(made(start, goal, Hop(0.2, 0.5, 0.5)))
+    assert corner(made(start, goal, ArchForm(0.2, 1.0, 1.0))) == pytest.approx([0.2, 0.2], abs=1e-3)
+    half = corner(made(start, goal, ArchForm(0.2, 0.5, 0.5)))
     assert (half > 0.09).all()
     assert (half < 0.19).all()
 
@@ -139,11 +141,11 @@ def test_an_arch_to_a_moving_end_takes_the_time_it_is_given_within_all_limits(
 ) -> None:
     rng = np.random.default_rng(seed)
     start, goal = state(rng), state(rng, 0.3)
-    hop = Hop(0.22, rise, fall)
-    first = over(start, goal, hop)
+    form = ArchForm(0.22, rise, fall)
+    first = over(start, goal, form)
     if isinstance(first, TimingRefusal):
         return
-    found = over(start, goal, hop, first.duration + more)
+    found = over(start, goal, form, first.duration + more)
     if isinstance(found, TimingRefusal):  # a duration may be blocked; the search then asks for another
         assert found.reason in ("blocked", "too short")
         return
@@ -154,8 +156,8 @@ def test_an_arch_to_a_moving_end_takes_the_time_it_is_given_within_all_limits(
 def test_an_arch_in_less_time_than_it_takes_is_refused_with_the_seconds_that_are_missing() -> None:
     rng = np.random.default_rng(1)
     start, goal = state(rng), state(rng)
-    whole = made(start, goal, Hop(0.22, 0.5, 0.5)).duration
-    found = over(start, goal, Hop(0.22, 0.5, 0.5), whole - 0.01)
+    whole = made(start, goal, ArchForm(0.22, 0.5, 0.5)).duration
+    found = over(start, goal, ArchForm(0.22, 0.5, 0.5), whole - 0.01)
     assert isinstance(found, TimingRefusal)
     assert found.excess == pytest.approx(0.01, abs=1e-9)
 
@@ -168,9 +170,9 @@ def test_an_arch_rests_at_its_top_to_the_bit_however_long(more: float) -> None:
     for k in range(12):
         top = 0.2 + 1e-4 * k
         up, across, down = parts(start, goal, top)
-        hop = Hop(top, (up - 0.02 + 2e-6 * (k - 6)) / up, 0.5)
-        duration = made(start, goal, hop).duration + more
-        way = path(made(start, goal, hop, duration), 2.0)
+        form = ArchForm(top, (up - 0.02 + 2e-6 * (k - 6)) / up, 0.5)
+        duration = made(start, goal, form).duration + more
+        way = path(made(start, goal, form, duration), 2.0)
         low, high = way.extrema(0)
         assert keeps(way)
         assert high[LIFT] <= top + 1e-13
@@ -178,7 +180,7 @@ def test_an_arch_rests_at_its_top_to_the_bit_however_long(more: float) -> None:
         at_top = 2.0 + up + np.linspace(1e-9, 1.0 - 1e-9, 50) * (duration - up - down)
         assert (way.evaluate(at_top)[:, LIFT] == top).all()
         assert not way.evaluate(at_top, 1)[:, LIFT].any()
-        arrived = 2.0 + hop.rise * up + across + 1e-9
+        arrived = 2.0 + form.rise * up + across + 1e-9
         assert more < 1.0 or (way.evaluate(np.linspace(arrived, way.end, 50))[:, [0, 1, 3]] == [0.8, 1.2, 0.5]).all()
 
 
@@ -186,7 +188,7 @@ def test_the_parts_of_an_arch_are_the_same_motion() -> None:
     rng = np.random.default_rng(4)
     for _ in range(20):
         start, goal = state(rng), state(rng)
-        found = made(start, goal, Hop(0.22, float(rng.random()), float(rng.random())))
+        found = made(start, goal, ArchForm(0.22, float(rng.random()), float(rng.random())))
         assert sum(part.duration for part in found.parts) == pytest.approx(found.duration, abs=1e-12)
         assert (found.parts[0].begin, found.parts[-1].goal) == (found.begin, found.goal)
         begin = 0.0

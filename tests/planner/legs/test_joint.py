@@ -16,7 +16,7 @@ from assur.planner.laws import Law, conveyor, indexer, swing, turntable
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.joint import JointMotion, Shape, Via
 from assur.planner.legs.meeting import meetings
-from assur.planner.legs.missed import Hop
+from assur.planner.legs.missed import ArchForm
 from assur.planner.legs.state import Branch, Knots, State
 from assur.planner.model.outcome import LegKind, Planned
 from assur.planner.model.phases import AT_START
@@ -64,10 +64,10 @@ def shape(rng: np.random.Generator, kind: str) -> Shape:
         return Via(rng.uniform(0.7 * LIMITS.lower, 0.7 * LIMITS.upper) + np.array([0, 0, 0.12, 0]), float(rng.random()))
 
     vias = tuple(via() for _ in range({"1 via": 1, "2 vias": 2}.get(kind, 0)))
-    hop = Hop(0.25, float(rng.random()), float(rng.random())) if kind == "arch" else None
+    form = ArchForm(0.25, float(rng.random()), float(rng.random())) if kind == "arch" else None
     wait = float(rng.random()) if kind == "wait" else 0.0
     late = float(rng.random()) if kind == "late" else 0.0
-    return Shape(wait, late, vias, hop, effort=float(rng.choice([1.0, 0.7, 0.4])))
+    return Shape(wait, late, vias, form, effort=float(rng.choice([1.0, 0.7, 0.4])))
 
 
 KINDS = st.sampled_from(["direct", "1 via", "2 vias", "arch", "wait", "late"])

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.laws import Law, conveyor, fixed, turntable
-from assur.planner.legs.follower import UNIFORM, Way
+from assur.planner.legs.follower import UNIFORM, PathTask
 from assur.planner.legs.line import Along, Line
 from assur.planner.legs.state import State, TimedLeg
 from assur.planner.legs.straight import by_law, constant_law, mode_changes, straight
@@ -45,7 +45,7 @@ def begin(scene: Scene, law: Law, pose: Pose, t: float, mode: int) -> State:
 
 
 def by_the_constant_law(scene: Scene, state: State, mode: int, left: Along, met: Along) -> TimedLeg | Refusal:
-    way = Way(scene, Stage.STRAIGHT, 0, Line(left, met, scene.tool.tcp), UNIFORM, state.time)
+    way = PathTask(scene, Stage.STRAIGHT, 0, Line(left, met, scene.tool.tcp), UNIFORM, state.time)
     return by_law(way, state, mode, constant_law(), 0, scene.robot.limits)
 
 

@@ -17,7 +17,7 @@ from assur.planner.geometry.shapes import box
 from assur.planner.laws import Law, conveyor, indexer, linear, swing, turntable
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.state import State
-from assur.planner.legs.tracking import Tracked, lead_time, track
+from assur.planner.legs.tracking import TrackingLegs, lead_time, track
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import AT_START
 from assur.planner.model.refusal import MotionLimit, Obstacle, Reason, Refusal
@@ -68,7 +68,7 @@ def begun(scene: Scene, t: float, mode: int) -> tuple[ControlPoint, State] | Non
     return point, State(t, found.q, found.qd, found.qdd)
 
 
-def whole(block: Tracked) -> Trajectory:
+def whole(block: TrackingLegs) -> Trajectory:
     knots = block.legs[0].knots
     for leg in block.legs[1:]:
         knots = knots.then(leg.knots)
@@ -159,7 +159,7 @@ def test_a_lead_is_the_time_of_the_way_down() -> None:
     point, state = start
     lead = lead_time(scene, point, 1.0)
     block = track(scene, point, state, 0, 1.0)
-    assert isinstance(block, Tracked)
+    assert isinstance(block, TrackingLegs)
     assert block.begin - state.time == pytest.approx(lead, abs=1e-12)
 
 
@@ -202,7 +202,7 @@ def test_the_wrist_turns_on_and_on_with_a_dial_until_its_range_ends() -> None:
     start = begun(scene, 0.0, 0)
     assert start is not None
     block = track(scene, start[0], start[1], 0, 1.0)
-    assert isinstance(block, Tracked)
+    assert isinstance(block, TrackingLegs)
     path = whole(block)
     assert abs(path.q[-1, 3] - path.q[0, 3]) > 2 * math.pi  # no jump by a turn on the way
     longer = cell_with(turntable(Pose(0.32, 0.12, 0.06), 2.0), Pose(0.0, 0.0), CUP, dwell=12.0)
@@ -263,7 +263,7 @@ def test_an_arm_without_a_lift_goes_straight_down_to_a_moving_point_and_up_again
     found = robot.inverse(point.flange(np.array([begin]), 0.05), mode, 2)
     state = State(begin, found.q[0], found.qd[0], found.qdd[0])
     block = track(scene, point, state, mode, 1.0)
-    assert isinstance(block, Tracked), block
+    assert isinstance(block, TrackingLegs), block
     assert [leg.kind for leg in block.legs] == [LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART]
     assert block.end - block.begin == pytest.approx(0.2)
     for leg in block.legs:

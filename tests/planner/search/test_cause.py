@@ -12,7 +12,7 @@ from assur.planner.collision.screening import Encounter
 from assur.planner.model.outcome import CensusLine
 from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Refuted, Separation, Stage, Unit
 from assur.planner.report.sentence import sentence
-from assur.planner.search.beam import Found
+from assur.planner.search.beam import SearchResult
 from assur.planner.search.cause import cause_of
 from assur.planner.search.partial_plan import Extension, RefusedMotion, TimedCandidate
 from tests.planner.cells import cell, go
@@ -38,13 +38,13 @@ def motion(step: int, *, whole: bool) -> TimedCandidate | Extension:
     return Extension(before, none, none, (), none) if whole else TimedCandidate(before, none, none, ())
 
 
-def stopped(found: Found, step: int, *refusals: Refusal, whole: bool) -> None:
+def stopped(found: SearchResult, step: int, *refusals: Refusal, whole: bool) -> None:
     """A candidate that was refused, as the search counts it."""
     found.census.candidates += 1
     found.census.add_all(found.refused(motion(step, whole=whole), tuple(Encounter(each) for each in refusals)))
 
 
-def cause(found: Found) -> CensusLine:
+def cause(found: SearchResult) -> CensusLine:
     line = cause_of(found).line
     assert line is not None
     return line
@@ -71,7 +71,7 @@ def test_motions_rank_by_steps_then_stages_then_by_how_little_is_missing() -> No
 
 @pytest.mark.parametrize("last", [True, False])
 def test_what_stopped_the_candidate_that_came_furthest_is_the_cause_whenever_it_was_tried(last: bool) -> None:
-    found, best = Found(), refusal(Stage.CERTIFICATE, 0.0001, "part")
+    found, best = SearchResult(), refusal(Stage.CERTIFICATE, 0.0001, "part")
     if not last:
         stopped(found, 0, best, whole=True)
     for k in range(9):
@@ -86,7 +86,7 @@ def test_what_stopped_the_candidate_that_came_furthest_is_the_cause_whenever_it_
 
 
 def test_steps_count_more_than_anything() -> None:
-    found = Found()
+    found = SearchResult()
     for _ in range(5):
         stopped(found, 0, refusal(Stage.CERTIFICATE, 0.0001, "part"), whole=True)
     found.deepest, found.longest = 1, cast(Any, SimpleNamespace(step=1))
@@ -98,7 +98,7 @@ def test_steps_count_more_than_anything() -> None:
 
 
 def test_of_bodies_at_one_instant_the_most_frequent_is_told_with_the_numbers_of_that_candidate() -> None:
-    found = Found()
+    found = SearchResult()
     deep, flat = refusal(Stage.SCREENING, 0.03, "shaft"), refusal(Stage.SCREENING, 0.02, "nozzle")
     stopped(found, 0, deep, flat, whole=False)
     stopped(found, 0, refusal(Stage.SCREENING, 0.04, "shaft"), refusal(Stage.SCREENING, 0.01, "nozzle"), whole=False)
@@ -115,7 +115,7 @@ def test_of_bodies_at_one_instant_the_most_frequent_is_told_with_the_numbers_of_
 
 
 def test_what_the_checker_refused_came_further_than_all_else() -> None:
-    found = Found()
+    found = SearchResult()
     stopped(found, 1, refusal(Stage.CERTIFICATE, 1e-5, step=1), whole=True)
     facts = Refuted(code="LIMIT", what="too fast", where="1.2 s")
     found.census.add(Refusal(stage=Stage.CHECKER, reason=Reason.NOT_CERTIFIED, step=1, facts=facts))
@@ -123,4 +123,4 @@ def test_what_the_checker_refused_came_further_than_all_else() -> None:
 
 
 def test_without_a_refusal_there_is_no_cause() -> None:
-    assert cause_of(Found()).line is None
+    assert cause_of(SearchResult()).line is None

@@ -23,7 +23,7 @@ from assur.planner.model.outcome import NotPlanned, Planned
 from assur.planner.model.refusal import Reason
 from assur.planner.model.scene import Arch, Clearance, Scene
 from assur.planner.pipeline import plan
-from assur.planner.search.beam import Found, Search
+from assur.planner.search.beam import Search, SearchResult
 from assur.planner.search.candidates import Sampler
 from assur.planner.search.extension import timed
 from assur.planner.search.partial_plan import Candidate, Option, TimedCandidate, initial, prepared
@@ -116,7 +116,7 @@ class _Clock:
         return self.now
 
 
-def run(scene: Scene, monkeypatch: pytest.MonkeyPatch, step: float) -> tuple[Found, float]:
+def run(scene: Scene, monkeypatch: pytest.MonkeyPatch, step: float) -> tuple[SearchResult, float]:
     clock = _Clock(step)
     monkeypatch.setattr("assur.planner.search.beam.time", clock)
     monkeypatch.setattr("assur.planner.model.deadline.time", clock)

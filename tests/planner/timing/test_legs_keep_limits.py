@@ -7,7 +7,7 @@ import pytest
 import ruckig
 
 from assur.planner.timing import TimingRefusal
-from assur.planner.timing.solver import JERK_RESERVE, RAMP_S, RATE_RESERVE, Allowed, lowered_limits
+from assur.planner.timing.solver import JERK_RESERVE, RAMP_S, RATE_RESERVE, RobotLimits, lowered_limits
 from assur.planner.trajectory import Trajectory
 from tests.planner.timing.legs import KINDS, ROBOTS, Question, numbers, question, time_joints
 from tests.planner.trajectory.splines import keeps_limits
@@ -79,7 +79,7 @@ def test_the_spline_repeats_the_solvers_cubics(kind: str) -> None:
             setattr(given, f"current_{name}", value.tolist())
         for name, value in zip(("position", "velocity", "acceleration"), asked.goal, strict=True):
             setattr(given, f"target_{name}", value.tolist())
-        limits = lowered_limits(*asked.states, Allowed(*numbers(asked.limits)))
+        limits = lowered_limits(*asked.states, RobotLimits(*numbers(asked.limits)))
         assert not isinstance(limits, TimingRefusal)
         given.max_velocity, given.min_velocity = limits.velocity, limits.backward
         given.max_acceleration, given.min_acceleration = limits.acceleration, limits.braking
@@ -114,10 +114,10 @@ def test_a_joint_that_would_reach_its_limits_within_microseconds_moves_as_it_is_
 
 
 def test_the_jerk_of_a_robot_that_needs_longer_is_what_it_was() -> None:
-    usual = Allowed([1.0], [2.0], [2.0 / RAMP_S]).lowered.jerk
+    usual = RobotLimits([1.0], [2.0], [2.0 / RAMP_S]).lowered.jerk
     assert usual == [2.0 / RAMP_S * (1.0 - JERK_RESERVE)]
-    assert Allowed([1.0], [2.0], [9.0 / RAMP_S]).lowered.jerk == [2.0 * (1.0 - RATE_RESERVE) / RAMP_S]
-    assert Allowed([1e-6], [2.0], [2.0]).lowered.jerk == [1e-6 * (1.0 - RATE_RESERVE) / RAMP_S**2]
+    assert RobotLimits([1.0], [2.0], [9.0 / RAMP_S]).lowered.jerk == [2.0 * (1.0 - RATE_RESERVE) / RAMP_S]
+    assert RobotLimits([1e-6], [2.0], [2.0]).lowered.jerk == [1e-6 * (1.0 - RATE_RESERVE) / RAMP_S**2]
 
 
 def test_a_solver_that_is_asked_again_answers_like_a_new_one_whatever_it_was_asked_before() -> None:

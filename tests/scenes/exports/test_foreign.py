@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from assur.api.cli.trajectories import lines
-from assur.planner.collision.rows import Unproved
+from assur.planner.collision.rows import ProofFailure
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_KNOTS
 from assur.scenes.exports.documents import check_trajectory_document, export_document
@@ -243,10 +243,10 @@ def test_a_point_that_is_no_later_than_the_one_before_is_told_at_its_field() -> 
 
 
 def test_what_is_only_not_shown_has_no_amount() -> None:
-    near = unproved(Unproved(("a", "b"), 1.0, 0.26, 0.001, touching=False, of_robot=True), "travel")
+    near = unproved(ProofFailure(("a", "b"), 1.0, 0.26, 0.001, touching=False, of_robot=True), "travel")
     assert "not shown" in near.what
     assert math.isnan(near.amount)
-    assert unproved(Unproved(("a", "b"), 1.0, 0.0005, 0.001, touching=False, of_robot=True), "x").amount == 0.0005
+    assert unproved(ProofFailure(("a", "b"), 1.0, 0.0005, 0.001, touching=False, of_robot=True), "x").amount == 0.0005
 
 
 def test_what_is_written_has_no_more_knots_than_what_is_read() -> None:

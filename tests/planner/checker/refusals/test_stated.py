@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from assur.planner.checker.refusals.stated import Shown, same, states
+from assur.planner.checker.refusals.stated import Proof, same, states
 from assur.planner.model.refusal import (
     BeyondRange,
     Bodies,
@@ -21,7 +21,7 @@ from assur.planner.model.refusal import (
 )
 
 FACTS = BeyondRange(mode="left", above_m=0.05, value=0.3, limit=0.25, path_at_m=(0.1, 0.2, 0.3))
-SHOWN = Shown(Reason.JOINT_LIMIT, FACTS, Quantity(0.05, "m"), JointName("j3"))
+SHOWN = Proof(Reason.JOINT_LIMIT, FACTS, Quantity(0.05, "m"), JointName("j3"))
 TRUE = SHOWN.refusal(Stage.CONTROL_POINT, 2)
 
 

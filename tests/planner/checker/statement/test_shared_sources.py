@@ -32,7 +32,7 @@ STACKED = "demo, supports not named"
 
 contacts_of, after, ramp = phases.contacts_of, phases.Attachments.after, ramps.Change.phases
 spline = scipy.interpolate.CubicSpline
-changed, phases_of = phases.Handled.changed, phases.phases
+changed, phases_of = phases.GraspUncertainty.changed, phases.phases
 
 
 class Fault(NamedTuple):
@@ -86,11 +86,11 @@ SHARED = (
         "after",
         lambda self, scene, step, turn=0.0: after(self, scene, step, 0.0 * turn),
     ),
-    Fault("a part that was put down is forgotten", DEMO, phases.Handled, "changed", lambda self, *_: self),
+    Fault("a part that was put down is forgotten", DEMO, phases.GraspUncertainty, "changed", lambda self, *_: self),
     Fault(
         "what a part was lifted from stays its support",
         DEMO,
-        phases.Handled,
+        phases.GraspUncertainty,
         "changed",
         lambda self, part, within, supports: changed(self, part, within, supports | {phases.pair(part, "bar")}),
     ),

@@ -13,13 +13,13 @@ from operator import itemgetter
 import numpy as np
 
 from assur.planner.checker.refusals.ways import ways
-from assur.planner.collision.fcl_door import Posed
+from assur.planner.collision.fcl_entry import PlacedShape
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.touching import apart, grip
 from assur.planner.feasibility.hits import AtStart, always, posed, touch
 from assur.planner.geometry.shapes import Body, support
 from assur.planner.model.arrival_error import Cause
-from assur.planner.model.deadline import look
+from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.input_warning import InputWarning, Odd
 from assur.planner.model.outcome import Arrival
 from assur.planner.model.phases import CONTACT_M, Attachments, at_start, resting_on, yaw_offsets
@@ -33,7 +33,7 @@ HALVINGS = 20
 """Of `FLOAT_M`, until the height of a part above what is below it is known: to less than 0.1 µm."""
 
 
-def odd_input(scene: Scene, at: AtStart) -> tuple[InputWarning, ...]:
+def unusual_bodies(scene: Scene, at: AtStart) -> tuple[InputWarning, ...]:
     """The warnings of a request: tools first, then parts in the order of the task. Raises `OutOfTimeError` where the
     deadline in force passes."""
     return (*_tools_in_the_arm(scene, at.prover), *_floating_parts(scene, at))
@@ -80,7 +80,7 @@ def _just_below(scene: Scene, at: AtStart, part: str) -> list[tuple[str, float]]
     for other in at.near(part, bottom - FLOAT_M, bottom):
         below = at.shapes(other)
 
-        def sunk(by: float, below: list[Posed] = below) -> bool:
+        def sunk(by: float, below: list[PlacedShape] = below) -> bool:
             return touch(at.prover, own, below, np.array([0.0, 0.0, -by]))
 
         if sunk(CONTACT_M):
@@ -100,7 +100,7 @@ DIRECTIONS = 180
 """Horizontal directions in which the extent of a part is taken, 1° apart, its own axes among them."""
 
 
-def odd_arrivals(scene: Scene, arrivals: Sequence[Arrival]) -> tuple[InputWarning, ...]:
+def unusual_arrivals(scene: Scene, arrivals: Sequence[Arrival]) -> tuple[InputWarning, ...]:
     """A warning for each pick without a tolerance of its position where the tool may be farther from the part than half
     of the part's smallest horizontal extent. Raises `OutOfTimeError` where the deadline in force passes."""
     found = []
@@ -125,7 +125,7 @@ def smallest_extent(body: Body) -> float:
     askew in their body's frame, as it is looked for in steps of 1°."""
     widths = []
     for angle in np.pi * np.arange(DIRECTIONS) / DIRECTIONS:
-        look()
+        raise_if_late()
         n = np.array([np.cos(angle), np.sin(angle), 0.0])
         widths.append(
             max(support(piece, n) for piece in body.pieces) + max(support(piece, -n) for piece in body.pieces)
@@ -146,17 +146,17 @@ GRIP_M = 0.01
 OVERLAP_M = 0.001
 """By so much a body may be inside another, m: it was placed by hand."""
 MOST_OVERLAPS = 5
-"""So many overlaps are reported: more come from a model that is made so."""
+"""Maximum number of overlap warnings: more come from a model that is made so."""
 AXES = np.concatenate([np.eye(3), -np.eye(3)])
 
 
-def odd_places(scene: Scene, at: AtStart) -> tuple[InputWarning, ...]:
+def unusual_places(scene: Scene, at: AtStart) -> tuple[InputWarning, ...]:
     """The warnings about picks and places, in the order of the task, and then about bodies that overlap.
 
     Raises `OutOfTimeError` where the deadline in force passes."""
     attached, found = at_start(scene), dict[InputWarning, None]()
     for step in scene.task:
-        look()
+        raise_if_late()
         before, attached = attached, attached.after(scene, step)
         if isinstance(step, Pick):
             found |= dict.fromkeys(_off_part(scene, at.prover, step, before))
@@ -219,18 +219,18 @@ def _overlaps(scene: Scene, at: AtStart) -> list[InputWarning]:
 # What is probably not meant about what a part rests on: bodies that `contact_with` names and it does not touch.
 
 OFF_M = 0.002
-"""A part that is no farther than this from what it is said to rest on is dropped on purpose, as some grippers do, or
+"""A part that is no farther than this from its stated support is dropped on purpose, as some grippers do, or
 measured so, m."""
 
 
-def odd_supports(scene: Scene, prover: Prover, arrivals: Sequence[Arrival]) -> tuple[InputWarning, ...]:
+def unusual_supports(scene: Scene, prover: Prover, arrivals: Sequence[Arrival]) -> tuple[InputWarning, ...]:
     """A warning for each body that a pick or place names as touched by its part and that is farther than `OFF_M` from
     it, in the order of the task. What moves against the part is checked where there is an arrival. Raises
     `OutOfTimeError` where the deadline in force passes."""
     attached, found = at_start(scene), list[InputWarning]()
     until = {arrival.step: arrival.until for arrival in arrivals}
     for number, step in enumerate(scene.task):
-        look()
+        raise_if_late()
         before, attached = attached, attached.after(scene, step)
         if not isinstance(step, Pick | Place) or not step.contact_with:
             continue

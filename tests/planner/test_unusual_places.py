@@ -10,7 +10,7 @@ import pytest
 
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.hits import AtStart
-from assur.planner.feasibility.odd_input import DROP_M, GRIP_M, OVERLAP_M, odd_places
+from assur.planner.feasibility.input_warnings import DROP_M, GRIP_M, OVERLAP_M, unusual_places
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder
 from assur.planner.laws import turntable
@@ -22,7 +22,7 @@ from tests.planner.cells import BARE, Around, belt_and_dial, frame, mesh_box, so
 
 
 def odd(scene: Scene) -> tuple[InputWarning, ...]:
-    return odd_places(scene, AtStart(scene, Prover(scene)))
+    return unusual_places(scene, AtStart(scene, Prover(scene)))
 
 
 def placed(by: float, **changes: Any) -> Scene:

@@ -1,4 +1,4 @@
-"""The one door to FCL: do two units touch at one time? A boolean, about true shapes, with a fresh result each time.
+"""The one entry to FCL: do two units touch at one time? A boolean, about true shapes, with a fresh result each time.
 
 What is not used, and why (all reproduced with python-fcl 0.7.0.11): `distance` over-estimates for aligned primitives,
 up to tenfold; `continuousCollide` misses most meshes; signed distance aborts the process; planes crash it; a reused
@@ -26,7 +26,7 @@ _IDENTITY = np.eye(3)
 
 
 @dataclass(frozen=True, eq=False)
-class Posed:
+class PlacedShape:
     """A shape at `position` (3,), m, in the world, with its axes as the columns of `axes` (3, 3); `name` for faults."""
 
     name: str
@@ -64,12 +64,12 @@ class Collider:
             self._objects[key] = (shape, fcl.CollisionObject(_geometry(shape), fcl.Transform()))
         return self._objects[key][1]
 
-    def touch(self, a: Posed, b: Posed) -> bool:
+    def touch(self, a: PlacedShape, b: PlacedShape) -> bool:
         """Whether two shapes have a point in common. Raises `FaultError` on what is no pose."""
         one, other = self._set(a, "a"), self._set(b, "b")
         return bool(fcl.collide(one, other, fcl.CollisionRequest(), fcl.CollisionResult()) > 0)
 
-    def _set(self, posed: Posed, side: str) -> fcl.CollisionObject:
+    def _set(self, posed: PlacedShape, side: str) -> fcl.CollisionObject:
         found = self._object(posed.shape, side)
         axes, centre = posed.axes, posed.position
         if not (math.isfinite(centre.sum()) and np.abs(axes.T @ axes - _IDENTITY).max() <= UNIT_AXES):

@@ -2,8 +2,8 @@
 
 `PROVE`: do they stay apart at every instant? Every pair that is proved on an interval writes a row; the first that
 resists ends the search. `SCREEN`: the same, and an instant at which pairs are too near ends the search: all of them
-are told. `NEAREST`: what is the smallest distance? The state of a search is in arrays of
-the caller (`assur.planner.kernels.intervals`).
+are reported. `NEAREST`: what is the smallest distance? The state of a search is in arrays of the caller
+(`assur.planner.kernels.intervals`).
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from assur.planner.kernels.intervals import (
     WORK_SPENT,
     Cell,
     Motion,
-    fetch,
+    evaluate_motion,
     halve_shift,
     move_items,
     open_box,
+    place_unit,
     places_for,
     push,
     room_for,
-    survey,
 )
 from assur.planner.kernels.jets import JET_COLUMNS, JETS
 from assur.planner.kernels.links import POSE_COLUMNS
@@ -57,18 +57,18 @@ from assur.planner.kernels.proof import (
     TO,
     TOO_NEAR,
     UNIT,
-    settle,
+    decide_pair,
 )
 from assur.planner.kernels.screening import HITS, bounded, note_hit
 from assur.planner.kernels.solids import CELL, EARLY, LATE, ROW, TABLE
 from assur.planner.kernels.uncertainty import (
-    DOUBT,
+    ERRORS,
     MOMENTS,
-    SWAY_COLUMNS,
-    Doubt,
+    OFFSET_COLUMNS,
+    Errors,
+    displace_links,
     growing_for,
     place_shifted,
-    sway_links,
 )
 
 PROVE, SCREEN, NEAREST = range(3)
@@ -76,15 +76,15 @@ PROVE, SCREEN, NEAREST = range(3)
 
 
 @kernel(
-    f"int64(int64, {MOTION}, {CELL}, {TABLE}, {DOUBT}, {TABLE}, {TABLE}, {ROW}, {TABLE}, {TABLE}, int64)",
+    f"int64(int64, {MOTION}, {CELL}, {TABLE}, {ERRORS}, {TABLE}, {TABLE}, {ROW}, {TABLE}, {TABLE}, int64)",
     allocates=True,
 )
-def walk(
+def search_intervals(
     task: int,
     motion: Motion,
     cell: Cell,
     pairs: FloatArray,
-    doubt: Doubt,
+    errors: Errors,
     items: FloatArray,
     stack: FloatArray,
     state: FloatArray,
@@ -94,14 +94,14 @@ def walk(
 ) -> int:
     """Goes on with a search until it is done, pairs are too near, one resists, or rows, items or work run out.
 
-    `doubt`: what is not known of where things are. `rows` take what is proved, `hits` what is too near. `budget`: after
+    `errors`: how far things may be from the plan. `rows` take what is proved, `hits` what is too near. `budget`: after
     how many items no interval is begun. If rows, items or work run out, the state is such that the call can be repeated
     with more room.
     """
     (carried, _), (bodies, _, still) = motion, cell
     many = len(still)
     (carriers, units), room = places_for(cell, 3), room_for(motion)
-    jets, sway, steady = np.zeros((many, JETS, JET_COLUMNS)), np.zeros((many, SWAY_COLUMNS)), np.zeros((0, 1))
+    jets, offsets, steady = np.zeros((many, JETS, JET_COLUMNS)), np.zeros((many, OFFSET_COLUMNS)), np.zeros((0, 1))
     ahead = 0
     for p in range(len(pairs)):
         ahead = len(bodies) if pairs[p, EARLY] != 0.0 or pairs[p, LATE] != 0.0 else ahead
@@ -123,10 +123,10 @@ def walk(
         middle = 0.5 * (t0 + t1)
         state[TOP] = top
         number += 1
-        survey(motion, t0, t1, room, carriers, jets)
-        lasts, sways = growing_for(doubt[2], t1), False
+        evaluate_motion(motion, t0, t1, room, carriers, jets)
+        lasts, is_offset = growing_for(errors[2], t1), False
         if task != NEAREST:
-            sways = sway_links(carried[0], room, doubt, t1, sway)
+            is_offset = displace_links(carried[0], room, errors, t1, offsets)
         end, left, i, free, h = first + count, 0, first, state[HITS] == 0.0, t1 - t0
         while i < end:
             r, status = int(state[FOUND]), DONE
@@ -136,17 +136,17 @@ def walk(
             else:
                 budget -= 1
                 a, b = int(items[i, 0]), int(items[i, 1])
-                fetch(units, a, carriers, stamp, number, still)
-                fetch(units, b, carriers, stamp, number, still)
+                place_unit(units, a, carriers, stamp, number, still)
+                place_unit(units, b, carriers, stamp, number, still)
                 if task == NEAREST:
                     verdict = bounded(units, jets, t0, t1, items, i, points, work, state)
                 else:
                     if items[i, ITEM_FROM] != 0.0 or items[i, ITEM_TO] != 0.0:
                         span[0], span[1], span[2], span[3] = t0, t1, items[i, ITEM_FROM], items[i, ITEM_TO]
                         place_shifted(carried, units, number, a, b, span, shifted)
-                    verdict = settle(
-                        units, jets, shifted, pairs, doubt[0], sway if sways else steady, lasts, h, items, i, points,
-                        work, found,
+                    verdict = decide_pair(
+                        units, jets, shifted, pairs, errors[0], offsets if is_offset else steady, lasts, h, items, i,
+                        points, work, found,
                     )  # fmt: skip
                 if verdict == PROVED:
                     # an instant is no interval
@@ -168,7 +168,7 @@ def walk(
                         continue
                     status = ITEMS_FULL
                 else:
-                    # of what is not known, or within the reserve, a proof says so
+                    # where the gap is unknown, or within the reserve, a proof reports it
                     hit = verdict == TOO_NEAR and task == SCREEN and found[0] <= found[1] - RESERVE_M
                     if proving and not hit and (verdict == TOO_NEAR or (h > 0.0 and not h > FINEST_S)):
                         state[RESISTED_A], state[RESISTED_B], state[RESISTED_T] = a, b, middle

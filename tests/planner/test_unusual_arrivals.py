@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from assur.planner.feasibility.odd_input import odd_arrivals, smallest_extent
+from assur.planner.feasibility.input_warnings import smallest_extent, unusual_arrivals
 from assur.planner.geometry.shapes import Body, Piece, Primitive, box, capsule, cylinder
 from assur.planner.laws.law import PoseUncertainty
 from assur.planner.model.input_warning import Odd
@@ -53,7 +53,7 @@ def test_a_tolerance_of_the_yaw_alone_allows_no_distance() -> None:
     scene = lying(0.0152, Tolerance(yaw_rad=1.0))
     told = plan(scene)
     assert isinstance(told, Planned)
-    assert [each.kind for each in odd_arrivals(scene, told.plan.arrivals)] == [Odd.MAY_MISS]
+    assert [each.kind for each in unusual_arrivals(scene, told.plan.arrivals)] == [Odd.MAY_MISS]
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.hits import AtStart
-from assur.planner.feasibility.odd_input import FLOAT_M, MOUNT_M, odd_input
+from assur.planner.feasibility.input_warnings import FLOAT_M, MOUNT_M, unusual_bodies
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, box, cylinder
 from assur.planner.model.input_warning import InputWarning, Odd
@@ -21,7 +21,7 @@ from tests.planner.cells import PART, Around, cell, go, mesh_box, solid, stands,
 
 
 def odd(scene: Scene) -> tuple[InputWarning, ...]:
-    return odd_input(scene, AtStart(scene, Prover(scene)))
+    return unusual_bodies(scene, AtStart(scene, Prover(scene)))
 
 
 def lifted(by: float, **changes: Any) -> Scene:
