@@ -101,7 +101,7 @@ def test_every_key_that_the_table_of_the_answer_names_is_there(planned: dict[str
 
 def test_every_key_of_a_verdict_is_explained(planned: dict[str, Any]) -> None:
     request = load("standard-cycle")
-    request["options"] |= {"stop": "first", "budget_s": 60}
+    request["options"] |= {"stop": "first", "budget_s": 60, "report": "full"}
     assert check(request, planned)["ok"]
     planned = {**planned, "arrivals": planned["arrivals"][1:]}
     verdict = check(request, planned)
