@@ -40,9 +40,9 @@ from assur.planner.search.partial_plan import (
 from assur.planner.search.rough_score import CoarseScore, score_of
 from assur.planner.search.tuning import BEAM, KEPT_PLANS, MOST_OPTIONS, PROVED_A_BATCH, SAME_DURATION, SAME_TRAVEL
 
-PATIENT = 2
-"""Rounds, the direct ways and the first arches, after which it is evaluated whether points can be met at all: nearly
-all requests are planned by then."""
+PATIENT = 3
+"""Rounds after which it is evaluated whether points can be met at all: direct ways, first arches, first free vias. Most
+requests are planned by then."""
 
 
 @dataclass(eq=False)
