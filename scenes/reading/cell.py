@@ -30,10 +30,12 @@ from assur.scenes.reading.bodies import Places
 from assur.scenes.reading.frames import Frames
 from assur.scenes.reading.start import check_loaded, moved_to_limits, start_of
 from assur.scenes.schema.request import ExecutionDocument, OptionsDocument, RequestDocument
+from assur.scenes.schema.robots import LONGEST_KEPT
 
-MOST_CELLS = 16
-"""Cells that are kept, those that were read last. One takes about as much memory as its meshes and their covers."""
-_kept: OrderedDict[tuple[str, str, str | None], Surroundings] = OrderedDict()
+MOST_CELLS, MOST_TRIANGLES = 16, 200_000
+"""Cells that are kept, those that were read last, and triangles of meshes in all of them together, with the knots of
+neighbours: what the planner makes of that many takes some 100 MB. A cell with more triangles is not kept."""
+_kept: OrderedDict[tuple[str, str | None], Surroundings] = OrderedDict()
 _lock = Lock()
 
 
@@ -45,6 +47,13 @@ class Surroundings:
     bodies: tuple[WorldBody, ...]
     places: Places
     kept: KeptCell = NOTHING_KEPT
+
+    @property
+    def triangles(self) -> int:
+        """Triangles of the meshes, and knots of the neighbours."""
+        links = [frame.law.link for frame in self.frames.laws.values()]
+        knots = sum(len(link.trajectory.time) for link in links if link is not None)
+        return knots + sum(len(each.body.surface[1]) for each in self.bodies if each.body.surface is not None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +130,8 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         zeros=zeros(given.conventions),
         kept=around.kept,
     )
-    around.kept = scene.kept
+    if len(request.robot.text) <= LONGEST_KEPT:  # a longer robot is another object for each request
+        around.kept = scene.kept
     check_loaded(scene, given.conventions)
     return Cell(scene, given, known, places, document)
 
@@ -148,7 +158,7 @@ def _names(tool: Tool) -> list[str]:
 def _around(request: RequestDocument, own: list[str], held: str | None, faults: Gathered) -> Surroundings:
     """What is around the robot, kept from an earlier request if that has the same there. `own`, `held`: as
     `_surroundings`."""
-    key = request.robot.text, sha256(request.surroundings.encode()).hexdigest(), held
+    key = sha256(f"{request.robot.text}{request.surroundings}".encode()).hexdigest(), held
     with _lock:
         if key in _kept:
             _kept.move_to_end(key)
@@ -158,7 +168,7 @@ def _around(request: RequestDocument, own: list[str], held: str | None, faults: 
     if not (wrong or faults.faults):
         with _lock:
             _kept[key] = made
-            while len(_kept) > MOST_CELLS:
+            while len(_kept) > MOST_CELLS or sum(each.triangles for each in _kept.values()) > MOST_TRIANGLES:
                 _kept.popitem(last=False)
     return made
 

@@ -108,6 +108,24 @@ def test_no_more_cells_are_kept_than_is_said(request_: dict[str, Any]) -> None:
     assert cell_of(request_).scene.bodies is not first.bodies
 
 
+def test_triangles_of_kept_cells_are_bounded(request_: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    request = assur.load("inside-a-mesh")
+    many = sum(len(body.body.surface[1]) for body in cell_of(request).scene.bodies if body.body.surface is not None)
+    assert many > 0
+    reading._kept.clear()
+    monkeypatch.setattr(reading, "MOST_TRIANGLES", many)
+    small, first = cell_of(request_).scene, cell_of(request).scene
+    assert cell_of(request).scene.bodies is first.bodies
+    assert cell_of(request_).scene.bodies is small.bodies
+    request["bodies"].append({**request_["bodies"][0], "name": "another"})
+    cell_of(request)
+    assert [each.bodies is first.bodies for each in reading._kept.values()].count(True) == 0
+    monkeypatch.setattr(reading, "MOST_TRIANGLES", many - 1)
+    reading._kept.clear()
+    cell_of(request)
+    assert not reading._kept
+
+
 def test_threads_may_plan_with_one_cell(request_: dict[str, Any]) -> None:
     cell = assur.Cell(request_)
     every = [({"joints": start}, task) for start in STARTS for task in TASKS] * 3
