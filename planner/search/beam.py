@@ -40,10 +40,6 @@ from assur.planner.search.partial_plan import (
 from assur.planner.search.rough_score import CoarseScore, score_of
 from assur.planner.search.tuning import BEAM, KEPT_PLANS, MOST_OPTIONS, PROVED_A_BATCH, SAME_DURATION, SAME_TRAVEL
 
-PATIENT = 3
-"""Rounds after which it is evaluated whether points can be met at all: direct ways, first arches, first free vias. Most
-requests are planned by then."""
-
 
 @dataclass(eq=False)
 class SearchResult:
@@ -110,7 +106,7 @@ class Search:
                     if self._over():
                         return self.found
             round_number += 1
-            if self.found.best is None and (round_number == PATIENT or (round_number < PATIENT and not explored)):
+            if round_number == 1 and self.found.best is None:
                 self.found.never = points_impossible(self.scene, self.prover, start_is_free=self.start_is_free)
                 if self.found.never is not None:
                     return self.found

@@ -51,7 +51,7 @@ LOOKS: dict[str, dict[str, str | int]] = {
         "planner.feasibility.input_warnings.unusual_places": STEPS,
     },
     "crowded": {"scenes.reading.cell._surroundings": BODIES, "planner.feasibility.hits._row": BODIES},
-    "carton-high-rim": {"planner.feasibility.hits.hits": 1, "planner.feasibility.hits.touch": BODIES},
+    "carton": {"planner.feasibility.hits.hits": STEPS},
     "hose-on-gripper": {"planner.feasibility.necessary.yaw_impossible": STEPS},
     "parabolic-blend": {"planner.search.beam._met": STEPS},
     "circular-legs": {"scenes.reading.task._parts": STEPS, "planner.model.path.at": STEPS},
