@@ -34,7 +34,7 @@ from assur.scenes.schema.robots import LONGEST_KEPT
 
 MOST_CELLS, MOST_TRIANGLES = 16, 200_000
 """Cells that are kept, those that were read last, and triangles of meshes in all of them together, with the knots of
-neighbours: what the planner makes of that many takes some 100 MB. A cell with more triangles is not kept."""
+neighbours: with rings of 40,000 triangles they took about 50 MB. A cell with more triangles is not kept."""
 _kept: OrderedDict[tuple[str, str | None], Surroundings] = OrderedDict()
 _lock = Lock()
 

@@ -226,7 +226,8 @@ def test_an_answer_that_is_not_taken_gives_way_to_a_new_connection() -> None:
                 connection.send(LARGE * 200)
         until(lambda: running.at_work == 4)
         until(lambda: all(each.waiting for each in list(running.server._connections.open)))
-        assert running.status(LIVE.replace(b"/livez", b"/v1/robots")) == 200
+        # a connection whose client took a part of its answer just now does not wait at that moment
+        until(lambda: running.status(LIVE.replace(b"/livez", b"/v1/robots")) == 200)
 
 
 def test_beyond_the_limit_those_are_closed_first_on_which_nothing_ever_came(running: Running) -> None:
