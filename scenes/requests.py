@@ -181,8 +181,6 @@ def plan_document(
     one is cut; None: there is none. `watch` gets the progress of the search; what it raises ends the planning and
     is raised here. `valid`: as `cell_of`; `laps` measures the stages.
     """
-    if certificate not in get_args(Detail):
-        raise InputError("certificate", certificate, " or ".join(get_args(Detail)))
     if started is None:
         cell = cell_of(document, folder=folder, valid=valid, laps=laps)
         return plan_cell(cell, certificate=certificate, most_budget_s=most_budget_s, watch=watch, laps=laps)
@@ -219,6 +217,8 @@ def plan_cell(
     `unstated`: values of options in SI, by their names, for a request that does not state them, in place of the
     defaults of requests.
     """
+    if certificate not in get_args(Detail):
+        raise InputError("certificate", certificate, " or ".join(get_args(Detail)))
     from assur.planner.pipeline import plan
     from assur.scenes.answer import answer_of
 

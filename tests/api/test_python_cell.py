@@ -157,6 +157,7 @@ def test_numbers_of_numpy_and_what_is_built_count_as_plain_values(request_: dict
         ({"set": {"bodies.tabel": {}}}, "did you mean table"),
         ({"set": {"frame": {}}}, "frame"),
         ({"set": 3}, "set: got 3"),
+        ({"certificate": "half"}, "certificate: got 'half'; allowed: full or digest"),
     ],
 )
 def test_a_change_that_is_wrong_is_refused_by_its_field(
