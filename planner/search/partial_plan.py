@@ -211,8 +211,7 @@ class RefusedMotion:
         """
         refusal, whole = self.encounters[0].refusal, isinstance(self.motion, Extension)
         free = whole or refusal.stage is not Stage.SCREENING
-        lacks = math.inf if refusal.amount is None else refusal.amount.value
-        return self.motion.before.step, free, whole, ORDER.index(refusal.stage), -lacks
+        return self.motion.before.step, free, whole, ORDER.index(refusal.stage), -refusal.missing
 
 
 def best_candidate(scene: Scene, refused: RefusedMotion | None, proved: PartialPlan | None) -> BestCandidate | None:
