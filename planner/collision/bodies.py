@@ -228,10 +228,13 @@ class Pairs:
     `rows` (P, PAIR_COLUMNS): the robot's bodies against all of the surroundings, which are the first `across` pairs;
     then those within the robot, with which the first `own` pairs end; then those of parts that were put down with what
     passes by. `rules` (P,): what requires the distance of each pair, a number of `RULES`. `mine` (R,): units of the
-    robot's bodies. `errors`: the sets, and what else kernels know of uncertainty.
+    robot's bodies. `errors`: the sets, and what else kernels know of uncertainty. `apart`: the rows of pairs that must
+    not touch; `touching`: those that may.
     """
 
     rows: FloatArray
+    apart: FloatArray
+    touching: FloatArray
     rules: IntArray
     across: int
     own: int
@@ -327,7 +330,9 @@ class PairTables:
         shift = shift_of(self.displaced, story["shares"][0])
         clock = np.array([self.required[c.REQUIRED_SINCE], self.required[c.REQUIRED_LATE], *shift])
         lag = self.required[c.REQUIRED_LAG :][: len(self.scene.robot.joints)].copy()
-        return Pairs(rows, rules, across, own, arrangement.roots[mine], (sets, lag, clock))
+        apart = rows[:, REQUIRED] >= 0.0
+        parted = rows[apart], rows[~apart]
+        return Pairs(rows, *parted, rules, across, own, arrangement.roots[mine], (sets, lag, clock))
 
     def _distances(
         self, first: IntArray, second: IntArray, near: BoolArray, contacts: FloatArray

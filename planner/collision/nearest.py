@@ -136,7 +136,7 @@ def _search(
     of: Kind,
 ) -> None:
     """Goes on with the search over one phase."""
-    arrangement, spline = prover.of(phase), prover.spline(trajectory)
+    arrangement, spline = prover.of(phase), trajectory.spline
     motion, every, within = prover.motion(spline), prover.pairs_of(phase), NEARBY_M
     pairs = counted = _counted(arrangement, every, without, of)
     if not len(counted):

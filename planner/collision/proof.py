@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -57,7 +58,6 @@ from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import Rule
 from assur.planner.model.scene import Scene, laws_of
 from assur.planner.trajectory import Trajectory
-from assur.planner.trajectory.spline import spline_table
 
 MOST_ROWS = 200_000
 """A phase that needs more rows than this is not certified: it would be neither quick nor small."""
@@ -93,7 +93,7 @@ class Search:
         spline: Spline,
         pairs: FloatArray,
         errors: Errors,
-        spans: tuple[tuple[float, float], ...] = (),
+        spans: Sequence[tuple[float, float]] = (),
         most_hits: int = 0,
     ) -> None:
         self.prover, self.spline, self.pairs, self.cell = prover, spline, pairs, prover.of(phase).cell
@@ -159,15 +159,18 @@ class Prover:
         self._phase: Phase | None = None
         self._arrangement: Arrangement
         self._pairs: Pairs | None = None
-        self._spline: tuple[Trajectory, Spline] | None = None
-        self._rows: dict[Phase, FloatArray] = {}
-        """Rows that screening found for phases of that trajectory."""
+        self._screened: Trajectory | None = None
+        self._rows: dict[tuple[float, float], tuple[Pairs, FloatArray]] = {}
+        """By begin and end of phases of that trajectory: their pairs, and the rows of these that screening wrote."""
 
     def of(self, phase: Phase) -> Arrangement:
         """The arrangement of a phase. That of the last phase is kept, as its pairs are: to look them up takes longer
-        than to compare two phases by their identity."""
-        if self._phase is not phase:
-            self._phase, self._arrangement, self._pairs = phase, self.arrangement(phase.attached), None
+        than to compare the parts of two phases by their identity."""
+        last = self._phase
+        if last is not phase:
+            if last is None or not _alike(last, phase):
+                self._arrangement, self._pairs = self.arrangement(phase.attached), None
+            self._phase = phase
         return self._arrangement
 
     def pairs_of(self, phase: Phase) -> Pairs:
@@ -184,17 +187,11 @@ class Prover:
         one, other = (int(arrangement.roots[arrangement.number[name]]) for name in names)
         return self.pairs_of(phase).rule(one, other)
 
-    def spline(self, trajectory: Trajectory) -> Spline:
-        """The tables of a trajectory; those of the last one are kept, for its phases are proved one after the other."""
-        if self._spline is None or self._spline[0] is not trajectory:
-            self._spline, self._rows = (trajectory, spline_table(trajectory)), {}
-        return self._spline[1]
-
     def standing(self, q: FloatArray, t: float) -> Spline:
         """The arm at rest at q (n,) from time t on."""
         knots = np.zeros((2, 1 + 3 * len(q)))
         knots[:, 0], knots[:, 1 : 1 + len(q)] = (t, t + 1.0), q
-        return spline_table(Trajectory.of_knots(knots))
+        return Trajectory.of_knots(knots).spline
 
     def motion(self, spline: Spline) -> Motion:
         """What moves the carriers, as kernels read it."""
@@ -202,19 +199,19 @@ class Prover:
 
     def prove(self, phase: Phase, trajectory: Trajectory) -> Rows | ProofFailure:
         """Rows that cover every required pair over the whole phase, or the first pair that resists."""
-        spline, pairs = self.spline(trajectory), self.pairs_of(phase)
-        known = self._rows.get(phase)
-        if known is None:
-            known, remaining = self._planes(phase, spline, pairs)
+        spline, pairs = trajectory.spline, self.pairs_of(phase)
+        of_pairs, known = self._rows.get((phase.t0, phase.t1), (None, None))
+        if trajectory is self._screened and of_pairs is pairs and known is not None:
+            remaining = pairs.touching
         else:
-            remaining = pairs.rows[pairs.rows[:, REQUIRED] < 0.0]
+            known, remaining = self._planes(phase, spline, pairs)
         return self._shown(phase, spline, known, remaining, pairs.errors)
 
     def prove_gaps(self, phase: Phase, trajectory: Trajectory, arm: float, placed: float) -> Rows | ProofFailure:
         """The same for other distances, m, where all is where it is planned: `arm` for pairs with a body of the robot,
         `placed` for those of parts that were put down; less than 0: none is required. Pairs in contact do not count."""
         pairs = self.pairs_of(phase).exactly(arm, placed)
-        return self._shown(phase, self.spline(trajectory), np.zeros((0, ROW_COLUMNS)), pairs, self.exact)
+        return self._shown(phase, trajectory.spline, np.zeros((0, ROW_COLUMNS)), pairs, self.exact)
 
     def _shown(
         self, phase: Phase, spline: Spline, known: FloatArray, remaining: FloatArray, errors: Errors
@@ -239,32 +236,35 @@ class Prover:
     def screened(self, phase: Phase, trajectory: Trajectory) -> FloatArray:
         """What is too near at an instant of a phase of a trajectory (H, HIT_COLUMNS), the deepest of each pair. Where
         that is shown to be nothing, at any instant, the rows that show it are kept for `prove`."""
-        spline = self.spline(trajectory)
+        if self._screened is not trajectory:
+            self._screened, self._rows = trajectory, {}
+        spline, pairs = trajectory.spline, self.pairs_of(phase)
         search = self.hits(phase, spline, self.near(phase, spline))
-        if search.done and not self.pairs_of(phase).many:
-            self._rows[phase] = search.proved
+        if search.done and not pairs.many:
+            self._rows[phase.t0, phase.t1] = pairs, search.proved
         return search.too_near
 
     def hits(self, phase: Phase, spline: Spline, pairs: FloatArray, *, displaced_links: bool = True) -> Search:
-        """A search for an instant of a phase at which some of `pairs` (P, PAIR_COLUMNS) are too near. Pairs that may
-        touch are left out. `displaced_links`: whether links count where they may be displaced to."""
-        remaining = pairs[pairs[:, REQUIRED] >= 0.0]
+        """A search for an instant of a phase at which some of `pairs` (P, PAIR_COLUMNS), which must not touch, are too
+        near. `displaced_links`: whether links count where they may be displaced to."""
         # the end is an instant of its own: often what is near is nearest there; and nothing is proved of the start
-        instants = [phase.t1] * (phase.t1 > phase.t0)
-        instants += [phase.t0] * (phase.t0 == self.scene.start.time < phase.t1)
-        ends = tuple((t, t) for t in instants)
+        t0, t1 = phase.t0, phase.t1
+        ends = [(t1, t1)] if t1 > t0 else []
+        if t0 == self.scene.start.time < t1:
+            ends.append((t0, t0))
         errors = self.pairs_of(phase).errors if displaced_links else self.exact
-        search = Search(self, phase, spline, remaining, errors, ends, MOST_HITS)
+        search = Search(self, phase, spline, pairs, errors, ends, MOST_HITS)
         while search.go_on(SCREEN) not in (DONE, HIT, RESISTED) and not search.over:
             pass
         return search
 
     def near(self, phase: Phase, spline: Spline) -> FloatArray:
-        """The pairs (P, PAIR_COLUMNS) of a phase that are not kept apart by planes, if there are many."""
+        """The pairs (P, PAIR_COLUMNS) of a phase that must not touch and are not kept apart by planes, if there are
+        many."""
         pairs = self.pairs_of(phase)
         if not pairs.many:
-            return pairs.rows
-        return self.not_behind(phase, pairs, pairs.rows, self.behind(phase, spline, pairs))
+            return pairs.apart
+        return self.not_behind(phase, pairs, pairs.apart, self.behind(phase, spline, pairs))
 
     def behind(self, phase: Phase, spline: Spline, pairs: Pairs, edges: FloatArray | None = None) -> FloatArray:
         """How far behind planes the robot's units are proved to stay (R, 6), interval by interval between `edges`."""
@@ -380,6 +380,20 @@ class Prover:
             )
             for i in units.tolist()
         ]
+
+
+def _alike(one: Phase, other: Phase) -> bool:
+    """Whether two phases are surely of one kind: all but their times is the same."""
+    return (
+        one.attached is other.attached
+        and one.handled is other.handled
+        and one.contacts is other.contacts
+        and one.kind is other.kind
+        and one.tracked is other.tracked
+        and one.corrected == other.corrected
+        and one.contact_tolerance_m == other.contact_tolerance_m
+        and one.robot == other.robot
+    )
 
 
 def _parts(phase: Phase) -> FloatArray:

@@ -93,7 +93,7 @@ def screen(prover: Prover, candidate: PhasedMotion) -> ScreeningResult:
     for phase in candidate.phases:
         hits = prover.screened(phase, candidate.trajectory)
         if len(hits):
-            return _refused(prover, phase, prover.spline(candidate.trajectory), hits)
+            return _refused(prover, phase, candidate.trajectory.spline, hits)
     return ScreeningResult()
 
 
@@ -139,7 +139,7 @@ def _encounter(prover: Prover, phase: Phase, hit: list[float], q: FloatArray) ->
 
 def deepest(prover: Prover, phase: Phase, trajectory: Trajectory, unproved: ProofFailure) -> ProofFailure:
     """A pair that may touch and was not proved in a phase, where it is deepest: there, or at an end of the phase."""
-    arrangement, spline = prover.of(phase), prover.spline(trajectory)
+    arrangement, spline = prover.of(phase), trajectory.spline
     pairs = prover.pairs_of(phase)
     body = arrangement.body[pairs.rows[:, [FIRST, SECOND]].astype(np.int64)]
     ours = [arrangement.number[name] for name in unproved.bodies]

@@ -164,7 +164,7 @@ def coordinate_rates(
 @kernel(f"Tuple((float64[::1], {SPLINE}))(float64[::1], float64[:, ::1])", allocates=True)
 def trajectory_of(law: FloatArray, pieces: FloatArray) -> tuple[FloatArray, Spline]:
     """The row of the neighbour and its spline, which follow each other in the side table, read as one run of numbers:
-    robot row, times of the knots (P + 1), coefficients (P, n, 6), `whole` of `piece_bounds` (P + 1, 9 n).
+    robot row, times of the knots (P + 1), coefficients (P, n, 6), `whole` of `spline_tables` (P + 1, 9 n).
     """
     robot = int(law[c.BEGIN]) * pieces.shape[1]
     count, n = int(law[c.COUNT]), int(pieces[int(law[c.BEGIN]), JOINTS])

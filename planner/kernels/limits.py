@@ -46,18 +46,6 @@ def first_column(derivative: int) -> int:
     return derivative * (13 - derivative) // 2
 
 
-@kernel("int64(float64[:, ::1])")
-def first_bad_knot(knots: FloatArray) -> int:
-    """The first of knots (K, 1 + 3n) that is not finite or not later than the one before; -1: none is bad."""
-    for k in range(len(knots)):
-        for column in range(knots.shape[1]):
-            if not abs(knots[k, column]) < math.inf:
-                return k
-        if k > 0 and not knots[k - 1, TIME] < knots[k, TIME]:
-            return k
-    return -1
-
-
 @kernel("void(float64[:, ::1], float64[:, :, ::1])")
 def piece_hulls(knots: FloatArray, hulls: FloatArray) -> None:
     """Fills `hulls` (K-1, n, HULL_COLUMNS) from knots (K, 1 + 3n) (equations T1, T2).
@@ -92,31 +80,6 @@ def piece_hulls(knots: FloatArray, hulls: FloatArray) -> None:
             row[11], row[12], row[13], row[14] = a0, 4 * (row[8] - row[7]) / h, 4 * (row[9] - row[8]) / h, a1
             for k in range(3):
                 row[15 + k] = 3 * (row[12 + k] - row[11 + k]) / h
-
-
-@kernel("int64(float64[:, ::1], float64[::1], float64[:, :, ::1])", allocates=True)
-def piece_coefficients(knots: FloatArray, tk: FloatArray, c: FloatArray) -> int:
-    """Fills `tk` (K,) with the begins of the pieces and the end of the last, and `c` (K-1, n, 6) with c0..c5 of
-    q(τ) = Σ c_i τ^i on every piece; returns how many pieces there are: two knots at one time have none between them.
-
-    c3, c4, c5 come from the Bernstein coefficients of the jerk: q⃛ = j0 + 2(j1 − j0)s + (j0 − 2 j1 + j2)s².
-    """
-    n, pieces = c.shape[1], 0
-    hulls = np.empty((len(knots) - 1, n, HULL_COLUMNS))
-    piece_hulls(knots, hulls)
-    for p in range(len(knots) - 1):
-        h = knots[p + 1, TIME] - knots[p, TIME]
-        if not h > 0:
-            continue
-        for i in range(n):
-            row, hull = c[pieces, i], hulls[p, i]
-            row[0], row[1], row[2], row[3] = knots[p, FIRST + i], hull[6], hull[11] / 2, hull[15] / 6
-            row[4] = (hull[16] - hull[15]) / (12 * h)
-            row[5] = (hull[15] - 2 * hull[16] + hull[17]) / (60 * h * h)
-        tk[pieces] = knots[p, TIME]
-        pieces += 1
-    tk[pieces] = knots[len(knots) - 1, TIME]
-    return pieces
 
 
 TIGHTNESS = 1e-13

@@ -1,7 +1,7 @@
 """The arm's spline as a table: where the joints are, and bounds of their motion over intervals.
 
 A trajectory is `tk` (P + 1,) s, the times of its knots, and `c` (P, n, 6), the coefficients of q(τ) = Σ c_k τ^k on each
-piece, τ the time since the knot before it. What does not depend on an interval is computed once, by `piece_bounds`.
+piece, τ the time since the knot before it. What does not depend on an interval is computed once, by `spline_tables`.
 
 On one piece a function f lies within h²/8 max|f''| of the straight line between its values at both ends of an interval
 of length h (equation W1). For q that needs the acceleration, for its rate the jerk, for its acceleration the fourth
@@ -17,10 +17,10 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
-from assur.planner.kernels.limits import HULL_COLUMNS, TIME, first_column, piece_hulls
+from assur.planner.kernels.limits import FIRST, HULL_COLUMNS, TIME, first_column, piece_hulls
 
 SPLINE = "Tuple((float64[::1], float64[:, :, ::1], float64[:, ::1]))"
-"""Type of `tk`, `c` and `whole`, what `piece_bounds` fills, in the signatures of kernels."""
+"""Type of `tk`, `c` and `whole`, what `spline_tables` makes, in the signatures of kernels."""
 Spline = tuple[FloatArray, FloatArray, FloatArray]
 """The same in Python."""
 ROUNDING = 1e-12
@@ -114,25 +114,51 @@ def hull(low: float, high: float, first: float, last: float, bend: float) -> tup
     return max(low, min(first, last) - bend), min(high, max(first, last) + bend)
 
 
-@kernel("void(float64[:, ::1], float64[:, ::1])", allocates=True)
-def piece_bounds(knots: FloatArray, whole: FloatArray) -> None:
-    """Fills `whole` (P + 1, 9 n) from knots (K, 1 + 3n), nine columns for each joint; two knots at one time have no
-    piece between them.
+@kernel("int64(float64[:, ::1], boolean)")
+def first_bad_knot(knots: FloatArray, jumps: bool) -> int:
+    """The first of knots (K, 1 + 3n) that is not finite or not later than the one before; -1: none is bad. Where the
+    acceleration `jumps`, two may share a time."""
+    for k in range(len(knots)):
+        for column in range(knots.shape[1]):
+            if not abs(knots[k, column]) < math.inf:
+                return k
+        if k > 0 and not (knots[k - 1, TIME] < knots[k, TIME] or (jumps and knots[k - 1, TIME] == knots[k, TIME])):
+            return k
+    return -1
 
-    Row p: the least and the greatest value of q, of its rate and of its second derivative on piece p; then, over 8, the
-    largest magnitudes of the second derivative of each of the three. The last row: the rounding of each of the three;
-    then, of the first joint, whether the arm rests before the first knot and after the last one (1 or 0).
+
+@kernel(f"Tuple((int64, {SPLINE}))(float64[:, ::1], boolean)", allocates=True)
+def spline_tables(knots: FloatArray, jumps: bool) -> tuple[int, Spline]:
+    """The tables of a spline through knots (K, 1 + 3n), and the first bad knot (`first_bad_knot`) or -1: tables of bad
+    knots are not filled. Two knots at one time have no piece between them.
+
+    `tk` (P + 1,): begins of the pieces and the end of the last. `c` (P, n, 6): c0..c5 of q(τ) = Σ c_i τ^i on every
+    piece; c3, c4, c5 come from the Bernstein coefficients of the jerk: q⃛ = j0 + 2(j1 − j0)s + (j0 − 2 j1 + j2)s².
+    `whole` (P + 1, 9 n), nine columns for each joint. Row p: the least and the greatest value of q, of its rate and of
+    its second derivative on piece p; then, over 8, the largest magnitudes of the second derivative of each of the
+    three. The last row: the rounding of each of the three; then, of the first joint, whether the arm rests before the
+    first knot and after the last one (1 or 0).
     """
-    n, end, piece = whole.shape[1] // 9, whole[len(whole) - 1], 0
-    hulls = np.empty((len(knots) - 1, n, HULL_COLUMNS))
+    n, bad = (knots.shape[1] - 1) // 3, first_bad_knot(knots, jumps)
+    most = len(knots) - 1 if bad < 0 else 0
+    tk, c, whole = np.empty(most + 1), np.empty((most, n, 6)), np.empty((most + 1, 9 * n))
+    if bad >= 0:
+        return bad, (tk, c, whole)
+    hulls, piece = np.empty((most, n, HULL_COLUMNS)), 0
     piece_hulls(knots, hulls)
-    end[:] = 0.0
-    for p in range(len(hulls)):
+    rounding = np.zeros(9 * n)
+    for p in range(most):
         h = knots[p + 1, TIME] - knots[p, TIME]
         if not h > 0:
             continue
+        tk[piece] = knots[p, TIME]
         for i in range(n):
-            own, row, at = hulls[p, i], whole[piece], 9 * i
+            own, at = hulls[p, i], 9 * i
+            c[piece, i, 0], c[piece, i, 1] = knots[p, FIRST + i], own[6]
+            c[piece, i, 2], c[piece, i, 3] = own[11] / 2, own[15] / 6
+            c[piece, i, 4] = (own[16] - own[15]) / (12 * h)
+            c[piece, i, 5] = (own[15] - 2 * own[16] + own[17]) / (60 * h * h)
+            row = whole[piece]
             row[at + 7] = max(abs(own[15]), abs(own[16]), abs(own[17])) / 8.0
             row[at + 8] = 2.0 * max(abs(own[16] - own[15]), abs(own[17] - own[16])) / h / 8.0
             for order in range(2, -1, -1):
@@ -146,15 +172,18 @@ def piece_bounds(knots: FloatArray, whole: FloatArray) -> None:
                 if order == 2:
                     row[at + 6] = size / 8.0
                 row[at + 2 * order], row[at + 2 * order + 1] = low, high
-                end[at + order] = max(end[at + order], ROUNDING * size)
+                rounding[at + order] = max(rounding[at + order], ROUNDING * size)
         piece += 1
-    end[3] = 1.0 if rests(knots, 0) else 0.0
-    end[4] = 1.0 if rests(knots, len(knots) - 1) else 0.0
+    tk[piece] = knots[most, TIME]
+    rounding[3] = 1.0 if rests(knots, 0) else 0.0
+    rounding[4] = 1.0 if rests(knots, most) else 0.0
+    whole[piece] = rounding
+    return bad, (tk[: piece + 1], c[:piece], whole[: piece + 1])
 
 
 @kernel(f"void({SPLINE}, float64, float64, float64[:, ::1])")
 def sweep_joints(spline: Spline, t0: float, t1: float, joints: FloatArray) -> None:
-    """Fills `joints` (n, 6) with the jets of the joints over [t0, t1], from what `piece_bounds` has filled.
+    """Fills `joints` (n, 6) with the jets of the joints over [t0, t1], from what `spline_tables` has made.
 
     Before its first knot and after its last one the arm stands still, if that knot is exactly at rest, and rates of 0
     count there; if it is not, an interval that reaches there has infinite bounds. So has one that ends before it

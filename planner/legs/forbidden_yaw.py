@@ -26,7 +26,6 @@ from assur.planner.model.forbidden_yaw import RESERVE_RAD, Room, YawRange, enter
 from assur.planner.model.refusal import ForbiddenYaw, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
-from assur.planner.trajectory.spline import spline_table
 
 INSTANTS = 65
 """Instants at which it is looked for when the yaw is first in a range, to tell it."""
@@ -144,7 +143,7 @@ def turns_into(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | Non
 def _bounded(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
     """`turns_into` of an arm whose yaw is no sum of joints (Y1)."""
     robot, ranges = scene.robot, scene.forbidden_yaw
-    spline, joints = spline_table(trajectory), np.empty((trajectory.n, JET_COLUMNS))
+    spline, joints = trajectory.spline, np.empty((trajectory.n, JET_COLUMNS))
     flange = len(robot.links) - 1
     middles = np.array([each.middle for each in ranges])
     most = np.cos(np.minimum([each.width / 2.0 + _slack(scene) for each in ranges], math.pi))

@@ -26,9 +26,8 @@ def leaves_assembly(robot: Robot, step: int, trajectory: Trajectory) -> Refusal 
     if not has_loop(robot):
         return None
     from assur.planner.kernels.postures import first_lost
-    from assur.planner.trajectory.spline import spline_table
 
-    t, margin = first_lost(robot.row, spline_table(trajectory))
+    t, margin = first_lost(robot.row, trajectory.spline)
     return None if t == math.inf else lost_at(robot, Stage.LIMITS, step, np.array([t]), np.array([margin]))
 
 

@@ -14,7 +14,6 @@ from assur.planner.laws.validity import interval
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
-from assur.planner.trajectory.spline import spline_table
 
 
 def link_law(robot: Robot, trajectory: Trajectory, link: int, valid: tuple[float, float] = ALWAYS) -> Law:
@@ -51,7 +50,7 @@ def link_law(robot: Robot, trajectory: Trajectory, link: int, valid: tuple[float
 def _tables(robot: Robot, trajectory: Trajectory, link: int) -> tuple[FloatArray, FloatArray]:
     """Row and side table of the law: robot and spline as one run of numbers
     (`assur.planner.kernels.laws.trajectory_of`)."""
-    spline, row = spline_table(trajectory), np.zeros(c.LAW_COLUMNS)
+    spline, row = trajectory.spline, np.zeros(c.LAW_COLUMNS)
     run = np.concatenate([part.ravel() for part in (robot.row, *spline)])
     row[[c.LINKED, c.LINK, c.COUNT]] = 1.0, link, len(spline[1])
     side = np.zeros((math.ceil(run.size / c.PIECE_COLUMNS), c.PIECE_COLUMNS))

@@ -178,8 +178,8 @@ class Search:
         return bool(batch)
 
     def _in_order(self, partial: PartialPlan, sampler: Sampler, batch: list[Candidate]) -> Iterator[TimedMotion]:
-        """The motions of a batch, the quickest first: each is timed when it is needed, if a score says how long it
-        takes, and else all are timed at once."""
+        """The motions of a batch, the quickest first: each is timed when it is needed, if the batch is in that order,
+        and else all are timed at once."""
         made: list[TimedMotion] = []
         for candidate in batch:
             if self._late():
@@ -189,7 +189,7 @@ class Search:
                 self.found.census.add(motion)
                 sampler.learn(candidate, 1.0)
             elif self._of_use(motion):
-                if sampler.scored(candidate):
+                if sampler.ordered:
                     yield motion
                 else:
                     made.append(motion)

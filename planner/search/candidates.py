@@ -6,7 +6,7 @@ Seeded and adaptive: what was free or nearly free is varied.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -75,6 +75,28 @@ class Population:
         self.number = dict(zip(self._candidates(self.rows[chosen]), chosen, strict=True))
         return list(self.number)
 
+    def free_direct(self, candidates: list[Candidate]) -> list[Candidate]:
+        """Those direct ways to options that are free as far as their scores say, the quickest first. All count as tried
+        from now on."""
+        rows = [self.options.index(each.option) for each in candidates]
+        self.tried[rows] = True
+        self.number = {
+            each: row
+            for each, row, bad in zip(candidates, rows, self.bad[rows].tolist(), strict=True)
+            if not bad > tuning.FREE
+        }
+        return sorted(self.number, key=lambda each: float(self.end[self.number[each]]))
+
+    def free_arches(self, candidates: list[Candidate]) -> list[Candidate]:
+        """Those arches that are free in the middle of the way, where the arm goes across, as far as their scores say.
+        Those that overlap their corners more come first, and then the quicker ones."""
+        rows = self.freedom.direct()[[self.options.index(each.option) for each in candidates]]
+        forms = [each.shape.form for each in candidates if each.shape.form is not None]
+        bad, end = self.score.across(rows, np.array([form.top for form in forms]))
+        self.number = {}
+        free = [(form.rise + form.fall, end[k], k) for k, form in enumerate(forms) if not bad[k] > tuning.FREE]
+        return [candidates[k] for *_, k in sorted(free)]
+
     def anyone(self) -> Candidate:
         """A new one, whatever its score: that nothing seems worth a try in one round ends no search."""
         return self._candidates(self.freedom.drawn(self.rng, 1, self.shares))[0]
@@ -134,31 +156,45 @@ class Sampler:
     visits: int = 0
     population: Population | None = None
     elite: list[tuple[float, float, Candidate]] = field(default_factory=list)
+    ordered: bool = False
+    """Whether the candidates of the last batch that are probably the quickest come first in it."""
+    _firsts: Iterator[list[Candidate]] = field(default_factory=lambda: iter(()))
 
     def batch(self, before: float = np.inf) -> list[Candidate]:
         """The next batch, of ways that may end before `before`, s; empty only if there is nothing left to try."""
-        visit, self.visits = self.visits, self.visits + 1
+        visit, self.visits, self.ordered = self.visits, self.visits + 1, False
         if not self.options:
             return []
-        if visit == 0 and (direct := self._direct()):
-            return direct
-        if visit <= 1 and (first_arches := self._arches()):
-            self.visits = 2
-            return first_arches
         if self.step.leg == "cartesian":
+            if visit == 0:
+                return self._direct()
             # a straight leg from a moving frame has nothing to choose: it has been tried
             return [self._wait() for _ in range(tuning.BATCH)] if can_wait(self.scene, self.partial) else []
         if self.step.arch is not None:
-            return [self._arch() for _ in range(tuning.BATCH)]
+            return (self._arches() if visit == 0 else []) or [self._arch() for _ in range(tuning.BATCH)]
         if self.population is None:
             self.population = Population(self.scene, self.partial, self.options, self.score(), self.rng)
+            self._firsts = self._simple(self.population)
+        self.ordered = True
+        simple = next(self._firsts, [])
+        if simple:
+            return simple
         found = self.population.batch(before)
         arches = max(tuning.FILLED - len(found), int(self.rng.random() < tuning.ARCHES_TOO)) if self._tops() else 0
         return found + [self._arch() for _ in range(arches)] or [self.population.anyone()]
 
-    def scored(self, candidate: Candidate) -> bool:
-        """Whether a candidate of the last batch has a score: those that have come quickest first."""
-        return self.population is not None and candidate in self.population.number
+    def _simple(self, population: Population) -> Iterator[list[Candidate]]:
+        """The direct ways and then the arches, first those that are free as far as their scores say. An empty batch:
+        candidates by vias are worth more."""
+        later = list[Candidate]()
+        for candidates, free_of in ((self._direct(), population.free_direct), (self._arches(), population.free_arches)):
+            free = free_of(candidates) if candidates else []
+            if free:
+                yield free
+            later += [each for each in candidates if each not in free]
+        yield from [[]] * tuning.LATER
+        self.ordered = False
+        yield later
 
     def learn(self, candidate: Candidate, bad: float, end: float = math.inf, at: float | None = None) -> None:
         """`bad`: how deep a candidate was in something (`score_of`); 0: it was free; 1: it was refused for something

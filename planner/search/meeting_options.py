@@ -39,7 +39,6 @@ from assur.planner.robots.robot import Robot
 from assur.planner.search.partial_plan import Option, PartialPlan
 from assur.planner.search.tuning import ANY_YAW, EVALUATED_MEETINGS, SHARE_OF_A_TURN
 from assur.planner.trajectory import Trajectory
-from assur.planner.trajectory.spline import spline_table
 
 SAME_RAD = 1e-6
 """A wrist that differs by less is where it was."""
@@ -200,7 +199,7 @@ def shifted_out(scene: Scene, step: int, trajectory: Trajectory, phases: list[Ph
     if not scene.execution.belt_correction:
         return None
     robot, execution = scene.robot, scene.execution
-    spline, lag = spline_table(trajectory), np.zeros(trajectory.n)
+    spline, lag = trajectory.spline, np.zeros(trajectory.n)
     if execution.lags:
         lag[:] = execution.lag
     displaced = displaced_of(scene)

@@ -9,7 +9,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.collision.proof import Prover
-from assur.planner.kernels.candidates import END, JOINT_COLUMNS, OF_JOINT, rough_motions, rough_positions
+from assur.planner.kernels.candidates import BEGIN, END, JOINT_COLUMNS, OF_JOINT, rough_motions, rough_positions
 from assur.planner.model.refusal import Refusal, Separation
 from assur.planner.robots.facts import Limits
 from assur.planner.search.partial_plan import Option, PartialPlan
@@ -50,6 +50,10 @@ _SPREAD = (7 * np.arange(INSTANTS) + INSTANTS - 1) % INSTANTS
 """The instants of a rough motion in an order in which those that follow each other are far apart; the end first."""
 
 
+_MIDDLE = np.linspace(0.3, 0.7, INSTANTS // 3)
+"""Shares of the duration of an arch at which it is evaluated."""
+
+
 class CoarseScore:
     """Scores the candidates from one partial plan to its options."""
 
@@ -84,10 +88,29 @@ class CoarseScore:
         last = end[possible, None]
         known = np.broadcast_to(np.array(self.times), (len(possible), len(self.times)))
         times = np.concatenate([np.where(known < last, known, start), start + (last - start) * share], axis=1)
-        q, way = self.rough.at(motions, possible, times), self.partial.way(self.prover.scene, float(times.max()))
-        depth = self.prover.depths(way, q, times, DEPTH_M, GIVEN_UP)
-        score[possible] = np.minimum(depth / INSTANTS, 1.0)
+        score[possible] = self._depths(times, self.rough.at(motions, possible, times))
         return score, end
+
+    def across(self, candidates: FloatArray, tops: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The same score and end (N,) of arches over `tops` (N,), values of the lift joint, m.
+
+        The joints across move as in direct candidates (N,). Evaluated is the middle of the way alone, where the lift is
+        at the top.
+        """
+        motions, which = self.rough(candidates), np.arange(len(candidates))
+        begin, end = motions[:, BEGIN, None], np.minimum(motions[:, END, None], self.latest)
+        times = begin + (end - begin) * _MIDDLE
+        possible = np.isfinite(end[:, 0])
+        score, q = np.ones(len(candidates)), self.rough.at(motions, which[possible], times[possible])
+        if len(q):
+            q[:, :, self.prover.scene.robot.lift] = tops[possible, None]
+            score[possible] = self._depths(times[possible], q)
+        return score, end[:, 0]
+
+    def _depths(self, times: FloatArray, q: FloatArray) -> FloatArray:
+        """The scores (W,) of motions through q (W, T, n) at times (W, T)."""
+        way = self.partial.way(self.prover.scene, float(times.max()))
+        return np.minimum(self.prover.depths(way, q, times, DEPTH_M, GIVEN_UP) / INSTANTS, 1.0)
 
 
 def score_of(refusal: Refusal | None) -> float:

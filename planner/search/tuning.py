@@ -21,6 +21,10 @@ FEWEST = 16
 """... but never fewer than this."""
 KEPT = 64
 """Candidates that are remembered."""
+FREE = 0.0
+"""A direct way or an arch with this score or less is tried before those by vias are drawn."""
+LATER = 2
+"""Rounds of candidates by vias before direct ways and arches are tried that seem to be in the way of something."""
 PARENTS = 24
 """The best of them are varied."""
 VARIED = 0.5

@@ -13,13 +13,16 @@ Kernels are imported where they are called: code that only names a trajectory (t
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import FaultError, InputError
+
+if TYPE_CHECKING:
+    from assur.planner.kernels.spline import Spline
 
 # Two knots at one time: a jump in acceleration, and nothing else.
 #
@@ -48,7 +51,6 @@ def doubled(time: FloatArray, q: FloatArray, qd: FloatArray, qdd: FloatArray) ->
             raise InputError("trajectory.qdd", int(k), "a jump where two knots share a time; one knot will do")
 
 
-@dataclass(frozen=True, eq=False)
 class Trajectory:
     """Joint motion over [start, end]: `time` (K,) s, `q, qd, qdd` (K, n) rad or m and their derivatives.
 
@@ -58,57 +60,49 @@ class Trajectory:
     times that do not increase; with `jumps`, for a third knot at one time and for two that are not such a jump.
     """
 
-    time: FloatArray
-    q: FloatArray
-    qd: FloatArray
-    qdd: FloatArray
-    jumps: bool = field(default=False, kw_only=True)
-    _knots: FloatArray = field(init=False, repr=False)
+    __slots__ = ("_extremes", "_knots", "_spline", "jumps", "n")
 
-    def __post_init__(self) -> None:
-        time = frozen(self.time, (None,), "trajectory.time")
+    def __init__(
+        self, time: FloatArray, q: FloatArray, qd: FloatArray, qdd: FloatArray, *, jumps: bool = False
+    ) -> None:
+        time = frozen(time, (None,), "trajectory.time")
         if len(time) < 2:
             raise InputError("trajectory.time", len(time), "at least two knots")
-        if not self.jumps and not (time[1:] > time[:-1]).all():
+        if not jumps and not (time[1:] > time[:-1]).all():
             raise InputError("trajectory.time", int(np.argmin(time[1:] > time[:-1])) + 1, "strictly increasing times")
         columns, width = [time[:, None]], None
-        for name in ("q", "qd", "qdd"):
-            states = frozen(getattr(self, name), (len(time), width), f"trajectory.{name}")
+        for name, given in (("q", q), ("qd", qd), ("qdd", qdd)):
+            states = frozen(given, (len(time), width), f"trajectory.{name}")
             width = states.shape[1]
             columns.append(states)
         if not width:
             raise InputError("trajectory.q", columns[1].shape, "at least one joint")
-        self._take(np.concatenate(columns, 1))
-        if self.jumps:
+        self._take(np.concatenate(columns, 1), None, jumps=jumps)
+        if jumps:
             doubled(self.time, self.q, self.qd, self.qdd)
 
     @classmethod
     def of_knots(cls, knots: FloatArray, *, jumps: bool = False) -> Trajectory:
-        """The trajectory of a table (K, 1 + 3n) of K > 1 knots: times, q, q̇, q̈ side by side. It is not copied where
-        nothing `jumps`.
+        """The trajectory of a table (K, 1 + 3n) of K > 1 knots: times, q, q̇, q̈ side by side. It is not copied.
 
         Raises `FaultError` for numbers that are not finite and times that do not increase; with `jumps`, `InputError`
         as the constructor does.
         """
-        if jumps:
-            return cls(knots[:, 0], *np.split(knots[:, 1:], 3, axis=1), jumps=True)
-        from assur.planner.kernels.limits import first_bad_knot
+        from assur.planner.kernels.spline import spline_tables
 
-        bad = first_bad_knot(knots)
+        bad, spline = spline_tables(knots, jumps)
         if len(knots) < 2 or bad >= 0:
             raise FaultError(f"knot {bad} of {len(knots)} is not finite, or not later than the one before")
         made = object.__new__(cls)
-        object.__setattr__(made, "jumps", False)
-        made._take(knots)
+        made._take(knots, spline, jumps=jumps)
+        if jumps:
+            doubled(made.time, made.q, made.qd, made.qdd)
         return made
 
-    def _take(self, knots: FloatArray) -> None:
-        """Keeps the table of knots, and its columns as read-only views."""
-        n = (knots.shape[1] - 1) // 3
-        object.__setattr__(self, "_knots", knots)
-        object.__setattr__(self, "time", _closed(knots[:, 0]))
-        for number, name in enumerate(("q", "qd", "qdd")):
-            object.__setattr__(self, name, _closed(knots[:, 1 + number * n : 1 + (number + 1) * n]))
+    def _take(self, knots: FloatArray, spline: Spline | None, *, jumps: bool) -> None:
+        """Keeps the table of knots, and those of its spline where they are known."""
+        self._knots, self._spline, self.jumps, self.n = knots, spline, jumps, (knots.shape[1] - 1) // 3
+        self._extremes: FloatArray | None = None
 
     def __reduce__(self) -> tuple[Callable[..., Trajectory], tuple[FloatArray, ...]]:
         """Between processes only the knots travel; they are validated again."""
@@ -116,17 +110,32 @@ class Trajectory:
         return made, (self.time, self.q, self.qd, self.qdd)
 
     @property
-    def n(self) -> int:
-        """Number of joints."""
-        return int(self.q.shape[1])
+    def time(self) -> FloatArray:
+        """Times of the knots (K,), s. Not to be written to, as the states are."""
+        return _closed(self._knots[:, 0])
+
+    @property
+    def q(self) -> FloatArray:
+        """Joint positions at the knots (K, n)."""
+        return _closed(self._knots[:, 1 : 1 + self.n])
+
+    @property
+    def qd(self) -> FloatArray:
+        """Their rates (K, n)."""
+        return _closed(self._knots[:, 1 + self.n : 1 + 2 * self.n])
+
+    @property
+    def qdd(self) -> FloatArray:
+        """Their accelerations (K, n); at a jump, before and after it."""
+        return _closed(self._knots[:, 1 + 2 * self.n :])
 
     @property
     def start(self) -> float:
-        return float(self.time[0])
+        return float(self._knots[0, 0])
 
     @property
     def end(self) -> float:
-        return float(self.time[-1])
+        return float(self._knots[-1, 0])
 
     @property
     def duration(self) -> float:
@@ -142,24 +151,25 @@ class Trajectory:
         """Whether velocity and acceleration of the last knot are exactly zero."""
         return not (self.qd[-1].any() or self.qdd[-1].any())
 
-    @cached_property
-    def _spline(self) -> tuple[FloatArray, FloatArray]:
-        from assur.planner.kernels.limits import piece_coefficients
+    @property
+    def spline(self) -> Spline:
+        """What kernels read (`kernels.spline`): times `tk` (P + 1,), coefficients `c` (P, n, 6) in the time since each
+        knot, bounds `whole` (P + 1, 9 n) of every piece; P = K-1 without jumps. Not to be written to."""
+        if self._spline is None:
+            from assur.planner.kernels.spline import spline_tables
 
-        tk, c = np.empty(len(self.time)), np.empty((len(self.time) - 1, self.n, 6))
-        pieces = piece_coefficients(self._knots, tk, c)
-        return tk[: pieces + 1], c[:pieces]
+            _, self._spline = spline_tables(self._knots, self.jumps)
+        return self._spline
 
     @property
     def edges(self) -> FloatArray:
-        """Begins of the pieces and the end of the last, (P+1,) s: the times of the knots, each once; P = K-1 without
-        jumps. Not to be written to."""
-        return self._spline[0]
+        """Begins of the pieces and the end of the last, (P+1,) s: the times of the knots, each once."""
+        return self.spline[0]
 
     @property
     def coefficients(self) -> FloatArray:
-        """c0..c5 of q(τ) = Σ c_i τ^i, τ = t − t_k, on every piece: (P, n, 6). Not to be written to."""
-        return self._spline[1]
+        """c0..c5 of q(τ) = Σ c_i τ^i, τ = t − t_k, on every piece: (P, n, 6)."""
+        return self.spline[1]
 
     @property
     def steps(self) -> FloatArray:
@@ -190,7 +200,8 @@ class Trajectory:
         from assur.planner.kernels.spline import spline_states
 
         found = np.empty((len(t), 4, self.n))
-        spline_states(self._knots, *self._spline, np.array(t), found)
+        tk, c, _ = self.spline
+        spline_states(self._knots, tk, c, np.array(t), found)
         return found
 
     def state(self, t: float) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -207,14 +218,16 @@ class Trajectory:
         low, high = self.extremes[derivative]
         return low, high
 
-    @cached_property
+    @property
     def extremes(self) -> FloatArray:
         """The smallest and the largest value of q and its derivatives as `extrema` has them, (4, 2, n)."""
-        from assur.planner.kernels.limits import spline_extremes
+        if self._extremes is None:
+            from assur.planner.kernels.limits import spline_extremes
 
-        found = np.empty((4, 2, self.n))
-        spline_extremes(self._knots, found)
-        return _closed(found)
+            found = np.empty((4, 2, self.n))
+            spline_extremes(self._knots, found)
+            self._extremes = _closed(found)
+        return self._extremes
 
 
 def _closed(array: FloatArray) -> FloatArray:

@@ -14,6 +14,7 @@ from assur.api.cli.border import BAD_INPUT, RIGHT, WRONG
 from assur.scenes.plan_file import PlanFile
 from assur.scenes.scenarios import shipped
 from tests.api.test_command_line import run
+from tests.planner.trajectory.changed import changed as changed_path
 from tests.scenes.cells.second_kinematics import answer
 
 NAME = "standard-cycle"
@@ -131,7 +132,7 @@ def test_a_motion_that_goes_on_where_it_is_needed_at_rest_has_no_bundle() -> Non
     qd[-1, 0] = 1e-10
     scene = replace(scene, options=replace(scene.options, stay_safe_s=1.0))
     with pytest.raises(InputError, match="not at rest when it ends"):
-        bundle_of(scene, replace(plan, trajectory=replace(path, qd=qd)))
+        bundle_of(scene, replace(plan, trajectory=changed_path(path, qd=qd)))
 
 
 def test_without_the_extra_it_is_said_what_to_install(plan_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -21,6 +21,7 @@ from assur.planner.model.outcome import Plan, Planned
 from assur.planner.model.scene import Scene
 from tests.planner.cells import cell, frame, go, stands
 from tests.planner.checker.hand_made import crossing_case, sealed, with_rows, without
+from tests.planner.trajectory.changed import changed as changed_path
 
 
 def broken(scene: Scene, plan: Plan, *codes: Code) -> str:
@@ -103,7 +104,7 @@ def test_findings_name_bodies_joints_and_steps() -> None:
     path = plan.trajectory
     faster = path.qd.copy()
     faster[1, 0] += 100.0
-    verdict = check(scene, sealed(scene, replace(plan, trajectory=replace(path, qd=faster))))
+    verdict = check(scene, sealed(scene, replace(plan, trajectory=changed_path(path, qd=faster))))
     assert f"joint {scene.robot.joints[0].name}: a limit is not kept" in [each.what for each in verdict.findings]
     assert all(each.where.endswith(" s") for each in verdict.findings if each.code == Code.LIMIT)
 

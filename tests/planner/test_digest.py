@@ -13,6 +13,7 @@ from assur.planner.model.arrival_error import ArrivalError, Cause, Share
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Arrival, Certificate, Course, Leg, LegKind, Missed, Route, Traced
 from assur.planner.trajectory import Trajectory
+from tests.planner.trajectory.changed import changed as changed_path
 
 KNOTS = Trajectory(np.array([0.0, 1.0]), np.zeros((2, 3)), np.zeros((2, 3)), np.zeros((2, 3)))
 LEGS = (Leg(LegKind.WAIT, 0, 0.0, 0.5, Route(Course.FOR_BODIES)), Leg(LegKind.MOVE, 0, 0.5, 1.0))
@@ -59,7 +60,7 @@ def test_every_number_and_every_word_counts() -> None:
     for name in ("time", "q", "qd", "qdd"):
         values = getattr(KNOTS, name).copy()
         values.flat[-1] += 1e-15 if name != "time" else 1e-12
-        seen.add(of(trajectory=replace(KNOTS, **{name: values})))
+        seen.add(of(trajectory=changed_path(KNOTS, **{name: values})))
     changed: dict[str, Any] = {"kind": LegKind.ARCH, "step": 1, "t0": 0.1, "t1": 0.6, "route": None}
     assert set(changed) == {field.name for field in fields(Leg)}
     seen |= {of(legs=(replace(LEGS[0], **{name: value}), LEGS[1])) for name, value in changed.items()}
@@ -95,7 +96,7 @@ def test_every_number_and_every_word_counts() -> None:
         seen.add(of(certificate=replace(ROWS, **changed_columns)))
     seen.add(of(certificate=replace(ROWS, names=("a", "c"))))
     seen.add(of(certificate=replace(ROWS, covers=ROWS.covers[:-1])))
-    seen.add(of(trajectory=replace(KNOTS, jumps=True)))
+    seen.add(of(trajectory=changed_path(KNOTS, jumps=True)))
     assert len(seen) == 4 + 4 + 4 + len(changed) + len(arrived) + len(columns) + 3
 
 

@@ -19,6 +19,7 @@ from assur.planner.model.scene import Move, Options, Scene, Target
 from assur.planner.pipeline import plan
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import cell, go, stands
+from tests.planner.trajectory.changed import changed as changed_path
 
 TIME_S = 0.3
 """Acceleration time of the plan."""
@@ -169,7 +170,7 @@ def test_a_piece_that_is_no_parabola_is_found() -> None:
 def formless(made: Plan, **columns: Any) -> None:
     """Knots that are no trajectory with jumps."""
     with pytest.raises(InputError):
-        replace(made.trajectory, **columns)
+        changed_path(made.trajectory, **columns)
 
 
 def test_a_jump_of_place_or_velocity_and_a_third_knot_are_refused_for_their_form() -> None:
@@ -191,7 +192,7 @@ def test_a_plan_that_does_not_say_that_it_jumps_is_refused(jumps: Any) -> None:
     if not jumps:
         formless(made, jumps=jumps)
         return
-    verdict = check(asked, replace(made, trajectory=replace(made.trajectory, jumps=jumps)))
+    verdict = check(asked, replace(made, trajectory=changed_path(made.trajectory, jumps=jumps)))
     assert {finding.code for finding in verdict.findings} == {Code.FORM}
 
 
@@ -211,7 +212,7 @@ def test_a_jerk_limited_request_takes_no_doubled_knots_however_they_are_said() -
     twice = {name: np.insert(getattr(path, name), k, getattr(path, name)[k], axis=0) for name in ("q", "qd", "qdd")}
     twice["qdd"][k] += 1.0
     formless(good, time=np.insert(path.time, k, path.time[k]), **twice)
-    jumping = replace(path, time=np.insert(path.time, k, path.time[k]), jumps=True, **twice)
+    jumping = changed_path(path, time=np.insert(path.time, k, path.time[k]), jumps=True, **twice)
     verdict = check(smooth, replace(good, trajectory=jumping))
     assert {finding.code for finding in verdict.findings} == {Code.FORM}
 

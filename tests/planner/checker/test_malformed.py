@@ -17,6 +17,7 @@ from assur.planner.errors import InputError
 from assur.planner.model.scene import Window
 from assur.planner.trajectory import Trajectory
 from tests.planner.checker.hand_made import COLUMNS, asking, belt_case, crossing_case, sealed
+from tests.planner.trajectory.changed import changed as changed_path
 
 KNOTS = ("time", "q", "qd", "qdd")
 
@@ -24,7 +25,7 @@ KNOTS = ("time", "q", "qd", "qdd")
 def refused(part: Any, **changes: Any) -> None:
     """A part of a plan, with changes, is no such part."""
     with pytest.raises(InputError):
-        replace(part, **changes)
+        (changed_path if isinstance(part, Trajectory) else replace)(part, **changes)
 
 
 @pytest.mark.parametrize("name", ["legs", "arrivals"])
@@ -127,7 +128,7 @@ def test_a_plan_of_more_steps_or_other_joints_than_the_scene_has_is_refused() ->
         replace(plan, arrivals=(*plan.arrivals, replace(plan.arrivals[-1], step=7))),
         replace(plan, trajectory=Trajectory(*(np.zeros((2, 3)) if k else np.arange(2.0) for k in range(4)))),
         replace(plan, certificate=replace(plan.certificate, covers=("separation",))),
-        replace(plan, trajectory=replace(plan.trajectory, jumps=True)),
+        replace(plan, trajectory=changed_path(plan.trajectory, jumps=True)),
     ):
         assert {finding.code for finding in check(scene, sealed(scene, other)).findings} == {Code.FORM}
 
@@ -164,7 +165,7 @@ def test_any_number_anywhere_is_answered(what: str, seed: int, value: float) -> 
         name = str(rng.choice(["q", "qd", "qdd"]))
         column = getattr(plan.trajectory, name).copy()
         column.flat[rng.integers(column.size)] += value
-        line = replace(plan.trajectory, **{name: column})
+        line = changed_path(plan.trajectory, **{name: column})
         changed = replace(plan, trajectory=line)
     verdict = check(scene, sealed(scene, changed))
     assert verdict.ok == (not verdict.findings)

@@ -34,6 +34,7 @@ from tests.planner.checker.hand_made import (
     with_rows,
     without,
 )
+from tests.planner.trajectory.changed import changed as changed_path
 
 
 def codes(verdict: Verdict) -> set[Code]:
@@ -48,7 +49,7 @@ def target_of(scene: Scene, number: int, **changes: Any) -> Target:
 
 
 def with_knots(plan: Plan, **columns: object) -> Plan:
-    return replace(plan, trajectory=replace(plan.trajectory, **columns))  # type: ignore[arg-type]
+    return replace(plan, trajectory=changed_path(plan.trajectory, **columns))
 
 
 def with_knot_at(plan: Plan, t: float) -> tuple[Plan, int]:

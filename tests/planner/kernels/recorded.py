@@ -33,7 +33,6 @@ from assur.planner.laws import (
 )
 from assur.planner.model.link_frames import link_law
 from assur.planner.trajectory import Trajectory
-from assur.planner.trajectory.spline import spline_table
 from tests.planner.kernels.arms import ARMS, states
 from tests.planner.robots.point_bounds import joint_jets
 from tests.planner.trajectory.splines import REGIMES, spline
@@ -106,7 +105,7 @@ def of_splines() -> dict[str, FloatArray]:
     found: dict[str, FloatArray] = {}
     for regime in REGIMES:
         path = spline(3, regime)
-        table = spline_table(path)
+        table = path.spline
         out, motion, q = np.zeros((SIZE, 3, JET_COLUMNS)), np.empty((SIZE, 4, 3)), np.empty((SIZE, 3))
         times = np.linspace(path.start - 0.1, path.end + 0.1, SIZE + 1)
         for i in range(SIZE):

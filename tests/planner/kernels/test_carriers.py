@@ -19,7 +19,6 @@ from assur.planner.laws import Law, Pose, fixed, law_tables, linear
 from assur.planner.model.link_frames import link_law
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
-from assur.planner.trajectory.spline import spline_table
 from tests.planner.kernels.arms import ARMS, states
 from tests.planner.laws.laws import Case, cases, intervals, samples
 from tests.planner.trajectory.splines import bernstein, splines, sweep
@@ -179,7 +178,7 @@ def test_a_neighbours_link_is_where_its_plan_has_it(robot: Robot, path: Trajecto
 @given(splines, st.integers(0, 10**6))
 def test_the_spline_is_the_trajectory(path: Trajectory, seed: int) -> None:
     rng = np.random.default_rng(seed)
-    table = spline_table(path)
+    table = path.spline
     t = np.concatenate([rng.uniform(path.start - 0.5, path.end + 0.5, 30), path.time])
     q, state = np.empty(path.n), np.empty((4, path.n))
     for each in t:

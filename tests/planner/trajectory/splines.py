@@ -10,7 +10,6 @@ from assur.planner.kernels.jets import JET_COLUMNS
 from assur.planner.kernels.limits import HULL_COLUMNS, first_column, piece_hulls
 from assur.planner.kernels.spline import sweep_joints
 from assur.planner.trajectory import Trajectory, accepted_bands, keeps_bands
-from assur.planner.trajectory.spline import spline_table
 
 Floats = NDArray[np.float64]
 
@@ -29,7 +28,7 @@ def keeps_limits(path: Trajectory, *limits: Floats | None) -> bool:
 
 def sweep(path: Trajectory, t0: Floats, t1: Floats) -> tuple[Floats, Floats]:
     """The least and the greatest q, q̇ and q̈ (N, n, 3) of the joints over intervals (N,), by the kernel."""
-    table, found = spline_table(path), np.empty((len(t0), path.n, JET_COLUMNS))
+    table, found = path.spline, np.empty((len(t0), path.n, JET_COLUMNS))
     for i in range(len(t0)):
         sweep_joints(table, t0[i], t1[i], found[i])
     return found[..., ::2] - found[..., 1::2], found[..., ::2] + found[..., 1::2]
