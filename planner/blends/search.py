@@ -54,6 +54,7 @@ class RunSampler(Sampler):
 
     def __post_init__(self) -> None:
         """Choices of a branch each, those with the least time at full speed first, the wrist turned least, by beam."""
+        super().__post_init__()
         robot = self.scene.robot
         beam: list[tuple[float, Way, FloatArray]] = [(0.0, (), self.partial.state.q)]
         for options in self.choices:

@@ -29,9 +29,9 @@ TRIES = 12
 
 @dataclass(frozen=True, eq=False)
 class Via:
-    """A joint position (n,) that is flown by at `pace` times the mean joint velocity of the whole leg."""
+    """A joint position, n numbers, that is flown by at `pace` times the mean joint velocity of the whole leg."""
 
-    q: FloatArray
+    q: list[float]
     pace: float
 
 
@@ -162,7 +162,7 @@ class JointMotion:
         if not shape.vias:
             return None
         goal = self.branch.q[0].tolist()
-        stations = [self.origin[0], *(via.q.tolist() for via in shape.vias), goal]
+        stations = [self.origin[0], *[via.q for via in shape.vias], goal]
         for i, via in enumerate(shape.vias, start=1):
             v = self._passing(stations[i - 1], stations[i], stations[i + 1], via.pace)
             passed: Numbers = (stations[i], v, [0.0] * len(v))

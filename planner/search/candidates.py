@@ -160,6 +160,10 @@ class Sampler:
     """Whether the candidates of the last batch that are probably the quickest come first in it."""
     _firsts: Iterator[list[Candidate]] = field(default_factory=lambda: iter(()))
 
+    def __post_init__(self) -> None:
+        self.step: Step = self.scene.task[self.partial.step]
+        self.may_stop = may_stop(self.scene, self.partial.step)
+
     def batch(self, before: float = np.inf) -> list[Candidate]:
         """The next batch, of ways that may end before `before`, s; empty only if there is nothing left to try."""
         visit, self.visits, self.ordered = self.visits, self.visits + 1, False
@@ -220,8 +224,7 @@ class Sampler:
 
     def _stops(self) -> tuple[bool, ...]:
         """Whether the first candidates stop behind the depart: those, too, where the arm may have to wait there."""
-        waits = may_stop(self.scene, self.partial.step) and not all_stand(self.scene.frames.values())
-        return (False, True) if waits else (False,)
+        return (False, True) if self.may_stop and not all_stand(self.scene.frames.values()) else (False,)
 
     def _first_of_modes(self) -> list[Option]:
         found: dict[int, Option] = {}
@@ -236,12 +239,11 @@ class Sampler:
         through = tuning.THROUGH_PACES[0] if self.step.via else 0.0
         found = []
         for option in self._first_of_modes()[: tuning.ARCHED]:
-            moves = not self.partial.state.resting, option.meeting.point.entry is not None
-            top = tops[-1] if any(moves) else tops[0]
-            for corner in tuning.ARCH_CORNERS[:1] if self.step.via or all(moves) else tuning.ARCH_CORNERS:
-                rise, fall = (0.0 if moving else corner for moving in moves)
-                shape = Shape(form=ArchForm(top, rise, fall), through=through)
-                found.append(Candidate(option, shape))
+            leaves, enters = not self.partial.state.resting, option.meeting.point.entry is not None
+            top = tops[-1] if leaves or enters else tops[0]
+            for corner in tuning.ARCH_CORNERS[:1] if self.step.via or (leaves and enters) else tuning.ARCH_CORNERS:
+                form = ArchForm(top, 0.0 if leaves else corner, 0.0 if enters else corner)
+                found.append(Candidate(option, Shape(form=form, through=through)))
         return found
 
     def _tops(self) -> list[float]:
@@ -269,10 +271,6 @@ class Sampler:
     def too_high(self) -> Refusal | None:
         """Why the required arch cannot be: the lift ends below it; None: it can, or none is required."""
         return too_high(self.scene, self.partial.step, self.partial.state.q)
-
-    @property
-    def step(self) -> Step:
-        return self.scene.task[self.partial.step]
 
     def may_wait(self) -> bool:
         """Whether waiting is possible and changes anything."""
@@ -312,5 +310,5 @@ class Sampler:
         return replace(parent, shape=shape)
 
     def _candidate(self, option: Option, shape: Shape) -> Candidate:
-        there = at_the_point(self.rng.random(3).tolist(), may_stop=may_stop(self.scene, self.partial.step))
+        there = at_the_point(self.rng.random(3).tolist(), may_stop=self.may_stop)
         return Candidate(option, shape, *there)

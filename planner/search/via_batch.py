@@ -67,10 +67,12 @@ def free_vias(
 
 def shape_of(row: FloatArray) -> Shape:
     """A candidate as a shape that can be timed."""
-    via = row[FIRST_VIA:].reshape(MOST_VIAS, -1)
-    vias = tuple(Via(via[k], float(row[PACES + k])) for k in range(int(row[VIAS])))
-    wait, late, effort, through = (float(row[column]) for column in (WAIT, LATE, EFFORT, THROUGH))
-    return Shape(wait, late, vias, effort=effort, through=through)
+    numbers, n = row.tolist(), (len(row) - FIRST_VIA) // MOST_VIAS
+    vias, first = list[Via](), FIRST_VIA
+    for k in range(int(numbers[VIAS])):
+        vias.append(Via(numbers[first : first + n], numbers[PACES + k]))
+        first += n
+    return Shape(numbers[WAIT], numbers[LATE], tuple(vias), effort=numbers[EFFORT], through=numbers[THROUGH])
 
 
 class Freedom:
@@ -100,7 +102,7 @@ class Freedom:
         """The direct motion to each option."""
         rows = self._rows(len(self.goals))
         rows[:, OPTION], rows[:, EFFORT], rows[:, THROUGH] = np.arange(len(rows)), 1.0, self.via
-        rows[:, FIRST_VIA:] = np.tile(self.start, MOST_VIAS)
+        rows[:, FIRST_VIA:].reshape(len(rows), MOST_VIAS, -1)[:] = self.start
         return rows
 
     def varied(self, rng: np.random.Generator, parents: FloatArray) -> FloatArray:

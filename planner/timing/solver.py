@@ -23,7 +23,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import accumulate, pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -122,12 +121,6 @@ def accepted(names: Sequence[str], rows: Sequence[Row], n: int) -> None:
             raise InputError(f"timing.{name}", row, f"{n or 'some'} finite numbers")
 
 
-def accepted_duration(duration: float | None) -> None:
-    """Accepts None and a number of seconds from 0; `InputError` otherwise."""
-    if duration is not None and not (math.isfinite(duration) and duration >= 0):
-        raise InputError("timing.duration", duration, "None, or a number of seconds from 0")
-
-
 def lowered_limits(start: Numbers, goal: Numbers, allowed: RobotLimits) -> Limits | TimingRefusal:
     """Limits for the solver: lowered, but never below what the end states need, each direction by itself.
 
@@ -135,7 +128,7 @@ def lowered_limits(start: Numbers, goal: Numbers, allowed: RobotLimits) -> Limit
     − before the goal). A state that needs the whole jerk limit for that gets it.
     """
     (_, v0, a0), (_, v1, a1), usual = start, goal, allowed.lowered
-    if not (any(v0) or any(a0) or any(v1) or any(a1)):
+    if _at_rest(start, goal):
         return usual
     states = zip(v0, a0, v1, a1, usual.velocity, usual.acceleration, usual.jerk, strict=True)
     ease = [_at_ease(*joint) for joint in states]
@@ -218,21 +211,25 @@ def trajectory_of(profiles: Sequence[RawProfile], begins: Sequence[float]) -> Tr
 
     Raises `FaultError` for times that do not increase.
     """
-    if not all(a < b for a, b in pairwise(begins)):
-        raise FaultError(f"profiles that begin at {list(begins)} s")
-    cut = [(begin, profile.parts) for begin, profile in zip(begins[:-1], profiles, strict=True)]
-    profiles = [part for _, parts in cut for part in parts]
-    ends = [t for begin, parts in cut for t in accumulate((part.duration for part in parts[:-1]), initial=begin)]
-    begins = [*ends, begins[-1]]
-    if len(profiles) == 1:
-        phases = profiles[0].phases[None]
+    times, parts = [begins[0]], list[RawProfile]()
+    for profile, begin, end in zip(profiles, begins[:-1], begins[1:], strict=True):
+        if not begin < end:
+            raise FaultError(f"profiles that begin at {list(begins)} s")
+        for part in profile.parts:
+            parts.append(part)
+            times.append(times[-1] + part.duration)
+        times[-1] = end
+    states = [parts[0].begin]
+    if len(parts) == 1:
+        phases = parts[0].phases[None]
+        states.append(parts[0].goal)
     else:
-        n, most = len(profiles[0].phases), max(profile.phases.shape[2] for profile in profiles)
-        phases = np.zeros((len(profiles), n, 2, most))
-        for row, profile in zip(phases, profiles, strict=True):
-            row[:, :, : profile.phases.shape[2]] = profile.phases
-    states = np.array([profiles[0].begin, *(profile.goal for profile in profiles)])
-    return Trajectory.of_knots(knots_of_phases(np.array(begins, dtype=np.float64), states, phases))
+        n, most = len(parts[0].phases), max([part.phases.shape[2] for part in parts])
+        phases = np.zeros((len(parts), n, 2, most))
+        for row, part in zip(phases, parts, strict=True):
+            row[:, :, : part.phases.shape[2]] = part.phases
+            states.append(part.goal)
+    return Trajectory.of_knots(knots_of_phases(np.array(times), np.array(states), phases))
 
 
 RESIDUAL = 1e-9
@@ -283,38 +280,40 @@ class Solver:
 
     def raw_profile(self, start: Numbers, goal: Numbers, duration: float | None = None) -> RawProfile | TimingRefusal:
         """The fastest motion, or the one of `duration`, s."""
-        accepted_duration(duration)
-        lowered = self._lowered(start, goal)
+        if duration is not None and not 0.0 <= duration < math.inf:
+            raise InputError("timing.duration", duration, "None, or a number of seconds from 0")
         if duration is not None and not duration <= LONGEST:
+            accepted(STATE_NAMES, (*start, *goal), self._n)
             excess = duration - LONGEST
             return TimingRefusal("too long", excess, f"{duration} s are required, {LONGEST} s are allowed")
-        if isinstance(lowered, TimingRefusal):
-            return lowered
-        found = self._solve(start, goal, lowered, duration)
+        found = self._solve(start, goal, duration)
         if isinstance(found, TimingRefusal):
             return found
         if duration is None and found.duration < SHORTEST and _at_rest(start, goal):
             return RawProfile(ONE_QUINTIC, start, goal, np.zeros((self._n, 2, 1)))
         taken = float(found.duration) if duration is None else duration
-        return _sound(RawProfile(taken, start, goal, _phases(found)))
+        # durations and jerks (n, 2, 9) of the phases, brake phases first; that they end where they should is checked
+        joints = [(joint.brake.t + joint.t, joint.brake.j + joint.j) for joint in found.profiles[0]]
+        phases, (begin, end) = np.array(joints), np.array([start, goal])
+        miss = missed_goal(begin, end, phases, taken, END_POSITION, END_VELOCITY, END_ACCELERATION)
+        if not miss <= 1:
+            return TimingRefusal("unsound", miss, "the solver misses its goal")
+        return RawProfile(taken, start, goal, phases)
 
     def shortest(self, start: Numbers, goal: Numbers) -> float | TimingRefusal:
         """How long the fastest motion takes, s: the duration of `raw_profile`."""
-        lowered = self._lowered(start, goal)
-        if isinstance(lowered, TimingRefusal):
-            return lowered
-        found = self._solve(start, goal, lowered, None)
+        found = self._solve(start, goal, None)
         if isinstance(found, TimingRefusal):
             return found
         brief = found.duration < SHORTEST and _at_rest(start, goal)
         return ONE_QUINTIC if brief else float(found.duration)
 
-    def _lowered(self, start: Numbers, goal: Numbers) -> Limits | TimingRefusal:
-        accepted(STATE_NAMES, (*start, *goal), self._n)
-        return lowered_limits(start, goal, self._allowed)
-
-    def _solve(self, start: Numbers, goal: Numbers, lowered: Limits, duration: float | None) -> Any:
+    def _solve(self, start: Numbers, goal: Numbers, duration: float | None) -> Any:
         """The solver's trajectory, or a `TimingRefusal`. (The library ships no types.)"""
+        accepted(STATE_NAMES, (*start, *goal), self._n)
+        lowered = lowered_limits(start, goal, self._allowed)
+        if isinstance(lowered, TimingRefusal):
+            return lowered
         given, found = self._given, ruckig.Trajectory(self._n)
         given.current_position, given.target_position = start[0], goal[0]
         given.current_velocity, given.current_acceleration = _still(start[1]), _still(start[2])
@@ -333,42 +332,22 @@ class Solver:
                 continue
             good = result in (ruckig.Result.Working, ruckig.Result.Finished)
             if good and math.isfinite(found.duration) and found.duration >= 0:
-                return _unfit(found, duration) or found
+                fits = found.duration <= (LONGEST if duration is None else duration + DURATION_TOLERANCE)
+                return found if fits else _unfit(found, duration)
             failure = f"{result}"
         return TimingRefusal("no profile", math.nan, failure.splitlines()[0] if failure else "")
 
 
-def _phases(found: Any) -> FloatArray:
-    """Durations and jerks (n, 2, 9) of the solver's phases, brake phases first."""
-    joints = []
-    for joint in found.profiles[0]:
-        brake = joint.brake
-        joints.append((brake.t + joint.t, brake.j + joint.j))
-    return np.array(joints)
-
-
-def _sound(profile: RawProfile) -> RawProfile | TimingRefusal:
-    """The profile, if its phases end where they should."""
-    start, goal = np.array([profile.begin, profile.goal])
-    tolerances = END_POSITION, END_VELOCITY, END_ACCELERATION
-    miss = missed_goal(start, goal, profile.phases, profile.duration, *tolerances)
-    if not miss <= 1:
-        return TimingRefusal("unsound", miss, "the solver misses its goal")
-    return profile
-
-
-def _unfit(found: Any, duration: float | None) -> TimingRefusal | None:
-    """Why the duration found is not the one required, or too long."""
-    if duration is not None and not found.duration <= duration + DURATION_TOLERANCE:
-        least = max(found.independent_min_durations)
-        return TimingRefusal(
-            "blocked" if least <= duration else "too short",
-            found.duration - duration,
-            f"{duration} s required, joints alone take {least} s, together the next possible is {found.duration} s",
-        )
-    if not found.duration <= LONGEST:
+def _unfit(found: Any, duration: float | None) -> TimingRefusal:
+    """Why the duration found is not the one required, or is too long."""
+    if duration is None:
         return TimingRefusal("too long", found.duration - LONGEST, f"takes {found.duration} s, {LONGEST} s allowed")
-    return None
+    least = max(found.independent_min_durations)
+    return TimingRefusal(
+        "blocked" if least <= duration else "too short",
+        found.duration - duration,
+        f"{duration} s required, joints alone take {least} s, together the next possible is {found.duration} s",
+    )
 
 
 def _at_rest(start: Numbers, goal: Numbers) -> bool:

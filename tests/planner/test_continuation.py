@@ -59,10 +59,8 @@ def test_full_turns_of_a_meeting_share_one_straight_leg_and_a_wait_has_its_own()
 
 SHAPES = {
     "direct": Shape(),
-    "via": Shape(vias=(Via(np.array([0.1, 0.9, 0.22, 0.4]), 0.8),)),
-    "two vias after a wait": Shape(
-        wait=0.2, vias=(Via(np.array([0.1, 0.9, 0.22, 0.4]), 0.8), Via(np.array([0.0, 1.2, 0.2, 0.0]), 0.0))
-    ),
+    "via": Shape(vias=(Via([0.1, 0.9, 0.22, 0.4], 0.8),)),
+    "two vias after a wait": Shape(wait=0.2, vias=(Via([0.1, 0.9, 0.22, 0.4], 0.8), Via([0.0, 1.2, 0.2, 0.0], 0.0))),
     "arch": Shape(form=ArchForm(0.24, 0.3, 0.6)),
     "half the effort": Shape(effort=0.5),
 }

@@ -61,7 +61,8 @@ def state(rng: np.random.Generator, moving: float = 0.0) -> State:
 
 def shape(rng: np.random.Generator, kind: str) -> Shape:
     def via() -> Via:
-        return Via(rng.uniform(0.7 * LIMITS.lower, 0.7 * LIMITS.upper) + np.array([0, 0, 0.12, 0]), float(rng.random()))
+        q = rng.uniform(0.7 * LIMITS.lower, 0.7 * LIMITS.upper) + np.array([0, 0, 0.12, 0])
+        return Via(q.tolist(), float(rng.random()))
 
     vias = tuple(via() for _ in range({"1 via": 1, "2 vias": 2}.get(kind, 0)))
     form = ArchForm(0.25, float(rng.random()), float(rng.random())) if kind == "arch" else None
@@ -169,7 +170,7 @@ def test_vias_are_flown_by_with_a_velocity() -> None:
     begin = State(0.0, np.array([-0.8, 1.0, 0.1, 0.0]), NONE, NONE)
     scene = cell(go(0.35, 0.3, 0.12))
     branch = branches(scene, begin)[0]
-    via = Via(np.array([0.1, 0.9, 0.22, 0.4]), 0.8)
+    via = Via([0.1, 0.9, 0.22, 0.4], 0.8)
     found = JointMotion(scene, 0, begin, Shape(vias=(via,)), branch).meet()
     assert isinstance(found, Trajectory)
     path = found
@@ -247,7 +248,7 @@ def test_no_via_is_passed_faster_than_the_joints_allow(pace: float) -> None:
     begin = State(0.0, np.array([-2.0, 1.0, 0.1, 0.0]), NONE, NONE)
     scene = cell(go(0.2, 0.45, 0.12))
     branch = branches(scene, begin)[0]
-    how = Shape(vias=(Via(np.array([-0.3, 0.9, 0.22, 0.4]), pace),))
+    how = Shape(vias=(Via([-0.3, 0.9, 0.22, 0.4], pace),))
     found = JointMotion(scene, 0, begin, how, branch).meet()
     if isinstance(found, Trajectory):
         check_leg(scene, begin, branch, found, how)

@@ -174,7 +174,7 @@ def test_a_population_tries_nothing_twice_and_nothing_that_ends_too_late() -> No
     ends = []
     for _ in range(6):
         for sample in population.batch(np.inf):
-            seen.append(repr(([(via.q.tolist(), via.pace) for via in sample.shape.vias], sample.branch.q.tolist())))
+            seen.append(repr(([(via.q, via.pace) for via in sample.shape.vias], sample.branch.q.tolist())))
             ends.append(population.end[population.number[sample]])
     assert len(set(seen)) == len(seen) > 15
     early = float(np.median(ends))
