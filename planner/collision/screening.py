@@ -107,31 +107,33 @@ def _refused(prover: Prover, phase: Phase, spline: Spline, hits: FloatArray) -> 
     order = sorted(deepest.values(), key=itemgetter(HIT_GAP))[:MOST_BODIES]
     q = np.empty(spline[1].shape[1])
     spline_state(spline, order[0][HIT_T], q)
-    return ScreeningResult(tuple(_encounter(prover, phase, row, q) for row in order))
+    return ScreeningResult(tuple([_encounter(prover, phase, row, q) for row in order]))
 
 
 def _encounter(prover: Prover, phase: Phase, hit: list[float], q: FloatArray) -> Encounter:
     """A hit with one body, joints at q (n,)."""
-    arrangement, units, t = prover.of(phase), (int(hit[HIT_A]), int(hit[HIT_B])), hit[HIT_T]
-    first, second = (int(arrangement.body[unit]) for unit in units)
+    arrangement, one, other, t = prover.of(phase), int(hit[HIT_A]), int(hit[HIT_B]), hit[HIT_T]
+    first, second = int(arrangement.body[one]), int(arrangement.body[other])
+    names, roots = arrangement.names, arrangement.roots
     # the standstill after the last leg belongs to the last step
     step = phase.step if phase.step >= 0 else len(prover.scene.task) - 1
     gap, required = hit[HIT_GAP], hit[HIT_NEED] - RESERVE_M
-    names = arrangement.names[first], arrangement.names[second]
-    rule, clearance = prover.rule(phase, *names)
+    rule, clearance = prover.pairs_of(phase).rule(int(roots[first]), int(roots[second]))
     refusal = Refusal(
         stage=Stage.SCREENING,
         reason=Reason.SELF_COLLISION if arrangement.of_robot[second] else Reason.BODY_COLLISION,
         step=step,
-        subject=Bodies(names),
+        subject=Bodies((names[first], names[second])),
         interval=(t, t),
         amount=Quantity.of(max(0.0, required - gap), "m"),
         facts=Separation(touching=not gap > 0.0, gap_m=gap, required_m=required, rule=rule, clearance_m=clearance),
     )
     # what has a gap does not touch
-    touches = None if gap > 0.0 else partial(prover.touching, arrangement, q, t, *units, hit[HIT_S])
+    touches = None if gap > 0.0 else partial(prover.touching, arrangement, q, t, one, other, hit[HIT_S])
     known = not required > clearance
-    return Encounter(refusal, touches, None if known else partial(prover.planned_gap, phase, q, t, *units, hit[HIT_S]))
+    return Encounter(
+        refusal, touches, None if known else partial(prover.planned_gap, phase, q, t, one, other, hit[HIT_S])
+    )
 
 
 # How deep a pair that may touch is pressed together: where a straight part begins or ends, which no screening sees.

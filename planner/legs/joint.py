@@ -142,17 +142,15 @@ class JointMotion:
 
     def _goal(self, row: int) -> Numbers:
         """The state to be met; a via control point is met with a velocity towards what is `ahead`."""
-        branch = self.branch
-        q = branch.q[row].tolist()
+        numbers, n = self.branch.table[row].tolist(), len(self.origin[0])
+        q = numbers[1 : 1 + n]
         if self.ahead is None or not self.shape.through > 0:
-            return q, branch.qd[row].tolist(), branch.qdd[row].tolist()
+            return q, numbers[1 + n : 1 + 2 * n], numbers[1 + 2 * n :]
         return q, self._passing(self.state.q.tolist(), q, self.ahead, self.shape.through), [0.0] * len(q)
 
     def _passing(self, before: list[float], at: list[float], behind: list[float], share: float) -> list[float]:
-        velocity, acceleration, _ = self.scaled.rates
-        found = np.empty(len(at))
-        first, here, last = (np.array(station) for station in (before, at, behind))
-        passing_velocity(first, here, last, share, np.array(velocity), np.array(acceleration), found)
+        stations, found = np.array([before, at, behind, *self.scaled.rates[:2]]), np.empty(len(at))
+        passing_velocity(stations[0], stations[1], stations[2], share, stations[3], stations[4], found)
         row: list[float] = found.tolist()
         return row
 
@@ -161,7 +159,7 @@ class JointMotion:
         shape = self.shape
         if not shape.vias:
             return None
-        goal = self.branch.q[0].tolist()
+        goal = self.branch.table[0, 1 : 1 + len(self.origin[0])].tolist()
         stations = [self.origin[0], *[via.q for via in shape.vias], goal]
         for i, via in enumerate(shape.vias, start=1):
             v = self._passing(stations[i - 1], stations[i], stations[i + 1], via.pace)

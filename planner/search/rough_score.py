@@ -25,7 +25,8 @@ class RoughMotions:
         self._limits, state = limits.table, partial.state
         self._start, self._time = np.array([state.q, state.qd]), float(state.time)
         first, rows, meetings = 0, [], []
-        for branch in (option.branch for option in options):
+        for option in options:
+            branch = option.branch
             some = branch.table[:1] if branch.still else branch.table
             rows.append((first, len(some), branch.still))
             first += len(some)
@@ -70,8 +71,10 @@ class CoarseScore:
 
     def remember(self, time: float) -> None:
         """Evaluate this time, s, too: something was in the way of a candidate then that had seemed free."""
-        if all(abs(time - other) > APART_S for other in self.times):
-            self.times = [*self.times, time][-REMEMBERED:]
+        for other in self.times:
+            if not abs(time - other) > APART_S:
+                return
+        self.times = [*self.times, time][-REMEMBERED:]
 
     def __call__(self, candidates: FloatArray, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
         """For each row of candidates (N,) how much it is in the way of something, 0: free as far as is known; its end.
@@ -80,14 +83,15 @@ class CoarseScore:
         """
         motions, start = self.rough(candidates), self.partial.state.time
         end, score = motions[:, END], np.ones(len(candidates))
-        possible = np.flatnonzero(np.isfinite(end) & (end <= self.latest))
+        possible = (np.isfinite(end) & (end <= self.latest)).nonzero()[0]
         if not len(possible):
             return score, end
         # each candidate at other times: what passes between the instants of one is seen at those of its likes
-        share = (_SPREAD + rng.random((len(possible), 1))) / INSTANTS
-        last = end[possible, None]
-        known = np.broadcast_to(np.array(self.times), (len(possible), len(self.times)))
-        times = np.concatenate([np.where(known < last, known, start), start + (last - start) * share], axis=1)
+        share, last, known = rng.random((len(possible), 1)), end[possible, None], len(self.times)
+        times = np.empty((len(possible), known + INSTANTS))
+        times[:, known:] = start + (last - start) * (_SPREAD + share) / INSTANTS
+        if known:
+            times[:, :known] = np.where(last > self.times, self.times, start)
         score[possible] = self._depths(times, self.rough.at(motions, possible, times))
         return score, end
 

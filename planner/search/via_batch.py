@@ -80,12 +80,13 @@ class Freedom:
     possible the wait, how late they are, and how they pass the control point."""
 
     def __init__(self, scene: Scene, partial: PartialPlan, options: tuple[Option, ...]) -> None:
-        weights = TOWARDS * np.power(1 - TOWARDS, np.arange(len(options)))
-        self.goals = np.array([option.branch.q[0] for option in options])
-        late = np.array([float(not option.branch.still) for option in options])
-        self.start, self.via = partial.state.q, scene.task[partial.step].via
+        weights = TOWARDS * (1 - TOWARDS) ** np.arange(len(options))
+        limits, start = scene.robot.limits.table, np.array(partial.state.q)
+        self.goals = np.array([option.branch.table[0, 1 : 1 + len(start)] for option in options])
+        late = np.array([0.0 if option.branch.still else 1.0 for option in options])
+        self.start, self.via = start, scene.task[partial.step].via
         self.waits, self.moving = can_wait(scene, partial), not all_stand(scene.frames.values())
-        limits, start, shares = scene.robot.limits.table, np.array(self.start), np.cumsum(weights / weights.sum())
+        shares = weights.cumsum() / weights.sum()
         self._tables = limits, roles(scene.robot), start, self.goals, late, shares
         """What `draw` takes, from limits to options."""
 
@@ -94,7 +95,7 @@ class Freedom:
         rows, n = self._rows(count), len(self.start)
         chances = rng.random((count, CHANCES + MOST_VIAS * (VIA_CHANCES + n)))
         normals = rng.standard_normal((count, MOST_VIAS * n))
-        of_vias = np.cumsum(shares / shares.sum())
+        of_vias = shares.cumsum() / shares.sum()
         draw(*self._tables, of_vias, self.waits, self.moving, self.via, chances, normals, rows)
         return rows
 

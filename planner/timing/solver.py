@@ -130,8 +130,14 @@ def lowered_limits(start: Numbers, goal: Numbers, allowed: RobotLimits) -> Limit
     (_, v0, a0), (_, v1, a1), usual = start, goal, allowed.lowered
     if _at_rest(start, goal):
         return usual
-    states = zip(v0, a0, v1, a1, usual.velocity, usual.acceleration, usual.jerk, strict=True)
-    ease = [_at_ease(*joint) for joint in states]
+    # whether both states, and what they lead to (equation P6), are within the lowered limits: nearly always
+    ease = [
+        -a <= a0 <= a and -a <= a1 <= a and -v <= v0 <= v and -v <= v1 <= v
+        and -v <= v0 + a0 * abs(a0) / (2 * j) <= v and -v <= v1 - a1 * abs(a1) / (2 * j) <= v
+        for v0, a0, v1, a1, v, a, j in zip(
+            v0, a0, v1, a1, usual.velocity, usual.acceleration, usual.jerk, strict=True
+        )
+    ]  # fmt: skip
     if all(ease):
         return usual
     rows = list[tuple[float, ...]]()
@@ -158,13 +164,6 @@ def lowered_limits(start: Numbers, goal: Numbers, allowed: RobotLimits) -> Limit
         forward, pull = max(lowered_v, needs[0]), max(lowered_a, needs[2])
         rows.append((forward, min(-lowered_v, needs[1]), pull, min(-lowered_a, needs[3]), given_j))
     return Limits(*map(list, zip(*rows, strict=True)))
-
-
-def _at_ease(v0: float, a0: float, v1: float, a1: float, v: float, a: float, j: float) -> bool:
-    """Whether both states, and what they lead to (equation P6), are within the lowered limits: nearly always."""
-    if not (-a <= a0 <= a and -a <= a1 <= a and -v <= v0 <= v and -v <= v1 <= v):
-        return False
-    return -v <= v0 + a0 * abs(a0) / (2 * j) <= v and -v <= v1 - a1 * abs(a1) / (2 * j) <= v
 
 
 # A timed motion as the solver gave it, phases of constant jerk a joint; and the trajectory that is made of several.
@@ -316,8 +315,11 @@ class Solver:
             return lowered
         given, found = self._given, ruckig.Trajectory(self._n)
         given.current_position, given.target_position = start[0], goal[0]
-        given.current_velocity, given.current_acceleration = _still(start[1]), _still(start[2])
-        given.target_velocity, given.target_acceleration = _still(goal[1]), _still(goal[2])
+        rates, n = (*start[1], *start[2], *goal[1], *goal[2]), self._n
+        if any(rates):
+            rates = tuple([x if abs(x) >= RESIDUAL else 0.0 for x in rates])
+        given.current_velocity, given.current_acceleration = rates[:n], rates[n : 2 * n]
+        given.target_velocity, given.target_acceleration = rates[2 * n : 3 * n], rates[3 * n :]
         given.max_velocity, given.min_velocity = lowered.velocity, lowered.backward
         given.max_acceleration, given.min_acceleration = lowered.acceleration, lowered.braking
         given.minimum_duration = duration
@@ -352,7 +354,3 @@ def _unfit(found: Any, duration: float | None) -> TimingRefusal:
 
 def _at_rest(start: Numbers, goal: Numbers) -> bool:
     return not (any(start[1]) or any(start[2]) or any(goal[1]) or any(goal[2]))
-
-
-def _still(row: Row) -> Row:
-    return [x if abs(x) >= RESIDUAL else 0.0 for x in row] if any(row) else row
