@@ -130,7 +130,7 @@ AXES = {
     "z": frozen(np.eye(3), (3, 3), "axes.z"),
 }
 """Rotations that lay a solid's local z axis along a body axis."""
-_ORIGIN = frozen(np.zeros(3), (3,), "origin")
+ORIGIN = frozen(np.zeros(3), (3,), "origin")
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,11 +138,11 @@ class Piece:
     """A convex solid fixed in a body: `position` (3,) m, `rotation` (3, 3) with the solid's axes as its columns."""
 
     shape: Primitive | Hull
-    position: FloatArray = field(default_factory=lambda: _ORIGIN)
+    position: FloatArray = field(default_factory=lambda: ORIGIN)
     rotation: FloatArray = field(default_factory=lambda: AXES["z"])
 
     def __post_init__(self) -> None:
-        if self.position is not _ORIGIN:
+        if self.position is not ORIGIN:
             object.__setattr__(self, "position", frozen(self.position, (3,), "piece.position"))
         if self.rotation is AXES["z"] or self.rotation is AXES["x"] or self.rotation is AXES["y"]:
             return  # read-only and a rotation: most solids have one of these

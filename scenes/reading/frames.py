@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any
 
 from assur.planner import laws
@@ -12,7 +11,7 @@ from assur.planner.errors import FaultError
 from assur.planner.laws import ALWAYS, Change, Frame, Law, Pose, PoseUncertainty, Uncertainty
 from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.scene import WORLD
-from assur.scenes.faults import FollowsError, Gathered, Refused, choices, within
+from assur.scenes.faults import FAULTS, FollowsError, Gathered, Refused, choices, within
 from assur.scenes.schema.frames import (
     FrameDocument,
     IndexerDocument,
@@ -115,13 +114,14 @@ class Frames:
         yield from self.fixed_on
 
     def placed(self, name: str, pose: Pose) -> tuple[str, Pose]:
-        """The frame with a law, and the pose in it, for a pose in the frame `name`. Raises `Refused` for no frame."""
+        """The frame with a law, and the pose in it, for a pose in the frame `name`. Raises `Refused` at `frame` for a
+        name of none."""
         if name in self.laws:
             return name, pose
         if name.partition("/")[0] in self.unread:
             raise FollowsError
         if name not in self.fixed_on:
-            raise Refused(f"one of {choices(list(self), name)}")
+            raise Refused(f"one of {choices(list(self), name)}", "frame")
         below, carrier = self.fixed_on[name]
         return below, carrier.then(pose)
 
@@ -135,17 +135,23 @@ def frames_of(frames: Mapping[str, FrameDocument], faults: Gathered) -> Frames:
     found = Frames({WORLD: STILL}, {})
     for name, item in frames.items():
         raise_if_late()
-        with faults.part(partial(found.unread.add, name)), within("frames", name):
+        try:
             if name == WORLD:
                 raise Refused(f"another name: {WORLD} is the frame that does not move")
             if _below(item) is None:
                 found.laws[name] = _frame(name, item)
             else:
                 _check_fixed(item, frames)
+        except FAULTS as error:
+            found.unread.add(name)
+            faults.add(error, "frames", name)
     for name in frames:
         if name not in found.laws and name not in found.unread:
-            with faults.part(partial(found.unread.add, name)), within("frames"):
+            try:
                 found.fixed_on[name] = _fixed_on(name, frames, found)
+            except FAULTS as error:
+                found.unread.add(name)
+                faults.add(error, "frames")
     return found
 
 

@@ -226,6 +226,10 @@ class PoseUncertaintyDocument(Document):
     yaw_rad: YawError = 0.0
 
 
+KNOWN = PoseUncertaintyDocument()
+"""Of a part that is exactly at its pose: the default."""
+
+
 class PoseDocument(Document):
     """A pose in a parent that the context names."""
 
