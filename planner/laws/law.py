@@ -101,21 +101,19 @@ class Law:
     """After how many seconds the frame is where it was, again and again; None: never, or that is not known."""
     link: ArmLink | None = None
     """What the frame is, if it is a link of another robot."""
+    is_fixed: bool = field(init=False, repr=False, compare=False)
+    """Whether the frame never moves."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "valid", interval(self.valid, f"{self.kind}.valid"))
         row = self.row.copy()
         row[c.FIRST], row[c.LAST] = max(self.valid[0], -FURTHEST_S), min(self.valid[1], FURTHEST_S)
         object.__setattr__(self, "row", row)
+        object.__setattr__(self, "is_fixed", self.kind == "fixed")
 
     def __hash__(self) -> int:
         # a few of the numbers tell laws apart; what is kept of laws is looked up often
         return hash((self.kind, self.numbers.pose, self.valid))
-
-    @property
-    def is_fixed(self) -> bool:
-        """Whether the frame never moves."""
-        return self.kind == "fixed"
 
     @property
     def line(self) -> FloatArray | None:
@@ -225,7 +223,7 @@ def way(law: Law, reach: float, begin: float, end: float) -> float:
     """The way V T, m, of a point within `reach` m of a frame's vertical axis: at up to V the law runs from the instant
     at which it is stated, or time zero, to the farthest of two instants, s."""
     at = law.stated_s
-    return _speed(law, reach) * max(abs(at), *(max(abs(t), abs(t - at)) for t in (begin, end)))
+    return _speed(law, reach) * max(abs(at), abs(begin), abs(begin - at), abs(end), abs(end - at))
 
 
 def _speed(law: Law, reach: float) -> float:

@@ -50,11 +50,12 @@ class Surroundings:
     kept: KeptCell = NOTHING_KEPT
 
     def __post_init__(self) -> None:
-        links = [frame.law.link for frame in self.frames.laws.values()]
-        surfaces = [each.body.surface for each in self.bodies]
-        self.triangles = sum([len(link.trajectory.time) for link in links if link is not None])
+        self.triangles = 0
         """Triangles of the meshes, and knots of the neighbours."""
-        self.triangles += sum([len(surface[1]) for surface in surfaces if surface is not None])
+        for frame in self.frames.laws.values():
+            self.triangles += 0 if frame.law.link is None else len(frame.law.link.trajectory.time)
+        for each in self.bodies:
+            self.triangles += 0 if each.body.surface is None else len(each.body.surface[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +109,8 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         raise FaultError("a robot that could not be read has no fault")
     robot, tool = given.robot, given.tool
     taken_up = {step.part for step in steps if isinstance(step, Pick)} | ({held} if held else set())
-    _check_riders(request, taken_up)
+    if taken_up:
+        _check_riders(request, taken_up)
     carry = None if request.carry is None else request.carry.acceleration_m_s2
     scene = Scene(
         robot=robot,
@@ -170,7 +172,7 @@ def _around(request: RequestDocument, own: Collection[str], held: str | None, fa
     if not (wrong or faults.faults):
         with _lock:
             _kept[key] = made
-            while len(_kept) > MOST_CELLS or sum(each.triangles for each in _kept.values()) > MOST_TRIANGLES:
+            while len(_kept) > MOST_CELLS or sum([each.triangles for each in _kept.values()]) > MOST_TRIANGLES:
                 _kept.popitem(last=False)
     return made
 
