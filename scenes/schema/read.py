@@ -297,12 +297,14 @@ MOST_UNKNOWN = 20
 @dataclass(frozen=True, eq=False)
 class _Shape:
     """What may be at a place: how many items or keys at most (None: any number), the words of a refusal, which take
-    their number, and what they are: all alike (`item`), or by the name of a field. Single values are left out."""
+    their number, and what they are: all alike (`item`), or by the name of a field. Single values are left out.
+    `names`: those of all fields in SI."""
 
     most: int | None
     allowed: str
     item: _Shape | None = None
     fields: dict[str, _Shape] = field(default_factory=dict)
+    names: frozenset[str] = frozenset()
 
 
 def check_sizes(model: type[BaseModel], document: object) -> bool:
@@ -315,7 +317,8 @@ def check_sizes(model: type[BaseModel], document: object) -> bool:
         place = left.pop()
         shape, value, depth, _, _ = place
         if isinstance(value, dict):
-            is_normal = is_normal and type(value) is dict and depth < MAX_DEPTH and not any(map(si_key, value))
+            is_normal = is_normal and type(value) is dict and depth < MAX_DEPTH
+            is_normal = is_normal and (value.keys() <= shape.names or not any(map(si_key, value)))
             items: Iterable[tuple[object, object]] = value.items()
         elif isinstance(value, list):
             is_normal = is_normal and type(value) is list and depth < MAX_DEPTH
@@ -327,10 +330,18 @@ def check_sizes(model: type[BaseModel], document: object) -> bool:
             raise DocumentError(dotted(_path(place)), value, shape.allowed.format(len(value)))
         if shape is _ANYTHING and not is_normal:
             continue
-        count = len(left)
+        count, each, fields, depth = len(left), shape.item, shape.fields, depth + 1
         for key, item in items:
-            if type(item) not in SINGLE:
-                left.append((shape.item or shape.fields.get(key) or _ANYTHING, item, depth + 1, key, place))
+            if type(item) in SINGLE:
+                continue
+            below = each or fields.get(key)
+            if below is None and type(item) is list and depth < MAX_DEPTH:
+                for number in item:
+                    if type(number) not in SINGLE:
+                        break
+                else:
+                    continue  # most lists are points
+            left.append((below or _ANYTHING, item, depth, key, place))
         if len(left) > count + 1:
             left[count:] = reversed(left[count:])
     return is_normal
@@ -354,7 +365,7 @@ def _of_model(model: type[BaseModel]) -> _Shape:
         also = f" and {keys} other fields" if keys else ""
         most, allowed = keys + MAX_JOINTS, f"at most {MAX_JOINTS} joints{also}, not {{}} keys"
     known = {key: shape for name, shape in shapes.items() if shape for key in (name, twin_of(name) or name)}
-    return _Shape(most, allowed, fields=known)
+    return _Shape(most, allowed, fields=known, names=frozenset(shapes))
 
 
 def _of(annotation: Any, metadata: tuple[Any, ...]) -> _Shape | None:
