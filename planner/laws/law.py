@@ -223,11 +223,8 @@ def way(law: Law, reach: float, begin: float, end: float) -> float:
     """The way V T, m, of a point within `reach` m of a frame's vertical axis: at up to V the law runs from the instant
     at which it is stated, or time zero, to the farthest of two instants, s."""
     at = law.stated_s
-    return _speed(law, reach) * max(abs(at), abs(begin), abs(begin - at), abs(end), abs(end - at))
-
-
-def _speed(law: Law, reach: float) -> float:
-    return law.fastest[0] + reach * law.fastest[1]
+    speed = law.fastest[0] + reach * law.fastest[1]
+    return speed * max(abs(at), abs(begin), abs(begin - at), abs(end), abs(end - at))
 
 
 def check_rounding(field: str, law: Law, reach: float, begin: float, lasts: float) -> None:
@@ -242,7 +239,7 @@ def check_rounding(field: str, law: Law, reach: float, begin: float, lasts: floa
     far = way(law, reach, begin, begin + lasts)
     if far <= FARTHEST_WAY_M:
         return
-    speed, since = _speed(law, reach), law.stated_s
+    speed, since = law.fastest[0] + reach * law.fastest[1], law.stated_s
     allowed = (
         f"a way of at most {FARTHEST_WAY_M:g} m, speed times time (numbers of a longer way round by more than a proof "
         f"allows for): what is on the frame moves at up to {speed:.6g} m/s, its pose is stated at {since:g} s, and the "

@@ -188,15 +188,19 @@ class Scene:
 
     def _check_rounding(self) -> None:
         """No frame is so fast, or stated so long ago, that proofs about what is on it would be about rounding."""
-        seats = [(body.frame, body.pose, body) for body in self.bodies]
-        seats += [(step.to.frame, step.to.pose, self.index[step.part]) for step in self.task if isinstance(step, Place)]
-        lasts = sum([step.dwell_s for step in self.task]) + self.options.stay_safe_s
+        seats, lasts = [(body.frame, body.pose, body) for body in self.bodies], 0.0
+        for step in self.task:
+            lasts += step.dwell_s
+            if isinstance(step, Place):
+                seats.append((step.to.frame, step.to.pose, self.index[step.part]))
         reach = dict[str, float]()
         for frame, pose, each in seats:
             far = math.hypot(pose.x, pose.y, pose.z) + (0.0 if self.frames[frame].law.is_fixed else each.body.radius)
             reach[frame] = max(far, reach.get(frame, 0.0))
         for frame, far in reach.items():
-            check_rounding(f"frames.{frame}", self.frames[frame].law, far, self.start.time, lasts)
+            check_rounding(
+                f"frames.{frame}", self.frames[frame].law, far, self.start.time, lasts + self.options.stay_safe_s
+            )
 
     @cached_property
     def ending(self) -> tuple[tuple[str, tuple[float, float]], ...]:

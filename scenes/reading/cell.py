@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Collection
 from dataclasses import dataclass
-from hashlib import sha256
 from threading import Lock
 
 from assur.planner.errors import FaultError, InputError
@@ -129,7 +128,9 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
             *moved,
             *frames.assumptions_of(request.frames),
             *_left_out(robot, request),
-            *loads.assumptions_of(robot, given.load, tool, [body for body in around.bodies if body.name in taken_up]),
+            *loads.assumptions_of(
+                robot, given.load, tool, [body for body in around.bodies if body.body.name in taken_up]
+            ),
         ),
         digest=request.digest,
         signs=tuple(given.conventions.signs.tolist()),
@@ -162,7 +163,7 @@ def _robot(request: RequestDocument, faults: Gathered) -> robots.Equipped | None
 def _around(request: RequestDocument, own: Collection[str], held: str | None, faults: Gathered) -> Surroundings:
     """What is around the robot, kept from an earlier request if that has the same there. `own`, `held`: as
     `_surroundings`."""
-    key = sha256(f"{request.robot.text}{request.surroundings}".encode()).hexdigest(), held
+    key = request.cell, held
     with _lock:
         if key in _kept:
             _kept.move_to_end(key)

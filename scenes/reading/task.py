@@ -254,8 +254,9 @@ class _Task:
         not, or needs."""
         if item.yaw_rad is not None and not self.has_yaw:
             raise Refused(self.no_yaw, "yaw_rad")
-        for key in () if self.has_tilt else ("pitch_rad", "roll_rad"):
-            if key in item.model_fields_set:
+        stated = item.model_fields_set
+        for key in ("pitch_rad", "roll_rad"):
+            if key in stated and not self.has_tilt:
                 raise Refused(NO_TILT.format(key.removesuffix("_rad")), key)
         for key in ("yaw_free", "yaw_keep"):
             if getattr(item, key) and not self.has_yaw:
@@ -264,7 +265,7 @@ class _Task:
                 raise Refused(PART_YAW, key)
         silent = item.yaw_rad is None and not item.yaw_free and not item.yaw_keep
         if silent and self.known and self.has_yaw and not free:
-            given_keys: list[str] = [key for key in ("yaw_free", "yaw_keep") if key in item.model_fields_set]
+            given_keys: list[str] = [key for key in ("yaw_free", "yaw_keep") if key in stated]
             raise Refused(PART_YAW if part else ANY_YAW, *(given_keys or ["yaw_rad"])[:1])
         return item.yaw_free or item.yaw_keep or (silent and (free or not self.has_yaw))
 
