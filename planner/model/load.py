@@ -74,7 +74,7 @@ class LoadLimits:
     @property
     def nothing_known(self) -> bool:
         """Whether no load is refused and nothing is scaled."""
-        return self == UNKNOWN
+        return self.rated_kg is self.max_kg is self.max_inertia_kgm2 is None and not self.shares
 
     @property
     def most_kg(self) -> float | None:

@@ -72,8 +72,10 @@ def check_loaded(scene: Scene, conventions: Conventions) -> None:
     robot is refused by the planner, whatever the acceleration."""
     held = None if scene.start.holding is None else scene.start.holding.part
     load = scene.loads[0 if held is None else 1]
+    if not load.share < 1.0:
+        return
     heaviest = scene.load_limits.most_kg
-    if load.share < 1.0 and (heaviest is None or load.mass_kg <= heaviest):
+    if heaviest is None or load.mass_kg <= heaviest:
         most = scene.limits_with(held).acceleration * (1 + START_RATIO)
         left = f"{100 * load.share:.4g} % of their acceleration"
         why = f" (with {load.mass_kg:.6g} kg at the flange the joints have {left})"

@@ -246,8 +246,8 @@ class _Task:
         except FAULTS as error:
             faults.add(error)
         faults.settle()
-        tilt = _angle_or_free(item.pitch_rad), _angle_or_free(item.roll_rad)
-        return Target(frame, pose, yaw_free, *tilt, yaw_keep=item.yaw_keep)
+        pitch, roll = (None if angle == "free" else angle for angle in (item.pitch_rad, item.roll_rad))
+        return Target(frame, pose, yaw_free, pitch, roll, item.yaw_keep)
 
     def _yaw_free(self, item: TargetDocument, free: bool, part: bool) -> bool:
         """Whether the tool may have any yaw at the target. Raises `Refused` for an angle that it has
@@ -321,11 +321,6 @@ def _tolerance(item: FollowDocument | PickDocument | PlaceDocument) -> Tolerance
     """The largest error that a step allows."""
     m, rad = item.tolerance_m, item.tolerance_rad
     return Tolerance(math.inf if m is None else m, math.inf if rad is None else rad)
-
-
-def _angle_or_free(angle: float | str | None) -> float | None:
-    """The angle, rad; None where it is free."""
-    return angle if isinstance(angle, float) else None
 
 
 def _reversed(_: str, ends: object) -> str:
