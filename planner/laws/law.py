@@ -288,17 +288,21 @@ def tables(
     """
     # plain Python: most laws have one piece
     row, side, most, yaw = [0.0] * c.LAW_COLUMNS, list[list[float]](), 0, pieces[0][1][3]
-    ends = [*(begin for begin, *_ in pieces[1:]), end if repeat is None else repeat.period]
+    ends = [*[piece[0] for piece in pieces[1:]], end if repeat is None else repeat.period]
     row[c.COUNT] = row[c.WAVE] = len(pieces)
     row[c.WAVES], row[c.COS], row[c.SIN] = len(waves), math.cos(yaw), math.sin(yaw)
-    row[c.LINE : c.LINE + 3], row[c.AXIS] = line, max(range(3), key=lambda k: abs(line[k]))
+    along = [*map(abs, line)]
+    row[c.LINE : c.LINE + 3], row[c.AXIS] = line, along.index(max(along))
     if repeat is not None:
         row[c.START : c.WHOLE + 1] = repeat.start, repeat.period, *repeat.step, repeat.whole
     for (begin, pose, rates, powers), until in zip(pieces, ends, strict=True):
+        for k in range(3):
+            if rates[k] != 0.0 or (powers and any(powers[k])):
+                row[c.MOVES + k] = 1.0
         if not powers:
             # at constant speed
             side.append([begin, until, *pose, *rates, *NO_CURVE])
-            row[c.SLACK] = max(row[c.SLACK], ROUNDING * sum(abs(rate) for rate in rates[:3]))
+            row[c.SLACK] = max(row[c.SLACK], ROUNDING * sum(map(abs, rates[:3])))
             row[c.SLACK + 2] = max(row[c.SLACK + 2], ROUNDING * abs(rates[3]))
             continue
         curved = any(len(way) > 2 for way in powers)
@@ -311,9 +315,9 @@ def tables(
         for n in range(2):
             row[c.SLACK + n] = max(row[c.SLACK + n], ROUNDING * sum(size[n] for size in sizes[:3]))
             row[c.SLACK + 2 + n] = max(row[c.SLACK + 2 + n], ROUNDING * sizes[3][n])
-    for k in range(3):
-        moving = any(rates[k] != 0.0 or (powers and any(powers[k])) for _, _, rates, powers in pieces)
-        row[c.MOVES + k] = moving or any(wave[0] == k for wave in waves)
+    for k, *_ in waves:
+        if k < 3:
+            row[c.MOVES + k] = 1.0
     row[c.TURNS], row[c.POWERS] = turns, most
     side += [[*wave, *[0.0] * (c.PIECE_COLUMNS - len(wave))] for wave in waves]
     return np.array(row), np.array(side)

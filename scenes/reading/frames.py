@@ -52,7 +52,7 @@ def _posed(make: Callable[..., Law], *fields: str) -> Callable[[Any, Valid], Law
     """The law that `make` makes of the pose of a document and these fields of it."""
 
     def law(d: Any, valid: Valid) -> Law:
-        return make(pose_of(d), *(_plain(getattr(d, name)) for name in fields), valid=valid)
+        return make(pose_of(d), *[_plain(getattr(d, name)) for name in fields], valid=valid)
 
     return law
 
@@ -61,10 +61,7 @@ def _plain(value: Any) -> Any:
     """A list of numbers, or of changes of a speed, as the planner has it; a number as it is."""
     if not isinstance(value, list):
         return value
-    return tuple(
-        Change(*(getattr(each, name) for name in type(each).model_fields)) if isinstance(each, Document) else each
-        for each in value
-    )
+    return tuple([Change(*vars(each).values()) if isinstance(each, Document) else each for each in value])
 
 
 def _indexer(d: IndexerDocument, valid: Valid) -> Law:
@@ -214,9 +211,10 @@ def assumptions_of(frames: Mapping[str, FrameDocument]) -> tuple[str, ...]:
     for name, item in frames.items():
         for law, drive in DRIVES.items():
             spelt = getattr(item, law)
-            changes = () if spelt is None else spelt.changes
+            if spelt is None or not spelt.changes:
+                continue
             for key in ("acceleration_m_s2", "jerk_m_s3", "acceleration_rad_s2", "jerk_rad_s3"):
-                silent = [c for c in changes if key in type(c).model_fields and key not in c.model_fields_set]
+                silent = [c for c in spelt.changes if key in type(c).model_fields and key not in c.model_fields_set]
                 if silent:
                     quantity, unit, power = key.rsplit("_", 2)
                     value = f"{getattr(silent[0], key):g} {unit}/s^{power[1:]}"
