@@ -18,7 +18,6 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Piece, corners
 from assur.planner.report.number_format import SHOWN_AS
 from assur.planner.robots.robot import Robot
-from assur.scenes.conventions import places
 from assur.scenes.reading.arms import BuiltArm
 
 SIZE = 10.0, 5.6
@@ -151,7 +150,7 @@ def _points(piece: Piece) -> FloatArray:
 def _table(axes: Drawing, arm: BuiltArm, robot: Robot) -> None:
     """Ranges of the joints as the maker counts them, and what the colours and marks are."""
     axes.axis("off")
-    own = places(arm.conventions)
+    own = arm.conventions.places
     lines = []
     for joint, i in zip(arm.conventions, own, strict=True):
         ends = sorted(joint.sign * (end - joint.zero) for end in (arm.limits.lower[i], arm.limits.upper[i]))

@@ -29,7 +29,7 @@ def frozen(values: Any, shape: Sequence[int | None], field: str) -> FloatArray:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(field, values, "numbers") from error
-    if array.shape != shape and not _fits(array.shape, shape):
+    if shape not in (array.shape, (None,) * array.ndim) and not _fits(array.shape, shape):
         wanted = tuple("any" if want is None else want for want in shape)
         raise InputError(field, array.shape, f"an array of shape {wanted}")
     # Python is faster for a few numbers, and most facts of a scene are a few

@@ -9,6 +9,7 @@ conversions change nothing.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -36,71 +37,49 @@ class JointConvention:
         return SI_OF[self.kind]
 
 
-Conventions = tuple[JointConvention, ...]
+class Conventions(tuple[JointConvention, ...]):
+    """How the maker counts all joints of an arm, in the maker's order.
 
+    `places` (n,): which of the planner's joints each is; `order` (n,): which of the maker's joints each of the
+    planner's is. `signs`, `zeros` (n,): those of the planner's joints, in its order. `keys`: names with units.
+    """
 
-def places(conventions: Conventions) -> IntArray:
-    """Which of the planner's joints each of the maker's is, (n,)."""
-    own = [i if joint.place is None else joint.place for i, joint in enumerate(conventions)]
-    return np.array(own, dtype=np.int64)
+    def __init__(self, joints: Iterable[JointConvention]) -> None:  # noqa: ARG002 - a tuple has them by now
+        self.places = np.array([i if joint.place is None else joint.place for i, joint in enumerate(self)], np.int64)
+        self.order: IntArray = np.argsort(self.places)
+        self.signs = np.array([float(joint.sign) for joint in self])[self.order]
+        self.zeros = np.array([joint.zero for joint in self])[self.order]
+        self.keys = tuple(f"{joint.name}_{joint.unit}" for joint in self)
 
 
 def converted(values: FloatArray, conventions: Conventions) -> FloatArray:
     """Joint positions (..., n) of the maker in the planner's order and convention."""
     # + 0.0, which a zero is as well: no negative zeros
-    return _in_order(values * _signs(conventions) + _zeros(conventions), conventions)
+    turned: FloatArray = values.take(conventions.order, -1) * conventions.signs + conventions.zeros
+    return turned
 
 
 def as_maker(values: FloatArray, conventions: Conventions) -> FloatArray:
     """Joint positions (..., n) of the planner in the maker's order and convention: what `converted` undoes, exactly
     where no joint has a zero."""
-    turned: FloatArray = (values[..., places(conventions)] - _zeros(conventions)) * _signs(conventions) + 0.0
-    return turned
+    turned: FloatArray = (values - conventions.zeros) * conventions.signs + 0.0
+    return turned.take(conventions.places, -1)
 
 
 def converted_rates(values: FloatArray, conventions: Conventions) -> FloatArray:
     """Joint rates, or differences of positions, (..., n) of the maker in the planner's order and convention."""
-    return _in_order(values * _signs(conventions) + 0.0, conventions)
+    turned: FloatArray = values.take(conventions.order, -1) * conventions.signs + 0.0
+    return turned
 
 
 def rates_as_maker(values: FloatArray, conventions: Conventions) -> FloatArray:
     """Joint rates, or differences of positions, (..., n) of the planner as the maker counts; `converted_rates` undoes
     it exactly."""
-    turned: FloatArray = values[..., places(conventions)] * _signs(conventions) + 0.0
-    return turned
-
-
-def last_joint(conventions: Conventions) -> int:
-    """Which of the maker's joints is the planner's last one: the wrist, of an arm that has one."""
-    return int(np.argmax(places(conventions)))
-
-
-def signs(conventions: Conventions) -> tuple[float, ...]:
-    """What the planner's value of each joint, in its order, is multiplied by to be the maker's."""
-    return tuple(_in_order(_signs(conventions), conventions).tolist())
-
-
-def zeros(conventions: Conventions) -> tuple[float, ...]:
-    """The planner's value at the maker's zero of each joint, in the planner's order."""
-    return tuple(_in_order(_zeros(conventions), conventions).tolist())
-
-
-def _in_order(values: FloatArray, conventions: Conventions) -> FloatArray:
-    """Values (..., n) in the maker's order, in the planner's."""
-    found = np.empty(values.shape)
-    found[..., places(conventions)] = values
-    return found
+    turned: FloatArray = values * conventions.signs + 0.0
+    return turned.take(conventions.places, -1)
 
 
 def as_counted(signs: tuple[tuple[str, float], ...], conventions: Conventions) -> tuple[tuple[str, float], ...]:
     """Named signs, those of joints as the maker counts them in place of the planner's, or the other way round."""
     reversed_ = {joint.name for joint in conventions if joint.sign < 0}
     return tuple((name, -value + 0.0 if name in reversed_ else value) for name, value in signs)
-
-
-def _signs(conventions: Conventions) -> FloatArray:
-    return np.array([float(joint.sign) for joint in conventions])
-
-
-def _zeros(conventions: Conventions) -> FloatArray:
-    return np.array([joint.zero for joint in conventions])

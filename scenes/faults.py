@@ -217,12 +217,13 @@ class Refused(Exception):
         self.more: tuple[Refused | DocumentError, ...] = ()
         """What is wrong with further parts, where several were read."""
 
-    def at(self, *path: str | int) -> None:
-        """Makes this a fault of the larger part that has the part at `path`."""
+    def at(self, *path: str | int) -> Refused:
+        """This, as a fault of the larger part that has the part at `path`."""
         self.path = path + self.path
         for other in self.more:
             if isinstance(other, Refused):
                 other.at(*path)
+        return self
 
     def fault(self, document: object) -> DocumentError:
         """The faults, with their places in the document."""
@@ -238,6 +239,17 @@ class Refused(Exception):
         return DocumentError(dotted(written), value, self.allowed(str(written[-1]), value))
 
 
+FAULTS = (Refused, InputError)
+"""What a reader of a part raises for a fault in it."""
+
+
+def fault_at(error: Refused | InputError, *path: str | int) -> Refused | DocumentError:
+    """The fault of a part, as one of the larger part that has the part at `path`."""
+    if isinstance(error, Refused):
+        return error.at(*path)
+    return error if isinstance(error, DocumentError) else Refused(error.allowed, *path, field=error.field)
+
+
 class within:
     """A part that is refused inside is refused at `path`, or below it."""
 
@@ -248,12 +260,10 @@ class within:
         pass
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if error is None:
-            return
-        if isinstance(error, Refused):
-            error.at(*self._path)
-        elif isinstance(error, InputError) and not isinstance(error, DocumentError):
-            raise Refused(error.allowed, *self._path, field=error.field) from error
+        if isinstance(error, FAULTS):
+            found = fault_at(error, *self._path)
+            if found is not error:
+                raise found from error
 
 
 class FollowsError(Refused):
@@ -271,20 +281,20 @@ class Gathered:
         self.faults: list[Refused | DocumentError] = []
         self._follows = False
 
+    def add(self, error: Refused | InputError, *path: str | int) -> None:
+        """A part is refused at `path`, or below it."""
+        if isinstance(error, FollowsError):
+            self._follows = True
+        else:
+            self.faults.append(fault_at(error, *path))
+
     @contextmanager
-    def part(self, spoilt: Callable[[], None] = lambda: None) -> Iterator[None]:
-        """A part is read inside. `spoilt` is called if it is refused."""
+    def part(self, *path: str | int) -> Iterator[None]:
+        """A part is read inside: what is refused is refused at `path`, or below it."""
         try:
             yield
-        except FollowsError:
-            spoilt()
-            self._follows = True
-        except (Refused, DocumentError) as error:
-            spoilt()
-            self.faults.append(error)
-        except InputError as error:
-            spoilt()
-            self.faults.append(Refused(error.allowed, field=error.field))
+        except FAULTS as error:
+            self.add(error, *path)
 
     def settle(self) -> None:
         """Raises the faults of all parts, if there are any."""
@@ -322,10 +332,8 @@ class located:
         pass
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, Refused):
-            raise error.fault(self._document) from error
-        if isinstance(error, InputError) and not isinstance(error, DocumentError):
-            raise Refused(error.allowed, field=error.field).fault(self._document) from error
+        if isinstance(error, FAULTS) and isinstance(found := fault_at(error), Refused):
+            raise found.fault(self._document) from error
 
 
 def _follow(document: object, path: Path, field: str) -> Path:

@@ -95,7 +95,7 @@ def _answer(query: _Query) -> written.IkAnswer:
     unreached: list[ModeSolutions] = []
     if question.joints is not None:
         with within("joints"):
-            q = position(question.joints, query.given)
+            q = position(robots.joint_values(question.joints, query.given.conventions, ""), query.given)
         still = np.zeros_like(q)
         flange = robot.link_motion(robot.links.index("flange"), q, still, still, still)
         found = [(int(robot.mode_of(q)), q)]

@@ -12,7 +12,7 @@ from assur.planner.model.arrival_error import ArrivalError
 from assur.planner.model.outcome import Arrival, Plan
 from assur.planner.trajectory import Trajectory
 from assur.scenes.answer_facts import document_of, written
-from assur.scenes.conventions import Conventions, as_counted, as_maker, converted, rates_as_maker, zeros
+from assur.scenes.conventions import Conventions, as_counted, as_maker, converted, rates_as_maker
 from assur.scenes.numbers import number
 from assur.scenes.reading.cell import Cell
 from assur.scenes.schema import answer as document
@@ -30,7 +30,7 @@ def settled(cell: Cell, plan: Plan) -> Plan:
     """
     from assur.planner.model.digest import digest
 
-    if not any(zeros(cell.conventions)):
+    if not cell.conventions.zeros.any():
         return plan
     knots = plan.trajectory
     q = converted(as_maker(knots.q, cell.conventions), cell.conventions)

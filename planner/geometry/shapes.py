@@ -32,14 +32,17 @@ LARGEST_M = 50.0
 LENGTH = f"a length from {SMALLEST_M} to {LARGEST_M} m"
 
 
-def _size(value: float, name: str) -> float:
-    try:
-        size = float(value)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(name, value, LENGTH) from error
-    if not SMALLEST_M <= size <= LARGEST_M:
-        raise InputError(name, value, LENGTH)
-    return size
+def _sizes(names: tuple[str, ...], values: tuple[float, ...]) -> list[float]:
+    sizes = []
+    for name, value in zip(names, values, strict=True):
+        try:
+            size = float(value)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise InputError(name, value, LENGTH) from error
+        if not SMALLEST_M <= size <= LARGEST_M:
+            raise InputError(name, value, LENGTH)
+        sizes.append(size)
+    return sizes
 
 
 TERMS = {"box": "11100", "sphere": "00001", "cylinder": "00110", "capsule": "00101"}
@@ -75,25 +78,25 @@ class Primitive:
 
 def box(size_x: float, size_y: float, size_z: float) -> Primitive:
     """A box by its full edge lengths, m."""
-    x, y, z = _size(size_x, "box.size[0]"), _size(size_y, "box.size[1]"), _size(size_z, "box.size[2]")
+    x, y, z = _sizes(("box.size[0]", "box.size[1]", "box.size[2]"), (size_x, size_y, size_z))
     return Primitive("box", (x / 2, y / 2, z / 2), 0.0, 0.0)
 
 
 def sphere(radius: float) -> Primitive:
     """A ball by its radius, m."""
-    return Primitive("sphere", (0.0, 0.0, 0.0), 0.0, _size(radius, "sphere.radius"))
+    return Primitive("sphere", (0.0, 0.0, 0.0), 0.0, *_sizes(("sphere.radius",), (radius,)))
 
 
 def cylinder(radius: float, height: float) -> Primitive:
     """A cylinder along z by its radius and full height, m."""
-    return Primitive(
-        "cylinder", (0.0, 0.0, _size(height, "cylinder.height") / 2), _size(radius, "cylinder.radius"), 0.0
-    )
+    h, r = _sizes(("cylinder.height", "cylinder.radius"), (height, radius))
+    return Primitive("cylinder", (0.0, 0.0, h / 2), r, 0.0)
 
 
 def capsule(radius: float, length: float) -> Primitive:
     """A capsule along z by its radius and the distance between the centres of its caps, m."""
-    return Primitive("capsule", (0.0, 0.0, _size(length, "capsule.length") / 2), 0.0, _size(radius, "capsule.radius"))
+    h, r = _sizes(("capsule.length", "capsule.radius"), (length, radius))
+    return Primitive("capsule", (0.0, 0.0, h / 2), 0.0, r)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +133,7 @@ AXES = {
     "z": frozen(np.eye(3), (3, 3), "axes.z"),
 }
 """Rotations that lay a solid's local z axis along a body axis."""
-_ORIGIN = frozen(np.zeros(3), (3,), "origin")
+ORIGIN = frozen(np.zeros(3), (3,), "origin")
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,11 +141,11 @@ class Piece:
     """A convex solid fixed in a body: `position` (3,) m, `rotation` (3, 3) with the solid's axes as its columns."""
 
     shape: Primitive | Hull
-    position: FloatArray = field(default_factory=lambda: _ORIGIN)
+    position: FloatArray = field(default_factory=lambda: ORIGIN)
     rotation: FloatArray = field(default_factory=lambda: AXES["z"])
 
     def __post_init__(self) -> None:
-        if self.position is not _ORIGIN:
+        if self.position is not ORIGIN:
             object.__setattr__(self, "position", frozen(self.position, (3,), "piece.position"))
         if self.rotation is AXES["z"] or self.rotation is AXES["x"] or self.rotation is AXES["y"]:
             return  # read-only and a rotation: most solids have one of these
@@ -188,16 +191,6 @@ class Body:
         from assur.planner.geometry.surface import cut_of
 
         return () if self.surface is None else cut_of(self.pieces, self.surface)
-
-    @cached_property
-    def numbers(self) -> FloatArray:
-        """A row (17,) for each piece: its position and rotation, row by row, and half, disc and ball of a primitive."""
-        found = np.zeros((len(self.pieces), 17))
-        for row, piece in zip(found, self.pieces, strict=True):
-            row[:3], row[3:12], shape = piece.position, piece.rotation.ravel(), piece.shape
-            if isinstance(shape, Primitive):
-                row[12:] = (*shape.half, shape.disc, shape.ball)
-        return found
 
     @cached_property
     def radius(self) -> float:
@@ -269,29 +262,32 @@ class Pieces:
     hulls: tuple[Hull, ...]
 
 
-NO_NUMBERS = np.zeros((0, 17))
-"""What stands in front, so that there may be no body."""
-
-
 def pieces(bodies: Sequence[Body]) -> Pieces:
     """The table of some bodies, in order; its arrays are read-only."""
     every = [piece for body in bodies for piece in body.pieces]
-    shapes = tuple(piece.shape for piece in every)
     count = np.array([len(body.pieces) for body in bodies], dtype=np.int64)
-    hulls, hull = tuple(shape for shape in shapes if isinstance(shape, Hull)), np.full(len(shapes), -1)
-    hull[[k for k, shape in enumerate(shapes) if isinstance(shape, Hull)]] = np.arange(len(hulls))
-    table = np.concatenate([NO_NUMBERS, *(body.numbers for body in bodies)])
+    hull, hulls, sizes = list[int](), list[Hull](), list[tuple[float, ...]]()
+    for piece in every:
+        shape = piece.shape
+        if isinstance(shape, Hull):
+            hull.append(len(hulls))
+            hulls.append(shape)
+            sizes.append((0.0,) * 5)
+        else:
+            hull.append(-1)
+            sizes.append((*shape.half, shape.disc, shape.ball))
+    table = np.array(sizes).reshape(-1, 5)
     found = Pieces(
-        first=np.cumsum(count) - count,
+        first=count.cumsum() - count,
         count=count,
-        position=table[:, :3].copy(),
-        rotation=table[:, 3:12].reshape(-1, 3, 3),
-        half=table[:, 12:15].copy(),
-        disc=table[:, 15].copy(),
-        ball=table[:, 16].copy(),
-        hull=hull,
-        shapes=shapes,
-        hulls=hulls,
+        position=np.array([piece.position for piece in every]).reshape(-1, 3),
+        rotation=np.array([piece.rotation for piece in every]).reshape(-1, 3, 3),
+        half=table[:, :3].copy(),
+        disc=table[:, 3].copy(),
+        ball=table[:, 4].copy(),
+        hull=np.array(hull, dtype=np.int64),
+        shapes=tuple([piece.shape for piece in every]),
+        hulls=tuple(hulls),
     )
     for array in vars(found).values():
         if isinstance(array, np.ndarray):

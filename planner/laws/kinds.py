@@ -87,7 +87,7 @@ def linear(pose: Pose, velocity: Vector, at_time: float = 0.0, valid: Valid = AL
     """
     of = checked("linear", pose=pose, velocity=velocity, at_time=at_time)
     speed = math.hypot(*of.velocity)
-    x, y, z = (part / speed for part in of.velocity) if speed > 0.0 else (1.0, 0.0, 0.0)
+    x, y, z = [part / speed for part in of.velocity] if speed > 0.0 else (1.0, 0.0, 0.0)
     made = tables([(of.at_time, _at(of.pose), (*of.velocity, 0.0), ())], turns=False, line=(x, y, z))
     cosine, sine = math.cos(of.pose.yaw), math.sin(of.pose.yaw)
     way = cosine * x + sine * y, cosine * y - sine * x, z
@@ -269,7 +269,7 @@ def checked(kind: str, changes: Sequence[Change] = (), **given: Any) -> Numbers:
         elif name in ("velocity", "direction"):
             if len(value) != 3:
                 raise InputError(field, value, "three numbers")
-            known[name] = tuple(number(part, f"{field}[{i}]") for i, part in enumerate(value))
+            known[name] = tuple([number(part, f"{field}[{i}]") for i, part in enumerate(value)])
         else:
             known[name] = number(value, field, *RANGES.get(name, ()))
     return Numbers(**known, changes=tuple(changes))
@@ -294,8 +294,8 @@ def _moved(
 ) -> tuple[Four, Four, Sequence[Sequence[float]]]:
     """Coordinates, rates and powers of what has travelled or turned by `gone`, has this speed and is accelerated by the
     powers `pull`, by the shares that coordinates have in that."""
-    x, y, z, yaw = (at + gone * share for at, share in zip(_at(pose), shares, strict=True))
-    u, v, w, turning = (speed * share for share in shares)
+    x, y, z, yaw = [at + gone * share for at, share in zip(_at(pose), shares, strict=True)]
+    u, v, w, turning = [speed * share for share in shares]
     powers = [[share * a for a in pull] for share in shares] if any(pull) else []
     return (x, y, z, yaw), (u, v, w, turning), powers
 

@@ -101,21 +101,19 @@ class Law:
     """After how many seconds the frame is where it was, again and again; None: never, or that is not known."""
     link: ArmLink | None = None
     """What the frame is, if it is a link of another robot."""
+    is_fixed: bool = field(init=False, repr=False, compare=False)
+    """Whether the frame never moves."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "valid", interval(self.valid, f"{self.kind}.valid"))
         row = self.row.copy()
         row[c.FIRST], row[c.LAST] = max(self.valid[0], -FURTHEST_S), min(self.valid[1], FURTHEST_S)
         object.__setattr__(self, "row", row)
+        object.__setattr__(self, "is_fixed", self.kind == "fixed")
 
     def __hash__(self) -> int:
         # a few of the numbers tell laws apart; what is kept of laws is looked up often
         return hash((self.kind, self.numbers.pose, self.valid))
-
-    @property
-    def is_fixed(self) -> bool:
-        """Whether the frame never moves."""
-        return self.kind == "fixed"
 
     @property
     def line(self) -> FloatArray | None:
@@ -225,11 +223,8 @@ def way(law: Law, reach: float, begin: float, end: float) -> float:
     """The way V T, m, of a point within `reach` m of a frame's vertical axis: at up to V the law runs from the instant
     at which it is stated, or time zero, to the farthest of two instants, s."""
     at = law.stated_s
-    return _speed(law, reach) * max(abs(at), *(max(abs(t), abs(t - at)) for t in (begin, end)))
-
-
-def _speed(law: Law, reach: float) -> float:
-    return law.fastest[0] + reach * law.fastest[1]
+    speed = law.fastest[0] + reach * law.fastest[1]
+    return speed * max(abs(at), abs(begin), abs(begin - at), abs(end), abs(end - at))
 
 
 def check_rounding(field: str, law: Law, reach: float, begin: float, lasts: float) -> None:
@@ -244,7 +239,7 @@ def check_rounding(field: str, law: Law, reach: float, begin: float, lasts: floa
     far = way(law, reach, begin, begin + lasts)
     if far <= FARTHEST_WAY_M:
         return
-    speed, since = _speed(law, reach), law.stated_s
+    speed, since = law.fastest[0] + reach * law.fastest[1], law.stated_s
     allowed = (
         f"a way of at most {FARTHEST_WAY_M:g} m, speed times time (numbers of a longer way round by more than a proof "
         f"allows for): what is on the frame moves at up to {speed:.6g} m/s, its pose is stated at {since:g} s, and the "
@@ -293,17 +288,21 @@ def tables(
     """
     # plain Python: most laws have one piece
     row, side, most, yaw = [0.0] * c.LAW_COLUMNS, list[list[float]](), 0, pieces[0][1][3]
-    ends = [*(begin for begin, *_ in pieces[1:]), end if repeat is None else repeat.period]
+    ends = [*[piece[0] for piece in pieces[1:]], end if repeat is None else repeat.period]
     row[c.COUNT] = row[c.WAVE] = len(pieces)
     row[c.WAVES], row[c.COS], row[c.SIN] = len(waves), math.cos(yaw), math.sin(yaw)
-    row[c.LINE : c.LINE + 3], row[c.AXIS] = line, max(range(3), key=lambda k: abs(line[k]))
+    along = [*map(abs, line)]
+    row[c.LINE : c.LINE + 3], row[c.AXIS] = line, along.index(max(along))
     if repeat is not None:
         row[c.START : c.WHOLE + 1] = repeat.start, repeat.period, *repeat.step, repeat.whole
     for (begin, pose, rates, powers), until in zip(pieces, ends, strict=True):
+        for k in range(3):
+            if rates[k] != 0.0 or (powers and any(powers[k])):
+                row[c.MOVES + k] = 1.0
         if not powers:
             # at constant speed
             side.append([begin, until, *pose, *rates, *NO_CURVE])
-            row[c.SLACK] = max(row[c.SLACK], ROUNDING * sum(abs(rate) for rate in rates[:3]))
+            row[c.SLACK] = max(row[c.SLACK], ROUNDING * sum(map(abs, rates[:3])))
             row[c.SLACK + 2] = max(row[c.SLACK + 2], ROUNDING * abs(rates[3]))
             continue
         curved = any(len(way) > 2 for way in powers)
@@ -316,9 +315,9 @@ def tables(
         for n in range(2):
             row[c.SLACK + n] = max(row[c.SLACK + n], ROUNDING * sum(size[n] for size in sizes[:3]))
             row[c.SLACK + 2 + n] = max(row[c.SLACK + 2 + n], ROUNDING * sizes[3][n])
-    for k in range(3):
-        moving = any(rates[k] != 0.0 or (powers and any(powers[k])) for _, _, rates, powers in pieces)
-        row[c.MOVES + k] = moving or any(wave[0] == k for wave in waves)
+    for k, *_ in waves:
+        if k < 3:
+            row[c.MOVES + k] = 1.0
     row[c.TURNS], row[c.POWERS] = turns, most
     side += [[*wave, *[0.0] * (c.PIECE_COLUMNS - len(wave))] for wave in waves]
     return np.array(row), np.array(side)

@@ -40,14 +40,14 @@ def number(value: float, field: str, least: float = -LARGEST, most: float = LARG
 
 def placed(pose: Pose, field: str) -> Pose:
     """`pose`, each coordinate a number of allowed size. Raises `InputError` naming the coordinate."""
-    return Pose(*(number(getattr(pose, name), f"{field}.{name}") for name in ("x", "y", "z", "yaw")))
+    return Pose(*[number(getattr(pose, name), f"{field}.{name}") for name in ("x", "y", "z", "yaw")])
 
 
 def interval(valid: tuple[float, float], field: str) -> tuple[float, float]:
     """`valid` as two floats, the first below the second; either may be infinite. Raises `InputError`."""
     wanted = "two times, the first below the second"
     try:
-        first, last = (float(end) for end in valid)
+        first, last = map(float, valid)
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(field, valid, wanted) from error
     if not (first < last and first < FURTHEST_S and last > -FURTHEST_S):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
+from operator import is_
 from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
@@ -28,9 +29,7 @@ class KeptCell:
 
     def fits(self, scene: Scene) -> bool:
         """Whether a scene has the same robot, tool, frames and bodies: the same objects, not equal ones."""
-        facts = facts_of(scene)
-        same = [one is other for one, other in zip(self._facts, facts, strict=False)]
-        return len(same) == len(facts) and all(same)
+        return all(map(is_, self._facts, facts_of(scene)))
 
     def of(self, make: Callable[[Scene], Made], scene: Scene, *key: Hashable) -> Made:
         """What `make` makes of a scene of this cell. `key`: what else of the scene it depends on."""
@@ -48,5 +47,5 @@ def facts_of(scene: Scene) -> tuple[object, ...]:
     return scene.robot, scene.tool, scene.frames, scene.bodies
 
 
-NOTHING_KEPT = KeptCell(())
+NOTHING_KEPT = KeptCell((None,))
 """That of no cell: it fits no scene."""

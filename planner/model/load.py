@@ -74,14 +74,16 @@ class LoadLimits:
     @property
     def nothing_known(self) -> bool:
         """Whether no load is refused and nothing is scaled."""
-        return self == UNKNOWN
+        return self.rated_kg is self.max_kg is self.max_inertia_kgm2 is None and not self.shares
 
     @property
     def most_kg(self) -> float | None:
         """The greatest mass that may be carried: the maximum load, or the last mass of the table if that is less; where
         neither is known the rated load; None: not known."""
-        ends = [mass for mass, _ in self.shares[-1:]] + ([] if self.max_kg is None else [self.max_kg])
-        return min(ends, default=self.rated_kg)
+        if not self.shares:
+            return self.rated_kg if self.max_kg is None else self.max_kg
+        last, _ = self.shares[-1]
+        return last if self.max_kg is None else min(last, self.max_kg)
 
     def share(self, mass: float) -> float:
         """The share of acceleration and jerk that is used with this mass, kg (G2)."""

@@ -90,7 +90,7 @@ class Start:
 
     @property
     def moving(self) -> bool:
-        return bool(self.qd.any() or self.qdd.any())
+        return any(self.qd.tolist()) or any(self.qdd.tolist())
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,16 +157,10 @@ class Scene:
             raise InputError("start.at_s", self.start.time, "a finite time")
         if not self.task:
             raise InputError("task", self.task, "at least one step")
-        names = [body.name for body in bodies_in(self)]
-        if len(set(names)) < len(names):
-            twice = next(name for i, name in enumerate(names) if name in names[:i])
-            raise InputError("bodies", twice, "names that are unique, the robot's and the tool's bodies included")
-        for i, body in enumerate(self.bodies):
-            if body.frame not in self.frames:
-                raise InputError(f"bodies[{i}].pose.frame", body.frame, f"one of {sorted(self.frames)}")
-        object.__setattr__(self, "index", {body.name: body for body in self.bodies})
         if not self.kept.fits(self):
+            self._check_bodies()
             object.__setattr__(self, "kept", KeptCell(facts_of(self)))
+        object.__setattr__(self, "index", {each.body.name: each for each in self.bodies})
         object.__setattr__(self, "pieces", self.kept.of(_pieces_of, self))
         check_tool_point(self.robot, self.tool)
         holding = self.start.holding
@@ -177,22 +171,36 @@ class Scene:
             for where, value, allowed in self._wrong(step, held):
                 raise InputError(f"task[{i}].{type(step).__name__.lower()}{where}", value, allowed)
             held = step.part if isinstance(step, Pick) else None if isinstance(step, Place) else held
-        check_execution(self.execution, self.robot, self._tracked())
+        check_execution(self.execution, self.robot, self._tracked() if self.execution.belt_correction else [])
         self._check_rounding()
         check_ranges(self.robot, self.forbidden_yaw, self.execution.lag)
         check_timing(self.options, self.task, self.frames, moving=self.start.moving)
 
+    def _check_bodies(self) -> None:
+        """Every body has a name of its own, and a frame."""
+        names = [body.name for body in bodies_in(self)]
+        if len(set(names)) < len(names):
+            twice = next(name for i, name in enumerate(names) if name in names[:i])
+            raise InputError("bodies", twice, "names that are unique, the robot's and the tool's bodies included")
+        for i, body in enumerate(self.bodies):
+            if body.frame not in self.frames:
+                raise InputError(f"bodies[{i}].pose.frame", body.frame, f"one of {sorted(self.frames)}")
+
     def _check_rounding(self) -> None:
         """No frame is so fast, or stated so long ago, that proofs about what is on it would be about rounding."""
-        seats = [(body.frame, body.pose, body) for body in self.bodies]
-        seats += [(step.to.frame, step.to.pose, self.index[step.part]) for step in self.task if isinstance(step, Place)]
-        lasts = sum(step.dwell_s for step in self.task) + self.options.stay_safe_s
+        seats, lasts = [(body.frame, body.pose, body) for body in self.bodies], 0.0
+        for step in self.task:
+            lasts += step.dwell_s
+            if isinstance(step, Place):
+                seats.append((step.to.frame, step.to.pose, self.index[step.part]))
         reach = dict[str, float]()
         for frame, pose, each in seats:
             far = math.hypot(pose.x, pose.y, pose.z) + (0.0 if self.frames[frame].law.is_fixed else each.body.radius)
             reach[frame] = max(far, reach.get(frame, 0.0))
         for frame, far in reach.items():
-            check_rounding(f"frames.{frame}", self.frames[frame].law, far, self.start.time, lasts)
+            check_rounding(
+                f"frames.{frame}", self.frames[frame].law, far, self.start.time, lasts + self.options.stay_safe_s
+            )
 
     @cached_property
     def ending(self) -> tuple[tuple[str, tuple[float, float]], ...]:
@@ -274,7 +282,7 @@ class Scene:
     def _wrong(self, step: Step, held: str | None) -> Iterator[tuple[str, object, str]]:
         """What of a step cannot be where the gripper holds the part `held` (None: none): the field, its value, and what
         is allowed. One part at a time: a pick needs an empty gripper, a place the part that was picked."""
-        robot, target, names = self.robot, step.target, sorted(self.index)
+        robot, target = self.robot, step.target
         if target is not None:
             yield from self._wrong_target(step, target)
         if step.arch is not None and robot.lift is None:
@@ -286,10 +294,10 @@ class Scene:
         if not isinstance(step, Pick | Place):
             return
         if step.part not in self.index:
-            yield ".part", step.part, f"one of {names}"
+            yield ".part", step.part, f"one of {sorted(self.index)}"
         for name in step.contact_with or ():
             if name not in self.index:
-                yield ".contact_with", name, f"one of {names}"
+                yield ".contact_with", name, f"one of {sorted(self.index)}"
         frame = self.index[step.part].frame if target is None else target.frame
         if step.match == "position" and not self.frames[frame].law.is_fixed:
             yield (
@@ -334,8 +342,8 @@ class Scene:
 
 def bodies_in(scene: Scene) -> tuple[Body, ...]:
     """The bodies of the robot, of its tool and those around, in the order of a claim."""
-    own = (item.body for item in scene.robot.bodies)
-    return (*own, *scene.tool.bodies, *(item.body for item in scene.bodies))
+    own = [item.body for item in scene.robot.bodies]
+    return (*own, *scene.tool.bodies, *[item.body for item in scene.bodies])
 
 
 def laws_of(scene: Scene) -> tuple[FloatArray, FloatArray]:

@@ -136,7 +136,7 @@ class Robot(ABC):
         """`chain` as rows; not to be written to."""
         return self.chain.rows(self.base.yaw)
 
-    @property
+    @cached_property
     def turns_load(self) -> bool:
         """Whether the last joint turns the flange, and what it carries, about the vertical."""
         return "yaw" in self.coordinates and "pitch" not in self.coordinates

@@ -14,7 +14,7 @@ import numpy as np
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_JSON_BYTES
-from assur.scenes.conventions import as_maker, places, rates_as_maker
+from assur.scenes.conventions import as_maker, rates_as_maker
 from assur.scenes.exports.raised import raised, scale_of
 from assur.scenes.numbers import number, optional
 from assur.scenes.schema.export import Deviation, ExportAnswer, ExportDocument, JerkProved, JerkRule
@@ -159,7 +159,7 @@ def _motion(
 
     trajectory, own = proved.trajectory, (given or cell).scene.robot.limits.jerk
     low, high = trajectory.extrema(3)
-    off, of_maker = deviation(made.trajectory, trajectory), places(cell.conventions)
+    off, of_maker = deviation(made.trajectory, trajectory), cell.conventions.places
     offs: list[Deviation] = [
         {"joint": joint.name, "at_most": number(x)}
         for joint, x in zip(cell.conventions, off[of_maker].tolist(), strict=True)
@@ -193,13 +193,13 @@ def jerk_proved(cell: Cell, highest: FloatArray, own: FloatArray, *, jumps: bool
             "limit": number(limits[i]),
             "of_request": number(own[i]),
         }
-        for joint, i in zip(cell.conventions, places(cell.conventions).tolist(), strict=True)
+        for joint, i in zip(cell.conventions, cell.conventions.places.tolist(), strict=True)
     ]
 
 
 def _exceeding(cell: Cell, made: Plan, trajectory: Trajectory) -> list[str]:
     """By how much joints exceed the limits of jerk of a request, in words; empty where none does."""
-    share = _share_of_jerk(cell, made, trajectory)[places(cell.conventions)]
+    share = _share_of_jerk(cell, made, trajectory)[cell.conventions.places]
     off = [
         f"{joint.name} by {100 * (x - 1):.2g} %"
         for joint, x in zip(cell.conventions, share.tolist(), strict=True)

@@ -10,7 +10,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_KNOTS, SHORTEST_STEP_S
-from assur.scenes.conventions import Conventions, converted, converted_rates, places
+from assur.scenes.conventions import Conventions, converted, converted_rates
 from assur.scenes.exports.export import SPARE, cell_in, jerk_proved
 from assur.scenes.exports.raised import raised
 from assur.scenes.faults import NOTHING, DocumentError
@@ -102,7 +102,7 @@ def _begins_off(scene: Scene, conventions: Conventions, trajectory: Trajectory) 
         ("acceleration", start.qdd, trajectory.qdd[0], "/s²"),
     ]
     for state, there, here, per in of_states:
-        for joint, i in zip(conventions, places(conventions).tolist(), strict=True):
+        for joint, i in zip(conventions, conventions.places.tolist(), strict=True):
             by = abs(float(here[i] - there[i]))
             if by > SAME:
                 yield {"joint": joint.name, "state": state, "by": number(by), "unit": f"{joint.unit}{per}"}

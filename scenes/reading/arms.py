@@ -19,7 +19,7 @@ from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
 from assur.planner.robots.tilting import ElbowArm, PolarArm
-from assur.scenes.conventions import Conventions, JointConvention, JointKind, places
+from assur.scenes.conventions import Conventions, JointConvention, JointKind
 from assur.scenes.faults import Refused, within
 from assur.scenes.reading.bodies import attached
 from assur.scenes.reading.loads import load_limits
@@ -116,7 +116,7 @@ def built(family: Family, arm: Arm) -> BuiltArm:
         with within("joints", i):
             _check_joint(joint, kind, [other.name for other in joints[:i]], family)
     own = LIFT_ELSEWHERE.get(order, (None,) * len(joints))[: len(joints)]
-    conventions = tuple(
+    conventions = Conventions(
         JointConvention(joint.name, kind, joint.sign, place, value_of(joint.zero_rad or 0.0))
         for joint, kind, place in zip(joints, kinds, own, strict=True)
     )
@@ -129,13 +129,12 @@ def built(family: Family, arm: Arm) -> BuiltArm:
         zero = value_of(arm.height_m)
     z_down = isinstance(arm, ScaraDocument) and arm.tool_frame == "z_down"
     name = arm.name or unnamed(family)
-    planners = np.argsort(places(conventions))
     make = _maker(
         arm,
         name=name,
         bodies=_bodies(family, arm, zero, z_down),
         self_pairs=_pairs(family, arm),
-        joint_names=tuple(conventions[int(i)].name for i in planners),
+        joint_names=tuple(conventions[i].name for i in conventions.order),
     )
     load = load_limits(arm, wrist=family in WITH_QUILL and len(joints) == 4)
     x, y = [0.0, 0.0] if arm.base_offset_m is None else value_of(arm.base_offset_m)
@@ -181,7 +180,7 @@ def _limits(joints: list[JointDocument], conventions: Conventions) -> Limits:
         [_given(joint.acceleration_rad_s2, joint.acceleration_m_s2) for joint in joints],
         [_given(joint.jerk_rad_s3, joint.jerk_m_s3) for joint in joints],
     )
-    order = np.argsort(places(conventions))
+    order = conventions.order
     return Limits(lower[order], upper[order], *(np.array(rate)[order] for rate in rates))
 
 

@@ -2,49 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
 from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Pose
-from assur.planner.geometry.shapes import AXES, Body, Piece, Primitive, box, capsule, cylinder, sphere
+from assur.planner.geometry.shapes import AXES, ORIGIN, Body, Piece, box, capsule, cylinder, sphere
+from assur.planner.laws.law import EXACT
 from assur.planner.model.deadline import OutOfTimeError
 from assur.planner.model.scene import WORLD, WorldBody
 from assur.scenes.faults import DocumentError, FollowsError, Refused, as_written, choices, dotted, fault, within
-from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
+from assur.scenes.reading.frames import Frames, pose_uncertainty
+from assur.scenes.schema.model import KNOWN
 from assur.scenes.schema.robots import ToolPoseDocument
 from assur.scenes.schema.shapes import AttachedBody, BodyDocument, LinkBody, MeshDocument, PlaceInCell, ShapeDocument
 from assur.scenes.schema.task import TargetDocument
 
 
 def solid(name: str, shape: ShapeDocument) -> Body:
-    """The body in its own frame. Raises `Refused` at the field of the shape that it refuses."""
-    if shape.mesh is not None:
-        with within("mesh"):
+    """The body in its own frame. Raises `Refused` at the field of a mesh that it refuses; the model of a document has
+    refused whatever else is no solid."""
+    axis = "z"
+    if shape.box is not None:
+        primitive = box(*shape.box.size_m)
+    elif shape.sphere is not None:
+        primitive = sphere(shape.sphere.radius_m)
+    elif shape.cylinder is not None:
+        primitive, axis = cylinder(shape.cylinder.radius_m, shape.cylinder.height_m), shape.cylinder.axis
+    elif shape.capsule is not None:
+        primitive, axis = capsule(shape.capsule.radius_m, shape.capsule.length_m), shape.capsule.axis
+    elif shape.mesh is not None:
+        with within("shape", "mesh"):
             return _mesh(name, shape.mesh)
-    return Body(name, (_piece(shape),))
-
-
-PRIMITIVES: dict[str, Callable[[Any], Primitive]] = {
-    "box": lambda shape: box(*shape.size_m),
-    "sphere": lambda shape: sphere(shape.radius_m),
-    "cylinder": lambda shape: cylinder(shape.radius_m, shape.height_m),
-    "capsule": lambda shape: capsule(shape.radius_m, shape.length_m),
-}
-"""Key of a solid of one piece in a document → the piece, upright where it has an axis."""
-
-
-def _piece(shape: ShapeDocument) -> Piece:
-    for key, made in PRIMITIVES.items():
-        item = getattr(shape, key)
-        if item is not None:
-            with within(key):
-                primitive = made(item)
-            return Piece(primitive, rotation=AXES[getattr(item, "axis", "z")])
-    raise FaultError("a shape of no kind passed its model")
+    else:
+        raise FaultError("a shape of no kind passed its model")
+    return Body(name, (Piece(primitive, ORIGIN, AXES[axis]),))
 
 
 def _mesh(name: str, mesh: MeshDocument) -> Body:
@@ -88,8 +82,7 @@ class MeshRefused(Refused):
 def attached(item: AttachedBody, lower_m: float = 0.0) -> Body:
     """A body at its pose in its carrier's frame, `lower_m` lower: its pieces and surface moved there."""
     tilt = (item.roll_rad or 0.0, item.pitch_rad or 0.0) if isinstance(item, LinkBody) else (0.0, 0.0)
-    with within("shape"):
-        body = solid(item.name, item.shape)
+    body = solid(item.name, item.shape)
     at = np.array(item.at_m) - [0.0, 0.0, lower_m]
     unturned = item.yaw_rad == 0.0 and tilt == (0.0, 0.0)
     if unturned and body.surface is None:
@@ -133,6 +126,7 @@ Placement = PlaceInCell | TargetDocument | ToolPoseDocument
 """What is given in a frame, or relative to a body."""
 
 
+AT_ORIGIN = Pose()
 NO_POSE = "no pose: the gripper holds it at the start"
 
 
@@ -145,24 +139,27 @@ def world_body(item: BodyDocument, frames: Frames, places: Places, held: str | N
         raise Refused(
             NO_POSE if item.name == held else "a pose: only the part that start.holding names has none", "pose"
         )
-    frame, pose = WORLD, Pose()
+    frame, pose = WORLD, AT_ORIGIN
     if item.pose is not None:
-        with within("pose"):
+        try:
             frame, pose = resolve(item.pose, item.pose.yaw_rad, frames, places)
-    with within("shape"):
-        body = solid(item.name, item.shape)
+        except Refused as error:
+            error.at("pose")
+            raise
+    body = solid(item.name, item.shape)
     places[item.name] = (frame, pose)
-    return WorldBody(body, frame, pose, item.mass_kg, item.yaw_symmetry, pose_uncertainty(item.uncertainty))
+    within_m = EXACT if item.uncertainty is KNOWN else pose_uncertainty(item.uncertainty)
+    return WorldBody(body, frame, pose, item.mass_kg, item.yaw_symmetry, within_m)
 
 
 def resolve(place: Placement, yaw: float, frames: Frames, places: Places) -> tuple[str, Pose]:
     """Frame with a law and pose in it, of a place that may be relative to a body (one that was named before)."""
-    pose = placed(place.at_m, yaw)
-    if place.body is not None:
-        places.hold(place.body)
-        if place.body not in places:
-            raise Refused(f"a body that is named before: {choices(places, place.body)}", "body")
-        frame, carrier = places[place.body]
-        return frame, carrier.then(pose)
-    with within("frame"):
+    x, y, z = place.at_m
+    pose = Pose(x, y, z, yaw)
+    if place.body is None:
         return frames.placed(WORLD if place.frame is None else place.frame, pose)
+    places.hold(place.body)
+    if place.body not in places:
+        raise Refused(f"a body that is named before: {choices(places, place.body)}", "body")
+    frame, carrier = places[place.body]
+    return frame, carrier.then(pose)

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Collection
 from dataclasses import dataclass
-from functools import partial
-from hashlib import sha256
 from threading import Lock
 
-from assur.planner.errors import FaultError
+from assur.planner.errors import FaultError, InputError
 from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.kept import NOTHING_KEPT, KeptCell
-from assur.planner.model.load import Tool
 from assur.planner.model.scene import (
     Clearance,
     ClearanceException,
@@ -23,18 +21,20 @@ from assur.planner.model.scene import (
     check_tool_point,
 )
 from assur.planner.robots.robot import Robot
-from assur.scenes.conventions import Conventions, signs, zeros
-from assur.scenes.faults import Gathered, Refused, choices, located, within
+from assur.scenes.conventions import Conventions
+from assur.scenes.faults import FAULTS, Gathered, Refused, choices, located
 from assur.scenes.reading import bodies, frames, loads, neighbours, robots, task
 from assur.scenes.reading.bodies import Places
 from assur.scenes.reading.frames import Frames
-from assur.scenes.reading.start import check_loaded, moved_to_limits, start_of
-from assur.scenes.schema.request import ExecutionDocument, OptionsDocument, RequestDocument
+from assur.scenes.reading.start import check_loaded, start_of
+from assur.scenes.schema.request import OptionsDocument, RequestDocument
 from assur.scenes.schema.robots import LONGEST_KEPT
 
 MOST_CELLS, MOST_TRIANGLES = 16, 200_000
 """Cells that are kept, those that were read last, and triangles of meshes in all of them together, with the knots of
 neighbours: with rings of 40,000 triangles they took about 50 MB. A cell with more triangles is not kept."""
+BETWEEN_LOOKS = 16
+"""Number of bodies between readings of the clock; each with a mesh is read after one."""
 _kept: OrderedDict[tuple[str, str | None], Surroundings] = OrderedDict()
 _lock = Lock()
 
@@ -48,12 +48,13 @@ class Surroundings:
     places: Places
     kept: KeptCell = NOTHING_KEPT
 
-    @property
-    def triangles(self) -> int:
+    def __post_init__(self) -> None:
+        self.triangles = 0
         """Triangles of the meshes, and knots of the neighbours."""
-        links = [frame.law.link for frame in self.frames.laws.values()]
-        knots = sum(len(link.trajectory.time) for link in links if link is not None)
-        return knots + sum(len(each.body.surface[1]) for each in self.bodies if each.body.surface is not None)
+        for frame in self.frames.laws.values():
+            self.triangles += 0 if frame.law.link is None else len(frame.law.link.trajectory.time)
+        for each in self.bodies:
+            self.triangles += 0 if each.body.surface is None else len(each.body.surface[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,25 +87,29 @@ def cell_of(document: object, request: RequestDocument) -> Cell:
 def _cell_of(document: object, request: RequestDocument) -> Cell:
     faults = Gathered()
     given = _robot(request, faults)
-    own = [] if given is None else [*(body.body.name for body in given.robot.bodies), *_names(given.tool)]
     held = None if request.start.holding is None else request.start.holding.part
-    around = _around(request, own, held, faults)
-    known, places = around.frames, Places(around.places)
+    around = _around(request, () if given is None else given.names, held, faults)
+    known, places = around.frames, around.places
     coordinates, solid_tool = None if given is None else given.robot.coordinates, bool(request.robot.tool.bodies)
     if given is not None:
-        with faults.part(), within("start"):
-            start = start_of(request.start, given, known, places)
+        try:
+            start, moved = start_of(request.start, given, known, places)
+        except FAULTS as error:
+            faults.add(error, "start")
     steps = task.steps_of(request.task, known, places, coordinates, held, faults, solid_tool=solid_tool)
     if given is not None:
-        options = _options(request.options, given.robot.modes, [*own, *places], places, faults)
-        with faults.part():
-            execution = _execution(request.execution, given.conventions)
+        options = _options(request.options, given, places, faults)
+        lag: tuple[float, ...] = ()
+        if request.execution.lag is not None:
+            with faults.part("execution", "lag"):
+                lag = robots.lag(request.execution.lag, given.conventions)
     faults.settle()
     if given is None:
         raise FaultError("a robot that could not be read has no fault")
     robot, tool = given.robot, given.tool
     taken_up = {step.part for step in steps if isinstance(step, Pick)} | ({held} if held else set())
-    _check_riders(request, taken_up)
+    if taken_up:
+        _check_riders(request, taken_up)
     carry = None if request.carry is None else request.carry.acceleration_m_s2
     scene = Scene(
         robot=robot,
@@ -114,20 +119,22 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         bodies=around.bodies,
         task=steps,
         options=options,
-        execution=execution,
+        execution=Execution(lag, request.execution.start_tolerance_s, request.execution.belt_correction),
         carry_acceleration=carry,
         load_limits=given.load,
         forbidden_yaw=given.forbidden_yaw,
         assumptions=(
-            *robots.assumptions_of(document, request.robot),
-            *moved_to_limits(request.start.joints, start, given.conventions),
+            *robots.assumptions_of(document, request.robot, given),
+            *moved,
             *frames.assumptions_of(request.frames),
             *_left_out(robot, request),
-            *loads.assumptions_of(robot, given.load, tool, [body for body in around.bodies if body.name in taken_up]),
+            *loads.assumptions_of(
+                robot, given.load, tool, [body for body in around.bodies if body.body.name in taken_up]
+            ),
         ),
         digest=request.digest,
-        signs=signs(given.conventions),
-        zeros=zeros(given.conventions),
+        signs=tuple(given.conventions.signs.tolist()),
+        zeros=tuple(given.conventions.zeros.tolist()),
         kept=around.kept,
     )
     if len(request.robot.text) <= LONGEST_KEPT:  # a longer robot is another object for each request
@@ -138,27 +145,25 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
 
 def _robot(request: RequestDocument, faults: Gathered) -> robots.Equipped | None:
     """The robot with its tool; None where it cannot be read, which `faults` have."""
-    with faults.part(), within("robot"):
+    try:
         given = robots.equipped(request.robot)
-        names = [body.body.name for body in given.robot.bodies] + _names(given.tool)
         for i, body in enumerate(request.robot.tool.bodies):
-            if names.count(body.name) > 1:
+            if given.names.count(body.name) > 1:
                 raise Refused("a name that no other body has", "tool", "bodies", i, "name")
-    if faults.faults:
+    except FAULTS as error:
+        faults.add(error, "robot")
         return None
-    with faults.part():
+    try:
         check_tool_point(given.robot, given.tool)
+    except InputError as error:
+        faults.add(error)
     return given
 
 
-def _names(tool: Tool) -> list[str]:
-    return [body.name for body in tool.bodies]
-
-
-def _around(request: RequestDocument, own: list[str], held: str | None, faults: Gathered) -> Surroundings:
+def _around(request: RequestDocument, own: Collection[str], held: str | None, faults: Gathered) -> Surroundings:
     """What is around the robot, kept from an earlier request if that has the same there. `own`, `held`: as
     `_surroundings`."""
-    key = sha256(f"{request.robot.text}{request.surroundings}".encode()).hexdigest(), held
+    key = request.cell, held
     with _lock:
         if key in _kept:
             _kept.move_to_end(key)
@@ -168,32 +173,39 @@ def _around(request: RequestDocument, own: list[str], held: str | None, faults: 
     if not (wrong or faults.faults):
         with _lock:
             _kept[key] = made
-            while len(_kept) > MOST_CELLS or sum(each.triangles for each in _kept.values()) > MOST_TRIANGLES:
+            while len(_kept) > MOST_CELLS or sum([each.triangles for each in _kept.values()]) > MOST_TRIANGLES:
                 _kept.popitem(last=False)
     return made
 
 
-def _surroundings(request: RequestDocument, own: list[str], held: str | None, faults: Gathered) -> Surroundings:
+def _surroundings(request: RequestDocument, own: Collection[str], held: str | None, faults: Gathered) -> Surroundings:
     """The frames, and the bodies of neighbours and of the cell. `own`: names of the bodies of the robot and its tool;
     `held`: the part that the gripper holds at the start."""
     known, places, found = frames.frames_of(request.frames, faults), Places(), list[WorldBody]()
     for i, item in enumerate(request.neighbours):
         raise_if_late()
-        with faults.part(partial(places.unread.add, item.name)), within("neighbours", i):
+        try:
             if item.name in {other.name for other in request.neighbours[:i]}:
                 raise Refused("a name that no other neighbour has", "name")
             found += neighbours.add_neighbour(item, known.laws, places)
+        except FAULTS as error:
+            places.unread.add(item.name)
+            faults.add(error, "neighbours", i)
     known.unread.update(places.unread)
     for i, named in enumerate(request.bodies):
-        raise_if_late()
-        with faults.part(partial(places.unread.add, named.name)), within("bodies", i):
+        if i % BETWEEN_LOOKS == 0 or named.shape.mesh is not None:
+            raise_if_late()
+        try:
             if named.name in own:
                 raise Refused("a name that no body of the robot or its tool has", "name")
             found.append(bodies.world_body(named, known, places, held))
-    with faults.part():
-        if held is not None and held not in places:
+        except FAULTS as error:
+            places.unread.add(named.name)
+            faults.add(error, "bodies", i)
+    if held is not None and held not in places:
+        with faults.part("start", "holding"):
             places.hold(held)
-            raise Refused(f"the name of a body: {choices(places, held)}", "start", "holding", "part")
+            raise Refused(f"the name of a body: {choices(places, held)}", "part")
     return Surroundings(known, tuple(found), places)
 
 
@@ -225,27 +237,17 @@ def _check_riders(request: RequestDocument, picked: set[str]) -> None:
             raise Refused("a body that no step picks", "bodies", i, "pose", "body")
 
 
-def _execution(item: ExecutionDocument, conventions: Conventions) -> Execution:
-    with within("execution", "lag"):
-        lag = robots.lag(item.lag, conventions)
-    return Execution(lag, item.start_tolerance_s, item.belt_correction)
-
-
-def _options(
-    item: OptionsDocument, modes: tuple[str, ...], names: list[str], places: Places, faults: Gathered
-) -> Options:
-    with faults.part():
-        if item.elbow not in ("keep", "auto", *modes):
-            raise Refused(f"one of keep, auto, {', '.join(modes)}", "options", "elbow")
-    exceptions = []
+def _options(item: OptionsDocument, of: robots.Equipped, places: Places, faults: Gathered) -> Options:
+    if item.elbow not in ("keep", "auto", *of.robot.modes):
+        faults.add(Refused(f"one of keep, auto, {', '.join(of.robot.modes)}", "options", "elbow"))
+    exceptions, names = [], [*of.names, *places]
     for i, each in enumerate(item.clearance_exceptions):
         for key, given in (("between", each.between), ("and", each.and_ or ())):
             for k, name in enumerate(given):
-                with faults.part():
-                    if name not in names:
+                if name not in names:
+                    with faults.part("options", "clearance_exceptions", i, key, k):
                         places.hold(name)
-                        there = choices(names, name)
-                        raise Refused(f"the name of a body: {there}", "options", "clearance_exceptions", i, key, k)
+                        raise Refused(f"the name of a body: {choices(names, name)}")
         both = frozenset(each.between), frozenset(each.and_ or ())
         exceptions.append(ClearanceException(*both, each.clearance_m.travel, each.clearance_m.near))
     return Options(

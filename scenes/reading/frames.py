@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any
 
 from assur.planner import laws
@@ -12,7 +11,7 @@ from assur.planner.errors import FaultError
 from assur.planner.laws import ALWAYS, Change, Frame, Law, Pose, PoseUncertainty, Uncertainty
 from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.scene import WORLD
-from assur.scenes.faults import FollowsError, Gathered, Refused, choices, within
+from assur.scenes.faults import FAULTS, FollowsError, Gathered, Refused, choices, within
 from assur.scenes.schema.frames import (
     FrameDocument,
     IndexerDocument,
@@ -53,7 +52,7 @@ def _posed(make: Callable[..., Law], *fields: str) -> Callable[[Any, Valid], Law
     """The law that `make` makes of the pose of a document and these fields of it."""
 
     def law(d: Any, valid: Valid) -> Law:
-        return make(pose_of(d), *(_plain(getattr(d, name)) for name in fields), valid=valid)
+        return make(pose_of(d), *[_plain(getattr(d, name)) for name in fields], valid=valid)
 
     return law
 
@@ -62,10 +61,7 @@ def _plain(value: Any) -> Any:
     """A list of numbers, or of changes of a speed, as the planner has it; a number as it is."""
     if not isinstance(value, list):
         return value
-    return tuple(
-        Change(*(getattr(each, name) for name in type(each).model_fields)) if isinstance(each, Document) else each
-        for each in value
-    )
+    return tuple([Change(*vars(each).values()) if isinstance(each, Document) else each for each in value])
 
 
 def _indexer(d: IndexerDocument, valid: Valid) -> Law:
@@ -115,13 +111,14 @@ class Frames:
         yield from self.fixed_on
 
     def placed(self, name: str, pose: Pose) -> tuple[str, Pose]:
-        """The frame with a law, and the pose in it, for a pose in the frame `name`. Raises `Refused` for no frame."""
+        """The frame with a law, and the pose in it, for a pose in the frame `name`. Raises `Refused` at `frame` for a
+        name of none."""
         if name in self.laws:
             return name, pose
         if name.partition("/")[0] in self.unread:
             raise FollowsError
         if name not in self.fixed_on:
-            raise Refused(f"one of {choices(list(self), name)}")
+            raise Refused(f"one of {choices(list(self), name)}", "frame")
         below, carrier = self.fixed_on[name]
         return below, carrier.then(pose)
 
@@ -135,17 +132,23 @@ def frames_of(frames: Mapping[str, FrameDocument], faults: Gathered) -> Frames:
     found = Frames({WORLD: STILL}, {})
     for name, item in frames.items():
         raise_if_late()
-        with faults.part(partial(found.unread.add, name)), within("frames", name):
+        try:
             if name == WORLD:
                 raise Refused(f"another name: {WORLD} is the frame that does not move")
             if _below(item) is None:
                 found.laws[name] = _frame(name, item)
             else:
                 _check_fixed(item, frames)
+        except FAULTS as error:
+            found.unread.add(name)
+            faults.add(error, "frames", name)
     for name in frames:
         if name not in found.laws and name not in found.unread:
-            with faults.part(partial(found.unread.add, name)), within("frames"):
+            try:
                 found.fixed_on[name] = _fixed_on(name, frames, found)
+            except FAULTS as error:
+                found.unread.add(name)
+                faults.add(error, "frames")
     return found
 
 
@@ -208,9 +211,10 @@ def assumptions_of(frames: Mapping[str, FrameDocument]) -> tuple[str, ...]:
     for name, item in frames.items():
         for law, drive in DRIVES.items():
             spelt = getattr(item, law)
-            changes = () if spelt is None else spelt.changes
+            if spelt is None or not spelt.changes:
+                continue
             for key in ("acceleration_m_s2", "jerk_m_s3", "acceleration_rad_s2", "jerk_rad_s3"):
-                silent = [c for c in changes if key in type(c).model_fields and key not in c.model_fields_set]
+                silent = [c for c in spelt.changes if key in type(c).model_fields and key not in c.model_fields_set]
                 if silent:
                     quantity, unit, power = key.rsplit("_", 2)
                     value = f"{getattr(silent[0], key):g} {unit}/s^{power[1:]}"

@@ -16,15 +16,16 @@ from assur.planner.robots.facts import Limits
 from assur.planner.robots.robot import Robot
 from assur.scenes.bounds import FAR_M
 from assur.scenes.catalogue import arm_named, shipped_robot
-from assur.scenes.conventions import Conventions, JointConvention, converted, converted_rates, places
+from assur.scenes.conventions import Conventions, converted, converted_rates
 from assur.scenes.faults import Gathered, Refused, as_written, between, within
 from assur.scenes.reading.arms import BuiltArm, built, turned_over
 from assur.scenes.reading.bodies import attached
 from assur.scenes.reading.frames import placed, pose_of
 from assur.scenes.reading.loads import replaced
-from assur.scenes.robot_facts import assumptions
+from assur.scenes.robot_facts import OWN, assumptions
 from assur.scenes.schema.request import LagDocument
 from assur.scenes.schema.robots import (
+    FAMILIES,
     LONGEST_KEPT,
     MOST_KEPT,
     JointValues,
@@ -32,19 +33,23 @@ from assur.scenes.schema.robots import (
     RobotDocument,
     ToolDocument,
 )
+from assur.scenes.schema.stated import Stated
 from assur.scenes.units import from_si, si_key, twin_of
 
 
 @dataclass(frozen=True, eq=False)
 class Equipped:
-    """A robot at its base with its narrowed limits, its tool, its maker's joint conventions, its load limits, and the
-    forbidden ranges of yaw of its tool."""
+    """A robot at its base with its narrowed limits, its tool, its maker's joint conventions, its load limits, the
+    forbidden ranges of yaw of its tool, and the names of the bodies of robot and tool. `assumed`: what an answer says
+    of its numbers; None: that depends on the units in which they are written."""
 
     robot: Robot
     tool: Tool
     conventions: Conventions
     load: LoadLimits
-    forbidden_yaw: tuple[YawRange, ...] = ()
+    forbidden_yaw: tuple[YawRange, ...]
+    names: tuple[str, ...]
+    assumed: tuple[str, ...] | None
 
 
 _kept: dict[str, Equipped] = {}
@@ -64,7 +69,9 @@ def equipped(item: RobotDocument) -> Equipped:
         made = of.robot(pose_of(item.base), limits)
         ranges = _forbidden_yaw(item.limits, made)
         with within("tool"):
-            found = Equipped(made, _tool(item.tool, of), of.conventions, load, ranges)
+            tool = _tool(item.tool, of)
+        names = (*(body.body.name for body in made.bodies), *(body.name for body in tool.bodies))
+        found = Equipped(made, tool, of.conventions, load, ranges, names, _assumed(item))
         if len(item.text) <= LONGEST_KEPT:
             if len(_kept) >= MOST_KEPT:
                 _kept.clear()
@@ -72,12 +79,20 @@ def equipped(item: RobotDocument) -> Equipped:
     return found
 
 
-def assumptions_of(document: object, item: RobotDocument) -> tuple[str, ...]:
-    """What an answer to a request says of its arm's numbers, in the units in which they are written."""
+def _assumed(item: RobotDocument) -> tuple[str, ...] | None:
     given = item.written_out()
     if given is None:
         return shipped_robot(str(item.model)).assumptions
-    family, _ = given
+    _, arm = given
+    is_stated = any(isinstance(value, Stated) for part in (arm, *arm.joints) for _, value in part)
+    return None if is_stated else (OWN,)
+
+
+def assumptions_of(document: object, item: RobotDocument, given: Equipped) -> tuple[str, ...]:
+    """What an answer to a request says of its arm's numbers, in the units in which they are written."""
+    if given.assumed is not None:
+        return given.assumed
+    family = next(name for name in FAMILIES if getattr(item, name) is not None)
     _, written = as_written(document, ("robot", family))
     return assumptions(family, written)  # type: ignore[arg-type]
 
@@ -112,12 +127,11 @@ def lag(item: LagDocument | None, conventions: Conventions) -> tuple[float, ...]
     """How far each joint may lag, in the planner's order; none that is not named."""
     if item is None:
         return ()
-    given, keys, faults = item.model_extra or {}, [_key(joint) for joint in conventions], Gathered()
-    _hold_names(given, keys, faults)
+    given, faults = item.model_extra or {}, Gathered()
+    _hold_names(given, conventions.keys, faults)
     faults.settle()
-    found = np.zeros(len(conventions))
-    found[places(conventions)] = [given.get(key, 0.0) for key in keys]
-    return tuple(found.tolist())
+    found = np.array([given.get(key, 0.0) for key in conventions.keys])
+    return tuple(found[conventions.order].tolist())
 
 
 def hold(
@@ -125,16 +139,16 @@ def hold(
 ) -> None:
     """Raises `Refused` at the joints beyond their limits, which are reported in the units of the document. `why` ends
     the message."""
+    if all(((ends[0] <= values) & (values <= ends[1])).tolist()):
+        return
     faults = Gathered()
-    for joint, i in zip(conventions, places(conventions), strict=True):
+    for joint, key, i in zip(conventions, conventions.keys, conventions.places, strict=True):
         value, lower, upper = float(values[i]), float(ends[0][i]), float(ends[1][i])
         if not lower <= value <= upper:
             zero = 0.0 if rate else joint.zero
             signed = sorted(joint.sign * (end - zero) + 0.0 for end in (lower, upper))
-            key = _key(joint, rate)
-            far = f"; did you mean {twin_of(key)}?" if joint.unit == "m" and abs(value) > FAR_M else ""
-            with faults.part():
-                raise Refused(partial(_range_as_written, ends=signed, far=far, why=why), key)
+            far = f"; did you mean {twin_of(key + rate)}?" if joint.unit == "m" and abs(value) > FAR_M else ""
+            faults.add(Refused(partial(_range_as_written, ends=signed, far=far, why=why), key + rate))
     faults.settle()
 
 
@@ -146,28 +160,24 @@ def _range_as_written(key: str, value: object, ends: list[float], far: str, why:
 
 def joint_values(values: JointValues, conventions: Conventions, rate: str) -> FloatArray:
     """The planner's values (n,) from a mapping of maker's joints; `rate`: what follows rad or m in the unit."""
-    keys, faults = [_key(joint, rate) for joint in conventions], Gathered()
+    keys = [key + rate for key in conventions.keys] if rate else conventions.keys
     given = values.model_extra or {}
-    _hold_names(given, keys, faults)
-    for key in keys:
-        if key not in given:
-            with faults.part():
-                raise Refused(f"{key} or {twin_of(key)}, which must be given", key)
-    faults.settle()
+    if given.keys() != set(keys):
+        faults = Gathered()
+        _hold_names(given, keys, faults)
+        for key in keys:
+            if key not in given:
+                faults.add(Refused(f"{key} or {twin_of(key)}, which must be given", key))
+        faults.settle()
     turned = converted_rates if rate else converted
-    return turned(np.array([given[key] for key in keys], dtype=np.float64), conventions)
+    return turned(np.array(list(map(given.get, keys)), dtype=np.float64), conventions)
 
 
 def _hold_names(given: Iterable[str], keys: Sequence[str], faults: Gathered) -> None:
     """Gives `faults` each name of a joint that the robot has not."""
     for key in given:
         if key not in keys:
-            with faults.part():
-                raise Refused(f"one of {', '.join(keys)} (or in deg, mm)", key)
-
-
-def _key(joint: JointConvention, rate: str = "") -> str:
-    return f"{joint.name}_{joint.unit}{rate}"
+            faults.add(Refused(f"one of {', '.join(keys)} (or in deg, mm)", key))
 
 
 def _narrowed(item: LimitsDocument, of: BuiltArm) -> Limits:
@@ -200,7 +210,7 @@ def _rates(limits: Limits) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 def _ranges(ranges: dict[str, Sequence[float]], of: BuiltArm) -> tuple[FloatArray, FloatArray]:
     lower, upper = of.limits.lower.copy(), of.limits.upper.copy()
-    keys, own = [_key(joint) for joint in of.conventions], places(of.conventions)
+    keys, own = of.conventions.keys, of.conventions.places
     faults = Gathered()
     for key, (first, last) in ranges.items():
         with faults.part():

@@ -8,10 +8,9 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.model.scene import Holding, Scene, Start
 from assur.planner.robots.five_bar import FiveBar
-from assur.planner.robots.robot import Robot
 from assur.planner.robots.turns import solutions
-from assur.scenes.conventions import Conventions, as_maker, last_joint
-from assur.scenes.faults import Gathered, Refused, within
+from assur.scenes.conventions import Conventions, as_maker
+from assur.scenes.faults import FAULTS, Gathered, Refused, within
 from assur.scenes.reading.bodies import Places
 from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
 from assur.scenes.reading.robots import Equipped, hold, joint_values
@@ -23,7 +22,7 @@ from assur.scenes.reading.tool_pose import (
     nearest_to_zero,
     wrist_turns,
 )
-from assur.scenes.schema.robots import JointValues, StartDocument, ToolPoseDocument
+from assur.scenes.schema.robots import StartDocument, ToolPoseDocument
 
 READ_BACK = 1e-6
 """By this share of its range a joint may start outside of it: a controller prints its state with a few digits, and
@@ -32,19 +31,22 @@ START_RATIO = 1e-9
 """A start velocity or acceleration may exceed its limit by this share, as the planner has it: rounding of units."""
 
 
-def start_of(item: StartDocument, given: Equipped, frames: Frames, places: Places) -> Start:
-    """The state at the start. Raises `Refused` unless each joint has its value, within the (narrowed) limits, or the
-    pose of the tool is met by one joint position, within them and not singular."""
+def start_of(item: StartDocument, given: Equipped, frames: Frames, places: Places) -> tuple[Start, tuple[str, ...]]:
+    """The state at the start, and a sentence for each joint that was moved to the end of its range. Raises `Refused`
+    unless each joint has its value, within the (narrowed) limits, or the pose of the tool is met by one joint position,
+    within them and not singular."""
     limits, faults = given.robot.limits, Gathered()
-    q = np.zeros(len(given.conventions))
-    with faults.part():
+    stated = q = np.zeros(len(given.conventions))
+    try:
         if item.tool is not None:
-            q = _with_tool_at(item.tool, item, given, frames, places)
+            stated = q = _with_tool_at(item.tool, item, given, frames, places)
         elif item.joints is not None:
-            with within("joints"):
-                q = position(item.joints, given, READ_BACK)
+            stated = joint_values(item.joints, given.conventions, "")
+            q = position(stated, given, READ_BACK)
         else:
             raise FaultError("a start without joints and without a pose passed its model")
+    except FAULTS as error:
+        faults.add(error, *([] if item.joints is None else ["joints"]))
     rates = []
     for key, values, limit, rate in (
         ("velocity", item.velocity, limits.velocity, "_s"),
@@ -53,7 +55,7 @@ def start_of(item: StartDocument, given: Equipped, frames: Frames, places: Place
         rates.append(np.zeros(len(q)))
         if values is not None:
             most = limit * (1 + START_RATIO)
-            with faults.part(), within(key):
+            with faults.part(key):
                 rates[-1] = joint_values(values, given.conventions, rate)
                 hold(rates[-1], (-most, most), given.conventions, rate)
     faults.settle()
@@ -61,16 +63,19 @@ def start_of(item: StartDocument, given: Equipped, frames: Frames, places: Place
     if item.holding is not None:
         grasp = placed(item.holding.grasp_m, item.holding.grasp_yaw_rad)
         holding = Holding(item.holding.part, grasp, pose_uncertainty(item.holding.within))
-    return Start(item.at_s, q, rates[0], rates[1], holding)
+    moved = () if q is stated else _moved(stated, q, given.conventions)
+    return Start(item.at_s, q, rates[0], rates[1], holding), moved
 
 
 def check_loaded(scene: Scene, conventions: Conventions) -> None:
     """Raises `Refused` where the start accelerates harder than the load leaves it. A load that is too heavy for the
     robot is refused by the planner, whatever the acceleration."""
     held = None if scene.start.holding is None else scene.start.holding.part
-    load = next(load for load in scene.loads if load.step < 0 and load.part == held)
+    load = scene.loads[0 if held is None else 1]
+    if not load.share < 1.0:
+        return
     heaviest = scene.load_limits.most_kg
-    if load.share < 1.0 and (heaviest is None or load.mass_kg <= heaviest):
+    if heaviest is None or load.mass_kg <= heaviest:
         most = scene.limits_with(held).acceleration * (1 + START_RATIO)
         left = f"{100 * load.share:.4g} % of their acceleration"
         why = f" (with {load.mass_kg:.6g} kg at the flange the joints have {left})"
@@ -78,14 +83,9 @@ def check_loaded(scene: Scene, conventions: Conventions) -> None:
             hold(scene.start.qdd, (-most, most), conventions, "_s2", why)
 
 
-def moved_to_limits(item: JointValues | None, start: Start, conventions: Conventions) -> tuple[str, ...]:
-    """A sentence for each joint of a request's start that was outside of its range by no more than `READ_BACK`."""
-    if item is None:
-        return ()
-    values = joint_values(item, conventions, "")
-    if (values == start.q).all():
-        return ()
-    given, taken = as_maker(values, conventions), as_maker(start.q, conventions)
+def _moved(stated: FloatArray, q: FloatArray, conventions: Conventions) -> tuple[str, ...]:
+    """A sentence for each joint that is not where it was stated to be."""
+    given, taken = as_maker(stated, conventions), as_maker(q, conventions)
     return tuple(
         f"start: {joint.name} is given at {was!r} {joint.unit}, which is outside of its range by {abs(was - now):.2g}; "
         f"it is taken at the end of the range, {now!r} {joint.unit}"
@@ -94,21 +94,20 @@ def moved_to_limits(item: JointValues | None, start: Start, conventions: Convent
     )
 
 
-def position(item: JointValues, given: Equipped, share: float = 0.0) -> FloatArray:
-    """The planner's joint vector (n,), with values that are outside of their range by up to `share` of it moved to its
-    end. Raises `Refused` unless each joint has its value, within limits, and a five-bar's couplers meet."""
-    q = joint_values(item, given.conventions, "")
-    limits = given.robot.limits
+def position(stated: FloatArray, given: Equipped, share: float = 0.0) -> FloatArray:
+    """The joint vector (n,), the same object or one with values that are outside of their range by up to `share` of it
+    moved to its end. Raises `Refused` unless all are within limits, and a five-bar's couplers meet."""
+    robot, limits, q = given.robot, given.robot.limits, stated
     nearest = np.minimum(np.maximum(q, limits.lower), limits.upper)
-    q = np.where(np.abs(q - nearest) <= share * (limits.upper - limits.lower), nearest, q)
-    hold(q, (limits.lower, limits.upper), given.conventions, "")
-    _refuse_open_chain(given.robot, q)
+    if not all((nearest == q).tolist()):
+        q = np.where(np.abs(q - nearest) <= share * (limits.upper - limits.lower), nearest, q)
+        hold(q, (limits.lower, limits.upper), given.conventions, "")
+    if robot.parallel_least > 0.0 and isinstance(robot, FiveBar):
+        _refuse_open_chain(robot, q)
     return q
 
 
-def _refuse_open_chain(robot: Robot, q: FloatArray) -> None:
-    if not isinstance(robot, FiveBar):
-        return
+def _refuse_open_chain(robot: FiveBar, q: FloatArray) -> None:
     apart, (left, right) = 1e3 * float(np.hypot(*robot.span(q))), (1e3 * length for length in robot.distal)
     if abs(left - right) <= apart <= left + right:
         return
@@ -142,7 +141,7 @@ def _with_tool_at(
     if turns is None:
         raise Refused("no turn: the robot has no wrist", "turn")
     if item.turn not in turns:
-        wrist = last_joint(given.conventions)
+        wrist = int(given.conventions.order[-1])
         joint, last = given.conventions[wrist], as_maker(found, given.conventions)[:, wrist].tolist()
         at = dict(sorted(zip(turns, last, strict=True)))
         raise Refused(" or ".join(f"{turn} ({joint.name} at {in_words(joint, at[turn])})" for turn in at), "turn")

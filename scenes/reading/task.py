@@ -13,7 +13,7 @@ from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.path import LONGEST_S, ArcTo, LineTo, Path, PathError, PathPart, Point, SplineThrough, never
 from assur.planner.model.scene import Arch, Follow, Move, Pick, Place, Step, Target, Trace, Window
 from assur.planner.model.task import Tolerance, lead_length
-from assur.scenes.faults import Gathered, Refused, choices, within
+from assur.scenes.faults import FAULTS, Gathered, Refused, choices, within
 from assur.scenes.reading.bodies import Places, resolve
 from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
 from assur.scenes.schema.task import (
@@ -67,25 +67,24 @@ class _Task:
 
     def read(self, number: int, item: StepDocument) -> list[Step]:
         """The step; none where it has a fault."""
-        made: list[Step] = []
-        with self.faults.part(lambda: self._spoilt(item)):
-            made.append(self.step(number, item))
-        return made
-
-    def _spoilt(self, item: StepDocument) -> None:
-        """Later steps are read as if this one, which has a fault, had taken or put down a part."""
+        try:
+            return [self.step(number, item)]
+        except FAULTS as error:
+            self.faults.add(error, "task", number)
+        # later steps are read as if this one had taken or put down a part
         self.at = None
         if item.pick is not None:
             self.held, self.lost = None, True
         if item.place is not None:
             self.held, self.lost = None, False
             self.places.unread.add(item.place.part)
+        return []
 
     def step(self, number: int, item: StepDocument) -> Step:
         for key in ("move", "follow", "trace", "pick", "place"):
             spelt = getattr(item, key)
             if spelt is not None:
-                with within("task", number, key):
+                with within(key):
                     name = spelt.name or f"{key}-{number + 1}"
                     if name in self.names:
                         raise Refused("a name that no other step has", "name")
@@ -167,18 +166,16 @@ class _Task:
 
     def _pick(self, name: str, item: PickDocument) -> Step:
         faults = Gathered()
-        with faults.part():
+        with faults.part("part"):
             self.places.hold(item.part)
             if item.part not in self.places:
-                raise Refused(f"the name of a body: {choices(self.places, item.part)}", "part")
+                raise Refused(f"the name of a body: {choices(self.places, item.part)}")
             if self.held is not None:
-                raise Refused(f"a pick after {self.held} is placed", "part")
-        with faults.part():
-            if not self.has_yaw and item.grasp_yaw_rad != 0.0:
-                raise Refused(self.no_yaw, "grasp_yaw_rad")
-        with faults.part():
-            if item.grip_within_m is not None and not self.solid_tool:
-                raise Refused("none: the tool has no bodies from which it could be measured", "grip_within_m")
+                raise Refused(f"a pick after {self.held} is placed")
+        if not self.has_yaw and item.grasp_yaw_rad != 0.0:
+            faults.add(Refused(self.no_yaw, "grasp_yaw_rad"))
+        if item.grip_within_m is not None and not self.solid_tool:
+            faults.add(Refused("none: the tool has no bodies from which it could be measured", "grip_within_m"))
         with faults.part():
             contacts = self._contacts(item.part, item.contact_with)
         faults.settle()
@@ -194,15 +191,14 @@ class _Task:
 
     def _place(self, name: str, item: PlaceDocument) -> Step:
         faults = Gathered()
-        with faults.part():
+        with faults.part("part"):
             self.places.hold(item.part)
             if item.part != self.held and not self.lost:
-                raise Refused(f"the part that is held then: {self.held or 'none'}", "part")
+                raise Refused(f"the part that is held then: {self.held or 'none'}")
             if item.part not in self.places:
-                raise Refused(f"the name of a body: {choices(self.places, item.part)}", "part")
-        with faults.part():
-            if item.support_within_m is not None and not item.contact_with:
-                raise Refused("none without contact_with, which names what the part rests on", "support_within_m")
+                raise Refused(f"the name of a body: {choices(self.places, item.part)}")
+        if item.support_within_m is not None and not item.contact_with:
+            faults.add(Refused("none without contact_with, which names what the part rests on", "support_within_m"))
         with faults.part():
             target = self._target(item.to, part=True)
         with faults.part():
@@ -239,23 +235,28 @@ class _Task:
 
     def _pose(self, item: TargetDocument, free: bool = False, part: bool = False) -> Target:
         faults = Gathered()
-        with faults.part():
+        try:
             yaw_free = self._yaw_free(item, free, part)
-        with faults.part():
+        except Refused as error:
+            faults.add(error)
+        try:
             if item.body is not None and item.body == self.held:
                 raise Refused("a body that is not in the gripper", "body")
             frame, pose = resolve(item, item.yaw_rad or 0.0, self.frames, self.places)
+        except FAULTS as error:
+            faults.add(error)
         faults.settle()
-        tilt = _angle_or_free(item.pitch_rad), _angle_or_free(item.roll_rad)
-        return Target(frame, pose, yaw_free, *tilt, yaw_keep=item.yaw_keep)
+        pitch, roll = (None if angle == "free" else angle for angle in (item.pitch_rad, item.roll_rad))
+        return Target(frame, pose, yaw_free, pitch, roll, item.yaw_keep)
 
     def _yaw_free(self, item: TargetDocument, free: bool, part: bool) -> bool:
         """Whether the tool may have any yaw at the target. Raises `Refused` for an angle that it has
         not, or needs."""
         if item.yaw_rad is not None and not self.has_yaw:
             raise Refused(self.no_yaw, "yaw_rad")
+        stated = item.model_fields_set
         for key in ("pitch_rad", "roll_rad"):
-            if key in item.model_fields_set and not self.has_tilt:
+            if key in stated and not self.has_tilt:
                 raise Refused(NO_TILT.format(key.removesuffix("_rad")), key)
         for key in ("yaw_free", "yaw_keep"):
             if getattr(item, key) and not self.has_yaw:
@@ -264,7 +265,7 @@ class _Task:
                 raise Refused(PART_YAW, key)
         silent = item.yaw_rad is None and not item.yaw_free and not item.yaw_keep
         if silent and self.known and self.has_yaw and not free:
-            given_keys: list[str] = [key for key in ("yaw_free", "yaw_keep") if key in item.model_fields_set]
+            given_keys: list[str] = [key for key in ("yaw_free", "yaw_keep") if key in stated]
             raise Refused(PART_YAW if part else ANY_YAW, *(given_keys or ["yaw_rad"])[:1])
         return item.yaw_free or item.yaw_keep or (silent and (free or not self.has_yaw))
 
@@ -283,11 +284,11 @@ class _Task:
             return None
         faults = Gathered()
         for i, name in enumerate(names):
-            with faults.part():
-                if name not in self.places or name == part:
+            if name not in self.places or name == part:
+                with faults.part("contact_with", i):
                     self.places.hold(name)
                     there = choices([place for place in self.places if place != part], name)
-                    raise Refused(f"the name of a body that is not the part: {there}", "contact_with", i)
+                    raise Refused(f"the name of a body that is not the part: {there}")
         faults.settle()
         return tuple(names)
 
@@ -322,11 +323,6 @@ def _tolerance(item: FollowDocument | PickDocument | PlaceDocument) -> Tolerance
     return Tolerance(math.inf if m is None else m, math.inf if rad is None else rad)
 
 
-def _angle_or_free(angle: float | str | None) -> float | None:
-    """The angle, rad; None where it is free."""
-    return angle if isinstance(angle, float) else None
-
-
 def _reversed(_: str, ends: object) -> str:
     """What is allowed in place of two ends as they were written."""
     order = f"; {ends[0]} is not below {ends[1]}" if isinstance(ends, list) and len(ends) == 2 else ""
@@ -349,4 +345,4 @@ def steps_of(
     `faults` gets the steps that name something that does not exist, or is not in the gripper; these are left out.
     """
     reader = _Task(frames, Places(places), coordinates, held, faults, solid_tool=solid_tool)
-    return tuple(step for i, item in enumerate(task) for step in reader.read(i, item))
+    return tuple([step for i, item in enumerate(task) for step in reader.read(i, item)])

@@ -14,7 +14,7 @@ from assur.planner.report.number_format import SHOWN_AS, amount
 from assur.planner.report.refusal_words import POSITIONS
 from assur.planner.robots.facts import TURN, Code
 from assur.planner.robots.turns import ModeSolutions
-from assur.scenes.conventions import JointConvention, as_maker, last_joint, rates_as_maker, zeros
+from assur.scenes.conventions import JointConvention, as_maker, rates_as_maker
 from assur.scenes.faults import Refused
 from assur.scenes.reading.bodies import Places, resolve
 from assur.scenes.reading.frames import Frames
@@ -68,14 +68,14 @@ def wrist_turns(found: FloatArray, given: Equipped) -> list[int] | None:
     if not {"yaw", "roll"} & set(given.robot.coordinates):
         return None
     # the wrist is the planner's last joint of all of these arms
-    values = as_maker(found, given.conventions)[:, last_joint(given.conventions)]
+    values = as_maker(found, given.conventions)[:, given.conventions.order[-1]]
     return [math.ceil((value - math.pi) / TURN) for value in values.tolist()]
 
 
 def nearest_to_zero(found: FloatArray, given: Equipped) -> FloatArray:
     """Which of several joint vectors (M, n) turns the wrist least, and then the other joints, (n,)."""
     turns = wrist_turns(found, given)
-    centred = np.abs(found - np.array(zeros(given.conventions)))
+    centred = np.abs(found - given.conventions.zeros)
 
     def key(i: int) -> tuple[float, ...]:
         row = centred[i].tolist()

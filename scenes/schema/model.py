@@ -10,6 +10,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from itertools import combinations
 from typing import Annotated, Any, ClassVar, Self
 
@@ -54,23 +55,22 @@ class Document(BaseModel):
             model = model["schema"]
         # inside, as pydantic's own do: around the model it would run twice; a field of another model comes guarded
         if (cls.exactly_one or cls.at_most_one) and model["schema"]["type"] != "function-before":
-            model["schema"] = no_info_before_validator_function(cls._keep_groups, model["schema"])
+            rules = [(frozenset(group), group, "exactly one") for group in cls.exactly_one]
+            rules += [(frozenset(group), group, "at most one") for group in cls.at_most_one]
+            model["schema"] = no_info_before_validator_function(partial(cls._keep_groups, rules), model["schema"])
         return schema
 
     @classmethod
-    def _keep_groups(cls, data: Any) -> Any:
+    def _keep_groups(cls, rules: list[tuple[frozenset[str], Group, str]], data: Any) -> Any:
         """Refuses a mapping that does not keep the groups of keys of its model."""
         if type(data) is not dict:
             return data
-        for group in cls.exactly_one:
-            if sum(map(data.__contains__, group)) != 1:
+        for names, group, allowed in rules:
+            count = len(names.intersection(data))
+            if count > 1 or (count == 0 and allowed == "exactly one"):
                 given = [key for key in group if key in data]
                 strange = [] if given else [key for key in data if not cls._has(key)]
-                raise _refusal("one_of", given[1:], f"exactly one of {', '.join(group)}{_strange(strange, group)}")
-        for group in cls.at_most_one:
-            if sum(map(data.__contains__, group)) > 1:
-                given = [key for key in group if key in data]
-                raise _refusal("one_of", given[1:], f"at most one of {', '.join(group)}")
+                raise _refusal("one_of", given[1:], f"{allowed} of {', '.join(group)}{_strange(strange, group)}")
         return data
 
     def __deepcopy__(self, memo: object = None) -> Self:
@@ -224,6 +224,10 @@ class PoseUncertaintyDocument(Document):
     position_m: Distance = 0.0
     vertical_m: Distance = 0.0
     yaw_rad: YawError = 0.0
+
+
+KNOWN = PoseUncertaintyDocument()
+"""Of a part that is exactly at its pose: the default."""
 
 
 class PoseDocument(Document):

@@ -6,7 +6,6 @@ It must refuse a value that looks like a number and is no number of a document: 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -15,9 +14,9 @@ from assur.scenes.bounds import MAX_DEPTH, MAX_INTEGER
 from assur.scenes.faults import DocumentError, Path, dotted, together
 from assur.scenes.units import SI_UNITS, si_key, to_si, unit_of
 
-PLAIN = frozenset((str, float, int, bool))
-"""Types of a document's values."""
-LEAVES = PLAIN | {type(None)}
+SINGLE = frozenset((str, float, int, bool))
+"""Types of a document's single values."""
+LEAVES = SINGLE | {type(None)}
 """The same, and what is refused where a key has it."""
 ALLOWED = "a number that a float or an int is exactly"
 OF_NAMES = "frames"
@@ -31,32 +30,11 @@ def normal(document: object, faults: list[DocumentError] | None = None) -> Any:
     and a number that is not exactly one of Python's. Whatever else is no number is left for the model to refuse, NaN
     and infinity, too. Raises `DocumentError` for nesting without end, and without `faults` for those.
     """
-    if _is_normal(document):
-        return document
     own: list[DocumentError] = []
     found = _inside(document, (), own if faults is None else faults)
     if own:
         raise together(own)
     return found
-
-
-def _is_normal(value: object, depth: int = 0) -> bool:
-    """Whether a mapping or list is in SI and of plain types already, as most documents that programs write."""
-    items: Iterable[object]
-    if type(value) is dict:
-        if any(map(si_key, value)):
-            return False
-        items = value.values()
-    elif type(value) is list:
-        items = value
-    else:
-        return False
-    if depth >= MAX_DEPTH:
-        return False
-    for item in items:  # noqa: SIM110 - a generator takes twice as long
-        if type(item) not in PLAIN and not _is_normal(item, depth + 1):
-            return False
-    return True
 
 
 def plain(document: object) -> Any:

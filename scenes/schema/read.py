@@ -16,10 +16,10 @@ from pydantic.fields import FieldInfo
 from typing_extensions import get_type_hints, is_typeddict
 
 from assur.planner.errors import FaultError
-from assur.scenes.bounds import FAR_M, MAX_JOINTS
+from assur.scenes.bounds import FAR_M, MAX_DEPTH, MAX_JOINTS
 from assur.scenes.faults import MOST_FAULTS, DocumentError, Path, as_written, dotted, likeliest, together
 from assur.scenes.schema.model import NAME, REFERENCE, ByName
-from assur.scenes.schema.normal import LEAVES, normal
+from assur.scenes.schema.normal import SINGLE, normal
 from assur.scenes.schema.stated import PLAIN, STATED
 from assur.scenes.units import SI_UNITS, any_unit, from_si, si_key, twin_of, unit_of
 
@@ -50,10 +50,8 @@ COMPARISONS = {
 
 def read(model: Any, document: object) -> Any:
     """The document, which may be written in any units and with numbers of NumPy, as `model`. Raises `DocumentError`."""
-    if isinstance(model, type) and issubclass(model, BaseModel):
-        check_sizes(model, document)
     faults: list[DocumentError] = []
-    found = normal(document, faults)
+    found = document if check_sizes(model, document) else normal(document, faults)
     return _validated(model, document, (), lambda: _adapter(model).validate_python(found), faults)
 
 
@@ -299,32 +297,66 @@ MOST_UNKNOWN = 20
 @dataclass(frozen=True, eq=False)
 class _Shape:
     """What may be at a place: how many items or keys at most (None: any number), the words of a refusal, which take
-    their number, and what they are: all alike (`item`), or by the name of a field. Single values are left out."""
+    their number, and what they are: all alike (`item`), or by the name of a field. Single values are left out.
+    `names`: those of all fields in SI. `read_before`: whether the same was read before, so that it is within its
+    sizes, and in SI."""
 
     most: int | None
     allowed: str
     item: _Shape | None = None
     fields: dict[str, _Shape] = field(default_factory=dict)
+    names: frozenset[str] = frozenset()
+    read_before: Callable[[object], object] | None = None
 
 
-def check_sizes(model: type[BaseModel], document: object) -> None:
-    """Raises `DocumentError` at the first list or mapping that has more items than `model` takes there."""
-    _check(_of_model(model), document, ())
+def check_sizes(model: type[BaseModel], document: object) -> bool:
+    """Raises `DocumentError` at the first list or mapping that has more items than `model` takes there. Returns whether
+    the document is as `normal` makes it: in SI and of plain types, as most that programs write."""
+    # what may be there, what is, the depth, the key, and the same of the mapping or list around it
+    left: list[tuple[Any, ...]] = [(_of_model(model), document, 0, None, None)]
+    is_normal = True
+    while left:
+        place = left.pop()
+        shape, value, depth, _, _ = place
+        if isinstance(value, dict):
+            is_normal = is_normal and type(value) is dict and depth < MAX_DEPTH
+            is_normal = is_normal and (value.keys() <= shape.names or not any(map(si_key, value)))
+            items: Iterable[tuple[object, object]] = value.items()
+        elif isinstance(value, list):
+            is_normal = is_normal and type(value) is list and depth < MAX_DEPTH
+            items = enumerate(value)
+        else:
+            is_normal = False
+            continue
+        if shape.most is not None and len(value) > shape.most and (shape.item or isinstance(value, dict)):
+            raise DocumentError(dotted(_path(place)), value, shape.allowed.format(len(value)))
+        if shape is _ANYTHING and not is_normal:
+            continue
+        count, each, fields, depth = len(left), shape.item, shape.fields, depth + 1
+        for key, item in items:
+            if type(item) in SINGLE:
+                continue
+            below = each or fields.get(key)
+            if below is None and type(item) is list and depth < MAX_DEPTH:
+                for number in item:
+                    if type(number) not in SINGLE:
+                        break
+                else:
+                    continue  # most lists are points
+            if below is None or below.read_before is None or below.read_before(item) is None:
+                left.append((below or _ANYTHING, item, depth, key, place))
+        if len(left) > count + 1:
+            left[count:] = reversed(left[count:])
+    return is_normal
 
 
-def _check(shape: _Shape, value: object, path: Path) -> None:
-    if not isinstance(value, dict) and (shape.item is None or not isinstance(value, list)):
-        return
-    if shape.most is not None and len(value) > shape.most:
-        raise DocumentError(dotted(path), value, shape.allowed.format(len(value)))
-    items: Iterable[tuple[Any, Any]] = value.items() if isinstance(value, dict) else enumerate(value)
-    for key, item in items:
-        below = shape.item
-        # most are single values, and their types are quicker to look up than to test
-        if shape.fields and type(item) not in LEAVES and isinstance(item, dict | list):
-            below = shape.fields.get(key) or shape.fields.get((si_key(key) or (key,))[0])
-        if below is not None:
-            _check(below, item, (*path, str(key) if isinstance(value, dict) else key))
+def _path(place: tuple[Any, ...]) -> Path:
+    *_, key, above = place
+    return () if above is None else (*_path(above), key if isinstance(above[1], list) else str(key))
+
+
+_ANYTHING = _Shape(None, "")
+"""Single values, and lists of such, whose length the model checks."""
 
 
 @cache
@@ -335,7 +367,8 @@ def _of_model(model: type[BaseModel]) -> _Shape:
     if issubclass(model, ByName):
         also = f" and {keys} other fields" if keys else ""
         most, allowed = keys + MAX_JOINTS, f"at most {MAX_JOINTS} joints{also}, not {{}} keys"
-    return _Shape(most, allowed, fields={key: shape for key, shape in shapes.items() if shape is not None})
+    known = {key: shape for name, shape in shapes.items() if shape for key in (name, twin_of(name) or name)}
+    return _Shape(most, allowed, None, known, frozenset(shapes), getattr(model, "read_before", None))
 
 
 def _of(annotation: Any, metadata: tuple[Any, ...]) -> _Shape | None:

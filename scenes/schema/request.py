@@ -6,7 +6,7 @@ import hashlib
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field, SerializerFunctionWrapHandler, field_serializer
+from pydantic import BaseModel, Field, SerializerFunctionWrapHandler, field_serializer
 
 from assur.scenes import bounds
 from assur.scenes.schema.frames import FrameDocument
@@ -119,7 +119,7 @@ class RequestDocument(Document):
     def changed(self, changes: ChangesDocument) -> RequestDocument:
         """The request with those fields that `changes` states in place of its own."""
         stated = {name: value for name in changes.model_fields_set if (value := getattr(changes, name)) is not None}
-        made = self.model_copy(update=stated)
+        made = BaseModel.model_copy(self, update=stated)  # `changes` are valid
         made.__dict__.pop("digest", None)  # of the request before, where it was computed
         return made
 
@@ -144,6 +144,11 @@ class RequestDocument(Document):
     def surroundings(self) -> str:
         """Frames, bodies and neighbours as JSON: two that mean the same have the same."""
         return self.model_dump_json(by_alias=True, exclude_none=True, include=SURROUNDINGS)
+
+    @cached_property
+    def cell(self) -> str:
+        """SHA-256 of the robot and its surroundings."""
+        return hashlib.sha256(f"{self.robot.text}{self.surroundings}".encode()).hexdigest()
 
     def _digest(self, without: dict[str, Any]) -> str:
         start = self.model_dump_json(by_alias=True, exclude_none=True, include={"start"})

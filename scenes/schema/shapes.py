@@ -8,6 +8,7 @@ from pydantic import Field
 
 from assur.scenes import bounds
 from assur.scenes.schema.model import (
+    KNOWN,
     WHOLE,
     Angle,
     Document,
@@ -99,7 +100,7 @@ class BodyDocument(Document):
     pose: PlaceInCell | None = None
     mass_kg: Mass | None = None
     yaw_symmetry: Annotated[int, Field(ge=0, le=360), WHOLE] = 1
-    uncertainty: PoseUncertaintyDocument = PoseUncertaintyDocument()
+    uncertainty: PoseUncertaintyDocument = KNOWN
 
 
 Side = Literal["proximal-left", "distal-left", "proximal-right", "distal-right"]

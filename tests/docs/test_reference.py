@@ -14,7 +14,6 @@ from assur.planner.model.outcome import LegKind
 from assur.planner.model.refusal import Facts
 from assur.scenes import check, load, plan
 from assur.scenes.catalogue import arm_named
-from assur.scenes.conventions import places
 from assur.scenes.reading.arms import WITH_QUILL
 from assur.scenes.requests import request_schema, robots
 from assur.scenes.schema.request import ExecutionDocument, OptionsDocument
@@ -165,7 +164,7 @@ def test_the_table_of_joint_conventions_is_that_of_the_catalogue() -> None:
         assert [f"{sign}1" for sign in signs.split()] == [f"{joint.sign:+d}" for joint in arm.conventions]
         assert float(zero) == 1e3 * arm.zero_m
         ends = sorted(arm.conventions[lift].sign * float(end) for end in (low, high))
-        place = places(arm.conventions)[lift]
+        place = arm.conventions.places[lift]
         limits = [1e3 * arm.limits.lower[place], 1e3 * arm.limits.upper[place]]
         assert ends == pytest.approx(limits)
         assert [float(lowest), float(highest)] == pytest.approx([float(zero) + end for end in limits])

@@ -22,7 +22,7 @@ from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
 from assur.planner.robots.tilting import ElbowArm, PolarArm
 from assur.scenes.catalogue import FOLDER, arm_named, load_robot, models, robots, shipped_robot
-from assur.scenes.conventions import JointConvention, as_maker, converted, converted_rates, rates_as_maker
+from assur.scenes.conventions import Conventions, JointConvention, as_maker, converted, converted_rates, rates_as_maker
 from assur.scenes.requests import plan_document
 from assur.scenes.schema.stated import SURE
 
@@ -187,7 +187,7 @@ def test_converting_to_the_maker_and_back_is_exact(joints: list[tuple[Any, float
     order: list[int | None] = [*range(len(joints))]
     dice.shuffle(order)
     for own in (order, [None] * len(joints)):
-        conventions = tuple(
+        conventions = Conventions(
             JointConvention(f"j{i}", "revolute", sign, place)
             for i, ((sign, _), place) in enumerate(zip(joints, own, strict=True))
         )
@@ -200,7 +200,7 @@ def test_converting_to_the_maker_and_back_is_exact(joints: list[tuple[Any, float
 def test_a_joint_with_a_zero_is_converted_there_and_back_but_for_a_rounding_and_its_rates_exactly(
     joints: list[tuple[Any, float, float]],
 ) -> None:
-    conventions = tuple(
+    conventions = Conventions(
         JointConvention(f"j{i}", "revolute", sign, None, zero) for i, (sign, _, zero) in enumerate(joints)
     )
     values = np.array([value for _, value, _ in joints]) + 0.0

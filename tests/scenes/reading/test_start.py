@@ -13,7 +13,6 @@ from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import principal
-from assur.scenes.conventions import zeros
 from assur.scenes.requests import check_document, plan_document, scene_of
 from tests.scenes.robots_of_every_family import (
     ROBOTS,
@@ -64,7 +63,7 @@ def test_the_pose_that_joints_give_is_taken_with_these_joints(name: str) -> None
         assert np.abs(off).max() < 1e-9
         # the wrist is in the turn that was asked; of the other joints those near their zeros
         assert abs(found.q[-1] - q[-1]) < 1e-9 or "turn" not in start
-        zero = np.array(zeros(given.conventions))
+        zero = given.conventions.zeros
         assert (np.abs(found.q - zero)[:-1] <= np.abs(q - zero)[:-1] + 1e-9).all()
 
 
