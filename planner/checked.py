@@ -60,7 +60,7 @@ def stated_scene(scene: Scene) -> StatedScene:
     last = next(iter(kept), None)  # once: another thread may keep another one meanwhile
     if last is not None and last.base.scene is scene:
         return last
-    known = last if last is not None and early_of(scene) >= last.base.cell.frames.early else None
+    known = last if last is not None and early_of(scene) >= last.base.cell.early else None
     base = claim_of(scene, None if known is None else known.base.cell)
     stated = StatedScene(base, Given(scene), is_stated=known is not None and known.is_stated)
     kept[:] = [stated]

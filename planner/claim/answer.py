@@ -11,6 +11,7 @@ from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.claim.distances import least_of, proofs_of
 from assur.planner.claim.filling import SceneClaim, rows_of
+from assur.planner.claim.joint_sums import stated_postures
 from assur.planner.claim.lifts import ONLY, between_jumps, largest
 from assur.planner.claim.obligations import loads_of
 from assur.planner.claim.points import Rows, tool_on
@@ -138,5 +139,5 @@ def named_answer(base: SceneClaim, plan: Plan, phases: Sequence[Phase], claims: 
     """The rows for what an answer states that have names for people, by their table."""
     return {
         "rates": [("tool", row) for row in tool_peaks_of(base.scene, plan, phases, claims)],
-        "axes": base.postures.of_answer(plan, claims),
+        "axes": stated_postures(base.scene, plan, claims),
     }

@@ -162,7 +162,7 @@ def labels_of(base: SceneClaim, plan: Plan, phases: Sequence[Phase], claims: Cla
     scene, named = base.scene, named_rows(base, plan, phases)
     for name, rows in named_answer(base, plan, phases, claims).items():
         named[name] += rows
-    robots = scene.robot, *(robot for robot, _ in base.cell.frames.others)
+    robots = scene.robot, *(robot for robot, _ in base.cell.others)
     return Labels(
         request_digest=scene.digest,
         plan_digest=plan.certificate.digest,

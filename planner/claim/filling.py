@@ -14,15 +14,14 @@ from assur.planner.claim import columns as c
 from assur.planner.claim.arrival_errors import errors_of
 from assur.planner.claim.columns import Claim
 from assur.planner.claim.distances import Distances, is_limited
-from assur.planner.claim.frames import Frames, frames_of
-from assur.planner.claim.joint_sums import Postures, sums_of
+from assur.planner.claim.frames import EMPTY, early_of, frames_of, with_knots
+from assur.planner.claim.joint_sums import required_postures, sums_of
 from assur.planner.claim.obligations import (
-    EMPTY,
     Carriers,
-    JointLimits,
     Seats,
     carriers_of,
     distances_of,
+    limits_of,
     phases_of,
     seats_of,
     solids_of,
@@ -35,16 +34,20 @@ from assur.planner.model.outcome import Certificate, Plan
 from assur.planner.model.phases import Phase
 from assur.planner.model.phases import phases as phases_in
 from assur.planner.model.scene import Scene, bodies_in
+from assur.planner.robots.robot import Robot
+from assur.planner.trajectory import Trajectory
 
 
 @dataclass(frozen=True, eq=False)
 class CellClaim:
-    """What follows from robot, tool, frames, bodies and what is required of them, whatever the task is. `tables`: those
-    of the cell, and those that have no rows where a plan needs none."""
+    """What follows from robot, tool, frames, bodies and what is required of them, whatever the task is. `early`: from
+    when on all motions are stated that have no begin, s; `others`: the other arms and what they follow, from arm 1 on;
+    `tables`: those of the cell, and those that have no rows where a plan needs none."""
 
     bodies: tuple[Body, ...]
     carriers: Carriers
-    frames: Frames
+    early: float
+    others: tuple[tuple[Robot, Trajectory], ...]
     tables: dict[str, FloatArray]
 
 
@@ -55,8 +58,6 @@ class SceneClaim:
     scene: Scene
     cell: CellClaim
     seats: Seats
-    limits: JointLimits
-    postures: Postures
 
     @cached_property
     def prover(self) -> Prover:
@@ -70,18 +71,18 @@ class SceneClaim:
 
 def cell_of(scene: Scene) -> CellClaim:
     """The part of a scene's claim that depends on its cell alone. Raises `InputError` for what cannot be stated."""
-    bodies = bodies_in(scene)
+    bodies, early = bodies_in(scene), early_of(scene)
     carriers = carriers_of(scene, [body.name for body in bodies])
-    frames = frames_of(scene)
-    tables = {**EMPTY, **frames.tables, **solids_of(bodies, scene.pieces), **distances_of(scene, carriers)}
-    return CellClaim(bodies, carriers, frames, tables)
+    frames, others = frames_of(scene, early)
+    tables = {**EMPTY, **frames, **solids_of(bodies, scene.pieces), **distances_of(scene, carriers)}
+    return CellClaim(bodies, carriers, early, others, tables)
 
 
 def claim_of(scene: Scene, cell: CellClaim | None = None) -> SceneClaim:
     """The claim of a scene without a plan. `cell`: if it is made already. Raises `InputError` for what cannot be
     stated."""
     cell = cell or cell_of(scene)
-    return SceneClaim(scene, cell, seats_of(scene, cell.carriers), JointLimits(scene), Postures(scene))
+    return SceneClaim(scene, cell, seats_of(scene, cell.carriers))
 
 
 def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = None) -> Claim:
@@ -92,20 +93,23 @@ def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = Non
         phases = phases_in(scene, plan.legs, plan.arrivals)
     required = cell.tables["required"].copy()
     required[0, c.REQUIRED_UNTIL], required[0, c.REQUIRED_SINCE] = phases[-1].t1, scene.start.time
+    rows = dict[str, Sequence[Sequence[float]]](
+        sums=sums_of(scene, plan),
+        guides=guides_of(scene, plan, phases),
+        distances=base.distances(plan, phases).required() if is_limited(scene) else (),
+        errors=errors_of(scene, plan, phases),
+    )
+    for name, named in named_rows(base, plan, phases).items():
+        if named:
+            rows[name] = [row for _, row in named]
     of_plan = {
-        "required": required,
-        **cell.frames.around(path, max([phase.t1 for phase in phases if phase.robot])),
+        **with_knots(cell.tables, path, max([phase.t1 for phase in phases if phase.robot])),
         **phases_of(scene, cell.carriers, base.seats, phases),
-        "limits": base.limits.over(path.start, phases),
+        **{name: c.table(name, own) for name, own in rows.items() if own},
+        "required": required,
+        "limits": limits_of(scene, float(path.time[0]), phases),
         "rows": rows_of(plan.certificate, cell.carriers.body),
     }
-    rows = {name: [row for _, row in named] for name, named in named_rows(base, plan, phases).items()} | {
-        "sums": sums_of(scene, plan),
-        "guides": guides_of(scene, plan, phases),
-        "distances": base.distances(plan, phases).required() if is_limited(scene) else [],
-        "errors": errors_of(scene, plan, phases),
-    }
-    of_plan |= {name: c.table(name, own) for name, own in rows.items() if own}
     return Claim(**{**cell.tables, **of_plan})
 
 
@@ -114,7 +118,7 @@ def named_rows(base: SceneClaim, plan: Plan, phases: Sequence[Phase]) -> dict[st
     return {
         "points": points_of(base.scene, plan, phases),
         "rates": rates_of(base.scene, plan, phases),
-        "axes": axes_of(base.scene, plan) + base.postures.of_plan(plan),
+        "axes": axes_of(base.scene, plan) + required_postures(base.scene, plan),
     }
 
 

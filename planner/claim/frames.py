@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,41 +17,40 @@ from assur.planner.model.scene import Scene
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 
+EMPTY = {name: c.table(name, []) for name in c.WIDTHS}
+"""Tables without rows, which many claims share."""
+
+
+def table_of(name: str, rows: Sequence[Sequence[float]]) -> FloatArray:
+    """Rows as the table of this name."""
+    return c.table(name, rows) if rows else EMPTY[name]
+
+
 # Arms as rows: their links, the distinct angles of these, their loops, and their motion as knots.
 
 
-class Arms:
-    """The arms of a cell, the robot first."""
-
-    def __init__(self) -> None:
-        self._arms: list[tuple[float, ...]] = []
-        self._links: list[tuple[float, ...]] = []
-        self._angles: list[tuple[float, ...]] = []
-        self._loops: list[tuple[float, ...]] = []
-
-    def add(self, robot: Robot) -> int:
-        """Adds the chain of an arm; the row of its base in `links`. Raises `InputError` for too many joints."""
-        first, start, n = len(self._links), len(self._angles), len(robot.joints)
+def arms_of(robots: Sequence[Robot]) -> dict[str, FloatArray]:
+    """The chains of the arms of a cell, the robot first: arms (without their knots), links, angles and loops. Raises
+    `InputError` for too many joints."""
+    arms, first, start, loop = list[tuple[float, ...]](), 0, 0, 0
+    tables: dict[str, list[FloatArray]] = {"links": [], "angles": [], "loops": []}
+    for robot in robots:
+        n = len(robot.joints)
         if n > c.MOST_JOINTS:
             raise unstated(f"an arm with {n} joints")
         rows = robot.chain_rows
         links, loops = rows.links.copy(), rows.loops.copy()
-        links[:, c.LINK_PARENT] += np.where(links[:, c.LINK_PARENT] >= 0.0, first, 0)
-        turns = links[:, c.LINK_YAW : c.LINK_COUPLER]
-        turns += np.where(turns >= 0.0, start, 0)
+        parents, turns = links[:, c.LINK_PARENT], links[:, c.LINK_YAW : c.LINK_COUPLER]
+        parents += first * (parents >= 0.0)
+        turns += start * (turns >= 0.0)
         loops[:, c.LOOP_CRANK : c.LOOP_LENGTH] += first
         loops[:, c.LOOP_BETWEEN] += start
-        loop = len(self._loops) if len(loops) else -1
-        self._arms.append((first, len(links), n, 0, 0, start, len(rows.angles), loop))
-        self._links += links.tolist()
-        self._angles += rows.angles.tolist()
-        self._loops += loops.tolist()
-        return first
-
-    def tables(self) -> dict[str, FloatArray]:
-        """Arms (without their knots), links, angles and loops."""
-        rows = {"arms": self._arms, "links": self._links, "angles": self._angles, "loops": self._loops}
-        return {name: c.table(name, each) for name, each in rows.items()}
+        arms.append((first, len(links), n, 0, 0, start, len(rows.angles), loop if len(loops) else -1))
+        for table, each in zip(tables.values(), (links, rows.angles, loops), strict=True):
+            table.append(each)
+        first, start, loop = first + len(links), start + len(rows.angles), loop + len(loops)
+    found = {name: np.concatenate(each) if len(each) > 1 else each[0] for name, each in tables.items()}
+    return {"arms": c.table("arms", arms), **found}
 
 
 def knots_at_rest(path: Trajectory) -> FloatArray:
@@ -116,9 +115,11 @@ def law_of(law: Law, early: float) -> StatedLaw:
     """
     count, period = int(law.row[own.COUNT]), float(law.row[own.PERIOD])
     pieces, waves = law.side[:count].tolist(), [tuple(each) for each in law.side[count:, : c.WAVE].tolist()]
-    # the first one that ends later; all of them if none does
-    later = (k for k, piece in enumerate(pieces) if period > 0.0 or piece[own.PIECE_END] > early)
-    left_out = next(later, 0)
+    left_out = 0  # all of them, if none ends later
+    for k, piece in enumerate(pieces if period == 0.0 else ()):
+        if piece[own.PIECE_END] > early:
+            left_out = k
+            break
     pieces = pieces[left_out:]
     pose, rate = pieces[0][own.POSE : own.RATE], pieces[0][own.RATE : own.CORNER]
     if law.is_fixed or waves:
@@ -147,39 +148,30 @@ BEYOND_S = 1e-3
 """Motions are stated for so long before the first time at which they count, s: sums of times are rounded."""
 
 
-@dataclass(frozen=True, eq=False)
-class Frames:
-    """The frames of a cell. `others`: the other arms and what they follow, in their order from arm 1 on; `tables`: of
-    this kind, but for the knots of the robot."""
-
-    tables: dict[str, FloatArray]
-    others: tuple[tuple[Robot, Trajectory], ...]
-    early: float
-    """From when on all motions are stated that have no begin, s."""
-
-    def around(self, path: Trajectory, robot_until: float) -> dict[str, FloatArray]:
-        """The tables of arms and knots with those of a robot that follows `path` and then rests until `robot_until`, s.
-        Raises `InputError` for a path that does not end at rest, and is needed longer."""
-        arms, knots = self.tables["arms"].copy(), knots_of(path, path.start, robot_until)
-        arms[0, c.ARM_KNOTS], others = len(knots), self.tables["knots"]
-        if len(others):
-            arms[1:, c.ARM_KNOT] += len(knots)
-        return {"arms": arms, "knots": np.concatenate((knots, others)) if len(others) else knots}
+def with_knots(tables: dict[str, FloatArray], path: Trajectory, until: float) -> dict[str, FloatArray]:
+    """The tables of arms and knots of a cell, with those of a robot that follows `path` and then rests until `until`,
+    s. Raises `InputError` for a path that does not end at rest, and is needed longer."""
+    arms, knots, others = tables["arms"].copy(), knots_of(path, path.start, until), tables["knots"]
+    arms[0, c.ARM_KNOTS] = len(knots)
+    arms[1:, c.ARM_KNOT] += len(knots)
+    return {"arms": arms, "knots": np.concatenate((knots, others)) if len(others) else knots}
 
 
 def early_of(scene: Scene) -> float:
     """The time, s, from which on a plan for a scene may need the motions of frames: whole seconds, so that many scenes
     share it."""
-    latest = max((frame.uncertainty.shift_s[1] for frame in scene.frames.values()), default=0.0)
+    latest = max([frame.uncertainty.shift_s[1] for frame in scene.frames.values()], default=0.0)
     return math.floor(scene.start.time - latest - BEYOND_S)
 
 
-def frames_of(scene: Scene) -> Frames:
-    """The frames of a cell. Raises `InputError` for an arm or a law that cannot be stated."""
-    arms, rows, waves, laws = Arms(), list[list[float]](), list[tuple[float, ...]](), list[list[float]]()
-    followed, first = list[tuple[Robot, Trajectory]](), list[int]()
-    early = early_of(scene)
-    arms.add(scene.robot)
+def frames_of(scene: Scene, early: float) -> tuple[dict[str, FloatArray], tuple[tuple[Robot, Trajectory], ...]]:
+    """The tables of the frames and arms of a cell, without the knots of the robot; and the other arms with what they
+    follow, from arm 1 on. `early`: from when on all motions are stated that have no begin, s (`early_of`).
+
+    Raises `InputError` for an arm or a law that cannot be stated.
+    """
+    rows, waves, laws = list[list[float]](), list[tuple[float, ...]](), list[list[float]]()
+    followed = list[tuple[Robot, Trajectory]]()
     for frame in scene.frames.values():
         link, known, on = frame.law.link, frame.uncertainty, (-1, -1)
         if link is None:
@@ -190,31 +182,36 @@ def frames_of(scene: Scene) -> Frames:
             if not same:
                 same = [len(followed)]
                 followed.append((link.robot, link.trajectory))
-                first.append(arms.add(link.robot))
-            on = same[0] + 1, first[same[0]] + link.link
+            on = same[0] + 1, link.link
         own = len(laws), len(law.pieces), len(waves), len(law.waves)
         rows.append([*on, *law.at, *own, *known.shift_s, known.yaw_rad, *law.period])
         laws += law.pieces
         waves += law.waves
-    tables = arms.tables()
-    knots = [knots_at_rest(path) for _, path in followed]
-    counts = np.array([0, *map(len, knots)], dtype=float)
-    tables["arms"][:, c.ARM_KNOT], tables["arms"][:, c.ARM_KNOTS] = np.cumsum(counts) - counts, counts
+    tables, knots = arms_of([scene.robot, *[robot for robot, _ in followed]]), [EMPTY["knots"]]
+    arms, frames, own_knots = tables["arms"], table_of("frames", rows), 0
+    for row, (_, path) in zip(arms[1:], followed, strict=True):
+        knots.append(knots_at_rest(path))
+        row[c.ARM_KNOT], row[c.ARM_KNOTS], own_knots = own_knots, len(knots[-1]), own_knots + len(knots[-1])
+    linked = frames[:, c.FRAME_ARM] >= 0.0
+    frames[linked, c.FRAME_LINK] += arms[frames[linked, c.FRAME_ARM].astype(int), c.ARM_LINK]
     tables |= {
-        "frames": c.table("frames", rows),
-        "laws": c.table("laws", laws),
-        "waves": c.table("waves", waves),
+        "frames": frames,
+        "laws": table_of("laws", laws),
+        "waves": table_of("waves", waves),
         "displaced": displaced_of(scene),
-        "knots": np.concatenate((c.table("knots", []), *knots)),
+        "knots": np.concatenate(knots) if followed else EMPTY["knots"],
     }
-    return Frames(tables, tuple(followed), early)
+    return tables, tuple(followed)
 
 
 def displaced_of(scene: Scene) -> FloatArray:
     """What is uncertain of where frames are."""
-    return c.table(
-        "displaced", [each for row, frame in enumerate(scene.frames.values()) for each in _displaced(row, frame)]
-    )
+    rows = list[tuple[float, ...]]()
+    for row, frame in enumerate(scene.frames.values()):
+        known = frame.uncertainty
+        if known.position_m or known.speed_m_s or known.lateral_m or known.vertical_m:
+            rows += _displaced(row, frame)
+    return table_of("displaced", rows)
 
 
 def _displaced(row: int, frame: Frame) -> list[tuple[float, ...]]:

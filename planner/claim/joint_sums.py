@@ -19,6 +19,7 @@ from assur.planner.model.claims import Claims
 from assur.planner.model.outcome import TRACKING, Arrival, Leg, LegKind, Plan
 from assur.planner.model.scene import Move, Scene, Step
 from assur.planner.robots.facts import AHEAD, LEFT, Bend
+from assur.planner.robots.robot import Robot
 
 STRAIGHT_RAD = 1e-4
 """How far pitch and roll may be off the way between those at both ends of a straight leg."""
@@ -108,85 +109,90 @@ ANY = 1e3
 ORIGIN = (0.0, 0.0, 0.0)
 
 
-class Postures:
-    """The numbers of an arm from which margins and working modes follow, and the mode that a scene requires."""
+def required_postures(scene: Scene, plan: Plan) -> Rows:
+    """What a request requires: the working mode of control points that are met, and the margin where the tool is guided
+    or matches a velocity."""
+    least, kept = scene.options.singularity_margin - MARGIN, set[int]()
+    if not least > 0.0 and scene.options.elbow == "auto":
+        return []
+    found, robot, required = Rows(), scene.robot, _required_mode(scene)
+    for arrival, t0, t1 in guided(scene, plan) if least > 0.0 else ():
+        mode = int(robot.mode_of(plan.trajectory.evaluate(arrival.time))) if required is None else required
+        for bend, sign in _serial(robot, mode) + _couplers(robot):
+            found.append((arrival.control_point, _beyond(bend, t0, t1, sign, least)))
+        kept.add(arrival.step)
+    for arrival in plan.arrivals if required is not None else ():
+        # rows of a margin have the signs of the mode, too
+        if required is not None and arrival.missed_by is None and arrival.step not in kept:
+            found += _in_mode(robot, arrival, required)
+    return found
 
-    def __init__(self, scene: Scene) -> None:
-        self._scene, chain, elbow = scene, scene.robot.chain, scene.options.elbow
-        self._bends, self._signs, self._couplers = chain.bends, chain.signs, list[tuple[Bend, int]]()
-        if chain.loop is not None:
-            first, second = [k for k, link in enumerate(chain.links) if link.coupler >= 0][:2]
-            self._couplers.append((Bend(second, first, LEFT), int(chain.loop.side)))
-        self._mode = None if elbow == "auto" else scene.robot.modes.index(elbow) if elbow != "keep" else -1
-        if elbow == "keep":
-            self._mode = int(scene.robot.mode_of(scene.start.q))
 
-    def of_plan(self, plan: Plan) -> Rows:
-        """What a request asks: the working mode of control points that are met, and the margin where the tool is guided
-        or matches a velocity."""
-        found, least, kept = Rows(), self._scene.options.singularity_margin - MARGIN, set[int]()
+def stated_postures(scene: Scene, plan: Plan, claims: Claims) -> Rows:
+    """What an answer states: working modes of arrivals, and the least margins of all of the motion, with an instant at
+    which each is reached."""
+    found, robot, path = Rows(), scene.robot, plan.trajectory
+    for arrival, name in zip(plan.arrivals, claims.modes or (), strict=False):
+        mode = robot.modes.index(name) if name in robot.modes else None
+        # what a request requires has rows already
+        if mode is not None and (mode != _required_mode(scene) or arrival.missed_by is not None):
+            found += _in_mode(robot, arrival, mode)
+    if claims.singularity is None and claims.parallel is None:
+        return found
+    serial = _serial(robot, int(robot.mode_of(path.q[0])))
+    stated = (("singularity", claims.singularity, serial), ("parallel", claims.parallel, _couplers(robot)))
+    for (name, claimed, bends), own in zip(stated, least_margins(robot, path, instants(path)[0]), strict=True):
+        if claimed is None or claimed[0] is None:
+            continue
+        least, reached = claimed[0] - MARGIN, claimed[0] + MARGIN
         if least > 0.0:
-            for arrival, t0, t1 in guided(self._scene, plan):
-                mode = self._mode
-                if mode is None:
-                    mode = int(self._scene.robot.mode_of(plan.trajectory.evaluate(arrival.time)))
-                for bend, sign in self._signed(mode):
-                    found.append((arrival.control_point, _beyond(bend, t0, t1, sign, least)))
-                kept.add(arrival.step)
-        if self._mode is not None:
-            for arrival in plan.arrivals:
-                # rows of a margin have the signs of the mode, too
-                if arrival.missed_by is None and arrival.step not in kept:
-                    found += self._in_mode(arrival, self._mode)
-        return found
+            # a number that is never 0 keeps its sign
+            found += [(name, _beyond(bend, path.start, path.end, sign, least)) for bend, sign in bends]
+        if own is not None and bends:
+            t = own[1]
+            nearest = min((bend for bend, _ in bends), key=lambda bend: abs(_value(robot, bend, path.evaluate(t))))
+            size = reached * (nearest.length or 1.0)
+            found.append((name, _row(nearest, t, t, -size, size)))
+    return found
 
-    def of_answer(self, plan: Plan, claims: Claims) -> Rows:
-        """What an answer states: working modes of arrivals, and the least margins of all of the motion, with an instant
-        at which each is reached."""
-        found, robot, path = Rows(), self._scene.robot, plan.trajectory
-        for arrival, name in zip(plan.arrivals, claims.modes or (), strict=False):
-            mode = robot.modes.index(name) if name in robot.modes else None
-            # what a request asks has rows already
-            if mode is not None and (mode != self._mode or arrival.missed_by is not None):
-                found += self._in_mode(arrival, mode)
-        if claims.singularity is None and claims.parallel is None:
-            return found
-        first = int(robot.mode_of(path.q[0]))
-        serial = [] if first < 0 else list(zip(self._bends, self._signs[first], strict=True))
-        stated = (("singularity", claims.singularity, serial), ("parallel", claims.parallel, self._couplers))
-        for (name, claimed, bends), own in zip(stated, least_margins(robot, path, instants(path)[0]), strict=True):
-            if claimed is None or claimed[0] is None:
-                continue
-            least, reached = claimed[0] - MARGIN, claimed[0] + MARGIN
-            if least > 0.0:
-                # a number that is never 0 keeps its sign
-                found += [(name, _beyond(bend, path.start, path.end, sign, least)) for bend, sign in bends]
-            if own is not None and bends:
-                t = own[1]
-                nearest = min((bend for bend, _ in bends), key=lambda bend: abs(self._value(bend, plan, t)))
-                size = reached * (nearest.length or 1.0)
-                found.append((name, _row(nearest, t, t, -size, size)))
-        return found
 
-    def _in_mode(self, arrival: Arrival, mode: int) -> Rows:
-        """The signs of a working mode when an arrival begins. What never is 0 tells no modes apart."""
-        return [
-            (arrival.control_point, _beyond(bend, arrival.time, arrival.time, sign, -SIGN))
-            for k, (bend, sign) in enumerate(self._signed(mode)[: len(self._bends)])
-            if len({signs[k] for signs in self._signs}) > 1
-        ]
+def _required_mode(scene: Scene) -> int | None:
+    """The number of the working mode that a scene requires (-1: that of no mode); None: it requires none."""
+    robot, elbow = scene.robot, scene.options.elbow
+    if elbow == "keep":
+        return int(robot.mode_of(scene.start.q))
+    return None if elbow == "auto" else robot.modes.index(elbow)
 
-    def _signed(self, mode: int) -> list[tuple[Bend, int]]:
-        """All numbers with their signs in a working mode (-1: none, and no rows)."""
-        own = [] if mode < 0 else list(zip(self._bends, self._signs[mode], strict=True))
-        return own + self._couplers
 
-    def _value(self, bend: Bend, plan: Plan, t: float) -> float:
-        p, r = self._scene.robot.placements(plan.trajectory.evaluate(np.array([t])))
-        along: FloatArray = r[0, bend.other] @ np.array(bend.along)
-        if bend.length > 0.0:
-            return float((p[0, bend.link] - p[0, bend.other]) @ along) / bend.length
-        return float(r[0, bend.link] @ np.array(AHEAD) @ along)
+def _in_mode(robot: Robot, arrival: Arrival, mode: int) -> Rows:
+    """The signs of a working mode when an arrival begins. What never is 0 tells no modes apart."""
+    return [
+        (arrival.control_point, _beyond(bend, arrival.time, arrival.time, sign, -SIGN))
+        for k, (bend, sign) in enumerate(_serial(robot, mode))
+        if len({signs[k] for signs in robot.chain.signs}) > 1
+    ]
+
+
+def _serial(robot: Robot, mode: int) -> list[tuple[Bend, int]]:
+    """The numbers of an arm from which margins and working modes follow, with their signs in a mode (-1: none)."""
+    return [] if mode < 0 else list(zip(robot.chain.bends, robot.chain.signs[mode], strict=True))
+
+
+def _couplers(robot: Robot) -> list[tuple[Bend, int]]:
+    """The same of the angle between both couplers of a loop, whose sign never changes."""
+    chain = robot.chain
+    if chain.loop is None:
+        return []
+    first, second = [k for k, link in enumerate(chain.links) if link.coupler >= 0][:2]
+    return [(Bend(second, first, LEFT), int(chain.loop.side))]
+
+
+def _value(robot: Robot, bend: Bend, q: FloatArray) -> float:
+    p, r = robot.placements(q[None])
+    along: FloatArray = r[0, bend.other] @ np.array(bend.along)
+    if bend.length > 0.0:
+        return float((p[0, bend.link] - p[0, bend.other]) @ along) / bend.length
+    return float(r[0, bend.link] @ np.array(AHEAD) @ along)
 
 
 def guided(scene: Scene, plan: Plan) -> Iterator[tuple[Arrival, float, float]]:

@@ -4,25 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import count
+from operator import itemgetter
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
+from assur.planner.claim.frames import EMPTY, table_of
 from assur.planner.geometry.shapes import Body, Pieces
 from assur.planner.laws import EXACT
 from assur.planner.model.phases import Attachments, Phase, at_start, contact_gap
 from assur.planner.model.scene import Scene
-from assur.planner.robots.facts import Limits
-
-EMPTY = {name: c.table(name, []) for name in c.WIDTHS}
-"""Tables without rows, which many claims share."""
-
-
-def table_of(name: str, rows: Sequence[Sequence[float]]) -> FloatArray:
-    """Rows as the table of this name."""
-    return c.table(name, rows) if rows else EMPTY[name]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,18 +34,13 @@ class Carriers:
 
 def carriers_of(scene: Scene, names: Sequence[str]) -> Carriers:
     """Those of a cell with bodies of these names, in the order of a claim."""
-    number, many = {name: k for k, name in enumerate(names)}, len(names)
-    off = np.zeros(2 * many)
-    for item in scene.bodies:
-        if item.uncertainty != EXACT:
-            k, within = number[item.name], item.uncertainty
+    many, off = len(names), np.zeros(2 * len(names))
+    for k, item in enumerate(scene.bodies, start=many - len(scene.bodies)):
+        within = item.uncertainty
+        if within is not EXACT and within != EXACT:
             off[k], off[many + k] = within.position_m + within.yaw_rad * item.body.radius, within.vertical_m
-    return Carriers(
-        body=number,
-        frame={name: k for k, name in enumerate(scene.frames)},
-        flange=scene.robot.links.index("flange"),
-        off=off,
-    )
+    body, frame = dict(zip(names, range(many), strict=True)), dict(zip(scene.frames, count(), strict=False))
+    return Carriers(body, frame, scene.robot.links.index("flange"), off)
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,15 +53,22 @@ class Seats:
 
 def seats_of(scene: Scene, carriers: Carriers) -> Seats:
     """Where each body is when the plan begins."""
-    robot, attached = scene.robot, at_start(scene)
-    links = [item.link for item in robot.bodies] + [carriers.flange] * len(scene.tool.bodies)
-    rows: list[tuple[float, ...]] = [(k, link, -1, 0.0, 0.0, 0.0, 0.0) for k, link in enumerate(links)]
-    rows += [seat_of(scene, carriers, attached, item.name) for item in scene.bodies]
-    parts = {step.part for step in scene.task if step.part is not None}
+    attached, moved, rows = at_start(scene), dict[str, int](), list[tuple[float, ...]]()
+    for item in scene.robot.bodies:
+        rows.append((len(rows), item.link, -1, 0.0, 0.0, 0.0, 0.0))
+    for _ in scene.tool.bodies:
+        rows.append((len(rows), carriers.flange, -1, 0.0, 0.0, 0.0, 0.0))
+    for each in scene.bodies:
+        pose = each.pose
+        rows.append((len(rows), -1, carriers.frame[each.frame], pose.x, pose.y, pose.z, pose.yaw))
+    for step in scene.task:
+        if step.part is not None:
+            moved[step.part] = carriers.body[step.part]
     if attached.held is not None:
-        parts.add(attached.held.part)
-    moved = sorted((carriers.body[part], part) for part in parts)
-    return Seats(c.table("seats", rows), tuple((part, k) for k, part in moved))
+        name = attached.held.part
+        moved[name] = carriers.body[name]
+        rows[moved[name]] = seat_of(scene, carriers, attached, name)
+    return Seats(c.table("seats", rows), tuple(sorted(moved.items(), key=itemgetter(1))))
 
 
 def seat_of(scene: Scene, carriers: Carriers, attached: Attachments, name: str) -> tuple[float, ...]:
@@ -187,31 +182,31 @@ def solids_of(bodies: Sequence[Body], solids: Pieces) -> dict[str, FloatArray]:
     rows = np.zeros((len(bodies), c.BODY))
     rows[:, c.BODY_PIECE], rows[:, c.BODY_PIECES] = solids.first, solids.count
     pieces, corners = _pieces(solids), list[FloatArray]()
-    for k in np.flatnonzero(solids.hull >= 0).tolist():
+    hulls = solids.hull >= 0
+    for k in hulls.nonzero()[0].tolist():
         hull = solids.hulls[solids.hull[k]]
         corners.append(hull.vertices @ solids.rotation[k].T + solids.position[k])
-    surfaces = {k: cut for k, body in enumerate(bodies) for cut in [body.cut_surface] if cut}
+    surfaces = {k: body.cut_surface for k, body in enumerate(bodies) if body.surface is not None}
     numbers = solids.hull.tolist()
     for body, cut in surfaces.items():
         for piece, (own, _) in enumerate(cut, start=int(solids.first[body])):
             corners[numbers[piece]] = own
-    sizes, hulls = np.zeros(len(pieces)), solids.hull >= 0
-    sizes[hulls] = [len(each) for each in corners]
-    pieces[:, c.PIECE_VERTICES], pieces[:, c.PIECE_VERTEX] = sizes, np.cumsum(sizes) - sizes
-    triangles, count = [c.table("triangles", [])], 0
-    for body in range(len(bodies)):
-        begin = count
-        for piece, (_, chosen) in enumerate(surfaces.get(body, ()), start=int(solids.first[body])):
+    sizes = np.zeros(len(pieces))
+    sizes[hulls] = list(map(len, corners))
+    pieces[:, c.PIECE_VERTICES], pieces[:, c.PIECE_VERTEX] = sizes, sizes.cumsum() - sizes
+    triangles = list[FloatArray]()
+    for body, cut in surfaces.items():
+        for piece, (_, chosen) in enumerate(cut, start=int(solids.first[body])):
             own = np.full((len(chosen), c.TRIANGLE), float(piece))
             own[:, c.TRIANGLE_VERTEX : c.TRIANGLE_PIECE] = chosen + pieces[piece, c.PIECE_VERTEX]
             triangles.append(own)
-            count += len(own)
-        rows[body, c.BODY_TRIANGLE], rows[body, c.BODY_TRIANGLES] = begin, count - begin
+            rows[body, c.BODY_TRIANGLES] += len(own)
+    rows[:, c.BODY_TRIANGLE] = rows[:, c.BODY_TRIANGLES].cumsum() - rows[:, c.BODY_TRIANGLES]
     return {
         "bodies": rows,
         "pieces": pieces,
-        "vertices": np.concatenate([c.table("vertices", []), *corners]),
-        "triangles": np.concatenate(triangles),
+        "vertices": np.concatenate(corners) if corners else EMPTY["vertices"],
+        "triangles": np.concatenate(triangles) if triangles else EMPTY["triangles"],
     }
 
 
@@ -222,10 +217,10 @@ def _pieces(solids: Pieces) -> FloatArray:
     found[:, c.PIECE_AXIS : c.PIECE_DISC] = solids.rotation[:, :, 2]
     found[:, c.PIECE_DISC], found[:, c.PIECE_BALL] = solids.disc, solids.ball
     long = solids.half != 0.0
-    found[:, c.PIECE_EDGES] = long.sum(1)
+    found[:, c.PIECE_EDGES] = np.add.reduce(long, 1)
     edges = np.where(long[:, :, None], solids.rotation.transpose(0, 2, 1) * solids.half[:, :, None], 0.0)
-    order = np.argsort(~long, axis=1, kind="stable")[:, :, None]  # edges of no length come last
-    found[:, c.PIECE_EDGE : c.PIECE_EDGE + 9] = np.take_along_axis(edges, order, 1).reshape(count, 9)
+    order = (~long).argsort(axis=1, kind="stable")  # edges of no length come last
+    found[:, c.PIECE_EDGE : c.PIECE_EDGE + 9] = edges[np.arange(count)[:, None], order].reshape(count, 9)
     return found
 
 
@@ -235,38 +230,30 @@ SHARES = (1e-9, 1e-9, 1e-9, 1e-6)
 """Of half the range, velocity, acceleration and jerk, beyond the limit: rounding of knots on a limit."""
 
 
-class JointLimits:
-    """The rows of a scene's limits without their times: of the robot, and of it with each load that lowers them."""
-
-    def __init__(self, scene: Scene) -> None:
-        own, jerk = scene.robot.limits, scene.options.jerk_limited
-        lowered = {load.part: scene.limits_with(load.part) for load in scene.loads}
-        self._own = _row(own, jerk=jerk)
-        self._lowered = {part: _row(each, jerk=jerk) for part, each in lowered.items() if each is not own}
-
-    def over(self, start: float, phases: Sequence[Phase]) -> FloatArray:
-        """The limits (N, c.LIMIT) of a plan: the robot's from `start` on, s, and those that each load leaves, for as
-        long as it is held."""
-        loads = loads_of(phases) if self._lowered else []
-        spans = [(part, t0, t1) for part, t0, t1 in loads if part in self._lowered]
-        found = np.array([self._own, *(self._lowered[part] for part, _, _ in spans)])
-        found[:, c.LIMIT_T0 : c.LIMIT_JERKS] = [(start, phases[-1].t1), *((t0, t1) for _, t0, t1 in spans)]
-        return found
+def limits_of(scene: Scene, start: float, phases: Sequence[Phase]) -> FloatArray:
+    """The limits (N, c.LIMIT) of a plan: the robot's from `start` on, s, and those that each load lowers, for as long
+    as it is held."""
+    own, n, jerk = scene.robot.limits, len(scene.robot.joints), scene.options.jerk_limited
+    spans = [(own, start, phases[-1].t1)]
+    for part, t0, t1 in loads_of(phases):
+        limits = scene.limits_with(part)
+        if limits is not own:
+            spans.append((limits, t0, t1))
+    found = np.zeros((len(spans), c.LIMIT))
+    found[:, c.LIMIT_JERKS], found[:, c.LIMIT_SHARE : c.LIMIT_LOWER] = jerk, SHARES
+    for row, (limits, t0, t1) in zip(found, spans, strict=True):
+        row[c.LIMIT_T0], row[c.LIMIT_T1] = t0, t1
+        row[c.LIMIT_LOWER :].reshape(-1, c.MOST_JOINTS)[: 4 + jerk, :n] = limits.table[: 4 + jerk]
+    return found
 
 
 def loads_of(phases: Sequence[Phase]) -> list[tuple[str | None, float, float]]:
     """What the gripper holds on the legs of a plan, from when to when, s."""
-    found = []
-    for part, group in groupby((phase for phase in phases if phase.step >= 0), key=lambda phase: phase.attached.part):
-        own = list(group)
-        found.append((part, own[0].t0, own[-1].t1))
+    found = list[tuple[str | None, float, float]]()
+    for phase in phases:
+        if phase.step >= 0:
+            held = phase.attached.held
+            part = None if held is None else held.part
+            begin = found.pop()[1] if found and found[-1][0] == part else phase.t0
+            found.append((part, begin, phase.t1))
     return found
-
-
-def _row(limits: Limits, *, jerk: bool) -> FloatArray:
-    row, n = np.zeros(c.LIMIT), len(limits.lower)
-    row[c.LIMIT_JERKS], row[c.LIMIT_SHARE : c.LIMIT_LOWER] = jerk, SHARES
-    firsts = (c.LIMIT_LOWER, c.LIMIT_UPPER, c.LIMIT_VELOCITY, c.LIMIT_ACCELERATION, c.LIMIT_JERK)[: 4 + jerk]
-    for first, values in zip(firsts, limits.table, strict=False):
-        row[first : first + n] = values
-    return row

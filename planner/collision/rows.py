@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from itertools import compress
 
 import numpy as np
 
@@ -46,25 +47,26 @@ def written(
     scene: Scene, trajectory: Trajectory, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...], proofs: list[Rows]
 ) -> Certificate:
     """The certificate of a whole plan from the rows of its phases."""
-    table, of_units = np.concatenate([rows.table for rows in proofs]), []
+    tables, of_units = [], []
     for rows in proofs:
+        tables.append(rows.table)
         units = rows.table[:, UNIT : OTHER + 1].astype(np.int64)
         found = rows.arrangement.rows[:, BODY : PIECE + 1][units]
         found[units < 0] = -1
         of_units.append(found)
     # (N, 2, 2): body and piece, of the first unit and of the second
-    columns = np.concatenate(of_units).astype(np.int64)
+    table, columns = np.concatenate(tables), np.concatenate(of_units).astype(np.int64)
     # only the bodies that are needed are named; the last entry is that of no body, -1
     names = proofs[0].arrangement.names
     needed = np.zeros(len(names) + 1, dtype=np.int64)
     needed[columns[:, :, 0]] = 1
-    number = np.cumsum(needed) - 1
+    number = needed.cumsum() - 1
     number[-1] = -1
-    shifted = bool(table[:, FROM].any() or table[:, TO].any())
+    shifted = bool(table[:, [FROM, TO]].any())
     certificate = Certificate(
         first=number[columns[:, 0, 0]],
         second=number[columns[:, 1, 0]],
-        names=tuple(name for name, used in zip(names, needed.tolist(), strict=False) if used),
+        names=tuple(compress(names, needed.tolist())),
         t0=table[:, T0].copy(),
         t1=table[:, T1].copy(),
         first_piece=columns[:, 0, 1].copy(),
@@ -74,4 +76,6 @@ def written(
         shift1=table[:, TO].copy() if shifted else None,
         covers=covered(trajectory),
     )
-    return replace(certificate, digest=digest(scene.digest, trajectory, legs, arrivals, certificate))
+    # its columns need not be validated again for it
+    object.__setattr__(certificate, "digest", digest(scene.digest, trajectory, legs, arrivals, certificate))
+    return certificate

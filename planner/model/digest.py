@@ -16,13 +16,7 @@ from typing import Any
 import numpy as np
 
 from assur.planner.model.arrival_error import ArrivalError
-from assur.planner.model.outcome import (
-    INDICES,
-    Arrival,
-    Certificate,
-    Leg,
-    Traced,
-)
+from assur.planner.model.outcome import Arrival, Certificate, Leg
 from assur.planner.trajectory import Trajectory
 
 FORMAT = "assur-plan-7"
@@ -44,7 +38,6 @@ def digest(
     if certificate.shift0 is not None and certificate.shift1 is not None:
         columns += [certificate.shift0[:, None], certificate.shift1[:, None]]
     knots, rows = trajectory.knots + 0.0, np.concatenate(columns, 1) + 0.0  # −0 as 0
-    indices = [getattr(certificate, name) for name in INDICES]
     text = ascii(
         [
             FORMAT,
@@ -52,47 +45,40 @@ def digest(
             bool(trajectory.jumps),
             list(map(str, certificate.covers)),
             list(map(str, certificate.names)),
-            [_leg(leg) for leg in legs],
-            [_arrival(arrival) for arrival in arrivals],
+            list(map(_leg, legs)),
+            list(map(_arrival, arrivals)),
             knots.shape,
             rows.shape,
         ]
     ).encode()
-    tables = np.asarray(knots, "<f8"), np.asarray(rows, "<f8"), np.array(indices, "<i8").T
-    parts = [len(text).to_bytes(8, "little"), text, *(table.tobytes() for table in tables)]
-    return hashlib.sha256(b"".join(parts)).hexdigest()
+    indices = np.array(
+        [certificate.first, certificate.first_piece, certificate.second, certificate.second_piece], "<i8"
+    )
+    numbers = np.asarray(knots, "<f8").tobytes(), np.asarray(rows, "<f8").tobytes(), indices.T.tobytes()
+    return hashlib.sha256(b"".join([len(text).to_bytes(8, "little"), text, *numbers])).hexdigest()
 
 
 def _leg(leg: Leg) -> list[Any]:
     route = leg.route
     way = None if route is None else [str(route.course), int(route.vias), bool(route.after_wait), bool(route.later)]
-    return [str(leg.kind), int(leg.step), *_numbers(leg.t0, leg.t1), way]
+    return [str(leg.kind), int(leg.step), float(leg.t0) + 0.0, float(leg.t1) + 0.0, way]
 
 
 def _arrival(arrival: Arrival) -> list[Any]:
-    pose, missed = arrival.pose, arrival.missed_by
-    known = (arrival.along_m, arrival.window_left_s, arrival.pitch, arrival.roll)
+    pose, missed, trace = arrival.pose, arrival.missed_by, arrival.trace
+    known = [arrival.along_m, arrival.window_left_s, arrival.pitch, arrival.roll]
+    touching = [arrival.grip_m, arrival.support_m]  # nothing where neither is stated, as in old plans
     return [
         int(arrival.step),
         str(arrival.control_point),
         bool(arrival.matched),
         *_numbers(arrival.time, arrival.until, pose.x, pose.y, pose.z, pose.yaw, arrival.yaw_offset),
-        *(None if value is None else float(value) + 0.0 for value in known),
+        *[None if value is None else float(value) + 0.0 for value in known],
         None if missed is None else _numbers(*missed.joints, missed.distance_m),
         None if arrival.error is None else _error(arrival.error),
-        None if arrival.trace is None else _trace(arrival.trace),
-        *_touching(arrival),
+        None if trace is None else _numbers(trace.length_m, trace.slowest_m_s, trace.fastest_m_s, trace.error_m),
+        *([] if touching == [None, None] else [None if value is None else float(value) + 0.0 for value in touching]),
     ]
-
-
-def _touching(arrival: Arrival) -> list[float | None]:
-    """How far tool or support are from the part; nothing where neither is stated, as in old plans."""
-    stated = (arrival.grip_m, arrival.support_m)
-    return [] if stated == (None, None) else [None if value is None else float(value) + 0.0 for value in stated]
-
-
-def _trace(trace: Traced) -> list[float]:
-    return _numbers(trace.length_m, trace.slowest_m_s, trace.fastest_m_s, trace.error_m)
 
 
 def _error(error: ArrivalError) -> list[Any]:
@@ -106,4 +92,5 @@ def _error(error: ArrivalError) -> list[Any]:
 
 def _numbers(*values: float) -> list[float]:
     """Python's own floats, −0 as 0: their shortest texts are different if the numbers are."""
-    return [float(value) + 0.0 for value in values]
+    numbers: list[float] = (np.array(values, dtype=float) + 0.0).tolist()
+    return numbers

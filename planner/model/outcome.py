@@ -230,7 +230,7 @@ class Certificate:
 
     def __post_init__(self) -> None:
         given: dict[str, Any] = vars(self)
-        rows = np.shape(given["t0"])
+        rows = getattr(given["t0"], "shape", ())
         if (self.shift0 is None) != (self.shift1 is None):
             raise InputError("certificate.shift0", self.shift0, "both ends of shifts, or none")
         shifts = () if self.shift0 is None else (("shift0", "f"), ("shift1", "f"))
@@ -241,7 +241,7 @@ class Certificate:
             if column.shape != shape or len(rows) != 1 or not (kind == "i" or np.isfinite(column).all()):
                 raise InputError(f"certificate.{name}", column.shape, f"finite numbers of shape {shape}")
         names, covers = given["names"], given["covers"]
-        if not (isinstance(names, tuple) and all(isinstance(name, str) for name in names)):
+        if not (isinstance(names, tuple) and {*map(type, names)} <= {str}):
             raise InputError("certificate.names", names, "a tuple of texts")
         if len(set(names)) != len(names):
             raise InputError("certificate.names", names, "different names")
@@ -270,7 +270,7 @@ class Plan:
                 raise InputError(f"plan.{name}", getattr(self, name), f"a {one.__name__}")
         for name, each in (("legs", Leg), ("arrivals", Arrival)):
             items = getattr(self, name)
-            if not (isinstance(items, tuple) and all(isinstance(item, each) for item in items)):
+            if not (isinstance(items, tuple) and {*map(type, items)} <= {each}):
                 raise InputError(f"plan.{name}", items, f"a tuple of {each.__name__}")
 
 

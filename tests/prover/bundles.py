@@ -10,7 +10,7 @@ from typing import Any
 from assur.planner.checker.claim.verdict import check_claim
 from assur.planner.claim import columns as c
 from assur.planner.claim import document as written
-from assur.planner.claim.frames import Arms, knots_of, law_of
+from assur.planner.claim.frames import arms_of, knots_of, law_of
 from assur.planner.claim.obligations import solids_of
 from assur.planner.geometry.shapes import Body, pieces
 from assur.planner.laws import Law
@@ -48,9 +48,7 @@ def bundle(name: str) -> Document:
 
 def arm_document(robot: Robot, path: Trajectory, begin: float, until: float) -> Document:
     """An arm that follows a trajectory, and stands before and after it, in a bundle."""
-    arms, knots = Arms(), knots_of(path, begin, until)
-    arms.add(robot)
-    rows = {name: table.tolist() for name, table in arms.tables().items()}
+    knots, rows = knots_of(path, begin, until), {name: table.tolist() for name, table in arms_of([robot]).items()}
     rows["arms"][0][c.ARM_KNOTS] = len(knots)
     rows["knots"] = knots.tolist()
     return written.arm_document(rows, rows["arms"][0], robot.name, list(robot.links))

@@ -24,7 +24,6 @@ from assur.planner.checker.refusals.postures import frame_at, links_at, posture,
 from assur.planner.checker.refusals.spans import around
 from assur.planner.checker.refusals.stated import NotShownError, Proof, Spot, spots
 from assur.planner.checker.refusals.ways import GraspOption, each_way, ways
-from assur.planner.checker.statement.arms import link_names
 from assur.planner.checker.statement.differences import TRACKED_RAD
 from assur.planner.checker.statement.distances import required_between
 from assur.planner.checker.statement.solids import bodies_of
@@ -122,7 +121,7 @@ def _at_a_point(scene: Scene, refusal: Refusal, way: GraspOption, mode: str, mee
     q = np.array([span.middle for span in found.joints])
     if not np.isfinite(q).all() or found.short.low > 0.0:
         raise NotShownError("the arm does not reach the point, so nothing of it can collide there")
-    if not math.dist(links_at(scene, q)[link_names(robot).index("flange")].place, wanted) <= REACHED_M:
+    if not math.dist(links_at(scene, q)[robot.links.index("flange")].place, wanted) <= REACHED_M:
         raise NotShownError("the flange is not shown to be at the point")
     first, second = _solids(scene, q, spot.attached, meeting.bodies)
     _check_constant(scene, way, first, second, spot.attached)
@@ -176,7 +175,7 @@ def _solids(scene: Scene, q: FloatArray, attached: Attachments, names: tuple[str
     def solid(name: str) -> Solid:
         link, local = seats.get(name, (None, Pose()))
         if link is not None:
-            carrier = links[link_names(robot).index(link)]
+            carrier = links[robot.links.index(link)]
             place, turn = carrier.place, carrier.rotation
         else:
             frame, local = attached.pose_of(scene, name)

@@ -147,7 +147,7 @@ class Link(NamedTuple):
 
 
 def links_at(scene: Scene, q: FloatArray) -> list[Link]:
-    """The links of the arm at joint values q (n,), in the order of `arms.link_names`."""
+    """The links of the arm at joint values q (n,), in the order of the robot's."""
     links, axes = arms.textbook(scene.robot, q.tolist()), np.eye(3).tolist()
     turned = [np.transpose([arms.rotated(own, axis) for axis in axes]) for _, own in links]
     return [Link(np.array(p), r, own) for (p, own), r in zip(links, turned, strict=True)]
@@ -155,7 +155,7 @@ def links_at(scene: Scene, q: FloatArray) -> list[Link]:
 
 def flange_at(scene: Scene, q: FloatArray) -> Link:
     """The flange of the arm at joint values q (n,)."""
-    return links_at(scene, q)[arms.flange_row(scene.robot)]
+    return links_at(scene, q)[scene.robot.links.index("flange")]
 
 
 def yaw_at(scene: Scene, q: FloatArray) -> float:

@@ -9,7 +9,6 @@ from typing import Literal
 from assur.planner.checker.refusals.postures import forbidden, links_at, yaw_at
 from assur.planner.checker.refusals.stated import Proof, exceeded, law_ends
 from assur.planner.checker.statement import laws
-from assur.planner.checker.statement.arms import link_names
 from assur.planner.checker.statement.differences import inverse, numbers, then
 from assur.planner.checker.statement.limits import integrals, part_inertia, share_of, tool_inertia
 from assur.planner.model.phases import at_start, yaw_offsets
@@ -57,7 +56,7 @@ def beyond_limits(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iter
 
 def unassembled(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iterator[Proof]:
     """A closed chain that is too near a type 2 singularity, where its couplers are parallel, or does not close."""
-    need, names, t = scene.robot.parallel_least, link_names(scene.robot), scene.start.time
+    need, names, t = scene.robot.parallel_least, scene.robot.links, scene.start.time
     if not set(COUPLERS) <= set(names):
         return
     links = links_at(scene, scene.start.q)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.differences import Four, Requirements
 from assur.planner.checker.verdict import Code
@@ -49,20 +49,17 @@ class Link(NamedTuple):
     roll: tuple[int, ...] = ()
     coupler: int = -1
 
-    def angles(self, base: float) -> list[tuple[float, tuple[int, ...]]]:
-        """Yaw, pitch and roll: a constant, rad, and the joints that are added. `base`: the yaw of the arm's base. What
-        counts from a coupler has its direction in addition."""
-        yaw = 0.0 if self.yaw is None or self.coupler >= 0 else base
-        return [(yaw, self.yaw or ()), (0.0, self.pitch), (0.0, self.roll)]
-
 
 class Chain(NamedTuple):
     """The links of an arm. `loop`: the numbers of both cranks, their lengths, those of both couplers, and the side on
-    which these meet; () for none. `angles`: of each link (`Link.angles`)."""
+    which these meet; () for none. `rows` (L, c.LINK): as in a claim, without angles. `angles` (L, 3, 1 + n): of yaw,
+    pitch and roll the constant, rad, and the share of each joint; a yaw that counts from a coupler has its direction in
+    addition."""
 
     links: tuple[Link, ...]
     loop: tuple[float, ...]
-    angles: list[list[tuple[float, tuple[int, ...]]]]
+    rows: FloatArray
+    angles: FloatArray
 
 
 @lru_cache(maxsize=64)
@@ -94,17 +91,17 @@ def chain_of(robot: Robot) -> Chain:
                 links.append(Link(4, (robot.l3, 0.0, 0.0), yaw=(0,), pitch=wrist, roll=(4,)))
     else:
         raise FaultError(f"no textbook has the arm {type(robot).__name__}")
-    return Chain(tuple(links), loop, [link.angles(robot.base.yaw) for link in links])
-
-
-def link_names(robot: Robot) -> tuple[str, ...]:
-    """The links of an arm in the order of a claim: those of the robot."""
-    return robot.links
-
-
-def flange_row(robot: Robot) -> int:
-    """The number in a claim of the flange, which carries tool and part."""
-    return robot.links.index("flange")
+    rows, angles = np.zeros((len(links), c.LINK)), np.zeros((len(links), 3, 1 + len(robot.joints)))
+    for link, row, turns in zip(links, rows, angles, strict=True):
+        row[c.LINK_PARENT], row[c.LINK_COUPLER], row[c.LINK_SLIDE] = link.parent, link.coupler, -1.0
+        row[c.LINK_OFFSET : c.LINK_SLIDE] = link.offset
+        if link.slide is not None:
+            row[c.LINK_AXIS + link.slide[0]], row[c.LINK_SLIDE] = 1.0, link.slide[1]
+        turns[0, 0] = 0.0 if link.yaw is None or link.coupler >= 0 else robot.base.yaw
+        for turn, joints in zip(turns, (link.yaw or (), link.pitch, link.roll), strict=True):
+            for joint in joints:
+                turn[1 + joint] = 1.0
+    return Chain(tuple(links), loop, rows, angles)
 
 
 def require_links(report: Requirements, scene: Scene, claim: c.Claim) -> None:
@@ -135,22 +132,21 @@ def require_links(report: Requirements, scene: Scene, claim: c.Claim) -> None:
 def _require_chain(report: Requirements, robot: Robot, arm: int, claim: c.Claim) -> None:
     """The links of an arm are those of its chain, and its loop is as far from singular positions."""
     row, chain, n = claim.arms[arm].astype(int).tolist(), chain_of(robot), len(robot.joints)
-    first, links = row[c.ARM_LINK], claim.links[row[c.ARM_LINK] :][: row[c.ARM_LINKS]].tolist()
+    first, links = row[c.ARM_LINK], claim.links[row[c.ARM_LINK] :][: row[c.ARM_LINKS]]
     if len(links) != len(robot.links) or row[c.ARM_JOINTS] != n or (row[c.ARM_LOOP] >= 0) != bool(chain.loop):
         what = f"{robot.name} has {len(robot.links)} links, {n} joints and {'a' if chain.loop else 'no'} loop"
         report.require(False, Code.LINK, what)
         return
-    sums = [*claim.angles[:, : 1 + n].tolist(), [0.0] * (1 + n)]  # a link that stays upright has no row, -1
-    for name, link, angles, own in zip(robot.links, chain.links, chain.angles, links, strict=True):
-        axis, joint = link.slide or (-1, -1)
-        same = max(own[c.LINK_PARENT] - first, -1.0) == link.parent and own[c.LINK_COUPLER] == link.coupler
-        same = same and own[c.LINK_SLIDE] == joint and _are_near(own[c.LINK_OFFSET : c.LINK_SLIDE], link.offset)
-        along = [float(k == axis) for k in range(3)]
-        same = same and (joint < 0 or _are_near(own[c.LINK_AXIS : c.LINK_YAW], along))
-        for number, (constant, joints) in zip(own[c.LINK_YAW :], angles, strict=False):
-            shares = [float(k in joints) for k in range(n)]
-            same = same and _are_near(sums[int(number)], [constant, *shares])
-        report.require(same, Code.LINK, f"{name} of {robot.name} is not where the request has it")
+    sums = np.zeros((len(claim.angles) + 1, 1 + n))  # a link that stays upright has no row, -1
+    sums[:-1] = claim.angles[:, : 1 + n]
+    off = np.abs(links - chain.rows)
+    off[:, c.LINK_PARENT] = np.abs(np.maximum(links[:, c.LINK_PARENT] - first, -1.0) - chain.rows[:, c.LINK_PARENT])
+    off[chain.rows[:, c.LINK_SLIDE] < 0.0, c.LINK_AXIS : c.LINK_YAW] = 0.0  # nothing slides
+    turns = sums[links[:, c.LINK_YAW : c.LINK_COUPLER].astype(int)]
+    off[:, c.LINK_YAW : c.LINK_COUPLER] = np.abs(turns - chain.angles).max(2)
+    for name, same in zip(robot.links, np.asarray((off <= COPIED).all(1)).tolist(), strict=True):
+        if not same:
+            report.require(False, Code.LINK, f"{name} of {robot.name} is not where the request has it")
     if chain.loop:
         loop = claim.loops[row[c.ARM_LOOP]].tolist()
         pairs = list(zip(loop[: c.LOOP_LEAST], chain.loop, strict=True))
@@ -160,19 +156,14 @@ def _require_chain(report: Requirements, robot: Robot, arm: int, claim: c.Claim)
         report.require(far, Code.LINK, f"{robot.name} may come nearer to a singularity of its loop")
 
 
-def _are_near(stated: list[float], required: Sequence[float]) -> bool:
-    return stated == required or all(abs(x - y) <= COPIED for x, y in zip(stated, required, strict=True))
-
-
 def textbook(robot: Robot, q: Sequence[float]) -> list[tuple[Three, Three]]:
     """The place, m, and yaw, pitch and roll, rad, of each link of an arm in the world for joint values; NaN where its
     loop does not close. Raises `FaultError` for an arm of another family."""
     chain, found, couplers = chain_of(robot), list[tuple[Three, Three]](), list[float]()
-    for link, turns in zip(chain.links, chain.angles, strict=True):
+    for link, (yaw, pitch, roll) in zip(chain.links, (chain.angles @ (1.0, *q)).tolist(), strict=True):
         local = list(link.offset)
         if link.slide is not None:
             local[link.slide[0]] += q[link.slide[1]]
-        yaw, pitch, roll = [rad + sum([q[k] for k in joints]) if joints else rad for rad, joints in turns]
         if link.coupler >= 0:
             couplers = couplers or _couplers(found, chain.loop)
             yaw += couplers[link.coupler]
@@ -251,9 +242,9 @@ def states_at(path: Trajectory, time: float) -> FloatArray:
     """Position, velocity and acceleration (3, n) of the joints at a time: by the quintic that has those of both knots
     (N5). A joint rests before the first knot and behind the last one."""
     within = min(max(time, float(path.time[0])), float(path.time[-1]))
-    i = int(np.searchsorted(path.time, within, side="right")) - 1
+    i = int(path.time.searchsorted(within, "right")) - 1
     if path.time[i] == within:
-        return path.knots[i, 1:].reshape(3, path.n)
+        return path.knots[i, 1:].reshape(3, -1)
     h, since = float(path.time[i + 1] - path.time[i]), within - float(path.time[i])
 
     def powers(t: float) -> FloatArray:
@@ -276,26 +267,22 @@ def link_at(robot: Robot, q: Sequence[float], row: int) -> Four:
 
 def hand_shares(robot: Robot) -> FloatArray:
     """The shares (2, n) of the joints in pitch and roll of the flange, which are sums of joint values (H2)."""
-    flange, joints = chain_of(robot).links[-1], range(len(robot.joints))
-    return np.array([[float(k in own) for k in joints] for own in (flange.pitch, flange.roll)])
-
-
-@lru_cache(maxsize=c.MOST_JOINTS)
-def knot_columns(n: int) -> IntArray:
-    """The columns of the knots of an arm with n joints in a claim: times, positions, velocities and accelerations."""
-    return np.array([c.KNOT_TIME, *(k + j for k in (c.KNOT_Q, c.KNOT_QD, c.KNOT_QDD) for j in range(n))])
+    return np.asarray(chain_of(robot).angles[-1, 1:, 1:])
 
 
 def require_knots(report: Requirements, robot: Robot, path: Trajectory, claim: c.Claim, arm: int) -> None:
     """The arm has the knots of the path, and one before and one behind at most, up to which it does not move."""
-    row, count = claim.arms[arm], len(path.time)
+    row, required = claim.arms[arm], path.knots
     knots = claim.knots[int(row[c.ARM_KNOT]) :][: int(row[c.ARM_KNOTS])]
-    first = int(knots[0, 0] < path.time[0])
-    behind = len(knots) - first - count
-    own = knots[first : first + count].take(knot_columns(path.n), 1)
-    same = behind in (0, 1) and bool((own == path.knots).all())
+    first = int(knots[0, 0] < required[0, 0])
+    behind = len(knots) - first - len(required)
+    own, n = knots[first : first + len(required)], path.q.shape[1]
+    same = behind in (0, 1) and bool((own[:, 0] == required[:, 0]).all())
+    states = own[:, c.KNOT_Q :].reshape(-1, 3, c.MOST_JOINTS)[:, :, :n]
+    same = same and bool((states == required[:, c.KNOT_Q :].reshape(-1, 3, n)).all())
     for k, beside in [(0, 1)] * first + [(-1, -2)] * behind:
-        rests = not knots[[k, beside], c.KNOT_QD :].any()
-        same = same and rests and np.array_equal(knots[k, c.KNOT_Q :], knots[beside, c.KNOT_Q :])
-    whose = "plan" if arm == 0 else "request"
-    report.require(same, Code.MOTION, f"the motion of {robot.name} is not that of the {whose}")
+        same = same and bool((knots[k, c.KNOT_Q :] == knots[beside, c.KNOT_Q :]).all())
+        same = same and not (knots[k, c.KNOT_QD :].any() or knots[beside, c.KNOT_QD :].any())
+    if not same:
+        whose = "plan" if arm == 0 else "request"
+        report.require(False, Code.MOTION, f"the motion of {robot.name} is not that of the {whose}")

@@ -34,6 +34,12 @@ class Requirements:
             where = "" if when is None else at(when[0]) if when[0] == when[1] else f"{at(when[0])} to {at(when[1])}"
             self.findings.append(Finding(code, what, where=where))
 
+    def require_all(self, code: Code, when: Interval | None, *requirements: tuple[object, str]) -> None:
+        """`require` for what has to hold, and what is wrong else, one after the other."""
+        for holds, what in requirements:
+            if not holds:
+                self.require(False, code, what, when)
+
 
 def at(time: float) -> str:
     """A time in words."""

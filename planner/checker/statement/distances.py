@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from operator import ge
+
 import numpy as np
 
 from assur.planner.arrays import BoolArray
@@ -19,15 +21,17 @@ def require_distances(report: Requirements, scene: Scene, claim: c.Claim) -> Non
     counts), and the pairs of the robot's links that are kept apart."""
     names, clearance, stated = [body.name for body in bodies_of(scene)], scene.options.clearance, claim.required[0]
     count = len(names)
-    required = np.full((count, count, 2), (clearance.travel_m, clearance.near_m))
+    required, kept = np.empty((2, count, count, 2))
+    required[:] = clearance.travel_m, clearance.near_m
     for rule in clearance.exceptions:
         sides = [np.array([not side or name in side for name in names]) for side in (rule.first, rule.second)]
         required[_both_ways(*sides)] = rule.travel_m, rule.near_m
-    kept = np.full((count, count, 2), stated[[c.REQUIRED_TRAVEL, c.REQUIRED_NEAR]])
+    kept[:] = stated[[c.REQUIRED_TRAVEL, c.REQUIRED_NEAR]]
     for row in claim.rules:
         first, second = (row[c.RULE_SIDE :] == 1.0).reshape(2, count)
         kept[_both_ways(first, second)] = row[[c.RULE_TRAVEL, c.RULE_NEAR]]
-    for i, k, near in np.argwhere(~(kept >= required)).tolist():
+    less = ~(kept >= required)
+    for i, k, near in np.argwhere(less).tolist() if less.any() else ():
         if i <= k:
             pair, kind = f"{names[i]} and {names[k]}", ("travel", "near")[near]
             what = f"{pair} need {required[i, k, near]:g} m ({kind}), not {kept[i, k, near]:g} m"
@@ -65,11 +69,12 @@ def require_execution(statement: Statement) -> None:
     phase ends."""
     execution, stated = statement.scene.execution, statement.claim.required[0].tolist()
     until, end = stated[c.REQUIRED_UNTIL], statement.stages[-1].when[1]
-    lags = all(x >= y for x, y in zip(stated[c.REQUIRED_LAG :], execution.lag, strict=False))
-    for holds, what in (
-        (lags, "a joint may lag by more than the claim states"),
-        (stated[c.REQUIRED_LATE] >= execution.start_tolerance_s, "the robot may start later than the claim states"),
-        (stated[c.REQUIRED_SINCE] <= statement.scene.start.time, "errors of frames grow from an earlier time on"),
-    ):
-        statement.require(holds, Code.UNCERTAINTY, what)
+    late, since = stated[c.REQUIRED_LATE], stated[c.REQUIRED_SINCE]
+    statement.require_all(
+        Code.UNCERTAINTY,
+        None,
+        (all(map(ge, stated[c.REQUIRED_LAG :], execution.lag)), "a joint may lag by more than the claim states"),
+        (late >= execution.start_tolerance_s, "the robot may start later than the claim states"),
+        (since <= statement.scene.start.time, "errors of frames grow from an earlier time on"),
+    )
     statement.require(until >= end, Code.DISTANCE, "distances are not kept until the end", (until, end))

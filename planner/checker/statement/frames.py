@@ -66,9 +66,12 @@ def _require_uncertainty(report: Requirements, frame: Frame, row: list[float], s
     required, name = frame.uncertainty, frame.name
     least, most = required.shift_s
     late = row[c.FRAME_SHIFT] <= least and row[c.FRAME_SHIFT + 1] >= most
-    report.require(late, Code.UNCERTAINTY, f"the motion of {name} may be earlier or later than the claim states")
-    turned = row[c.FRAME_YAW] >= required.yaw_rad
-    report.require(turned, Code.UNCERTAINTY, f"{name} may be turned by more than the claim states")
+    report.require_all(
+        Code.UNCERTAINTY,
+        None,
+        (late, f"the motion of {name} may be earlier or later than the claim states"),
+        (row[c.FRAME_YAW] >= required.yaw_rad, f"{name} may be turned by more than the claim states"),
+    )
     line, side = laws.line_of(frame.law), None
     if line is not None and math.hypot(line[0], line[1]) > 0.0:
         length = math.hypot(line[0], line[1])
@@ -115,8 +118,8 @@ def _require_motion(report: Requirements, frame: Frame, row: FloatArray, claim: 
     formula = laws.formula_of(law, begin, end)
     report.require(_are_same_sines(sines, formula.sines), Code.LAW, f"the sines of {name} are others")
     if not count:
-        pairs = zip(row[c.FRAME_POSE : c.FRAME_RATE].tolist(), formula.powers[0], strict=True)
-        same = formula.degree == 0 and all(abs(x - y) <= SAME for x, (y, *_) in pairs)
+        at = [powers[0] for powers in formula.powers[0]]
+        same = formula.degree == 0 and math.dist(row[c.FRAME_POSE : c.FRAME_RATE].tolist(), at) <= SAME
         report.require(same, Code.LAW, f"{name} is at another pose, or moves")
         return
     period = row[c.FRAME_PERIOD]

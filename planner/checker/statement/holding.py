@@ -26,6 +26,7 @@ from assur.planner.model.scene import Pick, Place, Scene
 CONTACT_M = 1e-4
 """How deep bodies that may touch may overlap, m, besides what the step allows; and how far apart in height what a part
 rests on may be from its bottom."""
+CERTAIN = Uncertainty()
 Where = tuple[str | None, Four]
 """The frame to which a body is fixed (None: the flange), and its pose there."""
 
@@ -56,15 +57,16 @@ class Given:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.tcp, self.flange = numbers(scene.tool.tcp), float(arms.flange_row(scene.robot))
+        self.tcp, self.flange = numbers(scene.tool.tcp), float(scene.robot.links.index("flange"))
         self.frames = {name: number for number, name in enumerate(scene.frames)}
         self.bodies = {body.name: number for number, body in enumerate(bodies_of(scene))}
         start = scene.start
         self.start = [start.time, *start.q.tolist(), *start.qd.tolist(), *start.qdd.tolist()]
         """Time, positions, velocities and accelerations of the joints when a plan begins."""
         self.motions: dict[str, laws.Formula] = {}
-        self.single: list[list[float]] = np.eye(len(scene.robot.joints)).tolist()
-        """The shares in a sum that is one joint, of each."""
+        held = [None if start.holding is None else start.holding.part, *[step.part for step in scene.task]]
+        self.parts = [name for name in dict.fromkeys(held) if name is not None]
+        """The parts that the gripper holds at some time."""
         self.seats: tuple[FloatArray, FloatArray] | None = None
         """Of all bodies before any step: seats (1, B, 7), and how far each may be off it (1, 2 B), m."""
 
@@ -75,20 +77,13 @@ class Given:
         return self.motions[frame]
 
     @cached_property
-    def parts(self) -> list[str]:
-        """The parts that the gripper holds at some time."""
-        holding = self.scene.start.holding
-        names = [] if holding is None else [holding.part]
-        return list(dict.fromkeys([*names, *(step.part for step in self.scene.task if step.part is not None)]))
-
-    @cached_property
     def is_exact(self) -> bool:
         """Whether nothing is uncertain: frames, bodies, grips, joints and the start."""
         scene, holding = self.scene, self.scene.start.holding
         poses = [body.uncertainty for body in scene.bodies] + ([] if holding is None else [holding.within])
         poses += [step.held_within or EXACT for step in scene.task if isinstance(step, Pick)]
         frames = [frame.uncertainty for frame in scene.frames.values()]
-        known = all(within == EXACT for within in poses) and all(each == Uncertainty() for each in frames)
+        known = poses.count(EXACT) == len(poses) and frames.count(CERTAIN) == len(frames)
         return known and not any((*scene.execution.lag, scene.execution.start_tolerance_s))
 
 
@@ -150,8 +145,7 @@ class Handling(Requirements):
 
     def legs(self, number: int, *, tracked: bool = False) -> list[Leg]:
         """The legs of a step; those that track its control point."""
-        own = (leg for leg in self.plan.legs if leg.step == number)
-        return [leg for leg in own if leg.kind in TRACKING or not tracked]
+        return [leg for leg in self.plan.legs if leg.step == number and (not tracked or leg.kind in TRACKING)]
 
     def handed_before(self, number: int) -> list[int]:
         """The steps before a step whose part has changed hands: all that have a part."""
@@ -296,7 +290,7 @@ class Handling(Requirements):
     def displaced(self, name: str, handed: Sequence[int]) -> tuple[float, float]:
         """How far a point of a body of the surroundings may be off horizontally, and up or down, m."""
         within = self.uncertainty(name, handed)
-        if within is None:
+        if within is None or within is EXACT:
             return 0.0, 0.0
         turned = within.yaw_rad * self.radius(name) if within.yaw_rad else 0.0
         return within.position_m + turned, within.vertical_m

@@ -16,7 +16,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import arms, laws
 from assur.planner.checker.statement.arms import hand_shares
 from assur.planner.checker.statement.differences import MEET, SAME, TRACKED_RAD, Interval
-from assur.planner.checker.statement.statement import Statement
+from assur.planner.checker.statement.statement import JOINT, Statement
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.model.claims import Claims
@@ -41,11 +41,8 @@ def require_joints(statement: Statement) -> None:
     """The arm stands while it waits, rests where a step matches the position, and goes on at vias."""
     for leg in statement.plan.legs:
         if leg.kind is LegKind.WAIT:
-            when, values = (leg.t0, leg.t1), statement.state_at(leg.t0)[0].tolist()
-            stands = all(
-                statement.sum_keeps(0, joint, q - STANDS, q + STANDS, when)
-                for joint, q in zip(statement.given.single, values, strict=True)
-            )
+            when = (leg.t0, leg.t1)
+            stands = _are_near(statement, 0, statement.state_at(leg.t0)[0].tolist(), STANDS, when)
             statement.require(stands, Code.JOINTS, "the arm is not stated to stand while it waits", when)
     for number, step in enumerate(statement.scene.task):
         time = statement.arrivals[number].time
@@ -54,9 +51,17 @@ def require_joints(statement: Statement) -> None:
             what = f"the arm may stop at {step.name}, which is to be flown by"
             statement.require(goes_on, Code.JOINTS, what, (time, time))
         elif step.match == "position":
-            rests = all(statement.sum_keeps(1, each, -MEET, MEET, (time, time)) for each in statement.given.single)
+            rests = _are_near(statement, 1, [0.0] * statement.plan.trajectory.n, MEET, (time, time))
             what = f"the arm is not stated to rest at {step.name}"
             statement.require(rests, Code.JOINTS, what, (time, time))
+
+
+def _are_near(statement: Statement, order: float, values: list[float], off: float, when: Interval) -> bool:
+    """Whether each joint, or its derivative of that order, is stated to be within `off` of its value."""
+    for joint, value in zip(JOINT, values, strict=False):
+        if not statement.keeps("sums", (order, *joint), value - off, value + off, when):
+            return False
+    return True
 
 
 def _is_flown_by(statement: Statement, time: float) -> bool:
@@ -64,7 +69,7 @@ def _is_flown_by(statement: Statement, time: float) -> bool:
     if any(leg.kind is LegKind.WAIT and abs(leg.t0 - time) <= SAME for leg in statement.plan.legs):
         return False
     least = MEET + 2.0 * SAME  # what is slower may rest
-    signed = np.concatenate([sign * np.eye(statement.plan.trajectory.n) for sign in (1.0, -1.0)]).tolist()
+    signed = np.concatenate([np.array(JOINT), -np.array(JOINT)])[:, : statement.plan.trajectory.n].tolist()
     if any(statement.sum_keeps(1, joint, least, math.inf, (time, time)) for joint in signed):
         return True
     if not statement.whole[0] < time < statement.whole[1]:
@@ -165,7 +170,7 @@ def _goes_over(statement: Statement, when: Interval) -> bool:
     robot, (t0, t1) = statement.scene.robot, when
     if robot.lift is None:
         return False
-    lift = [float(joint == robot.lift) for joint in range(c.MOST_JOINTS)]
+    lift = JOINT[robot.lift]
     heights = [(t, low, high) for t, until, low, high in statement.bounds("sums", (0.0, *lift)) if t == until]
     ends = [[high for t, _, high in heights if t == end] for end in when]
     if not all(ends):
@@ -300,8 +305,10 @@ def require_margins(statement: Statement) -> None:
     """The margin is kept in legs that track a point or go along a line or a path, and where the velocity of a moving
     point is matched."""
     scene, least = statement.scene, statement.scene.options.singularity_margin - MARGIN
+    if not least > 0.0:
+        return
     numbers = [*numbers_of(scene.robot), *couplers_of(scene.robot)]
-    for number, step in enumerate(scene.task) if least > 0.0 else ():
+    for number, step in enumerate(scene.task):
         arrival, straight = statement.arrivals[number], step.leg == "cartesian"
         legs = statement.legs(number, tracked=not straight)
         if straight:

@@ -11,13 +11,12 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement.differences import Four, Interval, inverse
 from assur.planner.checker.statement.holding import Handling, Stage
-from assur.planner.checker.statement.statement import ROUNDING, Bound, Statement, all_of, at_least, at_most
+from assur.planner.checker.statement.statement import ROUNDING, Statement
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
 from assur.planner.geometry.shapes import Body, Hull
 from assur.planner.model.load import Carried
 from assur.planner.model.scene import Scene
-from assur.planner.robots.facts import Limits
 
 # What the flange carries: masses, and moments of inertia about the axis of the wrist (G1), (G2).
 
@@ -138,8 +137,9 @@ def require_limits(statement: Statement) -> None:
     whole = (stages[0].when[0], stages[-1].when[1])
     is_limited = _is_limited(statement, 1.0, whole)
     statement.require(is_limited, Code.LIMIT, "the limits of the joints are not kept", whole)
-    rows = [mass for mass, _ in known.shares[-1:]] + ([] if known.max_kg is None else [known.max_kg])
-    heaviest = min(rows) if rows else known.rated_kg
+    heaviest = known.rated_kg if known.max_kg is None else known.max_kg
+    if known.shares:
+        heaviest = min(known.shares[-1][0], math.inf if known.max_kg is None else known.max_kg)
     for load in loads_of(statement):
         carried, when = load.part or "the tool", (load.t0, load.t1)
         for what, amount, most in (
@@ -156,22 +156,18 @@ def require_limits(statement: Statement) -> None:
 def _is_limited(statement: Statement, share: float, when: Interval) -> bool:
     """Whether a row of the claim has limits that are no wider, for as long, with this share of the accelerations and
     jerks."""
-    scene = statement.scene
-    return statement.states("limits", all_of(when), _bounds(scene.robot.limits, share, scene.options.jerk_limited))
-
-
-@lru_cache(maxsize=16)
-def _bounds(own: Limits, share: float, jerk_limited: bool) -> Bound:
-    """Of the numbers of limits: of the jerk where the timing that is requested has such a limit."""
+    own, n, (least, most) = statement.scene.robot.limits, len(statement.scene.robot.joints), np.empty((2, c.LIMIT))
+    least[:], most[:] = -math.inf, math.inf
+    most[c.LIMIT_T0], least[c.LIMIT_T1] = when
+    most[c.LIMIT_SHARE : c.LIMIT_LOWER] = SHARES
+    least[c.LIMIT_LOWER : c.LIMIT_LOWER + n] = own.lower - ROUNDING * np.abs(own.lower)
     upper = {c.LIMIT_UPPER: own.upper, c.LIMIT_VELOCITY: own.velocity, c.LIMIT_ACCELERATION: share * own.acceleration}
-    bounds = at_most(c.LIMIT_SHARE, *SHARES)
-    bounds += at_least(c.LIMIT_LOWER, *(own.lower - ROUNDING * np.abs(own.lower)).tolist())
-    if jerk_limited:
-        upper[c.LIMIT_JERK] = share * own.jerk
-        bounds += at_least(c.LIMIT_JERKS, 1.0)
-    for column, most in upper.items():
-        bounds += at_most(column, *(most + ROUNDING * np.abs(most)).tolist())
-    return bounds
+    if statement.scene.options.jerk_limited:
+        upper[c.LIMIT_JERK], least[c.LIMIT_JERKS] = share * own.jerk, 1.0
+    for column, sizes in upper.items():
+        most[column : column + n] = sizes + ROUNDING * np.abs(sizes)
+    stated = statement.claim.limits
+    return bool(((least <= stated) & (stated <= most)).all(1).any())
 
 
 def require_rates(statement: Statement) -> None:

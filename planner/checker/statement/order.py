@@ -12,7 +12,7 @@ import numpy as np
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.arms import hand_shares, link_at
-from assur.planner.checker.statement.differences import MEET, SAME, then
+from assur.planner.checker.statement.differences import MEET, SAME, Interval, then
 from assur.planner.checker.statement.holding import Handling
 from assur.planner.checker.verdict import Code
 from assur.planner.model.outcome import Arrival, Leg, LegKind, Missed
@@ -32,23 +32,29 @@ LETTERS = {
 def require_order(handling: Handling) -> None:
     """Start, end, and the legs and arrivals of each step."""
     scene, plan, options = handling.scene, handling.plan, handling.scene.options
-    path, legs, (first, last) = plan.trajectory, plan.legs, handling.whole
-    begins = math.dist(path.knots[0].tolist(), handling.given.start) <= SAME
+    (first, last), every, knots = handling.whole, list(range(len(scene.task))), plan.trajectory.knots
+    begins = math.dist(knots[0].tolist(), handling.given.start) <= SAME
     handling.require(begins, Code.START, "the motion begins in another state")
-    rests = options.end != "rest" or math.hypot(*path.knots[-1, 1 + path.n :].tolist()) <= SAME
-    handling.require(rests, Code.END, "the motion does not end at rest")
+    rests = options.end != "rest" or math.hypot(*knots[-1, 1 + len(knots[0]) // 3 :].tolist()) <= SAME
     ends = options.latest_end_s is None or last <= options.latest_end_s + SAME
-    handling.require(ends, Code.END, "the motion ends too late")
-    whole = [first, *(leg.t1 for leg in legs)] == [*(leg.t0 for leg in legs), last]
-    handling.require(whole, Code.LEGS, "the legs leave out a time, or count one twice")
-    steps, every = [leg.step for leg in legs], list(range(len(scene.task)))
+    late = "the motion ends too late"
+    handling.require_all(Code.END, None, (rests, "the motion does not end at rest"), (ends, late))
+    steps, gaps, reached = list[int](), False, first
+    for leg in plan.legs:
+        steps.append(leg.step)
+        gaps, reached = gaps or leg.t0 != reached, leg.t1
     in_order = steps == sorted(steps) and sorted(set(steps)) == every
-    handling.require(in_order, Code.LEGS, "the legs are not those of the steps, in their order")
-    known = [arrival.step for arrival in plan.arrivals] == every
+    handling.require_all(
+        Code.LEGS,
+        None,
+        (not gaps and reached == last, "the legs leave out a time, or count one twice"),
+        (in_order, "the legs are not those of the steps, in their order"),
+    )
+    known = list(handling.arrivals) == every and len(plan.arrivals) == len(every)
     handling.require(known, Code.ARRIVAL, "the arrivals are not those of the steps, in their order")
     for number in every if known else ():
         step, own, is_last = scene.task[number], handling.legs(number), number == every[-1]
-        letters = "".join(LETTERS[leg.kind] for leg in own)
+        letters = "".join([LETTERS[leg.kind] for leg in own])
         fits = re.fullmatch(_pattern(step) + "M?" * is_last, letters)
         if fits:
             _require_arrival(handling, number, own, is_last=is_last)
@@ -70,16 +76,23 @@ def _pattern(step: Step) -> str:
 def _require_arrival(handling: Handling, number: int, own: list[Leg], *, is_last: bool) -> None:
     """A step meets its control point when its legs state it, as long, as exactly and in the window that it requires."""
     step, arrival = handling.scene.task[number], handling.arrivals[number]
-    name, when = step.name, (arrival.time, arrival.until)
-    follow = next((leg for leg in own if leg.kind is LegKind.FOLLOW), None)
-    ends = [leg.t1 for leg in own if leg.kind is not LegKind.WAIT]
+    name, when, follow, times = step.name, (arrival.time, arrival.until), None, list[Interval]()
+    for leg in own:
+        if leg.kind is LegKind.FOLLOW:
+            follow = leg
+        if leg.kind is not LegKind.WAIT:
+            times.append((leg.t1, leg.t1))
     # the last move may be followed by one to rest
-    times = [(follow.t0, follow.t1)] if follow else [(t, t) for t in ends[-2:] if is_last or t == ends[-1]]
-    # a motion through other knots may end a rounding of its times later than its last arrival
-    met = any(abs(when[0] - a) <= SAME and abs(when[1] - b) <= SAME for a, b in times)
+    times = [(follow.t0, follow.t1)] if follow else times[-2 if is_last else -1 :]
+    met = False
+    for begin, end in times:
+        # a motion through other knots may end a rounding of its times later than its last arrival
+        met |= abs(arrival.time - begin) <= SAME and abs(arrival.until - end) <= SAME
     error, most, turn = arrival.error, step.tolerance, arrival.yaw_offset
     far, turned = (0.0, 0.0) if error is None else (error.position_m, error.within.yaw_rad)
-    for holds, what in (
+    handling.require_all(
+        Code.ARRIVAL,
+        when,
         (met, f"{name} is met at another time than its legs state"),
         (abs(arrival.until - arrival.time - step.dwell_s) <= SAME, f"{name} does not last {step.dwell_s:g} s"),
         (
@@ -95,8 +108,7 @@ def _require_arrival(handling: Handling, number: int, own: list[Leg], *, is_last
             f"{name} may be missed by {far:g} m and {turned:g} rad",
         ),
         (_may_turn(handling, step, turn), f"the tool may not be turned by {turn:g} rad at {name}"),
-    ):
-        handling.require(holds, Code.ARRIVAL, what, when)
+    )
     _require_window(handling, number, arrival)
 
 

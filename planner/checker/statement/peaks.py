@@ -6,7 +6,7 @@ import math
 
 from assur.planner.checker.statement.differences import SAME, Interval
 from assur.planner.checker.statement.limits import loads_of
-from assur.planner.checker.statement.statement import Statement
+from assur.planner.checker.statement.statement import JOINT, Statement
 from assur.planner.checker.verdict import Code
 from assur.planner.model.claims import Claims
 from assur.planner.model.outcome import JointPeak
@@ -51,7 +51,7 @@ def _require_peak(
     statement: Statement, order: int, joint: int, sizes: list[tuple[Interval, float]], slack: float, what: str
 ) -> None:
     """A derivative of a joint is never larger than the size over each interval, and once as large in one of them."""
-    one = [float(k == joint) for k in range(len(statement.scene.robot.joints))]
+    one = JOINT[joint]
     never = all(statement.sum_keeps(order, one, -size - slack, size + slack, when) for when, size in sizes)
     statement.require(never, Code.PEAK, f"{what} may be larger than is stated")
     once = any(

@@ -11,10 +11,11 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement.differences import IDENTITY, SAME
-from assur.planner.checker.statement.holding import Stage, Where
+from assur.planner.checker.statement.holding import Stage
 from assur.planner.checker.statement.statement import Statement, at_most, same
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
+from assur.planner.laws.law import EXACT
 from assur.planner.model.claims import Claims
 from assur.planner.model.outcome import Contact, LegKind, Nearest
 from assur.planner.model.scene import Pick, Place
@@ -30,10 +31,12 @@ def require_phases(statement: Statement) -> None:
     _require_seats(statement, names)
     _require_contacts(statement, names)
     for stage, (_, _, near, robot), shares in zip(stages, phases, claim.shares.tolist(), strict=True):
-        what = "the smaller distance, near a control point, is stated"
-        statement.require(near == 0.0 or (near == 1.0 and stage.near), Code.DISTANCE, what, stage.when)
-        what = "the robot need not keep clear in the claim"
-        statement.require(robot == 1.0 or not stage.robot, Code.DISTANCE, what, stage.when)
+        statement.require_all(
+            Code.DISTANCE,
+            stage.when,
+            (near == 0.0 or (near == 1.0 and stage.near), "the smaller distance, near a control point, is stated"),
+            (robot == 1.0 or not stage.robot, "the robot need not keep clear in the claim"),
+        )
         # the tool may have any share in the error of a frame that belt correction may give it
         for number, frame in enumerate(statement.frames):
             least, most = stage.shares.get(frame, (0.0, 0.0))
@@ -63,18 +66,16 @@ def _required_seats(statement: Statement) -> tuple[FloatArray, FloatArray]:
     """The seat of each body in each stage, (P, B, 7), and by how much each may be off it: (P, 2 B), horizontally, and
     then up or down, m. One row for all stages if no part is handled."""
     scene, stages, flange = statement.scene, statement.stages, statement.flange
-
-    def seat(body: int, where: Where) -> tuple[float, ...]:
-        frame, pose = where
-        return (body, flange, -1.0, *pose) if frame is None else (body, -1.0, statement.frames[frame], *pose)
-
     if statement.given.seats is None:
         links = [item.link for item in scene.robot.bodies] + [flange] * len(scene.tool.bodies)
         seats: list[tuple[float, ...]] = [(k, link, -1.0, *IDENTITY) for k, link in enumerate(links)]
-        seats += [seat(k, statement.place(body.name, ())) for k, body in enumerate(scene.bodies, start=len(links))]
-        off = [(0.0, 0.0)] * len(links) + [statement.displaced(body.name, ()) for body in scene.bodies]
-        table = np.array(seats, dtype=float).reshape(1, len(seats), c.SEAT)
-        statement.given.seats = table, np.array(off).T.reshape(1, -1)
+        off, frames = np.zeros((1, 2, len(statement.bodies))), statement.frames
+        for k, body in enumerate(scene.bodies, start=len(links)):
+            pose = body.pose
+            seats.append((k, -1.0, frames[body.frame], pose.x, pose.y, pose.z, pose.yaw))
+            if body.uncertainty is not EXACT:
+                off[0, :, k] = statement.displaced(body.name, ())
+        statement.given.seats = np.array([seats], dtype=float), off.reshape(1, -1)
     if not statement.given.parts:
         return statement.given.seats
     # parts that are handled have others, phase by phase
@@ -82,7 +83,8 @@ def _required_seats(statement: Statement) -> tuple[FloatArray, FloatArray]:
     for part in statement.given.parts:
         k = statement.bodies[part]
         for p, stage in enumerate(stages):
-            all_seats[p, k] = seat(k, statement.place(part, stage.handed))
+            frame, at = statement.place(part, stage.handed)
+            all_seats[p, k] = (k, flange, -1.0, *at) if frame is None else (k, -1.0, statement.frames[frame], *at)
             all_off[p, k :: len(statement.bodies)] = statement.displaced(part, stage.handed)
     return all_seats, all_off
 

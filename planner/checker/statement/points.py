@@ -123,16 +123,19 @@ def require_arrivals(statement: Statement) -> None:
     for number, step in enumerate(statement.scene.task):
         arrival, name = statement.arrivals[number], step.name
         when, left = (arrival.time, arrival.until), (arrival.until, arrival.until)
-        same_name = arrival.control_point == name
-        statement.require(same_name, Code.ARRIVAL, f"the arrival at {name} has another name", when)
-        matched = step.match != "velocity" or step.via or arrival.matched
-        statement.require(matched, Code.ARRIVAL, f"the velocity of {name} is to be matched", when)
         tool, pose = statement.tool_at(arrival.time), numbers(arrival.pose)
         off = max(math.dist(tool[:3], pose[:3]), abs(math.remainder(tool[3] - pose[3], math.tau)))
-        statement.require(off <= MEET, Code.ARRIVAL, f"the tool is not at the pose that is stated at {name}", when)
         way = None if arrival.along_m is None else statement.along(number, [arrival.time])
         so_far = arrival.along_m is None if way is None else abs(way[0] - (arrival.along_m or 0.0)) <= MEET
-        statement.require(so_far, Code.ARRIVAL, f"{name} is not so far along its belt", when)
+        matched = step.match != "velocity" or step.via or arrival.matched
+        statement.require_all(
+            Code.ARRIVAL,
+            when,
+            (arrival.control_point == name, f"the arrival at {name} has another name"),
+            (matched, f"the velocity of {name} is to be matched"),
+            (off <= MEET, f"the tool is not at the pose that is stated at {name}"),
+            (so_far, f"{name} is not so far along its belt"),
+        )
         kept = step.target is None or not step.target.yaw_keep or _keeps_yaw(statement, number)
         statement.require(kept, Code.DIRECTION, f"the tool is not stated to keep its yaw until {name}", when)
         known = arrival.error is None or _is_error(statement, number, arrival.error)

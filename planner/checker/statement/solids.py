@@ -14,6 +14,7 @@ areas it is one.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -27,18 +28,15 @@ from assur.planner.model.scene import Scene
 
 def bodies_of(scene: Scene) -> list[Body]:
     """All bodies, in the order of a claim."""
-    return [
-        *(item.body for item in scene.robot.bodies),
-        *scene.tool.bodies,
-        *(item.body for item in scene.bodies),
-    ]
+    own, around = [item.body for item in scene.robot.bodies], [item.body for item in scene.bodies]
+    return [*own, *scene.tool.bodies, *around]
 
 
 def require_solids(report: Requirements, scene: Scene, claim: c.Claim) -> None:
     """The bodies of the claim hold those of the request, in the same order."""
     bodies = bodies_of(scene)
-    many = f"the claim has {len(claim.bodies)} bodies, not {len(bodies)}"
-    report.require(len(claim.bodies) == len(bodies), Code.SOLID, many)
+    if len(claim.bodies) != len(bodies):
+        report.require(False, Code.SOLID, f"the claim has {len(claim.bodies)} bodies, not {len(bodies)}")
     rows, pieces, known = list[int](), list[tuple[Body, Piece]](), dict[tuple[bytes, bytes], int]()
     for body, (first, count, triangle, triangles) in zip(bodies, claim.bodies.astype(int).tolist(), strict=False):
         if body.surface is not None:
@@ -48,29 +46,35 @@ def require_solids(report: Requirements, scene: Scene, claim: c.Claim) -> None:
         elif count != len(body.pieces) or triangles:
             report.require(False, Code.SOLID, f"{body.name} has {len(body.pieces)} pieces, which fill it")
         else:
-            rows += range(first, first + count)
-            pieces += [(body, piece) for piece in body.pieces]
-    stated = claim.pieces[rows]
-    required = np.array([_row(piece) for _, piece in pieces]).reshape(-1, c.PIECE)
+            for row, piece in enumerate(body.pieces, start=first):
+                rows.append(row)
+                pieces.append((body, piece))
+    stated, required = claim.pieces[rows], _required(pieces)
     off = np.abs(stated - required)
     off[:, c.PIECE_DISC : c.PIECE_VERTEX] = (required - stated)[:, c.PIECE_DISC : c.PIECE_VERTEX]  # more may be stated
     off[required[:, c.PIECE_DISC] == 0.0, c.PIECE_AXIS : c.PIECE_DISC] = 0.0
     same = (off[:, : c.PIECE_VERTEX] <= SAME).all(1) & (off[:, c.PIECE_VERTICES :] <= SAME).all(1)
-    for (body, piece), row, holds in zip(pieces, stated, same.tolist(), strict=True):
+    for (body, piece), row, holds in zip(pieces, stated, np.asarray(same).tolist(), strict=True):
         shape = piece.shape
         if isinstance(shape, Hull):
             holds = _holds(claim, row, shape.vertices @ piece.rotation.T + piece.position)
-        report.require(holds, Code.SOLID, f"a piece of {body.name} is not that of the request")
+        if not holds:
+            report.require(False, Code.SOLID, f"a piece of {body.name} is not that of the request")
 
 
-def _row(piece: Piece) -> list[float]:
-    """The row of a piece that has edges; edges of no length are left out. That of a hull means nothing."""
-    shape, axes, row = piece.shape, piece.rotation.T.tolist(), [0.0] * c.PIECE
-    if not isinstance(shape, Hull):
-        edges = [[half * x for x in axis] for half, axis in zip(shape.half, axes, strict=True) if half != 0.0]
-        row[: c.PIECE_VERTEX] = *piece.position.tolist(), *axes[2], shape.disc, shape.ball
-        row[c.PIECE_EDGES : c.PIECE_EDGE + 3 * len(edges)] = len(edges), *(x for edge in edges for x in edge)
-    return row
+def _required(pieces: Sequence[tuple[Body, Piece]]) -> FloatArray:
+    """The rows (N, c.PIECE) of pieces that have edges, without edges of no length. That of a hull means nothing."""
+    rows = list[list[float]]()
+    for _, piece in pieces:
+        shape, axes, row, edges = piece.shape, piece.rotation.T.tolist(), [0.0] * c.PIECE, c.PIECE_EDGE
+        if not isinstance(shape, Hull):
+            row[: c.PIECE_VERTEX] = *piece.position.tolist(), *axes[2], shape.disc, shape.ball
+            for half, (x, y, z) in zip(shape.half, axes, strict=True):
+                if half != 0.0:
+                    row[edges : edges + 3], edges = (half * x, half * y, half * z), edges + 3
+            row[c.PIECE_EDGES] = (edges - c.PIECE_EDGE) // 3
+        rows.append(row)
+    return np.array(rows).reshape(-1, c.PIECE)
 
 
 def _holds(claim: c.Claim, piece: FloatArray, points: FloatArray) -> bool:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from itertools import chain
+from itertools import chain, count, repeat
 
 import numpy as np
 
@@ -23,6 +23,9 @@ YAWS = {
     "errors": [c.ERROR_TOOL + 3, c.ERROR_TARGET + 3],
 }
 """Columns of yaws, which may differ from what is required by full turns; a bound is required of each."""
+JOINT = tuple(map(tuple, np.eye(c.MOST_JOINTS).tolist()))
+"""The shares in a sum that is one joint, of each."""
+NOTHING = (0.0,) * c.MOST_JOINTS
 ROUNDING = 1e-12
 """A share of a number that was computed in another order of operations."""
 
@@ -34,12 +37,12 @@ def same(column: int, *numbers: float) -> Bound:
 
 def at_least(column: int, *numbers: float) -> Bound:
     """Numbers that are no smaller, from a column on."""
-    return [(k, x, math.inf) for k, x in enumerate(numbers, column)]
+    return list(zip(count(column), numbers, repeat(math.inf), strict=False))
 
 
 def at_most(column: int, *numbers: float) -> Bound:
     """Numbers that are no larger, from a column on."""
-    return [(k, -math.inf, x) for k, x in enumerate(numbers, column)]
+    return list(zip(count(column), repeat(-math.inf), numbers, strict=False))
 
 
 def all_of(when: Interval) -> Bound:
@@ -96,33 +99,34 @@ class Statement(Handling):
         """Whether rows of `rates`, `axes` or `sums` state that a number is from `least` to `most` over all of an
         interval, or (`once`) for a part of it."""
         low, high = least - SAME - ROUNDING * abs(least), most + SAME + ROUNDING * abs(most)
-        spans = [(t0, t1) for t0, t1, lower, upper in self.bounds(table, about) if low <= lower and upper <= high]
-        if once:
-            return any(when[0] - SAME <= t0 and t1 <= when[1] + SAME for t0, t1 in spans)
-        reached = -math.inf
-        for t0, t1 in sorted(spans):
-            if t0 <= max(reached, when[0]):
+        reached, (begin, end) = -math.inf, when
+        for t0, t1, lower, upper in self.bounds(table, about):
+            if not (low <= lower and upper <= high):
+                continue
+            if once and begin - SAME <= t0 and t1 <= end + SAME:
+                return True
+            if t0 <= max(reached, begin):
                 reached = max(reached, t1)
-        return reached >= when[1]
+        return reached >= end and not once
 
     def bounds(self, table: str, about: tuple[float, ...]) -> list[tuple[float, ...]]:
-        """Times and bounds of the rows of `rates`, `axes` or `sums` about a number: the columns between both."""
+        """Times and bounds of the rows of `rates`, `axes` or `sums` about a number (the columns between both), in the
+        order of their begins."""
         if table not in self._numbers:
             self._numbers[table] = {}
-            for t0, t1, *numbers, low, high in getattr(self.claim, table).tolist():
+            for t0, t1, *numbers, low, high in sorted(getattr(self.claim, table).tolist()):
                 self._numbers[table].setdefault(tuple(numbers), []).append((t0, t1, low, high))
         known = self._numbers[table]
         if about in known:
             return known[about]
         near = [key for key in known if all(abs(x - y) <= SAME for x, y in zip(key, about, strict=True))]
-        return [row for key in near for row in known[key]]
+        return sorted(row for key in near for row in known[key])
 
     def sum_keeps(
         self, order: int, shares: Iterable[float], least: float, most: float, when: Interval, *, once: bool = False
     ) -> bool:
         """`keeps` for a sum of shares of the joints, or a derivative of it."""
-        about = (float(order), *shares)
-        about += (0.0,) * (1 + c.MOST_JOINTS - len(about))
+        about = (float(order), *shares, *NOTHING)[: 1 + c.MOST_JOINTS]
         return self.keeps("sums", about, least, most, when, once=once)
 
     def tool_keeps(

@@ -13,7 +13,7 @@ import pytest
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.claim.filling import claim_of, with_plan
-from assur.planner.claim.frames import Arms, knots_at_rest, knots_of, law_of
+from assur.planner.claim.frames import arms_of, knots_at_rest, knots_of, law_of
 from assur.planner.claim.obligations import carriers_of, distances_of
 from assur.planner.errors import InputError
 from assur.planner.laws import Change, Pose, conveyor, indexer, keyframes
@@ -35,7 +35,7 @@ def claim() -> Claim:
 def test_plans_share_the_tables_of_their_scene_and_none_is_written_to() -> None:
     scene, plan = planned(NAME)
     base = claim_of(scene)
-    before = {name: table.copy() for name, table in {**base.cell.tables, **base.cell.frames.tables}.items()}
+    before = {name: table.copy() for name, table in base.cell.tables.items()}
     first, second = with_plan(base, plan), with_plan(base, plan, phases(scene, plan.legs, plan.arrivals))
     for name, one, other in zip(Claim._fields, first, second, strict=True):
         assert np.array_equal(one, other), name
@@ -43,7 +43,7 @@ def test_plans_share_the_tables_of_their_scene_and_none_is_written_to() -> None:
         assert one.flags.c_contiguous, name
     assert first.links is second.links
     assert first.pieces is second.pieces
-    for name, table in {**base.cell.tables, **base.cell.frames.tables}.items():
+    for name, table in base.cell.tables.items():
         assert np.array_equal(table, before[name]), name
     # a second scene with the same cell needs the cell's tables only once
     assert claim_of(replace(scene, start=replace(scene.start, time=0.5)), base.cell).cell is base.cell
@@ -82,7 +82,7 @@ def test_a_chain_has_the_links_of_its_arm_each_behind_its_parent(name: str) -> N
 def test_an_arm_has_no_more_joints_than_the_tables_have_columns_for() -> None:
     arm: Any = SimpleNamespace(joints=range(c.MOST_JOINTS + 1))
     with pytest.raises(InputError, match="an arm with 9 joints"):
-        Arms().add(arm)
+        arms_of([arm])
 
 
 def test_an_arm_stands_before_and_after_its_trajectory() -> None:
