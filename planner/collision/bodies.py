@@ -17,7 +17,7 @@ import numpy as np
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.claim import columns as c
 from assur.planner.claim.frames import displaced_of
-from assur.planner.claim.obligations import carriers_of, distances_of, phases_of, seat_of, seats_of
+from assur.planner.claim.obligations import Seats, carriers_of, distances_of, phases_of, seat_of, seats_of
 from assur.planner.geometry.shapes import Hull, Primitive
 from assur.planner.kernels.links import POSE_COLUMNS, put_upright
 from assur.planner.kernels.solids import (
@@ -150,16 +150,21 @@ class Bodies:
     """The bodies of a cell, and arrangements of them: of those scenes in which the same part is held at the start."""
 
     def __init__(self, scene: Scene) -> None:
-        self.scene, table = scene, scene.pieces
-        self.names = tuple(body.name for body in bodies_in(scene))
+        self.scene, table, every = scene, scene.pieces, bodies_in(scene)
+        self.names = tuple([body.name for body in every])
+        self.hollow = {body.name: body.surface for body in every if body.surface is not None}
+        """The surfaces of those that are meshes, by name."""
         self.carriers = carriers_of(scene, self.names)
         self.links, self.pieces = len(scene.robot.links), table
         self._places = np.full((self.links + len(scene.frames), POSE_COLUMNS), np.nan)
         """Where carriers are that stand still for ever; NaN: the others."""
-        for k, frame in enumerate(scene.frames.values(), start=self.links):
-            if frame.law.is_fixed and frame.law.valid == (-np.inf, np.inf):
+        self._fixed = np.zeros(len(scene.frames), dtype=np.bool_)
+        for k, frame in enumerate(scene.frames.values()):
+            self._fixed[k] = frame.law.is_fixed
+            if self._fixed[k] and frame.law.valid == (-np.inf, np.inf):
                 pose = frame.law.numbers.pose
-                put_upright(self._places, k, pose.x, pose.y, pose.z, math.cos(pose.yaw), math.sin(pose.yaw))
+                at = math.cos(pose.yaw), math.sin(pose.yaw)
+                put_upright(self._places, self.links + k, pose.x, pose.y, pose.z, *at)
         self.still = np.isfinite(self._places[:, 0]).astype(np.int64)
         self.vertices = np.concatenate([np.zeros((0, 3)), *(hull.vertices for hull in table.hulls)])
         begins = np.cumsum([0, *(len(hull.vertices) for hull in table.hulls)])
@@ -172,7 +177,8 @@ class Bodies:
             self.roots,
         )  # fmt: skip
         self.own, self.offset = own[:units], offset[:units]
-        start = Arrangement(self, seats_of(scene, self.carriers).rows, self.own.copy(), np.empty((units, 6)))
+        self.seats = seats_of(scene, self.carriers).rows
+        start = Arrangement(self, self.seats, self.own.copy(), np.empty((units, 6)))
         self._seat(start, range(len(self.names)))
         self._start = at_start(scene), start
         self._made = dict([self._start])
@@ -192,6 +198,11 @@ class Bodies:
                 self._made = dict([self._start])
             self._made[attached] = found
         return found
+
+    def keeping(self, arrangement: Arrangement, frame: str) -> BoolArray:
+        """Which bodies (B,) of the surroundings are on a frame, or on one that never moves against it."""
+        on, own = arrangement.seats[:, c.SEAT_FRAME].astype(np.int64), self.carriers.frame[frame]
+        return np.asarray((on == own) | ((on >= 0) & self._fixed[own] & self._fixed[on]))
 
     def _seat(self, made: Arrangement, numbers: Iterable[int]) -> None:
         """Puts the units of some bodies on their seats."""
@@ -273,7 +284,8 @@ class PairTables:
 
     def __init__(self, scene: Scene, bodies: Bodies) -> None:
         self.scene, self.bodies = scene, bodies
-        self.seats = seats_of(scene, bodies.carriers)
+        self.seats = Seats(bodies.seats, ())
+        """What `phases_of` needs of them where the arrangement has the seats."""
         self.tables, self.displaced = distances_of(scene, bodies.carriers), displaced_of(scene)
         self.required = self.tables["required"][0]
         known = [frame.uncertainty for frame in scene.frames.values()]

@@ -10,31 +10,78 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
+from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker.refusals.nearest import points_between
+from assur.planner.checker.refusals.postures import allowed_modes
 from assur.planner.checker.refusals.stated import Proof, Spot, spots
-from assur.planner.checker.refusals.ways import GraspOption, each_way, ways
+from assur.planner.checker.refusals.ways import GraspOption, ways
 from assur.planner.collision.fcl_entry import PlacedShape
 from assur.planner.collision.nearest import TooNear, Within, closest, enclosed
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.touching import allowed_m, too_far
-from assur.planner.frames.motion import Pose
+from assur.planner.frames.motion import ORDERS, Pose
 from assur.planner.geometry.shapes import Piece
-from assur.planner.legs.control_point import ControlPoint, control_point
+from assur.planner.kernels.dyads import ASSEMBLED, FOLDED, OUT_OF_REACH, STRETCHED
+from assur.planner.kernels.inverse import joint_motions
 from assur.planner.legs.tilt import tilts
 from assur.planner.model.deadline import raise_if_late
-from assur.planner.model.outcome import LegKind
+from assur.planner.model.outcome import TRACKING, LegKind
 from assur.planner.model.phases import AT_START, Attachments, Phase, at_start
 from assur.planner.model.refusal import Bodies, Enclosed, Quantity, Reason, Refusal, Separation, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Step
 from assur.planner.model.witness import Meeting
-from assur.planner.robots.facts import Code
+from assur.planner.robots.kinematics import targets_of
+from assur.planner.robots.robot import Robot
+from assur.planner.robots.turns import beyond_range
 
 ROOM_M = 1e-4
 """A straight part that is stated to be long enough is so by this, m."""
+REACHED = (ASSEMBLED, STRETCHED, FOLDED)
+"""Codes of positions in which the flange is where it is required."""
+
+
+class Postures(NamedTuple):
+    """Joints `q` (M, H, n), and a `Code` (M, H) each, with which the flange is at `heights` (H,), m, above the point of
+    a way in the working modes (M,) that are allowed, the frame of the point being where it is at the start."""
+
+    way: GraspOption
+    heights: tuple[float, ...]
+    q: FloatArray
+    codes: IntArray
+
+    def at(self, mode: int, above: float) -> FloatArray | None:
+        """Joints (n,) in one of the modes, by its number among them, at one of the heights; None: the arm does not
+        reach it."""
+        k = self.heights.index(above)
+        return self.q[mode, k] if int(self.codes[mode, k]) in REACHED else None
+
+    def out_of_range(self, robot: Robot) -> bool:
+        """Whether in each mode one of the heights is out of reach, or a joint is beyond its range there."""
+        beyond = (beyond_range(robot, self.q) > robot.limits.slack).any(-1) & np.isfinite(self.q).all(-1)
+        return bool((beyond | (self.codes == OUT_OF_REACH)).any(1).all())
+
+
+def postures(scene: Scene, way: GraspOption, *heights: float) -> Postures:
+    """Those of one way at different heights."""
+    robot, t = scene.robot, np.full(len(heights), scene.start.time)
+    motion = scene.frames[way.frame].law.motion(t).at(way.flange, np.array(heights))
+    tilt, modes = tilts(scene, scene.task[way.number], scene.start.q)[0], allowed_modes(scene)
+    targets = targets_of(motion if tilt is None else motion.with_tilt(np.array(tilt)), 0)
+    joints, margins = np.empty((len(modes), len(t), len(ORDERS), len(robot.joints))), np.empty((len(t), 2))
+    codes = np.empty((len(modes), len(t)), dtype=np.int64)
+    for k, mode in enumerate(modes):
+        joint_motions(robot.row, robot.modes.index(mode), 0, targets, joints[k], margins, codes[k])
+    return Postures(way, heights, joints[:, :, 0], codes)
+
+
+def every_posture(scene: Scene, number: int) -> list[Postures]:
+    """Those of all ways to the control point of a step, at the point and at the outer ends of its straight parts."""
+    heights = dict.fromkeys((0.0, *scene.straight(scene.task[number])))
+    return [postures(scene, way, *heights) for way in ways(scene, number)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +100,8 @@ class Hit:
 def hit_at_start(scene: Scene, prover: Prover, *, hollow: bool = False) -> Hit | None:
     """What the arm collides with where it is at the start, at the clearance of travel; `hollow`: only a mesh that it is
     inside of counts, which is hollow to other proofs."""
+    if hollow and not prover.arrangement.hollow:
+        return None
     t, q, spot = scene.start.time, scene.start.q, Spot(at_start(scene), LegKind.WAIT, frozenset(), "start")
     phase = Phase(t, t, spot.kind, 0, spot.attached)
     found = enclosed(scene, prover, spot.attached, q, t, spot.contacts)
@@ -60,46 +109,34 @@ def hit_at_start(scene: Scene, prover: Prover, *, hollow: bool = False) -> Hit |
     return None if near is None else Hit(near, spot, phase, q)
 
 
-def hits(scene: Scene, prover: Prover, number: int) -> list[Hit] | None:
-    """What is in the way on each way to the control point of a step in each working mode that is allowed; None: on one
-    of them nothing is, or it is not known, as the point may be met at another time."""
-    found = list[Hit]()
-    for way, mode, _ in each_way(scene, number, ()):
-        raise_if_late()
-        at = (_in_the_way(scene, prover, way, mode, spot) for spot in spots(scene, number, way.before, way.after))
-        hit = next((each for each in at if each is not None), None)
-        if hit is None:
-            return None
-        found.append(hit)
+def hits(scene: Scene, prover: Prover, every: list[Postures]) -> list[Hit] | None:
+    """What is in the way on each way to a control point in each working mode that is allowed; None: on one of them
+    nothing is, or it is not known, as the point may be met at another time."""
+    found, modes = list[Hit](), allowed_modes(scene)
+    for each in every:
+        at = spots(scene, each.way.number, each.way.before, each.way.after)
+        for k, mode in enumerate(modes):
+            raise_if_late()
+            for spot in at:
+                hit = _in_the_way(scene, prover, each.way, mode, spot, each.at(k, spot.above))
+                if hit is not None:
+                    found.append(hit)
+                    break
+            else:
+                return None
     return found
 
 
-def posture(scene: Scene, way: GraspOption, mode: str, spot: Spot) -> FloatArray | None:
-    """Joints (n,) at a spot in one working mode, the frame of the point being where it is at the start; None: the arm
-    does not reach it."""
-    flange = point_of(scene, way).flange(np.array([scene.start.time]), spot.above).at_rest()
-    solution = scene.robot.inverse(flange, scene.robot.modes.index(mode), 0)
-    return solution.q[0] if solution.code[0] in (Code.ASSEMBLED, Code.STRETCHED, Code.FOLDED) else None
-
-
-def point_of(scene: Scene, way: GraspOption) -> ControlPoint:
-    """The control point that a way leads to."""
-    tilt = tilts(scene, scene.task[way.number], scene.start.q)[0]
-    return control_point(scene, way.number, way.before, way.turn or 0.0, tilt)
-
-
-def _in_the_way(scene: Scene, prover: Prover, way: GraspOption, mode: str, spot: Spot) -> Hit | None:
-    """What is in the way of the flange's bodies at one spot and in one working mode."""
-    t, attached, q = scene.start.time, spot.attached, posture(scene, way, mode, spot)
+def _in_the_way(
+    scene: Scene, prover: Prover, way: GraspOption, mode: str, spot: Spot, q: FloatArray | None
+) -> Hit | None:
+    """What is in the way of the flange's bodies at one spot in one working mode, with joints q (n,); nothing where the
+    arm does not reach it."""
     if q is None:
         return None
-    fixed = scene.frames[way.frame].law.is_fixed
-    frames = {body.name: attached.pose_of(scene, body.name)[0] for body in scene.bodies}
-    among = frozenset(
-        name for name, frame in frames.items() if frame == way.frame or (fixed and scene.frames[frame].law.is_fixed)
-    )
-    tracked = None if spot.kind is LegKind.MOVE else way.frame
-    phase = Phase(t, t, spot.kind, way.number, attached, tracked=tracked)
+    t, attached, fixed = scene.start.time, spot.attached, scene.frames[way.frame].law.is_fixed
+    phase = Phase(t, t, spot.kind, way.number, attached, tracked=way.frame if spot.kind in TRACKING else None)
+    among = prover.arrangement.keeping(prover.of(phase), way.frame)
     within = enclosed(scene, prover, attached, q, t, spot.contacts, among) if fixed else None
     found = within or closest(scene, prover, phase, q, spot.contacts, among)
     return None if found is None else Hit(found, spot, phase, q, way, mode)
@@ -123,7 +160,8 @@ def _of_straight_part(scene: Scene, prover: Prover, hit: Hit, facts: Separation,
     if spot.end is None or hit.way is None or hit.mode is None:
         return facts
     longer = replace(spot, above=spot.above + missing + ROOM_M)
-    enough = _in_the_way(scene, prover, hit.way, hit.mode, longer) is None
+    q = postures(scene, hit.way, longer.above).at(allowed_modes(scene).index(hit.mode), longer.above)
+    enough = _in_the_way(scene, prover, hit.way, hit.mode, longer, q) is None
     return replace(facts, end=spot.end, straight_m=spot.above, least_m=longer.above if enough else None)
 
 
@@ -226,12 +264,14 @@ def never_touching(scene: Scene, prover: Prover) -> Refusal | None:
     what it is put down on, whenever; or None. Not known here: where any turn will do, and what rests on frames that
     move against each other. Raises `OutOfTimeError` where the deadline in force passes."""
     for number, step in enumerate(scene.task):
+        if not math.isfinite(allowed_m(step)):
+            continue
         raise_if_late()
-        found = ways(scene, number) if math.isfinite(allowed_m(step)) else ()
+        found = ways(scene, number)
         if isinstance(step, Pick):
-            found = () if found and found[0].turn is None else found
+            found = () if found[0].turn is None else found
         else:
-            found = found[:1] if found and always(scene, step, found[0].before) else ()
+            found = found[:1] if always(scene, step, found[0].before) else ()
         far = [too_far(prover, number, way.before, way.turn or 0.0, scene.start.time) for way in found]
         refusals = [refusal for refusal in far if refusal is not None]
         if refusals and len(refusals) == len(far):

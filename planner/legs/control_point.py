@@ -133,11 +133,8 @@ class ControlPoint:
 
     @property
     def span(self) -> tuple[float, float]:
-        """From when until when the point may be tracked, a window along a conveyor left aside; empty if reversed."""
-        law, latest = self.scene.frames[self.frame].law, self.scene.options.latest_end_s
-        opens, closes = self.window.time or (-math.inf, math.inf)
-        low = max(self.scene.start.time, law.valid[0], opens)
-        return low, min(law.valid[1], math.inf if latest is None else latest, closes)
+        """From when until when the point may be tracked (`span_of`)."""
+        return span_of(self.scene, self.frame, self.window)
 
     @cached_property
     def intervals(self) -> list[tuple[float, float]]:
@@ -177,6 +174,14 @@ class ControlPoint:
         if law.way is None:
             raise InputError(f"task[{self.step}].window_mm", window, "a window in millimetres only on a conveyor")
         return inside(law, self.target, window, self.scene.start.time)
+
+
+def span_of(scene: Scene, frame: str, window: Window) -> tuple[float, float]:
+    """From when until when a point on a frame may be tracked, s, its window along a conveyor left aside; empty if
+    reversed."""
+    valid, latest = scene.frames[frame].law.valid, scene.options.latest_end_s
+    opens, closes = window.time or (-math.inf, math.inf)
+    return max(scene.start.time, valid[0], opens), min(valid[1], math.inf if latest is None else latest, closes)
 
 
 def control_point(
