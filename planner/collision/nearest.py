@@ -11,7 +11,6 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.claim import columns as c
 from assur.planner.collision.bodies import Arrangement, Pairs, certain
 from assur.planner.collision.proof import Prover, Search
 from assur.planner.geometry.containment import inside
@@ -287,27 +286,28 @@ def closest(
     only these bodies (B,), against what hangs on the flange."""
     arrangement, stands = prover.of(phase), prover.standing(q, phase.t0)
     pairs = certain(prover.near(phase, stands))
-    one, other = arrangement.body[pairs[:, FIRST : SECOND + 1].astype(np.int64)].T
+    units = pairs[:, FIRST : SECOND + 1].astype(np.int64).T
+    one, other = arrangement.body[units]
     wanted: BoolArray = np.ones(len(pairs), dtype=np.bool_)
     for first, second in contacts:
         a, b = arrangement.number[first], arrangement.number[second]
         wanted &= ~(((one == a) & (other == b)) | ((one == b) & (other == a)))
     if among is not None:
         wrist = scene.robot.links.index("quill" if "quill" in scene.robot.links else "flange")
-        wanted &= (arrangement.seats[one, c.SEAT_LINK] >= wrist) & among[other]
+        wanted &= arrangement.of_robot[one] & (arrangement.carrier[units[0]] >= wrist) & among[other]
     if not wanted.any():
         return None
     found = prover.hits(phase, stands, pairs[wanted], displaced_links=False).too_near
     if not len(found):
         return None
     hit = found[found[:, HIT_PAIR].argmin()]
-    units, gap, need = (int(hit[HIT_A]), int(hit[HIT_B])), float(hit[HIT_GAP]), float(hit[HIT_NEED]) - RESERVE_M
-    first, second = (arrangement.names[arrangement.body[unit]] for unit in units)
-    touching = bool(prover.touch(arrangement, stands, phase.t0, *units))
+    near, gap, need = (int(hit[HIT_A]), int(hit[HIT_B])), float(hit[HIT_GAP]), float(hit[HIT_NEED]) - RESERVE_M
+    first, second = (arrangement.names[arrangement.body[unit]] for unit in near)
+    touching = bool(prover.touch(arrangement, stands, phase.t0, *near))
     apart = min(gap if touching else max(0.0, gap), need)
     rule, clearance = prover.rule(phase, first, second)
     facts = Separation(touching=touching, gap_m=apart, required_m=need, rule=rule, clearance_m=clearance)
-    return TooNear((first, second), facts, units)
+    return TooNear((first, second), facts, near)
 
 
 def enclosed(

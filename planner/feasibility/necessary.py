@@ -121,7 +121,7 @@ def _starts_well(scene: Scene) -> bool:
     """Whether an arm without a loop rests within its ranges, and the motion of all bodies is known, at the start: then
     nothing of it needs a proof."""
     begin, limits = scene.start, scene.robot.limits
-    if scene.robot.parallel_least > 0.0 or np.count_nonzero(begin.qd) or np.count_nonzero(begin.qdd):
+    if scene.robot.parallel_least > 0.0 or begin.moving:
         return False
     for body in scene.bodies:
         first, last = scene.frames[body.frame].law.valid
