@@ -113,7 +113,8 @@ class Motion:
         table[..., 0, 3] += offset.yaw
         if offset.x == 0.0 and offset.y == 0.0:
             return Motion(table)  # on the axis: r⊥ is zero
-        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        yaw = self.table[..., 0, 3]
+        c, s = np.cos(yaw), np.sin(yaw)
         rx, ry = c * offset.x - s * offset.y, s * offset.x + c * offset.y
         table[..., 0, 0] += rx
         table[..., 0, 1] += ry
@@ -160,7 +161,7 @@ class Motion:
 
     def at_rest(self) -> Motion:
         """The same poses with all derivatives zero: met in position only."""
-        table = np.zeros_like(self.table)
+        table = np.zeros(self.table.shape)
         table[..., 0, :] = self.table[..., 0, :]
         return Motion(table)
 
