@@ -87,11 +87,11 @@ def nearest(
     if where is None:
         return None
     arrangement = prover.of(where)
-    first, second = (arrangement.names[arrangement.body[int(state[k])]] for k in (NEAREST_A, NEAREST_B))
+    one, other = arrangement.body[[int(state[NEAREST_A]), int(state[NEAREST_B])]].tolist()
     upper = float(state[UPPER])
     lower = max(0.0, min(float(state[LOWER]), upper))
     time = min(max(float(state[NEAREST_T]), where.t0), where.t1)  # instants are sums, which round
-    return Nearest(lower, time, (first, second), where.kind, upper)
+    return Nearest(lower, time, (arrangement.names[one], arrangement.names[other]), where.kind, upper)
 
 
 def pairs_of_pieces(arrangement: Arrangement, bodies: Iterable[tuple[int, int]]) -> FloatArray:
@@ -119,6 +119,8 @@ def _counted(
     """The rows of pairs of a kind that may not touch and whose bodies are not in `without`, where all is where it is
     planned."""
     rows = every.rows if of == "all" else every.rows[: every.own] if of == "arm" else every.rows[every.own :]
+    if not len(rows):
+        return rows
     pairs = certain(rows[rows[:, REQUIRED] >= 0.0])
     if without:
         bodies = arrangement.body[pairs[:, FIRST : SECOND + 1].astype(np.int64)].tolist()
@@ -136,11 +138,12 @@ def _search(
     of: Kind,
 ) -> None:
     """Goes on with the search over one phase."""
-    arrangement, spline = prover.of(phase), prover.spline(trajectory)
-    motion, every, within = prover.motion(spline), prover.pairs_of(phase), NEARBY_M
+    every, arrangement, within = prover.pairs_of(phase), prover.of(phase), NEARBY_M
     pairs = counted = _counted(arrangement, every, without, of)
     if not len(counted):
         return
+    spline = prover.spline(trajectory)
+    motion = prover.motion(spline)
     least = prover.behind(phase, spline, every) if every.many else np.zeros((0, SIDES))
     while True:
         # what planes keep further apart than `within` cannot be nearest, if anything is found that is nearer

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.arrays import FloatArray
 from assur.planner.checker.refusals.nearest import points_between
 from assur.planner.checker.refusals.postures import allowed_modes
 from assur.planner.checker.refusals.stated import Proof, Spot, spots
@@ -23,10 +23,9 @@ from assur.planner.collision.fcl_entry import PlacedShape
 from assur.planner.collision.nearest import TooNear, Within, closest, enclosed
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.touching import allowed_m, too_far
-from assur.planner.frames.motion import ORDERS, Pose
+from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Piece
-from assur.planner.kernels.dyads import ASSEMBLED, FOLDED, OUT_OF_REACH, STRETCHED
-from assur.planner.kernels.inverse import joint_motions
+from assur.planner.kernels.dyads import ASSEMBLED, FOLDED, STRETCHED
 from assur.planner.legs.tilt import tilts
 from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.outcome import TRACKING, LegKind
@@ -34,9 +33,7 @@ from assur.planner.model.phases import AT_START, Attachments, Phase, at_start
 from assur.planner.model.refusal import Bodies, Enclosed, Quantity, Reason, Refusal, Separation, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Step
 from assur.planner.model.witness import Meeting
-from assur.planner.robots.kinematics import targets_of
-from assur.planner.robots.robot import Robot
-from assur.planner.robots.turns import beyond_range
+from assur.planner.robots.facts import Inverse
 
 ROOM_M = 1e-4
 """A straight part that is stated to be long enough is so by this, m."""
@@ -44,44 +41,32 @@ REACHED = (ASSEMBLED, STRETCHED, FOLDED)
 """Codes of positions in which the flange is where it is required."""
 
 
-class Postures(NamedTuple):
-    """Joints `q` (M, H, n), and a `Code` (M, H) each, with which the flange is at `heights` (H,), m, above the point of
-    a way in the working modes (M,) that are allowed, the frame of the point being where it is at the start."""
+class WayOfMeeting(NamedTuple):
+    """A way to a control point, where the flange is on it, and how each mode that is allowed has it there, and then at
+    the outer ends of both straight parts."""
 
     way: GraspOption
-    heights: tuple[float, ...]
-    q: FloatArray
-    codes: IntArray
-
-    def at(self, mode: int, above: float) -> FloatArray | None:
-        """Joints (n,) in one of the modes, by its number among them, at one of the heights; None: the arm does not
-        reach it."""
-        k = self.heights.index(above)
-        return self.q[mode, k] if int(self.codes[mode, k]) in REACHED else None
-
-    def out_of_range(self, robot: Robot) -> bool:
-        """Whether in each mode one of the heights is out of reach, or a joint is beyond its range there."""
-        beyond = (beyond_range(robot, self.q) > robot.limits.slack).any(-1) & np.isfinite(self.q).all(-1)
-        return bool((beyond | (self.codes == OUT_OF_REACH)).any(1).all())
+    spots: list[Spot]
+    modes: list[Inverse]
 
 
-def postures(scene: Scene, way: GraspOption, *heights: float) -> Postures:
-    """Those of one way at different heights."""
+def ways_of_meeting(scene: Scene, number: int) -> list[WayOfMeeting]:
+    """All ways to the control point of a step, its frame being where it is at the start."""
+    found, ends = list[WayOfMeeting](), scene.straight(scene.task[number])
+    for way in ways(scene, number):
+        at = spots(scene, number, way.before, way.after)
+        found.append(WayOfMeeting(way, at, postures(scene, way, *[spot.above for spot in at], *ends)))
+    return found
+
+
+def postures(scene: Scene, way: GraspOption, *heights: float) -> list[Inverse]:
+    """How each working mode that is allowed has the flange at heights above the point of a way, m, its frame being
+    where it is at the start."""
     robot, t = scene.robot, np.full(len(heights), scene.start.time)
-    motion = scene.frames[way.frame].law.motion(t).at(way.flange, np.array(heights))
-    tilt, modes = tilts(scene, scene.task[way.number], scene.start.q)[0], allowed_modes(scene)
-    targets = targets_of(motion if tilt is None else motion.with_tilt(np.array(tilt)), 0)
-    joints, margins = np.empty((len(modes), len(t), len(ORDERS), len(robot.joints))), np.empty((len(t), 2))
-    codes = np.empty((len(modes), len(t)), dtype=np.int64)
-    for k, mode in enumerate(modes):
-        joint_motions(robot.row, robot.modes.index(mode), 0, targets, joints[k], margins, codes[k])
-    return Postures(way, heights, joints[:, :, 0], codes)
-
-
-def every_posture(scene: Scene, number: int) -> list[Postures]:
-    """Those of all ways to the control point of a step, at the point and at the outer ends of its straight parts."""
-    heights = dict.fromkeys((0.0, *scene.straight(scene.task[number])))
-    return [postures(scene, way, *heights) for way in ways(scene, number)]
+    motion = scene.frames[way.frame].law.motion(t).at(way.flange, np.array(heights)).at_rest()
+    tilt = tilts(scene, scene.task[way.number], scene.start.q)[0]
+    motion = motion if tilt is None else motion.with_tilt(np.array(tilt))
+    return [robot.inverse(motion, robot.modes.index(mode), 0) for mode in allowed_modes(scene)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,16 +94,15 @@ def hit_at_start(scene: Scene, prover: Prover, *, hollow: bool = False) -> Hit |
     return None if near is None else Hit(near, spot, phase, q)
 
 
-def hits(scene: Scene, prover: Prover, every: list[Postures]) -> list[Hit] | None:
+def hits(scene: Scene, prover: Prover, every: list[WayOfMeeting]) -> list[Hit] | None:
     """What is in the way on each way to a control point in each working mode that is allowed; None: on one of them
     nothing is, or it is not known, as the point may be met at another time."""
-    found, modes = list[Hit](), allowed_modes(scene)
-    for each in every:
-        at = spots(scene, each.way.number, each.way.before, each.way.after)
-        for k, mode in enumerate(modes):
+    found = list[Hit]()
+    for way, at, modes in every:
+        for mode, inverse in zip(allowed_modes(scene), modes, strict=True):
             raise_if_late()
-            for spot in at:
-                hit = _in_the_way(scene, prover, each.way, mode, spot, each.at(k, spot.above))
+            for k, spot in enumerate(at):
+                hit = _in_the_way(scene, prover, way, mode, spot, inverse, k)
                 if hit is not None:
                     found.append(hit)
                     break
@@ -128,12 +112,13 @@ def hits(scene: Scene, prover: Prover, every: list[Postures]) -> list[Hit] | Non
 
 
 def _in_the_way(
-    scene: Scene, prover: Prover, way: GraspOption, mode: str, spot: Spot, q: FloatArray | None
+    scene: Scene, prover: Prover, way: GraspOption, mode: str, spot: Spot, inverse: Inverse, row: int = 0
 ) -> Hit | None:
-    """What is in the way of the flange's bodies at one spot in one working mode, with joints q (n,); nothing where the
-    arm does not reach it."""
-    if q is None:
+    """What is in the way of the flange's bodies at one spot in one working mode, which has it there as in a row of
+    `inverse`; nothing where the arm does not reach it."""
+    if int(inverse.code[row]) not in REACHED:
         return None
+    q = inverse.q[row]
     t, attached, fixed = scene.start.time, spot.attached, scene.frames[way.frame].law.is_fixed
     phase = Phase(t, t, spot.kind, way.number, attached, tracked=way.frame if spot.kind in TRACKING else None)
     among = prover.arrangement.keeping(prover.of(phase), way.frame)
@@ -160,8 +145,8 @@ def _of_straight_part(scene: Scene, prover: Prover, hit: Hit, facts: Separation,
     if spot.end is None or hit.way is None or hit.mode is None:
         return facts
     longer = replace(spot, above=spot.above + missing + ROOM_M)
-    q = postures(scene, hit.way, longer.above).at(allowed_modes(scene).index(hit.mode), longer.above)
-    enough = _in_the_way(scene, prover, hit.way, hit.mode, longer, q) is None
+    inverse = postures(scene, hit.way, longer.above)[allowed_modes(scene).index(hit.mode)]
+    enough = _in_the_way(scene, prover, hit.way, hit.mode, longer, inverse) is None
     return replace(facts, end=spot.end, straight_m=spot.above, least_m=longer.above if enough else None)
 
 

@@ -17,8 +17,17 @@ from assur.planner.checker.refusals.stated import Proof, spots
 from assur.planner.checker.refusals.ways import GraspOption, is_turn, ways
 from assur.planner.checker.refusals.windows import overshoots
 from assur.planner.collision.proof import Prover
-from assur.planner.feasibility.hits import Postures, every_posture, hit_at_start, hits, postures, refusal_of
+from assur.planner.feasibility.hits import (
+    REACHED,
+    WayOfMeeting,
+    hit_at_start,
+    hits,
+    postures,
+    refusal_of,
+    ways_of_meeting,
+)
 from assur.planner.feasibility.witnesses import shown
+from assur.planner.kernels.dyads import OUT_OF_REACH
 from assur.planner.legs.control_point import control_point, span_of
 from assur.planner.legs.missed import never_in_window, too_high
 from assur.planner.legs.tilt import pitch_free, tilts
@@ -27,6 +36,7 @@ from assur.planner.model.phases import Attachments, at_start
 from assur.planner.model.refusal import OutOfReach, Reason, Refusal, Stage, out_of_reach
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import RANGE_SLACK
+from assur.planner.robots.turns import beyond_range
 
 # Points where the arm can never be: those that stand still out of reach, or beyond a joint limit, in every allowed
 # mode; and those on a frame that repeats its motion which stay out of reach for a whole period.
@@ -38,15 +48,17 @@ PARTS = 512
 """Parts of a period; the way of a point is bounded over each."""
 
 
-def out_of_range(scene: Scene, every: list[Postures]) -> Refusal | None:
+def out_of_range(scene: Scene, every: list[WayOfMeeting]) -> Refusal | None:
     """Why no joint position meets a control point, or what is required above it, on any of the ways to it, however the
     part is held; None: one does, or nobody knows, for it moves. The kernels decide; the words are the checker's."""
     way = every[0].way
     if not scene.frames[way.frame].law.is_fixed:
         return _never_near(scene, way)  # as all points of the step, which are on one frame
-    if not all(each.out_of_range(scene.robot) for each in every):
-        return None
-    worst = []
+    slack, worst = scene.robot.limits.slack, list[Refusal]()
+    for each in chain.from_iterable(each.modes for each in every):
+        beyond = (beyond_range(scene.robot, each.q) > slack).any(-1) & np.isfinite(each.q).all(-1)
+        if not (beyond | (each.code == OUT_OF_REACH)).any():
+            return None
     for mode in allowed_modes(scene):
         proofs = (proof for _, stated in obstructions(scene, way, mode) for proof in stated if proof.reason in RANGES)
         refusals = [_of_point(scene, proof).refusal(Stage.CONTROL_POINT, way.number) for proof in proofs]
@@ -185,7 +197,7 @@ def _never(scene: Scene, prover: Prover, number: int) -> Iterator[Refusal]:
         # which pitches that reach it are free of bodies is a matter of search
         yield from (each.refusal(Stage.CONTROL_POINT, number) for each in points.every_pitch(scene, number))
         return
-    every = every_posture(scene, number)
+    every = ways_of_meeting(scene, number)
     beyond = out_of_range(scene, every)
     if beyond is not None:
         yield beyond
@@ -249,7 +261,7 @@ def met_posture(
         return None
     for way in (each for each in ways(scene, number) if is_turn(each.turn, turn)):
         for spot in (each for each in spots(scene, number, way.before, way.after) if each.place == place):
-            q = postures(scene, way, spot.above).at(allowed_modes(scene).index(mode), spot.above)
-            if q is not None:
-                return q, spot.attached
+            inverse = postures(scene, way, spot.above)[allowed_modes(scene).index(mode)]
+            if int(inverse.code[0]) in REACHED:
+                return inverse.q[0], spot.attached
     return None
