@@ -128,13 +128,11 @@ class Bodies:
         self.still = np.isfinite(self._places[:, 0]).astype(np.int64)
         self.vertices = np.concatenate([np.zeros((0, 3)), *[hull.vertices for hull in table.hulls]])
         begins = np.array([0, *accumulate([len(hull.vertices) for hull in table.hulls])])
-        many, core = len(table.shapes) + len(self.names), np.empty((len(table.shapes), 5))
-        core[:, :3], core[:, 3], core[:, 4] = table.half, table.disc, table.ball
+        many, core = len(table.shapes) + len(self.names), [table.half, table.disc[:, None], table.ball[:, None]]
         own, offset, self.roots = np.zeros((many, COLUMNS)), np.zeros((many, 3)), np.empty_like(table.count)
-        position, rotation = np.array(table.position), np.array(table.rotation)
         units = write_units(
-            np.array(table.count), position, rotation, core, np.array(table.hull), begins, self.vertices, own, offset,
-            self.roots,
+            table.count.copy(), table.position.copy(), table.rotation.copy(), np.concatenate(core, 1),
+            table.hull.copy(), begins, self.vertices, own, offset, self.roots,
         )  # fmt: skip
         self.own, self.offset = own[:units], offset[:units]
         self.seats = seats_of(scene, self.carriers).rows
@@ -336,19 +334,15 @@ class PairTables:
             least, most = np.where(frame == f, 1.0, of_tool)
             share = np.maximum(abs(most[first] - least[second]), abs(least[first] - most[second]))
             size = share[:, None] * own[c.DISPLACED_AMOUNT : c.DISPLACED_GROWTH + 1]
-            named = np.flatnonzero(share > 0.0)
-            if own[c.DISPLACED_LEVEL] > 0.0:
-                sets[:, FLAT : FLAT_GROWTH + 1] += size
-            elif not direction[:2].any():
-                sets[:, UPRIGHT : UPRIGHT_GROWTH + 1] += size * abs(direction[2])
-            else:
-                # more than there is room for: in every direction
-                rest, fits = named[free[named] >= SET_COLUMNS], named[free[named] < SET_COLUMNS]
-                sets[rest, FLAT : FLAT_GROWTH + 1] += size[rest]
-                sets[rest, UPRIGHT : UPRIGHT_GROWTH + 1] += size[rest] * abs(direction[2])
-                at = free[fits, None] + np.arange(SEGMENT)
-                sets[fits[:, None], at] = np.column_stack((size[fits], np.tile(direction, (len(fits), 1))))
-                free[fits] += SEGMENT
+            level, aside = own[c.DISPLACED_LEVEL] > 0.0, direction[:2].any()
+            fits = np.flatnonzero((share > 0.0) & (free < SET_COLUMNS) & (aside and not level))
+            at = free[fits, None] + np.arange(SEGMENT)
+            sets[fits[:, None], at] = np.column_stack((size[fits], np.tile(direction, (len(fits), 1))))
+            free[fits] += SEGMENT
+            size[fits] = 0.0
+            # more than there is room for: in every direction
+            sets[:, FLAT : FLAT_GROWTH + 1] += size * (level or aside)
+            sets[:, UPRIGHT : UPRIGHT_GROWTH + 1] += size * (0.0 if level else abs(direction[2]))
         table, number = np.unique(sets, axis=0, return_inverse=True)
         none: BoolArray = np.asarray(~sets.any(1), dtype=np.bool_)
         none[:across] = False  # with a set, also with an empty one, the coarse score of a motion tries other normals

@@ -6,9 +6,7 @@ What is found is stated twice: as the refusal, and as the witness that the check
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import product
 from typing import NamedTuple
 
@@ -179,13 +177,9 @@ class AtStart:
         self.scene, self.prover = scene, prover
         self._posed: dict[tuple[str, str, Pose], list[PlacedShape]] = {}
         self._table: FloatArray | None = None
-
-    @cached_property
-    def _frames(self) -> dict[str, FloatArray]:
+        carriers = prover.carriers(scene.start.q, scene.start.time)[len(scene.robot.links) :]
+        self._frames = dict(zip(scene.frames, carriers, strict=True))
         """Where the frames are, (12,) each."""
-        scene = self.scene
-        carriers = self.prover.carriers(scene.start.q, scene.start.time)[len(scene.robot.links) :]
-        return dict(zip(scene.frames, carriers, strict=True))
 
     def place(self, name: str, attached: Attachments = AT_START) -> FloatArray:
         """Where the origin of a body is in the world, (3,) m; NaN: the motion of its frame is not known then."""
@@ -223,16 +217,11 @@ def posed(prover: Prover, name: str, attached: Attachments = AT_START) -> list[P
     return prover.posed(arrangement, start.q, start.time, np.array(arrangement.pieces(arrangement.number[name])))
 
 
-def moved(posed: Iterable[PlacedShape], by: FloatArray) -> list[PlacedShape]:
-    """Shapes shifted by (3,) m."""
-    return [replace(each, position=each.position + by) for each in posed]
-
-
 def touch(prover: Prover, ones: list[PlacedShape], others: list[PlacedShape], *shifts: FloatArray) -> bool:
     """Whether any two of the shapes touch, after each of the shifts (3,) of the first ones, m. Checks the deadline
     before each two."""
     for by in shifts or (np.zeros(3),):
-        for one, other in product(moved(ones, by), others):
+        for one, other in product([replace(each, position=each.position + by) for each in ones], others):
             raise_if_late()
             if prover.collider.touch(one, other):
                 break
@@ -270,9 +259,5 @@ def always(scene: Scene, step: Step, attached: Attachments) -> bool:
     if not isinstance(step, Pick | Place) or step.contact_with is None:
         return False
     frame, _ = attached.point(scene, step)
-    others = {attached.pose_of(scene, name)[0] for name in step.contact_with}
-    return all(other == frame or _stand(scene, frame, other) for other in others)
-
-
-def _stand(scene: Scene, *frames: str) -> bool:
-    return all(scene.frames[name].law.is_fixed for name in frames)
+    others = {frame, *(attached.pose_of(scene, name)[0] for name in step.contact_with)}
+    return len(others) == 1 or all(scene.frames[name].law.is_fixed for name in others)

@@ -13,6 +13,7 @@ from assur.planner.claim.frames import displaced_of
 from assur.planner.claim.obligations import shares_of
 from assur.planner.collision.bodies import shift_of
 from assur.planner.errors import FaultError
+from assur.planner.frames.motion import Motion
 from assur.planner.kernels.meetings import least_durations
 from assur.planner.kernels.postures import FITS, SINGULAR, correction_fits
 from assur.planner.legs.control_point import WINDOW_S, control_point
@@ -124,23 +125,17 @@ def ahead(scene: Scene, partial: PartialPlan, branch: Branch) -> FloatArray | No
     step = scene.task[partial.step]
     if not step.via or partial.step + 1 >= len(scene.task):
         return None
-    robot, q = scene.robot, branch.q[0]
+    robot, q, t = scene.robot, branch.q[0], np.array([partial.state.time])
     others = range(len(robot.modes)) if scene.options.elbow == "auto" else ()
-    velocity = partial.attached.limits(scene).velocity
+    attitudes = tilts(scene, scene.task[partial.step + 1], q)
+    behind = [control_point(scene, partial.step + 1, partial.attached, 0.0, tilt) for tilt in attitudes]
+    motion = Motion(np.concatenate([each.flange(t, each.approach).table for each in behind]))
     for mode in dict.fromkeys((branch.mode, *others)):
-        best: tuple[float, FloatArray] | None = None
-        for tilt in tilts(scene, scene.task[partial.step + 1], q):
-            behind = control_point(scene, partial.step + 1, partial.attached, 0.0, tilt)
-            motion = behind.flange(np.array([partial.state.time]), behind.approach)
-            found = robot.inverse(motion, mode, 0).q[0]
-            if not np.isfinite(found).all():
-                continue
-            there = found + robot.revolute * 2 * np.pi * np.round((q - found) / (2 * np.pi))
-            takes = float((np.abs(there - q) / velocity).max())
-            if best is None or takes < best[0]:
-                best = takes, np.asarray(there)
-        if best is not None:
-            return best[1]
+        found = robot.inverse(motion, mode, 0).q
+        there = found + robot.revolute * 2 * np.pi * np.round((q - found) / (2 * np.pi))
+        takes = (np.abs(there - q) / partial.attached.limits(scene).velocity).max(1)
+        if np.isfinite(takes).any():
+            return np.asarray(there[np.nanargmin(takes)])
     return None
 
 
