@@ -63,7 +63,7 @@ class RunSampler(Sampler):
                 for option in options:
                     at = option.branch.q[0]
                     least = float(np.max(np.abs(at - q) / robot.limits.velocity))
-                    longer.append((cost + least * preference(robot, q, at), (*way, option), at))
+                    longer.append((cost + least * float(preference(robot, q, at)), (*way, option), at))
             beam = sorted(longer, key=lambda item: item[0])[:MOST_OPTIONS]
         self.ways = tuple(way for _, way, _ in beam)
 

@@ -10,14 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
+from itertools import accumulate
 
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.claim import columns as c
 from assur.planner.claim.frames import displaced_of
-from assur.planner.claim.obligations import carriers_of, distances_of, phases_of, seat_of, seats_of
+from assur.planner.claim.obligations import Seats, carriers_of, distances_of, phases_of, seat_of, seats_of
 from assur.planner.geometry.shapes import Hull, Primitive
 from assur.planner.kernels.links import POSE_COLUMNS, put_upright
 from assur.planner.kernels.solids import (
@@ -55,63 +55,23 @@ from assur.planner.model.scene import Scene, bodies_in
 __all__ = ["COVER", "Arrangement", "Bodies"]
 
 
-@dataclass(frozen=True, eq=False)
 class Arrangement:
     """The units (U,) of a cell while bodies are on certain `seats` (B, c.SEAT).
 
     `rows` (U, COLUMNS) are the table of the kernels; `boxes` (U, 6) are the least and greatest coordinates of what
-    stands still, in the world, NaN for what does not.
+    stands still, in the world, NaN for what does not. `carrier`, `body`, `piece` (U,): numbers of each unit's carrier,
+    body, and piece in its body, or COVER. `names`, `number`, `roots`: of the bodies (B,) in order, by their names, and
+    the unit that stands for all of each; `of_robot` (B,): whether a body is the robot's, its tool's, or the part that
+    it holds. `links`: how many carriers are links. `cell`: what kernels read: units, vertices, and which carriers stand
+    still for ever (1), (K,).
     """
 
-    bodies: Bodies
-    seats: FloatArray
-    rows: FloatArray
-    boxes: FloatArray
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the bodies (B,)."""
-        return self.bodies.names
-
-    @property
-    def number(self) -> dict[str, int]:
-        """Number of each body by its name."""
-        return self.bodies.carriers.body
-
-    @property
-    def links(self) -> int:
-        """How many carriers are links."""
-        return self.bodies.links
-
-    @property
-    def roots(self) -> IntArray:
-        """(B,) for each body the unit that stands for all of it."""
-        return self.bodies.roots
-
-    @property
-    def cell(self) -> tuple[FloatArray, FloatArray, IntArray]:
-        """What kernels read: units, vertices, and which carriers stand still for ever (1), (K,)."""
-        return self.rows, self.bodies.vertices, self.bodies.still
-
-    @cached_property
-    def carrier(self) -> IntArray:
-        """(U,) number of the carrier of each unit."""
-        return self.rows[:, CARRIER].astype(np.int64)
-
-    @cached_property
-    def body(self) -> IntArray:
-        """(U,) number of the body of each unit."""
-        return self.rows[:, BODY].astype(np.int64)
-
-    @cached_property
-    def piece(self) -> IntArray:
-        """(U,) number of the piece in its body, or COVER."""
-        return self.rows[:, PIECE].astype(np.int64)
-
-    @cached_property
-    def of_robot(self) -> BoolArray:
-        """(B,) whether a body is the robot's, its tool's, or the part that it holds."""
-        return np.asarray(self.seats[:, c.SEAT_LINK] >= 0.0)
+    def __init__(self, bodies: Bodies, seats: FloatArray, rows: FloatArray, boxes: FloatArray) -> None:
+        self.bodies, self.seats, self.rows, self.boxes = bodies, seats, rows, boxes
+        self.names, self.number, self.roots, self.links = bodies.names, bodies.carriers.body, bodies.roots, bodies.links
+        self.cell = rows, bodies.vertices, bodies.still
+        self.carrier, self.body, self.piece = rows[:, [CARRIER, BODY, PIECE]].T.astype(np.int64)
+        self.of_robot: BoolArray = seats[:, c.SEAT_LINK] >= 0.0
 
     def pieces(self, body: int) -> range:
         """The units of the convex pieces of a body."""
@@ -150,30 +110,33 @@ class Bodies:
     """The bodies of a cell, and arrangements of them: of those scenes in which the same part is held at the start."""
 
     def __init__(self, scene: Scene) -> None:
-        self.scene, table = scene, scene.pieces
-        self.names = tuple(body.name for body in bodies_in(scene))
+        self.scene, table, every = scene, scene.pieces, bodies_in(scene)
+        self.names = tuple([body.name for body in every])
+        self.hollow = {body.name: body.surface for body in every if body.surface is not None}
+        """The surfaces of those that are meshes, by name."""
         self.carriers = carriers_of(scene, self.names)
         self.links, self.pieces = len(scene.robot.links), table
         self._places = np.full((self.links + len(scene.frames), POSE_COLUMNS), np.nan)
         """Where carriers are that stand still for ever; NaN: the others."""
-        for k, frame in enumerate(scene.frames.values(), start=self.links):
-            if frame.law.is_fixed and frame.law.valid == (-np.inf, np.inf):
+        self._fixed = np.zeros(len(scene.frames), dtype=np.bool_)
+        for k, frame in enumerate(scene.frames.values()):
+            self._fixed[k] = frame.law.is_fixed
+            if self._fixed[k] and frame.law.valid == (-np.inf, np.inf):
                 pose = frame.law.numbers.pose
-                put_upright(self._places, k, pose.x, pose.y, pose.z, math.cos(pose.yaw), math.sin(pose.yaw))
+                at = math.cos(pose.yaw), math.sin(pose.yaw)
+                put_upright(self._places, self.links + k, pose.x, pose.y, pose.z, *at)
         self.still = np.isfinite(self._places[:, 0]).astype(np.int64)
-        self.vertices = np.concatenate([np.zeros((0, 3)), *(hull.vertices for hull in table.hulls)])
-        begins = np.cumsum([0, *(len(hull.vertices) for hull in table.hulls)])
-        many, core = len(table.shapes) + len(self.names), np.empty((len(table.shapes), 5))
-        core[:, :3], core[:, 3], core[:, 4] = table.half, table.disc, table.ball
+        self.vertices = np.concatenate([np.zeros((0, 3)), *[hull.vertices for hull in table.hulls]])
+        begins = np.array([0, *accumulate([len(hull.vertices) for hull in table.hulls])])
+        many, core = len(table.shapes) + len(self.names), [table.half, table.disc[:, None], table.ball[:, None]]
         own, offset, self.roots = np.zeros((many, COLUMNS)), np.zeros((many, 3)), np.empty_like(table.count)
-        position, rotation = np.array(table.position), np.array(table.rotation)
         units = write_units(
-            np.array(table.count), position, rotation, core, np.array(table.hull), begins, self.vertices, own, offset,
-            self.roots,
+            table.count.copy(), table.position.copy(), table.rotation.copy(), np.concatenate(core, 1),
+            table.hull.copy(), begins, self.vertices, own, offset, self.roots,
         )  # fmt: skip
         self.own, self.offset = own[:units], offset[:units]
-        start = Arrangement(self, seats_of(scene, self.carriers).rows, self.own.copy(), np.empty((units, 6)))
-        self._seat(start, range(len(self.names)))
+        self.seats = seats_of(scene, self.carriers).rows
+        start = self._seated(self.seats, self.own.copy(), np.empty((units, 6)), range(len(self.names)))
         self._start = at_start(scene), start
         self._made = dict([self._start])
 
@@ -183,22 +146,25 @@ class Bodies:
         if found is None:
             (first, start), moved = self._start, {part for part, _, _ in attached.placed}
             moved |= {each.held.part for each in (first, attached) if each.held is not None}
-            found = Arrangement(self, start.seats.copy(), start.rows.copy(), start.boxes.copy())
-            numbers = [self.carriers.body[part] for part in sorted(moved)]
+            seats, numbers = start.seats.copy(), [self.carriers.body[part] for part in sorted(moved)]
             for number in numbers:
-                found.seats[number] = seat_of(self.scene, self.carriers, attached, self.names[number])
-            self._seat(found, numbers)
+                seats[number] = seat_of(self.scene, self.carriers, attached, self.names[number])
+            found = self._seated(seats, start.rows.copy(), start.boxes.copy(), numbers)
             if len(self._made) >= MOST:
                 self._made = dict([self._start])
             self._made[attached] = found
         return found
 
-    def _seat(self, made: Arrangement, numbers: Iterable[int]) -> None:
-        """Puts the units of some bodies on their seats."""
+    def keeping(self, arrangement: Arrangement, frame: str) -> BoolArray:
+        """Which bodies (B,) of the surroundings are on a frame, or on one that never moves against it."""
+        on, own = arrangement.seats[:, c.SEAT_FRAME].astype(np.int64), self.carriers.frame[frame]
+        return np.asarray((on == own) | ((on >= 0) & self._fixed[own] & self._fixed[on]))
+
+    def _seated(self, seats: FloatArray, rows: FloatArray, boxes: FloatArray, numbers: Iterable[int]) -> Arrangement:
+        """The arrangement on these seats; of the rows and boxes those of some bodies are written."""
         chosen = np.array(numbers, dtype=np.int64)
-        seat_bodies(
-            self.own, self.vertices, self.roots, made.seats, chosen, self.links, self._places, made.rows, made.boxes
-        )
+        seat_bodies(self.own, self.vertices, self.roots, seats, chosen, self.links, self._places, rows, boxes)
+        return Arrangement(self, seats, rows, boxes)
 
 
 # Which bodies must stay how far apart in a phase (equation N8), from the tables of the claim.
@@ -276,7 +242,8 @@ class PairTables:
 
     def __init__(self, scene: Scene, bodies: Bodies) -> None:
         self.scene, self.bodies = scene, bodies
-        self.seats = seats_of(scene, bodies.carriers)
+        self.seats = Seats(bodies.seats, ())
+        """What `phases_of` needs of them where the arrangement has the seats."""
         self.tables, self.displaced = distances_of(scene, bodies.carriers), displaced_of(scene)
         self.required = self.tables["required"][0]
         known = [frame.uncertainty for frame in scene.frames.values()]
@@ -301,11 +268,11 @@ class PairTables:
         link, frame = seats[:, c.SEAT_LINK].astype(np.int64), seats[:, c.SEAT_FRAME].astype(np.int64)
         around, mine = (link < 0).nonzero()[0], ((link >= 0) & phase.robot).nonzero()[0]
         across = len(mine) * len(around)
-        i, k = (mine[each] for each in (mine[:, None] < mine).nonzero())
+        i, k = mine[np.array((mine[:, None] < mine).nonzero())]
         within = (link[i] != link[k]) & (self.tables["self_pairs"][link[i], link[k]] > 0.0)
         moves = np.where(link < 0, self._moves[frame] if len(self._moves) else False, False)
-        first = [np.repeat(mine, len(around)), i[within]]
-        second, done = [np.tile(around, len(mine)), k[within]], list[int]()
+        first = [mine.repeat(len(around)), i[within]]
+        second, done = [around[None].repeat(len(mine), 0).ravel(), k[within]], list[int]()
         own = across + len(first[1])
         for part, supports in zip(story["put_down"][:, c.PUT_BODY].astype(np.int64), story["supports"], strict=True):
             # what does not move against a part, it was proved to stay clear of while it was put down
@@ -316,8 +283,8 @@ class PairTables:
             first.append(np.full(len(b), part))
             second.append(b)
         one, other = np.concatenate(first), np.concatenate(second)
-        near = np.ones(len(one), dtype=bool)
-        near[:own] = phase.near
+        near = np.empty(len(one), dtype=np.bool_)
+        near[:own], near[own:] = phase.near, True
         rows = np.zeros((len(one), PAIR_COLUMNS))
         rows[:, FIRST], rows[:, SECOND] = arrangement.roots[one], arrangement.roots[other]
         rows[:, REQUIRED], rules = self._distances(one, other, near, story["contacts"])
@@ -372,19 +339,15 @@ class PairTables:
             least, most = np.where(frame == f, 1.0, of_tool)
             share = np.maximum(abs(most[first] - least[second]), abs(least[first] - most[second]))
             size = share[:, None] * own[c.DISPLACED_AMOUNT : c.DISPLACED_GROWTH + 1]
-            named = np.flatnonzero(share > 0.0)
-            if own[c.DISPLACED_LEVEL] > 0.0:
-                sets[:, FLAT : FLAT_GROWTH + 1] += size
-            elif not direction[:2].any():
-                sets[:, UPRIGHT : UPRIGHT_GROWTH + 1] += size * abs(direction[2])
-            else:
-                # more than there is room for: in every direction
-                rest, fits = named[free[named] >= SET_COLUMNS], named[free[named] < SET_COLUMNS]
-                sets[rest, FLAT : FLAT_GROWTH + 1] += size[rest]
-                sets[rest, UPRIGHT : UPRIGHT_GROWTH + 1] += size[rest] * abs(direction[2])
-                at = free[fits, None] + np.arange(SEGMENT)
-                sets[fits[:, None], at] = np.column_stack((size[fits], np.tile(direction, (len(fits), 1))))
-                free[fits] += SEGMENT
+            level, aside = own[c.DISPLACED_LEVEL] > 0.0, direction[:2].any()
+            fits = np.flatnonzero((share > 0.0) & (free < SET_COLUMNS) & (aside and not level))
+            at = free[fits, None] + np.arange(SEGMENT)
+            sets[fits[:, None], at] = np.column_stack((size[fits], np.tile(direction, (len(fits), 1))))
+            free[fits] += SEGMENT
+            size[fits] = 0.0
+            # more than there is room for: in every direction
+            sets[:, FLAT : FLAT_GROWTH + 1] += size * (level or aside)
+            sets[:, UPRIGHT : UPRIGHT_GROWTH + 1] += size * (0.0 if level else abs(direction[2]))
         table, number = np.unique(sets, axis=0, return_inverse=True)
         none: BoolArray = np.asarray(~sets.any(1), dtype=np.bool_)
         none[:across] = False  # with a set, also with an empty one, the coarse score of a motion tries other normals

@@ -56,23 +56,20 @@ class Collider:
 
     def __init__(self) -> None:
         self._objects: dict[tuple[int, str], tuple[Primitive | Hull, fcl.CollisionObject]] = {}
-
-    def _object(self, shape: Primitive | Hull, side: str) -> fcl.CollisionObject:
-        key = (id(shape), side)
-        if key not in self._objects:
-            # the shape is kept beside its object: an id is unique only while its owner lives
-            self._objects[key] = (shape, fcl.CollisionObject(_geometry(shape), fcl.Transform()))
-        return self._objects[key][1]
+        self._request = fcl.CollisionRequest()
 
     def touch(self, a: PlacedShape, b: PlacedShape) -> bool:
         """Whether two shapes have a point in common. Raises `FaultError` on what is no pose."""
         one, other = self._set(a, "a"), self._set(b, "b")
-        return bool(fcl.collide(one, other, fcl.CollisionRequest(), fcl.CollisionResult()) > 0)
+        return bool(fcl.collide(one, other, self._request, fcl.CollisionResult()) > 0)
 
     def _set(self, posed: PlacedShape, side: str) -> fcl.CollisionObject:
-        found = self._object(posed.shape, side)
-        axes, centre = posed.axes, posed.position
-        if not (math.isfinite(centre.sum()) and np.abs(axes.T @ axes - _IDENTITY).max() <= UNIT_AXES):
+        key, axes, centre = (id(posed.shape), side), posed.axes, posed.position
+        if key not in self._objects:
+            # the shape is kept beside its object: an id is unique only while its owner lives
+            self._objects[key] = (posed.shape, fcl.CollisionObject(_geometry(posed.shape), fcl.Transform()))
+        found, off = self._objects[key][1], np.abs(axes.T @ axes - _IDENTITY)
+        if not (math.isfinite(centre @ centre) and np.maximum.reduce(off, axis=None) <= UNIT_AXES):
             raise FaultError(f"pose of {posed.name} is not a pose")
         found.setTransform(fcl.Transform(np.ascontiguousarray(axes), np.ascontiguousarray(centre)))
         return found

@@ -87,11 +87,11 @@ def nearest(
     if where is None:
         return None
     arrangement = prover.of(where)
-    first, second = (arrangement.names[arrangement.body[int(state[k])]] for k in (NEAREST_A, NEAREST_B))
+    one, other = arrangement.body[[int(state[NEAREST_A]), int(state[NEAREST_B])]].tolist()
     upper = float(state[UPPER])
     lower = max(0.0, min(float(state[LOWER]), upper))
     time = min(max(float(state[NEAREST_T]), where.t0), where.t1)  # instants are sums, which round
-    return Nearest(lower, time, (first, second), where.kind, upper)
+    return Nearest(lower, time, (arrangement.names[one], arrangement.names[other]), where.kind, upper)
 
 
 def pairs_of_pieces(arrangement: Arrangement, bodies: Iterable[tuple[int, int]]) -> FloatArray:
@@ -119,6 +119,8 @@ def _counted(
     """The rows of pairs of a kind that may not touch and whose bodies are not in `without`, where all is where it is
     planned."""
     rows = every.rows if of == "all" else every.rows[: every.own] if of == "arm" else every.rows[every.own :]
+    if not len(rows):
+        return rows
     pairs = certain(rows[rows[:, REQUIRED] >= 0.0])
     if without:
         bodies = arrangement.body[pairs[:, FIRST : SECOND + 1].astype(np.int64)].tolist()
@@ -136,11 +138,12 @@ def _search(
     of: Kind,
 ) -> None:
     """Goes on with the search over one phase."""
-    arrangement, spline = prover.of(phase), trajectory.spline
-    motion, every, within = prover.motion(spline), prover.pairs_of(phase), NEARBY_M
+    every, arrangement, within = prover.pairs_of(phase), prover.of(phase), NEARBY_M
     pairs = counted = _counted(arrangement, every, without, of)
     if not len(counted):
         return
+    spline = trajectory.spline
+    motion = prover.motion(spline)
     least = prover.behind(phase, spline, every) if every.many else np.zeros((0, SIDES))
     while True:
         # what planes keep further apart than `within` cannot be nearest, if anything is found that is nearer
@@ -280,42 +283,34 @@ def closest(
     phase: Phase,
     q: FloatArray,
     contacts: Contacts,
-    among: frozenset[str] | None = None,
+    among: BoolArray | None = None,
 ) -> TooNear | None:
     """The first pair nearer than required at the phase's beginning, where everything is where it is planned; `among`:
-    only these bodies of the surroundings, against what hangs on the flange."""
-    arrangement = prover.of(phase)
-    stands = prover.standing(q, phase.t0)
+    only these bodies (B,), against what hangs on the flange."""
+    arrangement, stands = prover.of(phase), prover.standing(q, phase.t0)
     pairs = certain(prover.near(phase, stands))
-    one, other = (arrangement.body[pairs[:, column].astype(np.int64)] for column in (FIRST, SECOND))
+    units = pairs[:, FIRST : SECOND + 1].astype(np.int64).T
+    one, other = arrangement.body[units]
     wanted: BoolArray = np.ones(len(pairs), dtype=np.bool_)
     for first, second in contacts:
         a, b = arrangement.number[first], arrangement.number[second]
         wanted &= ~(((one == a) & (other == b)) | ((one == b) & (other == a)))
     if among is not None:
-        hanging, named = _hanging(scene, arrangement, among)
-        wanted &= hanging[one] & named[other]
+        wrist = scene.robot.links.index("quill" if "quill" in scene.robot.links else "flange")
+        wanted &= arrangement.of_robot[one] & (arrangement.carrier[units[0]] >= wrist) & among[other]
     if not wanted.any():
         return None
     found = prover.hits(phase, stands, pairs[wanted], displaced_links=False).too_near
     if not len(found):
         return None
     hit = found[found[:, HIT_PAIR].argmin()]
-    units, gap, need = (int(hit[HIT_A]), int(hit[HIT_B])), float(hit[HIT_GAP]), float(hit[HIT_NEED]) - RESERVE_M
-    first, second = (arrangement.names[arrangement.body[unit]] for unit in units)
-    touching = bool(prover.touch(arrangement, stands, phase.t0, *units))
+    near, gap, need = (int(hit[HIT_A]), int(hit[HIT_B])), float(hit[HIT_GAP]), float(hit[HIT_NEED]) - RESERVE_M
+    first, second = (arrangement.names[arrangement.body[unit]] for unit in near)
+    touching = bool(prover.touch(arrangement, stands, phase.t0, *near))
     apart = min(gap if touching else max(0.0, gap), need)
     rule, clearance = prover.rule(phase, first, second)
     facts = Separation(touching=touching, gap_m=apart, required_m=need, rule=rule, clearance_m=clearance)
-    return TooNear((first, second), facts, units)
-
-
-def _hanging(scene: Scene, arrangement: Arrangement, among: frozenset[str]) -> tuple[BoolArray, BoolArray]:
-    """Which bodies (B,) hang on the flange, and which are of the surroundings and in `among`."""
-    links = scene.robot.links
-    hangs = np.array([*(link in ("flange", "quill") for link in links), *(False for _ in scene.frames)], dtype=bool)
-    named = np.array([name in among for name in arrangement.names], dtype=bool)
-    return hangs[arrangement.carrier[arrangement.roots]], named & ~arrangement.of_robot
+    return TooNear((first, second), facts, near)
 
 
 def enclosed(
@@ -325,14 +320,14 @@ def enclosed(
     q: FloatArray,
     t: float,
     contacts: Contacts,
-    among: frozenset[str] | None = None,
+    among: BoolArray | None = None,
 ) -> Within | None:
     """A body of the arm and the mesh whose surface encloses a point of it (a mesh is hollow to FCL and to gaps).
 
     `attached`: where each body of the surroundings sits by then; `contacts`: pairs that do not count; `among`: only
-    these bodies of the surroundings. Raises `OutOfTimeError` where the deadline in force passes.
+    these bodies (B,). Raises `OutOfTimeError` where the deadline in force passes.
     """
-    if all(world.body.surface is None for world in scene.bodies):
+    if not prover.arrangement.hollow:
         return None
     arrangement = prover.arrangement(attached)
     carriers = prover.carriers(q, t)
@@ -340,29 +335,27 @@ def enclosed(
         (mine, _reference_points(prover, arrangement, q, t, mine))
         for mine in np.flatnonzero(arrangement.of_robot).tolist()
     ]
-    for world in scene.bodies:
-        if world.body.surface is None or (among is not None and world.name not in among):
-            continue
-        number = arrangement.number[world.name]
-        if arrangement.of_robot[number]:
-            continue  # it is in the gripper
+    for name, surface in prover.arrangement.hollow.items():
+        number = arrangement.number[name]
+        if arrangement.of_robot[number] or not (among is None or among[number]):
+            continue  # it is in the gripper, or does not count
         raise_if_late()
-        low, high = prover.box(world.body.surface[0])
+        low, high = prover.box(surface[0])
         carrier = carriers[int(arrangement.carrier[arrangement.roots[number]])]
         origin, turn = carrier[:3], carrier[3:].reshape(3, 3)
-        pose = attached.pose_of(scene, world.name)[1]
+        pose = attached.pose_of(scene, name)[1]
         c, s = math.cos(pose.yaw), math.sin(pose.yaw)
         yaw = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         for mine, here in points:
             local = ((here - origin) @ turn - pose.position) @ yaw
             # a point outside the box round the surface is outside the surface; NaN is not outside
             near = ~((local < low) | (local > high)).any(-1)
-            if pair(arrangement.names[mine], world.name) in contacts or not near.any():
+            if pair(arrangement.names[mine], name) in contacts or not near.any():
                 continue
-            within = inside(world.body.surface, local[near], raise_if_late)
+            within = inside(surface, local[near], raise_if_late)
             if within.any():
                 x, y, z = here[near][within.argmax()].tolist()
-                return Within((arrangement.names[mine], world.name), (x, y, z))
+                return Within((arrangement.names[mine], name), (x, y, z))
     return None
 
 

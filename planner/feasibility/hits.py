@@ -6,35 +6,65 @@ What is found is stated twice: as the refusal, and as the witness that the check
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.refusals.nearest import points_between
+from assur.planner.checker.refusals.postures import allowed_modes
 from assur.planner.checker.refusals.stated import Proof, Spot, spots
-from assur.planner.checker.refusals.ways import GraspOption, each_way, ways
+from assur.planner.checker.refusals.ways import GraspOption, ways
 from assur.planner.collision.fcl_entry import PlacedShape
 from assur.planner.collision.nearest import TooNear, Within, closest, enclosed
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.touching import allowed_m, too_far
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Piece
-from assur.planner.legs.control_point import ControlPoint, control_point
+from assur.planner.kernels.dyads import ASSEMBLED, FOLDED, STRETCHED
 from assur.planner.legs.tilt import tilts
 from assur.planner.model.deadline import raise_if_late
-from assur.planner.model.outcome import LegKind
+from assur.planner.model.outcome import TRACKING, LegKind
 from assur.planner.model.phases import AT_START, Attachments, Phase, at_start
 from assur.planner.model.refusal import Bodies, Enclosed, Quantity, Reason, Refusal, Separation, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Step
 from assur.planner.model.witness import Meeting
-from assur.planner.robots.facts import Code
+from assur.planner.robots.facts import Inverse
 
 ROOM_M = 1e-4
 """A straight part that is stated to be long enough is so by this, m."""
+REACHED = (ASSEMBLED, STRETCHED, FOLDED)
+"""Codes of positions in which the flange is where it is required."""
+
+
+class WayOfMeeting(NamedTuple):
+    """A way to a control point, where the flange is on it, and how each mode that is allowed has it there, and then at
+    the outer ends of both straight parts."""
+
+    way: GraspOption
+    spots: list[Spot]
+    modes: list[Inverse]
+
+
+def ways_of_meeting(scene: Scene, number: int) -> list[WayOfMeeting]:
+    """All ways to the control point of a step, its frame being where it is at the start."""
+    found, ends = list[WayOfMeeting](), scene.straight(scene.task[number])
+    for way in ways(scene, number):
+        at = spots(scene, number, way.before, way.after)
+        found.append(WayOfMeeting(way, at, postures(scene, way, *[spot.above for spot in at], *ends)))
+    return found
+
+
+def postures(scene: Scene, way: GraspOption, *heights: float) -> list[Inverse]:
+    """How each working mode that is allowed has the flange at heights above the point of a way, m, its frame being
+    where it is at the start."""
+    robot, t = scene.robot, np.full(len(heights), scene.start.time)
+    motion = scene.frames[way.frame].law.motion(t).at(way.flange, np.array(heights)).at_rest()
+    tilt = tilts(scene, scene.task[way.number], scene.start.q)[0]
+    motion = motion if tilt is None else motion.with_tilt(np.array(tilt))
+    return [robot.inverse(motion, robot.modes.index(mode), 0) for mode in allowed_modes(scene)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +83,8 @@ class Hit:
 def hit_at_start(scene: Scene, prover: Prover, *, hollow: bool = False) -> Hit | None:
     """What the arm collides with where it is at the start, at the clearance of travel; `hollow`: only a mesh that it is
     inside of counts, which is hollow to other proofs."""
+    if hollow and not prover.arrangement.hollow:
+        return None
     t, q, spot = scene.start.time, scene.start.q, Spot(at_start(scene), LegKind.WAIT, frozenset(), "start")
     phase = Phase(t, t, spot.kind, 0, spot.attached)
     found = enclosed(scene, prover, spot.attached, q, t, spot.contacts)
@@ -60,46 +92,34 @@ def hit_at_start(scene: Scene, prover: Prover, *, hollow: bool = False) -> Hit |
     return None if near is None else Hit(near, spot, phase, q)
 
 
-def hits(scene: Scene, prover: Prover, number: int) -> list[Hit] | None:
-    """What is in the way on each way to the control point of a step in each working mode that is allowed; None: on one
-    of them nothing is, or it is not known, as the point may be met at another time."""
+def hits(scene: Scene, prover: Prover, every: list[WayOfMeeting]) -> list[Hit] | None:
+    """What is in the way on each way to a control point in each working mode that is allowed; None: on one of them
+    nothing is, or it is not known, as the point may be met at another time."""
     found = list[Hit]()
-    for way, mode, _ in each_way(scene, number, ()):
-        raise_if_late()
-        at = (_in_the_way(scene, prover, way, mode, spot) for spot in spots(scene, number, way.before, way.after))
-        hit = next((each for each in at if each is not None), None)
-        if hit is None:
-            return None
-        found.append(hit)
+    for way, at, modes in every:
+        for mode, inverse in zip(allowed_modes(scene), modes, strict=True):
+            raise_if_late()
+            for k, spot in enumerate(at):
+                hit = _in_the_way(scene, prover, way, mode, spot, inverse, k)
+                if hit is not None:
+                    found.append(hit)
+                    break
+            else:
+                return None
     return found
 
 
-def posture(scene: Scene, way: GraspOption, mode: str, spot: Spot) -> FloatArray | None:
-    """Joints (n,) at a spot in one working mode, the frame of the point being where it is at the start; None: the arm
-    does not reach it."""
-    flange = point_of(scene, way).flange(np.array([scene.start.time]), spot.above).at_rest()
-    solution = scene.robot.inverse(flange, scene.robot.modes.index(mode), 0)
-    return solution.q[0] if solution.code[0] in (Code.ASSEMBLED, Code.STRETCHED, Code.FOLDED) else None
-
-
-def point_of(scene: Scene, way: GraspOption) -> ControlPoint:
-    """The control point that a way leads to."""
-    tilt = tilts(scene, scene.task[way.number], scene.start.q)[0]
-    return control_point(scene, way.number, way.before, way.turn or 0.0, tilt)
-
-
-def _in_the_way(scene: Scene, prover: Prover, way: GraspOption, mode: str, spot: Spot) -> Hit | None:
-    """What is in the way of the flange's bodies at one spot and in one working mode."""
-    t, attached, q = scene.start.time, spot.attached, posture(scene, way, mode, spot)
-    if q is None:
+def _in_the_way(
+    scene: Scene, prover: Prover, way: GraspOption, mode: str, spot: Spot, inverse: Inverse, row: int = 0
+) -> Hit | None:
+    """What is in the way of the flange's bodies at one spot in one working mode, which has it there as in a row of
+    `inverse`; nothing where the arm does not reach it."""
+    if int(inverse.code[row]) not in REACHED:
         return None
-    fixed = scene.frames[way.frame].law.is_fixed
-    frames = {body.name: attached.pose_of(scene, body.name)[0] for body in scene.bodies}
-    among = frozenset(
-        name for name, frame in frames.items() if frame == way.frame or (fixed and scene.frames[frame].law.is_fixed)
-    )
-    tracked = None if spot.kind is LegKind.MOVE else way.frame
-    phase = Phase(t, t, spot.kind, way.number, attached, tracked=tracked)
+    q = inverse.q[row]
+    t, attached, fixed = scene.start.time, spot.attached, scene.frames[way.frame].law.is_fixed
+    phase = Phase(t, t, spot.kind, way.number, attached, tracked=way.frame if spot.kind in TRACKING else None)
+    among = prover.arrangement.keeping(prover.of(phase), way.frame)
     within = enclosed(scene, prover, attached, q, t, spot.contacts, among) if fixed else None
     found = within or closest(scene, prover, phase, q, spot.contacts, among)
     return None if found is None else Hit(found, spot, phase, q, way, mode)
@@ -123,7 +143,8 @@ def _of_straight_part(scene: Scene, prover: Prover, hit: Hit, facts: Separation,
     if spot.end is None or hit.way is None or hit.mode is None:
         return facts
     longer = replace(spot, above=spot.above + missing + ROOM_M)
-    enough = _in_the_way(scene, prover, hit.way, hit.mode, longer) is None
+    inverse = postures(scene, hit.way, longer.above)[allowed_modes(scene).index(hit.mode)]
+    enough = _in_the_way(scene, prover, hit.way, hit.mode, longer, inverse) is None
     return replace(facts, end=spot.end, straight_m=spot.above, least_m=longer.above if enough else None)
 
 
@@ -156,13 +177,9 @@ class AtStart:
         self.scene, self.prover = scene, prover
         self._posed: dict[tuple[str, str, Pose], list[PlacedShape]] = {}
         self._table: FloatArray | None = None
-
-    @cached_property
-    def _frames(self) -> dict[str, FloatArray]:
+        carriers = prover.carriers(scene.start.q, scene.start.time)[len(scene.robot.links) :]
+        self._frames = dict(zip(scene.frames, carriers, strict=True))
         """Where the frames are, (12,) each."""
-        scene = self.scene
-        carriers = self.prover.carriers(scene.start.q, scene.start.time)[len(scene.robot.links) :]
-        return dict(zip(scene.frames, carriers, strict=True))
 
     def place(self, name: str, attached: Attachments = AT_START) -> FloatArray:
         """Where the origin of a body is in the world, (3,) m; NaN: the motion of its frame is not known then."""
@@ -200,16 +217,11 @@ def posed(prover: Prover, name: str, attached: Attachments = AT_START) -> list[P
     return prover.posed(arrangement, start.q, start.time, np.array(arrangement.pieces(arrangement.number[name])))
 
 
-def moved(posed: Iterable[PlacedShape], by: FloatArray) -> list[PlacedShape]:
-    """Shapes shifted by (3,) m."""
-    return [replace(each, position=each.position + by) for each in posed]
-
-
 def touch(prover: Prover, ones: list[PlacedShape], others: list[PlacedShape], *shifts: FloatArray) -> bool:
     """Whether any two of the shapes touch, after each of the shifts (3,) of the first ones, m. Checks the deadline
     before each two."""
     for by in shifts or (np.zeros(3),):
-        for one, other in product(moved(ones, by), others):
+        for one, other in product([replace(each, position=each.position + by) for each in ones], others):
             raise_if_late()
             if prover.collider.touch(one, other):
                 break
@@ -226,12 +238,14 @@ def never_touching(scene: Scene, prover: Prover) -> Refusal | None:
     what it is put down on, whenever; or None. Not known here: where any turn will do, and what rests on frames that
     move against each other. Raises `OutOfTimeError` where the deadline in force passes."""
     for number, step in enumerate(scene.task):
+        if not math.isfinite(allowed_m(step)):
+            continue
         raise_if_late()
-        found = ways(scene, number) if math.isfinite(allowed_m(step)) else ()
+        found = ways(scene, number)
         if isinstance(step, Pick):
-            found = () if found and found[0].turn is None else found
+            found = () if found[0].turn is None else found
         else:
-            found = found[:1] if found and always(scene, step, found[0].before) else ()
+            found = found[:1] if always(scene, step, found[0].before) else ()
         far = [too_far(prover, number, way.before, way.turn or 0.0, scene.start.time) for way in found]
         refusals = [refusal for refusal in far if refusal is not None]
         if refusals and len(refusals) == len(far):
@@ -245,9 +259,5 @@ def always(scene: Scene, step: Step, attached: Attachments) -> bool:
     if not isinstance(step, Pick | Place) or step.contact_with is None:
         return False
     frame, _ = attached.point(scene, step)
-    others = {attached.pose_of(scene, name)[0] for name in step.contact_with}
-    return all(other == frame or _stand(scene, frame, other) for other in others)
-
-
-def _stand(scene: Scene, *frames: str) -> bool:
-    return all(scene.frames[name].law.is_fixed for name in frames)
+    others = {frame, *(attached.pose_of(scene, name)[0] for name in step.contact_with)}
+    return len(others) == 1 or all(scene.frames[name].law.is_fixed for name in others)

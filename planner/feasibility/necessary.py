@@ -11,30 +11,32 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.refusals import points, start
+from assur.planner.checker.refusals.obstructions import obstructions
 from assur.planner.checker.refusals.postures import allowed_modes
-from assur.planner.checker.refusals.stated import Proof, exceeded, spots
-from assur.planner.checker.refusals.ways import is_turn, ways
+from assur.planner.checker.refusals.stated import Proof, spots
+from assur.planner.checker.refusals.ways import GraspOption, is_turn, ways
 from assur.planner.checker.refusals.windows import overshoots
 from assur.planner.collision.proof import Prover
-from assur.planner.feasibility.hits import hit_at_start, hits, point_of, posture, refusal_of
+from assur.planner.feasibility.hits import (
+    REACHED,
+    WayOfMeeting,
+    hit_at_start,
+    hits,
+    postures,
+    refusal_of,
+    ways_of_meeting,
+)
 from assur.planner.feasibility.witnesses import shown
-from assur.planner.frames.motion import Motion
-from assur.planner.legs.control_point import ControlPoint, control_point
+from assur.planner.kernels.dyads import OUT_OF_REACH
+from assur.planner.legs.control_point import control_point, span_of
 from assur.planner.legs.missed import never_in_window, too_high
-from assur.planner.legs.path_leg import lead_in_begin
 from assur.planner.legs.tilt import pitch_free, tilts
 from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.phases import Attachments, at_start
-from assur.planner.model.refusal import (
-    OutOfReach,
-    Reason,
-    Refusal,
-    Stage,
-    out_of_reach,
-)
-from assur.planner.model.scene import Scene, beyond_at_nearest_turn
-from assur.planner.robots.facts import RANGE_SLACK, Code
-from assur.planner.robots.turns import beyond_range, equivalents
+from assur.planner.model.refusal import OutOfReach, Reason, Refusal, Stage, out_of_reach
+from assur.planner.model.scene import Scene
+from assur.planner.robots.facts import RANGE_SLACK
+from assur.planner.robots.turns import beyond_range
 
 # Points where the arm can never be: those that stand still out of reach, or beyond a joint limit, in every allowed
 # mode; and those on a frame that repeats its motion which stay out of reach for a whole period.
@@ -46,85 +48,58 @@ PARTS = 512
 """Parts of a period; the way of a point is bounded over each."""
 
 
-def out_of_range(scene: Scene, number: int) -> Refusal | None:
-    """Why no joint position meets the control point of a step, or what is required above it, however the part is held;
-    None: one does, or nobody knows, for it moves."""
-    refusal = None
-    for way in ways(scene, number):
-        point = point_of(scene, way)
-        if not point.still:
-            return _never_near(scene, point)  # as all points of the step, which are on one frame
-        beyond = _in_no_mode(scene, point)
-        if beyond is None:
+def out_of_range(scene: Scene, every: list[WayOfMeeting]) -> Refusal | None:
+    """Why no joint position meets a control point, or what is required above it, on any of the ways to it, however the
+    part is held; None: one does, or nobody knows, for it moves. The kernels decide; the words are the checker's."""
+    way = every[0].way
+    if not scene.frames[way.frame].law.is_fixed:
+        return _never_near(scene, way)  # as all points of the step, which are on one frame
+    slack, worst = scene.robot.limits.slack, list[Refusal]()
+    for each in chain.from_iterable(each.modes for each in every):
+        beyond = (beyond_range(scene.robot, each.q) > slack).any(-1) & np.isfinite(each.q).all(-1)
+        if not (beyond | (each.code == OUT_OF_REACH)).any():
             return None
-        refusal = refusal or beyond
-    return refusal
-
-
-def _in_no_mode(scene: Scene, point: ControlPoint) -> Refusal | None:
-    """Why a point is met in no working mode that is allowed; None: it is in one."""
-    refusals = []
-    for mode in map(scene.robot.modes.index, allowed_modes(scene)):
-        heights = dict.fromkeys((0.0, point.approach, point.depart))
-        here = [_refused(scene, point, above, mode) for above in heights]
-        refused = [refusal for refusal in here if refusal is not None]
-        if not refused:
+    for mode in allowed_modes(scene):
+        proofs = (proof for _, stated in obstructions(scene, way, mode) for proof in stated if proof.reason in RANGES)
+        refusals = [_of_point(scene, proof).refusal(Stage.CONTROL_POINT, way.number) for proof in proofs]
+        if not refusals:
             return None
         # the worst of them: with less, the others would still not be met
-        refusals.append(max(refused, key=lambda refusal: refusal.missing))
-    return min(refusals, key=lambda refusal: refusal.missing, default=None)
+        worst.append(max(refusals, key=lambda refusal: refusal.missing))
+    return min(worst, key=lambda refusal: refusal.missing)
 
 
-def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refusal | None:
-    robot = scene.robot
-    motion = point.flange(np.array([scene.start.time]), above).at_rest()
-    found = robot.inverse(motion, mode, 0)
-    if found.code[0] == Code.OUT_OF_REACH:
-        return _far(scene, point, motion, mode)
-    q = found.q[0]
-    limits = robot.limits
-    if not np.isfinite(q).all() or len(equivalents(robot, q, limits.lower - limits.slack, limits.upper + limits.slack)):
-        return None
-    over, lead_in = beyond_range(robot, q), lead_in_begin(point)
-    worst = int(np.argmax(over))
-    facts = replace(beyond_at_nearest_turn(scene, worst, q), mode=robot.modes[mode], above_m=above, **lead_in)
-    beyond = exceeded(scene, Reason.JOINT_LIMIT, worst, float(over[worst]), facts)
-    return beyond.refusal(Stage.CONTROL_POINT, point.step)
+RANGES = frozenset({Reason.OUT_OF_REACH, Reason.JOINT_LIMIT})
 
 
-def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusal:
-    """By how much a point is out of reach."""
-    robot, target, lead_in = scene.robot, motion.p[0], lead_in_begin(point)
-    has = float(target[2]) if "z" in robot.coordinates else float(robot.forward(scene.start.q)[0][2])
-    short = abs(float(target[2]) - has)
-    if short > EDGE_M:
-        facts = OutOfReach(heights_m=(float(target[2]), has), **lead_in)
-    else:
-        distance = float(np.hypot(target[0] - robot.base.x, target[1] - robot.base.y))
-        short = float(np.maximum(-robot.reach_margin(motion, mode)[0], 0.0))
-        pitch = float(motion.tilt[0, 0]) if motion.tilted else None
-        facts = OutOfReach(from_axis_m=distance, pitch_rad=pitch, **lead_in)
-    return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=short, facts=facts)
+def _of_point(scene: Scene, proof: Proof) -> Proof:
+    """An obstruction in words that are true of all modes: a point out of reach at its height, or else in the plane."""
+    facts = proof.facts
+    if not isinstance(facts, OutOfReach) or facts.heights_m is None:
+        return proof
+    if scene.robot.lift is None and abs(facts.heights_m[0] - facts.heights_m[1]) > EDGE_M:
+        return proof._replace(facts=replace(facts, mode=None, from_axis_m=None, pitch_rad=None))
+    return proof._replace(facts=replace(facts, mode=None, heights_m=None))
 
 
-def _never_near(scene: Scene, point: ControlPoint) -> Refusal | None:
+def _never_near(scene: Scene, way: GraspOption) -> Refusal | None:
     """Why an arm with a lift reaches a point on a frame that repeats its motion at no time. In the middle of each part
     of a period the flange is so far out of reach, and in half a part it comes no nearer than its greatest speed across
     takes it (equation F11)."""
-    law, robot = scene.frames[point.frame].law, scene.robot
+    law, robot = scene.frames[way.frame].law, scene.robot
     period = law.cycle_s
     if period is None or robot.lift is None:
         return None
     edges = scene.start.time + period * np.arange(PARTS + 1) / PARTS
-    middle = point.flange((edges[:-1] + edges[1:]) / 2)
+    middle = law.motion((edges[:-1] + edges[1:]) / 2).at(way.flange)
     short = -np.max([robot.reach_margin(middle, mode) for mode in range(len(robot.modes))], axis=0)
     for i in range(PARTS):
-        x, y, _ = law.sweep(edges[i], edges[i + 1]).point(1, point.pose.x, point.pose.y, 0.0)
+        x, y, _ = law.sweep(edges[i], edges[i + 1]).point(1, way.flange.x, way.flange.y, 0.0)
         short[i] -= math.hypot(x, y) * (edges[i + 1] - edges[i]) / 2
     least = float(short.min())
     if not least > EDGE_M:  # nor where the law is not known for a whole period
         return None
-    return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=least, facts=OutOfReach())
+    return out_of_reach(Stage.CONTROL_POINT, way.number, short_m=least, facts=OutOfReach())
 
 
 HEIGHT_M = 1e-9
@@ -139,18 +114,32 @@ def start_impossible(scene: Scene, prover: Prover) -> Refusal | None:
 
     Whether it collides there with anything else is `start_collides`: the proof of any candidate shows that it does not.
     """
-    found = chain(
-        start.beyond_limits(scene, 0, RANGE_SLACK),
-        start.unassembled(scene, 0, RANGE_SLACK),
-        overshoots(scene),
-        start.law_over(scene, 0, 0.0),
-    )
-    return (
-        overloaded(scene)
-        or _stated(found, Stage.START, 0)
-        or start_collides(scene, prover, hollow=True)
-        or _stated(points.no_path(scene), Stage.STRAIGHT, 0)
-    )
+    found = overloaded(scene)
+    if found is None and not _starts_well(scene):
+        stated = chain(
+            start.beyond_limits(scene, 0, RANGE_SLACK),
+            start.unassembled(scene, 0, RANGE_SLACK),
+            overshoots(scene),
+            start.law_over(scene, 0, 0.0),
+        )
+        found = _stated(stated, Stage.START, 0)
+    found = found or start_collides(scene, prover, hollow=True)
+    if found is None and scene.task[0].leg == "cartesian":
+        return _stated(points.no_path(scene), Stage.STRAIGHT, 0)
+    return found
+
+
+def _starts_well(scene: Scene) -> bool:
+    """Whether an arm without a loop rests within its ranges, and the motion of all bodies is known, at the start: then
+    nothing of it needs a proof."""
+    begin, limits = scene.start, scene.robot.limits
+    if scene.robot.parallel_least > 0.0 or begin.moving:
+        return False
+    for body in scene.bodies:
+        first, last = scene.frames[body.frame].law.valid
+        if not first <= begin.time <= last:
+            return False
+    return bool(((limits.lower <= begin.q) & (begin.q <= limits.upper)).all())
 
 
 def _stated(found: Iterator[Proof], stage: Stage, step: int) -> Refusal | None:
@@ -160,7 +149,10 @@ def _stated(found: Iterator[Proof], stage: Stage, step: int) -> Refusal | None:
 
 def overloaded(scene: Scene) -> Refusal | None:
     """The first load of the task that the robot may not carry: too heavy, or of too much inertia about the wrist."""
-    limits, tool = scene.load_limits, scene.loads[0]
+    limits = scene.load_limits
+    if limits.nothing_known:
+        return None
+    tool = scene.loads[0]
     most, own = limits.most_kg, tool.inertia_kgm2 or 0.0
     by_table = limits.shares and most is not None and (limits.max_kg is None or most < limits.max_kg)
     for load in scene.loads:
@@ -188,11 +180,13 @@ def points_impossible(scene: Scene, prover: Prover, *, start_is_free: bool = Fal
 
     Called only when the first candidates have failed: where they have not, the arm can leave and the points can be met.
     """
-    never = (each for number in range(len(scene.task)) for each in _never(scene, prover, number))
     colliding = None if start_is_free else start_collides(scene, prover)
-    for refusal in chain([] if colliding is None else [colliding], never):
-        if shown(scene, prover, refusal):
-            return refusal
+    if colliding is not None and shown(scene, prover, colliding):
+        return colliding
+    for number in range(len(scene.task)):
+        for refusal in _never(scene, prover, number):
+            if shown(scene, prover, refusal):
+                return refusal
     return None
 
 
@@ -203,12 +197,13 @@ def _never(scene: Scene, prover: Prover, number: int) -> Iterator[Refusal]:
         # which pitches that reach it are free of bodies is a matter of search
         yield from (each.refusal(Stage.CONTROL_POINT, number) for each in points.every_pitch(scene, number))
         return
-    beyond = out_of_range(scene, number)
+    every = ways_of_meeting(scene, number)
+    beyond = out_of_range(scene, every)
     if beyond is not None:
         yield beyond
     if scene.options.vias_missed and step.via:
         return  # its pose is missed: that it collides there proves nothing
-    found = hits(scene, prover, number)
+    found = hits(scene, prover, every)
     if found:
         yield refusal_of(scene, prover, found[0])
 
@@ -230,8 +225,11 @@ def yaw_impossible(scene: Scene) -> Refusal | None:
 
 def arches_impossible(scene: Scene) -> Refusal | None:
     """The first step whose arch is above the range of the lift."""
-    tops = (too_high(scene, number, scene.start.q, HEIGHT_M) for number in range(len(scene.task)))
-    return next((refusal for refusal in tops if refusal is not None), None)
+    for number, step in enumerate(scene.task):
+        refusal = None if step.arch is None else too_high(scene, number, scene.start.q, HEIGHT_M)
+        if refusal is not None:
+            return refusal
+    return None
 
 
 def windows_impossible(scene: Scene) -> Refusal | None:
@@ -241,10 +239,12 @@ def windows_impossible(scene: Scene) -> Refusal | None:
     """
     attached = at_start(scene)
     for number, step in enumerate(scene.task):
-        tilt = tilts(scene, step, scene.start.q)[0]
-        never = never_in_window(scene, control_point(scene, number, attached, 0.0, tilt))
-        if never is not None:
-            return never
+        low, high = span_of(scene, attached.frame(scene, step), step.window)
+        if step.window.along is not None or not high - step.dwell_s >= low:
+            tilt = tilts(scene, step, scene.start.q)[0]
+            never = never_in_window(scene, control_point(scene, number, attached, 0.0, tilt))
+            if never is not None:
+                return never
         attached = attached.after(scene, step)
     return None
 
@@ -257,11 +257,11 @@ def met_posture(
 ) -> tuple[FloatArray, Attachments] | None:
     """Joints (n,) and attachments at a `place` of the control point of step `number`, in a working mode and with the
     part turned by `turn`, rad (None: any), as a witness names them; None: there is no such place."""
-    if not 0 <= number < len(scene.task) or mode not in scene.robot.modes:
+    if not 0 <= number < len(scene.task) or mode not in allowed_modes(scene):
         return None
     for way in (each for each in ways(scene, number) if is_turn(each.turn, turn)):
         for spot in (each for each in spots(scene, number, way.before, way.after) if each.place == place):
-            q = posture(scene, way, mode, spot)
-            if q is not None:
-                return q, spot.attached
+            inverse = postures(scene, way, spot.above)[allowed_modes(scene).index(mode)]
+            if int(inverse.code[0]) in REACHED:
+                return inverse.q[0], spot.attached
     return None

@@ -9,7 +9,7 @@ from assur.planner.checker.refusals.obstructions import witness_of as obstructio
 from assur.planner.checker.refusals.ways import ways
 from assur.planner.checker.refusals.windows import witness_of as openings_of
 from assur.planner.collision.proof import Prover
-from assur.planner.feasibility.hits import hit_at_start, hits, meeting_of
+from assur.planner.feasibility.hits import hit_at_start, hits, meeting_of, ways_of_meeting
 from assur.planner.model.refusal import ForbiddenYaw, OutOfReach, Reason, Refusal, Stage
 from assur.planner.model.scene import Scene
 from assur.planner.model.witness import Met, Orbit, Witness
@@ -35,7 +35,7 @@ def _witness(scene: Scene, prover: Prover, refusal: Refusal) -> Witness | None:
         start = hit_at_start(scene, prover)
         return None if start is None else Met(ways=(meeting_of(prover, start),))
     if refusal.reason is Reason.CONTROL_POINT_IN_COLLISION:
-        found = hits(scene, prover, number)
+        found = hits(scene, prover, ways_of_meeting(scene, number))
         return None if found is None else Met(ways=tuple(meeting_of(prover, hit) for hit in found))
     if refusal.stage is Stage.WINDOW:
         return openings_of(scene, number)

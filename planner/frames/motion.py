@@ -102,23 +102,25 @@ class Motion:
             table[..., order, 4:] = each
         return Motion(table)
 
-    def at(self, offset: Pose) -> Motion:
-        """Motion of a frame that is fixed in this one at `offset`. Of a hand that tilts, `offset` is in a frame that
-        has its heading and stays upright.
+    def at(self, offset: Pose, above: FloatArray | float = 0.0) -> Motion:
+        """Motion of a frame that is fixed in this one at `offset`, and `above` it, m, a number or one for each time. Of
+        a hand that tilts, `offset` is in a frame that has its heading and stays upright.
 
         With r = R(yaw) offset and r⊥ = ẑ × r:  ṙ = ω r⊥,  r̈ = α r⊥ − ω² r,  r⃛ = (α̇ − ω³) r⊥ − 3 ω α r.
         """
         table = self.table.copy()
-        table[..., 0, 2] += offset.z
+        table[..., 0, 2] += offset.z + above
         table[..., 0, 3] += offset.yaw
         if offset.x == 0.0 and offset.y == 0.0:
             return Motion(table)  # on the axis: r⊥ is zero
-        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        yaw = self.table[..., 0, 3]
+        c, s = np.cos(yaw), np.sin(yaw)
         rx, ry = c * offset.x - s * offset.y, s * offset.x + c * offset.y
-        r, turned = np.stack([rx, ry], -1), np.stack([-ry, rx], -1)
-        p, v, a, j = (table[..., order, :2] for order in ORDERS)
-        p += r
+        table[..., 0, 0] += rx
+        table[..., 0, 1] += ry
         if self.table[..., 1:, 3].any():
+            r, turned = np.stack([rx, ry], -1), np.stack([-ry, rx], -1)
+            _, v, a, j = (table[..., order, :2] for order in ORDERS)
             w, dw, ddw = (self.table[..., order, 3:4] for order in ORDERS[1:])
             v += w * turned
             a[...] = a + dw * turned - w**2 * r
@@ -159,7 +161,7 @@ class Motion:
 
     def at_rest(self) -> Motion:
         """The same poses with all derivatives zero: met in position only."""
-        table = np.zeros_like(self.table)
+        table = np.zeros(self.table.shape)
         table[..., 0, :] = self.table[..., 0, :]
         return Motion(table)
 

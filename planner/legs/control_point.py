@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -50,6 +50,8 @@ class ControlPoint:
 
     scene: Scene
     step: int
+    facts: Step
+    """The step that it belongs to."""
     frame: str
     pose: Pose
     target: Pose
@@ -65,11 +67,6 @@ class ControlPoint:
     """The part in the gripper on the way to the point and there."""
     entry: MovingEnd | None = None
     """How the tool comes into the approach; None: from rest above the point."""
-
-    @property
-    def facts(self) -> Step:
-        """The step that it belongs to."""
-        return self.scene.task[self.step]
 
     @property
     def limits(self) -> Limits:
@@ -115,14 +112,13 @@ class ControlPoint:
 
     def flange(self, t: FloatArray, above: float = 0.0) -> Motion:
         """Motion of the flange (world) that tracks the point, `above` metres over it, at times t (...)."""
-        lifted = replace(self.pose, z=self.pose.z + above)
-        motion = self.scene.frames[self.frame].law.motion(np.asarray(t, dtype=np.float64)).at(lifted)
+        motion = self.scene.frames[self.frame].law.motion(t).at(self.pose, above)
         return motion if self.tilt is None else motion.with_tilt(np.array(self.tilt))
 
     def entered(self, t: FloatArray) -> Motion:
         """Motion of the flange (world) with which the point is met at times t (...), `approach` above it."""
         motion = self.flange(t, self.approach)
-        if not self.matched or self.via:
+        if self.facts.match != "velocity" or self.facts.via:
             motion = motion.at_rest()
         if self.entry is None:
             return motion
@@ -133,26 +129,23 @@ class ControlPoint:
 
     @property
     def span(self) -> tuple[float, float]:
-        """From when until when the point may be tracked, a window along a conveyor left aside; empty if reversed."""
-        law, latest = self.scene.frames[self.frame].law, self.scene.options.latest_end_s
-        opens, closes = self.window.time or (-math.inf, math.inf)
-        low = max(self.scene.start.time, law.valid[0], opens)
-        return low, min(law.valid[1], math.inf if latest is None else latest, closes)
+        """From when until when the point may be tracked (`span_of`)."""
+        return span_of(self.scene, self.frame, self.window)
 
     @cached_property
     def intervals(self) -> list[tuple[float, float]]:
         """Times at which tracking may begin, as closed intervals in order; empty: the dwell does not fit."""
-        found = [self.span]
-        if self.window.along is not None:
-            inside = self.inside(self.window.along)
-            found = [(max(a, c), min(b, d)) for a, b in found for c, d in inside]
-        return [(a, max(a, b - self.dwell)) for a, b in found if self._fits(a, b)]
+        window, found = self.facts.window, list[tuple[float, float]]()
+        low, high = span_of(self.scene, self.frame, window)
+        for first, last in ((low, high),) if window.along is None else self.inside(window.along):
+            a, b = max(low, first), min(high, last)
+            if b - self.dwell >= a or self._fits(a, b):
+                found.append((a, max(a, b - self.dwell)))
+        return found
 
     def _fits(self, a: float, b: float) -> bool:
-        """Whether the dwell fits between a and b, s. A window may be exactly as long as it: 1.4 − 0.3 rounds to less
-        than 1.1, and does not make the window shorter. A law that ends is kept to the bit."""
-        if b - self.dwell >= a:
-            return True
+        """Whether the dwell fits between a and b, s, but for rounding. A window may be exactly as long as it: 1.4 − 0.3
+        rounds to less than 1.1, and does not make the window shorter. A law that ends is kept to the bit."""
         known = a + self.dwell <= self.scene.frames[self.frame].law.valid[1]
         return known and a - (b - self.dwell) <= ROUNDED_S + ROUNDED * max(math.ulp(a), math.ulp(b))
 
@@ -179,6 +172,14 @@ class ControlPoint:
         return inside(law, self.target, window, self.scene.start.time)
 
 
+def span_of(scene: Scene, frame: str, window: Window) -> tuple[float, float]:
+    """From when until when a point on a frame may be tracked, s, its window along a conveyor left aside; empty if
+    reversed."""
+    valid, latest = scene.frames[frame].law.valid, scene.options.latest_end_s
+    opens, closes = window.time or (-math.inf, math.inf)
+    return max(scene.start.time, valid[0], opens), min(valid[1], math.inf if latest is None else latest, closes)
+
+
 def control_point(
     scene: Scene, step: int, attached: Attachments, yaw_offset: float, tilt: Tilt | None = None
 ) -> ControlPoint:
@@ -190,7 +191,7 @@ def control_point(
         pose = _before(what, pose)
     target, (approach, depart) = attached.point(scene, what)[1], scene.straight(what)
     held = None if attached.held is None else attached.held.part
-    return ControlPoint(scene, step, frame, pose, target, yaw_offset, tilt, approach, what.dwell_s, depart, held)
+    return ControlPoint(scene, step, what, frame, pose, target, yaw_offset, tilt, approach, what.dwell_s, depart, held)
 
 
 def _before(step: Trace, pose: Pose) -> Pose:

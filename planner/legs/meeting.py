@@ -25,12 +25,13 @@ from assur.planner.kernels.meetings import (
 )
 from assur.planner.legs.control_point import ControlPoint, MovingEnd
 from assur.planner.legs.forbidden_yaw import allowed_branches
-from assur.planner.legs.limits import Margins, Near, nearest
+from assur.planner.legs.limits import Margins, nearest
 from assur.planner.legs.missed import window_is_missed
 from assur.planner.legs.state import Branch
 from assur.planner.legs.tool_motion import lift_most
 from assur.planner.model.refusal import (
     RATES,
+    BeyondRange,
     JointName,
     MotionLimit,
     Obstacle,
@@ -42,10 +43,9 @@ from assur.planner.model.refusal import (
     Stage,
     law_ends,
     of_joint,
-    out_of_reach,
 )
 from assur.planner.model.scene import Scene, beyond_at_nearest_turn
-from assur.planner.robots.facts import Code, Limits
+from assur.planner.robots.facts import Code
 from assur.planner.robots.kinematics import targets_of
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.turns import beyond_range
@@ -78,23 +78,19 @@ class Meetings:
     last: float | None = None
 
 
-def times(point: ControlPoint, earliest: float, lead: float) -> FloatArray:
-    """Grid (G,) of meeting times from `earliest` on; tracking begins `lead` seconds after a meeting."""
-    if _any_time(point) and point.intervals:
+def times(point: ControlPoint, earliest: float, lead: float, *, any_time: bool = False) -> FloatArray:
+    """Grid (G,) of meeting times from `earliest` on; tracking begins `lead` seconds after a meeting. `any_time`: the
+    point can be met as well at one time as at another."""
+    if any_time and point.intervals:
         return np.array([earliest])
-    found = []
+    found = [np.zeros(0)]
     for low, high in point.intervals:
         low = max(low - lead, earliest)
         high = min(high - lead, low + LOOK_AHEAD_S)
         if high >= low:
             step = max(GRID_S, (high - low) / MOST_TIMES)
             found.append(np.append(np.arange(low, high, step), high))
-    return np.concatenate(found) if found else np.zeros(0)
-
-
-def _any_time(point: ControlPoint) -> bool:
-    """Whether it does not matter when the point is met: it stands still and has no window."""
-    return point.still and point.window.time is None
+    return np.concatenate(found)
 
 
 def meetings(
@@ -109,36 +105,37 @@ def meetings(
 
     A joint that can go round many times is offered `MOST_TURNS` either way from where it is (`near`; None: all).
     """
-    t = times(point, earliest, lead)
+    step, still, robot = point.facts, point.still, scene.robot
+    any_time = still and step.window.time is None
+    t = times(point, earliest, lead, any_time=any_time)
     if not len(t):
         return Meetings(point, (), (window_is_missed(scene, point, earliest + lead),))
     # a margin is required of points that are met with a matched velocity, and not of others
-    moving = point.tracks or (point.matched and not point.still and not point.via)
+    moving = step.tracks or (step.match == "velocity" and not still and not step.via)
     required = scene.options.singularity_margin if moving else NO_BOUND
-    looked = _Evaluated(point, t, targets_of(point.entered(t), 2), required)
-    branches: list[Branch] = []
-    refusals: list[Refusal] = []
+    looked = _Evaluated(point, lead, t, targets_of(point.entered(t), 2), required)
+    close = np.array([math.nan] * len(robot.joints) if near is None else near)
+    branches, refusals = list[Branch](), list[Refusal]()
     for mode in modes:
-        here, turned = allowed_branches(scene, point, looked.branches(mode, near, any_time=_any_time(point)))
+        here, turned = allowed_branches(scene, point, looked.branches(mode, close, any_time=any_time))
         branches += here
         if not here:
-            refusals.append(turned or _refused(scene, point, lead, mode, looked))
-    ends = scene.frames[point.frame].law.valid[1]
+            refusals.append(turned or looked.refused(mode))
     high = point.intervals[-1][1]
-    by_law = high == ends - point.dwell and float(t[-1]) == high - lead
+    by_law = high == scene.frames[point.frame].law.valid[1] - point.dwell and float(t[-1]) == high - lead
     return Meetings(point, tuple(branches), tuple(refusals), float(t[-1]) if by_law else None)
 
 
 class _Evaluated:
-    """The joint states over a grid of times (T,), s, of one mode after the other."""
+    """The joint states over a grid of times (T,), s, of one mode after the other, and why one has no branch."""
 
-    def __init__(self, point: ControlPoint, t: FloatArray, targets: FloatArray, required: float) -> None:
-        self.robot, self.limits = point.scene.robot, point.limits
+    def __init__(self, point: ControlPoint, lead: float, t: FloatArray, targets: FloatArray, required: float) -> None:
+        self.robot, self.limits, self.point, self.lead = point.scene.robot, point.limits, point, lead
         self.t, self.targets, self.required = t, targets, required
         self.states, self.margins = np.empty((len(t), 1 + 3 * len(self.robot.joints))), np.empty((len(t), 2))
         self.codes, self.verdicts = np.empty((2, len(t)), dtype=np.int64)
 
-    def branches(self, mode: int, near: FloatArray | None, *, any_time: bool) -> list[Branch]:
+    def branches(self, mode: int, near: FloatArray, *, any_time: bool) -> list[Branch]:
         """The mode's branches: choices of full turns of the revolute joints that are within limits at some time."""
         robot, limits, n = self.robot, self.limits, len(self.robot.joints)
         legal = meeting_states(
@@ -147,10 +144,9 @@ class _Evaluated:
         )  # fmt: skip
         if not legal:
             return []
-        turns, near = np.empty((n, 2), dtype=np.int64), np.full(n, np.nan) if near is None else np.array(near)
+        turns, found = np.empty((n, 2), dtype=np.int64), list[Branch]()
         turn_ranges(self.states, self.verdicts, limits.within, robot.revolute, near, MOST_TURNS, turns)
-        found = []
-        for choice in itertools.product(*(range(first, last + 1) for first, last in turns.tolist())):
+        for choice in itertools.product(*[range(first, last + 1) for first, last in turns.tolist()]):
             rows, numbers = np.empty((legal, 1 + 3 * n)), np.empty(legal, dtype=np.int64)
             turned = np.array(choice, dtype=np.float64)
             many = turned_states(robot.row, self.states, self.verdicts, limits.within, turned, rows, numbers)
@@ -163,121 +159,105 @@ class _Evaluated:
         n = len(self.robot.joints)
         return self.states[:, 1 + order * n : 1 + (order + 1) * n]
 
-    def near(self, rows: BoolArray, required: float) -> Near:
+    def refused(self, mode: int) -> Refusal:
+        """Why a mode has no branch: what ends all times, or else what ends those that came furthest."""
+        verdicts, name = self.verdicts, self.robot.modes[mode]
+        assembled, safe, slow = verdicts != NOWHERE, (verdicts == FAST) | (verdicts == LEGAL), verdicts == LEGAL
+        if not assembled.any():
+            return self._unreachable(mode, np.asarray(np.isfinite(self.targets[:, 0, :3]).all(-1)))
+        if not safe.any():
+            return self._singular(assembled, self.required, name)
+        return self._beyond_limits(slow, mode) if slow.any() else self._too_fast(safe, name)
+
+    def _refusal(
+        self,
+        reason: Reason,
+        facts: OutOfReach | Singular | MotionLimit | BeyondRange,
+        amount: Quantity | None,
+        joint: int | None = None,
+        span: BoolArray | slice = slice(None),
+    ) -> Refusal:
+        """The refusal for what holds over a part of the times, of a joint by its number."""
+        t = self.t[span]
+        return Refusal(
+            stage=Stage.INVERSE,
+            reason=reason,
+            step=self.point.step,
+            subject=None if joint is None else JointName(self.robot.joints[joint].name),
+            interval=(float(t[0]), float(t[-1])),
+            amount=amount,
+            facts=facts,
+        )
+
+    def _singular(self, rows: BoolArray, required: float, mode: str) -> Refusal:
         """The singularity that is nearest in the best of some rows."""
         parallel = self.margins[:, 1] if self.robot.parallel_least > 0.0 else None
         margins = Margins(self.codes, self.margins[:, 0], parallel)
-        return nearest(self.robot, margins, required, np.flatnonzero(rows), best=True)
+        best = nearest(self.robot, margins, required, np.flatnonzero(rows), best=True)
+        return best.refusal(Stage.INVERSE, self.point.step, (float(self.t[0]), float(self.t[-1])), mode=mode)
 
+    def _unreachable(self, number: int, known: BoolArray) -> Refusal:
+        """No position, or none with derivatives, at the times at which the motion of the frame is `known`."""
+        t, robot, point = self.t, self.robot, self.point
+        mode = robot.modes[number]
+        if not known.any():
+            span, law = (float(t[0]), float(t[-1])), point.scene.frames[point.frame].law
+            return law_ends(Stage.INVERSE, point.step, point.frame, law.valid, float(t[0]), interval=span)
+        worst = self.codes[known]
+        if (worst == Code.OUT_OF_REACH).all():
+            short = math.nan
+            if "z" in robot.coordinates:  # else what is missing may be the height
+                short = -float(robot.reach_margin(point.entered(t[known]), number).max())
+            amount = Quantity.of(short if short > 0.0 else math.nan, "m")
+            return self._refusal(Reason.OUT_OF_REACH, OutOfReach(mode=mode), amount)
+        parallel = self.codes == Code.PARALLEL
+        if parallel.any():
+            return self._singular(parallel, 0.0, mode)
+        positions = tuple(code.name.lower() for code in UNDIFFERENTIABLE if code in worst)
+        return self._refusal(Reason.NEAR_SINGULARITY, Singular(mode=mode, positions=positions), Quantity(0.0, "1"))
 
-def _refused(scene: Scene, point: ControlPoint, lead: float, mode: int, looked: _Evaluated) -> Refusal:
-    """Why a mode has no branch: what ends all times, or else what ends those that came furthest."""
-    robot, t, verdicts = scene.robot, looked.t, looked.verdicts
-    assembled, safe, slow = verdicts != NOWHERE, (verdicts == FAST) | (verdicts == LEGAL), verdicts == LEGAL
-    if not assembled.any():
-        known = np.asarray(np.isfinite(looked.targets[:, 0, :3]).all(-1))
-        return _unreachable(scene, point, looked, mode, known)
-    if not safe.any():
-        best = looked.near(assembled, looked.required)
-        return best.refusal(Stage.INVERSE, point.step, _span(t), mode=robot.modes[mode])
-    if not slow.any():
-        limits = looked.limits
-        over = np.stack([np.abs(looked.joints(1)) / limits.velocity, np.abs(looked.joints(2)) / limits.acceleration])
-        return _too_fast(point, t[safe], over[:, safe], looked.limits, robot.modes[mode])
-    return _beyond_limits(point, t[slow], looked.joints(0)[slow], lead, mode)
-
-
-def _span(t: FloatArray) -> tuple[float, float]:
-    return float(t[0]), float(t[-1])
-
-
-def _unreachable(scene: Scene, point: ControlPoint, looked: _Evaluated, number: int, known: BoolArray) -> Refusal:
-    t, robot = looked.t, scene.robot
-    mode = robot.modes[number]
-    if not known.any():
-        law = scene.frames[point.frame].law
-        return law_ends(Stage.INVERSE, point.step, point.frame, law.valid, float(t[0]), interval=_span(t))
-    worst = looked.codes[known]
-    if (worst == Code.OUT_OF_REACH).all():
-        short = math.nan
-        if "z" in robot.coordinates:  # else what is missing may be the height
-            short = -float(robot.reach_margin(point.entered(t[known]), number).max())
-        return out_of_reach(
-            Stage.INVERSE,
-            point.step,
-            short_m=short if short > 0.0 else math.nan,
-            interval=_span(t),
-            facts=OutOfReach(mode=mode),
+    def _too_fast(self, safe: BoolArray, mode: str) -> Refusal:
+        """The joint that would have to be faster than it can be even when the point is slowest for it, in a share of
+        its limit of velocity or acceleration."""
+        limits = self.limits.velocity, self.limits.acceleration
+        over = np.stack([np.abs(self.joints(k + 1)[safe]) / limit for k, limit in enumerate(limits)])
+        row = int(np.argmin(over.max((0, 2))))
+        kind, joint = (int(k) for k in np.unravel_index(int(over[:, row].argmax()), over[:, row].shape))
+        share, limit = float(over[kind, row, joint]), float(limits[kind][joint])
+        facts = MotionLimit(
+            obstacle=Obstacle.FRAME_TOO_FAST,
+            rate=RATES[kind],
+            mode=mode,
+            frame=self.point.frame,
+            value=share * limit,
+            limit=limit,
         )
-    parallel = looked.codes == Code.PARALLEL
-    if parallel.any():
-        best = looked.near(parallel, 0.0)
-        return best.refusal(Stage.INVERSE, point.step, _span(t), mode=mode)
-    return Refusal(
-        stage=Stage.INVERSE,
-        reason=Reason.NEAR_SINGULARITY,
-        step=point.step,
-        interval=_span(t),
-        amount=Quantity(0.0, "1"),
-        facts=Singular(mode=mode, positions=tuple(code.name.lower() for code in UNDIFFERENTIABLE if code in worst)),
-    )
+        return self._refusal(Reason.MOTION_LIMIT, facts, Quantity.of(share - 1, "1"), joint, safe)
+
+    def _beyond_limits(self, slow: BoolArray, mode: int) -> Refusal:
+        """The joint that is nearest to being legal, over all turns, and by how much it is not: of the point itself and
+        the height `point.approach` over it, whichever asks for more."""
+        robot, point, q = self.robot, self.point, self.joints(0)[slow]
+        worst, where = beyond_range(robot, q), np.full(len(q), point.approach)
+        if point.approach:
+            there = robot.inverse(point.flange(self.t[slow] + self.lead).at_rest(), mode, 0).q
+            known = np.asarray(np.isfinite(there).all(-1))
+            at_point = beyond_range(robot, np.where(known[:, None], there, q))
+            if known.any():
+                worst[~known] = np.inf  # the point is out of reach by then
+            more = known & (at_point.max(1) >= worst.max(1))
+            q = np.where(more[:, None], there, q)
+            worst, where = np.where(more[:, None], at_point, worst), np.where(more, 0.0, where)
+        row = int(np.argmin(worst.max(1)))
+        most = int(np.argmax(worst[row]))
+        facts = beyond_at_nearest_turn(point.scene, most, q[row])
+        facts = replace(facts, mode=robot.modes[mode], above_m=float(where[row]))
+        amount = of_joint(robot.joints[most].kind, float(worst[row, most]))
+        return self._refusal(Reason.JOINT_LIMIT, facts, amount, most, slow)
 
 
 UNDIFFERENTIABLE = (Code.STRETCHED, Code.FOLDED, Code.INDETERMINATE, Code.ALIGNED)
 """Codes of positions without derivatives."""
-
-
-def _too_fast(point: ControlPoint, t: FloatArray, over: FloatArray, limits: Limits, mode: str) -> Refusal:
-    """The joint that would have to be faster than it can be even when the point is slowest for it; a share of its
-    limit of velocity or acceleration, `over` (2, T, n)."""
-    row = int(np.argmin(over.max((0, 2))))
-    kind, joint = (int(k) for k in np.unravel_index(int(over[:, row].argmax()), over[:, row].shape))
-    share, limit = float(over[kind, row, joint]), float((limits.velocity, limits.acceleration)[kind][joint])
-    return Refusal(
-        stage=Stage.INVERSE,
-        reason=Reason.MOTION_LIMIT,
-        step=point.step,
-        subject=JointName(point.scene.robot.joints[joint].name),
-        interval=_span(t),
-        amount=Quantity.of(share - 1, "1"),
-        facts=MotionLimit(
-            obstacle=Obstacle.FRAME_TOO_FAST,
-            rate=RATES[kind],
-            mode=mode,
-            frame=point.frame,
-            value=share * limit,
-            limit=limit,
-        ),
-    )
-
-
-def _beyond_limits(point: ControlPoint, t: FloatArray, q: FloatArray, lead: float, mode: int) -> Refusal:
-    """The joint that is nearest to being legal, over all turns, and by how much it is not: of the point itself and
-    the height `point.approach` over it, where q (T, n) is, whichever asks for more."""
-    robot = point.scene.robot
-    worst, where = beyond_range(robot, q), np.full(len(t), point.approach)
-    if point.approach:
-        there = robot.inverse(point.flange(t + lead).at_rest(), mode, 0).q
-        known = np.asarray(np.isfinite(there).all(-1))
-        at_point = beyond_range(robot, np.where(known[:, None], there, q))
-        if known.any():
-            worst[~known] = np.inf  # the point is out of reach by then
-        more = known & (at_point.max(1) >= worst.max(1))
-        q = np.where(more[:, None], there, q)
-        worst, where = np.where(more[:, None], at_point, worst), np.where(more, 0.0, where)
-    row = int(np.argmin(worst.max(1)))
-    most = int(np.argmax(worst[row]))
-    return Refusal(
-        stage=Stage.INVERSE,
-        reason=Reason.JOINT_LIMIT,
-        step=point.step,
-        subject=JointName(robot.joints[most].name),
-        interval=_span(t),
-        amount=of_joint(robot.joints[most].kind, float(worst[row, most])),
-        facts=replace(
-            beyond_at_nearest_turn(point.scene, most, q[row]), mode=robot.modes[mode], above_m=float(where[row])
-        ),
-    )
 
 
 # Corners that overlap: where the straight part of an approach or depart ends, the tool moves on along the vertical.

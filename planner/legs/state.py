@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.kernels.meetings import least_durations, velocity_times
+from assur.planner.kernels.meetings import velocity_times
 from assur.planner.model.outcome import LegKind, Route
-from assur.planner.robots.facts import Limits
 from assur.planner.trajectory import Trajectory
 
 
@@ -127,11 +126,4 @@ class Branch(States):
         """Seconds (R,) that the joints take at least from q to each meeting, by their velocities alone."""
         found = np.empty(len(self.table))
         velocity_times(np.array(q), self.table, np.array(velocity), found)
-        return found
-
-    def least_durations(self, start: FloatArray, limits: Limits, every: int, *, jerk_limited: bool) -> FloatArray:
-        """Lower bounds, s, of the durations from the state `start` (3, n) to every so many-th meeting."""
-        rows = self.table if every == 1 else np.ascontiguousarray(self.table[::every])
-        found = np.empty(len(rows))
-        least_durations(start, rows, limits.table, jerk_limited, found)
         return found

@@ -99,13 +99,13 @@ def contacts(phases: tuple[Phase, ...]) -> tuple[Contact, ...]:
 
 def carried(scene: Scene, phases: tuple[Phase, ...]) -> tuple[Carried, ...]:
     """What the flange carries, one entry for all phases that follow each other with the same part in the gripper."""
-    found = list[Carried]()
+    found, loads = list[Carried](), {load.part: load for load in scene.loads}
     for part, t0, t1 in loads_of(phases):
-        load = next(load for load in scene.loads if load.part == part)
-        held = next(phase.attached.held for phase in phases if phase.t0 == t0 and phase.attached.part == part)
-        inertia = scene.loads[0].inertia_kgm2
-        if inertia is not None and held is not None:
-            body = scene.index[held.part]
-            inertia += held_inertia(body.body, body.mass_kg or 0.0, held.in_flange)
+        load, inertia = loads[part], scene.loads[0].inertia_kgm2
+        if inertia is not None and part is not None:
+            held = [phase.attached.held for phase in phases if phase.t0 == t0]
+            at = next(each.in_flange for each in held if each is not None and each.part == part)
+            body = scene.index[part]
+            inertia += held_inertia(body.body, body.mass_kg or 0.0, at)
         found.append(Carried(part, load.mass_kg, inertia, load.share, t0, t1))
     return tuple(found)

@@ -61,7 +61,7 @@ def row_of(arm: Robot) -> FloatArray:
 
 def targets_of(flange: Motion, order: int) -> FloatArray:
     """A motion as the kernels take it, (..., 4, 6), up to a derivative; what is beyond is 0."""
-    targets = np.zeros((*flange.yaw.shape, ORDERS, COORDINATES))
+    targets = np.zeros((*flange.table.shape[:-2], ORDERS, COORDINATES))
     targets[..., : order + 1, : flange.table.shape[-1]] = flange.table[..., : order + 1, :]
     return targets
 

@@ -167,12 +167,12 @@ class Robot(ABC):
             raise FaultError(f"{type(self).__name__}.inverse: mode {mode}, order {order}")
         if "pitch" in self.coordinates and not flange.tilted:
             raise FaultError(f"{type(self).__name__}.inverse: a motion without pitch and roll")
-        shape, n = flange.yaw.shape, len(self.joints)
+        shape, n = flange.table.shape[:-2], len(self.joints)
         joints, margins = np.empty((*shape, ORDERS, n)), np.empty((*shape, 2))
         codes = np.empty(shape, dtype=np.int64)
         targets, flat = targets_of(flange, order).reshape(-1, ORDERS, COORDINATES), joints.reshape(-1, ORDERS, n)
         joint_motions(self.row, mode, order, targets, flat, margins.reshape(-1, 2), codes.reshape(-1))
-        q, qd, qdd, qddd = (np.ascontiguousarray(joints[..., k, :]) for k in range(ORDERS))
+        q, qd, qdd, qddd = [joints[..., k, :].copy() for k in range(ORDERS)]
         parallel = margins[..., 1] if self.parallel_least > 0.0 else None
         return Inverse(q, qd, qdd, qddd, codes, margins[..., 0], parallel)
 

@@ -44,7 +44,7 @@ def equivalents(robot: Robot, q: FloatArray, lower: FloatArray, upper: FloatArra
 def nearest_turns(robot: Robot, q: FloatArray) -> FloatArray:
     """q (..., n) with each revolute joint at the turn that is within the robot's range, or nearest to being so."""
     lower, upper = robot.limits.lower, robot.limits.upper
-    turning = np.array([joint.kind == "revolute" for joint in robot.joints])
+    turning = robot.revolute > 0.0
     # the first turn that is not below the range, and the last one that is
     first = np.where(turning, q + TURN * np.ceil((lower - q) / TURN), q)
     return np.where(turning & (lower - (first - TURN) < first - upper), first - TURN, first)

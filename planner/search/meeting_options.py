@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import accumulate
 
 import numpy as np
 
@@ -12,6 +13,8 @@ from assur.planner.claim.frames import displaced_of
 from assur.planner.claim.obligations import shares_of
 from assur.planner.collision.bodies import shift_of
 from assur.planner.errors import FaultError
+from assur.planner.frames.motion import Motion
+from assur.planner.kernels.meetings import least_durations
 from assur.planner.kernels.postures import FITS, SINGULAR, correction_fits
 from assur.planner.legs.control_point import WINDOW_S, control_point
 from assur.planner.legs.forbidden_yaw import free_yaws_between
@@ -47,29 +50,30 @@ SAME_RAD = 1e-6
 def options(scene: Scene, partial: PartialPlan, found: list[Meetings]) -> tuple[Option, ...]:
     """All branches of all turns of the part, those with the least possible duration first; of about the same duration
     the one that turns the wrist least (`SHARE_OF_A_TURN`)."""
-    state, limits = partial.state, partial.attached.limits(scene)
-    start = np.array([state.q, state.qd, state.qdd])
-    result = []
-    for meeting in found:
-        raise_if_late()
-        for branch in meeting.branches:
-            every = 1 + len(branch.table) // EVALUATED_MEETINGS
-            least = branch.least_durations(start, limits, every, jerk_limited=scene.options.jerk_limited)
-            if not branch.still:
-                # the earliest of these times that the least duration allows
-                time = branch.time[::every]
-                least = time[time >= state.time + least] - state.time
-            result.append(Option(meeting, branch, float(least.min(initial=np.inf))))
+    raise_if_late()
+    ways = [(meeting, branch) for meeting in found for branch in meeting.branches]
+    if not ways:
+        return ()
+    state, n = partial.state, len(scene.robot.joints)
+    tables = [branch.table[:: 1 + len(branch.table) // EVALUATED_MEETINGS] for _, branch in ways]
+    rows, begins = np.concatenate(tables), [0, *accumulate(map(len, tables[:-1]))]
+    start, least = np.array([state.q, state.qd, state.qdd]), np.empty(len(rows))
+    limits = partial.attached.limits(scene)
+    least_durations(start, rows, limits.table, scene.options.jerk_limited, least)
+    if not ways[0][1].still:
+        # the earliest of these times that the least duration allows
+        least = np.where(rows[:, 0] >= state.time + least, rows[:, 0] - state.time, np.inf)
+    least = np.minimum.reduceat(least, begins)
     # where an option is met first
-    result.sort(key=lambda option: option.least * preference(scene.robot, state.q, option.branch.q[0]))
-    return tuple(result)
+    order = (least * preference(scene.robot, state.q, rows[begins, 1 : 1 + n])).argsort(kind="stable")
+    return tuple([Option(ways[k][0], ways[k][1], float(least[k])) for k in order.tolist()])
 
 
-def preference(robot: Robot, one: FloatArray, other: FloatArray) -> float:
-    """What the duration of a way between joints (n,) is multiplied by to compare it with others: `SHARE_OF_A_TURN` is
-    added for a turn of the wrist, the last joint, if that turns."""
-    wrist = abs(float(other[-1] - one[-1])) * float(robot.revolute[-1])
-    return 1.0 + SHARE_OF_A_TURN * wrist / (2 * math.pi)
+def preference(robot: Robot, one: FloatArray, other: FloatArray) -> FloatArray:
+    """What the duration of ways from joints (n,) to others (..., n) is multiplied by to compare them:
+    `SHARE_OF_A_TURN` is added for a turn of the wrist, the last joint, if that turns."""
+    wrist = np.abs(other[..., -1] - one[-1]) * robot.revolute[-1]
+    return np.asarray(1.0 + SHARE_OF_A_TURN * wrist / (2 * math.pi))
 
 
 def free_yaws(scene: Scene, partial: PartialPlan, number: int, modes: tuple[int, ...]) -> tuple[float, ...]:
@@ -120,23 +124,17 @@ def ahead(scene: Scene, partial: PartialPlan, branch: Branch) -> FloatArray | No
     step = scene.task[partial.step]
     if not step.via or partial.step + 1 >= len(scene.task):
         return None
-    robot, q = scene.robot, branch.q[0]
+    robot, q, t = scene.robot, branch.q[0], np.array([partial.state.time])
     others = range(len(robot.modes)) if scene.options.elbow == "auto" else ()
-    velocity = partial.attached.limits(scene).velocity
+    attitudes = tilts(scene, scene.task[partial.step + 1], q)
+    behind = [control_point(scene, partial.step + 1, partial.attached, 0.0, tilt) for tilt in attitudes]
+    motion = Motion(np.concatenate([each.flange(t, each.approach).table for each in behind]))
     for mode in dict.fromkeys((branch.mode, *others)):
-        best: tuple[float, FloatArray] | None = None
-        for tilt in tilts(scene, scene.task[partial.step + 1], q):
-            behind = control_point(scene, partial.step + 1, partial.attached, 0.0, tilt)
-            motion = behind.flange(np.array([partial.state.time]), behind.approach)
-            found = robot.inverse(motion, mode, 0).q[0]
-            if not np.isfinite(found).all():
-                continue
-            there = found + robot.revolute * 2 * np.pi * np.round((q - found) / (2 * np.pi))
-            takes = float((np.abs(there - q) / velocity).max())
-            if best is None or takes < best[0]:
-                best = takes, np.asarray(there)
-        if best is not None:
-            return best[1]
+        found = robot.inverse(motion, mode, 0).q
+        there = found + robot.revolute * 2 * np.pi * np.round((q - found) / (2 * np.pi))
+        takes = (np.abs(there - q) / partial.attached.limits(scene).velocity).max(1)
+        if np.isfinite(takes).any():
+            return np.asarray(there[np.nanargmin(takes)])
     return None
 
 
