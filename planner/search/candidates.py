@@ -191,7 +191,8 @@ class Sampler:
         """The direct ways and then the arches, first those that are free as far as their scores say. An empty batch:
         candidates by vias are worth more."""
         later = list[Candidate]()
-        for candidates, free_of in ((self._direct(), population.free_direct), (self._arches(), population.free_arches)):
+        for some, free_of in ((self._direct, population.free_direct), (self._arches, population.free_arches)):
+            candidates = some()
             free = free_of(candidates) if candidates else []
             if free:
                 yield free

@@ -131,7 +131,8 @@ def completed(scene: Scene, partial: PartialPlan) -> Plan | Refusal:
     """
     if partial.knots is None:
         raise FaultError("a whole partial without knots")
-    trajectory = Trajectory.of_knots(partial.knots.table, jumps=not scene.options.jerk_limited)
+    jumps = not scene.options.jerk_limited
+    trajectory = partial.trajectory or Trajectory.of_knots(partial.knots.table, jumps=jumps)
     certificate = written(scene, trajectory, partial.legs, partial.arrivals, list(partial.proofs))
     plan = Plan(trajectory, partial.legs, partial.arrivals, certificate)
     verdict = check(scene, plan, between=raise_if_late)

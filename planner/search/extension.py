@@ -268,6 +268,7 @@ def _continued(
         legs=partial.legs + made,
         arrivals=(*partial.arrivals, met),
         knots=knots if partial.knots is None else partial.knots.then(knots),
+        trajectory=trajectory if partial.knots is None else None,
         proofs=partial.proofs,
         wrist=partial.wrist + wrist_travel(scene.robot, knots.q),
         rises=0.0 if leaves is None else leaves.far - leaves.height,

@@ -48,6 +48,8 @@ class PartialPlan:
     legs: tuple[Leg, ...] = ()
     arrivals: tuple[Arrival, ...] = ()
     knots: Knots | None = None
+    trajectory: Trajectory | None = None
+    """The trajectory through these knots, where it was made."""
     proofs: tuple[Rows, ...] = ()
     wrist: float = 0.0
     """By how much the wrist has turned so far, there and back counted both, rad; 0 for an arm without one."""
