@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from types import UnionType
@@ -298,8 +298,7 @@ MOST_UNKNOWN = 20
 class _Shape:
     """What may be at a place: how many items or keys at most (None: any number), the words of a refusal, which take
     their number, and what they are: all alike (`item`), or by the name of a field. Single values are left out.
-    `names`: those of all fields in SI. `read_before`: whether the same was read before, so that it is within its
-    sizes, and in SI."""
+    `names`: those of all fields in SI. `read_before`: whether the same was read before, so that it is within its sizes, and in SI."""
 
     most: int | None
     allowed: str
@@ -312,47 +311,32 @@ class _Shape:
 def check_sizes(model: type[BaseModel], document: object) -> bool:
     """Raises `DocumentError` at the first list or mapping that has more items than `model` takes there. Returns whether
     the document is as `normal` makes it: in SI and of plain types, as most that programs write."""
-    # what may be there, what is, the depth, the key, and the same of the mapping or list around it
-    left: list[tuple[Any, ...]] = [(_of_model(model), document, 0, None, None)]
+    left: list[tuple[_Shape, Any, Path]] = [(_of_model(model), document, ())]
     is_normal = True
     while left:
-        place = left.pop()
-        shape, value, depth, _, _ = place
-        if isinstance(value, dict):
-            is_normal = is_normal and type(value) is dict and depth < MAX_DEPTH
-            is_normal = is_normal and (value.keys() <= shape.names or not any(map(si_key, value)))
-            items: Iterable[tuple[object, object]] = value.items()
-        elif isinstance(value, list):
-            is_normal = is_normal and type(value) is list and depth < MAX_DEPTH
-            items = enumerate(value)
-        else:
+        shape, value, path = left.pop()
+        if shape.read_before is not None and shape.read_before(value):
+            continue
+        mapping = isinstance(value, dict)
+        if not (mapping or isinstance(value, list)):
             is_normal = False
             continue
-        if shape.most is not None and len(value) > shape.most and (shape.item or isinstance(value, dict)):
-            raise DocumentError(dotted(_path(place)), value, shape.allowed.format(len(value)))
+        if shape.most is not None and len(value) > shape.most and (mapping or shape.item):
+            raise DocumentError(dotted(path), value, shape.allowed.format(len(value)))
+        is_normal = is_normal and type(value) in (dict, list) and len(path) < MAX_DEPTH - 1
+        is_normal = is_normal and not (mapping and not value.keys() <= shape.names and any(map(si_key, value)))
         if shape is _ANYTHING and not is_normal:
             continue
-        count, each, fields, depth = len(left), shape.item, shape.fields, depth + 1
-        for key, item in items:
-            if type(item) in SINGLE:
-                continue
-            below = each or fields.get(key)
-            if below is None and type(item) is list and depth < MAX_DEPTH:
-                for number in item:
-                    if type(number) not in SINGLE:
-                        break
-                else:
-                    continue  # most lists are points
-            if below is None or below.read_before is None or below.read_before(item) is None:
-                left.append((below or _ANYTHING, item, depth, key, place))
+        count = len(left)
+        for key, item in value.items() if mapping else enumerate(value):
+            if type(item) not in SINGLE:
+                below = shape.item or shape.fields.get(key)
+                # most lists are points
+                if below or type(item) is not list or not SINGLE.issuperset(map(type, item)):
+                    left.append((below or _ANYTHING, item, (*path, str(key) if mapping else key)))
         if len(left) > count + 1:
             left[count:] = reversed(left[count:])
     return is_normal
-
-
-def _path(place: tuple[Any, ...]) -> Path:
-    *_, key, above = place
-    return () if above is None else (*_path(above), key if isinstance(above[1], list) else str(key))
 
 
 _ANYTHING = _Shape(None, "")
