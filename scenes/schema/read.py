@@ -298,12 +298,13 @@ MOST_UNKNOWN = 20
 class _Shape:
     """What may be at a place: how many items or keys at most (None: any number), the words of a refusal, which take
     their number, and what they are: all alike (`item`), or by the name of a field. Single values are left out.
-    `names`: those of all fields in SI. `read_before`: whether the same was read before, so that it is within its sizes, and in SI."""
+    `names`: those of all fields in SI. `read_before`: whether the same was read before, so that it is within its
+    sizes, and in SI."""
 
     most: int | None
     allowed: str
     item: _Shape | None = None
-    fields: dict[str, _Shape] = field(default_factory=dict)
+    fields: dict[object, _Shape] = field(default_factory=dict)
     names: frozenset[str] = frozenset()
     read_before: Callable[[object], object] | None = None
 
@@ -351,7 +352,9 @@ def _of_model(model: type[BaseModel]) -> _Shape:
     if issubclass(model, ByName):
         also = f" and {keys} other fields" if keys else ""
         most, allowed = keys + MAX_JOINTS, f"at most {MAX_JOINTS} joints{also}, not {{}} keys"
-    known = {key: shape for name, shape in shapes.items() if shape for key in (name, twin_of(name) or name)}
+    known: dict[object, _Shape] = {
+        key: shape for name, shape in shapes.items() if shape for key in (name, twin_of(name) or name)
+    }
     return _Shape(most, allowed, None, known, frozenset(shapes), getattr(model, "read_before", None))
 
 

@@ -256,6 +256,11 @@ class RobotDocument(ArmDocument):
             _kept[key] = made
         return made
 
+    @cached_property
+    def states_sources(self) -> bool:
+        """Whether the source of one of its facts is stated."""
+        return '"status":' in self.text
+
     @classmethod
     def read_before(cls, data: Any) -> Self | None:
         """The robot of the same plain data in SI; None: none is kept."""
