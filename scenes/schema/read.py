@@ -298,15 +298,13 @@ MOST_UNKNOWN = 20
 class _Shape:
     """What may be at a place: how many items or keys at most (None: any number), the words of a refusal, which take
     their number, and what they are: all alike (`item`), or by the name of a field. Single values are left out.
-    `names`: those of all fields in SI. `read_before`: whether the same was read before, so that it is within its
-    sizes, and in SI."""
+    `names`: those of all fields in SI."""
 
     most: int | None
     allowed: str
     item: _Shape | None = None
     fields: dict[object, _Shape] = field(default_factory=dict)
     names: frozenset[str] = frozenset()
-    read_before: Callable[[object], object] | None = None
 
 
 def check_sizes(model: type[BaseModel], document: object) -> bool:
@@ -316,8 +314,6 @@ def check_sizes(model: type[BaseModel], document: object) -> bool:
     is_normal = True
     while left:
         shape, value, path = left.pop()
-        if shape.read_before is not None and shape.read_before(value):
-            continue
         mapping = isinstance(value, dict)
         if not (mapping or isinstance(value, list)):
             is_normal = False
@@ -355,7 +351,7 @@ def _of_model(model: type[BaseModel]) -> _Shape:
     known: dict[object, _Shape] = {
         key: shape for name, shape in shapes.items() if shape for key in (name, twin_of(name) or name)
     }
-    return _Shape(most, allowed, None, known, frozenset(shapes), getattr(model, "read_before", None))
+    return _Shape(most, allowed, None, known, frozenset(shapes))
 
 
 def _of(annotation: Any, metadata: tuple[Any, ...]) -> _Shape | None:
