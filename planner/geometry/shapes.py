@@ -265,31 +265,31 @@ class Pieces:
 def pieces(bodies: Sequence[Body]) -> Pieces:
     """The table of some bodies, in order; its arrays are read-only."""
     every = [piece for body in bodies for piece in body.pieces]
-    count = np.array([len(body.pieces) for body in bodies], dtype=np.int64)
-    hull, hulls, sizes = list[int](), list[Hull](), list[tuple[float, ...]]()
+    hull, hulls, numbers = list[int](), list[Hull](), list[float]()
     for piece in every:
+        numbers += piece.position.tolist()
+        numbers += piece.rotation.ravel().tolist()
         shape = piece.shape
         if isinstance(shape, Hull):
             hull.append(len(hulls))
             hulls.append(shape)
-            sizes.append((0.0,) * 5)
+            numbers += (0.0,) * 5
         else:
             hull.append(-1)
-            sizes.append((*shape.half, shape.disc, shape.ball))
-    table = np.array(sizes).reshape(-1, 5)
-    found = Pieces(
-        first=count.cumsum() - count,
+            numbers += (*shape.half, shape.disc, shape.ball)
+    table, count = np.array(numbers).reshape(-1, 17), np.array([len(body.pieces) for body in bodies], dtype=np.int64)
+    arrays = table, count, count.cumsum() - count, np.array(hull, dtype=np.int64)
+    for array in arrays:
+        array.setflags(write=False)
+    return Pieces(
+        first=arrays[2],
         count=count,
-        position=np.array([piece.position for piece in every]).reshape(-1, 3),
-        rotation=np.array([piece.rotation for piece in every]).reshape(-1, 3, 3),
-        half=table[:, :3].copy(),
-        disc=table[:, 3].copy(),
-        ball=table[:, 4].copy(),
-        hull=np.array(hull, dtype=np.int64),
+        position=table[:, :3],
+        rotation=table[:, 3:12].reshape(-1, 3, 3),
+        half=table[:, 12:15],
+        disc=table[:, 15],
+        ball=table[:, 16],
+        hull=arrays[3],
         shapes=tuple([piece.shape for piece in every]),
         hulls=tuple(hulls),
     )
-    for array in vars(found).values():
-        if isinstance(array, np.ndarray):
-            array.flags.writeable = False
-    return found

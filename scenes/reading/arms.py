@@ -19,7 +19,7 @@ from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
 from assur.planner.robots.tilting import ElbowArm, PolarArm
-from assur.scenes.conventions import Conventions, JointConvention, JointKind
+from assur.scenes.conventions import Conventions, JointConvention, JointKind, converted
 from assur.scenes.faults import Refused, within
 from assur.scenes.reading.bodies import attached
 from assur.scenes.reading.loads import load_limits
@@ -171,17 +171,13 @@ def _maker(arm: Arm, **shared: Any) -> Callable[..., Robot]:
 
 def _limits(joints: list[JointDocument], conventions: Conventions) -> Limits:
     """The limits in the planner's order and directions, SI."""
-    ends = [_range(joint) for joint in joints]
-    turned = [pair if joint.sign > 0 else (-pair[1], -pair[0]) for pair, joint in zip(ends, joints, strict=True)]
-    # + a zero, if only 0.0: no negative zeros
-    lower, upper = np.array(turned).T + [joint.zero for joint in conventions]
+    lower, upper = np.sort(converted(np.array([_range(joint) for joint in joints]).T, conventions), 0)
     rates = (
         [_given(joint.velocity_rad_s, joint.velocity_m_s) for joint in joints],
         [_given(joint.acceleration_rad_s2, joint.acceleration_m_s2) for joint in joints],
         [_given(joint.jerk_rad_s3, joint.jerk_m_s3) for joint in joints],
     )
-    order = conventions.order
-    return Limits(lower[order], upper[order], *(np.array(rate)[order] for rate in rates))
+    return Limits(lower, upper, *(np.array(rate)[conventions.order] for rate in rates))
 
 
 def _range(joint: JointDocument) -> tuple[float, float]:

@@ -124,7 +124,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         load_limits=given.load,
         forbidden_yaw=given.forbidden_yaw,
         assumptions=(
-            *robots.assumptions_of(document, request.robot, given),
+            *robots.assumptions_of(document, request.robot),
             *moved,
             *frames.assumptions_of(request.frames),
             *_left_out(robot, request),
@@ -250,19 +250,6 @@ def _options(item: OptionsDocument, of: robots.Equipped, places: Places, faults:
                         raise Refused(f"the name of a body: {choices(names, name)}")
         both = frozenset(each.between), frozenset(each.and_ or ())
         exceptions.append(ClearanceException(*both, each.clearance_m.travel, each.clearance_m.near))
-    return Options(
-        seed=item.seed,
-        budget_s=item.budget_s,
-        max_candidates=item.max_candidates,
-        stop=item.stop,
-        explain_budget_s=item.explain_budget_s,
-        report=item.report,
-        clearance=Clearance(item.clearance_m.travel, item.clearance_m.near, tuple(exceptions)),
-        singularity_margin=item.singularity_margin,
-        elbow=item.elbow,
-        end=item.end,
-        stay_safe_s=item.stay_safe_s,
-        latest_end_s=item.latest_end_s,
-        timing=item.timing,
-        acceleration_time_s=item.acceleration_time_s,
-    )
+    same = {**vars(item)}
+    del same["clearance_m"], same["clearance_exceptions"]
+    return Options(clearance=Clearance(item.clearance_m.travel, item.clearance_m.near, tuple(exceptions)), **same)

@@ -37,15 +37,16 @@ def pose_of(document: PoseDocument) -> Pose:
 
 def pose_uncertainty(document: PoseUncertaintyDocument) -> PoseUncertainty:
     """How far a part may be from its pose."""
-    return PoseUncertainty(document.position_m, document.vertical_m, document.yaw_rad)
+    return PoseUncertainty(**vars(document))
 
 
 def uncertainty(document: UncertaintyDocument, law: Law) -> Uncertainty:
     """How far a frame may be from its law. Raises `Refused` for a lateral error of a frame that has no line."""
     if document.lateral_m > 0.0 and law.way is None:
-        raise Refused("0: only a conveyor or a linear frame has a side (others: position_m)", "lateral_m")
-    d = document
-    return Uncertainty(d.position_m, d.speed_m_s, d.lateral_m, d.vertical_m, d.yaw_rad)
+        raise Refused(
+            "0: only a conveyor or a linear frame has a side (others: position_m)", "uncertainty", "lateral_m"
+        )
+    return Uncertainty(**vars(document))
 
 
 def _posed(make: Callable[..., Law], *fields: str) -> Callable[[Any, Valid], Law]:
@@ -196,8 +197,7 @@ def _frame(name: str, item: FrameDocument) -> Frame:
         if spelt is not None:
             with within(key):
                 known = law(spelt, valid)
-            with within("uncertainty"):
-                return Frame(name, known, uncertainty(item.uncertainty, known))
+            return Frame(name, known, uncertainty(item.uncertainty, known))
     raise FaultError(f"frame {name} without a law passed its model")
 
 

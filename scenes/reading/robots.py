@@ -33,15 +33,13 @@ from assur.scenes.schema.robots import (
     RobotDocument,
     ToolDocument,
 )
-from assur.scenes.schema.stated import Stated
 from assur.scenes.units import from_si, si_key, twin_of
 
 
 @dataclass(frozen=True, eq=False)
 class Equipped:
     """A robot at its base with its narrowed limits, its tool, its maker's joint conventions, its load limits, the
-    forbidden ranges of yaw of its tool, and the names of the bodies of robot and tool. `assumed`: what an answer says
-    of its numbers; None: that depends on the units in which they are written."""
+    forbidden ranges of yaw of its tool, and the names of the bodies of robot and tool."""
 
     robot: Robot
     tool: Tool
@@ -49,7 +47,6 @@ class Equipped:
     load: LoadLimits
     forbidden_yaw: tuple[YawRange, ...]
     names: tuple[str, ...]
-    assumed: tuple[str, ...] | None
 
 
 _kept: dict[str, Equipped] = {}
@@ -71,7 +68,7 @@ def equipped(item: RobotDocument) -> Equipped:
         with within("tool"):
             tool = _tool(item.tool, of)
         names = (*(body.body.name for body in made.bodies), *(body.name for body in tool.bodies))
-        found = Equipped(made, tool, of.conventions, load, ranges, names, _assumed(item))
+        found = Equipped(made, tool, of.conventions, load, ranges, names)
         if len(item.text) <= LONGEST_KEPT:
             if len(_kept) >= MOST_KEPT:
                 _kept.clear()
@@ -79,19 +76,12 @@ def equipped(item: RobotDocument) -> Equipped:
     return found
 
 
-def _assumed(item: RobotDocument) -> tuple[str, ...] | None:
-    given = item.written_out()
-    if given is None:
-        return shipped_robot(str(item.model)).assumptions
-    _, arm = given
-    is_stated = any(isinstance(value, Stated) for part in (arm, *arm.joints) for _, value in part)
-    return None if is_stated else (OWN,)
-
-
-def assumptions_of(document: object, item: RobotDocument, given: Equipped) -> tuple[str, ...]:
+def assumptions_of(document: object, item: RobotDocument) -> tuple[str, ...]:
     """What an answer to a request says of its arm's numbers, in the units in which they are written."""
-    if given.assumed is not None:
-        return given.assumed
+    if item.model is not None:
+        return shipped_robot(item.model).assumptions
+    if not item.states_sources:
+        return (OWN,)
     family = next(name for name in FAMILIES if getattr(item, name) is not None)
     _, written = as_written(document, ("robot", family))
     return assumptions(family, written)  # type: ignore[arg-type]

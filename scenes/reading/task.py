@@ -7,13 +7,12 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Pose
 from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.path import LONGEST_S, ArcTo, LineTo, Path, PathError, PathPart, Point, SplineThrough, never
 from assur.planner.model.scene import Arch, Follow, Move, Pick, Place, Step, Target, Trace, Window
 from assur.planner.model.task import Tolerance, lead_length
-from assur.scenes.faults import FAULTS, Gathered, Refused, choices, within
+from assur.scenes.faults import FAULTS, Gathered, Refused, choices
 from assur.scenes.reading.bodies import Places, resolve
 from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
 from assur.scenes.schema.task import (
@@ -38,6 +37,9 @@ ANY_YAW = (
 PART_YAW = "yaw_deg (or yaw_rad) with a number, which must be given: a part is placed as it has to lie"
 NO_HEADING = "no yaw: the tool's heading follows from the position"
 NO_TILT = "no {}: only arms with five axes have one"
+
+
+KINDS = ("move", "follow", "trace", "pick", "place")
 
 
 class _Task:
@@ -67,10 +69,18 @@ class _Task:
 
     def read(self, number: int, item: StepDocument) -> list[Step]:
         """The step; none where it has a fault."""
+        key = next(key for key in KINDS if getattr(item, key) is not None)
         try:
-            return [self.step(number, item)]
+            spelt = getattr(item, key)
+            name = spelt.name or f"{key}-{number + 1}"
+            if name in self.names:
+                raise Refused("a name that no other step has", "name")
+            self.names.add(name)
+            made: Step = getattr(self, f"_{key}")(name, spelt)
+            self.at = _where(made)
+            return [made]
         except FAULTS as error:
-            self.faults.add(error, "task", number)
+            self.faults.add(error, "task", number, key)
         # later steps are read as if this one had taken or put down a part
         self.at = None
         if item.pick is not None:
@@ -79,20 +89,6 @@ class _Task:
             self.held, self.lost = None, False
             self.places.unread.add(item.place.part)
         return []
-
-    def step(self, number: int, item: StepDocument) -> Step:
-        for key in ("move", "follow", "trace", "pick", "place"):
-            spelt = getattr(item, key)
-            if spelt is not None:
-                with within(key):
-                    name = spelt.name or f"{key}-{number + 1}"
-                    if name in self.names:
-                        raise Refused("a name that no other step has", "name")
-                    self.names.add(name)
-                    made: Step = getattr(self, f"_{key}")(name, spelt)
-                    self.at = _where(made)
-                    return made
-        raise FaultError(f"step {number} without a kind passed its model")
 
     def _move(self, name: str, item: MoveDocument) -> Step:
         target = self._target(item.to, free=True)
@@ -120,8 +116,7 @@ class _Task:
         return Follow(name, target, item.duration_s, self._window(item, target.frame), _tolerance(item))
 
     def _trace(self, name: str, item: TraceDocument) -> Step:
-        with within("start"):
-            target = self._pose(item.start)
+        target = self._target(item.start, "start")
         pose = target.pose
         parts = self._parts(item.path, item.start)
         with _at_part(parts):
@@ -228,25 +223,22 @@ class _Task:
             "arch": None if item.arch is None else Arch(item.arch.top_m),
         }
 
-    def _target(self, item: TargetDocument, free: bool = False, part: bool = False) -> Target:
-        """`free`: whether a target that says nothing of the yaw leaves it free; `part`: whether a part is put there."""
-        with within("to"):
-            return self._pose(item, free, part)
-
-    def _pose(self, item: TargetDocument, free: bool = False, part: bool = False) -> Target:
+    def _target(self, item: TargetDocument, key: str = "to", free: bool = False, part: bool = False) -> Target:
+        """The target under the `key` of a step. `free`: whether one that says nothing of the yaw leaves it free;
+        `part`: whether a part is put there."""
         faults = Gathered()
         try:
             yaw_free = self._yaw_free(item, free, part)
         except Refused as error:
-            faults.add(error)
+            faults.add(error, key)
         try:
             if item.body is not None and item.body == self.held:
                 raise Refused("a body that is not in the gripper", "body")
             frame, pose = resolve(item, item.yaw_rad or 0.0, self.frames, self.places)
         except FAULTS as error:
-            faults.add(error)
+            faults.add(error, key)
         faults.settle()
-        pitch, roll = (None if angle == "free" else angle for angle in (item.pitch_rad, item.roll_rad))
+        pitch, roll = [None if angle == "free" else angle for angle in (item.pitch_rad, item.roll_rad)]
         return Target(frame, pose, yaw_free, pitch, roll, item.yaw_keep)
 
     def _yaw_free(self, item: TargetDocument, free: bool, part: bool) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from types import UnionType
@@ -298,61 +298,44 @@ MOST_UNKNOWN = 20
 class _Shape:
     """What may be at a place: how many items or keys at most (None: any number), the words of a refusal, which take
     their number, and what they are: all alike (`item`), or by the name of a field. Single values are left out.
-    `names`: those of all fields in SI. `read_before`: whether the same was read before, so that it is within its
-    sizes, and in SI."""
+    `names`: those of all fields in SI."""
 
     most: int | None
     allowed: str
     item: _Shape | None = None
-    fields: dict[str, _Shape] = field(default_factory=dict)
+    fields: dict[object, _Shape] = field(default_factory=dict)
     names: frozenset[str] = frozenset()
-    read_before: Callable[[object], object] | None = None
 
 
 def check_sizes(model: type[BaseModel], document: object) -> bool:
     """Raises `DocumentError` at the first list or mapping that has more items than `model` takes there. Returns whether
     the document is as `normal` makes it: in SI and of plain types, as most that programs write."""
-    # what may be there, what is, the depth, the key, and the same of the mapping or list around it
-    left: list[tuple[Any, ...]] = [(_of_model(model), document, 0, None, None)]
-    is_normal = True
-    while left:
-        place = left.pop()
-        shape, value, depth, _, _ = place
-        if isinstance(value, dict):
-            is_normal = is_normal and type(value) is dict and depth < MAX_DEPTH
-            is_normal = is_normal and (value.keys() <= shape.names or not any(map(si_key, value)))
-            items: Iterable[tuple[object, object]] = value.items()
-        elif isinstance(value, list):
-            is_normal = is_normal and type(value) is list and depth < MAX_DEPTH
-            items = enumerate(value)
-        else:
-            is_normal = False
-            continue
-        if shape.most is not None and len(value) > shape.most and (shape.item or isinstance(value, dict)):
-            raise DocumentError(dotted(_path(place)), value, shape.allowed.format(len(value)))
-        if shape is _ANYTHING and not is_normal:
-            continue
-        count, each, fields, depth = len(left), shape.item, shape.fields, depth + 1
-        for key, item in items:
-            if type(item) in SINGLE:
-                continue
+    return _check(_of_model(model), document, ())
+
+
+def _check(shape: _Shape, value: Any, path: Path) -> bool:
+    mapping = isinstance(value, dict)
+    if mapping:
+        is_normal = type(value) is dict and (value.keys() <= shape.names or not any(map(si_key, value)))
+    elif isinstance(value, list):
+        is_normal = type(value) is list
+    else:
+        return False
+    if shape.most is not None and len(value) > shape.most and (mapping or shape.item):
+        raise DocumentError(dotted(path), value, shape.allowed.format(len(value)))
+    if len(path) >= MAX_DEPTH - 1:
+        is_normal = False
+    if shape is _ANYTHING and not is_normal:
+        return False
+    each, fields = shape.item, shape.fields
+    for key, item in value.items() if mapping else enumerate(value):
+        if type(item) not in SINGLE:
             below = each or fields.get(key)
-            if below is None and type(item) is list and depth < MAX_DEPTH:
-                for number in item:
-                    if type(number) not in SINGLE:
-                        break
-                else:
-                    continue  # most lists are points
-            if below is None or below.read_before is None or below.read_before(item) is None:
-                left.append((below or _ANYTHING, item, depth, key, place))
-        if len(left) > count + 1:
-            left[count:] = reversed(left[count:])
+            # most lists are points
+            if below or type(item) is not list or not SINGLE.issuperset(map(type, item)):
+                inside = _check(below or _ANYTHING, item, (*path, str(key) if mapping else key))
+                is_normal = is_normal and inside
     return is_normal
-
-
-def _path(place: tuple[Any, ...]) -> Path:
-    *_, key, above = place
-    return () if above is None else (*_path(above), key if isinstance(above[1], list) else str(key))
 
 
 _ANYTHING = _Shape(None, "")
@@ -367,8 +350,10 @@ def _of_model(model: type[BaseModel]) -> _Shape:
     if issubclass(model, ByName):
         also = f" and {keys} other fields" if keys else ""
         most, allowed = keys + MAX_JOINTS, f"at most {MAX_JOINTS} joints{also}, not {{}} keys"
-    known = {key: shape for name, shape in shapes.items() if shape for key in (name, twin_of(name) or name)}
-    return _Shape(most, allowed, None, known, frozenset(shapes), getattr(model, "read_before", None))
+    known: dict[object, _Shape] = {
+        key: shape for name, shape in shapes.items() if shape for key in (name, twin_of(name) or name)
+    }
+    return _Shape(most, allowed, None, known, frozenset(shapes))
 
 
 def _of(annotation: Any, metadata: tuple[Any, ...]) -> _Shape | None:

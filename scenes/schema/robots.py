@@ -245,22 +245,25 @@ class RobotDocument(ArmDocument):
     @model_validator(mode="wrap")
     @classmethod
     def _once(cls, data: Any, validated: ModelWrapValidatorHandler[Self]) -> Self:
-        """A robot that documents repeat is validated once."""
-        found = cls.read_before(data)
-        if found is not None:
+        """A robot that documents repeat is validated once. The same bytes of `marshal` are the same plain data."""
+        try:
+            key = marshal.dumps(data, 2)
+        except ValueError:  # no plain data
+            return validated(data)
+        found = _kept.get(key)
+        if type(found) is cls:
             return found
-        made, key = validated(data), _bytes_of(data)
-        if 0 < len(key) <= LONGEST_KEPT:
+        made = validated(data)
+        if len(key) <= LONGEST_KEPT:
             if len(_kept) >= MOST_KEPT:
                 _kept.clear()
             _kept[key] = made
         return made
 
-    @classmethod
-    def read_before(cls, data: Any) -> Self | None:
-        """The robot of the same plain data in SI; None: none is kept."""
-        found = _kept.get(_bytes_of(data))
-        return found if type(found) is cls else None
+    @cached_property
+    def states_sources(self) -> bool:
+        """Whether the source of one of its facts is stated."""
+        return '"status":' in self.text
 
     @cached_property
     def text(self) -> str:
@@ -273,14 +276,6 @@ MOST_KEPT = 64
 LONGEST_KEPT = 1 << 16
 """Longest robot that is kept, bytes: one with meshes in it is not."""
 _kept: dict[bytes, RobotDocument] = {}
-
-
-def _bytes_of(data: Any) -> bytes:
-    """The same bytes are the same plain data; none for what is no plain data."""
-    try:
-        return marshal.dumps(data, 2)
-    except ValueError:
-        return b""
 
 
 class JointValues(ByName):
