@@ -75,7 +75,7 @@ def _required_seats(statement: Statement) -> tuple[FloatArray, FloatArray]:
             within = body.uncertainty
             if within.position_m or within.vertical_m or within.yaw_rad:
                 off[0, :, k] = statement.displaced(body.name, ())
-        statement.given.seats = np.array([seats], dtype=float), off.reshape(1, -1)
+        statement.given.seats = np.array(seats).reshape(1, -1, c.SEAT), off.reshape(1, -1)
     if not statement.given.parts:
         return statement.given.seats
     # parts that are handled have others, phase by phase
