@@ -13,15 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.checker.claim.verdict import ClaimFinding, check_claim
-from assur.planner.checker.statement import (
-    Given,
-    Handling,
-    state_answer,
-    state_cell,
-    state_legs,
-    state_motion,
-    state_plan,
-)
+from assur.planner.checker.statement import Given, Handling, state_cell, state_legs, state_plan
 from assur.planner.checker.statement.differences import at
 from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.claim import columns as c
@@ -89,17 +81,7 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
         return Verdict.of(of_legs)  # who holds what follows from the legs: with others, nothing can be shown
     between()
     of_plan = phases(scene, plan.legs, plan.arrivals)
-
-    def fill(base: SceneClaim) -> Claim:
-        claim = with_plan(base, plan, of_plan)
-        return claim if claims is NOTHING else with_answer(base, claim, plan, of_plan, claims)
-
-    def compare(claim: Claim) -> list[Finding]:
-        different = state_plan(handling, claim)
-        return different if different or claims is NOTHING else state_answer(handling, claims, claim)
-
-    judged = _judged(stated, plan, of_plan, claims, fill, compare, between)
-    return Verdict.of(of_legs + list(judged.findings))
+    return Verdict.of(of_legs + _judged(stated, handling, of_plan, claims, between, has_task=True))
 
 
 def check_motion(scene: Scene, plan: Plan, of_motion: tuple[Phase, ...]) -> Verdict:
@@ -109,44 +91,40 @@ def check_motion(scene: Scene, plan: Plan, of_motion: tuple[Phase, ...]) -> Verd
         stated = stated_scene(scene)
     except InputError as error:
         return Verdict.of([Finding(Code.FORM, str(error))])
-    return _judged(
-        stated,
-        plan,
-        of_motion,
-        NOTHING,
-        lambda base: with_plan(base, plan, of_motion),
-        lambda claim: state_motion(Handling(scene, plan, stated.given), claim),
-        nothing,
-    )
+    handling = Handling(scene, plan, stated.given)
+    return Verdict.of(_judged(stated, handling, of_motion, NOTHING, nothing, has_task=False))
 
 
 def _judged(
     stated: StatedScene,
-    plan: Plan,
+    handling: Handling,
     of_plan: tuple[Phase, ...],
     claims: Claims,
-    fill: Callable[[SceneClaim], Claim],
-    compare: Callable[[Claim], list[Finding]],
     between: Callable[[], None],
-) -> Verdict:
-    """The verdict on a claim that `fill` makes, which is compared with the request by `state_cell` and `compare`."""
+    *,
+    has_task: bool,
+) -> list[Finding]:
+    """What both checkers find in the claim of a plan with these phases, and of an answer."""
+    base, plan = stated.base, handling.plan
     try:
-        claim = fill(stated.base)
+        claim = with_plan(base, plan, of_plan)
+        if claims is not NOTHING:
+            claim = with_answer(base, claim, plan, of_plan, claims)
     except InputError as error:
-        return Verdict.of([Finding(Code.FORM, str(error))])
+        return [Finding(Code.FORM, str(error))]
     between()
-    findings = _unshown(stated.base, plan, of_plan, claims, claim)
+    findings = _unshown(base, plan, of_plan, claims, claim)
     if any(finding.code == Code.FORM for finding in findings):
-        return Verdict.of(findings)  # the statement checker reads only tables that are those of a claim
+        return findings  # the statement checker reads only tables that are those of a claim
     between()
-    different = [] if stated.is_stated else state_cell(stated.base.scene, claim)
+    different = [] if stated.is_stated else state_cell(base.scene, claim)
     stated.is_stated = not different
-    return Verdict.of(findings + (different or compare(claim)))
+    return findings + (different or state_plan(handling, claim, claims, has_task=has_task))
 
 
 def _unshown(base: SceneClaim, plan: Plan, of_plan: tuple[Phase, ...], claims: Claims, claim: Claim) -> list[Finding]:
     """What the claim checker does not show, with names in place of numbers."""
-    verdict, scene, end = check_claim(claim), base.scene, max((phase.t1 for phase in of_plan), default=0.0)
+    verdict, scene = check_claim(claim), base.scene
     if verdict.accepted:
         return []
     names: dict[str, Sequence[str]] = labels_of(base, plan, of_plan, claims)._asdict()
@@ -154,6 +132,7 @@ def _unshown(base: SceneClaim, plan: Plan, of_plan: tuple[Phase, ...], claims: C
     names["phases"] = [f"phase {kind}" for kind in names["phases"]]
     steps = [(leg.t0, leg.t1, scene.task[leg.step].name) for leg in plan.legs if leg.step < len(scene.task)]
     found = [_named(each, names, steps) for each in verdict.findings]
+    end = max([phase.t1 for phase in of_plan])
     if end > c.LATEST_S:
         until = f"is stated until {c.LATEST_S:,.0f} s only, and the plan ends at {end:,.1f} s"
         ends = (claim.frames[:, c.FRAME_ARM] >= 0.0) | (claim.frames[:, c.FRAME_PIECES] > 0.0)

@@ -13,7 +13,6 @@ from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
 from assur.planner.claim.frames import EMPTY, table_of
 from assur.planner.geometry.shapes import Body, Pieces
-from assur.planner.laws import EXACT
 from assur.planner.model.phases import Attachments, Phase, at_start, contact_gap
 from assur.planner.model.scene import Scene
 
@@ -37,7 +36,7 @@ def carriers_of(scene: Scene, names: Sequence[str]) -> Carriers:
     many, off = len(names), np.zeros(2 * len(names))
     for k, item in enumerate(scene.bodies, start=many - len(scene.bodies)):
         within = item.uncertainty
-        if within is not EXACT and within != EXACT:
+        if within.position_m or within.vertical_m or within.yaw_rad:
             off[k], off[many + k] = within.position_m + within.yaw_rad * item.body.radius, within.vertical_m
     body, frame = dict(zip(names, range(many), strict=True)), dict(zip(scene.frames, count(), strict=False))
     return Carriers(body, frame, scene.robot.links.index("flange"), off)
@@ -191,9 +190,9 @@ def solids_of(bodies: Sequence[Body], solids: Pieces) -> dict[str, FloatArray]:
     for body, cut in surfaces.items():
         for piece, (own, _) in enumerate(cut, start=int(solids.first[body])):
             corners[numbers[piece]] = own
-    sizes = np.zeros(len(pieces))
-    sizes[hulls] = list(map(len, corners))
-    pieces[:, c.PIECE_VERTICES], pieces[:, c.PIECE_VERTEX] = sizes, sizes.cumsum() - sizes
+    if corners:
+        pieces[hulls, c.PIECE_VERTICES] = list(map(len, corners))
+        pieces[:, c.PIECE_VERTEX] = pieces[:, c.PIECE_VERTICES].cumsum() - pieces[:, c.PIECE_VERTICES]
     triangles = list[FloatArray]()
     for body, cut in surfaces.items():
         for piece, (_, chosen) in enumerate(cut, start=int(solids.first[body])):
@@ -218,7 +217,7 @@ def _pieces(solids: Pieces) -> FloatArray:
     found[:, c.PIECE_DISC], found[:, c.PIECE_BALL] = solids.disc, solids.ball
     long = solids.half != 0.0
     found[:, c.PIECE_EDGES] = np.add.reduce(long, 1)
-    edges = np.where(long[:, :, None], solids.rotation.transpose(0, 2, 1) * solids.half[:, :, None], 0.0)
+    edges = solids.rotation.transpose(0, 2, 1) * solids.half[:, :, None]
     order = (~long).argsort(axis=1, kind="stable")  # edges of no length come last
     found[:, c.PIECE_EDGE : c.PIECE_EDGE + 9] = edges[np.arange(count)[:, None], order].reshape(count, 9)
     return found

@@ -14,8 +14,6 @@ claim states what is required. The form of the claim must be right: the claim ch
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-
 from assur.planner.checker.statement.arms import require_knots, require_links
 from assur.planner.checker.statement.differences import Requirements
 from assur.planner.checker.statement.distances import require_distances, require_execution
@@ -44,11 +42,11 @@ from assur.planner.checker.statement.solids import require_solids
 from assur.planner.checker.statement.statement import Statement
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.claim.columns import Claim
-from assur.planner.model.claims import Claims
+from assur.planner.model.claims import NOTHING, Claims
 from assur.planner.model.digest import digest
 from assur.planner.model.scene import Scene
 
-__all__ = ["Given", "Handling", "state_answer", "state_cell", "state_legs", "state_motion", "state_plan"]
+__all__ = ["Given", "Handling", "state_answer", "state_cell", "state_legs", "state_plan"]
 
 OF_MOTIONS = (require_execution, require_phases, require_known, require_limits, require_rates, require_yaws)
 """What is required of every motion, with a task or without."""
@@ -91,22 +89,15 @@ def state_legs(handling: Handling) -> list[Finding]:
     return handling.findings
 
 
-def state_plan(handling: Handling, claim: Claim) -> list[Finding]:
-    """Findings about what depends on the task and the plan, for a claim with whose cell nothing is wrong, and a plan
-    with whose legs nothing is wrong."""
-    return _stated(Statement(handling, claim), OF_MOTIONS + OF_TASKS)
-
-
-def state_motion(handling: Handling, claim: Claim) -> list[Finding]:
-    """Findings about a motion that has no task: its plan has one leg, in travel, and no arrivals."""
-    return _stated(Statement(handling, claim), OF_MOTIONS)
-
-
-def _stated(statement: Statement, requirements: Iterable[Callable[[Statement], None]]) -> list[Finding]:
-    require_knots(statement, statement.scene.robot, statement.plan.trajectory, statement.claim, 0)
-    for require in requirements:
+def state_plan(handling: Handling, claim: Claim, claims: Claims = NOTHING, *, has_task: bool = True) -> list[Finding]:
+    """Findings about what depends on the task and the plan, and then on the answer, for a claim with whose cell nothing
+    is wrong, and a plan with whose legs nothing is wrong. A plan of a motion that has no task has one leg, in travel,
+    and no arrivals."""
+    statement = Statement(handling, claim)
+    require_knots(statement, statement.scene.robot, statement.plan.trajectory, claim, 0)
+    for require in OF_MOTIONS + (OF_TASKS if has_task else ()):
         require(statement)
-    return statement.findings
+    return statement.findings if statement.findings or claims is NOTHING else state_answer(handling, claims, claim)
 
 
 def state_answer(handling: Handling, claims: Claims, claim: Claim) -> list[Finding]:

@@ -276,10 +276,11 @@ def require_knots(report: Requirements, robot: Robot, path: Trajectory, claim: c
     knots = claim.knots[int(row[c.ARM_KNOT]) :][: int(row[c.ARM_KNOTS])]
     first = int(knots[0, 0] < required[0, 0])
     behind = len(knots) - first - len(required)
-    own, n = knots[first : first + len(required)], path.q.shape[1]
-    same = behind in (0, 1) and bool((own[:, 0] == required[:, 0]).all())
-    states = own[:, c.KNOT_Q :].reshape(-1, 3, c.MOST_JOINTS)[:, :, :n]
-    same = same and bool((states == required[:, c.KNOT_Q :].reshape(-1, 3, n)).all())
+    columns = [c.KNOT_TIME]
+    for column in (c.KNOT_Q, c.KNOT_QD, c.KNOT_QDD):
+        columns += range(column, column + path.q.shape[1])
+    own = knots[first : first + len(required)].take(columns, 1)
+    same = behind in (0, 1) and bool((own == required).all())
     for k, beside in [(0, 1)] * first + [(-1, -2)] * behind:
         same = same and bool((knots[k, c.KNOT_Q :] == knots[beside, c.KNOT_Q :]).all())
         same = same and not (knots[k, c.KNOT_QD :].any() or knots[beside, c.KNOT_QD :].any())

@@ -80,8 +80,12 @@ class Given:
     def is_exact(self) -> bool:
         """Whether nothing is uncertain: frames, bodies, grips, joints and the start."""
         scene, holding = self.scene, self.scene.start.holding
-        poses = [body.uncertainty for body in scene.bodies] + ([] if holding is None else [holding.within])
+        poses = [] if holding is None else [holding.within]
         poses += [step.held_within or EXACT for step in scene.task if isinstance(step, Pick)]
+        for body in scene.bodies:
+            within = body.uncertainty
+            if within.position_m or within.vertical_m or within.yaw_rad:
+                return False
         frames = [frame.uncertainty for frame in scene.frames.values()]
         known = poses.count(EXACT) == len(poses) and frames.count(CERTAIN) == len(frames)
         return known and not any((*scene.execution.lag, scene.execution.start_tolerance_s))
@@ -290,7 +294,7 @@ class Handling(Requirements):
     def displaced(self, name: str, handed: Sequence[int]) -> tuple[float, float]:
         """How far a point of a body of the surroundings may be off horizontally, and up or down, m."""
         within = self.uncertainty(name, handed)
-        if within is None or within is EXACT:
+        if within is None:
             return 0.0, 0.0
         turned = within.yaw_rad * self.radius(name) if within.yaw_rad else 0.0
         return within.position_m + turned, within.vertical_m

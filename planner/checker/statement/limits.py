@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import lru_cache
-from itertools import groupby
+from operator import le
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement.differences import Four, Interval, inverse
-from assur.planner.checker.statement.holding import Handling, Stage
+from assur.planner.checker.statement.holding import Handling
 from assur.planner.checker.statement.statement import ROUNDING, Statement
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
@@ -27,20 +28,20 @@ LOAD_ROUNDING = 1e-9
 def loads_of(handling: Handling) -> list[Carried]:
     """What the flange carries, one entry for all legs one after the other in which it holds the same part in the same
     pose, or nothing. No inertia where the last joint does not turn the flange about the vertical."""
-    scene, found = handling.scene, list[Carried]()
+    scene, found, held = handling.scene, list[Carried](), list[tuple[str, Four] | None]()
     turns = "yaw" in scene.robot.coordinates and "pitch" not in scene.robot.coordinates
-
-    def carried(stage: Stage) -> tuple[str, Four] | None:
-        return None if stage.held is None else (stage.held, handling.place(stage.held, stage.handed)[1])
-
-    for held, group in groupby(handling.stages[: len(handling.plan.legs)], carried):
-        own, part = list(group), None if held is None else scene.index[held[0]]
-        mass = (scene.tool.mass_kg or 0.0) + (0.0 if part is None else part.mass_kg or 0.0)
+    for stage in handling.stages[: len(handling.plan.legs)]:
+        (t0, t1), part = stage.when, stage.held
+        carried = None if part is None else (part, handling.place(part, stage.handed)[1])
+        if found and carried == held[-1]:
+            found[-1] = replace(found[-1], t1=t1)
+            continue
+        mass = (scene.tool.mass_kg or 0.0) + (0.0 if part is None else scene.index[part].mass_kg or 0.0)
         inertia = tool_inertia(scene) if turns else None
-        if inertia is not None and held is not None:
-            inertia += part_inertia(scene, *held)
-        name = None if part is None else part.name
-        found.append(Carried(name, mass, inertia, share_of(scene, mass), own[0].when[0], own[-1].when[1]))
+        if inertia is not None and carried is not None:
+            inertia += part_inertia(scene, *carried)
+        found.append(Carried(part, mass, inertia, share_of(scene, mass), t0, t1))
+        held.append(carried)
     return found
 
 
@@ -156,18 +157,19 @@ def require_limits(statement: Statement) -> None:
 def _is_limited(statement: Statement, share: float, when: Interval) -> bool:
     """Whether a row of the claim has limits that are no wider, for as long, with this share of the accelerations and
     jerks."""
-    own, n, (least, most) = statement.scene.robot.limits, len(statement.scene.robot.joints), np.empty((2, c.LIMIT))
-    least[:], most[:] = -math.inf, math.inf
-    most[c.LIMIT_T0], least[c.LIMIT_T1] = when
-    most[c.LIMIT_SHARE : c.LIMIT_LOWER] = SHARES
-    least[c.LIMIT_LOWER : c.LIMIT_LOWER + n] = own.lower - ROUNDING * np.abs(own.lower)
-    upper = {c.LIMIT_UPPER: own.upper, c.LIMIT_VELOCITY: own.velocity, c.LIMIT_ACCELERATION: share * own.acceleration}
-    if statement.scene.options.jerk_limited:
-        upper[c.LIMIT_JERK], least[c.LIMIT_JERKS] = share * own.jerk, 1.0
-    for column, sizes in upper.items():
-        most[column : column + n] = sizes + ROUNDING * np.abs(sizes)
-    stated = statement.claim.limits
-    return bool(((least <= stated) & (stated <= most)).all(1).any())
+    own, jerk = statement.scene.robot.limits, statement.scene.options.jerk_limited
+    lower = (own.lower - ROUNDING * np.abs(own.lower)).tolist()
+    sizes = [own.upper, own.velocity, share * own.acceleration, share * own.jerk][: 3 + jerk]
+    upper = [(most + ROUNDING * np.abs(most)).tolist() for most in sizes]
+    for row in statement.claim.limits.tolist():
+        kept = row[c.LIMIT_T0] <= when[0] and when[1] <= row[c.LIMIT_T1] and row[c.LIMIT_JERKS] >= jerk
+        kept = kept and all(map(le, row[c.LIMIT_SHARE : c.LIMIT_LOWER], SHARES))
+        kept = kept and all(map(le, lower, row[c.LIMIT_LOWER : c.LIMIT_UPPER]))
+        for first, most in zip(range(c.LIMIT_UPPER, c.LIMIT, c.MOST_JOINTS), upper, strict=False):
+            kept = kept and all(map(le, row[first : first + c.MOST_JOINTS], most))
+        if kept:
+            return True
+    return False
 
 
 def require_rates(statement: Statement) -> None:

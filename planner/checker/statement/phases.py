@@ -15,7 +15,6 @@ from assur.planner.checker.statement.holding import Stage
 from assur.planner.checker.statement.statement import Statement, at_most, same
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
-from assur.planner.laws.law import EXACT
 from assur.planner.model.claims import Claims
 from assur.planner.model.outcome import Contact, LegKind, Nearest
 from assur.planner.model.scene import Pick, Place
@@ -73,9 +72,10 @@ def _required_seats(statement: Statement) -> tuple[FloatArray, FloatArray]:
         for k, body in enumerate(scene.bodies, start=len(links)):
             pose = body.pose
             seats.append((k, -1.0, frames[body.frame], pose.x, pose.y, pose.z, pose.yaw))
-            if body.uncertainty is not EXACT:
+            within = body.uncertainty
+            if within.position_m or within.vertical_m or within.yaw_rad:
                 off[0, :, k] = statement.displaced(body.name, ())
-        statement.given.seats = np.array([seats], dtype=float), off.reshape(1, -1)
+        statement.given.seats = np.array(seats).reshape(1, -1, c.SEAT), off.reshape(1, -1)
     if not statement.given.parts:
         return statement.given.seats
     # parts that are handled have others, phase by phase

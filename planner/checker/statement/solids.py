@@ -14,7 +14,6 @@ areas it is one.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -37,7 +36,7 @@ def require_solids(report: Requirements, scene: Scene, claim: c.Claim) -> None:
     bodies = bodies_of(scene)
     if len(claim.bodies) != len(bodies):
         report.require(False, Code.SOLID, f"the claim has {len(claim.bodies)} bodies, not {len(bodies)}")
-    rows, pieces, known = list[int](), list[tuple[Body, Piece]](), dict[tuple[bytes, bytes], int]()
+    stated, known = claim.pieces.tolist(), dict[tuple[bytes, bytes], int]()
     for body, (first, count, triangle, triangles) in zip(bodies, claim.bodies.astype(int).tolist(), strict=False):
         if body.surface is not None:
             vertices, faces = body.surface
@@ -46,43 +45,34 @@ def require_solids(report: Requirements, scene: Scene, claim: c.Claim) -> None:
         elif count != len(body.pieces) or triangles:
             report.require(False, Code.SOLID, f"{body.name} has {len(body.pieces)} pieces, which fill it")
         else:
-            for row, piece in enumerate(body.pieces, start=first):
-                rows.append(row)
-                pieces.append((body, piece))
-    stated, required = claim.pieces[rows], _required(pieces)
-    off = np.abs(stated - required)
-    off[:, c.PIECE_DISC : c.PIECE_VERTEX] = (required - stated)[:, c.PIECE_DISC : c.PIECE_VERTEX]  # more may be stated
-    off[required[:, c.PIECE_DISC] == 0.0, c.PIECE_AXIS : c.PIECE_DISC] = 0.0
-    same = (off[:, : c.PIECE_VERTEX] <= SAME).all(1) & (off[:, c.PIECE_VERTICES :] <= SAME).all(1)
-    for (body, piece), row, holds in zip(pieces, stated, np.asarray(same).tolist(), strict=True):
-        shape = piece.shape
-        if isinstance(shape, Hull):
-            holds = _holds(claim, row, shape.vertices @ piece.rotation.T + piece.position)
-        if not holds:
-            report.require(False, Code.SOLID, f"a piece of {body.name} is not that of the request")
+            for row, piece in zip(stated[first : first + count], body.pieces, strict=True):
+                if not _is_stated(claim, row, piece):
+                    report.require(False, Code.SOLID, f"a piece of {body.name} is not that of the request")
 
 
-def _required(pieces: Sequence[tuple[Body, Piece]]) -> FloatArray:
-    """The rows (N, c.PIECE) of pieces that have edges, without edges of no length. That of a hull means nothing."""
-    rows = list[list[float]]()
-    for _, piece in pieces:
-        shape, axes, row, edges = piece.shape, piece.rotation.T.tolist(), [0.0] * c.PIECE, c.PIECE_EDGE
-        if not isinstance(shape, Hull):
-            row[: c.PIECE_VERTEX] = *piece.position.tolist(), *axes[2], shape.disc, shape.ball
-            for half, (x, y, z) in zip(shape.half, axes, strict=True):
-                if half != 0.0:
-                    row[edges : edges + 3], edges = (half * x, half * y, half * z), edges + 3
-            row[c.PIECE_EDGES] = (edges - c.PIECE_EDGE) // 3
-        rows.append(row)
-    return np.array(rows).reshape(-1, c.PIECE)
-
-
-def _holds(claim: c.Claim, piece: FloatArray, points: FloatArray) -> bool:
-    """Whether points (m, 3) are among the vertices of a piece of the claim."""
-    vertices = claim.vertices[int(piece[c.PIECE_VERTEX]) :][: int(piece[c.PIECE_VERTICES])]
-    if vertices.shape == points.shape and is_same(vertices, points):
+def _is_stated(claim: c.Claim, row: list[float], piece: Piece) -> bool:
+    """Whether a row of `pieces` is that of a piece: vertices of a hull, in any order; else edges, without those of no
+    length, and a disc and a ball that are no smaller."""
+    shape, axes, edges = piece.shape, piece.rotation.T.tolist(), c.PIECE_EDGE
+    if isinstance(shape, Hull):
+        points = shape.vertices @ piece.rotation.T + piece.position
+        vertices = claim.vertices[int(row[c.PIECE_VERTEX]) :][: int(row[c.PIECE_VERTICES])]
+        if vertices.shape == points.shape and is_same(vertices, points):
+            return True
+        return len(vertices) > 0 and all(np.abs(vertices - point).max(axis=1).min() <= SAME for point in points)
+    required = [*piece.position.tolist(), *axes[2], shape.disc, shape.ball, row[c.PIECE_VERTEX]]
+    required += [0.0] * (c.PIECE - len(required))
+    for half, (x, y, z) in zip(shape.half, axes, strict=True):
+        if half != 0.0:
+            required[edges : edges + 3], edges = (half * x, half * y, half * z), edges + 3
+    required[c.PIECE_EDGES] = (edges - c.PIECE_EDGE) / 3
+    if row == required:
         return True
-    return len(vertices) > 0 and all(np.abs(vertices - point).max(axis=1).min() <= SAME for point in points)
+    if shape.disc == 0.0:
+        required[c.PIECE_AXIS : c.PIECE_DISC] = row[c.PIECE_AXIS : c.PIECE_DISC]
+    for k in (c.PIECE_DISC, c.PIECE_BALL):
+        required[k] = max(required[k], row[k])  # more may be stated
+    return all(abs(x - y) <= SAME for x, y in zip(row, required, strict=True))
 
 
 def _require_surface(
