@@ -128,21 +128,19 @@ def _outcome(scene: Scene, run: _Run, prover: Prover) -> Outcome:
             )
     except OutOfTimeError:
         return _not_planned(scene, run, None, Counter().census(), proof=None, cut=True)
-    if never is not None:
-        proof = shown(scene, prover, never)
-        return _not_planned(scene, run, never, Counter().census(), proof=proof, cut=False)
-    found = _search_of(scene)(scene, prover, run.started, watch=run.watch).run()
-    run.laps.lap("search")
-    if found.plan is None:
+    found = SearchResult()
+    if never is None:
+        found = _search_of(scene)(scene, prover, run.started, watch=run.watch).run()
+        run.laps.lap("search")
+        if found.plan is not None:
+            return _planned(scene, run, prover, found, found.plan)
         with run.tail(scene):
             # the search may have ended before this test
             never = found.never or start_collides(scene, prover)
-        if never is not None:
-            census = found.census.census()
-            proof = shown(scene, prover, never)
-            return _not_planned(scene, run, never, census, proof=proof, cut=False)
-        return _not_found(scene, run, prover, found)
-    return _planned(scene, run, prover, found, found.plan)
+        if never is None:
+            return _not_found(scene, run, prover, found)
+    census, proof = found.census.census(), shown(scene, prover, never)
+    return _not_planned(scene, run, never, census, proof=proof, cut=False)
 
 
 def _search_of(scene: Scene) -> type[Search]:

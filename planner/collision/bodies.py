@@ -116,16 +116,19 @@ class Bodies:
         """The surfaces of those that are meshes, by name."""
         self.carriers = carriers_of(scene, self.names)
         self.links, self.pieces = len(scene.robot.links), table
-        self._places = np.full((self.links + len(scene.frames), POSE_COLUMNS), np.nan)
+        frames = scene.frames.values()
+        self._fixed = np.array([frame.law.is_fixed for frame in frames])
+        self._places = np.full((self.links + len(frames), POSE_COLUMNS), np.nan)
         """Where carriers are that stand still for ever; NaN: the others."""
-        self._fixed = np.zeros(len(scene.frames), dtype=np.bool_)
-        for k, frame in enumerate(scene.frames.values()):
-            self._fixed[k] = frame.law.is_fixed
-            if self._fixed[k] and frame.law.valid == (-np.inf, np.inf):
+        for k, frame in enumerate(frames, start=self.links):
+            if frame.law.is_fixed and frame.law.valid == (-np.inf, np.inf):
                 pose = frame.law.numbers.pose
-                at = math.cos(pose.yaw), math.sin(pose.yaw)
-                put_upright(self._places, self.links + k, pose.x, pose.y, pose.z, *at)
+                put_upright(self._places, k, pose.x, pose.y, pose.z, math.cos(pose.yaw), math.sin(pose.yaw))
         self.still = np.isfinite(self._places[:, 0]).astype(np.int64)
+        self.yaw = np.array([frame.uncertainty.yaw_rad for frame in frames])
+        """By how much each frame may be turned, rad."""
+        self.late = np.array([frame.uncertainty.shift_s for frame in frames]).T * (1 - self.still[self.links :])
+        """How late each frame may be, s, at least and at most (2, F)."""
         self.vertices = np.concatenate([np.zeros((0, 3)), *[hull.vertices for hull in table.hulls]])
         begins = np.array([0, *accumulate([len(hull.vertices) for hull in table.hulls])])
         many, core = len(table.shapes) + len(self.names), [table.half, table.disc[:, None], table.ball[:, None]]
@@ -244,13 +247,8 @@ class PairTables:
         self.scene, self.bodies = scene, bodies
         self.seats = Seats(bodies.seats, ())
         """What `phases_of` needs of them where the arrangement has the seats."""
-        self.tables, self.displaced = distances_of(scene, bodies.carriers), displaced_of(scene)
+        self.tables, self.displaced = distances_of(scene, bodies.carriers), scene.kept.of(displaced_of, scene)
         self.required = self.tables["required"][0]
-        known = [frame.uncertainty for frame in scene.frames.values()]
-        self._yaw = np.array([each.yaw_rad for each in known])
-        moves = bodies.still[bodies.links :, None] == 0
-        self._late = np.array([each.shift_s for each in known]).reshape(-1, 2) * moves
-        self._moves = moves[:, 0]
         self._made: dict[tuple[object, ...], Pairs] = {}
 
     def __call__(self, arrangement: Arrangement, phase: Phase) -> Pairs:
@@ -270,7 +268,7 @@ class PairTables:
         across = len(mine) * len(around)
         i, k = mine[np.array((mine[:, None] < mine).nonzero())]
         within = (link[i] != link[k]) & (self.tables["self_pairs"][link[i], link[k]] > 0.0)
-        moves = np.where(link < 0, self._moves[frame] if len(self._moves) else False, False)
+        moves = (link < 0) & (self.bodies.still[frame + self.bodies.links] == 0)
         first = [mine.repeat(len(around)), i[within]]
         second, done = [around[None].repeat(len(mine), 0).ravel(), k[within]], list[int]()
         own = across + len(first[1])
@@ -291,7 +289,7 @@ class PairTables:
         sets, rows[:, SET] = self._sets(one, other, across, seats, story)
         if moves.any():
             # the robot may start late, and then all else is ahead of it while it moves
-            late = np.where(link < 0, self._late[frame].T, [[0.0], [self.required[c.REQUIRED_LATE]]])
+            late = np.where(link < 0, self.bodies.late[:, frame], [[0.0], [self.required[c.REQUIRED_LATE]]])
             rows[:, EARLY] = np.where(moves[other], late[0, one] - late[1, other], 0.0)
             rows[:, LATE] = np.where(moves[other], late[1, one] - late[0, other], 0.0)
         shift = shift_of(self.displaced, story["shares"][0])
@@ -323,14 +321,14 @@ class PairTables:
         """What two bodies of a pair may be displaced against each other: the sets (N, SET_COLUMNS) of
         `kernels.uncertainty`, and the number of that of each pair; -1: none. The first `across` pairs have one."""
         (off,), (shares,), link = story["off"], story["shares"], seats[:, c.SEAT_LINK]
-        if not (off.any() or self._yaw.any() or len(self.displaced)):
+        if not (off.any() or self.bodies.yaw.any() or len(self.displaced)):
             return np.zeros((0, SET_COLUMNS)), np.full(len(first), -1.0)
         frame = seats[:, c.SEAT_FRAME].astype(np.int64)
         sets: FloatArray = np.zeros((len(first), SET_COLUMNS))
         flat, upright = off.reshape(2, -1)
         radii = np.array([body.radius for body in bodies_in(self.scene)])
         far = np.hypot(seats[:, c.SEAT_POSE], seats[:, c.SEAT_POSE + 1]) + radii
-        flat = flat + np.where(link < 0.0, self._yaw[frame] * far, 0.0)
+        flat = flat + np.where(link < 0.0, self.bodies.yaw[frame] * far, 0.0)
         sets[:, FLAT], sets[:, UPRIGHT] = flat[first] + flat[second], upright[first] + upright[second]
         free, tool = np.full(len(first), SEGMENTS), link >= self.required[c.REQUIRED_TOOL]
         for own in self.displaced:

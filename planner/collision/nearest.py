@@ -35,7 +35,7 @@ from assur.planner.kernels.solids import BALL, DISC, FIRST, HALF, PAIR_COLUMNS, 
 from assur.planner.model.deadline import out_of_time, raise_if_late
 from assur.planner.model.outcome import Nearest
 from assur.planner.model.phases import Attachments, Contacts, Phase, pair
-from assur.planner.model.refusal import Separation
+from assur.planner.model.refusal import Enclosed, Separation
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 
@@ -262,19 +262,13 @@ def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int, enou
 
 @dataclass(frozen=True, slots=True)
 class TooNear:
-    """Two bodies, by name, how near they are, and the numbers of the pieces of theirs that are."""
+    """Two bodies, by name, how near they are, and the numbers of the pieces of theirs that are; of a body inside a mesh
+    a `point` that is, world, in place of pieces."""
 
     names: tuple[str, str]
-    facts: Separation
-    units: tuple[int, int]
-
-
-@dataclass(frozen=True, slots=True)
-class Within:
-    """A body and the mesh that it is inside of, by name, and a point of the body that is, world."""
-
-    names: tuple[str, str]
-    point: tuple[float, float, float]
+    facts: Separation | Enclosed
+    units: tuple[int, int] = (-1, -1)
+    point: tuple[float, float, float] | None = None
 
 
 def closest(
@@ -321,7 +315,7 @@ def enclosed(
     t: float,
     contacts: Contacts,
     among: BoolArray | None = None,
-) -> Within | None:
+) -> TooNear | None:
     """A body of the arm and the mesh whose surface encloses a point of it (a mesh is hollow to FCL and to gaps).
 
     `attached`: where each body of the surroundings sits by then; `contacts`: pairs that do not count; `among`: only
@@ -355,7 +349,7 @@ def enclosed(
             within = inside(surface, local[near], raise_if_late)
             if within.any():
                 x, y, z = here[near][within.argmax()].tolist()
-                return Within((arrangement.names[mine], name), (x, y, z))
+                return TooNear((arrangement.names[mine], name), Enclosed(), point=(x, y, z))
     return None
 
 

@@ -18,7 +18,7 @@ from assur.planner.checker.refusals.postures import allowed_modes
 from assur.planner.checker.refusals.stated import Proof, Spot, spots
 from assur.planner.checker.refusals.ways import GraspOption, ways
 from assur.planner.collision.fcl_entry import PlacedShape
-from assur.planner.collision.nearest import TooNear, Within, closest, enclosed
+from assur.planner.collision.nearest import TooNear, closest, enclosed
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.touching import allowed_m, too_far
 from assur.planner.frames.motion import Pose
@@ -28,7 +28,7 @@ from assur.planner.legs.tilt import tilts
 from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.outcome import TRACKING, LegKind
 from assur.planner.model.phases import AT_START, Attachments, Phase, at_start
-from assur.planner.model.refusal import Bodies, Enclosed, Quantity, Reason, Refusal, Separation, Stage
+from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Separation, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Step
 from assur.planner.model.witness import Meeting
 from assur.planner.robots.facts import Inverse
@@ -72,7 +72,7 @@ class Hit:
     """What is in the way at a spot, in a phase, with the joints q (n,); `way`, `mode`: of a control point (None: it is
     the start)."""
 
-    found: TooNear | Within
+    found: TooNear
     spot: Spot
     phase: Phase
     q: FloatArray
@@ -127,7 +127,7 @@ def _in_the_way(
 
 def refusal_of(scene: Scene, prover: Prover, hit: Hit) -> Refusal:
     """The refusal by what is in the way."""
-    facts, short = Enclosed() if isinstance(hit.found, Within) else hit.found.facts, None
+    facts, short = hit.found.facts, None
     if isinstance(facts, Separation) and facts.gap_m is not None and facts.required_m is not None:
         short = Quantity.of(facts.required_m - facts.gap_m, "m")
         facts = _of_straight_part(scene, prover, hit, facts, facts.required_m - max(facts.gap_m, 0.0))
@@ -150,8 +150,8 @@ def _of_straight_part(scene: Scene, prover: Prover, hit: Hit, facts: Separation,
 
 def meeting_of(prover: Prover, hit: Hit) -> Meeting:
     """The witness of what is in the way: a point of each body."""
-    if isinstance(hit.found, Within):
-        points = (hit.found.point, hit.found.point)
+    if hit.found.point is not None:
+        points = hit.found.point, hit.found.point
     else:
         posed = prover.posed(prover.of(hit.phase), hit.q, hit.phase.t0, np.array(hit.found.units))
         first, second = (Piece(each.shape, each.position.copy(), each.axes.copy()) for each in posed)
@@ -162,7 +162,7 @@ def meeting_of(prover: Prover, hit: Hit) -> Meeting:
         place=hit.spot.place,
         bodies=hit.found.names,
         points_m=points,
-        inside=isinstance(hit.found, Within),
+        inside=hit.found.point is not None,
     )
 
 
@@ -197,18 +197,17 @@ class AtStart:
     def near(self, name: str, lowest: float, highest: float) -> list[str]:
         """The other bodies, in their order, that may touch a body at the start between two heights in the world, m: the
         circles about both meet, and theirs is not all above or below. None of those whose place is not known."""
+        bodies, names = self.scene.bodies, list(self.scene.index)
         if self._table is None:
-            self._table = np.array([self._row(each.name) for each in self.scene.bodies])
-        table, own, names = self._table, self.place(name), list(self.scene.index)
+            self._table = np.empty((len(bodies), 5))
+            for row, each in zip(self._table, bodies, strict=True):
+                raise_if_late()
+                place, row[2] = self.place(each.name), each.body.radius
+                row[:2], row[3:] = place[:2], place[2] + each.body.heights
+        table, own = self._table, self.place(name)
         reach = np.hypot(*(table[:, :2] - own[:2]).T) <= table[:, 2] + self.scene.index[name].body.radius
         reach &= (table[:, 4] >= lowest) & (table[:, 3] <= highest)
         return [names[k] for k in np.flatnonzero(reach).tolist() if names[k] != name]
-
-    def _row(self, name: str) -> list[float]:
-        """x, y, radius, lowest and highest z of a body in the world, m."""
-        raise_if_late()
-        (x, y, z), body = self.place(name).tolist(), self.scene.index[name].body
-        return [x, y, body.radius, z + body.heights[0], z + body.heights[1]]
 
 
 def posed(prover: Prover, name: str, attached: Attachments = AT_START) -> list[PlacedShape]:

@@ -29,7 +29,7 @@ from assur.planner.feasibility.hits import (
 from assur.planner.feasibility.witnesses import shown
 from assur.planner.kernels.dyads import OUT_OF_REACH
 from assur.planner.legs.control_point import control_point, span_of
-from assur.planner.legs.missed import never_in_window, too_high
+from assur.planner.legs.missed import never_in_window
 from assur.planner.legs.tilt import pitch_free, tilts
 from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.phases import Attachments, at_start
@@ -102,8 +102,6 @@ def _never_near(scene: Scene, way: GraspOption) -> Refusal | None:
     return out_of_reach(Stage.CONTROL_POINT, way.number, short_m=least, facts=OutOfReach())
 
 
-HEIGHT_M = 1e-9
-"""An arch is proved to be above the range of the lift from this much on, m: rounding of heights."""
 SUMS = 1e-12
 """By this share a load may exceed its limit: two masses whose sum is the limit may round to more."""
 
@@ -226,7 +224,7 @@ def yaw_impossible(scene: Scene) -> Refusal | None:
 def arches_impossible(scene: Scene) -> Refusal | None:
     """The first step whose arch is above the range of the lift."""
     for number, step in enumerate(scene.task):
-        refusal = None if step.arch is None else too_high(scene, number, scene.start.q, HEIGHT_M)
+        refusal = None if step.arch is None else _stated(points.arch(scene, number), Stage.INVERSE, number)
         if refusal is not None:
             return refusal
     return None

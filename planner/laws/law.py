@@ -150,7 +150,8 @@ class Law:
             return self.link.motion(t, self.knows(t))
         vectors, angles = np.empty((4, t.size, 3)), np.empty((4, t.size))
         frame_motions(self.row, self.side, np.ascontiguousarray(t.ravel()), vectors, angles)
-        return Motion.of(*vectors.reshape(4, *t.shape, 3), *angles.reshape(4, *t.shape))
+        table = np.concatenate((vectors, angles[:, :, None]), 2).swapaxes(0, 1)
+        return Motion(table.reshape(*t.shape, 4, 4))
 
     def sweep(self, t0: float, t1: float) -> Sweep:
         """How the frame moves over the closed interval [t0, t1], s (K44)."""

@@ -204,14 +204,14 @@ def height_of(scene: Scene, arch: Arch, q: FloatArray) -> float:
     return arch.top_m - scene.tool.tcp.z - (float(flange[2]) - float(q[scene.robot.lift or 0]))
 
 
-def too_high(scene: Scene, number: int, q: FloatArray, rounding: float = 0.0) -> Refusal | None:
-    """Why the arch that step `number` asks for cannot be: the lift ends more than `rounding`, m, below it;
-    None: it can, or the step has none. `q` (n,): any joint position."""
+def too_high(scene: Scene, number: int, q: FloatArray) -> Refusal | None:
+    """Why the arch that step `number` asks for cannot be: the lift ends below it; None: it can, or the
+    step has none. `q` (n,): any joint position."""
     lift, arch = scene.robot.lift, scene.task[number].arch
     if lift is None or arch is None:
         return None
     over = height_of(scene, arch, q) - float(scene.robot.limits.upper[lift])
-    if not over > rounding:
+    if not over > 0.0:
         return None
     return Refusal(
         stage=Stage.INVERSE,
