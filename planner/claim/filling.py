@@ -72,10 +72,9 @@ class SceneClaim:
 def cell_of(scene: Scene) -> CellClaim:
     """The part of a scene's claim that depends on its cell alone. Raises `InputError` for what cannot be stated."""
     bodies, early = bodies_in(scene), early_of(scene)
-    carriers = carriers_of(scene, [body.name for body in bodies])
     frames, others = frames_of(scene, early)
-    tables = {**EMPTY, **frames, **solids_of(bodies, scene.pieces), **distances_of(scene, carriers)}
-    return CellClaim(bodies, carriers, early, others, tables)
+    tables = {**EMPTY, **frames, **solids_of(bodies, scene.pieces), **distances_of(scene)}
+    return CellClaim(bodies, carriers_of(scene), early, others, tables)
 
 
 def claim_of(scene: Scene, cell: CellClaim | None = None) -> SceneClaim:

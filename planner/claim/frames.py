@@ -205,7 +205,11 @@ def frames_of(scene: Scene, early: float) -> tuple[dict[str, FloatArray], tuple[
 
 
 def displaced_of(scene: Scene) -> FloatArray:
-    """What is uncertain of where frames are."""
+    """What is uncertain of where frames are, which is kept with the cell."""
+    return scene.kept.of(_displacements, scene)
+
+
+def _displacements(scene: Scene) -> FloatArray:
     rows = list[tuple[float, ...]]()
     for row, frame in enumerate(scene.frames.values()):
         known = frame.uncertainty

@@ -14,7 +14,7 @@ from assur.planner.claim import columns as c
 from assur.planner.claim.frames import EMPTY, table_of
 from assur.planner.geometry.shapes import Body, Pieces
 from assur.planner.model.phases import Attachments, Phase, at_start, contact_gap
-from assur.planner.model.scene import Scene
+from assur.planner.model.scene import Scene, bodies_in
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +31,13 @@ class Carriers:
     off: FloatArray
 
 
-def carriers_of(scene: Scene, names: Sequence[str]) -> Carriers:
-    """Those of a cell with bodies of these names, in the order of a claim."""
+def carriers_of(scene: Scene) -> Carriers:
+    """Those of the cell of a scene, with which they are kept."""
+    return scene.kept.of(_carriers, scene)
+
+
+def _carriers(scene: Scene) -> Carriers:
+    names = [body.name for body in bodies_in(scene)]
     many, off = len(names), np.zeros(2 * len(names))
     for k, item in enumerate(scene.bodies, start=many - len(scene.bodies)):
         within = item.uncertainty
@@ -145,15 +150,19 @@ def _chosen(numbers: Sequence[int], count: int) -> FloatArray:
     return row
 
 
-def distances_of(scene: Scene, carriers: Carriers) -> dict[str, FloatArray]:
+def distances_of(scene: Scene) -> dict[str, FloatArray]:
     """Pairs of links that must keep apart, required distances of some pairs, and what is required of the whole plan
-    but for its end."""
+    but for its begin and end. They are kept with the cell."""
+    return scene.kept.of(_distances, scene, scene.options.clearance, scene.execution)
+
+
+def _distances(scene: Scene) -> dict[str, FloatArray]:
     robot, required, lag = scene.robot, scene.options.clearance, scene.execution.lag
     pairs = np.zeros((len(robot.links), len(robot.links)))
     for pair in robot.self_pairs:
         i, k = map(robot.links.index, pair)
         pairs[i, k] = pairs[k, i] = 1.0
-    names, rules = list(carriers.body), list[FloatArray]()
+    names, rules = list(carriers_of(scene).body), list[FloatArray]()
     for rule in required.exceptions:
         # a side without names is every body
         sides = [[float(not side or name in side) for name in names] for side in (rule.first, rule.second)]
@@ -161,7 +170,7 @@ def distances_of(scene: Scene, carriers: Carriers) -> dict[str, FloatArray]:
             rules.append(np.array([rule.travel_m, rule.near_m, *sides[0], *sides[1]]))
     row = np.zeros((1, c.REQUIRED))
     row[0, : c.REQUIRED_UNTIL] = required.travel_m, required.near_m
-    row[0, c.REQUIRED_LATE], row[0, c.REQUIRED_SINCE] = scene.execution.start_tolerance_s, scene.start.time
+    row[0, c.REQUIRED_LATE] = scene.execution.start_tolerance_s
     row[0, c.REQUIRED_TOOL] = robot.links.index("quill" if "quill" in robot.links else "flange")
     row[0, c.REQUIRED_LAG : c.REQUIRED_LAG + len(lag)] = lag
     row[0, c.REQUIRED_NEAREST :] = -1.0

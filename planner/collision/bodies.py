@@ -114,7 +114,7 @@ class Bodies:
         self.names = tuple([body.name for body in every])
         self.hollow = {body.name: body.surface for body in every if body.surface is not None}
         """The surfaces of those that are meshes, by name."""
-        self.carriers = carriers_of(scene, self.names)
+        self.carriers = carriers_of(scene)
         self.links, self.pieces = len(scene.robot.links), table
         frames = scene.frames.values()
         self._fixed = np.array([frame.law.is_fixed for frame in frames])
@@ -247,7 +247,7 @@ class PairTables:
         self.scene, self.bodies = scene, bodies
         self.seats = Seats(bodies.seats, ())
         """What `phases_of` needs of them where the arrangement has the seats."""
-        self.tables, self.displaced = distances_of(scene, bodies.carriers), scene.kept.of(displaced_of, scene)
+        self.tables, self.displaced = distances_of(scene), displaced_of(scene)
         self.required = self.tables["required"][0]
         self._made: dict[tuple[object, ...], Pairs] = {}
 
@@ -293,7 +293,7 @@ class PairTables:
             rows[:, EARLY] = np.where(moves[other], late[0, one] - late[1, other], 0.0)
             rows[:, LATE] = np.where(moves[other], late[1, one] - late[0, other], 0.0)
         shift = shift_of(self.displaced, story["shares"][0])
-        clock = np.array([self.required[c.REQUIRED_SINCE], self.required[c.REQUIRED_LATE], *shift])
+        clock = np.array([self.scene.start.time, self.required[c.REQUIRED_LATE], *shift])
         lag = self.required[c.REQUIRED_LAG :][: len(self.scene.robot.joints)].copy()
         apart = rows[:, REQUIRED] >= 0.0
         parted = rows[apart], rows[~apart]

@@ -200,7 +200,7 @@ def shifted_out(scene: Scene, step: int, trajectory: Trajectory, phases: list[Ph
     spline, lag = trajectory.spline, np.zeros(trajectory.n)
     if execution.lags:
         lag[:] = execution.lag
-    displaced = scene.kept.of(displaced_of, scene)
+    displaced = displaced_of(scene)
     for phase, shares in zip(phases, shares_of(scene, phases), strict=True):
         shift = shift_of(displaced, shares)
         if not any(shift) or not phase.robot:

@@ -14,7 +14,7 @@ from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.claim.filling import claim_of, with_plan
 from assur.planner.claim.frames import arms_of, knots_at_rest, knots_of, law_of
-from assur.planner.claim.obligations import carriers_of, distances_of
+from assur.planner.claim.obligations import distances_of
 from assur.planner.errors import InputError
 from assur.planner.laws import Change, Pose, conveyor, indexer, keyframes
 from assur.planner.model.phases import phases
@@ -164,7 +164,7 @@ def test_a_rule_about_bodies_that_the_cell_has_not_is_a_rule_about_none() -> Non
         rule = ClearanceException(first, second, 0.01, 0.02)
         options = replace(scene.options, clearance=replace(scene.options.clearance, exceptions=(rule,)))
         changed = replace(scene, options=options)
-        rules = distances_of(changed, carriers_of(changed, names))["rules"]
+        rules = distances_of(changed)["rules"]
         assert len(rules) == count
         if count:
             sides = rules[0, c.RULE_SIDE :].reshape(2, -1)
