@@ -321,7 +321,6 @@ class Search:
         met = touching(self.prover, made.before.attached, made.after.arrivals[-1])
         if isinstance(met, Refusal):
             return self.found.refused(made, (Encounter(met),))
-        after = replace(made.after, arrivals=(*made.after.arrivals[:-1], met))
         if len(made.phases) > len(motion.phases):
             # only the leg to the point has been screened, not what follows there
             rest = screen(self.prover, made)
@@ -336,7 +335,8 @@ class Search:
                 unfinished = why.amount is None and self._late()
                 return (Encounter(why),) if unfinished else self.found.refused(made, (Encounter(why),))
             proofs.append(rows)
-        return replace(after, proofs=(*made.before.proofs, *proofs))
+        after, arrivals = made.after, (*made.after.arrivals[:-1], met)
+        return replace(after, arrivals=arrivals, proofs=(*made.before.proofs, *proofs))
 
     def _add(self, partial: PartialPlan) -> None:
         if self._late():

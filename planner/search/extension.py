@@ -60,7 +60,7 @@ def timed(
     scene: Scene, partial: PartialPlan, candidate: Candidate, ahead: FloatArray | None
 ) -> TimedCandidate | Refusal:
     """The joint leg to the control point that `candidate` describes, or why Ruckig has none."""
-    point = candidate.point
+    point = candidate.option.meeting.point
     scaled = scaled_limits(scene, partial, candidate.shape, point)
     reached = JointMotion(scene, partial.step, partial.state, candidate.shape, candidate.branch, ahead, scaled).meet()
     if isinstance(reached, Refusal):
@@ -303,8 +303,9 @@ def _lowered(scene: Scene, point: ControlPoint, q: FloatArray) -> FloatArray:
 def _window_refusal(point: ControlPoint, begin: float) -> Refusal | None:
     """Whether the arm may begin to track the point at `begin`."""
     spans = point.intervals
-    if any(low - WINDOW_S <= begin <= high + WINDOW_S for low, high in spans):
-        return None
+    for low, high in spans:
+        if low - WINDOW_S <= begin <= high + WINDOW_S:
+            return None
     if not spans:
         facts = WindowMissed(miss=Miss.OUTSIDE, needed_s=point.dwell)
         return window_missed(Stage.WINDOW, point.step, facts, amount=Quantity.of(point.dwell, "s"))

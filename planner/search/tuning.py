@@ -36,7 +36,7 @@ NEARLY_FREE = 0.06
 
 INSTANTS = 24
 """Times at which a rough motion is evaluated."""
-GIVEN_UP = 3.0
+GIVEN_UP = 1.5
 """A candidate that is in the way of something at more of them, or about as many, is not evaluated at the others."""
 REMEMBERED = 6
 """Times at which candidates that had seemed free were found not to be; they are evaluated as well ..."""
