@@ -310,31 +310,33 @@ class _Shape:
 def check_sizes(model: type[BaseModel], document: object) -> bool:
     """Raises `DocumentError` at the first list or mapping that has more items than `model` takes there. Returns whether
     the document is as `normal` makes it: in SI and of plain types, as most that programs write."""
-    return _check(_of_model(model), document, ())
-
-
-def _check(shape: _Shape, value: Any, path: Path) -> bool:
-    mapping = isinstance(value, dict)
-    if mapping:
-        is_normal = type(value) is dict and (value.keys() <= shape.names or not any(map(si_key, value)))
-    elif isinstance(value, list):
-        is_normal = type(value) is list
-    else:
-        return False
-    if shape.most is not None and len(value) > shape.most and (mapping or shape.item):
-        raise DocumentError(dotted(path), value, shape.allowed.format(len(value)))
-    if len(path) >= MAX_DEPTH - 1:
-        is_normal = False
-    if shape is _ANYTHING and not is_normal:
-        return False
-    each, fields = shape.item, shape.fields
-    for key, item in value.items() if mapping else enumerate(value):
-        if type(item) not in SINGLE:
-            below = each or fields.get(key)
-            # most lists are points
-            if below or type(item) is not list or not SINGLE.issuperset(map(type, item)):
-                inside = _check(below or _ANYTHING, item, (*path, str(key) if mapping else key))
-                is_normal = is_normal and inside
+    left: list[tuple[_Shape, Any, Path]] = [(_of_model(model), document, ())]
+    is_normal = True
+    while left:
+        shape, value, path = left.pop()
+        mapping = isinstance(value, dict)
+        if mapping:
+            plain = type(value) is dict and (value.keys() <= shape.names or not any(map(si_key, value)))
+        elif isinstance(value, list):
+            plain = type(value) is list
+        else:
+            is_normal = False
+            continue
+        if shape.most is not None and len(value) > shape.most and (mapping or shape.item):
+            raise DocumentError(dotted(path), value, shape.allowed.format(len(value)))
+        if not plain or len(path) >= MAX_DEPTH - 1:
+            is_normal = False
+        if shape is _ANYTHING and not is_normal:
+            continue
+        each, fields, count = shape.item, shape.fields, len(left)
+        for key, item in value.items() if mapping else enumerate(value):
+            if type(item) not in SINGLE:
+                below = each or fields.get(key)
+                # most lists are points
+                if below or type(item) is not list or not SINGLE.issuperset(map(type, item)):
+                    left.append((below or _ANYTHING, item, (*path, str(key) if mapping else key)))
+        if len(left) > count + 1:
+            left[count:] = reversed(left[count:])  # the first is read next
     return is_normal
 
 
