@@ -25,7 +25,7 @@ from assur.planner.claim.frames import early_of
 from assur.planner.errors import InputError
 from assur.planner.geometry.containment import nothing
 from assur.planner.model.claims import NOTHING, Claims
-from assur.planner.model.outcome import Plan, covered
+from assur.planner.model.outcome import Arrival, Leg, Plan, covered
 from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Scene
 
@@ -183,10 +183,11 @@ def _strange(scene: Scene, plan: Plan, bodies: Collection[str]) -> list[Finding]
     for arrival in plan.arrivals:
         if arrival.missed_by is not None and len(arrival.missed_by.joints) != n:
             findings.append(Finding(Code.FORM, f"the miss of {arrival.control_point} must be of {n} joints"))
-    steps = [("leg", leg.step) for leg in plan.legs] + [("arrival", arrival.step) for arrival in plan.arrivals]
-    for what, step in steps:
-        if not step < len(scene.task):
-            findings.append(Finding(Code.FORM, f"a plan with {what}s of step {step}, which the task has not"))
+    parts: tuple[Leg | Arrival, ...] = (*plan.legs, *plan.arrivals)
+    for part in parts:
+        if not part.step < len(scene.task):
+            what = f"a plan with {type(part).__name__.lower()}s of step {part.step}, which the task has not"
+            findings.append(Finding(Code.FORM, what))
     unknown = [name for name in names if name not in bodies]
     if unknown:
         findings.append(Finding(Code.ROW, f"the certificate names a body that there is not: {unknown[0]!r:.60}"))

@@ -190,8 +190,10 @@ def _finite(field: str, value: object) -> None:
         raise InputError(field, value, "a finite number")
 
 
-INDICES = ("first", "first_piece", "second", "second_piece")
-"""Columns of a certificate that hold whole numbers."""
+COLUMNS = {"t0": "f", "t1": "f", "normal": "f", "first": "i", "first_piece": "i", "second": "i", "second_piece": "i"}
+"""Columns of a certificate, and whether they hold whole numbers (i)."""
+SHIFTS = {"shift0": "f", "shift1": "f"}
+"""Those of a certificate with bodies that may be ahead of the clock."""
 COVERS = ("separation", "position", "velocity", "acceleration", "jerk")
 """What a certificate covers: separation by its rows, the limits by the exact extrema of the trajectory it is of."""
 
@@ -233,8 +235,7 @@ class Certificate:
         rows = getattr(given["t0"], "shape", ())
         if (self.shift0 is None) != (self.shift1 is None):
             raise InputError("certificate.shift0", self.shift0, "both ends of shifts, or none")
-        shifts = () if self.shift0 is None else (("shift0", "f"), ("shift1", "f"))
-        for name, kind in (("t0", "f"), ("t1", "f"), ("normal", "f"), *shifts, *((name, "i") for name in INDICES)):
+        for name, kind in (COLUMNS if self.shift0 is None else COLUMNS | SHIFTS).items():
             column, shape = given[name], (*rows, 3) if name == "normal" else rows
             if not (isinstance(column, np.ndarray) and column.dtype.kind == kind and column.dtype.itemsize == 8):
                 raise InputError(f"certificate.{name}", column, "an array of int64 or float64")

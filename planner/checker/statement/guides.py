@@ -51,8 +51,8 @@ def require_guides(statement: Statement) -> None:
 def _rows(statement: Statement, first: str, last: str, when: Interval) -> FloatArray | None:
     """The guides of the tool from one frame to another over an interval, in order; None: they leave out a time."""
     frames = statement.frames[first], statement.frames[last]
-    rows = statement.rows("guides", within(when), same(c.GUIDE_LINK, statement.flange, *statement.tcp[:3], *frames))
-    rows = rows[np.argsort(rows[:, c.GUIDE_T0], kind="stable")]
+    own = statement.listed("guides", within(when), same(c.GUIDE_LINK, statement.flange, *statement.tcp[:3], *frames))
+    rows = np.array(sorted(own))
     whole = len(rows) > 0 and (rows[0, 0], rows[-1, 1]) == when and (rows[1:, 0] == rows[:-1, 1]).all()
     return rows if whole else None
 

@@ -105,7 +105,6 @@ class Handling(Requirements):
         self.whole = (float(plan.trajectory.time[0]), float(plan.trajectory.time[-1]))
         self._places: dict[tuple[str, float], Four] = {}
         self._tools: dict[float, Four] = {}
-        self._tool_points: dict[int, tuple[str, Four]] = {}
         self._supports: dict[int, set[str]] = {}
 
     @cached_property
@@ -195,11 +194,6 @@ class Handling(Requirements):
 
     def tool_point(self, number: int) -> tuple[str, Four]:
         """Frame and pose that the tool point has when a step meets its control point."""
-        if number not in self._tool_points:
-            self._tool_points[number] = self._find_tool_point(number)
-        return self._tool_points[number]
-
-    def _find_tool_point(self, number: int) -> tuple[str, Four]:
         step, (frame, at) = self.scene.task[number], self.point(number)
         if isinstance(step, Pick):
             return frame, then(at, self.grasp(number))

@@ -11,7 +11,6 @@ from itertools import chain, count, repeat
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement.differences import SAME, Interval
 from assur.planner.checker.statement.holding import Handling
 from assur.planner.claim import columns as c
@@ -65,15 +64,8 @@ class Statement(Handling):
         self._lists: dict[str, list[list[float]]] = {}
         self._numbers: dict[str, dict[tuple[float, ...], list[tuple[float, ...]]]] = {}
 
-    def rows(self, table: str, *bounds: Bound) -> FloatArray:
-        """The rows of a table whose numbers are within bounds; NaN is not."""
-        stated: FloatArray = getattr(self.claim, table)
-        columns, low, high = zip(*chain(*bounds), strict=True)
-        own = stated[:, columns]
-        return np.asarray(stated[((np.array(low) <= own) & (own <= np.array(high))).all(1)])
-
     def listed(self, table: str, *bounds: Bound) -> list[list[float]]:
-        """The same of a table that has few rows, as lists; yaws may differ by full turns."""
+        """The rows of a table whose numbers are within bounds, NaN is not; yaws may differ by full turns."""
         if table not in self._lists:
             self._lists[table] = getattr(self.claim, table).tolist()
         box, yaws, found = list(chain(*bounds)), YAWS.get(table, ()), list[list[float]]()
@@ -90,7 +82,7 @@ class Statement(Handling):
         return found
 
     def states(self, table: str, *bounds: Bound) -> bool:
-        """Whether a row of a table that has few rows has numbers within bounds."""
+        """Whether a row of a table has numbers within bounds."""
         return len(self.listed(table, *bounds)) > 0
 
     def keeps(
