@@ -106,7 +106,9 @@ def unusual_arrivals(scene: Scene, arrivals: Sequence[Arrival]) -> tuple[InputWa
     found = []
     for arrival in arrivals:
         step, error = scene.task[arrival.step], arrival.error
-        if isinstance(step, Pick) and error is not None and _may_miss(scene, step, error.position_m):
+        if not isinstance(step, Pick) or error is None or not math.isinf(step.tolerance.position_m):
+            continue
+        if error.position_m > smallest_extent(scene.index[step.part].body) / 2.0:
             most = max(error.shares, key=lambda share: share.position_m, default=None)
             cause = "" if most is None else str(most.cause)
             if most is not None and most.cause is Cause.FRAME:
@@ -114,10 +116,6 @@ def unusual_arrivals(scene: Scene, arrivals: Sequence[Arrival]) -> tuple[InputWa
             bodies = scene.tool.bodies[0].name if scene.tool.bodies else scene.robot.links[-1], step.part
             found.append(InputWarning(Odd.MAY_MISS, bodies, error.position_m, step.name, cause))
     return tuple(found)
-
-
-def _may_miss(scene: Scene, step: Pick, error_m: float) -> bool:
-    return math.isinf(step.tolerance.position_m) and error_m > smallest_extent(scene.index[step.part].body) / 2.0
 
 
 def smallest_extent(body: Body) -> float:

@@ -237,22 +237,20 @@ class _Evaluated:
     def _beyond_limits(self, slow: BoolArray, mode: int) -> Refusal:
         """The joint that is nearest to being legal, over all turns, and by how much it is not: of the point itself and
         the height `point.approach` over it, whichever asks for more."""
-        robot, point, q = self.robot, self.point, self.joints(0)[slow]
-        worst, where = beyond_range(robot, q), np.full(len(q), point.approach)
+        robot, point, mode_name = self.robot, self.point, self.robot.modes[mode]
+        heights, q = [point.approach], [self.joints(0)[slow]]
         if point.approach:
-            there = robot.inverse(point.flange(self.t[slow] + self.lead).at_rest(), mode, 0).q
-            known = np.asarray(np.isfinite(there).all(-1))
-            at_point = beyond_range(robot, np.where(known[:, None], there, q))
-            if known.any():
-                worst[~known] = np.inf  # the point is out of reach by then
-            more = known & (at_point.max(1) >= worst.max(1))
-            q = np.where(more[:, None], there, q)
-            worst, where = np.where(more[:, None], at_point, worst), np.where(more, 0.0, where)
-        row = int(np.argmin(worst.max(1)))
-        most = int(np.argmax(worst[row]))
-        facts = beyond_at_nearest_turn(point.scene, most, q[row])
-        facts = replace(facts, mode=robot.modes[mode], above_m=float(where[row]))
-        amount = of_joint(robot.joints[most].kind, float(worst[row, most]))
+            at_point = robot.inverse(point.flange(self.t[slow] + self.lead).at_rest(), mode, 0).q
+            heights, q = [0.0, *heights], [at_point, *q]
+        over = beyond_range(robot, np.array(q))
+        known = np.isfinite(top := over.max(-1))
+        # a time after which the point is out of reach counts only where it is so after all of them
+        top = np.where(known, top, math.inf if known[0].any() else -math.inf)
+        row = int(top.max(0).argmin())
+        k = int(top[:, row].argmax())
+        most = int(over[k, row].argmax())
+        facts = replace(beyond_at_nearest_turn(point.scene, most, q[k][row]), mode=mode_name, above_m=heights[k])
+        amount = of_joint(robot.joints[most].kind, float(over[k, row, most]))
         return self._refusal(Reason.JOINT_LIMIT, facts, amount, most, slow)
 
 
@@ -336,18 +334,14 @@ def _cut(v: float, a: float, j: float, height: float, far: float, *, up: bool) -
         return None
     kept, state = list[tuple[float, float]](), (0.0, 0.0, 0.0)
     for duration, jerk in whole.phases[0].T.tolist():
-        after = _later(state, jerk, duration)
-        if after[0] < height:
-            kept.append((duration, jerk))
-            state = after
-            continue
         low, high = 0.0, duration
-        for _ in range(CUTS):
+        for _ in range(0 if _later(state, jerk, duration)[0] < height else CUTS):
             middle = (low + high) / 2
             low, high = (middle, high) if _later(state, jerk, middle)[0] < height else (low, middle)
         kept.append((high, jerk))
         state = _later(state, jerk, high)
-        break
+        if not state[0] < height:
+            break
     if not state[1] > 0.0:
         return None
     speed, acceleration = state[1], state[2]

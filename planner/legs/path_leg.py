@@ -16,7 +16,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.legs.control_point import ControlPoint
-from assur.planner.legs.course import PathCourse, spot
+from assur.planner.legs.course import PathCourse
 from assur.planner.legs.follower import UNIFORM, Jumps, PathTask, first_beyond, followed, looks, marks_of
 from assur.planner.legs.limits import rates, too_fast
 from assur.planner.legs.phase_law import CORNER_SAMPLES, STEEPER, TABLE, Bends, quickest, slowed_at_bends
@@ -33,7 +33,6 @@ from assur.planner.model.refusal import (
     Quantity,
     Reason,
     Refusal,
-    Spot,
     Stage,
     unmoved,
 )
@@ -178,11 +177,6 @@ def _process(step: Trace) -> Trajectory:
         ]
     )
     return Trajectory.of_knots(knots[0 if met > 0.0 else 1 : 4 if end > left else 3])
-
-
-def lead_in_begin(point: ControlPoint) -> Spot:
-    """Where the control point of a trace is: where its lead-in begins; nothing for one of another step."""
-    return spot(point.facts.path, -point.facts.lead_in_m) if isinstance(point.facts, Trace) else {}
 
 
 def lead(point: ControlPoint) -> float:

@@ -88,19 +88,20 @@ def free_yaws(scene: Scene, partial: PartialPlan, number: int, modes: tuple[int,
         if there is None:
             raise FaultError(f"the yaw in {point.frame} is to be kept, but this frame turns")
         return (math.remainder(float(robot.forward(q)[1]) - (there + point.pose.yaw), math.tau),)
+
+    def turn(mode: int, offset: float) -> float:
+        """By how much the wrist would turn."""
+        point = control_point(scene, number, partial.attached, offset, tilt)
+        there = robot.inverse(point.flange(t, point.approach).at_rest(), mode, 0).q[0, -1]
+        return math.remainder(float(q[-1] - there), math.tau)
+
     found: list[float] = []
     for mode in modes if robot.revolute[-1] else ():
-        offset = 0.0
-        for _ in range(2):
-            point = control_point(scene, number, partial.attached, offset, tilt)
-            off = float(q[-1] - robot.inverse(point.flange(t, point.approach).at_rest(), mode, 0).q[0, -1])
-            if not math.isfinite(off):
-                break
-            off = math.remainder(off, 2 * math.pi)
-            if abs(off) <= SAME_RAD:
-                found.append(offset)
-                break
-            offset += off
+        off = turn(mode, 0.0)
+        if abs(off) <= SAME_RAD:
+            found.append(0.0)
+        elif math.isfinite(off) and abs(turn(mode, off)) <= SAME_RAD:
+            found.append(off)
     if scene.forbidden_yaw:
         here = float(control_point(scene, number, partial.attached, 0.0, tilt).flange(t).yaw[0])
         found += [math.remainder(yaw - here, math.tau) for yaw in free_yaws_between(scene)]
@@ -197,9 +198,7 @@ def shifted_out(scene: Scene, step: int, trajectory: Trajectory, phases: list[Ph
     if not scene.execution.belt_correction:
         return None
     robot, execution = scene.robot, scene.execution
-    spline, lag = trajectory.spline, np.zeros(trajectory.n)
-    if execution.lags:
-        lag[:] = execution.lag
+    spline, lag = trajectory.spline, np.array(execution.lag or [0.0] * trajectory.n)
     displaced = displaced_of(scene)
     for phase, shares in zip(phases, shares_of(scene, phases), strict=True):
         shift = shift_of(displaced, shares)
