@@ -7,13 +7,14 @@ import json
 from typing import TYPE_CHECKING, Any
 
 import pydantic_core
-from starlette.responses import Response
 
 from assur.api.problems import MEDIA_TYPE, Problem
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_PLAN_FILE_BYTES
 
 if TYPE_CHECKING:
+    from starlette.responses import Response
+
     from assur.scenes.plan_file import PlanFile
 
 
@@ -54,10 +55,14 @@ def plan_file_bytes(held: PlanFile, field: str) -> bytes:
 
 def json_response(document: Any, status: int = 200, headers: dict[str, str] | None = None) -> Response:
     """A document as its response; bytes are JSON already."""
+    from starlette.responses import Response  # the command line needs none
+
     body = document if isinstance(document, bytes) else to_json(document)
     return Response(body, status, headers, media_type="application/json")
 
 
 def problem_response(problem: Problem) -> Response:
     """`problem` as its response."""
+    from starlette.responses import Response
+
     return Response(to_json(problem.document()), problem.status, headers=problem.headers, media_type=MEDIA_TYPE)

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 
-from assur.planner import kernel_cache
 from assur.planner.kernel_cache import ROOMS, folder, is_compiled
 
 __all__ = ["LoadedKernels", "counted", "folder", "is_compiled", "load", "load_room"]
@@ -18,7 +17,7 @@ __all__ = ["LoadedKernels", "counted", "folder", "is_compiled", "load", "load_ro
 
 @dataclass(frozen=True, slots=True)
 class LoadedKernels:
-    """How many kernels there are, the names of those that had to be compiled now, and how long it took, s."""
+    """How many kernels Python calls, the names of those that had to be compiled now, and how long it took, s."""
 
     count: int
     compiled: tuple[str, ...]
@@ -26,12 +25,9 @@ class LoadedKernels:
     folder: Path
 
 
-def counted() -> tuple[int, int]:
-    """How many kernels the folder has by now, and how many there are: while they are compiled, how far that is."""
-    sources = Path(kernel_cache.__file__).parent
-    texts = (path.read_text(encoding="utf-8") for room in ROOMS for path in (sources / room).rglob("*.py"))
-    there = sum(text.count("\n@kernel(") for text in texts)
-    return min(there, sum(1 for _ in folder().rglob("*.nbi"))), there
+def counted() -> int:
+    """How many kernels the folder has by now: while they are compiled, how far that is."""
+    return sum(1 for _ in folder().rglob("*.nbi"))
 
 
 def load_room(room: str) -> list[str]:
@@ -62,12 +58,14 @@ def load() -> LoadedKernels:
     from assur.planner import compiled
 
     compiled.mark_whole()
-    return LoadedKernels(len(compiled.KERNELS), tuple(names), time.perf_counter() - begun, folder())
+    return LoadedKernels(len(compiled.entries()), tuple(names), time.perf_counter() - begun, folder())
 
 
 def _in_a_process(room: str) -> subprocess.Popen[str]:
     """Compiles a room; if that fails, loading it here fails again and says why."""
-    program = f"from assur.scenes.kernels import load_room; print(*load_room({room!r}))"
+    program = (
+        f"import gc; gc.set_threshold(50_000); from assur.scenes import kernels; print(*kernels.load_room({room!r}))"
+    )
     return subprocess.Popen(  # noqa: S603 - no word of it comes from outside
         [sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
     )

@@ -35,4 +35,4 @@ def compiled_work(what: str) -> Iterator[None]:
 def announce_compilation() -> None:
     """Says, once, that the first command of an installation takes longer, and why."""
     if not compiled_kernels.is_compiled():
-        say(f"compiling the planner's kernels once, one to five minutes; they are kept in {compiled_kernels.folder()}")
+        say(f"compiling the planner's kernels once, one to three minutes; they are kept in {compiled_kernels.folder()}")

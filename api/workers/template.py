@@ -11,14 +11,13 @@ import signal
 
 from assur.api.logs import LOGGER
 from assur.api.workers import jobs
-from assur.planner.compiled import load_defined, release_compiler
+from assur.planner.compiled import load_defined
 
 # A service manager may signal the whole group: the web process then drains, and may need another worker meanwhile.
 signal.signal(signal.SIGTERM, signal.SIG_IGN)
 try:
     jobs.warm()
     load_defined()
-    release_compiler()
 except Exception:  # noqa: BLE001 - each worker plans, too, and says why it cannot
     LOGGER.exception("the template of the workers could not plan")
 gc.collect()

@@ -52,7 +52,7 @@ def risen(v: float, a: float, peak: float, most_a: float, most_j: float) -> tupl
     return first + hold + last, way
 
 
-@kernel("float64(float64, float64, float64, float64, float64, float64)")
+@kernel("float64(float64, float64, float64, float64, float64, float64)", entry=True)
 def changed(v0: float, a0: float, v1: float, a1: float, most_a: float, most_j: float) -> float:
     """The least time from (v0, a0) to (v1, a1), whatever the way and the velocities between."""
     direct = 0.5 * (a0 + a1) * abs(a1 - a0) / most_j
@@ -195,7 +195,7 @@ def beyond(
     return way > up + slack or way < down - slack
 
 
-@kernel(f"float64({F2}, {F2}, {F1}, {F2}, float64)")
+@kernel(f"float64({F2}, {F2}, {F1}, {F2}, float64)", entry=True)
 def soonest(begin: FloatArray, end: FloatArray, delay: FloatArray, limits: FloatArray, least: float) -> float:
     """The least time, s, `least` at least, in which every joint can come from its state in `begin` (4, n) to that in
     `end`, which is one that a joint can keep: at rest, or with no more known than the position.

@@ -98,7 +98,7 @@ def dyad(
     return BOUNDED
 
 
-@kernel(f"int64({F1}, int64, {F2}, {F1}, float64, {F2}, {F2}, {F1})")
+@kernel(f"int64({F1}, int64, {F2}, {F1}, float64, {F2}, {F2}, {F1})", entry=True)
 def guided(
     arm: FloatArray,
     mode: int,

@@ -100,7 +100,7 @@ def stopping_distance(speed: float, acceleration: float, jerk: float) -> float:
     return speed * onset - jerk * onset**3 / 6 + rest**2 / (2 * acceleration)
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], float64, float64[::1], float64[::1], float64[::1])")
+@kernel("void(float64[::1], float64[::1], float64[::1], float64, float64[::1], float64[::1], float64[::1])", entry=True)
 def passing_velocity(
     before: FloatArray,
     at: FloatArray,

@@ -26,7 +26,7 @@ ON_AXIS = 1e-12
 """A disc whose axis is off that of its carrier by no more counts as one about that axis (no unit)."""
 
 
-@kernel(f"void({CARRIED}, {ROW}, float64, {TABLE})")
+@kernel(f"void({CARRIED}, {ROW}, float64, {TABLE})", entry=True)
 def place_carriers(carried: Carried, q: FloatArray, t: float, placed: FloatArray) -> None:
     """Fills `placed` (L + F, 12) for joints `q` (n,) and time t: position, m, and rotation matrix, row by row.
 

@@ -77,7 +77,8 @@ def chosen(cumulative: FloatArray, chance: float) -> int:
 
 
 @kernel(
-    "void(float64[:, ::1], int64[::1], float64[::1], float64[::1], float64, float64[::1], float64[::1], float64[::1])"
+    "void(float64[:, ::1], int64[::1], float64[::1], float64[::1], float64, float64[::1], float64[::1], float64[::1])",
+    entry=True,
 )
 def free_via(
     limits: FloatArray,

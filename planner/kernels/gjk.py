@@ -153,7 +153,7 @@ def nearest_on_tetrahedron(points: FloatArray, work: FloatArray) -> bool:
     return outside
 
 
-@kernel(f"boolean({TABLE}, int64, {TABLE})")
+@kernel(f"boolean({TABLE}, int64, {TABLE})", entry=True)
 def nearest_to_origin(points: FloatArray, count: int, work: FloatArray) -> bool:
     """Weights, in row 0 of `work` (3, 4), of the point nearest to the origin in the simplex of the first `count` rows.
 

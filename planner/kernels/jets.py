@@ -237,7 +237,7 @@ def _put_origin(robot: FloatArray, k: int, joints: FloatArray, jets: FloatArray)
                 put_jet(own, axis, add(jet_at(own, axis), share, jet_at(joints, slide)))
 
 
-@kernel(f"void(float64[::1], float64[:, ::1], {CUBE}, {CUBE})")
+@kernel(f"void(float64[::1], float64[:, ::1], {CUBE}, {CUBE})", entry=True)
 def sweep_links(robot: FloatArray, joints: FloatArray, turns: FloatArray, jets: FloatArray) -> None:
     """Fills the first rows of `jets` (K, JETS, JET_COLUMNS) with the links, from the jets of the joints (n,
     JET_COLUMNS). Nothing is known of them if a joint is not bounded, or a loop is not shown to stay closed.

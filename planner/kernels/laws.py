@@ -242,7 +242,7 @@ def _sweep_link(law: FloatArray, pieces: FloatArray, t0: float, t1: float, jets:
             jets[k, i, column] = found[link, i, column]
 
 
-@kernel(f"void(float64[::1], float64[:, ::1], float64, float64, {CUBE}, int64)")
+@kernel(f"void(float64[::1], float64[:, ::1], float64, float64, {CUBE}, int64)", entry=True)
 def sweep_frame(law: FloatArray, pieces: FloatArray, t0: float, t1: float, jets: FloatArray, k: int) -> None:
     """Fills `jets[k]` with the frame of a law over the closed interval [t0, t1]; of its origin only the rates (K44).
 

@@ -63,7 +63,7 @@ def turn_upright(row: FloatArray, c: float, s: float) -> None:
     row[9], row[10], row[11] = 0.0, 0.0, 1.0
 
 
-@kernel("void(float64[:, ::1], int64, float64, float64, float64, float64, float64)")
+@kernel("void(float64[:, ::1], int64, float64, float64, float64, float64, float64)", entry=True)
 def put_upright(placed: FloatArray, k: int, x: float, y: float, z: float, c: float, s: float) -> None:
     """Carrier k is at (x, y, z), turned about the vertical by the angle with cosine c and sine s."""
     row = placed[k]

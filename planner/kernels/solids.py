@@ -75,7 +75,7 @@ CELL = f"Tuple(({TABLE}, {TABLE}, {NUMBERS}))"
 """The units of an arrangement: `bodies`, `vertices`, and which carriers stand `still` throughout (1), (K,)."""
 
 
-@kernel(f"void({TABLE}, int64, {TABLE}, {CUBE}, int64)")
+@kernel(f"void({TABLE}, int64, {TABLE}, {CUBE}, int64)", entry=True)
 def place(bodies: FloatArray, i: int, carriers: FloatArray, placed: FloatArray, m: int) -> None:
     """Puts unit i where its carrier is: row i of instant m of `placed`."""
     k = int(bodies[i, CARRIER])

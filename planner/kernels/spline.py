@@ -41,7 +41,7 @@ def piece_at(tk: FloatArray, t: float) -> int:
     return low
 
 
-@kernel(f"void({SPLINE}, float64, float64[::1])")
+@kernel(f"void({SPLINE}, float64, float64[::1])", entry=True)
 def spline_state(spline: Spline, t: float, q: FloatArray) -> None:
     """Fills `q` (n,) at time `t`. Before its first and after its last knot the arm stands still."""
     tk, c, _ = spline
@@ -181,7 +181,7 @@ def spline_tables(knots: FloatArray, jumps: bool) -> tuple[int, Spline]:
     return bad, (tk[: piece + 1], c[:piece], whole[: piece + 1])
 
 
-@kernel(f"void({SPLINE}, float64, float64, float64[:, ::1])")
+@kernel(f"void({SPLINE}, float64, float64, float64[:, ::1])", entry=True)
 def sweep_joints(spline: Spline, t0: float, t1: float, joints: FloatArray) -> None:
     """Fills `joints` (n, 6) with the jets of the joints over [t0, t1], from what `spline_tables` has made.
 

@@ -66,7 +66,7 @@ how much more for each metre from the axis."""
 OFFSET_COLUMNS = 16
 
 
-@kernel(f"float64({ROW}, float64)")
+@kernel(f"float64({ROW}, float64)", entry=True)
 def growing_for(clock: FloatArray, t1: float) -> float:
     """For how long errors have grown at t1, s, if the robot started as late as it may."""
     return float(max(t1 + clock[LATEST] - clock[SINCE], 0.0))

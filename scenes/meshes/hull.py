@@ -7,7 +7,6 @@ rounding in Qhull, nor our own simplification can uncover a surface.
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import nnls
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
 from assur.planner.arrays import FloatArray, IntArray
@@ -114,6 +113,8 @@ def simpler(hull: Hull, tight_m: float) -> tuple[Hull, float]:
 
 def _distance(point: FloatArray, corners: FloatArray) -> float:
     """How far a point (3,) is from the hull of corners (m, 3), m: the nearest of their convex combinations."""
+    from scipy.optimize import nnls  # 0.1 s to load, for imported robots only
+
     scale = float(np.ptp(corners, axis=0).max())
     moved = (corners - point) / scale
     # a row that is much heavier than the others holds the sum of the shares at 1

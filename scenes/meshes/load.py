@@ -1,5 +1,6 @@
 """Bytes of a mesh file into a closed surface. Only this module imports trimesh, and guards against its traps.
 
+A binary STL file is a table of numbers and is read here: trimesh and what it imports take half a second to load.
 Traps (`trimesh` 5.2): an STL with NaN vertices comes back as a mesh with 0 faces and no error, so raw triangles are
 read (`process=False`) and counted; an empty file comes back as a Scene; exceptions are of any type; strings are
 taken for paths or URLs, so it only ever gets bytes, and no resolver; archives are unpacked without bound, so the format
@@ -62,6 +63,8 @@ def triangles_of(content: bytes, form: str) -> FloatArray:
     if form == "glb":
         return np.concatenate(_triangles(content, form, _check_glb(content)))
     stated = CHECKS[form](content)
+    if form == "stl" and stated and len(content) == 84 + STL_FACET.itemsize * stated:
+        return np.frombuffer(content, STL_FACET, offset=84)["corners"].astype(np.float64)
     triangles = np.concatenate(_triangles(content, form))
     if stated is not None and len(triangles) != stated:
         raise InputError("mesh.data", f"{len(triangles)} triangles that can be read", f"all {stated} of the file")
@@ -119,11 +122,15 @@ def _corners(mesh: Any, matrix: FloatArray) -> FloatArray:
     return corners
 
 
+STL_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+"""A triangle of a binary STL file, behind the 84 bytes of its header."""
+
+
 def _check_stl(content: bytes) -> int | None:
     """The number of triangles that the file states."""
     if len(content) >= 84:
         (count,) = struct.unpack_from("<I", content, 80)
-        if len(content) == 84 + 50 * count:
+        if len(content) == 84 + STL_FACET.itemsize * count:
             _bounded(count, MAX_FACES, "triangles")
             return int(count)
     text = content.lower()

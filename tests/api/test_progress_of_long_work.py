@@ -13,13 +13,12 @@ from assur.scenes import kernels
 
 
 def test_kernels_are_counted_in_the_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    done, there = kernels.counted()
-    assert done == there > 200
+    assert kernels.counted() >= len(kernels.load().folder.joinpath(kernel_cache.WHOLE).read_text().split()) > 50
     monkeypatch.setattr(kernels, "folder", lambda: tmp_path)
-    assert kernels.counted() == (0, there)
+    assert kernels.counted() == 0
     (tmp_path / "checker").mkdir()
     (tmp_path / "checker" / "one.nbi").write_bytes(b"")
-    assert kernels.counted() == (1, there)
+    assert kernels.counted() == 1
     assert kernel_cache.is_compiled()
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -61,13 +62,18 @@ except SystemExit as end:
 }
 
 
+def loaded_after(program: str) -> set[str]:
+    """The modules that are loaded after `program` ran in a new process."""
+    report = "\nimport sys\nprint('loaded', *sorted(sys.modules))"
+    run = subprocess.run([sys.executable, "-c", program + report], cwd=ROOT, capture_output=True, text=True, check=True)
+    loaded = run.stdout.splitlines()[-1].split()
+    assert loaded[0] == "loaded"
+    return set(loaded[1:])
+
+
 def native_after(program: str) -> set[str]:
     """The native libraries that are loaded after `program` ran in a new process."""
-    report = "\nimport sys\nprint('loaded', *sorted({name.partition('.')[0] for name in sys.modules}))"
-    run = subprocess.run([sys.executable, "-c", program + report], cwd=ROOT, capture_output=True, text=True, check=True)
-    loaded = set(run.stdout.splitlines()[-1].split())
-    assert "loaded" in loaded
-    return loaded & NATIVE
+    return {name.partition(".")[0] for name in loaded_after(program)} & NATIVE
 
 
 @pytest.mark.parametrize("door", DOORS)
@@ -77,3 +83,20 @@ def test_no_native_library_is_loaded_by(door: str) -> None:
 
 def test_a_library_that_is_loaded_is_seen() -> None:
     assert {"scipy", "fcl"} <= native_after("import assur.scenes.meshes.load, assur.scenes.meshes.hull, fcl")
+
+
+UNUSED = {"trimesh", "networkx", "scipy.optimize", "ruckig", "starlette", "numba.np.arraymath", "numba.np.linalg"}
+"""What a check does not need: half a second. The last two come with numba's compiler."""
+
+
+@pytest.mark.parametrize(
+    ("scenario", "needed", "unused"),
+    [("demo", {"numba", "scipy.spatial"}, UNUSED), ("five-bar", {"numba"}, UNUSED | {"scipy.spatial", "scipy.linalg"})],
+)
+def test_a_check_loads_no_more_than_it_needs(scenario: str, needed: set[str], unused: set[str], tmp_path: Path) -> None:
+    """`demo` has a mesh, in a binary STL file, and `five-bar` none."""
+    run = "from assur.api.command_line import app\ntry: app({!r})\nexcept SystemExit as end: assert not end.code"
+    plan_file = str(tmp_path / "plan.json")
+    planned = loaded_after(run.format(["plan", scenario, "--out", plan_file]))
+    assert "ruckig" in planned
+    assert loaded_after(run.format(["check", plan_file])) & (needed | unused) == needed

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import subprocess
 import sys
@@ -16,6 +17,7 @@ from assur.planner import compiled
 from assur.planner.errors import FaultError
 from assur.planner.kernel_cache import VARIABLE
 from assur.scenes.kernels import load
+from tests.architecture.source_tree import PRODUCT, Source, dotted, sources
 
 THIRD = """
 from assur.planner.compiled import compiled_now, kernel
@@ -51,15 +53,18 @@ import sys, threading
 sys.path.insert(0, {folder!r})
 import a_pair
 
+from assur.planner import compiled
+
 found = []
-plain = a_pair.outer._compiler.compile
+plain = compiled.compile_extra
 
 def compiles(*arguments):
-    other.start()
-    other.join(0.5)  # numba's lock is held here: the other thread waits for it, with whatever else it holds
+    if other.ident is None:
+        other.start()
+        other.join(0.5)  # numba's lock is held here: the other thread waits for it, with whatever else it holds
     return plain(*arguments)
 
-a_pair.outer._compiler.compile = compiles
+compiled.compile_extra = compiles
 other = threading.Thread(target=lambda: found.append(a_pair.inner(1.0)), daemon=True)
 first = threading.Thread(target=lambda: found.append(a_pair.outer(1.0)), daemon=True)
 first.start()
@@ -82,8 +87,9 @@ def program(tmp_path: Path) -> str:
 
 def test_every_kernel_has_one_signature_and_takes_no_other() -> None:
     load()
-    assert {name: made.signatures for name, made in compiled.KERNELS.items() if len(made.signatures) != 1} == {}
-    assert [name for name, made in compiled.KERNELS.items() if made._can_compile] == []
+    called = {name: compiled.KERNELS[name] for name in compiled.entries()}
+    assert {name: made.signatures for name, made in called.items() if len(made.signatures) != 1} == {}
+    assert [name for name, made in called.items() if made._can_compile] == []
 
 
 def test_a_kernel_refuses_what_plain_python_refuses_and_another_type() -> None:
@@ -122,6 +128,44 @@ def test_a_kernel_that_makes_arrays_has_to_say_so_and_most_make_none() -> None:
     assert sum(not made.targetoptions["_nrt"] for made in compiled.KERNELS.values()) > 0.7 * len(compiled.KERNELS)
 
 
+def uses(source: Source) -> set[str]:
+    """Names of the kernels that a module uses outside kernels, wherever it imports them."""
+    names = {node.name: f"{source.name}.{node.name}" for node in source.tree.body if isinstance(node, ast.FunctionDef)}
+    kernels = set(map(names.get, names)) & set(compiled.KERNELS)
+    for node in ast.walk(source.tree):
+        if isinstance(node, ast.ImportFrom):
+            names |= {alias.asname or alias.name: f"{node.module}.{alias.name}" for alias in node.names}
+    others = [node for node in source.tree.body if names.get(getattr(node, "name", "")) not in kernels]
+    read = {dotted(node) for statement in others for node in ast.walk(statement) if isinstance(node, ast.expr)}
+    parts = [name.partition(".") for name in read if name]
+    return {names.get(first, "") + dot + rest for first, dot, rest in parts} & set(compiled.KERNELS)
+
+
+def test_every_kernel_that_the_product_calls_from_python_is_compiled_beforehand() -> None:
+    load()
+    used = set[str]().union(*map(uses, sources(*PRODUCT)))
+    assert used == set(compiled.entries())
+    assert len(used) < 0.25 * len(compiled.KERNELS)
+
+
+@pytest.mark.parametrize(("option", "kept"), [("", {"outer"}), (", entry=True", {"inner", "outer"})])
+def test_a_kernel_that_kernels_call_is_compiled_beforehand_only_if_it_says_so(
+    option: str, kept: set[str], tmp_path: Path
+) -> None:
+    (tmp_path / "a_pair.py").write_text(PAIR.replace('(float64)")', f'(float64)"{option})', 1))
+    program = f"""
+import sys
+sys.path.insert(0, {str(tmp_path)!r})
+import a_pair
+from assur.planner import compiled
+compiled.load_defined()
+print(*compiled.compiled_now(), a_pair.outer(1.0))
+"""
+    for names in (sorted(f"a_pair.{name}" for name in kept), []):
+        assert ran(program, tmp_path / "kept").stdout.split() == [*names, "4.0"]
+    assert {path.name.split("-")[0] for path in (tmp_path / "kept").rglob("*.nbc")} == {f"a_pair.{k}" for k in kept}
+
+
 def test_what_was_compiled_once_is_found_by_the_next_process(program: str, tmp_path: Path) -> None:
     first, second = ran(program, tmp_path / "kept"), ran(program, tmp_path / "kept")
     assert (first.stdout.strip(), second.stdout.strip()) == ("['a_kernel.part']", "[]"), first.stderr + second.stderr
@@ -154,7 +198,7 @@ def test_a_kernel_that_is_missing_where_nothing_can_be_written_is_an_error(
     del compiled.KERNELS[f"{__name__}.twice"]
 
 
-def test_a_kernel_is_loaded_when_it_is_first_called_or_called_by_a_kernel_that_is_compiled() -> None:
+def test_a_kernel_is_compiled_when_it_is_first_called_and_otherwise_as_a_part_of_those_that_call_it() -> None:
     @compiled.kernel("float64(float64)")
     def half(x: float) -> float:
         return x / 2
@@ -167,7 +211,9 @@ def test_a_kernel_is_loaded_when_it_is_first_called_or_called_by_a_kernel_that_i
     one, other = (compiled.KERNELS.pop(name) for name in names)
     assert (len(one.signatures), len(other.signatures)) == (0, 0)
     assert quarter(8) == 2.0  # a whole number is converted, at the first call, too
-    assert (len(one.signatures), len(other.signatures)) == (1, 1)
+    assert (len(one.signatures), len(other.signatures)) == (0, 1)
+    assert half(3.0) == 1.5
+    assert len(one.signatures) == 1
 
 
 @pytest.mark.parametrize("arguments", [(), (np.zeros(2),), (np.zeros(2), 0, 0), (np.zeros((2, 2)), 0), ("text", 0)])

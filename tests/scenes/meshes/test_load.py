@@ -45,6 +45,15 @@ def test_each_format_gives_the_same_solid(form: str, name: str) -> None:
     np.testing.assert_allclose(np.sort(found.corners.sum((1, 2))), np.sort(wanted.corners.sum((1, 2))), atol=1e-6)
 
 
+def test_a_binary_stl_file_is_read_as_the_library_reads_it() -> None:
+    facets = np.random.default_rng(1).bytes(50 * 200).replace(b"\x7f", b"\0").replace(b"\xff", b"\0")
+    content = b"solid facet".ljust(80) + struct.pack("<I", 200) + facets
+    read: Any = trimesh.load(io.BytesIO(content), file_type="stl", process=False)
+    found = loading.triangles_of(content, "stl")
+    assert np.isfinite(found).all()
+    assert np.array_equal(found, read.vertices[read.faces])
+
+
 @pytest.mark.parametrize(("unit", "metres"), [("m", 1.0), ("cm", 0.01), ("mm", 0.001), ("in", 0.0254)])
 def test_the_unit_scales(unit: str, metres: float) -> None:
     content = binary_stl(CUBE * (1e-3 if unit == "m" else 0.1))
