@@ -168,7 +168,7 @@ class Prover:
         than to compare the parts of two phases by their identity."""
         last = self._phase
         if last is not phase:
-            if last is None or not _alike(last, phase):
+            if last is None or not phase.is_of_kind(last):
                 self._arrangement, self._pairs = self.arrangement(phase.attached), None
             self._phase = phase
         return self._arrangement
@@ -380,20 +380,6 @@ class Prover:
             )
             for i in units.tolist()
         ]
-
-
-def _alike(one: Phase, other: Phase) -> bool:
-    """Whether two phases are surely of one kind: all but their times is the same."""
-    return (
-        one.attached is other.attached
-        and one.handled is other.handled
-        and one.contacts is other.contacts
-        and one.kind is other.kind
-        and one.tracked is other.tracked
-        and one.corrected == other.corrected
-        and one.contact_tolerance_m == other.contact_tolerance_m
-        and one.robot == other.robot
-    )
 
 
 def _parts(phase: Phase) -> FloatArray:

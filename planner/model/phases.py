@@ -170,6 +170,19 @@ class Phase:
         """Whether the clearance of approach, follow and depart counts."""
         return self.kind in TRACKING
 
+    def is_of_kind(self, other: Phase) -> bool:
+        """Whether all but the times and the step is surely the same: compared by identity, where that is quicker."""
+        return (
+            self.attached is other.attached
+            and self.handled is other.handled
+            and self.contacts is other.contacts
+            and self.kind is other.kind
+            and self.tracked is other.tracked
+            and self.corrected == other.corrected
+            and self.contact_tolerance_m == other.contact_tolerance_m
+            and self.robot == other.robot
+        )
+
 
 def pair(first: str, second: str) -> tuple[str, str]:
     """Two names in the one order in which a pair is stored."""
