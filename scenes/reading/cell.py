@@ -33,8 +33,6 @@ from assur.scenes.schema.robots import LONGEST_KEPT
 MOST_CELLS, MOST_TRIANGLES = 16, 200_000
 """Cells that are kept, those that were read last, and triangles of meshes in all of them together, with the knots of
 neighbours: with rings of 40,000 triangles they took about 50 MB. A cell with more triangles is not kept."""
-BETWEEN_LOOKS = 16
-"""Number of bodies between readings of the clock; each with a mesh is read after one."""
 _kept: OrderedDict[tuple[str, str | None], Surroundings] = OrderedDict()
 _lock = Lock()
 
@@ -193,8 +191,7 @@ def _surroundings(request: RequestDocument, own: Collection[str], held: str | No
             faults.add(error, "neighbours", i)
     known.unread.update(places.unread)
     for i, named in enumerate(request.bodies):
-        if i % BETWEEN_LOOKS == 0 or named.shape.mesh is not None:
-            raise_if_late()
+        raise_if_late()
         try:
             if named.name in own:
                 raise Refused("a name that no body of the robot or its tool has", "name")

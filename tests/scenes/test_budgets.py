@@ -9,12 +9,15 @@ import warnings
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from assur.planner.errors import InputError
+from assur.planner.model.deadline import OutOfTimeError
 from assur.planner.model.options import LEAST_ACCELERATION_TIME_S
 from assur.scenes import bounds
-from assur.scenes.requests import check_document, plan_document, validate, view_document
+from assur.scenes.requests import cell_of, check_document, plan_document, validate, view_document
+from assur.scenes.schema.normal import normal
 from assur.scenes.schema.read import check_sizes
 from assur.scenes.schema.request import RequestDocument
 
@@ -118,6 +121,58 @@ def test_limits_of_more_joints_than_an_arm_has_are_refused() -> None:
         validate({**ARM, "robot": {**ARM["robot"], "limits": limits}})
     assert refused.value.field == "robot.limits"
     assert "at most 16 joints" in refused.value.allowed
+
+
+class OwnDict(dict[str, Any]):
+    """A mapping that is no plain one."""
+
+
+@pytest.mark.parametrize(
+    ("change", "is_normal"),
+    [
+        ({}, True),
+        ({"frames": {"f": {"fixed": {"at_m": [0, 0, 0]}}}}, True),
+        ({"frames": {"f": {"fixed": {"at_mm": [0, 0, 0]}}}}, False),
+        ({"frames": {"f": {"fixed": {"at_m": (0, 0, 0)}}}}, False),
+        ({"frames": {"f": {"fixed": {"at_m": [0, None, 0]}}}}, False),
+        ({"frames": {"f": {"fixed": {"at_m": [0, np.float64(0), 0]}}}}, False),
+        ({"frames": {"f": OwnDict(fixed={"at_m": [0, 0, 0]})}}, False),
+        ({"frames": {"f": {"fixed": {"at_m": [0, 0, 0], "yaw_rad": np.float64(0)}}}}, False),
+        ({"start": {"joints": {"j1_deg": 0}}}, False),
+        ({"unknown": {"deep": [[{"at_mm": 1}]]}}, False),
+        ({"unknown": {"deep": [[{"at_m": 1}]]}}, True),
+        ({"carry": None}, False),
+    ],
+)
+def test_a_document_counts_as_one_in_si_only_if_all_of_it_is(change: dict[str, Any], is_normal: bool) -> None:
+    in_si = normal(ARM)
+    assert check_sizes(RequestDocument, {**in_si, **change}) is is_normal
+
+
+def test_a_document_that_holds_itself_counts_as_no_plain_one() -> None:
+    loop: dict[str, Any] = {}
+    loop["loop"] = [loop]
+    assert not check_sizes(RequestDocument, {**normal(ARM), "unknown": loop})
+    with pytest.raises(InputError, match="nesting up to"):
+        validate({**normal(ARM), "unknown": loop})
+
+
+@pytest.mark.parametrize("late", [1, 17, 33])
+def test_the_clock_is_read_before_each_body(late: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = 0
+
+    def raise_if_late() -> None:
+        nonlocal calls
+        calls += 1
+        if calls == late:
+            raise OutOfTimeError
+
+    monkeypatch.setattr("assur.scenes.reading.cell.raise_if_late", raise_if_late)
+    bodies = [{**ARM["bodies"][0], "name": f"late-{late}-{k}"} for k in range(33)]
+    with pytest.raises(OutOfTimeError):
+        cell_of({**ARM, "bodies": bodies})
+    cell_of({**ARM, "bodies": bodies})
+    assert calls == late + 33
 
 
 def test_what_is_small_enough_is_left_to_the_model() -> None:
