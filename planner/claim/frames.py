@@ -137,8 +137,10 @@ def law_of(law: Law, early: float) -> StatedLaw:
         begin = max(min(early, law.stated_s, starts[0]), -c.LATEST_S)
         pose = [x - (starts[0] - begin) * v for x, v in zip(pose, rate, strict=True)]
         starts[0] = begin
-    times = zip(starts, (min(t, c.LATEST_S) for t in ends), pieces, strict=True)
-    found = [[t0, t1, *piece[own.POWER :]] for t0, t1, piece in times if t0 < t1]  # some last no time
+    found = list[list[float]]()
+    for t0, t1, piece in zip(starts, ends, pieces, strict=True):
+        if t0 < min(t1, c.LATEST_S):  # some last no time
+            found.append([t0, min(t1, c.LATEST_S), *piece[own.POWER :]])
     if not (found and starts[0] >= -c.LATEST_S):
         raise unstated(f"a frame whose motion begins before {-c.LATEST_S:g} s or after {c.LATEST_S:g} s")
     return StatedLaw([*pose, *rate], found, waves, repeated)

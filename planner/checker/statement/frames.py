@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from itertools import islice, zip_longest
+from itertools import islice
 
 import numpy as np
 
@@ -141,28 +141,31 @@ def _has_powers(frame: list[float], pieces: list[list[float]], formula: laws.For
     lasts h it is no larger than sum |d_n| h^n. If it may be larger, instants have to show it."""
     now, places, rates = pieces[0][c.LAW_BEGIN], frame[c.FRAME_POSE : c.FRAME_RATE], frame[c.FRAME_RATE :]
     for begin, end, *accelerations in pieces:
-        required, h, count = formula.powers_from(begin, end), end - begin, c.MOST_POWERS
+        required, h, last = formula.powers_from(begin, end), end - begin, c.MOST_POWERS - 1
         if required is None or begin != now or not h > 0.0:
             return False
-        while count and not any(accelerations[count - 1 :: c.MOST_POWERS]):
-            count -= 1
+        while last >= 0 and not any(accelerations[last :: c.MOST_POWERS]):
+            last -= 1
         for k, other in enumerate(required):
-            own = accelerations[k * c.MOST_POWERS :][:count]
-            powers = [places[k], rates[k], *(a / ((n + 1) * (n + 2)) for n, a in enumerate(own))]
-            pairs = zip_longest(powers, other, fillvalue=0.0)
-            if not sum(abs(x - y) * h**n for n, (x, y) in enumerate(pairs)) <= SAME:
+            off, first, place, rate = 0.0, k * c.MOST_POWERS - 2, 0.0, 0.0
+            for n in range(max(last + 3, len(other))):
+                x = places[k] if n == 0 else rates[k] if n == 1 else accelerations[first + n] / (n * (n - 1))
+                off += abs(x - (other[n] if n < len(other) else 0.0)) * h**n
+                place, rate = place + x * h**n, rate + n * x * h ** (n - 1)
+            if not off <= SAME:
                 return False
-            places[k] = sum(x * h**n for n, x in enumerate(powers))
-            rates[k] += sum(a * h ** (n + 1) / (n + 1) for n, a in enumerate(own))
+            places[k], rates[k] = place, rate
         now = end
     return True
 
 
 def _are_same_sines(stated: list[list[float]], required: Sequence[laws.Sine]) -> bool:
     """Whether sines have the same numbers, in any order."""
-    pairs = zip(sorted(stated), sorted(required), strict=False)
-    same = (math.isclose(x, y, rel_tol=1e-12) for one, other in pairs for x, y in zip(one, other, strict=True))
-    return len(stated) == len(required) and all(same)
+    same = len(stated) == len(required)
+    for one, other in zip(sorted(stated), sorted(required), strict=False):
+        for x, y in zip(one, other, strict=True):
+            same = same and math.isclose(x, y, rel_tol=1e-12)
+    return same
 
 
 def _farthest_off(frame: FloatArray, pieces: FloatArray, formula: laws.Formula) -> tuple[Interval, float]:

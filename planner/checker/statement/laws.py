@@ -179,8 +179,9 @@ def line_of(law: Law) -> tuple[float, ...] | None:
     if law.kind == "conveyor":
         return (math.cos(law.numbers.pose.yaw), math.sin(law.numbers.pose.yaw), 0.0)
     if law.kind == "linear" and any(law.numbers.velocity):
-        length = math.hypot(*law.numbers.velocity)
-        return tuple(float(rate) / length for rate in law.numbers.velocity)
+        x, y, z = law.numbers.velocity
+        length = math.hypot(x, y, z)
+        return (x / length, y / length, z / length)
     return None
 
 
