@@ -70,6 +70,7 @@ def out_of_range(scene: Scene, every: list[WayOfMeeting]) -> Refusal | None:
 
 
 RANGES = frozenset({Reason.OUT_OF_REACH, Reason.JOINT_LIMIT})
+"""What the kernels decide of a point that stands still."""
 
 
 def _of_point(scene: Scene, proof: Proof) -> Proof:
