@@ -78,7 +78,7 @@ def _of_point(scene: Scene, proof: Proof) -> Proof:
     facts = proof.facts
     if not isinstance(facts, OutOfReach) or facts.heights_m is None:
         return proof
-    if scene.robot.lift is None and abs(facts.heights_m[0] - facts.heights_m[1]) > EDGE_M:
+    if "z" not in scene.robot.coordinates and abs(facts.heights_m[0] - facts.heights_m[1]) > EDGE_M:
         return proof._replace(facts=replace(facts, mode=None, from_axis_m=None, pitch_rad=None))
     return proof._replace(facts=replace(facts, mode=None, heights_m=None))
 
