@@ -116,19 +116,21 @@ class Bodies:
         """The surfaces of those that are meshes, by name."""
         self.carriers = carriers_of(scene)
         self.links, self.pieces = len(scene.robot.links), table
-        frames = scene.frames.values()
-        self._fixed = np.array([frame.law.is_fixed for frame in frames])
-        self._places = np.full((self.links + len(frames), POSE_COLUMNS), np.nan)
+        count = len(scene.frames)
+        self._fixed, self.yaw, self.late = np.zeros(count, np.bool_), np.zeros(count), np.zeros((2, count))
+        """Which frames never move, by how much each may be turned, rad, and how late it may be, s, least and most."""
+        self._places = np.empty((self.links + count, POSE_COLUMNS))
         """Where carriers are that stand still for ever; NaN: the others."""
-        for k, frame in enumerate(frames, start=self.links):
-            if frame.law.is_fixed and frame.law.valid == (-np.inf, np.inf):
-                pose = frame.law.numbers.pose
-                put_upright(self._places, k, pose.x, pose.y, pose.z, math.cos(pose.yaw), math.sin(pose.yaw))
+        self._places[:] = np.nan
+        for k, frame in enumerate(scene.frames.values()):
+            law, self.yaw[k] = frame.law, frame.uncertainty.yaw_rad
+            self._fixed[k] = law.is_fixed
+            if self._fixed[k] and law.valid == (-np.inf, np.inf):
+                at = law.numbers.pose
+                put_upright(self._places, self.links + k, at.x, at.y, at.z, math.cos(at.yaw), math.sin(at.yaw))
+            else:
+                self.late[:, k] = frame.uncertainty.shift_s
         self.still = np.isfinite(self._places[:, 0]).astype(np.int64)
-        self.yaw = np.array([frame.uncertainty.yaw_rad for frame in frames])
-        """By how much each frame may be turned, rad."""
-        self.late = np.array([frame.uncertainty.shift_s for frame in frames]).T * (1 - self.still[self.links :])
-        """How late each frame may be, s, at least and at most (2, F)."""
         self.vertices = np.concatenate([np.zeros((0, 3)), *[hull.vertices for hull in table.hulls]])
         begins = np.array([0, *accumulate([len(hull.vertices) for hull in table.hulls])])
         many, core = len(table.shapes) + len(self.names), [table.half, table.disc[:, None], table.ball[:, None]]

@@ -120,8 +120,8 @@ def _in_the_way(
     t, attached, fixed = scene.start.time, spot.attached, scene.frames[way.frame].law.is_fixed
     phase = Phase(t, t, spot.kind, way.number, attached, tracked=way.frame if spot.kind in TRACKING else None)
     among = prover.arrangement.keeping(prover.of(phase), way.frame)
-    within = enclosed(scene, prover, attached, q, t, spot.contacts, among) if fixed else None
-    found = within or closest(scene, prover, phase, q, spot.contacts, among)
+    found = enclosed(scene, prover, attached, q, t, spot.contacts, among) if fixed else None
+    found = found or closest(scene, prover, phase, q, spot.contacts, among)
     return None if found is None else Hit(found, spot, phase, q, way, mode)
 
 

@@ -70,6 +70,7 @@ def out_of_range(scene: Scene, every: list[WayOfMeeting]) -> Refusal | None:
 
 
 RANGES = frozenset({Reason.OUT_OF_REACH, Reason.JOINT_LIMIT})
+"""What the kernels decide of a point that stands still."""
 
 
 def _of_point(scene: Scene, proof: Proof) -> Proof:
@@ -77,7 +78,7 @@ def _of_point(scene: Scene, proof: Proof) -> Proof:
     facts = proof.facts
     if not isinstance(facts, OutOfReach) or facts.heights_m is None:
         return proof
-    if scene.robot.lift is None and abs(facts.heights_m[0] - facts.heights_m[1]) > EDGE_M:
+    if "z" not in scene.robot.coordinates and abs(facts.heights_m[0] - facts.heights_m[1]) > EDGE_M:
         return proof._replace(facts=replace(facts, mode=None, from_axis_m=None, pitch_rad=None))
     return proof._replace(facts=replace(facts, mode=None, heights_m=None))
 
