@@ -50,13 +50,12 @@ LOOKS: dict[str, dict[str, str | int]] = {
         "planner.legs.follower.followed": STEPS,
         "planner.feasibility.input_warnings.unusual_places": STEPS,
     },
-    "crowded": {"scenes.reading.cell._surroundings": BODIES, "planner.feasibility.hits._row": BODIES},
-    "carton": {"planner.feasibility.hits.hits": STEPS},
+    "crowded": {"scenes.reading.cell._surroundings": BODIES, "planner.feasibility.hits.near": BODIES},
     "hose-on-gripper": {"planner.feasibility.necessary.yaw_impossible": STEPS},
     "parabolic-blend": {"planner.search.beam._met": STEPS},
     "circular-legs": {"scenes.reading.task._parts": STEPS, "planner.model.path.at": STEPS},
     "beside-a-neighbour": {"planner.checked.check": 1, "planner.checked._judged": 2},
-    "shut-gate": {"planner.collision.proof.over": 1},
+    "shut-gate": {"planner.collision.proof.over": 1, "planner.feasibility.hits.hits": STEPS},
 }
 
 

@@ -64,7 +64,6 @@ def test_the_gate_is_in_the_way(name: str) -> None:
     free = changed(name, lambda r: r.update(bodies=[body for body in r["bodies"] if body["name"] != "bar"]))
     quicker = plan_document(free)
     assert quicker["trajectory"]["time_s"][-1] < answer(name)["trajectory"]["time_s"][-1]
-    assert any("bar" in line["bodies"] for line in answer(name)["census"]["lines"])
 
 
 @pytest.mark.parametrize("name", ["elbow-arm", "polar-arm"])

@@ -109,15 +109,15 @@ def test_a_spike_of_velocity_is_refused_with_the_joint_and_the_time() -> None:
 
 
 def test_a_start_that_may_be_late_counts() -> None:
-    verdicts = [judged(MOVES, exported(MOVES), start_tolerance_ms=late) for late in (0.0, 500.0)]
+    verdicts = [judged(MOVES, exported(MOVES), start_tolerance_ms=late) for late in (0.0, 1000.0)]
     assert [verdict["ok"] for verdict in verdicts] == [True, False]
-    assert verdicts[1]["start_tolerance_s"] == 0.5
+    assert verdicts[1]["start_tolerance_s"] == 1.0
     assert verdicts[1]["first"]["bodies"] is not None
 
 
 def test_another_clock_is_another_motion() -> None:
     ros = {"file": exported(MOVES, "ros2", None), "format": "ros2"}
-    assert check_trajectory_document(request_of(MOVES), {**ros, "start_s": 0.4})["ok"] is False
+    assert check_trajectory_document(request_of(MOVES), {**ros, "start_s": 0.8})["ok"] is False
     with pytest.raises(InputError, match="when the request begins"):
         check_trajectory_document(request_of(MOVES), {**ros, "start_s": -5.0})
     with pytest.raises(InputError, match="the cell's clock"):
