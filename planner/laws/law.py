@@ -204,7 +204,7 @@ class Frame:
 
 def all_stand(frames: Iterable[Frame]) -> bool:
     """Whether none of the frames moves."""
-    return all(frame.law.is_fixed for frame in frames)
+    return not [frame for frame in frames if not frame.law.is_fixed]
 
 
 # How far what is on a frame goes in the time for which its law is evaluated: numbers of that size are what rounds.

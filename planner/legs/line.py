@@ -162,7 +162,7 @@ class ScaledLimits:
         if self.lift_joint is not None and self.lift_effort is not None:
             effort[self.lift_joint] = self.lift_effort
         rates = limits.velocity * effort**0.5, limits.acceleration * effort, limits.jerk * effort**1.5
-        velocity, acceleration, jerk = (rate.tolist() for rate in rates)
+        velocity, acceleration, jerk = np.array(rates).tolist()
         acceleration = [self.pull * each for each in acceleration]
         if self.lift_joint is not None:
             acceleration[self.lift_joint] /= self.pull

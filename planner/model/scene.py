@@ -215,8 +215,11 @@ class Scene:
         touches at the point to be as far apart as in travel where the clearance of travel begins. One with a stop has
         exactly the required length."""
         clear = STRAIGHT * self.options.clearance.travel_m
-        required = ((step.approach_m, step.approach_stop), (step.depart_m, step.depart_stop))
-        approach, depart = (length if stop or not length > 0.0 else max(length, clear) for length, stop in required)
+        approach, depart = step.approach_m, step.depart_m
+        if approach > 0.0 and not step.approach_stop:
+            approach = max(approach, clear)
+        if depart > 0.0 and not step.depart_stop:
+            depart = max(depart, clear)
         return approach, depart
 
     def counted(self, joint: int, value: float) -> float:
@@ -230,10 +233,12 @@ class Scene:
         holding, execution = self.start.holding, self.execution
         held = [step.held_within for step in self.task if isinstance(step, Pick)]
         held.append(None if holding is None else holding.within)
-        known = all(within in (None, EXACT) for within in held)
-        known = known and all(body.uncertainty == EXACT for body in self.bodies)
-        known = known and all(frame.uncertainty == Uncertainty() for frame in self.frames.values())
-        return known and not execution.lags and not execution.start_tolerance_s > 0.0
+        # what a request does not state is the same object: to compare that takes no call
+        unsure = [within for within in held if within is not None and within is not EXACT and within != EXACT]
+        unsure += [b.uncertainty for b in self.bodies if b.uncertainty is not EXACT and b.uncertainty != EXACT]
+        exact = Uncertainty()
+        displaced = [frame for frame in self.frames.values() if frame.uncertainty != exact]
+        return not (unsure or displaced or execution.lags or execution.start_tolerance_s > 0.0)
 
     def corrects(self, frame: str) -> bool:
         """Whether the controller shifts legs that track a frame by the frame's error along its line: with belt
@@ -361,7 +366,7 @@ def _pieces_of(scene: Scene) -> Pieces:
 def beyond(scene: Scene, joint: int, value: float) -> BeyondRange:
     """The facts of joint number `joint` at `value`, rad or m, as the planner counts it: the nearer end of its range is
     that which it is beyond."""
-    lower, upper = (float(end[joint]) for end in (scene.robot.limits.lower, scene.robot.limits.upper))
+    lower, upper = float(scene.robot.limits.lower[joint]), float(scene.robot.limits.upper[joint])
     limit = lower if lower - value > value - upper else upper
     return BeyondRange(value=scene.counted(joint, value), limit=scene.counted(joint, limit))
 

@@ -53,8 +53,7 @@ class Population:
         self.may_stop = may_stop(scene, partial.step)
         self.freedom = Freedom(scene, partial, options)
         self.shares = np.array([tuning.DIRECT if self.freedom.moving else 0.0, tuning.ONE_VIA, tuning.TWO_VIAS])
-        most = tuning.MOST_ROWS // (tuning.INSTANTS * max(1, score.pairs))
-        self.sizes = tuple(min(size, max(tuning.FEWEST, most)) for size in tuning.EVALUATED)
+        self.most = max(tuning.FEWEST, tuning.MOST_ROWS // (tuning.INSTANTS * max(1, score.pairs)))
         self.rounds = 0
         self.rows = self.freedom.direct()
         self.bad, self.end = score(self.rows, rng)
@@ -65,7 +64,7 @@ class Population:
     def batch(self, before: float) -> list[Candidate]:
         """Scores a round of candidates and gives the best that were not tried yet and may end before `before`, s."""
         least, most = tuning.TRIED
-        count = self.sizes[min(self.rounds, len(self.sizes) - 1)]
+        count = min(self.most, tuning.EVALUATED[min(self.rounds, len(tuning.EVALUATED) - 1)])
         # where most of what seems free is refused for what the score does not see, scoring more does not help
         self._add(self._new(count if self._promising(before) < most else tuning.FEWEST))
         left = np.flatnonzero(~self.tried & (self.end < before))
