@@ -38,7 +38,15 @@ from assur.planner.search.partial_plan import (
     prepared,
 )
 from assur.planner.search.rough_score import CoarseScore, score_of
-from assur.planner.search.tuning import BEAM, KEPT_PLANS, MOST_OPTIONS, PROVED_A_BATCH, SAME_DURATION, SAME_TRAVEL
+from assur.planner.search.tuning import (
+    BEAM,
+    KEPT_PLANS,
+    MOST_OPTIONS,
+    PROVED_A_BATCH,
+    ROUNDING_S,
+    SAME_DURATION,
+    SAME_TRAVEL,
+)
 
 
 @dataclass(eq=False)
@@ -103,15 +111,22 @@ class Search:
             for length in range(len(self.scene.task)):
                 for partial in self._beam(length, 1 + round_number // 2):
                     explored |= self._explore(partial)
-                    if self._over():
+                    over = self._over()
+                    if over and round_number == 0:
+                        self._evaluate_points()
+                    if over:
                         return self.found
             round_number += 1
-            if round_number == 1 and self.found.best is None:
-                self.found.never = points_impossible(self.scene, self.prover, start_is_free=self.start_is_free)
-                if self.found.never is not None:
-                    return self.found
-            if not explored:
+            if round_number == 1:
+                self._evaluate_points()
+            if not explored or self.found.never is not None:
                 return self.found
+
+    def _evaluate_points(self) -> None:
+        """Whether the points can be met at all, where the first round found no plan: also where few candidates are
+        allowed a refusal may be proved."""
+        if self.found.best is None and not self.found.cut_by_clock:
+            self.found.never = points_impossible(self.scene, self.prover, start_is_free=self.start_is_free)
 
     def _beam(self, length: int, width: int) -> list[PartialPlan]:
         """The partial plans of this length to be continued: the earliest, and the earliest of each other mode, and
@@ -289,7 +304,7 @@ class Search:
             return partial.state.time < best.state.time
         if abs(partial.wrist - best.wrist) > SAME_TRAVEL:
             return partial.wrist < best.wrist
-        return partial.state.time < best.state.time
+        return partial.state.time < best.state.time - ROUNDING_S
 
     def _enough(self) -> int:
         """Candidates of one batch after whose proof the others are left alone."""

@@ -101,15 +101,15 @@ class CoarseScore:
         The joints across move as in direct candidates (N,). Evaluated is the middle of the way alone, where the lift is
         at the top.
         """
-        motions, which = self.rough(candidates), np.arange(len(candidates))
-        begin, end = motions[:, BEGIN, None], np.minimum(motions[:, END, None], self.latest)
-        times = begin + (end - begin) * _MIDDLE
-        possible = np.isfinite(end[:, 0])
-        score, q = np.ones(len(candidates)), self.rough.at(motions, which[possible], times[possible])
-        if len(q):
+        motions = self.rough(candidates)
+        begin, end, score = motions[:, BEGIN], motions[:, END], np.ones(len(candidates))
+        possible = (np.isfinite(end) & (end <= self.latest)).nonzero()[0]
+        if len(possible):
+            times = begin[possible, None] + (end - begin)[possible, None] * _MIDDLE
+            q = self.rough.at(motions, possible, times)
             q[:, :, self.prover.scene.robot.lift] = tops[possible, None]
-            score[possible] = self._depths(times[possible], q)
-        return score, end[:, 0]
+            score[possible] = self._depths(times, q)
+        return score, end
 
     def _depths(self, times: FloatArray, q: FloatArray) -> FloatArray:
         """The scores (W,) of motions through q (W, T, n) at times (W, T)."""

@@ -21,7 +21,7 @@ FEWEST = 16
 """... but never fewer than this."""
 KEPT = 64
 """Candidates that are remembered."""
-FREE = 0.0
+FREE = 0.005
 """A direct way or an arch with this score or less is tried before those by vias are drawn."""
 LATER = 2
 """Rounds of candidates by vias before direct ways and arches are tried that seem to be in the way of something."""
@@ -80,6 +80,8 @@ SHARE_OF_A_TURN = 0.01
 comes first."""
 SAME_DURATION = 0.01
 """Durations that differ by this share count as equal: of such plans that with less travel of the wrist is better ..."""
+ROUNDING_S = 1e-9
+"""A plan that ends sooner by no more than this, s, is no better: the first that was found stays."""
 SAME_TRAVEL = 1e-3
 """... if that differs by more than this, rad."""
 ANY_YAW = 8

@@ -106,11 +106,12 @@ def mypy_of_windows(program: Path) -> subprocess.CompletedProcess[str]:
 def test_mypy_accepts_the_call_that_windows_has(tmp_path: Path) -> None:
     text = (ROOT / "deploy" / "packaging" / "backend.py").read_text(encoding="utf-8")
     assert text.count("CreateJunction(str(folder") == 1
-    program = tmp_path / "program.py"
+    program, wrong = tmp_path / "program.py", tmp_path / "wrong.py"
     program.write_text(text, encoding="utf-8")
     assert mypy_of_windows(program).returncode == 0
-    program.write_text(text.replace("CreateJunction(str(folder", "CreateJunction(len(folder"), encoding="utf-8")
-    assert 'Argument 1 to "CreateJunction" has incompatible type "int"' in mypy_of_windows(program).stdout
+    # a file of its own: mypy takes one of the same size and the same second for unchanged
+    wrong.write_text(text.replace("CreateJunction(str(folder", "CreateJunction(len(folder"), encoding="utf-8")
+    assert 'Argument 1 to "CreateJunction" has incompatible type "int"' in mypy_of_windows(wrong).stdout
 
 
 def committed(tree: Path) -> dict[str, str]:

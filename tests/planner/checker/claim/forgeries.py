@@ -322,7 +322,7 @@ MOTION = [
     Forgery("a belt is known for half a second", "demo", lambda d: put("edges.-1", 0.5)(law_of(d)), POINT),
     Forgery("a dial is elsewhere", "demo", put("frames.2.pose.0", plus(0.01)), POINT),
     Forgery("frames swing", "demo", swings, POINT),
-    Forgery("a door is in another phase", "shutter", put("frames.*.waves.*.phase", plus(0.5)), ROW),
+    Forgery("a door is in another phase", "shutter", put("frames.*.waves.*.phase", plus(1.0)), ROW),
     Forgery(
         "another robot moves otherwise",
         "two-robots",
