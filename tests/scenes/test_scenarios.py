@@ -56,7 +56,7 @@ def test_no_other_scenario_is_opened(name: str) -> None:
         ("speed_mm_s: 250", "speed: 250", "request.frames.belt.conveyor.speed"),
         ("status: planned", "status: perhaps", "expect.status"),
         ("about: >", "abuot: >", "abuot"),
-        ("seed: 1", "seed: one", "request.options.seed"),
+        ("seed: 0", "seed: one", "request.options.seed"),
         ("dwell_ms: 80", "dwell_ms: 80\n        wait: 3", "request.task[0].pick.wait"),
     ],
 )
