@@ -27,11 +27,12 @@ from assur.planner.kernels.candidates import (
 from assur.planner.laws import Frame, linear
 from assur.planner.legs.meeting import Meetings
 from assur.planner.model.scene import Scene
+from assur.planner.search.beam import Search
 from assur.planner.search.candidates import Population
 from assur.planner.search.meeting_options import options
-from assur.planner.search.partial_plan import Option, initial, prepared
+from assur.planner.search.partial_plan import Candidate, Option, initial, prepared
 from assur.planner.search.rough_score import CoarseScore, RoughMotions
-from assur.planner.search.tuning import APART_S, NEARLY_FREE, REMEMBERED
+from assur.planner.search.tuning import APART_S, LATER, NEARLY_FREE, REMEMBERED
 from assur.planner.search.via_batch import Freedom, shape_of
 from tests.planner.cells import Around, arm, belt_and_dial, cell, go, solid, stands
 from tests.planner.search.test_search import narrow
@@ -230,3 +231,23 @@ def test_a_row_is_timed_as_the_shape_that_it_describes() -> None:
     for k, via in enumerate(shape.vias):
         assert np.array_equal(via.q, row[FIRST_VIA + 4 * k : FIRST_VIA + 4 * (k + 1)])
         assert via.pace == row[PACES + k]
+
+
+@pytest.mark.parametrize("bars", [False, True])
+def test_direct_ways_and_arches_that_are_not_free_come_after_candidates_by_vias(bars: bool) -> None:
+    """A wall higher than the lift goes bars the direct ways and the arches; without it a direct way is first."""
+    wall = stands("wall", box(0.2, 0.02, 0.6), 0.45, 0.0, 0.3)
+    scene = cell(go(0.4, 0.25, 0.1), bodies=(wall,) if bars else (), q=(-0.9, 0.6, 0.2, 0.0))
+    sampler = Search(scene, Prover(scene), 0.0)._sampler(initial(scene))
+
+    def simple(batch: list[Candidate]) -> list[bool]:
+        return [not each.shape.vias and each.shape.wait == each.shape.late == 0.0 for each in batch]
+
+    first = [simple(sampler.batch()) for _ in range(1 + LATER)]
+    if not bars:
+        assert first[0]
+        assert all(first[0])
+        return
+    assert not any(any(batch[:3]) for batch in first[:LATER])
+    assert first[LATER]
+    assert all(first[LATER])
