@@ -18,6 +18,7 @@ from assur.planner.checker import Code
 from assur.planner.errors import InputError
 from assur.planner.geometry.shapes import Body, Primitive, box
 from assur.planner.robots.five_axis_arm import FLANGE, LINK4
+from assur.scenes.exports.documents import check_trajectory_document, export_document
 from assur.scenes.requests import check_document, plan_document, scene_of
 from assur.scenes.scenarios import shipped
 from tests.scenes.cells.second_kinematics import Array, answer, chain, changed, closest, forged, path_of, proof
@@ -64,6 +65,10 @@ def test_the_gate_is_in_the_way(name: str) -> None:
     free = changed(name, lambda r: r.update(bodies=[body for body in r["bodies"] if body["name"] != "bar"]))
     quicker = plan_document(free)
     assert quicker["trajectory"]["time_s"][-1] < answer(name)["trajectory"]["time_s"][-1]
+    file = export_document(free, quicker, {"format": "csv", "jerk": "report", "tick_ms": 1.0})["file"]
+    judged = check_trajectory_document(changed(name), {"file": file, "format": "csv", "jerk": "report"})
+    assert judged["ok"] is False
+    assert "bar" in judged["first"]["bodies"]
 
 
 @pytest.mark.parametrize("name", ["elbow-arm", "polar-arm"])
