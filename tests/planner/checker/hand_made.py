@@ -493,10 +493,6 @@ def without(scene: Scene, plan: Plan, rows: FloatArray | BoolArray) -> Plan:
 COLUMNS = ("t0", "t1", "first", "first_piece", "second", "second_piece", "normal")
 
 
-BODIES_OF_CROSSING = {"post": WorldBody(solid("post", cylinder(0.02, 0.1)), "world", Pose(-0.5, -0.5, 0.05))}
-"""Bodies that `crossing` may have besides, far from everything."""
-
-
 def asking(scene: Scene, number: int, **changes: Any) -> Scene:
     """The scene with a step changed."""
     task: list[Any] = list(scene.task)
