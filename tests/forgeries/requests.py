@@ -90,6 +90,7 @@ REQUESTS: tuple[Other, ...] = (
     Other("an arch", DEMO, T.LEGS, T.LEGS, update(HOME, arch={"top_mm": 150})),
     Other("a higher arch", "standard-cycle", T.DIRECTION, T.ARCH, put("task.0.*.arch.top_mm", plus(1))),
     Other("another path", "circular-legs", T.GUIDE, T.GUIDE, put("task.1.*.path.0.arc.via_mm.0", plus(0.1))),
+    Other("sharper corners", "circular-legs", T.GUIDE, T.GUIDE, put("task.2.move.blend_mm", 4.95)),
     Other("a faster trace", TRACE, T.ARRIVAL, T.ARRIVAL, put("task.0.*.speed_mm_s", 153)),
     Other("another trace", TRACE, T.ARRIVAL, T.ARRIVAL, put("task.0.*.path.1.arc.via_mm.0", 50.02)),
     Other("a longer lead-in", TRACE, T.LEGS, T.LEGS, put("task.0.*.lead_in_mm", 9)),
@@ -103,7 +104,7 @@ REQUESTS: tuple[Other, ...] = (
     Other("a point 45.1 mm above another", "rv-m1", T.POINT, T.POINT, put("task.0.*.to.at_mm", [0, 0, 45.1])),
     Other("another pitch", "rv-m1", T.ARRIVAL, T.ARRIVAL, put("task.0.*.to.pitch_deg", -89.99)),
     Other("blends that last longer", BLENDS, T.BLEND, T.BLEND, option("acceleration_time_ms", 239)),
-    Other("a via elsewhere", BLENDS, T.BLEND, T.BLEND, put("task.0.*.to.at_mm", [200, 200.002, -200])),
+    Other("a via elsewhere", BLENDS, T.BLEND, T.BLEND, put("task.0.*.to.at_mm", [200.002, 199.998, -200])),
     # options and execution
     Other("an earlier end", DEMO, T.END, T.END, option("latest_end_s", 0.5)),
     Other("the end at rest", "moving", T.END, T.END, option("end", "rest")),
