@@ -121,6 +121,19 @@ def test_no_row_of_an_answer_can_be_spared(table: str) -> None:
             assert state_answer(Handling(case.scene, case.plan), case.claims, less), (table, row)
 
 
+def test_no_peak_of_the_tool_is_shown_without_its_rows() -> None:
+    case, claim = answered("demo")
+    found = state_answer(Handling(case.scene, case.plan), case.claims, claim._replace(rates=claim.rates[:0]))
+    assert {each.what for each in found} == {
+        "the speed of the tool may be larger than is stated",
+        "the speed of the tool is not what is stated then",
+        "the acceleration of the tool may be larger than is stated",
+        "the acceleration of the tool is not what is stated then",
+        "the tool may accelerate harder with a part than is stated",
+        "the tool never accelerates as hard with a part as is stated",
+    }
+
+
 def test_modes_margins_grips_and_supports_that_a_request_asks_for_are_stated() -> None:
     case = case_of("demo, near parts")
     assert differences(case) == []
