@@ -6,10 +6,8 @@ import math
 
 import numpy as np
 import pytest
-import trimesh
 
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.checker.statement.limits import integrals
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
@@ -66,39 +64,6 @@ def test_moments_are_those_of_a_fine_grid(name: str) -> None:
     assert found.volume == pytest.approx(volume, rel=4e-3)
     assert np.abs(np.array(found.centroid) - centroid).max() <= 3e-4
     assert found.square == pytest.approx(square, rel=4e-3)
-
-
-def test_moments_of_triangles_are_those_of_trimesh() -> None:
-    outline = [(0.0, 0.0), (0.3, 0.0), (0.3, 0.05), (0.05, 0.05), (0.05, 0.2), (0.0, 0.2)]
-    below, above = ([(x, y, z) for x, y in outline] for z in (0.0, 0.04))
-    sides = [t for i in range(6) for t in ((i, (i + 1) % 6, 6 + (i + 1) % 6), (i, 6 + (i + 1) % 6, 6 + i))]
-    cap = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]
-    faces = np.array([*sides, *(tuple(6 + k for k in t) for t in cap), *(t[::-1] for t in cap)])
-    vertices = np.array([*below, *above]) @ TURNED.T + np.array([0.4, -0.3, 0.2])
-    mesh = trimesh.Trimesh(vertices, faces, process=False)
-    assert mesh.is_watertight
-    vertices.flags.writeable = faces.flags.writeable = False
-    found = spread(Body("angle", (Piece(box(0.01, 0.01, 0.01)),), (vertices, faces)))
-    assert found.volume == pytest.approx(mesh.volume, rel=1e-12)
-    assert found.centroid == pytest.approx(tuple(mesh.center_mass), rel=1e-12)
-    assert found.square * found.volume == pytest.approx(mesh.moment_inertia[2, 2], rel=1e-9)
-
-
-def test_a_hull_is_the_box_that_it_is() -> None:
-    found = spread(SOLIDS["hull"])
-    assert found.volume == pytest.approx(0.006, rel=1e-12)
-    # laid along x: its third axis is the body's x, its first the body's -z
-    assert found.centroid == pytest.approx((0.0, 0.1, -0.05), abs=1e-15)
-    assert found.square == pytest.approx((0.3**2 + 0.2**2) / 12, rel=1e-12)
-
-
-@pytest.mark.parametrize("name", SOLIDS)
-def test_the_checker_integrates_in_its_own_way_and_finds_the_same(name: str) -> None:
-    found, (volume, x, y, square) = spread(SOLIDS[name]), integrals(SOLIDS[name])
-    assert volume == pytest.approx(found.volume, rel=1e-12)
-    assert (x / volume, y / volume) == pytest.approx(found.centroid[:2], rel=1e-10, abs=1e-15)
-    about = found.square + found.centroid[0] ** 2 + found.centroid[1] ** 2
-    assert square / volume == pytest.approx(about, rel=1e-12)
 
 
 def test_a_surface_that_is_inside_out_encloses_nothing() -> None:

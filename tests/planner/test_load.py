@@ -15,10 +15,8 @@ from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.legs.limits import parts, used
-from assur.planner.model.claims import Claims
-from assur.planner.model.load import Carried, LoadLimits, Tool
-from assur.planner.model.outcome import NotPlanned, Plan, Planned
-from assur.planner.model.phases import phases
+from assur.planner.model.load import LoadLimits, Tool
+from assur.planner.model.outcome import NotPlanned, Planned
 from assur.planner.model.refusal import Overload, Reason, Stage
 from assur.planner.model.scene import Holding, Move, Place, Scene, Target
 from assur.planner.pipeline import plan
@@ -27,8 +25,6 @@ from assur.planner.robots.facts import lowered
 from assur.planner.timing.solver import JERK_RESERVE, RATE_RESERVE
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CUP, arm, cell, go, stands, table_to_table
-from tests.planner.checker.hand_made import sealed
-from tests.planner.timing.legs import time_joints
 
 HEAVY = LoadLimits(rated_kg=2.0, max_kg=5.0)
 
@@ -148,39 +144,9 @@ def test_with_the_part_in_the_gripper_the_joints_use_their_share_and_without_it_
     assert max(j for _, j in ratios if j is not None) <= 1.0 + 1e-6
 
 
-def test_a_loaded_straight_leg_keeps_its_share() -> None:
-    def straight(share: float) -> tuple[Scene, Planned]:
-        known = LoadLimits(max_kg=5.0, shares=((1.0, 1.0), (4.0, share)))
-        scene = heavy(3.0, known)
-        goal = replace(go(0.35, 0.2, 0.15, name="aside"), leg="cartesian")
-        scene = replace(scene, task=(scene.task[0], goal))
-        return scene, made(scene)
-
-    (own, whole), (scene, slow) = straight(1.0), straight(0.25)
-    assert max(ratio for part, ratio in peaks(own, whole) if part) >= 0.95
-    assert 0.25 * 0.95 <= max(ratio for part, ratio in peaks(scene, slow) if part) <= 0.25 * (1.0 + 1e-9)
-
-
 def lowered_rates(acceleration: float, jerk: float) -> tuple[float, float]:
     """What the solver gets of limits."""
     return acceleration * (1 - RATE_RESERVE), jerk * (1 - JERK_RESERVE)
-
-
-@pytest.mark.parametrize("share", [1.0, 0.5, 0.2])
-def test_a_move_from_rest_to_rest_takes_as_long_as_the_scaled_limits_say(share: float) -> None:
-    """One joint that does not come to its full speed: T = a/j + √((a/j)² + 4 D/a), and a/j does not change; and over a
-    distance in which it does not come to its full acceleration: T = (32 D/j)^(1/3)."""
-    limits = lowered(arm().limits, share)
-    a, j = lowered_rates(float(limits.acceleration[0]), float(limits.jerk[0]))
-    rates = limits.velocity[:1], limits.acceleration[:1], limits.jerk[:1]
-    none = np.zeros(1)
-    for distance, expected in (
-        (0.4, a / j + math.sqrt((a / j) ** 2 + 4 * 0.4 / a)),
-        (0.002, (32 * 0.002 / j) ** (1 / 3)),
-    ):
-        found = time_joints(none, none, none, np.array([distance]), none, none, *rates)
-        assert isinstance(found, Trajectory)
-        assert found.duration == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_plan_with_a_tool_above_the_rated_load_takes_as_long_as_its_share_says() -> None:
@@ -328,40 +294,6 @@ def test_a_sentence_of_an_overload_is_made_of_its_facts() -> None:
 # what the checker finds
 
 
-def codes(scene: Scene, made: Plan, carried: tuple[Carried, ...] | None = None) -> set[Code]:
-    return {finding.code for finding in check(scene, made, Claims(carried=carried)).findings}
-
-
-def test_a_plan_that_was_made_without_its_load_is_refused_by_the_checker() -> None:
-    own = heavy(3.0, LoadLimits(max_kg=5.0))
-    unscaled, scene = made(own), heavy(3.0)
-    assert check(own, unscaled.plan).ok
-    findings = check(scene, unscaled.plan).findings
-    assert {finding.code for finding in findings} == {Code.LIMIT}
-    pick, place = unscaled.plan.arrivals[:2]
-    for finding in findings:
-        assert finding.what.startswith("joint ")
-        assert pick.until - 1e-6 <= float(finding.where.removesuffix(" s")) <= place.until
-
-
-def test_limits_that_are_dropped_too_late_or_restored_too_early_are_found() -> None:
-    """A depart with the part that is as quick as one without it."""
-    scene, fast = heavy(3.0), made(heavy(3.0, LoadLimits(max_kg=5.0))).plan
-    legs = tuple(leg for leg in fast.legs if leg.step == 0)
-    path, short = fast.trajectory, replace(scene, task=scene.task[:1], options=replace(scene.options, end="moving"))
-    rows = path.time <= legs[-1].t1
-    cut = Trajectory(path.time[rows], path.q[rows], path.qd[rows], path.qdd[rows])
-    depart = replace(fast, trajectory=cut, legs=legs, arrivals=fast.arrivals[:1])
-    assert [phase.attached.held is not None for phase in phases(short, legs, depart.arrivals)][-1]
-    depart = sealed(short, depart)
-    findings = [finding for finding in check(short, depart).findings if finding.code is Code.LIMIT]
-    leg_s = legs[-1].t1 - legs[-1].t0
-    assert {finding.what for finding in findings} == {"joint z: a limit is not kept"}
-    # times in findings have six digits
-    assert all(-1e-6 <= float(finding.where.removesuffix(" s")) - legs[-1].t0 <= leg_s for finding in findings)
-    assert Code.LIMIT not in codes(replace(short, load_limits=LoadLimits(max_kg=5.0)), depart)
-
-
 def test_more_than_may_be_carried_is_found_whoever_planned_it() -> None:
     free = made(heavy(3.0, LoadLimits())).plan
     assert check(heavy(3.0, LoadLimits()), free).ok
@@ -374,26 +306,6 @@ def test_more_than_may_be_carried_is_found_whoever_planned_it() -> None:
         findings = check(heavy(3.0, known), free).findings
         assert Code.LOAD in {finding.code for finding in findings}
         assert any(said in finding.what for finding in findings), known
-
-
-def test_what_an_answer_says_of_its_loads_is_verified() -> None:
-    scene = heavy(3.0)
-    found = made(scene)
-    told = found.carried
-    assert codes(scene, found.plan, told) == set()
-    first, loaded, last = told
-    assert loaded.inertia_kgm2 is not None
-    for wrong in (
-        replace(loaded, mass_kg=3.9),
-        replace(loaded, share=1.0),
-        replace(loaded, inertia_kgm2=0.99 * loaded.inertia_kgm2),
-        replace(loaded, inertia_kgm2=None),
-        replace(loaded, t0=loaded.t0 + 1e-3),
-        replace(loaded, t1=loaded.t1 - 1e-3),
-        replace(loaded, part=None),
-    ):
-        assert codes(scene, found.plan, (first, wrong, last)) == {Code.LOAD}
-    assert codes(scene, found.plan, (first, last)) == {Code.LOAD}
 
 
 def test_a_place_elsewhere_ends_the_load_elsewhere() -> None:

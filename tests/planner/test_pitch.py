@@ -16,7 +16,7 @@ from assur.planner.frames.motion import Motion, Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.laws import conveyor
 from assur.planner.legs.tilt import PITCHES, pitch_free, tilt_of, tilts
-from assur.planner.model.outcome import Course, LegKind, NotPlanned, Outcome, Planned, Route
+from assur.planner.model.outcome import NotPlanned, Outcome, Planned
 from assur.planner.model.refusal import Reason
 from assur.planner.model.scene import Arch, Pick, Place, Scene, Tool
 from assur.planner.pipeline import plan
@@ -182,23 +182,6 @@ def test_the_lower_bound_counts_what_is_asked_and_claims_nothing_of_pitches_not_
     assert moving.lower_bound_s <= moving.plan.trajectory.end
 
 
-def test_a_straight_leg_carries_pitch_and_roll_along() -> None:
-    """From the attitude at the start to the one that is asked: both by one law, on the straight path of the tool."""
-    scene = five_axis_cell(goes(aim(0.3, 0.15, 0.35, pitch=DOWN, roll=1.2), leg="cartesian"))
-    outcome = planned(scene)
-    leg = outcome.plan.legs[-1]
-    assert (leg.kind, leg.route) == (LegKind.MOVE, Route(Course.STRAIGHT))
-    t = np.linspace(leg.t0, leg.t1, 400)
-    moved = hand(scene, outcome, t)
-    begin, end = moved.tilt[0], moved.tilt[-1]
-    assert end == pytest.approx([DOWN, 1.2], abs=1e-9)
-    share = (moved.tilt - begin) / (end - begin)
-    assert np.abs(share[:, 0] - share[:, 1]).max() < 1e-4
-    way = moved.p[-1] - moved.p[0]
-    assert np.abs((moved.p - moved.p[0]) @ way / (way @ way) - share[:, 0]).max() < 1e-4
-    assert (np.diff(share[:, 0]) > -1e-9).all()
-
-
 def test_a_straight_leg_from_a_follow_begins_with_the_attitude_of_the_follow() -> None:
     task = (
         follows(aim(0.0, 0.0, 0.05, "belt", pitch=DOWN, roll=0.3)),
@@ -221,13 +204,6 @@ def test_a_point_is_flown_by_with_its_pitch_and_the_next_one_met() -> None:
     assert hand(scene, outcome, by.time).tilt == pytest.approx([-1.2, START[4]], abs=1e-9)
     assert hand(scene, outcome, goal.time).tilt == pytest.approx([DOWN, 0.0], abs=1e-9)
     assert np.abs(hand(scene, outcome, by.time).v).max() > 0.01
-
-
-def test_the_same_seed_gives_the_same_plan() -> None:
-    wall = stands("wall", box(0.04, 0.3, 0.06), 0.32, 0.0, 0.2)
-    scene = five_axis_cell(goes(aim(0.38, 0.0, 0.2)), bodies=(wall,), max_candidates=2000)
-    first, again = planned(scene), planned(scene)
-    assert first.plan.certificate.digest == again.plan.certificate.digest
 
 
 PICK = Pick("pick", "part", Pose(), 0.03, 0.1, 0.03)

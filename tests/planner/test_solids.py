@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import replace
 
 import numpy as np
 from hypothesis import given
@@ -12,17 +11,15 @@ from hypothesis import strategies as st
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.collision.bodies import COVER, Arrangement, Bodies, PairTables
 from assur.planner.frames.motion import Pose
-from assur.planner.geometry.shapes import Body, Piece, box, cylinder, sphere, support
+from assur.planner.geometry.shapes import Body, Piece, box, cylinder, support
 from assur.planner.kernels.solids import CENTRE, FIRST, HALF, ROTATION, SECOND
 from assur.planner.laws import turntable
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import AT_START, Attachments, Held, Phase
+from assur.planner.model.phases import AT_START, Phase
 from assur.planner.model.scene import Scene
-from assur.planner.robots.scara import FLANGE
-from assur.planner.trajectory import Trajectory
-from tests.planner.cells import CUP, Around, arm, block, cell, frame, go, mesh_box, solid, stands, table_to_table
+from tests.planner.cells import CUP, Around, arm, block, cell, frame, go, mesh_box, solid, stands
 from tests.planner.convex import anywhere, grid_aligned
-from tests.planner.second_solids import carriers, standing
+from tests.planner.second_solids import carriers
 
 
 def asked_pairs(scene: Scene, solids: Arrangement) -> tuple[IntArray, IntArray]:
@@ -86,28 +83,6 @@ def test_a_primitive_is_one_unit_and_everything_else_has_its_box_first() -> None
         assert all(solids.body[i] == number for i in solids.pieces(number))
 
 
-def test_units_ride_on_the_carriers_of_their_bodies() -> None:
-    scene = scene_of_all()
-    solids = Bodies(scene)(AT_START)
-    q, t = np.array([[0.4, -1.0, 0.1, 2.0]]), np.array([0.7])
-    where = carriers(scene, q, t)
-    p, rotation = scene.robot.placements(q)
-    assert np.array_equal(where.position[0, :5], p[0])
-    assert np.array_equal(where.rotation[0, :5], rotation[0])
-    cup = solids.number["cup"]
-    assert solids.carrier[solids.roots[cup]] == FLANGE
-    dial = 5 + list(scene.frames).index("dial")
-    assert solids.carrier[solids.roots[solids.number["wedge"]]] == dial
-    turned = Pose(0.3, -0.3, 0.05, 0.7)
-    assert np.allclose(where.position[0, dial], turned.position, atol=1e-15)
-    assert np.allclose(where.rotation[0, dial][:2, 0], [np.cos(0.7), np.sin(0.7)], atol=1e-15)
-    # a place in the world by another way: pose in pose
-    unit = solids.pieces(solids.number["wedge"])[0]
-    origin = centre(solids, unit) - axes(solids, unit) @ solids.offset(unit)
-    there = where.position[0, dial] + where.rotation[0, dial] @ origin
-    assert np.allclose(there, turned.then(Pose(0.1, 0.0, 0.0, 1.0)).position, atol=1e-15)
-
-
 def test_where_a_law_is_not_known_nothing_is_known() -> None:
     scene = scene_of_all()
     where = carriers(scene, np.zeros((2, 4)), np.array([1.0, 6.0]))
@@ -133,48 +108,3 @@ def test_every_body_of_the_arm_is_asked_against_every_body_around_and_its_own_as
     # whole bodies are asked: by their only piece or by their box
     assert set(a) | set(b) <= set(solids.roots)
     assert solids.of_robot[solids.body[a]].all()
-
-
-def test_bodies_on_one_link_are_never_asked() -> None:
-    scene = scene_of_all()
-    robot = arm(column=0.08)
-    odd = replace(robot, self_pairs=(("flange", "flange"), ("base", "quill")))
-    tool = replace(CUP, bodies=(*CUP.bodies, solid("second cup", sphere(0.01))))
-    scene = replace(scene, robot=odd, tool=tool)
-    solids = Bodies(scene)(AT_START)
-    a, b = asked_pairs(scene, solids)
-    assert (solids.carrier[a] != solids.carrier[b]).all()
-
-
-def test_a_carried_part_is_the_arms_and_no_longer_around() -> None:
-    scene = table_to_table()
-    make = Bodies(scene)
-    held = Held("part", Pose(0.01, 0.0, -0.07, 0.4))
-    solids = make(Attachments(held))
-    assert solids.names.count("part") == 1
-    number = solids.number["part"]
-    assert solids.of_robot[number]
-    assert solids.carrier[solids.roots[number]] == FLANGE
-    assert np.allclose(centre(solids, int(solids.roots[number])), held.in_flange.position)
-    a, b = asked_pairs(scene, solids)
-    pairs = {(solids.names[solids.body[x]], solids.names[solids.body[y]]) for x, y in zip(a, b, strict=True)}
-    assert {("part", "left-table"), ("part", "right-table")} <= pairs
-    assert not any(second == "part" for _, second in pairs)
-
-
-def test_a_part_that_was_moved_rides_where_it_was_put() -> None:
-    scene = scene_of_all()
-    make = Bodies(scene)
-    solids = make(Attachments(None, (("part", "dial", Pose(0.05, 0.0, 0.03, 0.2)),)))
-    root = solids.roots[solids.number["part"]]
-    assert solids.carrier[root] == 5 + list(scene.frames).index("dial")
-    assert np.allclose(centre(solids, int(root)), [0.05, 0.0, 0.03])
-    assert make(Attachments(None, (("part", "dial", Pose(0.05, 0.0, 0.03, 0.2)),))) is solids
-    assert make(AT_START) is not solids
-
-
-def test_an_arm_stands_before_its_first_knot_and_after_its_last() -> None:
-    q = np.array([[0.0, 1.0, 0.1, 0.0], [0.5, 0.5, 0.2, 1.0]])
-    path = Trajectory(np.array([1.0, 2.0]), q, np.zeros((2, 4)), np.zeros((2, 4)))
-    found = standing(path, np.array([-5.0, 1.0, 2.0, 9.0]))
-    assert np.array_equal(found, q[[0, 0, 1, 1]])

@@ -4,7 +4,6 @@ where a step asks for less."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -12,7 +11,6 @@ import numpy as np
 import pytest
 
 from assur.planner.checked import check
-from assur.planner.checker.statement.phases import WITHIN_M
 from assur.planner.checker.verdict import Code
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.touching import TOUCH_M, apart, grip, support
@@ -22,9 +20,8 @@ from assur.planner.feasibility.input_warnings import OFF_M, unusual_supports
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder, sphere
 from assur.planner.laws import conveyor
-from assur.planner.model.claims import Claims
 from assur.planner.model.input_warning import Odd
-from assur.planner.model.outcome import Arrival, NotPlanned, Planned
+from assur.planner.model.outcome import NotPlanned, Planned
 from assur.planner.model.phases import AT_START, at_start, yaw_offsets
 from assur.planner.model.refusal import NotTouching, Reason, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Tool
@@ -33,7 +30,7 @@ from assur.planner.report.notes import warned
 from assur.planner.report.refusal_words import because
 from tests.planner.cells import BARE, frame, solid, table_to_table
 from tests.planner.checker.hand_made import sealed
-from tests.planner.test_unusual_places import gripped, placed
+from tests.planner.test_input_warnings import gripped, placed
 
 FINGER = Tool(Pose(z=-0.06), (solid("finger", box(0.01, 0.01, 0.06), 0.06, 0.0, -0.03),))
 """One finger 60 mm beside the axis, so that the turn of the tool counts."""
@@ -279,40 +276,6 @@ def test_where_a_body_is_not_known_nothing_is_measured() -> None:
     later = replace(scene, frames={**scene.frames, "belt": belt}, bodies=bodies)
     assert math.isnan(apart(Prover(later), AT_START, 0.0, "part", "right-table"))
     assert apart(Prover(later), AT_START, 5.5, "part", "right-table") > 0.0
-
-
-TOO_NEAR, UPPER = (-0.02, -1e-3, -1.2 * WITHIN_M), (-0.8 * WITHIN_M, 1e-3, 0.02, 1e6)
-"""What is added to a distance that is stated. An upper value may be larger."""
-STATED = Claims()
-"""An answer whose arrivals count."""
-CASES: dict[str, Callable[[], Scene]] = {
-    "touching": table_to_table,
-    "apart": lambda: asking(gripped(0.0, 0.02)),
-    "in the air": lambda: placed(0.05, contact_with=("right-table",)),
-    "turned": lambda: lopsided(-0.02),
-}
-
-
-def saying(arrival: Arrival, field: str, value: float) -> Arrival:
-    return replace(arrival, grip_m=value) if field == "grip_m" else replace(arrival, support_m=value)
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_a_distance_that_is_not_so_is_refused_and_one_that_is_is_accepted(name: str) -> None:
-    scene = CASES[name]()
-    made = told(scene).plan
-    assert check(scene, made, STATED).findings == ()
-    for i, arrival in enumerate(made.arrivals):
-        for field in ("grip_m", "support_m"):
-            value = getattr(arrival, field)
-            for said in [0.0] if value is None else [value + off for off in TOO_NEAR]:
-                forged = saying(arrival, field, said)
-                arrivals = (*made.arrivals[:i], forged, *made.arrivals[i + 1 :])
-                findings = check(scene, sealed(scene, replace(made, arrivals=arrivals)), STATED).findings
-                assert [f.code for f in findings] == [Code.NEAREST], (field, said)
-            for within in () if value is None else UPPER:
-                arrivals = (*made.arrivals[:i], saying(arrival, field, value + within), *made.arrivals[i + 1 :])
-                assert check(scene, sealed(scene, replace(made, arrivals=arrivals)), STATED).ok
 
 
 def test_a_plan_that_is_farther_than_a_step_allows_is_refused_whatever_it_says() -> None:

@@ -26,8 +26,8 @@ from assur.scenes.schema.checked import (
     VERIFIED,
     not_checked,
 )
+from tests.forgeries.test_forgeries import findings, sealed
 from tests.scenes.forged_cells import answered
-from tests.scenes.test_forged_answers import findings, sealed
 
 PAGE = Path(__file__).parents[2] / "docs" / "api.md"
 CELLS = (

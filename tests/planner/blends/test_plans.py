@@ -8,10 +8,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache
-from itertools import pairwise
 from typing import Any
 
-import fcl
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -42,7 +40,7 @@ from assur.planner.model.scene import (
 )
 from assur.planner.pipeline import plan
 from assur.planner.robots.facts import Code
-from assur.planner.robots.scara import FLANGE, LINK1
+from assur.planner.robots.scara import LINK1
 from assur.planner.search.tuning import MOST_OPTIONS
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CUP, PART, Around, amount_of, arm, at, cell, frame, go, solid, stands, unit_of
@@ -171,26 +169,6 @@ def test_what_is_planned_is_checked_and_says_that_its_jerk_is_unbounded(name: st
     assert outcome.lower_bound_s <= outcome.plan.trajectory.duration + 1e-9
 
 
-@pytest.mark.parametrize("name", sorted(CELLS))
-def test_stops_are_met_exactly_at_rest_and_vias_are_missed_by_what_is_said(name: str) -> None:
-    scene, outcome = planned(name)
-    path = outcome.plan.trajectory
-    for step, arrival in zip(scene.task, outcome.plan.arrivals, strict=True):
-        target: Any = getattr(step, "target")  # noqa: B009
-        goal = scene.frames[target.frame].law.motion(np.array(arrival.time)).at(target.pose).p
-        p, yaw = scene.robot.forward(path.evaluate(arrival.time))
-        tool = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw)).then(scene.tool.tcp)
-        away = float(np.linalg.norm(np.array([tool.x, tool.y, tool.z]) - goal))
-        if getattr(step, "via", False):
-            assert arrival.missed_by is not None
-            assert abs(away - arrival.missed_by.distance_m) <= 1e-9
-            assert np.linalg.norm(path.evaluate(arrival.time, 1)) > 0.01
-        else:
-            assert arrival.missed_by is None
-            assert away <= 1e-9
-            assert not path.evaluate(arrival.time, 1).any()
-
-
 def test_an_acceleration_time_that_is_given_is_that_of_every_blend() -> None:
     scene, outcome = planned("given time")
     path = outcome.plan.trajectory
@@ -216,54 +194,12 @@ def test_a_wall_across_the_way_is_blended_over() -> None:
     assert any(leg.route is not None and leg.route.vias for leg in outcome.plan.legs)
 
 
-@pytest.mark.parametrize("name", ["among", "over a wall"])
-def test_a_bodys_gap_is_kept_at_every_one_of_many_instants(name: str) -> None:
-    """By FCL, with poses made here, at instants that know nothing of rows; at jumps from both sides."""
-    scene, outcome = planned(name)
-    path = outcome.plan.trajectory
-    inner = path.edges[1:-1]
-    t = np.sort(np.concatenate([np.linspace(path.start, path.end, 3000), inner, inner - 1e-9, inner + 1e-9]))
-    q = path.evaluate(t)
-    robot = scene.robot
-    p, turn = robot.placements(q)
-    own = [(item.link, item.body.pieces[0]) for item in robot.bodies]
-    own += [(FLANGE, body.pieces[0]) for body in scene.tool.bodies]
-    assert LINK1 in {link for link, _ in own}
-    closest = math.inf
-    motions = [scene.frames[body.frame].law.motion(t).at(body.pose) for body in scene.bodies]
-    for k in range(len(t)):
-        mine = [_object(piece, p[k, link], turn[k, link]) for link, piece in own]
-        for body, motion in zip(scene.bodies, motions, strict=True):
-            c, s = math.cos(motion.yaw[k]), math.sin(motion.yaw[k])
-            other = _object(body.body.pieces[0], motion.p[k], np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]))
-            for one in mine:
-                assert not fcl.collide(one, other, fcl.CollisionRequest(), fcl.CollisionResult())
-                closest = min(closest, fcl.distance(one, other, fcl.DistanceRequest(), fcl.DistanceResult()))
-    assert closest >= scene.options.clearance.travel_m - 1e-6
-    assert outcome.margins.nearest is not None
-    assert outcome.margins.nearest.gap_m <= closest + 1e-4
-
-
-def _object(piece: Any, p: Any, turn: Any) -> Any:
-    x, y, z = (2 * h for h in piece.shape.half)
-    shape = fcl.Box(x, y, z) if piece.shape.kind == "box" else fcl.Cylinder(piece.shape.disc, z)
-    return fcl.CollisionObject(shape, fcl.Transform(turn @ piece.rotation, turn @ piece.position + p))
-
-
 def test_the_same_request_gives_the_same_plan() -> None:
     scene, first = planned("among")
     again = plan(scene)
     assert isinstance(again, Planned)
     assert again.plan.certificate.digest == first.plan.certificate.digest
     assert again.census == first.census
-
-
-def test_legs_are_moves_that_end_when_their_pose_is_due() -> None:
-    _, outcome = planned("among")
-    legs = [leg for leg in outcome.plan.legs if leg.kind == "MOVE"]
-    assert [leg.step for leg in legs] == [0, 1, 2, 3, 4]
-    assert [leg.t1 for leg in legs] == [arrival.time for arrival in outcome.plan.arrivals]
-    assert all(a.t1 == b.t0 for a, b in pairwise(outcome.plan.legs))
 
 
 @settings(max_examples=30)
@@ -483,17 +419,6 @@ def test_the_limit_is_kept_by_a_slower_motion(given: float | None, limit: float)
         # the checker, too, refuses the motion that pulls harder
         fast = check(scene, free.plan)
         assert {finding.code for finding in fast.findings} == {Finding.RATE}
-
-
-def test_the_checker_bounds_each_side_of_a_jump_by_itself_and_no_more() -> None:
-    """It accepts a limit that is just above the peak, and refuses one that is just below."""
-    scene = holding(5.0)
-    found = plan(scene)
-    assert isinstance(found, Planned)
-    true = peak(scene, found.plan.trajectory)
-    for share, refused in ((1.002, False), (0.998, True)):
-        findings = check(replace(scene, carry_acceleration=share * true), found.plan).findings
-        assert (Finding.RATE in {finding.code for finding in findings}) is refused
 
 
 def test_where_no_slower_motion_is_in_time_the_limit_is_told() -> None:

@@ -19,7 +19,7 @@ from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import ProofFailure, Rows
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, box, cylinder, sphere
-from assur.planner.kernels.proof import ALONG, OTHER, T0, T1, UNIT
+from assur.planner.kernels.proof import OTHER, T0, T1, UNIT
 from assur.planner.laws import Change, Frame, Uncertainty, conveyor
 from assur.planner.model.outcome import LegKind, Planned
 from assur.planner.model.phases import CONTACT_M, Phase
@@ -29,7 +29,7 @@ from assur.planner.pipeline import plan
 from assur.planner.trajectory import Trajectory
 from assur.scenes.requests import scene_of
 from tests.planner.cells import CUP, Around, arm, cell, go, mesh_box, solid, stands
-from tests.planner.certificate.moving_ball import LAWS, SHAPES, Encounter, encounter, motion, true_gap
+from tests.planner.certificate.moving_ball import LAWS, SHAPES, Encounter, encounter, motion
 from tests.planner.second_solids import carriers, place, units_of
 
 CLEARANCES = (0.0002, 0.001, 0.005, 0.02)
@@ -129,24 +129,6 @@ def test_bodies_of_several_pieces_are_certified_piece_by_piece(seed: int, kind: 
     assert isinstance(Prover(scene).prove(phase, case.path), ProofFailure)
 
 
-@settings(max_examples=40)
-@given(st.integers(0, 10**6), st.sampled_from(SHAPES), st.sampled_from(LAWS), st.integers(1, 3))
-def test_the_sampled_gap_of_every_row_is_the_clearance_and_the_reserve_or_more(
-    seed: int, kind: str, how: str, pieces: int
-) -> None:
-    case = encounter(seed, kind, how, pieces)
-    scene, phase = asked(case, 0.001, 1.1)
-    rows = Prover(scene).prove(phase, case.path)
-    assert isinstance(rows, Rows)
-    normals, solids = rows.table[:, ALONG : ALONG + 3], rows.arrangement
-    assert np.abs(np.linalg.norm(normals, axis=1) - 1.0).max() <= 1e-12
-    for i in np.random.default_rng(seed).permutation(len(rows))[:40]:
-        t = np.linspace(rows.table[i, T0], rows.table[i, T1], 21)
-        of = (solids.names[solids.body[units_of(rows, OTHER)[i]]], int(solids.piece[units_of(rows, OTHER)[i]]))
-        # the reserve of 1 µm is kept above the clearance
-        assert true_gap(scene, case.path, normals[i], t, of).min() >= 0.001 + 1e-6 - 1e-11
-
-
 @pytest.mark.parametrize("short", ["BUDGET", "ROOM", "STACK"])
 def test_a_proof_that_runs_out_of_work_or_room_goes_on_where_it_was(
     short: str, monkeypatch: pytest.MonkeyPatch
@@ -167,22 +149,6 @@ def test_a_proof_that_runs_out_of_work_or_room_goes_on_where_it_was(
         assert isinstance(whole, Rows)
         assert covered(rows, phase, scene)
         assert np.array_equal(rows.table, whole.table) or short != "STACK"
-
-
-@given(st.integers(0, 10**6), st.sampled_from(LAWS))
-@settings(max_examples=20)
-def test_rows_keep_the_order_of_their_pair_and_lie_in_the_phase(seed: int, how: str) -> None:
-    case = encounter(seed, "box", how)
-    scene, phase = asked(case, 0.001, 1.1)
-    middle = (phase.t0 + phase.t1) / 2
-    part = replace(phase, t0=phase.t0 + 0.1 * (middle - phase.t0), t1=middle)
-    rows = Prover(scene).prove(part, case.path)
-    assert isinstance(rows, Rows)
-    assert (rows.table[:, T0] >= part.t0).all()
-    assert (rows.table[:, T1] <= part.t1).all()
-    assert (rows.table[:, T1] > rows.table[:, T0]).all()
-    assert rows.arrangement.of_robot[rows.arrangement.body[units_of(rows, UNIT)]].all()
-    assert covered(rows, part, scene)
 
 
 def test_a_phase_of_no_length_needs_no_rows() -> None:

@@ -1,12 +1,11 @@
-"""Plans made by hand for the checker: a SCARA, simple cells, quintics through a few states, and a plain prover.
+"""Plans made by hand for the checker: a SCARA, simple cells, and quintics through a few states.
 
-None of it uses the planner's own search, legs, timing, sweep, separation or certificate: the checker is tried on what
-nobody it will meet has made.
+None of it uses the planner's own search, legs or timing. Rows of certificates are those of the planner's prover: the
+checker judges them by itself, wherever they are from.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -15,25 +14,23 @@ from typing import Any
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.collision.proof import Prover
+from assur.planner.collision.rows import ProofFailure, Rows, written
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion, Pose
-from assur.planner.geometry.shapes import Body, Hull, Piece, box, capsule, cylinder, sphere, support
+from assur.planner.geometry.shapes import Body, Hull, Piece, box, capsule, cylinder, sphere
 from assur.planner.laws import Frame, conveyor, fixed, linear, turntable
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Plan
-from assur.planner.model.phases import CONTACT_M, Phase, phases
+from assur.planner.model.phases import phases
 from assur.planner.model.scene import Clearance, Move, Options, Pick, Place, Scene, Start, Target, Tool, WorldBody
 from assur.planner.robots.facts import Code, Limits, RobotBody
-from assur.planner.robots.scara import BASE, FLANGE, LINK1, LINK2, QUILL, Scara
+from assur.planner.robots.scara import BASE, LINK1, LINK2, QUILL, Scara
 from assur.planner.trajectory import Trajectory
-from tests.planner.convex import reach
-from tests.planner.laws.bounded import bounded
-from tests.planner.robots.point_bounds import point_bounds
 
 MODE = 1
 Height = Callable[[FloatArray], tuple[FloatArray, ...]]
 """A height above a point at times (T,), with its first two rates."""
-SLACK_M = 1e-6
 
 
 def solid(name: str, shape: object, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Body:
@@ -270,212 +267,21 @@ def carried_over(scene: Scene, yaw_offset: float = 0.0) -> Plan:
     return hand.plan()
 
 
-# The plain prover: halves an interval until one of a few normals proves it.
-
-
-@dataclass(frozen=True)
-class Side:
-    """A body where it rides in a phase."""
-
-    name: str
-    body: Body
-    link: int
-    frame: str
-    pose: Pose
-
-    @property
-    def mine(self) -> bool:
-        return self.link >= 0
-
-
-def sides(scene: Scene, phase: Phase) -> list[Side]:
-    """All bodies, where they ride in a phase."""
-    found = [Side(b.body.name, b.body, b.link, "", Pose()) for b in scene.robot.bodies]
-    found += [Side(b.name, b, FLANGE, "", Pose()) for b in scene.tool.bodies]
-    for item in scene.bodies:
-        if phase.attached.held is not None and phase.attached.held.part == item.name:
-            found.append(Side(item.name, item.body, FLANGE, "", phase.attached.held.in_flange))
-        else:
-            found.append(Side(item.name, item.body, -1, *phase.attached.pose_of(scene, item.name)))
-    return found
-
-
-def box_of(body: Body) -> Piece:
-    """The bounding box in the body's axes."""
-    axes = np.eye(3)
-    high = np.array([max(support(piece, n) for piece in body.pieces) for n in axes])
-    low = -np.array([max(support(piece, -n) for piece in body.pieces) for n in axes])
-    return Piece(box(*(float(x) for x in high - low)), (high + low) / 2)
-
-
-def _turn(yaw: float) -> FloatArray:
-    c, s = math.cos(yaw), math.sin(yaw)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-
-
-class PlainProver:
-    """Rows for one plan, by halving; slow and simple."""
-
-    def __init__(self, scene: Scene, trajectory: Trajectory) -> None:
-        self.scene, self.trajectory = scene, trajectory
-        self.rows: list[tuple[object, ...]] = []
-        self._poses: dict[tuple[str, str, Pose, float], tuple[FloatArray, FloatArray]] = {}
-
-    def prove(self, phase: Phase) -> None:
-        if not phase.t1 > phase.t0:
-            return
-        present = sides(self.scene, phase)
-        links = self.scene.robot.links
-        wanted = {frozenset(pair) for pair in self.scene.robot.self_pairs}
-        for i, a in enumerate(present):
-            for b in present[i + 1 :]:
-                both = a.mine and b.mine and frozenset((links[a.link], links[b.link])) in wanted
-                if not phase.robot and (a.mine or b.mine):
-                    continue
-                if both or a.mine != b.mine or self._put_down(phase, a, b):
-                    pieces = [list(range(len(s.body.pieces))) if len(s.body.pieces) == 1 else [-1] for s in (a, b)]
-                    for k in pieces[0]:
-                        for m in pieces[1]:
-                            self._pair(phase, a, k, b, m, phase.t0, phase.t1)
-
-    def _put_down(self, phase: Phase, a: Side, b: Side) -> bool:
-        """Whether one was put down and the other passes by."""
-        still = [self.scene.frames[side.frame].law.is_fixed for side in (a, b) if not side.mine]
-        handled = any(phase.handled.of(side.name) is not None for side in (a, b))
-        resting = tuple(sorted((a.name, b.name))) in phase.handled.supports
-        return not (a.mine or b.mine or all(still) or a.frame == b.frame or resting) and handled
-
-    def _ahead(self, a: Side, b: Side) -> float:
-        """How late the start may be, s, where that parts two sides: one is the robot's, and the other moves."""
-        if a.mine == b.mine:
-            return 0.0
-        moves = not self.scene.frames[(b if a.mine else a).frame].law.is_fixed
-        return self.scene.execution.start_tolerance_s if moves else 0.0
-
-    def _pair(self, phase: Phase, a: Side, k: int, b: Side, m: int, t0: float, t1: float) -> None:
-        if (b.mine and not a.mine) or (not a.mine and phase.handled.of(a.name) is None):
-            self._pair(phase, b, m, a, k, t0, t1)  # the robot's first, or what was put down
-            return
-        required, wait = self._required(phase, a, b), self._ahead(a, b)
-        for n in self._normals(a, k, b, m, (t0 + t1) / 2):
-            late = wait * self.bounds(b, m, n, t0, t1 + wait)[0] if wait > 0.0 else 0.0
-            g0, g1 = (self.gap(a, k, b, m, n, t) for t in (t0, t1))
-            va, ma = self.bounds(a, k, n, t0, t1)
-            vb, mb = self.bounds(b, m, n, t0, t1)
-            v, acc, h = va + vb, ma + mb, t1 - t0
-            least = max((g0 + g1 - v * h) / 2, min(g0, g1) - acc * h**2 / 8)
-            if least - SLACK_M >= required + late:
-                self.rows.append((t0, t1, a.name, k, b.name, m, n, wait))
-                return
-        middle = (t0 + t1) / 2
-        best = max(self.gap(a, k, b, m, n, middle) for n in self._normals(a, k, b, m, middle))
-        if (k < 0 or m < 0) and not best > required:
-            for i in range(len(a.body.pieces)) if k < 0 else [k]:
-                for j in range(len(b.body.pieces)) if m < 0 else [m]:
-                    self._pair(phase, a, i, b, j, t0, t1)
-            return
-        if t1 - t0 < 2e-4:
-            raise FaultError(f"{a.name} {k} and {b.name} {m} cannot be kept apart by hand at {t0}")
-        self._pair(phase, a, k, b, m, t0, middle)
-        self._pair(phase, a, k, b, m, middle, t1)
-
-    def _required(self, phase: Phase, a: Side, b: Side) -> float:
-        if tuple(sorted((a.name, b.name))) in phase.contacts:
-            return -CONTACT_M
-        clearance = self.scene.options.clearance
-        found = clearance.near_m if phase.near or not (a.mine or b.mine) else clearance.travel_m
-        for side in (a, b):
-            if side.mine:
-                # no point of the arm is farther than a metre from any of its axes
-                found += sum(self.scene.execution.lag)
-                continue
-            known = self.scene.frames[side.frame].uncertainty
-            late = phase.t1 + self.scene.execution.start_tolerance_s - self.scene.start.time
-            found += known.position_m + known.speed_m_s * late
-        return found
-
-    def _pose(self, side: Side, t: float) -> tuple[FloatArray, FloatArray]:
-        key = (side.name, side.frame, side.pose, t)
-        if key not in self._poses:
-            if side.mine:
-                held = min(max(t, self.trajectory.start), self.trajectory.end)
-                p, rotation = self.scene.robot.placements(self.trajectory.evaluate(np.array(held)))
-                p, rotation = p[side.link], rotation[side.link]
-            else:
-                motion = self.scene.frames[side.frame].law.motion(np.array(t))
-                p, rotation = motion.p, _turn(float(motion.yaw))
-            self._poses[key] = p + rotation @ side.pose.position, rotation @ _turn(side.pose.yaw)
-        return self._poses[key]
-
-    def _reach(self, side: Side, k: int, n: FloatArray, t: float) -> float:
-        piece = box_of(side.body) if k < 0 else side.body.pieces[k]
-        p, rotation = self._pose(side, t)
-        return float(n @ p) + support(piece, rotation.T @ n)
-
-    def gap(self, a: Side, k: int, b: Side, m: int, n: FloatArray, t: float) -> float:
-        return -self._reach(a, k, n, t) - self._reach(b, m, -n, t)
-
-    def _normals(self, a: Side, k: int, b: Side, m: int, t: float) -> list[FloatArray]:
-        up = np.array([0.0, 0.0, 1.0])
-        (pa, ra), (pb, rb) = self._pose(a, t), self._pose(b, t)
-        ca = pa + ra @ (box_of(a.body) if k < 0 else a.body.pieces[k]).position
-        cb = pb + rb @ (box_of(b.body) if m < 0 else b.body.pieces[m]).position
-        line = cb - ca
-        flat = np.array([line[0], line[1], 0.0])
-        found = [up, -up, *(r[:, i] * s for r in (ra, rb) for i in (0, 1) for s in (1, -1))]
-        found += [v / np.linalg.norm(v) for v in (line, flat) if np.linalg.norm(v) > 1e-6]
-        return sorted(found, key=lambda n: -self.gap(a, k, b, m, n, t))[:3]
-
-    def bounds(self, side: Side, k: int, n: FloatArray, t0: float, t1: float) -> tuple[float, float]:
-        piece = box_of(side.body) if k < 0 else side.body.pieces[k]
-        if side.mine:
-            knots = self.trajectory.time
-            edges = np.unique(np.concatenate([[t0, t1], knots[(knots > t0) & (knots < t1)]]))
-            t = np.concatenate([np.linspace(a, b, 33) for a, b in zip(edges, [*edges[1:], t1], strict=True)])
-            t = np.clip(t, self.trajectory.start, self.trajectory.end)
-            joints = np.zeros((1, self.trajectory.n, 6))
-            for order in range(3 if t0 < self.trajectory.end else 1):
-                states = self.trajectory.evaluate(t, order)
-                low, high = states.min(0), states.max(0)
-                joints[0, :, 2 * order], joints[0, :, 2 * order + 1] = (low + high) / 2, 0.51 * (high - low)
-            r = reach(piece, side.pose.position, _turn(side.pose.yaw))
-            v, acc = point_bounds(self.scene.robot, side.link, np.zeros((1, 3)), n[None], joints, r)
-            return float(v[0]) + 1e-6, float(acc[0]) + 1e-3
-        law = bounded(self.scene.frames[side.frame].law, np.array([t0]), np.array([t1]), n[None])
-        r = reach(piece, side.pose.position, _turn(side.pose.yaw)) * math.hypot(n[0], n[1])
-        v = law.speed + r * law.yaw_rate
-        return float(v[0]), float((law.acceleration + r * law.turning)[0])
-
-
 def proved(scene: Scene, trajectory: Trajectory, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -> Plan:
-    """A plan with the plain prover's certificate."""
-    prover = PlainProver(scene, trajectory)
+    """A plan with the rows that the planner's prover finds. Raises `FaultError` if there are none."""
+    prover, rows = Prover(scene), list[Rows]()
     for phase in phases(scene, legs, arrivals):
-        prover.prove(phase)
-    return sealed(scene, Plan(trajectory, legs, arrivals, certificate_of(prover.rows)))
+        found = prover.prove(phase, trajectory)
+        if isinstance(found, ProofFailure):
+            raise FaultError(f"{' and '.join(found.bodies)} cannot be kept apart at {found.time}")
+        rows.append(found)
+    return Plan(trajectory, legs, arrivals, written(scene, trajectory, legs, arrivals, rows))
 
 
-def certificate_of(rows: list[tuple[object, ...]]) -> Certificate:
-    names = tuple(dict.fromkeys(str(row[i]) for row in rows for i in (2, 4)))
-    number = {name: i for i, name in enumerate(names)}
-
-    def reals(i: int) -> FloatArray:
-        return np.array([row[i] for row in rows], dtype=np.float64)
-
-    def integers(values: list[object]) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
-        return np.array(values, dtype=np.int64)
-
-    return Certificate(
-        names,
-        reals(0),
-        reals(1),
-        integers([number[str(row[2])] for row in rows]),
-        integers([row[3] for row in rows]),
-        integers([number[str(row[4])] for row in rows]),
-        integers([row[5] for row in rows]),
-        reals(6).reshape(-1, 3),
-        *((np.zeros(len(rows)), reals(7)) if reals(7).any() else (None, None)),
-    )
+def no_rows() -> Certificate:
+    """The certificate of a motion for which nothing has to be kept apart."""
+    none, numbers = np.zeros(0), np.zeros(0, dtype=np.int64)
+    return Certificate((), none, none, numbers, numbers, numbers, numbers, np.zeros((0, 3)), None, None)
 
 
 def with_rows(scene: Scene, plan: Plan, **columns: object) -> Plan:
@@ -491,10 +297,6 @@ def without(scene: Scene, plan: Plan, rows: FloatArray | BoolArray) -> Plan:
 
 
 COLUMNS = ("t0", "t1", "first", "first_piece", "second", "second_piece", "normal")
-
-
-BODIES_OF_CROSSING = {"post": WorldBody(solid("post", cylinder(0.02, 0.1)), "world", Pose(-0.5, -0.5, 0.05))}
-"""Bodies that `crossing` may have besides, far from everything."""
 
 
 def asking(scene: Scene, number: int, **changes: Any) -> Scene:

@@ -81,6 +81,8 @@ def test_names_that_are_not_different_texts_are_refused() -> None:
     names = plan.certificate.names
     for wrong in (list(names), (*names[:-1], names[0]), (*names[:-1], 7)):
         refused(plan.certificate, names=wrong)
+    for covers in (None, list(plan.certificate.covers)):
+        refused(plan.certificate, covers=covers)
 
 
 @pytest.mark.parametrize(

@@ -31,7 +31,7 @@ from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene, WorldBody
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import cell, frame, go, solid
-from tests.planner.checker.hand_made import certificate_of
+from tests.planner.checker.hand_made import no_rows
 
 DIGITS = 60
 STEP = (0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0)
@@ -129,7 +129,7 @@ def at_rest(law: Law, t: float) -> tuple[Scene, Claim, Geometry, Scratch]:
     scene = cell(go(0.35, 0.1), frames=(frame("moved", law),), time=t)
     q = np.tile(scene.start.q, (2, 1))
     path = Trajectory(np.array([t, t + 1.0]), q, 0.0 * q, 0.0 * q)
-    resting = Plan(path, (Leg(LegKind.MOVE, 0, t, t + 1.0),), (), certificate_of([]))
+    resting = Plan(path, (Leg(LegKind.MOVE, 0, t, t + 1.0),), (), no_rows())
     claim = with_plan(claim_of(scene), resting, (Phase(t, t + 1.0, LegKind.MOVE, 0),))
     geometry, scratch = prepare(claim)
     assert make_laws(claim, geometry, scratch)

@@ -23,11 +23,10 @@ from assur.planner.laws import Law, Pose, linear, swing, turntable
 from assur.planner.laws.law import Uncertainty
 from assur.planner.legs.accuracy import arrival_error
 from assur.planner.model.outcome import (
-    LegKind,
     Plan,
 )
 from assur.planner.model.phases import AT_START, GraspUncertainty
-from assur.planner.model.scene import Execution, Follow, Move, Options, Scene, Target, WorldBody
+from assur.planner.model.scene import Execution, Move, Options, Scene, Target, WorldBody
 from tests.planner.checker.hand_made import (
     TOOL,
     WORLD,
@@ -39,7 +38,6 @@ from tests.planner.checker.hand_made import (
     crossing,
     frame,
     proved,
-    ramp,
     sealed,
     solid,
     start_at,
@@ -169,30 +167,6 @@ def test_an_honest_plan_for_an_uncertain_cell_is_accepted(execution: Execution) 
     assert {finding.code for finding in check(scene, plan).findings} == {Code.ARRIVAL}
 
 
-def test_a_follow_that_ends_in_motion_and_a_via_are_accepted() -> None:
-    scene = belt_to_dial()
-    point, by = Pose(0.05, 0.0, 0.2), Pose(0.15, 0.25, 0.22)
-    task = (
-        Move("by", Target("world", by), via=True),
-        Follow("along", Target("belt", point), 0.1),
-    )
-    scene = replace(scene, task=task, options=replace(scene.options, end="moving"))
-    hand = Hand(scene)
-    through = frame("through", linear(by, (-0.3, 0.1, 0.0), 0.3))
-    flying = replace(scene, frames={**scene.frames, "through": through})
-    hand.go(0, above(flying, "through", Pose()), 0.3)
-    hand.arrive(0, 0.3, 0.3, matched=False)
-    hand.go(1, above(scene, "belt", point), 0.8)
-    hand.glide(1, above(scene, "belt", point), 0.9, LegKind.FOLLOW)
-    hand.arrive(1, 0.8, 0.9)
-    plan = hand.plan()
-    assert check(scene, plan).findings == ()
-    ended = replace(scene, options=replace(scene.options, end="rest"))
-    assert Code.END in {finding.code for finding in check(ended, plan).findings}
-    stopped = replace(task[1], duration_s=0.2)
-    assert {finding.code for finding in check(replace(scene, task=(task[0], stopped)), plan).findings} == {Code.ARRIVAL}
-
-
 def test_a_last_leg_may_come_to_rest() -> None:
     """After a meeting in motion at the end of the task; no step but the last has such a leg."""
     scene = belt_to_dial()
@@ -207,12 +181,3 @@ def test_a_last_leg_may_come_to_rest() -> None:
     assert check(scene, plan).findings == ()
     twice = replace(scene, task=(*scene.task, Move("again", Target("world", Pose(0.16, 0.28, 0.2)))))
     assert Code.LEGS in {finding.code for finding in check(twice, plan).findings}
-
-
-def test_a_way_down_is_a_tracking_leg_also_without_a_dwell() -> None:
-    """A pick that takes no time still has a FOLLOW, of no length: the part changes hands there."""
-    scene = belt_to_dial()
-    pick, *rest = scene.task
-    quick = replace(scene, task=(replace(pick, dwell_s=0.0), *rest))  # type: ignore[arg-type]
-    assert check(quick, carried_over(quick)).findings == ()
-    assert ramp(0.0, 1.0, 1.0, 0.0)(np.array([0.0, 1.0]))[0].tolist() == [1.0, 0.0]

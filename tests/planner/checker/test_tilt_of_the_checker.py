@@ -14,11 +14,11 @@ from assur.planner.checked import check
 from assur.planner.checker import Code
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import conveyor
-from assur.planner.model.outcome import Arrival, LegKind, Plan, Planned
+from assur.planner.model.outcome import LegKind, Plan, Planned
 from assur.planner.model.scene import Scene, Step
 from assur.planner.pipeline import plan
 from assur.planner.trajectory import Trajectory
-from tests.planner.cells import cell, frame, go
+from tests.planner.cells import frame
 from tests.planner.checker.hand_made import sealed
 from tests.planner.five_axis_cells import DOWN, START, aim, five_axis_arm, five_axis_cell, follows, goes
 
@@ -70,48 +70,6 @@ def test_a_plan_for_another_pitch_or_roll_than_the_one_asked_is_refused(pitch: f
         task[step] = replace(steps[step], target=other)
         wrong = found(scene, made(scene_with(*task)))
         assert wrong == {Code.ARRIVAL: [f"{steps[step].name} is met with another pitch or roll"]}
-
-
-def test_a_follow_with_another_pitch_all_along_is_found_between_its_ends_too() -> None:
-    scene, _ = honest(True)
-    steps: list[Any] = list(scene.task)
-    other = replace(steps[0], target=replace(steps[0].target, pitch=DOWN + 3e-4))
-    assert set(found(scene, made(scene_with(other, steps[1])))) == {Code.ARRIVAL}
-
-
-@pytest.mark.parametrize("asked", [True, False])
-@pytest.mark.parametrize("change", [{"pitch": OFF}, {"roll": OFF}])
-@pytest.mark.parametrize("step", [0, 1])
-def test_an_arrival_that_says_another_pitch_or_roll_is_refused(
-    asked: bool, change: dict[str, float], step: int
-) -> None:
-    scene, plan = honest(asked)
-    arrivals = list(plan.arrivals)
-    said: dict[str, Any] = {name: getattr(arrivals[step], name) + amount for name, amount in change.items()}
-    arrivals[step] = replace(arrivals[step], **said)
-    wrong = found(scene, replace(plan, arrivals=tuple(arrivals)))
-    assert set(wrong) == {Code.JOINTS} if not asked else Code.ARRIVAL in wrong
-
-
-@pytest.mark.parametrize(
-    "change", [{"pitch": None}, {"roll": None}, {"pitch": None, "roll": None}, {"yaw_offset": 0.1}]
-)
-@pytest.mark.parametrize("asked", [True, False])
-def test_an_arrival_that_does_not_say_them_or_says_a_turn_is_refused(asked: bool, change: dict[str, Any]) -> None:
-    scene, plan = honest(asked)
-    first: Arrival = replace(plan.arrivals[0], **change)
-    assert Code.ARRIVAL in found(scene, replace(plan, arrivals=(first, *plan.arrivals[1:])))
-
-
-def test_an_arrival_of_an_arm_that_has_none_must_not_say_them() -> None:
-    scene = cell(go(0.4, 0.1))
-    plan = made(scene)
-    changes: tuple[dict[str, Any], ...] = ({"pitch": 0.0}, {"roll": 0.0})
-    for change in changes:
-        said = replace(plan.arrivals[0], **change)
-        assert found(scene, replace(plan, arrivals=(said,))) == {
-            Code.ARRIVAL: ["goal is met with a pitch, which the arm has not"]
-        }
 
 
 def bumped(plan: Plan, kind: LegKind, joint: int, amount: float) -> Plan:

@@ -17,7 +17,7 @@ from assur.planner.model.outcome import Leg, LegKind, Nearest, Plan
 from assur.planner.model.phases import Phase
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import Shape, block, cell, go, stands
-from tests.planner.checker.hand_made import certificate_of
+from tests.planner.checker.hand_made import no_rows
 
 AT_M = 0.303792952090583
 """Where the post stands so that a direction of the search is level: its turn cancels that of the direction."""
@@ -33,7 +33,7 @@ def test_the_checker_evaluates_the_points_that_the_search_found(shape: Shape, of
     q = np.tile(scene.start.q, (2, 1))
     path = Trajectory(np.array([0.0, 1.0]), q, 0.0 * q, 0.0 * q)
     whole = Phase(path.start, path.end, LegKind.MOVE, 0)
-    plan = Plan(path, (Leg(LegKind.MOVE, 0, path.start, path.end),), (), certificate_of([]))
+    plan = Plan(path, (Leg(LegKind.MOVE, 0, path.start, path.end),), (), no_rows())
     base = claim_of(scene)
     arrangement = base.prover.of(whole)
     pieces = pairs_of_pieces(arrangement, [(arrangement.number["block"], arrangement.number["post"])])

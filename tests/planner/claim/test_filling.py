@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -20,8 +19,6 @@ from assur.planner.laws import Change, Pose, conveyor, indexer, keyframes
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import ClearanceException
 from assur.planner.trajectory import Trajectory
-from tests.planner.claim.bounds import outside
-from tests.planner.robots.families import NAMES, robot_named
 from tests.prover.bundles import planned
 
 NAME = "standard-cycle"
@@ -47,36 +44,6 @@ def test_plans_share_the_tables_of_their_scene_and_none_is_written_to() -> None:
         assert np.array_equal(table, before[name]), name
     # a second scene with the same cell needs the cell's tables only once
     assert claim_of(replace(scene, start=replace(scene.start, time=0.5)), base.cell).cell is base.cell
-
-
-def test_every_column_has_bounds_that_refuse_what_it_may_not_hold() -> None:
-    right = claim()
-    assert outside(right) == []
-    for name, first, _, low, high in c.BOUNDS:
-        if not len(getattr(right, name)):
-            continue
-        for wrong in (math.nan, 2.0 * min(low, 0.0) - 1.0, *((0.5,) if isinstance(high, str) else ())):
-            table = getattr(right, name).copy()
-            table[0, first] = wrong
-            assert f"{name}, from column {first} on" in outside(right._replace(**{name: table}))
-
-
-def test_the_widths_of_all_tables_are_those_of_their_columns() -> None:
-    made = claim()
-    assert {name: getattr(made, name).shape[1] for name in c.WIDTHS} == c.WIDTHS
-    many, count = len(made.bodies), len(made.phases)
-    assert (made.seated.shape, made.off.shape) == ((count, many), (count, 2 * many))
-    assert made.shares.shape == (count, 2 * len(made.frames))
-    assert made.rules.shape[1] == c.RULE_SIDE + 2 * many
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_chain_has_the_links_of_its_arm_each_behind_its_parent(name: str) -> None:
-    robot = robot_named(name)
-    assert len(robot.chain_rows.links) == len(robot.links)
-    for number, link in enumerate(robot.chain.links):
-        assert -1 <= link.parent < number + (number == 0)
-        assert link.coupler < 0 or max(robot.chain.loop.cranks) < number  # type: ignore[union-attr]
 
 
 def test_an_arm_has_no_more_joints_than_the_tables_have_columns_for() -> None:

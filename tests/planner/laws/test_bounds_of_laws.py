@@ -17,26 +17,18 @@ from assur.planner.laws import (
     Law,
     Pose,
     conveyor,
-    fixed,
     indexer,
     keyframes,
-    linear,
     oscillation,
     swing,
-    turntable,
 )
 from tests.planner.laws.bounded import bounded, rates
-from tests.planner.laws.laws import Case, cases, directions, intervals, samples, valid_kinds
+from tests.planner.laws.laws import cases, directions, intervals, samples, valid_kinds
 
 
 def bound(law: Law, start: float, end: float, n: FloatArray) -> FloatArray:
     """(4,)"""
     return bounded(law, np.array([start]), np.array([end]), n[None]).table[:, 0]
-
-
-def turned(rate: float, rate_d: float) -> list[float]:
-    """The bounds of what turns with at most this rate and this acceleration."""
-    return [rate, math.hypot(rate_d, rate**2)]
 
 
 @pytest.mark.parametrize("kind", valid_kinds)
@@ -77,42 +69,6 @@ def test_the_bound_of_an_interval_is_the_greatest_of_its_parts(data: st.DataObje
     exact = [True, True, True, False]
     if np.abs(n).max() == 1.0:
         np.testing.assert_allclose(parts[exact], whole[exact], rtol=1e-9, atol=1e-9)
-
-
-def test_bounds_of_constant_laws_are_exact() -> None:
-    n = np.array([0.6, 0.0, 0.8])
-    np.testing.assert_array_equal(bound(fixed(Pose(1, 2, 3, 4)), 0, 9, n), 0)
-    np.testing.assert_allclose(bound(linear(Pose(), (0.5, 3.0, -1.0)), 0, 9, n), [0.5, 0, 0, 0], rtol=1e-12)
-    np.testing.assert_allclose(bound(conveyor(Pose(), -0.25), 0, 9, n), [0.15, 0, 0, 0], rtol=1e-12)
-    np.testing.assert_allclose(bound(turntable(Pose(), -2.0, 0.5), 0, 9, n), [0.4, 0, 2, 4], rtol=1e-12)
-
-
-def test_a_vertical_normal_sees_nothing_of_a_belt() -> None:
-    belt = conveyor(Pose(yaw=0.3), 0.5, (Change(0.0, 0.0, 2.0, 20.0),))
-    assert bound(belt, -1, 1, np.array([0.0, 0.0, 1.0]))[:2].max() <= 1e-14
-
-
-def test_the_bound_of_a_swing_is_that_of_the_interval_and_not_of_the_whole_period() -> None:
-    gate = swing(Pose(), 0.5, 2.0)
-    w = math.pi
-    up = np.array([0.0, 0.0, 1.0])
-    # At its end of travel (t = 0.5 s) the gate stands; in the middle (t = 1 s) it is fastest and does not accelerate.
-    np.testing.assert_allclose(
-        bound(gate, 0.4, 0.6, up)[2:], turned(0.5 * w * math.cos(0.4 * w), 0.5 * w**2), rtol=1e-9
-    )
-    np.testing.assert_allclose(
-        bound(gate, 0.9, 1.1, up)[2:], turned(0.5 * w, 0.5 * w**2 * math.sin(0.9 * w)), rtol=1e-9
-    )
-
-
-def test_the_bound_of_an_index_is_the_known_peak_of_its_polynomial() -> None:
-    dial = indexer(Pose(), 0.8, 0.5, 0.3)
-    up = np.array([0.0, 0.0, 1.0])
-    peak = turned(35 / 16 * 0.8 / 0.5, 84 * math.sqrt(5) / 25 * 0.8 / 0.5**2)
-    np.testing.assert_allclose(bound(dial, 0.0, 0.5, up)[2:], peak, rtol=1e-9)
-    np.testing.assert_allclose(bound(dial, 0.31, 1000.7, up)[2:], peak, rtol=1e-9)
-    assert bound(dial, 0.5, 0.8, up)[2:].max() <= 1e-9
-    assert bound(dial, 800.5, 800.8, up)[2:].max() <= 1e-9
 
 
 @given(st.floats(-9e5, 9e5))
@@ -166,42 +122,9 @@ def test_the_bound_of_what_repeats_holds_in_exact_arithmetic_far_from_time_zero(
     assert found[3] ** 2 >= rate_d[1] ** 2 + rate[1] ** 4
 
 
-def test_over_more_than_a_period_the_bound_of_what_repeats_is_that_of_the_period() -> None:
-    law, n = FAR["repeated"], np.array([1.0, 0.0, 0.0])
-    period = float(law.row[c.PERIOD])
-    once = bound(law, 0.3, 0.3 + period, n)
-    for start, end in ((0.3, 9.0), (-7.7, 123.4), (5.0, 5.0 + period)):
-        np.testing.assert_allclose(bound(law, start, end, n), once, rtol=1e-9)
-    assert bound(law, 0.4, 0.45, n)[0] < 0.8 * once[0]
-
-
-def test_a_shutter_is_bounded_along_its_way_and_not_across() -> None:
-    shutter, w = oscillation(Pose(0.1, 0.2, 0.3, 0.4), (0.0, 0.0, 0.5), 0.2, 2.0), math.pi
-    np.testing.assert_allclose(
-        bound(shutter, 0.4, 0.6, np.array([0.0, 0.0, 1.0])), [0.2 * w * math.cos(0.4 * w), 0.2 * w**2, 0, 0], rtol=1e-9
-    )
-    assert bound(shutter, -3.0, 3.0, np.array([0.6, 0.8, 0.0])).max() <= 1e-14
-
-
 def test_a_jump_of_the_acceleration_counts_on_both_of_its_sides() -> None:
     belt = conveyor(Pose(), 0.0, (Change(1.0, 1.0, 2.0, math.inf),))
     along = np.array([1.0, 0.0, 0.0])
     assert belt.motion(np.array([1.0, 1.5])).a[:, 0].tolist() == [2.0, 0.0]
     for start, end, greatest in ((0.5, 1.0, 2.0), (1.0, 1.0, 2.0), (1.5, 1.5, 2.0), (1.5, 9.0, 2.0), (1.6, 9.0, 0.0)):
         np.testing.assert_allclose(bound(belt, start, end, along)[1], greatest, atol=1e-9)
-
-
-def test_a_speed_that_peaks_between_keyframes_is_seen() -> None:
-    law = keyframes((0.0, 1.0), (Pose(), Pose(1.0)))
-    # One clamped piece is 3 τ² − 2 τ³: fastest in the middle, with 1.5 m/s.
-    np.testing.assert_allclose(bound(law, 0.2, 0.9, np.array([1.0, 0, 0]))[:2], [1.5, 4.8], rtol=1e-12)
-
-
-def test_the_bound_of_a_case_that_never_moves_is_zero() -> None:
-    for law in (swing(Pose(), 0.0, 1.0), indexer(Pose(), 0.0, 1.0, 1.0), conveyor(Pose(), 0.0)):
-        assert not bound(law, 0.0, 5.0, np.array([1.0, 0.0, 0.0])).any()
-
-
-def test_samples_of_a_case_hold_its_ends_and_switches() -> None:
-    case = Case(fixed(Pose()), (0.0, 2.0), (0.123, 5.0))
-    assert {0.0, 0.123, 1.0} <= set(samples(case, 0.0, 1.0).tolist())

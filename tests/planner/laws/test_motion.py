@@ -6,12 +6,11 @@ import dataclasses
 import math
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.laws import Motion, Pose
+from assur.planner.laws import Pose
 from tests.planner.laws.laws import Case, cases
 from tests.planner.laws.test_motions_of_laws import PARTS, STEP_S, stacked
 
@@ -79,31 +78,8 @@ def test_the_position_at_an_offset_is_that_of_the_pose(case: Case, offset: Pose)
 
 
 @given(cases())
-def test_rows_of_a_motion_are_the_motion_at_those_times(case: Case) -> None:
-    t = np.linspace(*case.window, 5)
-    np.testing.assert_array_equal(stacked(case.law.motion(t)[1:3]), stacked(case.law.motion(t[1:3])))
-    np.testing.assert_array_equal(stacked(case.law.motion(t)[t > 0]), stacked(case.law.motion(t[t > 0])))
-
-
-@given(cases())
 def test_a_motion_at_rest_keeps_its_poses_and_nothing_else(case: Case) -> None:
     motion = case.law.motion(np.linspace(*case.window, 5))
     rest = stacked(motion.at_rest())
     np.testing.assert_array_equal(rest[0], stacked(motion)[0])
     assert not rest[1:].any()
-
-
-@pytest.mark.parametrize("shape", [(), (3,), (2, 3), (0,)])
-def test_a_still_motion_repeats_its_pose(shape: tuple[int, ...]) -> None:
-    still = stacked(Motion.still(Pose(1, 2, 3, 4), shape))
-    assert still.shape == (4, *shape, 4)
-    np.testing.assert_array_equal(still[0], np.broadcast_to([1, 2, 3, 4], (*shape, 4)))
-    assert not still[1:].any()
-
-
-def test_no_two_fields_of_a_still_motion_share_their_memory() -> None:
-    still = Motion.still(Pose(), (2,))
-    fields = [
-        getattr(motion, name) for motion in (still, still.at_rest()) for name in ("v", "a", "j", "yaw_d", "yaw_dd")
-    ]
-    assert not any(np.shares_memory(a, b) for i, a in enumerate(fields) for b in fields[:i])

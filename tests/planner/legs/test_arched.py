@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
 from assur.planner.legs.line import ScaledLimits
-from assur.planner.legs.missed import SHORTEST_PART_S, ArchForm, arch
+from assur.planner.legs.missed import ArchForm, arch
 from assur.planner.timing import RawProfile, TimingRefusal, trajectory_of
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import limits
@@ -101,19 +101,6 @@ def test_an_arch_keeps_every_limit_by_exact_extrema_and_goes_over_its_top(seed: 
     assert trajectory.duration == pytest.approx(found.duration, abs=1e-12)
 
 
-@given(st.integers(0, 10**6), SHARES, SHARES)
-def test_knots_begin_and_end_in_the_states_that_were_asked_for_to_the_bit(seed: int, rise: float, fall: float) -> None:
-    rng = np.random.default_rng(seed)
-    start, goal = state(rng, float(rng.integers(2)) * 0.3), state(rng, float(rng.integers(2)) * 0.3)
-    found = over(start, goal, ArchForm(0.22, rise, fall))
-    if isinstance(found, TimingRefusal):
-        return
-    way = path(found)
-    ends = (way.q[0], way.qd[0], way.qdd[0], way.q[-1], way.qd[-1], way.qdd[-1])
-    for asked, have in zip((*start, *goal), ends, strict=True):
-        assert np.array_equal(asked, have)
-
-
 def corner(arched: RawProfile) -> FloatArray:
     """How high the lift joint is when the others set out, and when they arrive."""
     t = np.linspace(0.0, arched.duration, 4001)
@@ -182,19 +169,3 @@ def test_an_arch_rests_at_its_top_to_the_bit_however_long(more: float) -> None:
         assert not way.evaluate(at_top, 1)[:, LIFT].any()
         arrived = 2.0 + form.rise * up + across + 1e-9
         assert more < 1.0 or (way.evaluate(np.linspace(arrived, way.end, 50))[:, [0, 1, 3]] == [0.8, 1.2, 0.5]).all()
-
-
-def test_the_parts_of_an_arch_are_the_same_motion() -> None:
-    rng = np.random.default_rng(4)
-    for _ in range(20):
-        start, goal = state(rng), state(rng)
-        found = made(start, goal, ArchForm(0.22, float(rng.random()), float(rng.random())))
-        assert sum(part.duration for part in found.parts) == pytest.approx(found.duration, abs=1e-12)
-        assert (found.parts[0].begin, found.parts[-1].goal) == (found.begin, found.goal)
-        begin = 0.0
-        for part in found.parts:
-            assert part.duration >= SHORTEST_PART_S
-            for t in np.linspace(0.0, part.duration, 5).tolist():
-                for own, whole in zip(part.at(t), found.at(begin + t), strict=True):
-                    assert own == pytest.approx(whole, abs=1e-6)
-            begin += part.duration

@@ -17,7 +17,7 @@ from assur.planner.laws.belt_window import HORIZON_S, inside, travelled
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.model.phases import AT_START
 from assur.planner.model.scene import Follow, Window
-from tests.planner.cells import CRANKED, at, cell, frame, go, table_to_table
+from tests.planner.cells import at, cell, frame
 
 
 def point(
@@ -26,10 +26,6 @@ def point(
     step = Follow("f", at(x, 0.0, 0.0, 0.0, "moving"), dwell, window)
     scene = cell(step, frames=(frame("moving", law),), time=start, **more)
     return control_point(scene, 0, AT_START, 0.0)
-
-
-def allowed(found: ControlPoint, t: float) -> bool:
-    return any(low <= t <= high for low, high in found.intervals)
 
 
 BELT = conveyor(Pose(-0.3, 0.4, 0.05, 0.3), 0.25)
@@ -102,12 +98,6 @@ def test_a_belt_that_runs_backwards_and_one_that_stops_have_their_windows() -> N
     assert way[0] == pytest.approx(0.15, abs=1e-9)
 
 
-def test_a_drifting_body_has_a_way_along_its_velocity() -> None:
-    law = linear(Pose(0.1, 0.2, 0.3), (0.3, 0.4, 0.0))
-    way = point(law, x=0.0).along(np.array([0.0, 2.0]))
-    assert way == pytest.approx([0.0, 1.0])
-
-
 @pytest.mark.parametrize("width", [0.005, 0.0004])
 def test_a_window_that_is_passed_in_less_than_a_grid_step_is_found(width: float) -> None:
     fast = conveyor(Pose(-0.3, 0.4), 0.5)
@@ -130,29 +120,6 @@ def test_millimetres_of_a_frame_that_is_no_conveyor_are_refused_by_name() -> Non
         _ = point(turntable(Pose(0.3, 0.0), 1.0), Window(along=(0.0, 0.1))).intervals
     with pytest.raises(InputError, match="conveyor"):
         _ = point(fixed(Pose(0.3, 0.0)), Window(along=(0.0, 0.1))).intervals
-
-
-@given(st.floats(-3, 3), st.floats(0.0, 5.0), st.floats(0.0, 0.1))
-def test_the_flange_puts_the_tool_point_over_the_moving_target(yaw: float, t: float, above: float) -> None:
-    law = turntable(Pose(0.3, 0.1, 0.05, yaw), 0.8)
-    scene = cell(go(0.1, 0.02, 0.03, 0.5, "dial"), frames=(frame("dial", law),), tool=CRANKED)
-    found = control_point(scene, 0, AT_START, 0.2)
-    flange = found.flange(np.array(t), above)
-    x, y, z = (float(v) for v in flange.p)
-    tool = Pose(x, y, z, float(flange.yaw)).then(scene.tool.tcp)
-    wanted = Pose(0.3, 0.1, 0.05, yaw + 0.8 * t).then(Pose(0.1, 0.02, 0.03 + above, 0.7))
-    for name in ("x", "y", "z"):
-        assert getattr(tool, name) == pytest.approx(getattr(wanted, name), abs=1e-12)
-    assert math.remainder(tool.yaw - wanted.yaw, 2 * math.pi) == pytest.approx(0.0, abs=1e-12)
-
-
-def test_a_pick_knows_how_it_is_met() -> None:
-    scene = table_to_table()
-    found = control_point(scene, 0, AT_START, 0.0)
-    assert (found.approach, found.dwell, found.depart) == (0.03, 0.05, 0.04)
-    assert found.tracks
-    assert found.still
-    assert found.name == "pick"
 
 
 def test_the_way_along_a_belt_is_that_of_the_point_itself_wherever_it_sits_in_its_frame() -> None:

@@ -116,33 +116,6 @@ def test_a_leg_to_a_moving_point_meets_its_state_at_a_grid_time_within_all_limit
         check_leg(scene, begin, branch, found, how)
 
 
-@given(st.integers(0, 10**6), KINDS)
-def test_a_leg_to_a_point_that_stands_meets_its_state(seed: int, kind: str) -> None:
-    rng = np.random.default_rng(seed)
-    begin = state(rng)
-    scene = cell(go(0.35, float(rng.uniform(-0.3, 0.3)), 0.12, float(rng.uniform(-3, 3))))
-    for branch in branches(scene, begin)[:3]:
-        how = shape(rng, kind)
-        found = JointMotion(scene, 0, begin, how, branch).meet()
-        if isinstance(found, Refusal):
-            # past a via flown by, joints may overshoot their range
-            assert found.reason is Reason.JOINT_LIMIT
-            assert how.vias
-            continue
-        check_leg(scene, begin, branch, found, how)
-
-
-@given(st.integers(0, 10**6), st.sampled_from(sorted(LAWS)))
-def test_what_is_met_in_position_only_is_met_at_rest(seed: int, law: str) -> None:
-    begin = state(np.random.default_rng(seed))
-    scene = scene_on(LAWS[law], match="position")
-    branch = branches(scene, begin)[0]
-    found = JointMotion(scene, 0, begin, Shape(), branch).meet()
-    assert isinstance(found, Trajectory)
-    assert Knots.of(found).last.resting
-    check_leg(scene, begin, branch, found, Shape())
-
-
 @given(st.integers(0, 10**6), st.sampled_from(sorted(LAWS)))
 def test_no_earlier_time_of_the_grid_could_have_been_met_directly(seed: int, law: str) -> None:
     """Rendezvous: the earliest T whose shortest duration is no more than T, to within three steps of the grid."""

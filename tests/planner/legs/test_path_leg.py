@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -15,13 +14,12 @@ from assur.planner.checked import check
 from assur.planner.checker import Code
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
-from assur.planner.laws import conveyor, fixed, turntable
+from assur.planner.laws import conveyor, fixed
 from assur.planner.model.outcome import Course, NotPlanned, Plan, Planned
-from assur.planner.model.path import ArcTo, LineTo, PathPart, SplineThrough
+from assur.planner.model.path import ArcTo, LineTo, PathPart
 from assur.planner.model.refusal import BeyondRange, MotionLimit, Obstacle, OutOfReach, Reason
-from assur.planner.model.scene import Arch, Follow, Move, Scene, Target
+from assur.planner.model.scene import Arch, Move, Scene, Target
 from assur.planner.pipeline import plan
-from assur.planner.trajectory import Trajectory
 from tests.planner.cells import BARE, CRANKED, CUP, cell, frame
 from tests.planner.checker.hand_made import sealed
 
@@ -109,26 +107,6 @@ def _stops() -> tuple[Move, ...]:
     return first(0.3, -0.1, 0.1), *moves
 
 
-@pytest.mark.parametrize(
-    "law", [conveyor(Pose(0.0, 0.3, 0.06), 0.1), turntable(Pose(0.35, 0.1, 0.06), 0.4)], ids=["belt", "dial"]
-)
-def test_on_a_frame_that_moves_the_circle_is_one_in_the_frame(law: Any) -> None:
-    begin, via, end = (0.0, 0.0, 0.06), (0.03, 0.02, 0.06), (0.06, 0.0, 0.06)
-    follow = Follow("there", Target("moving", Pose(*begin)), 0.05)
-    move = Move("round", Target("moving", Pose(*end)), leg="cartesian", path=(ArcTo(via, end),))
-    scene = cell(follow, move, frames=(frame("moving", law),), tool=CUP)
-    made = planned(scene)
-    t, w = tool(scene, made.plan, 1)
-    until = made.plan.arrivals[1].time
-    w, t = w[t <= until], t[t <= until]
-    at = law.motion(t)
-    d, c, s = w - at.p, np.cos(at.yaw), np.sin(at.yaw)
-    x, y = c * d[:, 0] + s * d[:, 1], c * d[:, 1] - s * d[:, 0]
-    # through (0, 0), (30, 20) and (60, 0): centre (30, −12.5), radius 32.5
-    assert np.abs(np.hypot(x - 0.03, y + 0.0125) - 0.0325).max() < ON_PATH_M
-    assert made.plan.arrivals[1].matched
-
-
 def test_a_leg_from_another_frame_is_refused() -> None:
     law = conveyor(Pose(0.0, 0.3, 0.06), 0.1)
     end = (0.06, 0.0, 0.06)
@@ -188,58 +166,10 @@ def test_a_path_must_end_at_the_target() -> None:
         Move("way", Target("world", Pose(0.3, 0.2, 0.13)), leg="cartesian", path=ARC)
 
 
-@cache
-def case() -> tuple[Scene, Plan]:
-    scene = going(CORNERS, 8e-3)
-    return scene, planned(scene).plan
-
-
 def leaves(scene: Scene, changed: Plan) -> bool:
     """Whether the tool is not shown to keep to its path."""
     found = {each.code for each in check(scene, sealed(scene, changed)).findings}
     return Code.GUIDE in found or Code.FORM in found  # no row can be made for a leg that is far off its path
-
-
-def with_path(parts: tuple[PathPart, ...], blend: float) -> Scene:
-    scene, _ = case()
-    move = scene.task[1]
-    assert isinstance(move, Move)
-    return replace(scene, task=(scene.task[0], replace(move, path=parts, blend_m=blend)))
-
-
-@pytest.mark.parametrize("share", [0.99, 1.01, 0.5])
-def test_a_corner_that_is_cut_otherwise_is_found(share: float) -> None:
-    scene, plan_ = case()
-    assert not leaves(scene, plan_)
-    assert leaves(with_path(CORNERS, share * 8e-3), plan_)
-
-
-@pytest.mark.parametrize(
-    "parts",
-    [
-        (LineTo((0.4, 0.0, 0.1)), LineTo(GOAL)),  # the plan makes a way round
-        (
-            LineTo((0.4, 0.0, 0.1)),
-            LineTo((0.4, 0.12, 0.1)),
-            LineTo((0.4, 0.2, 0.1)),
-            LineTo(GOAL),
-        ),  # it leaves some out
-        (LineTo((0.4, 0.0, 0.1)), LineTo((0.4, 0.12, 0.10003)), LineTo(GOAL)),
-        (SplineThrough(((0.4, 0.0, 0.1), (0.4, 0.12, 0.1), GOAL)),),
-    ],
-)
-def test_another_path_is_found(parts: tuple[PathPart, ...]) -> None:
-    _, plan_ = case()
-    assert leaves(with_path(parts, 8e-3), plan_)
-
-
-def test_a_knot_that_is_off_the_path_is_found() -> None:
-    scene, plan_ = case()
-    path = plan_.trajectory
-    q = path.q.copy()
-    q[len(q) - 12, 2] += 3e-5
-    changed = replace(plan_, trajectory=Trajectory(path.time, q, path.qd, path.qdd))
-    assert leaves(scene, changed)
 
 
 def test_a_fixed_frame_that_is_not_the_world_is_a_frame_for_paths() -> None:

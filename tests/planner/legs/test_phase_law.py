@@ -8,7 +8,7 @@ import pytest
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
 from assur.planner.legs.line import Rates
-from assur.planner.legs.phase_law import PIECES, SHORTEST_S, TABLE, faster, law_of_jerks, quickest
+from assur.planner.legs.phase_law import PIECES, SHORTEST_S, TABLE, law_of_jerks, quickest
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.scara import Scara
 from assur.planner.trajectory import Trajectory
@@ -17,8 +17,6 @@ from tests.planner.cells import arm, limits
 Table = tuple[FloatArray, FloatArray, FloatArray]
 BETWEEN = 0.03
 """Share by which the rates between the looks of a law may exceed those at them."""
-GAUSS = 0.5 / np.sqrt(3)
-"""Places, about the middle of an interval of length 1, whose mean integrates a cubic."""
 
 
 def along(robot: Scara, a: FloatArray, b: FloatArray, points: int = TABLE) -> Table:
@@ -45,48 +43,6 @@ def law_of(a: FloatArray, b: FloatArray) -> Trajectory:
     found = quickest(along(arm(), a, b), limits())
     assert found is not None
     return found
-
-
-@pytest.mark.parametrize("order", [0, 1, 2])
-def test_every_order_of_a_law_is_the_integral_of_the_next(order: int) -> None:
-    for a, b in lines(5):
-        law = faster(law_of(a, b), 1 / 1.7)
-        edges = np.linspace(0.0, law.duration, 3 * PIECES + 1)
-        middle, h = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
-        mean = sum(law.evaluate(middle + sign * GAUSS * h, order + 1)[:, 0] / 2 for sign in (-1, 1))
-        gained = np.diff(law.evaluate(edges, order)[:, 0])
-        assert np.abs(gained - mean * h).max() <= 1e-11 * np.abs(law.evaluate(edges, order)).max()
-
-
-def test_a_law_begins_at_rest_in_0_and_ends_at_rest_in_1_to_the_bit() -> None:
-    for a, b in lines(10):
-        law = law_of(a, b)
-        ends = np.array([0.0, law.duration])
-        assert [law.evaluate(ends, order).tolist() for order in range(3)] == [
-            [[0.0], [1.0]],
-            [[0.0], [0.0]],
-            [[0.0], [0.0]],
-        ]
-
-
-def test_a_slower_law_has_the_same_shape() -> None:
-    law = law_of(*lines(1)[0])
-    slow, t = faster(law, 0.5), np.linspace(0, law.duration, 50)
-    assert slow.duration == 2 * law.duration
-    assert slow.time == pytest.approx(2 * law.time)
-    for order in range(4):
-        assert slow.evaluate(2 * t, order) * 2**order == pytest.approx(law.evaluate(t, order), rel=1e-9, abs=1e-9)
-
-
-def test_the_jerk_jumps_at_the_switches_only() -> None:
-    law = law_of(*lines(1)[0])
-    edges = law.time
-    assert edges[0] == 0.0
-    assert edges[-1] == law.duration
-    inside = edges[:-1, None] + np.diff(edges)[:, None] * np.array([1e-9, 0.5, 1 - 1e-9])
-    jerks = law.evaluate(inside.ravel(), 3)[:, 0].reshape(inside.shape)
-    assert jerks == pytest.approx(np.repeat(jerks[:, :1], 3, axis=1), rel=1e-9, abs=1e-9 * float(np.abs(jerks).max()))
-    assert np.abs(np.diff(jerks[:, 0])).max() > 0
 
 
 def test_the_slopes_of_the_times_are_those_of_differences() -> None:
@@ -122,13 +78,6 @@ def test_a_law_takes_at_least_the_time_that_its_rates_between_the_looks_need_all
     assert min(shares) >= -1e-3
 
 
-def test_the_same_line_gives_the_same_law_to_the_bit() -> None:
-    a, b = lines(1)[0]
-    one, other = law_of(a, b), law_of(a, b)
-    assert one.duration == other.duration
-    assert one.knots.tobytes() == other.knots.tobytes()
-
-
 def test_a_joint_that_stands_has_no_part_in_the_law() -> None:
     """On a level line the quill stands, and its limits may be anything."""
     a, b = np.array([0.3, -0.2, 0.1]), np.array([0.4, 0.2, 0.1])
@@ -162,12 +111,6 @@ def test_a_way_too_short_for_its_knots_has_no_law() -> None:
         law = quickest(along(arm(), a, a + length * (b - a)), limits())
         assert (law is not None) == there
         assert law is None or law.duration >= SHORTEST_S
-
-
-def test_a_law_goes_back_nowhere() -> None:
-    for a, b in lines(10):
-        law = law_of(a, b)
-        assert law.duration * float(law.extrema(1)[0][0]) >= -1e-9
 
 
 def test_a_law_has_the_jerks_that_it_is_made_of() -> None:

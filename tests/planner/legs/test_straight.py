@@ -11,25 +11,26 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
+from assur.planner.checked import check
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.laws import Law, conveyor, fixed, turntable
 from assur.planner.legs.follower import UNIFORM, PathTask
 from assur.planner.legs.line import Along, Line
 from assur.planner.legs.state import State, TimedLeg
 from assur.planner.legs.straight import by_law, constant_law, mode_changes, straight
+from assur.planner.model.outcome import Planned
 from assur.planner.model.refusal import Reason, Refusal, Singular, Stage
-from assur.planner.model.scene import Scene
+from assur.planner.model.scene import Move, Scene, Target
+from assur.planner.pipeline import plan
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 from assur.scenes.catalogue import arm_named
-from benchmarks.legs import fastest_joint_move
-from tests.planner.cells import amount_of, arm, cell, go, limits, unit_of
+from tests.planner.cells import amount_of, arm, cell, frame, go, limits, unit_of
 from tests.planner.five_axis_cells import five_axis_arm
+from tests.planner.test_pipeline import flawless
 from tests.planner.trajectory.splines import keeps_limits
 
 LIMITS = limits()
-ON_THE_LINE_M = 2e-6
-"""The promise of `assur.planner.legs.straight` is 1 µm half way between knots; 2 µm hold everywhere."""
 
 
 def along(law: Law, pose: Pose) -> Along:
@@ -72,59 +73,20 @@ def ends(draw: st.DrawFn) -> tuple[Law, Pose, Law, Pose]:
     return found[0], found[1], found[2], found[3]  # type: ignore[return-value]
 
 
-@settings(max_examples=50)
-@given(ends(), st.integers(0, 1), st.floats(0.0, 1.0))
-def test_a_straight_leg_is_on_the_line_between_the_frames_at_all_times(
-    given_ends: tuple[Law, Pose, Law, Pose], mode: int, start: float
-) -> None:
+@settings(max_examples=40)
+@given(ends())
+def test_a_plan_along_a_line_between_two_frames_passes_the_checker(given_ends: tuple[Law, Pose, Law, Pose]) -> None:
+    """It shows that the tool keeps to the line, has the velocities of the frames at both ends, and keeps all limits."""
     first, pose, second, goal = given_ends
-    scene = cell(go(0.3, 0.0), robot=arm(j4=12.0), singularity_margin=0.05)
-    state = begin(scene, first, pose, start, mode)
-    leg = straight(scene, 0, state, mode, along(first, pose), along(second, goal))
-    if isinstance(leg, Refusal):
-        event(leg.reason)
-        assert leg.reason in (Reason.NEAR_SINGULARITY, Reason.OUT_OF_REACH, Reason.JOINT_LIMIT, Reason.MOTION_LIMIT)
-        return
-    event("straight")
-    found = path(leg)
-    t = np.arange(found.start, found.end, 5e-4)
-    p, yaw = scene.robot.forward(found.evaluate(t))
-    a, b = first.motion(t).at(pose), second.motion(t).at(goal)
-    way = b.p - a.p
-    s = ((p - a.p) * way).sum(-1) / (way * way).sum(-1)
-    assert np.linalg.norm(p - a.p - s[:, None] * way, axis=1).max() <= ON_THE_LINE_M
-    assert s.min() >= -1e-5
-    assert s.max() <= 1 + 1e-5
-    assert (np.diff(s) >= -1e-6).all()
-    # the yaw goes along in the same share
-    turn = math.remainder(float(b.yaw[0] - a.yaw[0]), 2 * math.pi)
-    expected = a.yaw + s * (turn + (b.yaw - b.yaw[0]) - (a.yaw - a.yaw[0]))
-    assert np.abs(np.sin((yaw - expected) / 2)).max() <= 1e-4
-
-
-@settings(max_examples=50)
-@given(ends(), st.integers(0, 1))
-def test_a_straight_leg_begins_and_ends_with_its_frames_and_keeps_all_limits(
-    given_ends: tuple[Law, Pose, Law, Pose], mode: int
-) -> None:
-    first, pose, second, goal = given_ends
-    scene = cell(go(0.3, 0.0), robot=arm(j4=12.0), singularity_margin=0.05)
-    state = begin(scene, first, pose, 0.2, mode)
-    leg = straight(scene, 0, state, mode, along(first, pose), along(second, goal))
-    if isinstance(leg, Refusal):
-        return
-    found = path(leg)
-    assert found.start == 0.2
-    assert np.abs(leg.knots.q[0] - state.q).max() <= 1e-12
-    assert np.abs(leg.knots.qd[0] - state.qd).max() <= 1e-9
-    q, qd, qdd = (found.evaluate(np.array([found.end]), k) for k in range(3))
-    tool = scene.robot.link_motion(scene.robot.links.index("flange"), q, qd, qdd, np.zeros_like(q))
-    wanted = second.motion(np.array([found.end])).at(goal)
-    assert np.abs(tool.p - wanted.p).max() <= 1e-9
-    assert np.abs(tool.v - wanted.v).max() <= 1e-8
-    assert np.abs(tool.a - wanted.a).max() <= 1e-6
-    assert np.abs(tool.yaw_d - wanted.yaw_d).max() <= 1e-8
-    assert keeps_limits(found, LIMITS.lower - 10, LIMITS.upper + 10, LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk)
+    frames = frame("one", first), frame("other", second)
+    task = Move("there", Target("one", pose)), Move("line", Target("other", goal), leg="cartesian")
+    scene = cell(*task, frames=frames, robot=arm(j4=12.0), singularity_margin=0.05, max_candidates=30)
+    outcome = plan(scene)
+    assert flawless(outcome)
+    event("straight" if isinstance(outcome, Planned) else str(outcome.reason))
+    if isinstance(outcome, Planned):
+        assert check(scene, outcome.plan).ok
+        assert all(arrival.matched for arrival in outcome.plan.arrivals)
 
 
 def still(x: float, y: float, z: float = 0.1) -> tuple[Law, Pose]:
@@ -196,18 +158,6 @@ def test_where_a_straight_leg_cannot_change_the_elbow_it_says_how_near_it_comes(
     assert amount_of(found) == pytest.approx(0.01, abs=1e-4)
 
 
-@given(ends(), st.integers(0, 1))
-def test_a_leg_to_a_point_that_stands_ends_at_rest_to_the_bit(
-    given_ends: tuple[Law, Pose, Law, Pose], mode: int
-) -> None:
-    first, pose, _, _ = given_ends
-    scene = cell(go(0.3, 0.0), robot=arm(j4=12.0), singularity_margin=0.05)
-    state = begin(scene, first, pose, 0.2, mode)
-    leg = straight(scene, 0, state, mode, along(first, pose), along(*still(0.31, 0.17, 0.12)))
-    if isinstance(leg, TimedLeg):
-        assert leg.knots.last.resting
-
-
 def robots() -> dict[str, Robot]:
     found: dict[str, Robot] = {"scara": arm(), "five-axis": five_axis_arm()}
     for model in ("elbow-arm", "polar-arm", "mitsubishi-rp-5ah"):
@@ -269,33 +219,6 @@ def test_no_leg_is_slower_than_by_the_constant_law_and_what_that_refuses_is_refu
         ratios.append(found.duration / path(before).duration)
     assert refused > 0
     assert max(ratios) <= 1.01
-
-
-def test_no_straight_leg_is_faster_than_the_fastest_joint_move_between_its_ends() -> None:
-    """Ends as the benchmark draws them, which measures how much longer straight legs take."""
-    rng, robot = np.random.default_rng(1), arm()
-    scene = cell(go(0.3, 0.0), robot=robot)
-    given = {"vmax": LIMITS.velocity, "amax": LIMITS.acceleration, "jmax": LIMITS.jerk}
-    ratios: list[float] = []
-    while len(ratios) < 60:
-        mode = len(ratios) % 2
-        r, angle, z = rng.uniform(0.25, 0.52, 2), rng.uniform(-1.5, 1.5, 2), rng.uniform(0.06, 0.20, 2)
-        places = [fixed(Pose(*end)) for end in np.stack([r * np.cos(angle), r * np.sin(angle), z], -1).tolist()]
-        state = begin(scene, places[0], Pose(), 0.0, mode)
-        leg = straight(scene, 0, state, mode, along(places[0], Pose()), along(places[1], Pose()))
-        if isinstance(leg, Refusal):
-            assert leg.reason in (Reason.NEAR_SINGULARITY, Reason.OUT_OF_REACH, Reason.JOINT_LIMIT)
-            continue
-        ratios.append(path(leg).duration / fastest_joint_move(state.q, leg.knots.q[-1], given))
-    assert min(ratios) >= 1.0
-
-
-def test_the_same_leg_is_made_again_to_the_bit() -> None:
-    one, other = (between(still(0.3, -0.2), still(0.45, 0.1)) for _ in range(2))
-    assert isinstance(one, TimedLeg)
-    assert isinstance(other, TimedLeg)
-    for name in ("time", "q", "qd", "qdd"):
-        assert getattr(one.knots, name).tobytes() == getattr(other.knots, name).tobytes()
 
 
 def test_a_leg_of_no_length_is_refused_and_one_that_only_turns_is_not() -> None:

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
 from assur.planner.robots.robot import Robot
-from assur.planner.robots.scara import FLANGE
-from tests.planner.robots.families import MADE, NAMES, STENCIL, elbow, five_axis, polar, random_q, robot_named, scara
+from tests.planner.robots.families import MADE, NAMES, STENCIL, random_q, robot_named
 from tests.planner.robots.five_bars import LENGTHS, five_bar, states
 from tests.planner.robots.point_bounds import joint_jets, point_bounds
 
@@ -94,51 +93,7 @@ def test_what_is_not_known_is_bounded_by_infinity_without_a_warning(name: str, b
 # Arms whose links stay upright
 
 
-@pytest.mark.parametrize(("arms_rise", "rising"), [(False, [0, 0, 0, 1, 1]), (True, [0, 1, 1, 1, 1])])
-@pytest.mark.parametrize("axes", [3, 4])
-def test_along_the_vertical_only_what_the_lift_carries_has_a_speed(
-    axes: int, arms_rise: bool, rising: list[int]
-) -> None:
-    robot = scara(axes, arms_rise=arms_rise)
-    none, rates = np.zeros((1, axes)), np.full((1, axes), 3.0)
-    joints = joint_jets(none, none, rates, 7.0 / 3.0 * rates)
-    found = [point_bounds(robot, link, np.full((1, 3), 0.3), -UP, joints) for link in range(5)]
-    assert np.ravel(found).tolist() == [rate * x for x in rising for rate in (3.0, 7.0)]
-
-
-def test_a_bound_over_a_range_exceeds_that_of_its_middle_by_no_more_than_in_proportion() -> None:
-    """Of a SCARA whose joints are known to 0.01 rad: by the way that a point goes while the arm turns so far."""
-    robot, rng = scara(), np.random.default_rng(3)
-    q, point = random_q(robot, rng, 200), np.full((200, 3), 0.1)
-    qd, n = rng.normal(size=q.shape), np.tile(np.array([[0.6, 0.8, 0.0]]), (200, 1))
-    instant = point_bounds(robot, FLANGE, point, n, joint_jets(q, q, qd, 0 * qd))
-    ranged = point_bounds(robot, FLANGE, point, n, joint_jets(q - 0.01, q + 0.01, qd, 0 * qd))
-    arms = (robot.l1, 2 * robot.l2, 3 * 0.15)
-    fastest = sum(arms) * np.abs(qd).sum(1)
-    assert (ranged[0] - instant[0] <= 0.011 * np.sqrt(2) * 3 * fastest).all()
-    assert (ranged[0] >= instant[0]).all()
-
-
 # Arms whose links tilt
-
-
-@pytest.mark.parametrize("robot", [elbow(), polar(), five_axis()])
-def test_the_base_stands_and_the_turret_does_not_tilt(robot: Robot) -> None:
-    q = np.ones((1, len(robot.joints)))
-    joints, point = joint_jets(q, q, q, q), np.array([[0.2, 0.0, 0.1]])
-    for n in (np.array([[1.0, 0.0, 0.0]]), UP):
-        assert point_bounds(robot, 0, point, n, joints)[0].tolist() == [0.0]
-    assert point_bounds(robot, 1, point, UP, joints)[0].tolist() == [0.0]
-    assert point_bounds(robot, 1, point, np.array([[1.0, 0.0, 0.0]]), joints)[0][0] > 0.0
-
-
-def test_a_flange_that_only_rolls_moves_the_points_off_its_axis_and_nothing_else() -> None:
-    robot, q, rate = five_axis(), np.zeros((1, 5)), np.array([[0.0, 0.0, 0.0, 0.0, 2.0]])
-    joints = joint_jets(q, q, rate, 0 * rate)
-    for link, name in enumerate(robot.links):
-        speed, _ = point_bounds(robot, link, np.array([[0.1, 0.1, 0.0]]), UP, joints)
-        _, pull = point_bounds(robot, link, np.array([[0.1, 0.0, 0.1]]), UP, joints)
-        assert [speed[0], pull[0]] == pytest.approx([0.2, 0.4] if name == "flange" else [0.0, 0.0], abs=1e-15)
 
 
 # A chain that is closed

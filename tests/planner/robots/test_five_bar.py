@@ -13,7 +13,7 @@ from assur.experiments.five_bar_workspace import type_2_curves, velocity_equatio
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.robots.facts import Code
-from assur.planner.robots.five_bar import DISTAL_LEFT, DISTAL_RIGHT, FLANGE, QUILL, FiveBar
+from assur.planner.robots.five_bar import DISTAL_LEFT, DISTAL_RIGHT, FLANGE, FiveBar
 from tests.planner.robots.families import BASE
 from tests.planner.robots.five_bars import LENGTHS, five_bar, states
 
@@ -28,34 +28,6 @@ def at_rest(x: float, y: float, z: float = 0.2, yaw: float = 0.0) -> Motion:
 
 def same_angle(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.asarray(np.abs(np.angle(np.exp(1j * (a - b)))))
-
-
-@pytest.mark.parametrize(("lengths", "mode"), [("short", 0), ("short", 1), ("short", 3), ("one axis", 1)])
-def test_states_with_little_room_come_back_from_their_places_with_all_derivatives(lengths: str, mode: int) -> None:
-    robot, rng = five_bar(lengths, base=BASE), np.random.default_rng(4)
-    q = states(rng, robot, mode, 1_000)
-    motion = [scale * rng.normal(size=q.shape) for scale in (1.0, 10.0, 100.0)]
-    got = robot.inverse(robot.link_motion(FLANGE, q, *motion), mode)
-    assert (got.code == Code.ASSEMBLED).all()
-    assert same_angle(got.q, q).max() < 1e-12
-    for found, made in zip((got.qd, got.qdd, got.qddd), motion, strict=True):
-        assert (np.abs(found - made) / np.linalg.norm(np.stack(motion), axis=(0, 2))[:, None]).max() < 1e-9
-
-
-@every_assembly
-def test_the_chain_is_closed_and_its_couplers_have_their_lengths(assembly: str) -> None:
-    """Seen from the placements alone: both couplers end at the tool axis, on the side that the assembly mode says."""
-    robot = five_bar("odd", base=BASE, assembly=assembly)
-    q = states(np.random.default_rng(7), robot, 1, 500)
-    p, rotation = robot.placements(q)
-    for link, length in ((DISTAL_LEFT, robot.distal[0]), (DISTAL_RIGHT, robot.distal[1])):
-        ends = p[:, link, :2] + length * rotation[:, link, :2, 0]
-        assert np.abs(ends - p[:, FLANGE, :2]).max() < 1e-14
-    assert (rotation[:, QUILL] == np.eye(3)).all()
-    across = p[:, DISTAL_RIGHT, :2] - p[:, DISTAL_LEFT, :2]
-    to_tool = p[:, FLANGE, :2] - p[:, DISTAL_LEFT, :2]
-    side = across[:, 0] * to_tool[:, 1] - across[:, 1] * to_tool[:, 0]
-    assert (side > 0).all() if assembly == "front" else (side < 0).all()
 
 
 @every_mode
@@ -86,27 +58,6 @@ def test_both_jacobians_hold_and_their_determinants_are_the_margins(mode: int, a
 
 
 # Singularities.
-
-
-def test_type_1_at_both_ends_of_either_arms_reach() -> None:
-    robot = five_bar("odd")
-    half = robot.separation / 2
-    for side, a, b in zip((half, -half), robot.proximal, robot.distal, strict=True):
-        for angle in (0.05, -0.1):
-            e = np.array([np.cos(angle), np.sin(angle)])
-            for radius, kind in ((a + b, Code.STRETCHED), (abs(a - b), Code.FOLDED)):
-                x, y = radius * e + [0.0, side]
-                codes = {int(robot.inverse(at_rest(x, y), mode).code) for mode in range(4)}
-                assert codes <= {kind, Code.OUT_OF_REACH, Code.PARALLEL}
-                if kind in codes:
-                    mode = next(m for m in range(4) if robot.inverse(at_rest(x, y), m).code == kind)
-                    got = robot.inverse(at_rest(x, y), mode)
-                    assert got.margin == 0
-                    assert np.isfinite(got.q).all()
-                    assert np.isnan(got.qd).all()
-                    assert robot.margin(got.q) < 1e-6
-                    assert robot.singular_distance(got.q) < 1e-12
-                    assert robot.singularity(got.q) == kind
 
 
 def sided(robot: FiveBar, q: FloatArray) -> FloatArray:
@@ -224,30 +175,6 @@ def test_couplers_in_one_line_are_type_2_and_not_type_1(lengths: str, *, inside_
     assert len(seen) > 1
 
 
-def test_type_2_between_the_assembly_modes() -> None:
-    """Couplers in one line, 0.26 m each, symmetrical about the x axis; and a little to both sides of it."""
-    robot = five_bar("short")
-    x = np.sqrt(0.2**2 - (0.16 - 0.0425) ** 2)
-    for dx, sign in ((0.0, 0), (1e-4, 1), (-1e-4, -1)):
-        got = robot.inverse(at_rest(x + dx, 0.0), 1)
-        assert got.code == Code.PARALLEL
-        assert got.parallel is not None
-        assert np.sign(np.round(got.parallel, 9)) == sign
-        assert got.margin > 0.5  # nothing is the matter with type 1 there
-        assert np.isfinite(got.qd).all()
-    front = robot.inverse(at_rest(x + 0.05, 0.0), 1)
-    assert front.code == Code.ASSEMBLED
-    assert robot.within(front.q)
-    behind = robot.inverse(at_rest(x - 0.05, 0.0), 1)
-    assert behind.code == Code.PARALLEL
-    assert behind.parallel is not None
-    assert behind.parallel < -0.1
-    # the same place is assembled by the machine that is put together the other way round
-    other = five_bar("short", assembly="back").inverse(at_rest(x - 0.05, 0.0), 1)
-    assert other.code == Code.ASSEMBLED
-    assert other.parallel == pytest.approx(-float(behind.parallel))
-
-
 def test_the_parallel_margin_of_a_robot_is_kept_by_inverse_and_within() -> None:
     robot = five_bar("short")
     x = np.sqrt(0.2**2 - (0.16 - 0.0425) ** 2) + np.linspace(0.0, 0.02, 400)
@@ -260,18 +187,6 @@ def test_the_parallel_margin_of_a_robot_is_kept_by_inverse_and_within() -> None:
     assert np.array_equal(got.code == Code.ASSEMBLED, enough)
     clear = np.abs(got.parallel - robot.parallel_least) > 1e-9
     assert np.array_equal(robot.within(got.q)[clear], enough[clear])
-
-
-@every_mode
-def test_out_of_reach_and_not_a_number(mode: int) -> None:
-    robot = five_bar()
-    nan = float("nan")
-    for target in (at_rest(1.0, 0.0), at_rest(0.0, 0.0425), Motion.still(Pose(0.3, 0.0, 0.2), ())):
-        target.v[...] = nan if target.p[0] == 0.3 else 0.0
-        got = robot.inverse(target, mode)
-        assert got.code == Code.OUT_OF_REACH
-        assert got.parallel is not None
-        assert all(np.isnan(x).all() for x in (got.q, got.qd, got.qdd, got.qddd, got.margin, got.parallel))
 
 
 def test_joints_that_do_not_assemble_are_not_within_and_are_nowhere() -> None:
@@ -289,19 +204,6 @@ def test_without_a_quill_the_flange_keeps_its_height() -> None:
     robot = five_bar(axes=2, base=Pose(0, 0, 0.3))
     assert robot.inverse(at_rest(0.3, 0.0, 0.3), 1).code == Code.ASSEMBLED
     assert robot.inverse(at_rest(0.3, 0.0, 0.301), 1).code == Code.OUT_OF_REACH
-
-
-def test_a_working_mode_changes_where_type_1_is_crossed_and_the_assembly_does_not() -> None:
-    """The left crank turns through the line with its coupler: the joints are an ordinary way, and K33 stays."""
-    robot = five_bar("even")
-    q = np.zeros((400, 4))
-    q[:, 0], q[:, 1], q[:, 2] = np.linspace(1.2, -0.8, 400), -1.0, 0.2
-    modes = robot.mode_of(q)
-    assert modes[0] == 1
-    assert set(modes.tolist()) == {1, 3}
-    assert robot.margin(q).min() < 0.01
-    assert robot.assembled(q, q).all()
-    assert robot.assembled(q[:1] * 0 + np.minimum(q[0], q[20]), np.maximum(q[:1], q[20])).all()
 
 
 # The workspace.

@@ -18,20 +18,6 @@ def same_angle(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.asarray(np.abs(np.angle(np.exp(1j * (a - b)))))
 
 
-def test_the_links_are_chained_as_poses_are() -> None:
-    """By the pose algebra alone: base, shoulder turn, elbow, elbow turn, wrist."""
-    robot, q = scara(), np.array([0.4, -1.1, 0.23, 2.0])
-    shoulder = robot.base.then(Pose(yaw=0.4))
-    elbow = shoulder.then(Pose(0.325)).then(Pose(yaw=-1.1))
-    flange = elbow.then(Pose(0.225, 0.0, 0.23)).then(Pose(yaw=2.0))
-    p, _ = robot.placements(q)
-    quill = Pose(flange.x, flange.y, flange.z)
-    for link, pose in enumerate((robot.base, shoulder, elbow, quill, flange)):
-        assert np.abs(p[link] - pose.position).max() < 1e-15
-        zero = np.zeros(4)
-        assert robot.link_motion(link, q, zero, zero, zero).yaw == pytest.approx(pose.yaw, abs=1e-15)
-
-
 def test_the_lift_carries_the_arms_where_they_rise_and_the_flange_alone_where_they_do_not() -> None:
     q = np.array([0.3, 1.0, 0.2, 0.0])
     low, high = scara().placements(q)[0], scara(arms_rise=True).placements(q)[0]

@@ -136,11 +136,6 @@ def test_the_determinant_is_the_product_of_the_page(robot: Robot) -> None:
     assert np.abs(determinant(robot, q) - expected).max() < 1e-15
 
 
-def test_the_roll_of_a_hand_makes_nothing_singular() -> None:
-    q = np.array([0.3, 0.9, -1.3, 0.0, 0.0]) + np.linspace(-3, 3, 50)[:, None] * np.eye(5)[4]
-    assert np.ptp(five_axis().margin(q)) == 0.0
-
-
 @given(st.floats(-3.14, 3.14), st.sampled_from([(0.325, 0.225), (0.2, 0.3), (0.25, 0.25)]))
 def test_the_singular_distance_of_a_scara_is_what_is_left_of_the_radius_on_either_side(
     theta2: float, lengths: tuple[float, float]

@@ -5,16 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assur.experiments.differential import transforms
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Pose
-from assur.planner.robots.five_axis_arm import FiveAxisArm
-from assur.planner.robots.tilting import ElbowArm, PolarArm
 from tests.planner.robots.families import (
     BASE,
     FAR,
-    elbow,
-    far,
     five_axis,
     flange_of,
     polar,
@@ -23,8 +18,6 @@ from tests.planner.robots.families import (
     tilted,
 )
 
-L1, L2, L3, HEIGHT = 0.25, 0.16, 0.072, 0.3
-"""Of the five-axis arm, m."""
 BASES = (Pose(), BASE, FAR)
 
 
@@ -35,28 +28,6 @@ def homogeneous(axis: str, angle: float, *shift: float) -> FloatArray:
     found[[i, j], [i, j]], found[i, j], found[j, i] = c, -s, s
     found[:3, 3] = shift or (0.0, 0.0, 0.0)
     return found
-
-
-@pytest.mark.parametrize("robot", [make(base) for make in (elbow, polar, five_axis) for base in BASES])
-def test_the_link_frames_are_the_products_of_homogeneous_transforms(
-    robot: ElbowArm | PolarArm | FiveAxisArm,
-) -> None:
-    """T = T_base · T(height) Rz(θ1) · Ry(−ψ) …: tilting up is turning about −y."""
-    base = homogeneous("z", robot.base.yaw, *robot.base.position)
-    q = random_q(robot, np.random.default_rng(6), 50)
-    for row, frames in zip(q, transforms(robot, q), strict=True):
-        chain = [base, base @ homogeneous("z", row[0], 0.0, 0.0, robot.height)]
-        chain.append(chain[-1] @ homogeneous("y", -row[1]))
-        if isinstance(robot, PolarArm):
-            chain += [chain[-1] @ homogeneous("x", 0.0, row[2], 0.0, 0.0)] * 2
-        else:
-            chain.append(chain[-1] @ homogeneous("y", -row[2], L1, 0.0, 0.0))
-            if isinstance(robot, FiveAxisArm):
-                chain.append(chain[-1] @ homogeneous("y", -row[3], L2, 0.0, 0.0))
-                chain.append(chain[-1] @ homogeneous("x", row[4], L3, 0.0, 0.0))
-            else:
-                chain.append(chain[-1] @ homogeneous("x", 0.0, L2, 0.0, 0.0))
-        assert np.abs(frames - np.stack(chain)).max() < 1e-14 * far(robot)
 
 
 def test_the_polar_arm_is_that_of_the_printed_matrices() -> None:

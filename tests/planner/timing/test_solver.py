@@ -157,24 +157,6 @@ def test_a_motion_of_more_than_ten_minutes_is_refused() -> None:
     assert isinstance(ask(duration=LONGEST), Trajectory)
 
 
-@pytest.mark.parametrize("rows", [([1.0],), ([1.0, 2.0, 3.0],), ([],), ([1.0, math.nan],), ([math.inf, 1.0],)])
-def test_a_solver_refuses_states_and_limits_that_are_not_numbers_of_one_length(rows: tuple[list[float]]) -> None:
-    legal = [1.0, 2.0]
-    for number, name in enumerate(("velocity", "acceleration", "jerk")):
-        limits = [legal] * number + [rows[0]] + [legal] * (2 - number)
-        with pytest.raises(InputError) as refused:
-            Solver(*limits)
-        # the first one says how many joints there are
-        assert refused.value.field == f"timing.{name}" or number == 0
-    solver = Solver(legal, legal, legal)
-    for number, name in enumerate(("q0", "v0", "a0", "q1", "v1", "a1")):
-        states = [legal] * number + [rows[0]] + [legal] * (5 - number)
-        for asked in (solver.raw_profile, solver.shortest):
-            with pytest.raises(InputError) as refused:
-                asked((states[0], states[1], states[2]), (states[3], states[4], states[5]))
-            assert refused.value.field == f"timing.{name}"
-
-
 class Broken:
     """Stands in for Ruckig's solver: fails a few times, and then is Ruckig."""
 

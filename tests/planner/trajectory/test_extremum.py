@@ -39,27 +39,6 @@ def test_extremes_are_those_of_the_roots_of_the_derivative(path: Trajectory, der
     assert (np.abs(high - true_high) <= slack).all()
 
 
-@given(splines, st.integers(0, 3))
-def test_no_sample_is_outside_the_extremes(path: Trajectory, derivative: int) -> None:
-    t = np.concatenate([np.linspace(path.start, path.end, 4001), path.time])
-    low, high = path.extrema(derivative)
-    values = path.evaluate(t, derivative)
-    slack = 1e-13 * np.abs(bernstein(path, derivative)).max((0, 2))
-    assert (values >= low - slack).all()
-    assert (values <= high + slack).all()
-
-
-@given(splines)
-def test_extremes_of_the_mirrored_motion_are_mirrored(path: Trajectory) -> None:
-    mirrored = Trajectory(path.time, -path.q, -path.qd, -path.qdd)
-    for derivative in range(4):
-        low, high = path.extrema(derivative)
-        other = mirrored.extrema(derivative)
-        slack = 1e-12 * np.abs(bernstein(path, derivative)).max()
-        assert np.abs(other[0] + high).max() <= slack
-        assert np.abs(other[1] + low).max() <= slack
-
-
 def test_a_double_root_of_the_derivative_is_no_obstacle() -> None:
     """(s − 1/2)⁵ has a fourfold stationary point and is monotone, −(s − 1/2)⁴ has its top there."""
     for power, sign, top in ((5, 1.0, 0.5**5), (4, -1.0, 0.0)):

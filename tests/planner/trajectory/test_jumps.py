@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -163,10 +160,3 @@ def test_smooth_motions_meet_in_a_jump_where_their_accelerations_differ_and_in_o
         meeting(one, other, jumps=False)
     other = Trajectory(time + 1, q, qd, np.array([[1.0 + 1e-7], [0.0]]))
     assert meeting(one, other, jumps=False).time.tolist() == [0.0, 1.0, 2.0]
-
-
-@given(PATHS)
-def test_a_motion_from_another_process_is_the_same(path: Trajectory) -> None:
-    again: Any = pickle.loads(pickle.dumps(path))
-    assert again.jumps
-    assert all((getattr(again, name) == getattr(path, name)).all() for name in ("time", "q", "qd", "qdd"))

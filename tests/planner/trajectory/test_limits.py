@@ -72,15 +72,6 @@ def test_the_joint_that_is_named_is_the_one_that_keeps_its_limit_least() -> None
     assert used(path, limits).kept[0].tolist() == [False, False, True, True]
 
 
-def test_an_excess_between_samples_is_found() -> None:
-    # Velocity rises above 1 in the middle of a single piece whose knots and middle neighbours are below it.
-    path = Trajectory([0.0, 1.0], [[0.0], [0.9]], [[0.0], [0.0]], [[0.0], [0.0]])  # type: ignore[arg-type]
-    peak = 0.9 * 15 / 8
-    wide = np.full(1, 1e3)
-    assert keeps_limits(path, -wide, wide, np.array([peak * (1 + 1e-10)]), wide, wide)
-    assert not keeps_limits(path, -wide, wide, np.array([peak * (1 - 1e-8)]), wide, wide)
-
-
 @given(splines, st.floats(0.5, 2.0), st.integers(0, 3))
 def test_the_quick_answer_is_the_full_one(path: Trajectory, factor: float, kind: int) -> None:
     limits = snug(path)

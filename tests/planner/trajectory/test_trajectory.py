@@ -39,23 +39,6 @@ def test_at_its_knots_a_trajectory_is_in_the_states_given_to_the_bit(path: Traje
         assert all(map(np.array_equal, path.state(float(path.time[k])), (path.q[k], path.qd[k], path.qdd[k])))
 
 
-@given(splines)
-def test_all_ways_to_evaluate_agree(path: Trajectory) -> None:
-    t = np.linspace(path.start, path.end, 37)[:-1]
-    index = path.edges.searchsorted(t, "right") - 1
-    tau = t - path.edges[index]
-    c, b = path.coefficients[index], [bernstein(path, d)[index] for d in range(4)]
-    s = (tau / path.steps[index])[:, None]
-    powers = sum(c[..., k] * tau[:, None] ** k for k in range(6))
-    assert np.allclose(powers, path.evaluate(t), rtol=1e-12, atol=1e-12)
-    for d in range(4):
-        rows = b[d]
-        while rows.shape[-1] > 1:
-            rows = (1 - s[..., None]) * rows[..., :-1] + s[..., None] * rows[..., 1:]
-        scale = np.abs(b[d]).max()
-        assert np.allclose(rows[..., 0], path.evaluate(t, d), rtol=0, atol=1e-12 * scale)
-
-
 def test_at_an_inner_knot_the_jerk_is_that_of_the_piece_to_its_right() -> None:
     jerk = np.array([[6.0], [-3.0], [1.0]])
     path = constant_jerk(np.array([0.0, 0.5, 1.0, 2.0]), jerk, np.zeros((3, 1)))

@@ -20,7 +20,7 @@ from assur.planner.checker.claim.verdict import prepare
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.prover import prove as prover
-from tests.planner.checker.claim.forgeries import read
+from tests.forgeries.claims import read
 from tests.prover.bundles import bundle
 
 SCENARIOS = ("demo", "five-bar", "rv-m1", "loader", "shutter", "two-robots", "parabolic-blend", "polar-arm")

@@ -16,7 +16,7 @@ from assur.scenes.bundle import bundle_document
 from assur.scenes.requests import plan_document
 from assur.scenes.scenarios import shipped_scenarios
 from benchmarks.soak.random_cells import KINDS, random_cell
-from tests.planner.checker.claim.forgeries import read
+from tests.forgeries.claims import read
 from tests.prover.bundles import bundle
 from tests.scenes.cells.second_kinematics import answer
 
@@ -76,7 +76,7 @@ PLAIN = """
 import json, sys
 from assur.planner.checker.claim.verdict import check_claim
 from assur.planner.compiled import KERNELS
-from tests.planner.checker.claim.forgeries import read
+from tests.forgeries.claims import read
 assert not any(hasattr(kernel, "py_func") for kernel in KERNELS.values())
 for document in json.load(sys.stdin):
     print(json.dumps(check_claim(read(document))))

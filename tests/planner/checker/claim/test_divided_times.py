@@ -17,7 +17,7 @@ from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import cell, go
-from tests.planner.checker.hand_made import certificate_of
+from tests.planner.checker.hand_made import no_rows
 
 LONG_S, SHORT_S, SLOW = 65.0, 1e-5, 1e-5
 """s, s, and rad/s²."""
@@ -37,7 +37,7 @@ def slow_motion() -> tuple[Scene, Trajectory]:
 
 def claim_with(scene: Scene, path: Trajectory, most: float) -> c.Claim:
     """A claim that the tool accelerates no harder than `most` all along."""
-    plan = Plan(path, (Leg(LegKind.MOVE, 0, path.start, path.end),), (), certificate_of([]))
+    plan = Plan(path, (Leg(LegKind.MOVE, 0, path.start, path.end),), (), no_rows())
     claim = with_plan(claim_of(scene), plan, (Phase(path.start, path.end, LegKind.MOVE, 0),))
     link = len(scene.robot.links) - 1
     return claim._replace(rates=c.table("rates", [(path.start, path.end, link, 0.0, 0.0, 0.0, -1, 2, 0.0, most)]))

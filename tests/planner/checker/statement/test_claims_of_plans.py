@@ -7,6 +7,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
+from assur.planner.checker.claim.verdict import check_claim
 from assur.planner.errors import InputError
 from assur.planner.model.outcome import Plan
 from assur.scenes.resampling.grid import arrivals_on, legs_on, on_nanoseconds, on_ticks
@@ -41,8 +42,9 @@ def test_the_claim_of_a_shipped_scenario_is_accepted(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", VARIANTS)
-def test_the_claim_of_a_variant_is_accepted(name: str) -> None:
+def test_the_claim_of_a_variant_is_accepted_by_both_checkers(name: str) -> None:
     assert differences(case_of(name)) == []
+    assert check_claim(case_of(name).claim).findings == ()
 
 
 @pytest.mark.parametrize("name", MESHES)

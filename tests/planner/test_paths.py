@@ -1,13 +1,9 @@
-"""Paths cost little: their corners and splines are found together, and making and asking them ends with the budget."""
+"""Paths cost little: their corners and splines are found together, and so are the instants of long motions."""
 
 from __future__ import annotations
 
-import copy
 import math
-import time
-from collections.abc import Callable
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,14 +13,10 @@ from assur.planner.geometry import curves
 from assur.planner.geometry.curves import Along, Polynomial, Straight
 from assur.planner.legs import limits
 from assur.planner.legs.state import Knots
-from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.planner.model.path import LineTo, Path, PathPart, Point, SplineThrough
 from assur.planner.search.partial_plan import MOST_KNOTS, reported_motion
 from assur.planner.trajectory import Trajectory
-from assur.scenes.reading.cell import cell_of
-from assur.scenes.requests import validate
 from tests.planner.cells import cell, go
-from tests.scenes.test_budgets import ARM
 
 CORNERS = 20
 BEGIN: Point = (0.4, 0.0, 0.1)
@@ -96,29 +88,6 @@ def test_the_middle_of_a_rounded_corner_is_as_far_from_it_as_was_asked() -> None
     for corner, end in zip(corners, ends, strict=False):
         middle = 0.5 ** np.arange(6) @ corner.coefficients
         assert np.linalg.norm(middle - np.array(end)) == pytest.approx(path.blend_m, abs=1e-12)
-
-
-def _points_of_a_move() -> Callable[[], object]:
-    """Reads a request whose one step goes along a path from where the arm stands."""
-    move = {"to": {"at_mm": [350, 100, 250], "yaw_deg": 0}, "leg": "cartesian", "path": [{"line": {}}]}
-    document: dict[str, Any] = {**copy.deepcopy(ARM), "bodies": [], "task": [{"move": move}]}
-    request = validate(document)
-    return lambda: cell_of(document, request)
-
-
-MADE = zigzag().curve
-WORK: dict[str, Callable[[], object]] = {
-    "making": zigzag,
-    "asking": lambda: MADE.at(np.zeros(1)),
-    "reading": _points_of_a_move(),
-}
-
-
-@pytest.mark.parametrize("name", sorted(WORK))
-def test_work_on_paths_ends_where_the_deadline_has_passed(name: str) -> None:
-    WORK[name]()
-    with Deadline(time.perf_counter(), -1.0), pytest.raises(OutOfTimeError):
-        WORK[name]()
 
 
 def test_a_long_motion_that_is_told_of_a_refusal_has_a_bounded_number_of_knots() -> None:
