@@ -16,7 +16,7 @@ from assur.scenes.requests import cell_of, check_document, request_digest, scene
 from assur.scenes.robot_facts import assumptions
 from assur.scenes.scenarios import shipped
 from tests.scenes.bad_requests import GOOD_REQUEST, share
-from tests.scenes.cells.second_kinematics import answer
+from tests.scenes.cells.answers import answer
 from tests.scenes.reading.test_robots import inline
 
 ROWS = [share(3, 1.0), share(6, 0.5)]

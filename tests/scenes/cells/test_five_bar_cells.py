@@ -18,8 +18,8 @@ from assur.planner.robots.five_bar import FiveBar
 from assur.planner.trajectory import Trajectory
 from assur.scenes.reading.plan import plan_of
 from assur.scenes.requests import cell_of, check_document, plan_document, shipped
+from tests.scenes.cells.answers import answer
 from tests.scenes.cells.five_bar_plans import resealed
-from tests.scenes.cells.second_kinematics import answer
 
 Answer = dict[str, Any]
 

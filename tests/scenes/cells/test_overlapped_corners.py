@@ -18,7 +18,6 @@ from assur.scenes.requests import cell_of, plan_document, shipped
 from tests.scenes.cells.five_bar_plans import resealed
 
 Document = dict[str, Any]
-STRAIGHT_M = 0.003
 OUTER = {LegKind.APPROACH: 0, LegKind.DEPART: -1}
 """Which end of a straight part is the outer one."""
 

@@ -25,7 +25,7 @@ from assur.scenes.view import display_meshes
 from assur.scenes.view.display_meshes import mesh_of
 from assur.scenes.view.poses import drawing_errors
 from assur.scenes.view.tracks import tracks
-from tests.scenes.cells.second_kinematics import answer
+from tests.scenes.cells.answers import answer
 from tests.scenes.exports.glb_reader import Z_UP, Glb, in_cell
 from tests.scenes.view.shown import cell, scene
 

@@ -16,7 +16,7 @@ from assur.scenes.schema.view import ViewDocument
 from assur.scenes.view.display_meshes import MOST_OF_ALL, MOST_TRIANGLES, Mesh, displays, reduced, written
 from assur.scenes.view.document import view_of
 from assur.scenes.view.packing import floats, unpacked, words
-from tests.scenes.cells.second_kinematics import answer
+from tests.scenes.cells.answers import answer
 from tests.scenes.view.shown import cell, drawn, scene, view
 
 MOST_BYTES = 400_000
