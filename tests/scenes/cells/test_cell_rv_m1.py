@@ -10,7 +10,7 @@ from assur.planner.report.number_format import amount
 from assur.scenes.requests import check_document, plan_document, scene_of
 from assur.scenes.scenarios import shipped
 from tests.changed import GONE, changed
-from tests.scenes.cells.answers import Document, answer
+from tests.scenes.cells.answers import Document, answer, findings_of
 
 NAME = "rv-m1"
 
@@ -24,7 +24,7 @@ def cell(changes: Document) -> Document:
 def test_an_answer_for_another_pitch_than_the_request_asks_is_refused() -> None:
     to = "task[0].follow.to"
     other = cell({f"{to}.pitch_deg": GONE, f"{to}.pitch_rad": -math.pi / 2 + 1e-4})
-    assert {"ARRIVAL", "JOINTS"} & {finding["code"] for finding in check_document(other, answer(NAME))["findings"]}
+    assert {"ARRIVAL", "JOINTS"} & findings_of(other, answer(NAME))
 
 
 def blends(pitch_deg: float = -60.0) -> Document:

@@ -20,7 +20,7 @@ from tests.changed import changed
 from tests.scenes.bad_requests import Bad
 from tests.scenes.cells.answers import Document, answer, forged, proof
 
-NAMES = ("elbow-arm", "polar-arm", "lab-arm", "z-down", "rv-m1")
+NAMES = ("elbow-arm", "polar-arm", "lab-arm", "z-down", "rv-m1", "five-bar")
 
 
 @pytest.mark.parametrize("name", ["elbow-arm", "rv-m1"])
