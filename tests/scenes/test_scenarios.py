@@ -208,7 +208,3 @@ def test_what_is_expected_may_be_left_out_but_not_half_said(tmp_path: Path) -> N
         load_scenario(file)
     assert caught.value.field == "expect.status"
     assert caught.value.allowed == "one of planned, not_planned, which must be given"
-
-
-def test_every_shipped_scenario_expects_something() -> None:
-    assert all("status" in shipped(name).expect for name in shipped_scenarios())

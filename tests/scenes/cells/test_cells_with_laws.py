@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
+import pytest
+
 from assur.scenes import check, plan
 from assur.scenes.cells import two_robots
+from assur.scenes.requests import scene_of
 from assur.scenes.scenarios import shipped
 from benchmarks.oracle.arrivals_kept import Targets, arrivals_kept
 from benchmarks.oracle.joints_kept import joints_kept
@@ -39,6 +43,16 @@ def test_the_file_holds_the_answer_to_the_other_robot_s_own_request() -> None:
     motion = Motion(as_si(shipped("two-robots-neighbour").request), document)
     assert [*joints_kept(motion), *arrivals_kept(motion, Targets(motion))] == []
     assert len(document["arrivals"]) == two_robots.STEPS["two-robots.yaml"]
+
+
+@pytest.mark.parametrize("name", two_robots.STEPS)
+def test_the_other_robots_knots_are_what_the_script_writes_from_its_own_start(name: str) -> None:
+    path = two_robots.CELLS / name
+    text = path.read_text(encoding="utf-8").split(two_robots.BEGIN)[1].split(two_robots.END)[0]
+    trajectory = shipped(path.stem).request["neighbours"][0]["trajectory"]
+    assert two_robots.knots(trajectory) == text
+    start = scene_of(two_robots.neighbour_request(two_robots.STEPS[name])).start
+    assert np.allclose(trajectory["position"][0], start.q, atol=1e-12, rtol=0)
 
 
 ROUND: list[Document] = [

@@ -18,7 +18,7 @@ from benchmarks.oracle.product import as_si
 from benchmarks.oracle.promises import broken_promises
 from tests.changed import changed
 from tests.scenes.bad_requests import Bad
-from tests.scenes.cells.answers import Document, answer, forged, proof
+from tests.scenes.cells.answers import Document, answer, forged, not_planned, proof
 
 NAMES = ("elbow-arm", "polar-arm", "lab-arm", "z-down", "rv-m1", "five-bar")
 
@@ -92,6 +92,13 @@ BAD: tuple[Bad, ...] = (
 @pytest.mark.parametrize("bad", BAD, ids=lambda bad: bad.name)
 def test_what_an_arm_whose_flange_tilts_cannot_do_is_refused_in_words(bad: Bad) -> None:
     bad.refused()
+
+
+def test_beyond_the_elbow_arms_reach_it_is_proved_that_nothing_can_be_planned() -> None:
+    request = changed(ELBOW, {"task[1].move.to.at_mm": [600, 0, 300]})
+    found = not_planned(request)
+    assert (found["reason"], found["proved"]) == ("OUT_OF_REACH", True)
+    assert check_document(request, found)["ok"]
 
 
 @pytest.mark.parametrize("name", NAMES)

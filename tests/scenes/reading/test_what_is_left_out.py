@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from assur.scenes.catalogue import models, shipped_robot
+from assur.scenes.catalogue import shipped_robot
 from assur.scenes.reading.cell import NO_LAG, NO_PAIRS
 from assur.scenes.requests import cell_of
 from assur.scenes.scenarios import shipped
@@ -23,14 +23,6 @@ def with_pairs(pairs: list[list[str]]) -> Any:
     request["robot"] = {"scara": {**arm, "self_pairs": pairs}, "tool": request["robot"]["tool"]}
     request["start"]["joints"] = {"q1_deg": 17.2, "q2_deg": 68.8, "z_mm": 200, "q4_deg": 0}
     return request
-
-
-@pytest.mark.parametrize("model", models())
-def test_every_arm_of_the_catalogue_that_has_bodies_is_kept_clear_of_its_tool(model: str) -> None:
-    file = shipped_robot(model)
-    arm = file.document[file.family]
-    assert arm["bodies"]
-    assert any("flange" in pair for pair in arm["self_pairs"])
 
 
 @pytest.mark.parametrize(("pairs", "told"), [([], True), ([["link1", "quill"]], True), ([["link1", "flange"]], False)])
