@@ -13,9 +13,7 @@ from assur.api.cli.border import BAD_INPUT
 from assur.api.problems import MEDIA_TYPE, Problem
 from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
 from assur.api.workers.jobs import FIRST_PLAN
-from assur.planner.errors import InputError
 from assur.scenes.faults import MOST_FAULTS
-from assur.scenes.requests import parse_json, scene_of
 from tests.api.bad_bodies import BAD_BODIES, BAD_CALLS, BadBody
 from tests.api.test_command_line import run as in_parts
 from tests.scenes.bad_requests import BAD_REQUESTS, GOOD_REQUEST, Bad
@@ -158,13 +156,6 @@ def assert_only_faults(output: str) -> None:
     lines = output.splitlines()
     assert 1 <= len(lines) <= MOST_FAULTS + 1
     assert all(line.startswith("assur: ") for line in lines)
-
-
-@pytest.mark.parametrize("bad", [bad for bad in BAD_BODIES if not bad.service_only], ids=lambda bad: bad.name)
-def test_a_bad_body_is_refused_in_python(bad: BadBody) -> None:
-    with pytest.raises(InputError) as caught:
-        scene_of(parse_json(bad.body))
-    assert caught.value.field == bad.field or bad.field in ("body", "scenario", "options")
 
 
 @pytest.mark.parametrize("bad", [bad for bad in BAD_BODIES if not bad.service_only], ids=lambda bad: bad.name)

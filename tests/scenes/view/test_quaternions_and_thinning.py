@@ -4,10 +4,45 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation, Slerp
 
 from assur.planner.geometry.shapes import AXES, Body, Piece, Primitive, box, capsule, cylinder, sphere
 from assur.scenes.view.display_meshes import SAG_M, Mesh, mesh_of
+from assur.scenes.view.quaternions import angles_between, interpolated, of_matrices, of_yaws, rotated
 from assur.scenes.view.thinning import needed, needed_of_curves
+
+RNG = np.random.default_rng(4)
+HALF_TURNS = Rotation.from_rotvec(np.pi * np.concatenate([np.eye(3), [[0.6, 0.8, 0.0], [0.0, 0.6, -0.8]]]))
+
+
+@pytest.mark.parametrize("turns", [Rotation.random(200, random_state=5), HALF_TURNS, Rotation.identity(1)])
+def test_quaternions_of_matrices_turn_points_as_the_matrices_do(turns: Rotation) -> None:
+    q, points = of_matrices(turns.as_matrix()), RNG.normal(size=(len(turns), 3))
+    assert np.linalg.norm(q, axis=1) == pytest.approx(1.0)
+    assert rotated(q, points) == pytest.approx(turns.apply(points), abs=1e-12)
+
+
+def test_a_yaw_is_a_turn_about_the_vertical() -> None:
+    yaw = RNG.uniform(-10, 10, 50)
+    there = Rotation.from_rotvec(np.stack([0 * yaw, 0 * yaw, yaw], -1))
+    assert angles_between(of_yaws(yaw), there.as_quat()).max() < 1e-7
+
+
+def test_attitudes_in_between_are_those_of_scipy_on_the_shorter_arc() -> None:
+    for _ in range(50):
+        both = Rotation.random(2, random_state=RNG.integers(1 << 30))
+        share = RNG.uniform(0, 1, 7)
+        first, last = both.as_quat()
+        for sign in (1.0, -1.0):
+            found = interpolated(first, sign * last, share)
+            assert angles_between(found, Slerp([0, 1], both)(share).as_quat()).max() < 1e-7
+
+
+def test_how_far_two_attitudes_are_apart_is_the_angle_between_them() -> None:
+    ones, others = Rotation.random(100, random_state=6), Rotation.random(100, random_state=7)
+    assert angles_between(ones.as_quat(), others.as_quat()) == pytest.approx(
+        (ones.inv() * others).magnitude(), abs=1e-7
+    )
 
 
 def test_samples_that_are_kept_are_enough_and_few() -> None:
@@ -18,6 +53,11 @@ def test_samples_that_are_kept_are_enough_and_few() -> None:
     assert 10 < len(found) < 150
     fewer = found[::2]
     assert np.abs(np.interp(t, t[fewer], curve[fewer, 0]) - curve[:, 0]).max() > 1e-3
+
+
+def test_both_sides_of_a_jump_are_kept() -> None:
+    t = np.array([0.0, 0.5, 0.5, 1.0])
+    assert needed_of_curves(t, np.array([[0.0], [0.0], [1.0], [1.0]]), np.array([0.1])).tolist() == [0, 1, 2, 3]
 
 
 def test_a_straight_line_needs_its_two_ends() -> None:
