@@ -10,12 +10,10 @@ import httpx
 import pytest
 
 from assur.api.cli.border import BAD_INPUT
-from assur.api.problems import MEDIA_TYPE
+from assur.api.problems import MEDIA_TYPE, Problem
 from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
 from assur.api.workers.jobs import FIRST_PLAN
-from assur.planner.errors import InputError
 from assur.scenes.faults import MOST_FAULTS
-from assur.scenes.requests import parse_json, scene_of
 from tests.api.bad_bodies import BAD_BODIES, BAD_CALLS, BadBody
 from tests.api.test_command_line import run as in_parts
 from tests.scenes.bad_requests import BAD_REQUESTS, GOOD_REQUEST, Bad
@@ -37,11 +35,6 @@ def problem(answer: Any, status: int) -> dict[str, Any]:
 
 def _refuse(name: str) -> None:
     raise AssertionError(f"{name} in a problem")
-
-
-def test_there_are_at_least_sixty_kinds() -> None:
-    kinds = {bad.name for bad in BAD_REQUESTS} | {bad.name for bad in BAD_BODIES}
-    assert len(kinds) >= 60
 
 
 def test_the_request_that_the_kinds_start_from_is_not_bad_itself(client: httpx.Client) -> None:
@@ -68,40 +61,26 @@ def test_a_body_that_is_no_json_is_told_with_line_and_column(client: httpx.Clien
     assert document["errors"][0]["value"] == "no value, at line 2, column 3"
 
 
-@pytest.mark.parametrize("bad", BAD_REQUESTS, ids=lambda bad: bad.name)
-def test_a_bad_request_is_refused_over_http(client: httpx.Client, bad: Bad) -> None:
-    document = problem(client.post("/v1/plans", json=bad.document()), 422)
-    assert document["errors"][0]["field"] == bad.field
+SOME = pytest.mark.parametrize("bad", BAD_REQUESTS[::12], ids=lambda bad: bad.name)
+"""A few of the requests that tests/scenes/test_bad_requests.py reads: service and command line read them as it does."""
 
 
-def test_three_wrong_names_are_three_errors_over_http_each_with_its_value(client: httpx.Client) -> None:
-    request = json.loads(json.dumps(GOOD_REQUEST))
-    request["robot"]["model"] = "mitsubishi"
-    request["bodies"][1]["pose"]["frame"] = "blet"
-    request["task"][0]["pick"]["part"] = "prat"
-    document = problem(client.post("/v1/plans", json=request), 422)
-    assert [(each["field"], each["value"]) for each in document["errors"]] == [
-        ("robot.model", "mitsubishi"),
-        ("bodies[1].pose.frame", "blet"),
-        ("task[0].pick.part", "prat"),
-    ]
-    request["optons"], request["start"]["joints"]["j1_deg"] = [], "7"
-    document = problem(client.post("/v1/plans", json=request), 422)
-    assert [(each["field"], each["value"]) for each in document["errors"]] == [
-        ("optons", []),
-        ("start.joints.j1_deg", "7"),
-    ]
+@SOME
+def test_a_bad_request_is_refused_over_http_and_in_a_check(client: httpx.Client, bad: Bad) -> None:
+    told = Problem.of_input(bad.refused()).document()["errors"]
+    for address, body in (
+        ("/v1/plans", bad.document()),
+        ("/v1/plans/check", {"request": bad.document(), "plan": {}}),
+    ):
+        assert problem(client.post(address, json=body), 422)["errors"] == told
+
+
+def test_options_of_a_scene_that_are_wrong_are_errors_each_with_its_value(client: httpx.Client) -> None:
     options = {"options": {"stop": "last", "budgets": 3, "elbow": None}}
     document = problem(client.post("/v1/scenes/demo/plans", json=options), 422)
     assert {each["field"]: each["value"] for each in document["errors"]} == {
         f"options.{name}": value for name, value in options["options"].items()
     }
-
-
-@pytest.mark.parametrize("bad", BAD_REQUESTS, ids=lambda bad: bad.name)
-def test_a_bad_request_is_refused_in_a_check_too(client: httpx.Client, bad: Bad) -> None:
-    document = problem(client.post("/v1/plans/check", json={"request": bad.document(), "plan": {}}), 422)
-    assert document["errors"][0]["field"].endswith(bad.field)
 
 
 @pytest.mark.parametrize(("address", "body", "field"), BAD_CALLS, ids=lambda value: str(value)[:40])
@@ -180,13 +159,6 @@ def assert_only_faults(output: str) -> None:
 
 
 @pytest.mark.parametrize("bad", [bad for bad in BAD_BODIES if not bad.service_only], ids=lambda bad: bad.name)
-def test_a_bad_body_is_refused_in_python(bad: BadBody) -> None:
-    with pytest.raises(InputError) as caught:
-        scene_of(parse_json(bad.body))
-    assert caught.value.field == bad.field or bad.field in ("body", "scenario", "options")
-
-
-@pytest.mark.parametrize("bad", [bad for bad in BAD_BODIES if not bad.service_only], ids=lambda bad: bad.name)
 def test_a_bad_body_in_a_file_is_refused_on_the_command_line(tmp_path: Path, bad: BadBody) -> None:
     file = tmp_path / "request.json"
     file.write_bytes(bad.body)
@@ -195,7 +167,7 @@ def test_a_bad_body_in_a_file_is_refused_on_the_command_line(tmp_path: Path, bad
     assert_only_faults(output)
 
 
-@pytest.mark.parametrize("bad", BAD_REQUESTS, ids=lambda bad: bad.name)
+@SOME
 def test_a_bad_request_in_a_file_is_refused_on_the_command_line(tmp_path: Path, bad: Bad) -> None:
     file = tmp_path / "request.json"
     file.write_text(json.dumps(bad.document()))
@@ -203,10 +175,8 @@ def test_a_bad_request_in_a_file_is_refused_on_the_command_line(tmp_path: Path, 
     assert code == BAD_INPUT
     assert output.startswith(f"assur: {bad.field}: ")
     assert bad.said in output
-    with pytest.raises(InputError) as caught:
-        scene_of(bad.document())
     told = [line.split(": ")[1] for line in output.splitlines()]
-    assert told == [each["field"] for each in caught.value.errors]
+    assert told == [each["field"] for each in bad.refused().errors]
 
 
 @pytest.mark.parametrize("bad", BAD_BODIES, ids=lambda bad: bad.name)
@@ -221,24 +191,14 @@ def test_a_bad_plan_in_a_file_is_refused_by_the_check_command(tmp_path: Path, ba
 @pytest.mark.parametrize(
     ("name", "content"),
     [
-        ("x.yaml", b""),
         ("x.yaml", b"\x00\x01"),
         ("x.yaml", b"\xff\xfe"),
-        ("x.yaml", b"a: [1, 2"),
         ("x.yaml", b"a: 1\na: 2\n"),
         ("x.yaml", b"- 1\n- 2\n"),
         ("x.yaml", b"about: x\n"),
         ("x.yaml", b"about: x\nrequest: {}\nexpect: {}\n"),
         ("x.yaml", b"about: x\nrequest: 1\nexpect: {}\n"),
-        ("x.yaml", b"a: &x [1]\nb: *x\n"),
-        ("x.yaml", b"a: !!python/object/apply:os.system [id]\n"),
-        ("x.yaml", b"a: .nan\n"),
-        ("x.yaml", b"a: .inf\n"),
-        ("x.yaml", b"? [1]\n: 2\n"),
-        ("x.yaml", b"[" * 3000),
         ("x.yaml", b"a: " + b"x" * (1 << 20)),
-        ("x.yaml", b"%YAML 1.1\n---\non: yes\n"),
-        ("x.yaml", b"--- 1\n--- 2\n"),
         ("x", b"{"),
         ("x.txt", b"hello"),
         ("x.json", b"about: x\n"),

@@ -15,7 +15,7 @@ from assur.scenes.plan_file import PlanFile
 from assur.scenes.scenarios import shipped
 from tests.api.test_command_line import run
 from tests.planner.trajectory.changed import changed as changed_path
-from tests.scenes.cells.second_kinematics import answer
+from tests.scenes.cells.answers import answer
 
 NAME = "standard-cycle"
 

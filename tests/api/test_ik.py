@@ -136,23 +136,15 @@ def test_a_robots_file_may_be_named(tmp_path: Path) -> None:
             ("demo", *POSE, "--frame", "blet"),
             '--frame: got "blet"; allowed: one of belt, dial, gate, world; did',
         ),
-        (("demo", *POSE, "--pitch-deg", "3"), "--pitch-deg: got 3.0; allowed: no pitch"),
         (("demo", "--at-mm", "nan", "0", "0", "--yaw-deg", "0"), "pose.at_mm[0]: got"),
-        (("demo", "--at-mm", "inf", "0", "0", "--yaw-deg", "0"), "pose.at_mm[0]: got"),
         (("demo", *POSE, "--at-s", "nan"), "at_s: got"),
         (("demo", "--joints", "j1_deg"), '--joints: got "j1_deg"; allowed: joints with their units'),
-        (("demo", "--joints", "j1_deg=x"), '--joints: got "j1_deg=x"'),
         (("demo", "--joints", ""), '--joints: got ""'),
         (("demo", "--joints", "j1_deg=1,j1_deg=2"), '--joints: got "j1_deg=2"; allowed: j1_deg once'),
         (("demo", "--joints", "j1_deg=1,j1_rad=2"), "joints.j1_deg: got 1.0; allowed: j1_deg or j1_rad, not both"),
         (
             ("demo", "--joints", "j1_deg=1"),
             "--joints: it is missing; allowed: all joints, j2_rad (or j2_deg) among them",
-        ),
-        (("demo", "--joints", "j1=1"), "joints.j1: got 1.0; allowed: one of j1_rad"),
-        (
-            ("demo", "--joints", "j1_deg=1,j2_deg=nan,j3_mm=250,j4_deg=0"),
-            'joints.j2_deg: got "a number that is not finite"',
         ),
     ],
 )

@@ -15,6 +15,7 @@ import assur
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.planner import Scene
 from assur.scenes.requests import cell_of, read_plan
+from tests.refused import refused_at
 
 
 @pytest.fixture(scope="module")
@@ -64,9 +65,8 @@ def test_what_is_in_an_answer_is_its_own_and_a_deep_copy_is_changed(answer: assu
     ],
 )
 def test_a_step_that_is_no_number_is_refused_by_name(answer: assur.Answer, step: Any) -> None:
-    with pytest.raises(assur.InputError, match=r"^dt: got .*; allowed: a step in s, a number of at least") as caught:
+    with refused_at("dt", match=r"^dt: got .*; allowed: a step in s, a number of at least"):
         answer.trajectory.sample(step)
-    assert caught.value.field == "dt"
     taken: list[Any] = [1, np.float32(1), np.int64(1), np.array(1.0)]
     lengths = {len(answer.trajectory.sample(each).times) for each in taken}
     assert lengths == {len(answer.trajectory.sample(1.0).times)}
@@ -214,9 +214,8 @@ def test_the_other_calls_are_those_of_scenes() -> None:
 def test_a_request_that_is_not_right_is_refused_at_its_field() -> None:
     request = copy.deepcopy(FIRST_PLAN)
     request["start"] = {"joints": {"j1_deg": "-40"}}
-    with pytest.raises(assur.InputError) as caught:
+    with refused_at("start.joints.j1_deg"):
         assur.plan(request)
-    assert caught.value.field == "start.joints.j1_deg"
 
 
 @pytest.mark.parametrize("status", [None, "done", np.array(["planned", "not_planned"]), ["planned"]], ids=str)

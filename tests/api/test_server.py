@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import copy
-import json
 import os
 import signal
 import socket
@@ -102,38 +101,6 @@ def test_a_plan_whose_worker_is_killed_is_planned_by_another(server: Server, asi
     assert not server.events("request quarantined")
     served(server)
     assert pid not in [worker.pid for worker in server.workers()]
-
-
-def test_while_the_only_worker_works_and_there_is_no_queue_one_is_told_when_to_come_again(
-    server: Server, aside: ThreadPoolExecutor
-) -> None:
-    with halted(server):
-        refused, (accepted,) = one_too_many(server, aside, places=1)
-        assert refused.status_code == 503
-        assert refused.json()["type"] == "urn:assur:problem:busy"
-        assert 1 <= int(refused.headers["retry-after"]) <= 60
-        with server.client() as client:
-            assert client.get("/livez").status_code == 200
-            assert client.get("/v1/scenes").status_code == 200
-        assert not accepted.done()
-    assert accepted.result().json()["status"] == "planned"
-    served(server)
-
-
-def test_a_plan_whose_client_hangs_up_is_stopped(server: Server) -> None:
-    (worker,) = server.workers()
-    before = sum(worker.cpu_times()[:2])
-    body = json.dumps(endless(55.0)).encode()
-    head = (
-        f"POST /v1/plans HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n"
-    )
-    with socket.create_connection(("127.0.0.1", server.port)) as connection:
-        connection.sendall(head.encode() + body)
-        until(lambda: sum(worker.cpu_times()[:2]) >= before + 0.2)
-    # the search is called off, and the same worker takes the next request long before 55 s are over
-    with server.client() as client:
-        until(lambda: client.post("/v1/plans", json=FIRST_PLAN).status_code == 200, within_s=40.0)
-    assert [each.pid for each in server.workers()] == [worker.pid]
 
 
 def test_a_client_that_leaves_in_the_middle_of_its_body_is_no_fault(server: Server) -> None:

@@ -24,12 +24,12 @@ from benchmarks.soak.poses import Document, Poses
 from benchmarks.soak.random_cells import KINDS, random_cell
 from benchmarks.soak.simulation import Outcome, simulated
 from benchmarks.soak.solids import gaps, solid_of
+from tests.scenes.cells.answers import planned
 from tests.scenes.cells.test_uncertain_cells import (
     beside_a_neighbour,
     between_walls,
     corrected,
     fingers,
-    planned,
     set_down,
 )
 

@@ -19,7 +19,7 @@ from assur.scenes.scenarios import shipped
 from tests.api.running import running
 from tests.browser.opened_page import Opened
 from tests.browser.studio_page import Studio
-from tests.scenes.cells.second_kinematics import answer
+from tests.scenes.cells.answers import answer
 from tests.scenes.view.shown import cell
 
 FLAGS = (

@@ -11,7 +11,7 @@ import pytest
 
 from assur.scenes.text.yaml_text import parse_yaml
 from tests.browser.studio_page import Studio
-from tests.scenes.cells.second_kinematics import answer
+from tests.scenes.cells.answers import answer
 from tests.scenes.view.shown import cell
 
 pytestmark = pytest.mark.slow

@@ -23,7 +23,7 @@ from assur.scenes.bundle import bundle_of
 from assur.scenes.requests import cell_of, read_plan
 from assur.scenes.scenarios import shipped
 from tests.planner.claim import reading
-from tests.scenes.cells.second_kinematics import answer
+from tests.scenes.cells.answers import answer
 
 Document = dict[str, Any]
 

@@ -29,7 +29,7 @@ from tests.architecture.source_tree import ROOT, imports
 from tests.planner.claim.bounds import outside
 from tests.planner.claim.reading import read
 from tests.prover.bundles import bundle, planned, shown
-from tests.scenes.cells.second_kinematics import answer
+from tests.scenes.cells.answers import answer
 
 PROVER = ROOT / "prover" / "prove.py"
 MOST_LINES = 800

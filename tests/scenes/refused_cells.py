@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Callable
 from typing import Any
 
 from assur.scenes.scenarios import shipped
@@ -146,195 +147,123 @@ def _dial(x: float) -> Document:
     return cell(go(50, 0, 100, frame="dial", match="position"), frames=frames)
 
 
-def _on_belt(x: float, **block: Any) -> Document:
-    """A point on a belt, with a block on the belt at `block`."""
-    bodies = [{**BLOCK, "pose": {"frame": "belt", "at_mm": block["at"]}}]
-    return cell(follow(x, 0, 60, "belt", duration_ms=100, window_mm=[-200, 200]), frames={"belt": BELT}, bodies=bodies)
+def _tracked(x: float) -> Document:
+    step = {"follow": {"to": {"at_mm": [x, 0, 200], "yaw_deg": 0}, "duration_ms": 100}}
+    return cell(step, options=options(singularity_margin=0.5))
 
 
-def _window(step: Document, belt: Document = BELT, **option: Any) -> Document:
-    return cell(step, frames={"belt": belt}, options=options(**option))
+def _with_a_block(at: tuple[float, float, float], yaw: float | None = 0.0, **option: Any) -> Document:
+    """A move to a point, with a block somewhere."""
+    return cell(go(350, 0, 200, yaw), bodies=[_block(*at)], options=options(**option))
+
+
+def _on_belt(x: float) -> Document:
+    """A point on a belt, and a block that rides on it."""
+    bodies = [{**BLOCK, "pose": {"frame": "belt", "at_mm": [x, 0, 60]}}]
+    return cell(follow(0, 0, 60, "belt", duration_ms=100, window_mm=[-200, 200]), frames={"belt": BELT}, bodies=bodies)
+
+
+def _window(x: float, belt: Document = BELT, latest_end_s: float | None = None, **window: Any) -> Document:
+    """A point on a belt that is followed in a window."""
+    step = follow(x, 0, 60, "belt", **{"duration_ms": 200, **window})
+    late = {} if latest_end_s is None else {"latest_end_s": latest_end_s}
+    return cell(step, frames={"belt": belt}, options=options(**late))
 
 
 def _stopping(valid: float) -> Document:
     return {"conveyor": BELT["conveyor"], "valid_s": [-5, valid]}
 
 
-NEAR = {"duration_ms": 200, "window_mm": [-200, 200]}
+def _over(valid: float) -> Document:
+    """A block on a belt whose law is known until a time."""
+    bodies = [{**BLOCK, "pose": {"frame": "belt", "at_mm": [0, 0, 0]}}]
+    return cell(go(350, 0, 200), frames={"belt": _stopping(valid)}, bodies=bodies)
+
+
+ROUND = [-100, 100]
+PAIRS: dict[tuple[str, str | None], dict[str, tuple[Callable[[Any], Document], Any, Any]]] = {
+    ("OUT_OF_REACH", "hindered"): {
+        "out of reach": (lambda x: cell(go(x, 0, 200)), 700, 500),
+        "out of reach with any yaw": (lambda x: cell(go(x, 0, 200, None)), 700, 500),
+        "a pitch": (lambda x: _hand(x, pitch_deg=-90), 460, 300),
+    },
+    ("JOINT_LIMIT", "hindered"): {
+        "a lift that is too short": (lambda z: cell(go(350, 0, z)), 500, 200),
+        "the elbow that is kept": (_behind, "keep", "auto"),
+        "a part that can be taken in no turn": (lambda z: _picked(z, 2), 700, 65),
+    },
+    ("NEAR_SINGULARITY", "hindered"): {"a singular point that is tracked": (_tracked, 540, 350)},
+    ("NEAR_PARALLEL_SINGULARITY", "hindered"): {"type 2": (_five_bar, 120, 250)},
+    ("FORBIDDEN_YAW", "hindered"): {
+        "a yaw on the way": (lambda ranges: _yawed(ranges, go(350, 0, 200, -90)), [[100, 170], [0, 20]], [[100, 170]])
+    },
+    ("FORBIDDEN_YAW", None): {
+        "a yaw at a point": (lambda of: _yawed([of[:2]], go(350, 0, 200, of[2])), [-100, -80, -90], [-70, -60, 80]),
+        "a yaw at the start": (lambda of: _yawed([of[:2]], go(350, 0, 200, of[2])), [80, 95, 0], [120, 130, 80]),
+    },
+    ("OUT_OF_REACH", None): {"every pitch": (_hand, 700, 300)},
+    ("OUT_OF_REACH", "orbit"): {"a dial out of reach": (_dial, 900, 350)},
+    ("JOINT_LIMIT", None): {
+        "an arch": (lambda top: cell(go(350, -100, 200, arch={"top_mm": top})), 900, 220),
+        "a start that cannot stop before the end of a range": (
+            lambda q: moving({"j1_deg": q}, {"j1_rad_s": 3}, {}),
+            169,
+            160,
+        ),
+        "a lift that cannot stop before the lower end": (lambda q: moving({"j3_mm": q}, {"j3_m_s": -1}, {}), 105, 150),
+    },
+    ("TOLERANCE", None): {
+        "a tool that is too far from its part": (lambda z: _gripped(z, 1), 20, 15),
+        "a tool that is too far in both turns": (lambda z: _gripped(z, 1, 2), 20, 15),
+        "a table that is too far below a part": (lambda z: _put(z, 1), 3, 0),
+    },
+    ("LOAD_LIMIT", None): {"a load": (_loaded, 9, 2)},
+    ("START_IN_COLLISION", "met"): {"a block at the start": (_with_a_block, (305, 336, 170), (-305, 336, 170))},
+    ("CONTROL_POINT_IN_COLLISION", "met"): {
+        "a block at a point": (_with_a_block, (350, 0, 190), (350, 0, 90)),
+        "a block too near a point": (
+            lambda z: _with_a_block((350, 0, z), clearance_mm={"travel": 5, "near": 5}),
+            167,
+            160,
+        ),
+        "a block at a point with any yaw": (lambda z: _with_a_block((350, 0, z), None), 190, 90),
+        "a block on the belt of the point": (_on_belt, 0, 300),
+        "a lid over a part": (lambda lid: _picked(65, **lid), {"lid": 160}, {}),
+        "a part that can be taken in two turns under a lid": (lambda lid: _picked(65, 2, **lid), {"lid": 160}, {}),
+    },
+    ("WINDOW_MISSED", "openings"): {
+        "a window that is too short": (
+            lambda of: _window(-300, duration_ms=of[0], window_mm=[-50, of[1]]),
+            (800, 0),
+            (300, 50),
+        ),
+        "a window that was over": (
+            lambda window: _window(0, **window),
+            {"window_s": [-3, -1]},
+            {"window_mm": [-200, 200]},
+        ),
+        "a window after the latest end": (lambda end: _window(-200, window_s=[2, 3], latest_end_s=end), 1, 9),
+        "a window that is never reached": (lambda x: _window(0, window_mm=[-200, x]), -100, 200),
+        "windows without a common instant": (lambda end: _window(-300, window_mm=ROUND, window_s=[0, end]), 1, 4),
+        "a belt that brings a point too late": (lambda end: _window(-300, window_mm=ROUND, latest_end_s=end), 1, 9),
+    },
+    ("LAW_ENDS", "openings"): {
+        "a law that ends before the point comes": (lambda end: _window(-300, _stopping(end), window_mm=ROUND), 2.1, 9)
+    },
+    ("MOTION_LIMIT", None): {
+        "a velocity that an acceleration must exceed": (
+            lambda v: moving({}, {"j1_rad_s": v}, {"j1_rad_s": 50}),
+            6.99,
+            5.7,
+        ),
+        "a velocity in the other direction": (lambda v: moving({}, {"j2_rad_s": v}, {"j2_rad_s": -20}), -6.9, -6.7),
+    },
+    ("LAW_ENDS", None): {"a law that is over at the start": (_over, -1, 99)},
+}
+"""By reason and kind of witness, and by name: what makes a request, of what it has no plan, and of what it has one."""
 PROVED: dict[str, tuple[Document, Document, str, str | None]] = {
-    "out of reach": (cell(go(700, 0, 200)), cell(go(500, 0, 200)), "OUT_OF_REACH", "hindered"),
-    "out of reach with any yaw": (cell(go(700, 0, 200, None)), cell(go(500, 0, 200, None)), "OUT_OF_REACH", "hindered"),
-    "a lift that is too short": (cell(go(350, 0, 500)), cell(go(350, 0, 200)), "JOINT_LIMIT", "hindered"),
-    "the elbow that is kept": (_behind("keep"), _behind("auto"), "JOINT_LIMIT", "hindered"),
-    "a singular point that is tracked": (
-        cell(
-            {"follow": {"to": {"at_mm": [540, 0, 200], "yaw_deg": 0}, "duration_ms": 100}},
-            options=options(singularity_margin=0.5),
-        ),
-        cell(
-            {"follow": {"to": {"at_mm": [350, 0, 200], "yaw_deg": 0}, "duration_ms": 100}},
-            options=options(singularity_margin=0.5),
-        ),
-        "NEAR_SINGULARITY",
-        "hindered",
-    ),
-    "a part that can be taken in no turn": (_picked(700, 2), _picked(65, 2), "JOINT_LIMIT", "hindered"),
-    "type 2": (_five_bar(120), _five_bar(250), "NEAR_PARALLEL_SINGULARITY", "hindered"),
-    "a yaw on the way": (
-        _yawed([[100, 170], [0, 20]], go(350, 0, 200, -90)),
-        _yawed([[100, 170]], go(350, 0, 200, -90)),
-        "FORBIDDEN_YAW",
-        "hindered",
-    ),
-    "a yaw at a point": (
-        _yawed([[-100, -80]], go(350, 0, 200, -90)),
-        _yawed([[-70, -60]], go(350, 0, 200, 80)),
-        "FORBIDDEN_YAW",
-        None,
-    ),
-    "a yaw at the start": (
-        _yawed([[80, 95]], go(350, 0, 200, 0)),
-        _yawed([[120, 130]], go(350, 0, 200, 80)),
-        "FORBIDDEN_YAW",
-        None,
-    ),
-    "a pitch": (_hand(460, pitch_deg=-90), _hand(300, pitch_deg=-90), "OUT_OF_REACH", "hindered"),
-    "every pitch": (_hand(700), _hand(300), "OUT_OF_REACH", None),
-    "a dial out of reach": (_dial(900), _dial(350), "OUT_OF_REACH", "orbit"),
-    "an arch": (
-        cell(go(350, -100, 200, arch={"top_mm": 900})),
-        cell(go(350, -100, 200, arch={"top_mm": 220})),
-        "JOINT_LIMIT",
-        None,
-    ),
-    "a tool that is too far from its part": (_gripped(20, 1), _gripped(15, 1), "TOLERANCE", None),
-    "a tool that is too far in both turns": (_gripped(20, 1, 2), _gripped(15, 1, 2), "TOLERANCE", None),
-    "a table that is too far below a part": (_put(3, 1), _put(0, 1), "TOLERANCE", None),
-    "a load": (_loaded(9), _loaded(2), "LOAD_LIMIT", None),
-    "a block at the start": (
-        cell(go(350, 0, 200), bodies=[_block(305, 336, 170)]),
-        cell(go(350, 0, 200), bodies=[_block(-305, 336, 170)]),
-        "START_IN_COLLISION",
-        "met",
-    ),
-    "a block at a point": (
-        cell(go(350, 0, 200), bodies=[_block(350, 0, 190)]),
-        cell(go(350, 0, 200), bodies=[_block(350, 0, 90)]),
-        "CONTROL_POINT_IN_COLLISION",
-        "met",
-    ),
-    "a block too near a point": (
-        cell(
-            go(350, 0, 200),
-            bodies=[_block(350, 0, 167)],
-            options=options(clearance_mm={"travel": 5, "near": 5}),
-        ),
-        cell(
-            go(350, 0, 200),
-            bodies=[_block(350, 0, 160)],
-            options=options(clearance_mm={"travel": 5, "near": 5}),
-        ),
-        "CONTROL_POINT_IN_COLLISION",
-        "met",
-    ),
-    "a block at a point with any yaw": (
-        cell(go(350, 0, 200, None), bodies=[_block(350, 0, 190)]),
-        cell(go(350, 0, 200, None), bodies=[_block(350, 0, 90)]),
-        "CONTROL_POINT_IN_COLLISION",
-        "met",
-    ),
-    "a block on the belt of the point": (
-        _on_belt(0, at=[0, 0, 60]),
-        _on_belt(0, at=[300, 0, 60]),
-        "CONTROL_POINT_IN_COLLISION",
-        "met",
-    ),
-    "a lid over a part": (_picked(65, lid=160), _picked(65), "CONTROL_POINT_IN_COLLISION", "met"),
-    "a part that can be taken in two turns under a lid": (
-        _picked(65, 2, lid=160),
-        _picked(65, 2),
-        "CONTROL_POINT_IN_COLLISION",
-        "met",
-    ),
-    "a window that is too short": (
-        _window(follow(-300, 0, 60, "belt", duration_ms=800, window_mm=[-50, 0])),
-        _window(follow(-300, 0, 60, "belt", duration_ms=300, window_mm=[-50, 50])),
-        "WINDOW_MISSED",
-        "openings",
-    ),
-    "a window that was over": (
-        _window(follow(0, 0, 60, "belt", duration_ms=200, window_s=[-3, -1])),
-        _window(follow(0, 0, 60, "belt", **NEAR)),
-        "WINDOW_MISSED",
-        "openings",
-    ),
-    "a window after the latest end": (
-        _window(follow(-200, 0, 60, "belt", duration_ms=200, window_s=[2, 3]), latest_end_s=1),
-        _window(follow(-200, 0, 60, "belt", duration_ms=200, window_s=[2, 3]), latest_end_s=9),
-        "WINDOW_MISSED",
-        "openings",
-    ),
-    "a window that is never reached": (
-        _window(follow(0, 0, 60, "belt", duration_ms=200, window_mm=[-200, -100])),
-        _window(follow(0, 0, 60, "belt", **NEAR)),
-        "WINDOW_MISSED",
-        "openings",
-    ),
-    "windows without a common instant": (
-        _window(follow(-300, 0, 60, "belt", duration_ms=200, window_mm=[-100, 100], window_s=[0, 1])),
-        _window(follow(-300, 0, 60, "belt", duration_ms=200, window_mm=[-100, 100], window_s=[0, 4])),
-        "WINDOW_MISSED",
-        "openings",
-    ),
-    "a belt that brings a point too late": (
-        _window(follow(-300, 0, 60, "belt", duration_ms=200, window_mm=[-100, 100]), latest_end_s=1),
-        _window(follow(-300, 0, 60, "belt", duration_ms=200, window_mm=[-100, 100]), latest_end_s=9),
-        "WINDOW_MISSED",
-        "openings",
-    ),
-    "a law that ends before the point comes": (
-        _window(follow(-300, 0, 60, "belt", duration_ms=200, window_mm=[-100, 100]), _stopping(2.1)),
-        _window(follow(-300, 0, 60, "belt", duration_ms=200, window_mm=[-100, 100]), _stopping(9)),
-        "LAW_ENDS",
-        "openings",
-    ),
-    "a velocity that an acceleration must exceed": (
-        moving({}, {"j1_rad_s": 6.99}, {"j1_rad_s": 50}),
-        moving({}, {"j1_rad_s": 5.7}, {"j1_rad_s": 50}),
-        "MOTION_LIMIT",
-        None,
-    ),
-    "a velocity in the other direction": (
-        moving({}, {"j2_rad_s": -6.9}, {"j2_rad_s": -20}),
-        moving({}, {"j2_rad_s": -6.7}, {"j2_rad_s": -20}),
-        "MOTION_LIMIT",
-        None,
-    ),
-    "a start that cannot stop before the end of a range": (
-        moving({"j1_deg": 169}, {"j1_rad_s": 3}, {}),
-        moving({"j1_deg": 160}, {"j1_rad_s": 3}, {}),
-        "JOINT_LIMIT",
-        None,
-    ),
-    "a lift that cannot stop before the lower end": (
-        moving({"j3_mm": 105}, {"j3_m_s": -1}, {}),
-        moving({"j3_mm": 150}, {"j3_m_s": -1}, {}),
-        "JOINT_LIMIT",
-        None,
-    ),
-    "a law that is over at the start": (
-        cell(
-            go(350, 0, 200),
-            frames={"belt": _stopping(-1)},
-            bodies=[{**BLOCK, "pose": {"frame": "belt", "at_mm": [0, 0, 0]}}],
-        ),
-        cell(
-            go(350, 0, 200),
-            frames={"belt": _stopping(99)},
-            bodies=[{**BLOCK, "pose": {"frame": "belt", "at_mm": [0, 0, 0]}}],
-        ),
-        "LAW_ENDS",
-        None,
-    ),
+    name: (make(impossible), make(possible), reason, kind)
+    for (reason, kind), pairs in PAIRS.items()
+    for name, (make, impossible, possible) in pairs.items()
 }
 """By name: a request without a plan, one with a plan, the reason of the first and the kind of its witness."""

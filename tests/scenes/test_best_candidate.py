@@ -14,7 +14,7 @@ from assur.scenes.reading.plan import motion_of
 from assur.scenes.requests import plan_document
 from assur.scenes.scenarios import shipped
 from assur.scenes.view.distances import distances
-from tests.scenes.cells.second_kinematics import answer
+from tests.scenes.cells.answers import answer
 from tests.scenes.view.shown import cell, scene, view
 
 MEETING = ("shut-gate", "two-robots-parked", "dense-flow-uncertain")

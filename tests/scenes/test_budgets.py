@@ -20,6 +20,7 @@ from assur.scenes.requests import cell_of, check_document, plan_document, valida
 from assur.scenes.schema.normal import normal
 from assur.scenes.schema.read import check_sizes
 from assur.scenes.schema.request import RequestDocument
+from tests.refused import refused_at
 
 LONG_S = 9e4
 """Long, but a plan that ends so much later than it begins ends before 100,000 s, the greatest time of a claim."""
@@ -109,18 +110,14 @@ def test_sizes_are_refused_before_a_model_reads_them(
         raise AssertionError("a model read it")
 
     monkeypatch.setattr("assur.scenes.schema.read.normal", never)
-    with pytest.raises(InputError) as refused:
+    with refused_at(field, "at most"):
         validate({**ARM, **change})
-    assert refused.value.field == field
-    assert "at most" in refused.value.allowed
 
 
 def test_limits_of_more_joints_than_an_arm_has_are_refused() -> None:
     limits = {f"j{i}_rad": [0, 1] for i in range(58_839)}
-    with pytest.raises(InputError) as refused:
+    with refused_at("robot.limits", "at most 16 joints"):
         validate({**ARM, "robot": {**ARM["robot"], "limits": limits}})
-    assert refused.value.field == "robot.limits"
-    assert "at most 16 joints" in refused.value.allowed
 
 
 class OwnDict(dict[str, Any]):
@@ -206,10 +203,8 @@ def put(path: tuple[str, ...], value: float) -> dict[str, Any]:
 @pytest.mark.parametrize("path", POSITIVE)
 @pytest.mark.parametrize("value", [5e-324, 1e-310, 1e-12, 0.0])
 def test_positive_numbers_have_floors(path: tuple[str, ...], value: float) -> None:
-    with pytest.raises(InputError) as refused:
+    with refused_at(".".join(path), "at least"):
         validate(put(path, value))
-    assert refused.value.field == ".".join(path)
-    assert "at least" in refused.value.allowed
 
 
 @pytest.mark.parametrize("path", POSITIVE[:4])
@@ -237,10 +232,8 @@ def test_a_trace_so_slow_that_it_could_not_be_looked_at_is_refused() -> None:
         "path": [{"line": {"to_mm": [350, 120, 200]}}],
         "speed_mm_s": 0.1,
     }
-    with pytest.raises(InputError) as refused:
+    with refused_at("task[0].trace.speed_mm_s", "at least 0.2 mm/s"):
         plan_document(with_task({"trace": trace}))
-    assert refused.value.field == "task[0].trace.speed_mm_s"
-    assert "at least 0.2 mm/s" in refused.value.allowed
 
 
 DIAL: dict[str, Any] = {"turntable": {"at_mm": [400, 0, 0], "rate_deg_s": 20}}

@@ -19,6 +19,7 @@ from assur.planner.report.sentence import sentence
 from assur.scenes.answer_facts import refusal_document
 from assur.scenes.reading.refusal import ABOUT, NOT_PROVED, SEARCH, refusal_of
 from assur.scenes.requests import cell_of, check_cell, check_document, plan_document, view_document
+from tests.changed import GONE, changed
 from tests.scenes.refused_cells import PROVED, cell, follow, go, options
 
 Document = dict[str, Any]
@@ -75,12 +76,6 @@ def leaves(value: object, at: Place = ()) -> Iterator[tuple[Place, object]]:
         yield at, value
 
 
-def put(document: Any, at: Place, value: object) -> None:
-    for key in at[:-1]:
-        document = document[key]
-    document[at[-1]] = value
-
-
 def places(witness: Document) -> set[tuple[str, str]]:
     """Where which bodies meet: with points that are as deep in other cells such a witness is true there, too."""
     return {(way["place"], *sorted(way["bodies"])) for way in witness["ways"]}
@@ -133,8 +128,7 @@ def test_no_number_or_name_of_a_refusal_can_be_another_one(name: str) -> None:
         else:
             others = [0.125]
         for other in others:
-            forged = copy.deepcopy(given)
-            put(forged["refusal"], at, other)
+            forged = changed(given, {("refusal", *at): other})
             assert refused(request, forged), (at, other)
             if at != ("detail",):
                 assert refused(request, fitted(request, forged)), (at, other)
@@ -149,9 +143,7 @@ def test_no_number_or_name_of_a_witness_can_be_another_one(name: str) -> None:
         other: object = f"{value}x" if isinstance(value, str) else (not value if isinstance(value, bool) else FAR)
         if isinstance(value, int | float) and not isinstance(value, bool):
             other = value + FAR
-        forged = copy.deepcopy(given)
-        put(forged["refusal"]["witness"], at, other)
-        assert refused(request, forged), (at, value)
+        assert refused(request, changed(given, {("refusal", "witness", *at): other})), (at, value)
 
 
 @pytest.mark.parametrize("name", PROVED)
@@ -164,23 +156,16 @@ def test_a_proof_is_not_left_out_cut_short_or_taken_from_elsewhere(name: str) ->
             witness and witness["kind"] == kind == "met" and places(witness) == places(given["refusal"]["witness"])
         )
         if other != name and witness != given["refusal"]["witness"] and not same_pair:
-            forged = copy.deepcopy(given)
-            forged["refusal"]["witness"] = witness
-            assert refused(request, forged), other
+            assert refused(request, changed(given, {"refusal.witness": witness})), other
     if kind is not None:
-        forged = copy.deepcopy(given)
-        forged["refusal"]["witness"] = None
-        assert refused(request, forged)
-        del forged["refusal"]["witness"]
-        assert refused(request, forged)
+        for none in (None, GONE):
+            assert refused(request, changed(given, {"refusal.witness": none}))
     if kind in ("hindered", "met"):
         for k, way in enumerate(given["refusal"]["witness"]["ways"]):
             same = [each for each in given["refusal"]["witness"]["ways"]
                     if (each["mode"], each["turn_rad"]) == (way["mode"], way["turn_rad"])]  # fmt: skip
             if len(same) == 1:
-                forged = copy.deepcopy(given)
-                del forged["refusal"]["witness"]["ways"][k]
-                assert refused(request, forged)
+                assert refused(request, changed(given, {f"refusal.witness.ways[{k}]": GONE}))
 
 
 @pytest.mark.parametrize(
@@ -317,8 +302,7 @@ def test_what_is_not_checked_must_have_its_form(key: str, value: object, field: 
     ],
 )
 def test_what_is_wrong_in_a_refusal_is_named_in_words(path: Place, value: object, field: str, allowed: str) -> None:
-    forged = answer("a block at a point")
-    put(forged["refusal"], path, value)
+    forged = changed(answer("a block at a point"), {("refusal", *path): value})
     with pytest.raises(InputError) as caught:
         check_document(PROVED["a block at a point"][0], forged)
     assert (caught.value.field, caught.value.allowed.startswith(allowed)) == (f"plan.refusal.{field}", True), str(
@@ -337,8 +321,7 @@ def test_no_number_of_a_refusal_may_be_none_or_without_bounds(name: str, value: 
     given, tried = answer(name), 0
     for at, number in leaves(given["refusal"]):
         if isinstance(number, int | float) and not isinstance(number, bool):
-            forged = copy.deepcopy(given)
-            put(forged["refusal"], at, value)
+            forged = changed(given, {("refusal", *at): value})
             tried += 1
             if math.isfinite(value):
                 assert refused(PROVED[name][0], forged), at

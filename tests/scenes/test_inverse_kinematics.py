@@ -24,6 +24,7 @@ from assur.scenes.reading.robots import Equipped
 from assur.scenes.requests import cell_of, ik_cell, ik_document, scene_of
 from assur.scenes.schema.ik import IkAnswer
 from tests.planner.cells import mesh_box
+from tests.refused import refused_at
 from tests.scenes.robots_of_every_family import (
     ROBOTS,
     built,
@@ -262,30 +263,24 @@ GOOD = {"model": "mitsubishi-rh-6frh5520", "tool": {"tcp_mm": [0, 0, -100]}}
     ],
 )
 def test_what_is_wrong_with_a_question_is_told_at_its_field(question: dict[str, Any], field: str, said: str) -> None:
-    with pytest.raises(InputError) as caught:
+    with refused_at(field, said):
         ik(**question)
-    assert caught.value.field == field
-    assert said in caught.value.allowed
 
 
 def test_joints_with_which_a_chain_does_not_close_are_refused() -> None:
     robot = copy.deepcopy(robot_document("five-bar of two axes"))
     robot["five_bar"]["distal_mm"] = [60, 60]
-    with pytest.raises(InputError) as caught:
+    with refused_at("joints", "the couplers 120.0 mm long together"):
         ik(robot=robot, joints={"j1_deg": 90, "j2_deg": -90})
-    assert caught.value.field == "joints"
-    assert "the couplers 120.0 mm long together" in caught.value.allowed
 
 
 def test_a_request_that_is_wrong_is_told_at_its_own_field_and_brings_no_second_robot() -> None:
     request = load("demo")
-    with pytest.raises(InputError) as caught:
+    with refused_at("robot"):
         ik(request, robot=GOOD, pose=POSE)
-    assert caught.value.field == "robot"
     request["robot"]["model"] = "none"
-    with pytest.raises(InputError) as caught:
+    with refused_at("robot.model"):
         ik(request, pose=POSE)
-    assert caught.value.field == "robot.model"
 
 
 def test_a_time_at_which_a_body_is_nowhere_is_refused() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import json
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from assur.scenes import load
 from assur.scenes.catalogue import FOLDER, load_robot
 from assur.scenes.faults import DocumentError
 from assur.scenes.requests import cell_of, load_scenario, plan_scenario, request_digest, scene_of, validate
+from tests.refused import refused_at
 from tests.scenes.meshes.solids import SOLIDS, binary_stl
 from tests.scenes.reading.test_robots import inline
 
@@ -170,10 +170,8 @@ def test_every_shape_of_a_solid_can_be_said(shape: dict[str, Any], said: str) ->
 def test_a_statement_that_is_not_right_is_refused_where_it_stands(
     change: dict[str, Any], field: str, allowed: str
 ) -> None:
-    with pytest.raises(InputError) as caught:
+    with refused_at(f"robot.scara.{field}", allowed):
         scene_of(changed(**change))
-    assert caught.value.field == f"robot.scara.{field}"
-    assert allowed in caught.value.allowed
 
 
 def scenario(folder: Path, document: dict[str, Any]) -> Path:
@@ -206,12 +204,11 @@ def test_a_neighbour_may_be_in_a_file_too(tmp_path: Path) -> None:
     scene = cell_of({**request(), "neighbours": [other]}, folder=tmp_path).scene
     assert "other/base-column" in scene.index
     (tmp_path / "robots" / "my-arm.yaml").unlink()
-    with pytest.raises(InputError) as caught:
+    with refused_at("neighbours[0].robot.file"):
         cell_of(
             {**request(), "robot": {"model": "fanuc-sr-3ia", "tool": FILE["tool"]}, "neighbours": [other]},
             folder=tmp_path,
         )
-    assert caught.value.field == "neighbours[0].robot.file"
 
 
 def test_a_robot_is_in_a_file_or_named_or_written_out(tmp_path: Path) -> None:
@@ -228,31 +225,6 @@ def test_a_robot_is_in_a_file_or_named_or_written_out(tmp_path: Path) -> None:
             cell_of({**request(), **strange}, folder=tmp_path)
     with pytest.raises(InputError, match="a mapping"):
         cell_of([], folder=tmp_path)
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "../outside.yaml",
-        "in/../../outside.yaml",
-        "link.yaml",
-        "linked/outside.yaml",
-        "none.yaml",
-        "secret.txt",
-        "a\0.yaml",
-    ],
-)
-def test_no_other_file_is_ever_read(tmp_path: Path, name: str) -> None:
-    folder = tmp_path / "cell"
-    (folder / "in").mkdir(parents=True)
-    (tmp_path / "outside.yaml").write_text(TEXT)
-    (folder / "secret.txt").write_text(TEXT)
-    (folder / "link.yaml").symlink_to(tmp_path / "outside.yaml")
-    (folder / "linked").symlink_to(tmp_path)
-    for spelt in (name, str(tmp_path / "outside.yaml")):
-        with pytest.raises(InputError) as caught:
-            cell_of(request(file=spelt), folder=folder)
-        assert caught.value.field == "robot.file"
 
 
 def test_a_mesh_beside_the_robots_file_is_its_own(tmp_path: Path) -> None:
@@ -307,10 +279,3 @@ def test_a_file_that_is_no_robot_says_what_one_begins_with(tmp_path: Path) -> No
         assert caught.value.field.startswith("my-arm.yaml")
     with pytest.raises(OSError, match="No such file"):
         load_robot(tmp_path / "none.yaml")
-
-
-def test_a_document_that_is_built_is_not_changed() -> None:
-    document = changed(bodies=stated(inline()["robot"]["scara"]["bodies"]))
-    before = copy.deepcopy(document)
-    cell_of(document)
-    assert document == before

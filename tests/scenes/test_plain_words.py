@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.scenes.cells.second_kinematics import answer
+from tests.scenes.cells.answers import answer
 
 
 def words_of(value: object) -> list[str]:

@@ -21,6 +21,7 @@ from assur.scenes.requests import (
     unmet,
     validate,
 )
+from tests.refused import refused_at
 from tests.scenes.bad_requests import GOOD_REQUEST
 from tests.scenes.meshes.solids import SOLIDS, binary_stl
 
@@ -45,9 +46,8 @@ def test_each_shipped_scenario_says_why_it_exists_and_is_a_valid_request() -> No
 
 @pytest.mark.parametrize("name", ["nowhere", "../cells/demo", "demo.yaml", "", "DEMO"])
 def test_no_other_scenario_is_opened(name: str) -> None:
-    with pytest.raises(InputError) as caught:
+    with refused_at("scenario"):
         shipped(name)
-    assert caught.value.field == "scenario"
 
 
 @pytest.mark.parametrize(
@@ -103,9 +103,8 @@ def test_a_scenario_may_name_mesh_files_below_its_own_folder(tmp_path: Path) -> 
     scenario = load_scenario(written(tmp_path, with_mesh("meshes/part.STL")))
     scene = scene_of(scenario.request, folder=scenario.folder)
     assert len(scene.index["part"].body.pieces) == 2
-    with pytest.raises(InputError) as caught:
+    with refused_at("bodies[1].shape.mesh.file"):
         scene_of(scenario.request)
-    assert caught.value.field == "bodies[1].shape.mesh.file"
 
 
 def test_the_digest_of_a_request_with_a_file_depends_on_what_is_in_the_file(tmp_path: Path) -> None:
@@ -114,32 +113,6 @@ def test_the_digest_of_a_request_with_a_file_depends_on_what_is_in_the_file(tmp_
         (tmp_path / "part.stl").write_bytes(binary_stl(SOLIDS[solid]))
         digests.add(scene_of(with_mesh("part.stl"), folder=tmp_path).digest)
     assert len(digests) == 2
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "../outside.stl",
-        "inside/../../outside.stl",
-        "link.stl",
-        "linked/outside.stl",
-        "missing.stl",
-        "secret.txt",
-        "a\0.stl",
-        "inside",
-    ],
-)
-def test_no_other_file_is_ever_read(tmp_path: Path, name: str) -> None:
-    folder = tmp_path / "cell"
-    (folder / "inside").mkdir(parents=True)
-    (tmp_path / "outside.stl").write_bytes(binary_stl(SOLIDS["bracket"]))
-    (folder / "secret.txt").write_text("secret")
-    (folder / "link.stl").symlink_to(tmp_path / "outside.stl")
-    (folder / "linked").symlink_to(tmp_path)
-    for spelt in (name, str(tmp_path / "outside.stl"), f"/{name}"):
-        with pytest.raises(InputError) as caught:
-            scene_of(with_mesh(spelt), folder=folder)
-        assert caught.value.field == "bodies[1].shape.mesh.file"
 
 
 def test_a_mesh_file_that_is_too_long_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -162,34 +135,25 @@ ANSWER: dict[str, Any] = {
 
 
 @pytest.mark.parametrize(
-    "expect",
+    ("expect", "faults"),
     [
-        {"status": "planned"},
-        {"status": "planned", "duration_s": {"max": 1.5}},
-        {"status": "planned", "duration_s": {"min": 1, "max": 2}},
-        {"status": "planned", "matched": ["a"], "mentions": ["gate", "j2"]},
+        ({}, 0),
+        ({"duration_s": {"max": 1.5}}, 0),
+        ({"duration_s": {"min": 1, "max": 2}}, 0),
+        ({"matched": ["a"], "mentions": ["gate", "j2"]}, 0),
+        ({"status": "not_planned"}, 1),
+        ({"duration_s": {"max": 1.4}}, 1),
+        ({"duration_s": {"min": 1.6}}, 1),
+        ({"matched": ["b"]}, 1),
+        ({"matched": ["c"]}, 1),
+        ({"mentions": ["fence"]}, 1),
+        ({"reason": "TIMED_OUT"}, 1),
+        ({"proved": True}, 1),
+        ({"relaxation": "window"}, 1),
     ],
 )
-def test_expectations_that_hold(expect: dict[str, Any]) -> None:
-    assert unmet(expect, ANSWER) == []
-
-
-@pytest.mark.parametrize(
-    "expect",
-    [
-        {"status": "not_planned"},
-        {"status": "planned", "duration_s": {"max": 1.4}},
-        {"status": "planned", "duration_s": {"min": 1.6}},
-        {"status": "planned", "matched": ["b"]},
-        {"status": "planned", "matched": ["c"]},
-        {"status": "planned", "mentions": ["fence"]},
-        {"status": "planned", "reason": "TIMED_OUT"},
-        {"status": "planned", "proved": True},
-        {"status": "planned", "relaxation": "window"},
-    ],
-)
-def test_each_expectation_can_fail(expect: dict[str, Any]) -> None:
-    assert len(unmet(expect, ANSWER)) == 1
+def test_each_expectation_can_hold_and_can_fail(expect: dict[str, Any], faults: int) -> None:
+    assert len(unmet({"status": "planned", **expect}, ANSWER)) == faults
 
 
 def test_a_duration_that_is_not_there_meets_no_expectation() -> None:
@@ -227,11 +191,8 @@ def test_a_mesh_that_is_wrong_is_blamed_on_its_file(
     request = with_mesh("part.stl")
     request["bodies"][1]["shape"]["mesh"]["unit"] = unit
     scenario = load_scenario(written(tmp_path, request))
-    with pytest.raises(InputError) as caught:
+    with refused_at(f"request.bodies[1].shape.mesh.{field}", words, value="part.stl" if field == "file" else "m"):
         plan_scenario(scenario)
-    assert caught.value.field == f"request.bodies[1].shape.mesh.{field}"
-    assert words in caught.value.allowed
-    assert caught.value.value == ("part.stl" if field == "file" else "m")
 
 
 def test_what_is_expected_may_be_left_out_but_not_half_said(tmp_path: Path) -> None:
@@ -247,7 +208,3 @@ def test_what_is_expected_may_be_left_out_but_not_half_said(tmp_path: Path) -> N
         load_scenario(file)
     assert caught.value.field == "expect.status"
     assert caught.value.allowed == "one of planned, not_planned, which must be given"
-
-
-def test_every_shipped_scenario_expects_something() -> None:
-    assert all("status" in shipped(name).expect for name in shipped_scenarios())

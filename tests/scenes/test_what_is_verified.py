@@ -27,6 +27,7 @@ from assur.scenes.schema.checked import (
     not_checked,
 )
 from tests.forgeries.test_forgeries import findings, sealed
+from tests.scenes.cells.answers import findings_of
 from tests.scenes.forged_cells import answered
 
 PAGE = Path(__file__).parents[2] / "docs" / "api.md"
@@ -252,7 +253,7 @@ def test_a_point_that_is_on_no_conveyor_is_not_believed_to_be_along_one() -> Non
     request = shipped("transfer").request
     answer: Any = plan_document(request)
     answer["arrivals"][0]["along_m"] = 1.0
-    assert "ARRIVAL" in {finding["code"] for finding in check_document(request, answer)["findings"]}
+    assert "ARRIVAL" in findings_of(request, answer)
 
 
 def untrue(cell: Cell, answer: dict[str, Any]) -> list[str]:

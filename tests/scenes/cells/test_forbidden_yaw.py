@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,19 +10,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assur.planner.checked import check
 from assur.planner.checker import Code
 from assur.planner.errors import InputError
 from assur.planner.legs.forbidden_yaw import tool_yaw
 from assur.planner.model.scene import Start
 from assur.scenes.reading.plan import plan_of
 from assur.scenes.reading.robots import equipped
-from assur.scenes.requests import cell_of, check_document, plan_document, shipped
+from assur.scenes.requests import cell_of, shipped
 from assur.scenes.schema.read import read
 from assur.scenes.schema.robots import RobotDocument
-from tests.scenes.cells.five_bar_plans import resealed
+from tests.changed import changed
+from tests.scenes.cells import answers
+from tests.scenes.cells.answers import Document, not_planned, planned
 
-Document = dict[str, Any]
 START = {"joints": {"j1_deg": -40, "j2_deg": 80, "j3_mm": 250, "j4_deg": 100}}
 """The tool has a yaw of 140°."""
 BAND = [200, 240]
@@ -51,18 +50,10 @@ def cell(*ranges: Sequence[float], second: float = -90, **more: object) -> Docum
     }
 
 
-def planned(request: Document) -> Document:
-    answer: Any = plan_document(request)
-    assert answer["status"] == "planned", answer["sentence"]
-    verdict = check_document(request, answer)
-    assert verdict["ok"], verdict["findings"]
-    return dict(answer)
-
-
 def refused(request: Document) -> Document:
-    answer: Any = plan_document(request)
-    assert (answer["status"], answer["reason"]) == ("not_planned", "FORBIDDEN_YAW")
-    return dict(answer)
+    answer = not_planned(request)
+    assert answer["reason"] == "FORBIDDEN_YAW"
+    return answer
 
 
 def yaws(request: Document, answer: Document) -> Any:
@@ -78,9 +69,8 @@ def crosses(found: Any, first: float, last: float) -> bool:
 
 
 def codes(request: Document, answer: Document) -> list[Code]:
-    """The findings about a plan that was made for another request, resealed so that its digest is not refused."""
-    plan, _ = plan_of(answer, cell_of(request).conventions)
-    return [finding.code for finding in check(cell_of(request).scene, resealed(request, plan)).findings]
+    """The findings about a plan that was made for another request."""
+    return answers.codes(request, plan_of(answer, cell_of(request).conventions)[0])
 
 
 @pytest.fixture(scope="module")
@@ -173,18 +163,9 @@ def test_joints_that_lag_widen_a_range_by_their_sum() -> None:
     assert codes(cell(near, second=160, execution=LAG), late) == [Code.DIRECTION]
 
 
-@pytest.mark.parametrize(
-    ("model", "change"),
-    [
-        ("mitsubishi-rv-m1", {}),
-        ("oviedo-scara", {}),
-        ("elbow-arm", {}),
-    ],
-)
-def test_an_arm_without_a_yaw_of_its_own_refuses_the_field(model: str, change: Document) -> None:
-    request = cell(BAND)
-    request["robot"]["model"] = model
-    request["robot"] |= change
+@pytest.mark.parametrize("model", ["mitsubishi-rv-m1", "oviedo-scara", "elbow-arm"])
+def test_an_arm_without_a_yaw_of_its_own_refuses_the_field(model: str) -> None:
+    request = changed(cell(BAND), {"robot.model": model})
     with pytest.raises(InputError) as caught:
         cell_of(request)
     assert caught.value.field.startswith("robot.limits.forbidden_yaw")
@@ -220,10 +201,10 @@ def test_the_yaw_of_every_scara_is_that_of_its_forward_kinematics(model: str) ->
 
 
 def five_bar(*ranges: Sequence[float]) -> Document:
-    request = copy.deepcopy(dict(shipped("five-bar").request))
-    request["robot"]["limits"] = {"acceleration": 0.7, **({"forbidden_yaw_deg": list(ranges)} if ranges else {})}
-    request["options"] |= {"max_candidates": 60, "budget_s": 60}
-    return request
+    limits = {"acceleration": 0.7, **({"forbidden_yaw_deg": list(ranges)} if ranges else {})}
+    few = {"options.max_candidates": 60, "options.budget_s": 60}
+    made: Document = changed(shipped("five-bar").request, {"robot.limits": limits, **few})
+    return made
 
 
 def test_the_yaw_of_a_five_bar_is_proved_between_its_knots() -> None:

@@ -17,7 +17,7 @@ from assur.scenes.exports.documents import check_trajectory_document, export_doc
 from assur.scenes.reading.cell import Cell
 from assur.scenes.requests import cell_of, read_plan
 from assur.scenes.scenarios import shipped, shipped_scenarios, with_files
-from tests.scenes.cells.second_kinematics import answer
+from tests.scenes.cells.answers import answer
 from tests.scenes.exports.controller import sampled, seconds
 from tests.scenes.exports.test_foreign import table, text
 

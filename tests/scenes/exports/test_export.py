@@ -19,6 +19,7 @@ from assur.scenes.exports import export as of_export
 from assur.scenes.exports.documents import export_document
 from assur.scenes.requests import cell_of, read_plan
 from assur.scenes.resampling.certifying import Refutation, recertified
+from tests.refused import refused_at
 from tests.scenes.exports.controller import sampled, seconds
 from tests.scenes.exports.plans import planned, request_of
 
@@ -111,13 +112,11 @@ def test_parabolic_blends_leave_as_knots_only() -> None:
     name = "parabolic-blend"
     knots = export_document(request_of(name), planned(name), {"format": "csv"})
     assert all(each["highest"] is None for each in knots["jerk"])
-    with pytest.raises(InputError, match="two knots at one time") as caught:
+    with refused_at("format", match="two knots at one time"):
         export_document(request_of(name), planned(name), {"format": "ros2"})
-    assert caught.value.field == "format"
     for tick in (1.0, 10.0):
-        with pytest.raises(InputError, match="no parabolas that could be proved") as caught:
+        with refused_at("tick_s", match="no parabolas that could be proved"):
             export_document(request_of(name), planned(name), {"format": "csv", "tick_ms": tick})
-        assert caught.value.field == "tick_s"
 
 
 @pytest.mark.parametrize(("jumps", "code"), [(True, Code.START), (False, Code.FORM)])
@@ -162,9 +161,8 @@ def test_an_end_that_moves_is_said() -> None:
     ],
 )
 def test_what_is_asked_wrongly_is_named(asked: dict[str, Any], field: str) -> None:
-    with pytest.raises(InputError) as caught:
+    with refused_at(field):
         export_document(request_of("demo"), planned("demo"), asked)
-    assert caught.value.field == field
 
 
 def test_a_plan_that_is_not_right_does_not_leave() -> None:

@@ -20,6 +20,7 @@ from assur.scenes import check, plan
 from assur.scenes.exports.documents import export_document
 from assur.scenes.plan_file import PlanFile
 from assur.scenes.requests import cell_of, read_plan
+from tests.refused import refused_at
 from tests.scenes.exports.controller import KEYS, Rule, commanded, sampled, seconds
 
 PERIOD_S, SWITCH = 0.01, 30
@@ -224,46 +225,48 @@ def changed(**of_request: Any) -> dict[str, Any]:
     return PlanFile(request, plan(request)).document
 
 
-FILES: dict[str, dict[str, Any]] = {
-    "other-joints": {
-        "robot": {"model": "benchmark-scara", "tool": {"tcp_mm": [0, 0, 0]}},
-        "start": {"joints": {"q1_deg": -30, "q2_deg": 60, "z_mm": 150, "q4_deg": 0}},
-        "task": [{"move": {"to": {"at_mm": [200, 350, 150]}}}],
-    },
-    "other-robot": {
-        "robot": {**BASE["robot"], "model": "mitsubishi-rh-6crh6020"},
-        "start": {"joints": {"j1_deg": -60, "j2_deg": 60, "j3_mm": 100, "j4_deg": 0}},
-        "task": [{"move": {"to": {"at_mm": [50, 450, 0]}}}],
-    },
-    "other-base": {"robot": {**BASE["robot"], "base": {"at_mm": [0, 0, 5]}}},
-    "other-clock": {"start": {**RUNNING["start"], "at_s": 5}},
-    "same-time": {"start": {**RUNNING["start"], "at_s": 0.3}},
-    "long-over": {"start": {**RUNNING["start"], "at_s": -5}},
-    "not-whole-nanoseconds": {"start": {**RUNNING["start"], "at_s": 3e-10}},
-    "other-state": {"start": {"joints": {"j1_deg": -59, "j2_deg": 60, "j3_mm": 250, "j4_deg": 0}}},
+FILES: dict[str, tuple[dict[str, Any], str, str]] = {
+    "other-joints": (
+        {
+            "robot": {"model": "benchmark-scara", "tool": {"tcp_mm": [0, 0, 0]}},
+            "start": {"joints": {"q1_deg": -30, "q2_deg": 60, "z_mm": 150, "q4_deg": 0}},
+            "task": [{"move": {"to": {"at_mm": [200, 350, 150]}}}],
+        },
+        "after.request.robot",
+        "j1, j2, j3, j4",
+    ),
+    "other-robot": (
+        {
+            "robot": {**BASE["robot"], "model": "mitsubishi-rh-6crh6020"},
+            "start": {"joints": {"j1_deg": -60, "j2_deg": 60, "j3_mm": 100, "j4_deg": 0}},
+            "task": [{"move": {"to": {"at_mm": [50, 450, 0]}}}],
+        },
+        "after.request.robot",
+        "mitsubishi-rh-6frh5520",
+    ),
+    "other-base": (
+        {"robot": {**BASE["robot"], "base": {"at_mm": [0, 0, 5]}}},
+        "after.request.robot.base",
+        "the base",
+    ),
+    "other-clock": ({"start": {**RUNNING["start"], "at_s": 5}}, "start.at_s", "it is 4.7 s too early"),
+    "same-time": ({"start": {**RUNNING["start"], "at_s": 0.3}}, "start.at_s", "it is the same time"),
+    "long-over": ({"start": {**RUNNING["start"], "at_s": -5}}, "start.at_s", "s too late"),
+    "not-whole-nanoseconds": ({"start": {**RUNNING["start"], "at_s": 3e-10}}, "start.at_s", "whole nanoseconds"),
+    "other-state": (
+        {"start": {"joints": {"j1_deg": -59, "j2_deg": 60, "j3_mm": 250, "j4_deg": 0}}},
+        "start.joints.j1_rad",
+        "they differ by 0.0",
+    ),
 }
-"""How running plans differ from the one that is gone on from."""
+"""How running plans differ from the one that is gone on from, and how each is refused."""
 
 
-@pytest.mark.parametrize(
-    ("name", "field", "says"),
-    [
-        ("other-joints", "after.request.robot", "j1, j2, j3, j4"),
-        ("other-robot", "after.request.robot", "mitsubishi-rh-6frh5520"),
-        ("other-base", "after.request.robot.base", "the base"),
-        ("other-clock", "start.at_s", "it is 4.7 s too early"),
-        ("same-time", "start.at_s", "it is the same time"),
-        ("long-over", "start.at_s", "s too late"),
-        ("not-whole-nanoseconds", "start.at_s", "whole nanoseconds"),
-        ("other-state", "start.joints.j1_rad", "they differ by 0.0"),
-    ],
-)
-def test_a_plan_that_this_one_does_not_go_on_from_is_refused(name: str, field: str, says: str) -> None:
-    held = following()
-    with pytest.raises(InputError) as caught:
-        export_document(held.request, held.plan, {"format": "ros2", "after": changed(**FILES[name])})
-    assert caught.value.field == field
-    assert says in caught.value.allowed
+@pytest.mark.parametrize("name", FILES)
+def test_a_plan_that_this_one_does_not_go_on_from_is_refused(name: str) -> None:
+    held, (changes, field, says) = following(), FILES[name]
+    with refused_at(field, says):
+        export_document(held.request, held.plan, {"format": "ros2", "after": changed(**changes)})
 
 
 @pytest.mark.parametrize(("key", "least"), [("joints", 1e-8), ("velocity", 1e-8), ("acceleration", 1e-7)])
@@ -317,9 +320,8 @@ def test_a_part_that_the_running_plan_does_not_hold_is_refused() -> None:
     request["start"]["holding"] = {"part": "part", "grasp_mm": [0, 0, 10]}
     answer = plan(request)
     assert answer["status"] == "planned"
-    with pytest.raises(InputError) as caught:
+    with refused_at("start.holding"):
         export_document(request, answer, {"format": "ros2", "after": running().document})
-    assert caught.value.field == "start.holding"
 
 
 @pytest.mark.parametrize("lead", [-1, float("nan"), float("inf"), 1e9, 100.1, "4", True, [4], 1e-7])
@@ -334,14 +336,11 @@ def test_a_lead_that_is_none_is_refused(lead: object) -> None:
 def test_only_messages_of_ros_have_a_lead_and_a_running_plan(form: str) -> None:
     held = following()
     for asked, field in (({"lead_ms": 4}, "lead_s"), ({"after": running().document}, "after")):
-        with pytest.raises(InputError) as caught:
+        with refused_at(field):
             export_document(held.request, held.plan, {"format": form, **asked})
-        assert caught.value.field == field
 
 
 def test_a_motion_that_begins_in_motion_has_a_lead_only_after_another() -> None:
     held = following()
-    with pytest.raises(InputError) as caught:
+    with refused_at("lead_s", "after"):
         export_document(held.request, held.plan, {"format": "ros2", "lead_ms": 4})
-    assert caught.value.field == "lead_s"
-    assert "after" in caught.value.allowed

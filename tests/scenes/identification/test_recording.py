@@ -9,6 +9,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.scenes.identification.recording import JointRecord, fault_of_times
 from benchmarks.recorded_motion import Limits, motion, read_by_encoder
+from tests.refused import refused_at
 
 LIMITS = Limits(np.array([4.0]), np.array([40.0]), np.array([1600.0]))
 STEPS = [2 * np.pi / 2**17 / 50, 2 * np.pi / 2**17 / 100, 2 * np.pi / 2**20 / 50, 1e-4, 3e-5]
@@ -101,9 +102,8 @@ def test_times_that_are_no_record_are_refused_at_their_row(time: FloatArray, row
     assert found is not None
     assert found[0] == row
     assert words in found[1]
-    with pytest.raises(InputError) as caught:
+    with refused_at(f"time[{row}]"):
         JointRecord(time, np.zeros(len(time)))
-    assert caught.value.field == f"time[{row}]"
 
 
 def test_times_may_be_uneven_to_a_degree() -> None:
@@ -113,8 +113,7 @@ def test_times_may_be_uneven_to_a_degree() -> None:
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_a_reading_that_is_no_number_is_refused(value: float) -> None:
-    with pytest.raises(InputError) as caught:
+    with refused_at("position"):
         JointRecord(EVEN, changed(np.zeros(100), 3, value))
-    assert caught.value.field == "position"
     with pytest.raises(InputError):
         JointRecord(EVEN, np.zeros(99))

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
 
 from assur.planner.arrays import FloatArray
 from assur.scenes.identification.recording import JointRecord
-from assur.scenes.identification.scurve import SCurves, lagged, refined, searched, triangle
+from assur.scenes.identification.scurve import SCurves, refined, searched, triangle
 from benchmarks.recorded_motion import Limits, motion
 
 LIMITS = Limits(np.array([4.0]), np.array([40.0]), np.array([1600.0]))
@@ -19,30 +18,6 @@ def record(points: list[float], rests: list[float], limits: Limits = LIMITS, ste
     made = motion(np.array(points)[:, None], rests, limits)
     time = np.arange(0.0, made.end, step)
     return JointRecord(time, made.at(time)[:, 0])
-
-
-@pytest.mark.parametrize("lag", [1e-4, 0.003, 0.05])
-def test_the_lagged_response_is_what_a_filter_of_first_order_makes_of_a_cubic(lag: float) -> None:
-    h = 1e-5
-    t = np.arange(0.0, 20_001) * h
-    decay = np.exp(-h / lag)
-    gain = lag / h * (1 - decay)  # exact for input that is linear between samples
-    after = lfilter([1 - gain, gain - decay], [1, -decay], t**3 / 6)
-    assert lagged(t, lag)[0] == pytest.approx(after, abs=2e-12)
-
-
-def test_the_response_begins_with_the_change_and_no_lag_leaves_a_cubic() -> None:
-    u = np.array([-1.0, 0.0, 0.5])
-    for found, wanted in zip(lagged(u, 0.0), (u**3 / 6, u**2 / 2), strict=True):
-        assert found == pytest.approx(np.where(u > 0, wanted, 0.0))
-    assert (lagged(u, 0.1)[0][:2] == 0).all()
-
-
-@pytest.mark.parametrize("lag", [0.0, 0.004])
-def test_the_second_response_is_the_derivative_of_the_first(lag: float) -> None:
-    u, h = np.linspace(0.001, 0.3, 50), 1e-6
-    slope = (lagged(u + h, lag)[0] - lagged(u - h, lag)[0]) / (2 * h)
-    assert lagged(u, lag)[1] == pytest.approx(slope, rel=1e-6)
 
 
 @pytest.mark.parametrize("rows", [5, 127, 128, 400])

@@ -67,17 +67,6 @@ def test_a_covering_that_is_left_again_and_again_ends_as_one_that_is_not(looks: 
     assert hulls_digest(done[1]) == hulls_digest(cover(solid))
 
 
-def test_the_time_is_looked_at_before_each_cut() -> None:
-    solid = surface(SOLIDS["flange"])
-    covering = Covering(solid)
-    work = InParts(covering.in_parts())
-    before = covering.pieces
-    for _ in range(5):
-        assert work.run(Ticks(1)) is None
-        assert covering.pieces <= max(1, before) + 1
-        before = covering.pieces
-
-
 def test_work_is_bounded_by_counting() -> None:
     rng = np.random.default_rng(1)
     corners = torus(50, 20)
@@ -88,21 +77,6 @@ def test_work_is_bounded_by_counting() -> None:
         _, found = at_once(covering.in_parts())
         assert covering.work <= MAX_WORK + 6_000
         assert outside(found, on_triangles(surface(corners).corners, 500, seed=3)) <= WITHIN_M
-
-
-def test_the_hole_of_a_ring_that_is_cut_into_slabs_stays_open() -> None:
-    found = cover(surface(torus(20, 10)))
-    assert outside(found, np.zeros((1, 3))) > 0.05
-
-
-def test_cuts_give_the_same_hulls_again_and_any_cuts_hold_the_surface() -> None:
-    solid = surface(SOLIDS["torus"])
-    cuts, first = at_once(Covering(solid).in_parts())
-    assert hulls_digest(at_once(cover_by(solid, cuts))) == hulls_digest(first)
-    from dataclasses import replace
-
-    moved = replace(cuts, planes=tuple((cell, axis, at + 0.004) for cell, axis, at in cuts.planes), groups=())
-    assert outside(at_once(cover_by(solid, moved)), on_triangles(solid.corners, 2_000, seed=4)) <= WITHIN_M
 
 
 def test_a_mesh_is_covered_once_for_all_processes_with_a_folder(tmp_path: Path) -> None:

@@ -3,8 +3,6 @@ silence."""
 
 from __future__ import annotations
 
-import json
-import struct
 from typing import Any
 
 import numpy as np
@@ -219,58 +217,7 @@ def test_a_dae_is_read_whole_or_refused() -> None:
         triangles_of(dae().replace(b"</mesh>", b"<linestrips/></mesh>"), "dae")
 
 
-def inside_out(form: str) -> bytes:
-    """The cube with its faces turned over."""
-    turned = CUBE[:, ::-1]
-    if form == "stl":
-        return binary_stl(turned)
-    points = turned.reshape(-1, 3)
-    if form == "obj":
-        lines = [f"v {x:g} {y:g} {z:g}" for x, y, z in points]
-        return "\n".join([*lines, *(f"f {3 * i + 1} {3 * i + 2} {3 * i + 3}" for i in range(len(turned)))]).encode()
-    if form == "ply":
-        head = HEADER.replace(b"vertex 4", b"vertex %d" % len(points)).replace(b"face 4", b"face %d" % len(turned))
-        rows = [f"{x:g} {y:g} {z:g}" for x, y, z in points]
-        rows += [f"3 {3 * i} {3 * i + 1} {3 * i + 2}" for i in range(len(turned))]
-        return head + b"end_header\n" + "\n".join(rows).encode()
-    binary = points.astype("<f4").tobytes()
-    tree = {
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(points), "type": "VEC3"}],
-        "bufferViews": [{"buffer": 0, "byteLength": len(binary)}], "buffers": [{"byteLength": len(binary)}],
-    }  # fmt: skip
-    return glb(tree, binary)
-
-
-@pytest.mark.parametrize("form", ["stl", "obj", "ply", "glb"])
-def test_a_closed_mesh_that_is_inside_out_is_not_called_open(form: str) -> None:
-    error = refused(inside_out(form), form)
-    assert error.value == "faces that point inwards"
-    assert error.allowed == "faces that point outwards: flip them in the program that wrote the mesh"
-
-
 def test_a_flat_mesh_and_an_open_one_are_not_called_inside_out() -> None:
     assert "open edges" in str(refused(binary_stl(CUBE[1:, ::-1]), "stl").value)
     sheet = np.concatenate([CUBE[:2], CUBE[:2, ::-1]])
     assert "a volume of" in str(refused(binary_stl(sheet), "stl").value)
-
-
-def test_the_files_of_the_report_of_instances() -> None:
-    """A file as it was reported: a box that is shown by instancing, and the same without it."""
-    box = struct.pack("<24f", *(v for x in (10, 60) for y in (-20, 20) for z in (0, 25) for v in (x, y, z)))
-    order = [0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3]
-    tree: dict[str, Any] = {
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3"},
-            {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"},
-        ],
-        "bufferViews": [{"buffer": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 72}],
-        "buffers": [{"byteLength": 168}],
-    }  # fmt: skip
-    binary = box + struct.pack("<36H", *order)
-    assert len(load(glb(tree, binary), "glb", "mm").faces) == 12
-    tree["nodes"] = json.loads('[{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {}}}}]')
-    assert refused(glb(tree, binary), "glb").value == "extension EXT_mesh_gpu_instancing"

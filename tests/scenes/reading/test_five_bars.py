@@ -2,41 +2,32 @@
 
 from __future__ import annotations
 
-import copy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from assur.planner.errors import InputError
 from assur.planner.report.number_format import amount
 from assur.planner.robots.five_bar import FiveBar
 from assur.scenes.requests import plan_document, scene_of, shipped
+from tests.changed import GONE, changed
+from tests.scenes.bad_requests import Bad
+
+CELL = shipped("five-bar-type-2").request
+ARM = "robot.five_bar"
 
 
 def request(**changes: Any) -> dict[str, Any]:
-    """The request of the cell, with fields of its arm changed (None: left out)."""
-    found = copy.deepcopy(shipped("five-bar-type-2").request)
-    arm = found["robot"]["five_bar"]
-    arm.update(changes)
-    for key in [key for key, value in changes.items() if value is None]:
-        del arm[key]
-    return found
+    """The request of the cell, with fields of its arm changed."""
+    made: dict[str, Any] = changed(CELL, {f"{ARM}.{key}": value for key, value in changes.items()})
+    return made
 
 
 def robot_of(document: dict[str, Any]) -> FiveBar:
     robot = scene_of(document).robot
     assert isinstance(robot, FiveBar)
     return robot
-
-
-def test_couplers_that_cannot_meet_at_the_start_are_bad_input() -> None:
-    for distal, words in (([30, 30], "60.0 mm long together"), ([900, 30], "900 mm and 30 mm long")):
-        with pytest.raises(InputError) as caught:
-            scene_of(request(distal_mm=distal))
-        assert caught.value.field == "start.joints"
-        assert "the chain closes; the elbows are" in caught.value.allowed
-        assert words in caught.value.allowed
 
 
 def test_without_a_lift_another_height_is_refused_by_the_two_heights() -> None:
@@ -69,7 +60,7 @@ def test_a_five_bar_is_what_the_request_says() -> None:
         "distal-right",
         "quill",
     ]
-    assert robot_of(request(parallel_margin=None)).parallel_least == 0.1
+    assert robot_of(request()).parallel_least == 0.1
 
 
 def test_without_a_lift_the_flange_has_the_height_that_is_told() -> None:
@@ -86,37 +77,36 @@ def test_without_a_lift_the_flange_has_the_height_that_is_told() -> None:
     assert p[1, 2] + crank.position[2] == pytest.approx(0.18)
 
 
-@pytest.mark.parametrize(
-    ("field", "changes"),
-    [
-        ("five_bar.separation_m", {"separation_mm": -1}),
-        ("five_bar.separation_m", {"separation_mm": None}),
-        ("five_bar.proximal_m", {"proximal_mm": [200]}),
-        ("five_bar.distal_m", {"distal_mm": [160, 0]}),
-        ("five_bar.assembly", {"assembly": "inside"}),
-        ("five_bar.parallel_margin", {"parallel_margin": 0}),
-        ("five_bar.joints", {"joints": []}),
-        ("five_bar.self_pairs", {"self_pairs": [["base", "link1"]]}),
-        ("five_bar.l1_m", {"l1_m": 0.2}),
-        ("robot", {"separation_mm": 900}),
-    ],
+NO_MEETING = "the chain closes; the elbows are"
+BAD = (
+    Bad("axes that are apart by less than nothing", {f"{ARM}.separation_mm": -1}),
+    Bad("axes that are apart by nothing stated", {f"{ARM}.separation_mm": GONE}, f"{ARM}.separation_m"),
+    Bad("one crank", {f"{ARM}.proximal_mm": [200]}),
+    Bad("a coupler of no length", {f"{ARM}.distal_mm": [160, 0]}, "[1]"),
+    Bad("an unknown assembly", {f"{ARM}.assembly": "inside"}),
+    Bad("no margin", {f"{ARM}.parallel_margin": 0}),
+    Bad("no joints", {f"{ARM}.joints": []}),
+    Bad(
+        "a pair of links of another family",
+        {f"{ARM}.self_pairs": [["base", "link1"]]},
+        "[0]",
+        "two of base, proximal-left",
+    ),
+    Bad("a length of another family", {f"{ARM}.l1_m": 0.2}),
+    Bad("axes that are too far apart", {f"{ARM}.separation_mm": 900}, "robot", "the links can span"),
+    Bad("couplers that are too short", {f"{ARM}.distal_mm": [30, 30]}, "start.joints", "60.0 mm long together"),
+    Bad("couplers that are too unlike", {f"{ARM}.distal_mm": [900, 30]}, "start.joints", "900 mm and 30 mm long"),
+    Bad("couplers that do not meet", {f"{ARM}.distal_mm": [30, 30]}, "start.joints", NO_MEETING),
+    Bad(
+        "a crank that lifts",
+        {f"{ARM}.joints[0]": {**CELL["robot"]["five_bar"]["joints"][2], "name": "j1"}},
+        f"{ARM}.joints[0].range_mm",
+        "joint 1 of a five-bar is revolute",
+    ),
+    Bad("an elbow of another family", {"options.elbow": "left"}, said="left-right, right-left"),
 )
-def test_what_is_no_five_bar_is_refused_at_its_field(field: str, changes: dict[str, Any]) -> None:
-    with pytest.raises(InputError) as caught:
-        scene_of(request(**changes))
-    assert field in caught.value.field.replace("_mm", "_m")
 
 
-def test_a_crank_that_lifts_is_refused_in_the_words_of_a_five_bar() -> None:
-    document = request()
-    joints = document["robot"]["five_bar"]["joints"]
-    joints[0] = {**joints[2], "name": "j1"}
-    with pytest.raises(InputError, match="joint 1 of a five-bar is revolute"):
-        scene_of(document)
-
-
-def test_an_elbow_that_a_five_bar_has_not_is_refused_with_those_that_it_has() -> None:
-    document = request()
-    document["options"]["elbow"] = "left"
-    with pytest.raises(InputError, match="left-right, right-left"):
-        scene_of(document)
+@pytest.mark.parametrize("bad", BAD, ids=lambda bad: bad.name)
+def test_what_is_no_five_bar_is_refused_at_its_field(bad: Bad) -> None:
+    replace(bad, on=CELL).refused()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from typing import Any
 
@@ -12,120 +11,93 @@ import pytest
 from assur.planner.errors import InputError
 from assur.planner.laws import Frame
 from assur.scenes.requests import request_digest, scene_of
+from tests.changed import changed
+from tests.refused import refused_at
 from tests.scenes.bad_requests import GOOD_REQUEST
 
 
 def frame(law: dict[str, Any], **beside: Any) -> Frame:
     """The frame of a document, in a whole request."""
-    request = copy.deepcopy(GOOD_REQUEST)
-    request["frames"]["tested"] = {**law, **beside}
-    return scene_of(request).frames["tested"]
+    return scene_of(changed(GOOD_REQUEST, {"frames.tested": {**law, **beside}})).frames["tested"]
 
 
 def at(law: dict[str, Any], t: float) -> tuple[list[float], float]:
-    """Position and yaw at time t."""
+    """Position, mm, and yaw, degrees, at time t."""
     motion = frame(law).law.motion(np.array(t))
-    return motion.p.tolist(), float(motion.yaw)
+    return (1e3 * motion.p).tolist(), math.degrees(float(motion.yaw))
 
 
-def test_fixed_stays() -> None:
-    position, yaw = at({"fixed": {"at_mm": [1, 2, 3], "yaw_deg": 90}}, 7.0)
-    assert position == pytest.approx([1e-3, 2e-3, 3e-3])
-    assert yaw == pytest.approx(math.pi / 2)
-
-
-def test_linear_is_where_it_is_said_at_the_time_it_is_said() -> None:
-    position, yaw = at({"linear": {"at_mm": [100, 0, 0], "yaw_deg": 30, "velocity_mm_s": [10, -20, 5], "at_s": 2}}, 4.0)
-    assert position == pytest.approx([0.12, -0.04, 0.01])
-    assert yaw == pytest.approx(math.radians(30))
-
-
-def test_a_conveyor_travels_along_its_own_x() -> None:
-    position, _ = at({"conveyor": {"at_mm": [0, 350, 50], "yaw_deg": 90, "speed_mm_s": 250, "at_s": 1}}, 3.0)
-    assert position == pytest.approx([0.0, 0.85, 0.05])
-
-
-def test_a_conveyor_stops_when_it_is_told_to() -> None:
-    stop = {"at_s": 1, "speed_mm_s": 0, "acceleration_mm_s2": 1000, "jerk_mm_s3": 20000}
-    law = {"conveyor": {"at_m": [0, 0, 0], "speed_mm_s": 200, "changes": [stop]}}
-    # From 200 to 0 mm/s at 1000 mm/s2 with ramps of 50 ms: 200 + 50 ms, symmetric, so 100 mm/s on average.
-    assert at(law, 1.25)[0][0] == pytest.approx(0.2 + 0.1 * 0.25, abs=1e-12)
-    assert at(law, 9.0) == at(law, 1.25)
-
-
-def test_a_turntable_turns_and_rises() -> None:
-    law = {"turntable": {"at_mm": [1, 2, 3], "yaw_deg": 10, "rate_deg_s": 60, "rise_mm_s": 2, "at_s": 1}}
-    position, yaw = at(law, 2.5)
-    assert position == pytest.approx([1e-3, 2e-3, 6e-3])
-    assert yaw == pytest.approx(math.radians(100))
-
-
-def test_a_turntable_changes_its_rate() -> None:
-    change = {"at_s": 0, "rate_deg_s": 0, "acceleration_deg_s2": 600, "jerk_deg_s3": 60000}
-    law = {"turntable": {"at_m": [0, 0, 0], "rate_deg_s": 60, "changes": [change]}}
-    # 60 deg/s at 600 deg/s2 with ramps of 10 ms: 110 ms at 30 deg/s on average.
-    assert at(law, 5.0)[1] == pytest.approx(math.radians(30 * 0.11), abs=1e-12)
-
-
-def test_an_indexer_turns_or_travels_by_steps() -> None:
-    turning = {"indexer": {"at_m": [0, 0, 0], "step_deg": 45, "move_s": 0.5, "dwell_s": 1.5, "start_s": 1}}
-    assert [round(math.degrees(at(turning, t)[1]), 9) for t in (1.0, 1.5, 3.0, 3.5)] == [0, 45, 45, 90]
-    travelling = {"indexer": {"at_m": [0, 0, 0], "yaw_deg": 90, "step_mm": 100, "move_s": 0.5, "dwell_s": 0.5}}
-    assert at(travelling, 0.5)[0] == pytest.approx([0, 0.1, 0])
-
-
-def test_a_swing_swings_about_its_pivot() -> None:
-    law = {"swing": {"pivot_mm": [420, 120, 160], "yaw_deg": 20, "amplitude_deg": 50, "period_s": 1.6, "phase_deg": 90}}
-    position, yaw = at(law, 0.4)
-    assert position == pytest.approx([0.42, 0.12, 0.16])
-    assert yaw == pytest.approx(math.radians(20 + 50 * math.sin(math.radians(180))), abs=1e-12)
-    assert at(law, 0.0)[1] == pytest.approx(math.radians(70))
-
-
-def test_keyframes_pass_their_points_and_are_not_known_beyond_them() -> None:
-    points: list[dict[str, Any]] = [{"time_s": t, "at_mm": [100 * t, 0, 0], "yaw_deg": 10 * t} for t in (0, 1, 3)]
-    law = {"keyframes": {"points": points}}
-    for point in points:
-        position, yaw = at(law, float(point["time_s"]))
-        assert position == pytest.approx([float(point["at_mm"][0]) / 1000, 0, 0], abs=1e-12)
-        assert yaw == pytest.approx(math.radians(point["yaw_deg"]))
-    assert frame(law).law.valid == (0.0, 3.0)
-    assert np.isnan(at(law, 3.1)[0]).all()
-    natural = {"keyframes": {"points": points, "ends": "natural"}}
-    assert at(natural, 0.5) != at(law, 0.5)
-
-
-def test_an_oscillation_goes_along_a_direction_of_the_world_whatever_its_yaw() -> None:
-    way: dict[str, Any] = {"at_mm": [1, 2, 300], "yaw_deg": 90, "direction": [0, 0.6, 0.8], "amplitude_mm": 100}
-    law = {"oscillation": {**way, "period_ms": 1600, "phase_deg": 90}}
-    assert at(law, 0.0)[0] == pytest.approx([0.001, 0.062, 0.38])
-    assert at(law, 0.0)[1] == pytest.approx(math.pi / 2)
-    assert at(law, 0.4)[0] == pytest.approx([0.001, 0.002, 0.3])
-    assert at(law, 0.8)[0] == pytest.approx([0.001, -0.058, 0.22])
-
-
+STOP = {"at_s": 1, "speed_mm_s": 0, "acceleration_mm_s2": 1000, "jerk_mm_s3": 20000}
+"""From 200 to 0 mm/s at 1000 mm/s² with ramps of 50 ms: 200 + 50 ms, symmetric, so 100 mm/s on average."""
+SLOWER = {"at_s": 0, "rate_deg_s": 0, "acceleration_deg_s2": 600, "jerk_deg_s3": 60000}
+"""60 deg/s at 600 deg/s² with ramps of 10 ms: 110 ms at 30 deg/s on average."""
+STOPS = {"conveyor": {"at_m": [0, 0, 0], "speed_mm_s": 200, "changes": [STOP]}}
+DIAL = {"at_mm": [1, 2, 3], "yaw_deg": 10, "rate_deg_s": 60, "rise_mm_s": 2, "at_s": 1}
+TURNING = {"indexer": {"at_m": [0, 0, 0], "step_deg": 45, "move_s": 0.5, "dwell_s": 1.5, "start_s": 1}}
+TRAVELLING = {"indexer": {"at_m": [0, 0, 0], "yaw_deg": 90, "step_mm": 100, "move_s": 0.5, "dwell_s": 0.5}}
+PIVOT = {"pivot_mm": [420, 120, 160], "yaw_deg": 20, "amplitude_deg": 50, "period_s": 1.6, "phase_deg": 90}
+SWAYING = {"at_mm": [1, 2, 300], "yaw_deg": 90, "direction": [0, 0.6, 0.8], "amplitude_mm": 100, "period_ms": 1600}
+ALONG = {"at_mm": [100, 0, 0], "yaw_deg": 30, "velocity_mm_s": [10, -20, 5], "at_s": 2}
+POINTS: list[dict[str, Any]] = [{"time_s": t, "at_mm": [100 * t, 0, 0], "yaw_deg": 10 * t} for t in (0, 1, 3)]
 ROUND: list[dict[str, Any]] = [
     {"time_s": 1, "at_mm": [0, 0, 0]},
     {"time_s": 1.5, "at_mm": [100, 50, 0]},
     {"time_s": 3, "at_mm": [0, 0, 0]},
 ]
+AGAIN: dict[str, Any] = {"keyframes": {"points": ROUND, "repeat": True}}
+WINDING: dict[str, Any] = {
+    "keyframes": {"points": [{**ROUND[0], "yaw_deg": 90}, ROUND[1], {**ROUND[2], "yaw_deg": 450}], "repeat": True}
+}
+PLACES: dict[str, tuple[dict[str, Any], dict[float, tuple[list[float], float]]]] = {
+    "fixed": ({"fixed": {"at_mm": [1, 2, 3], "yaw_deg": 90}}, {7.0: ([1, 2, 3], 90)}),
+    "linear, stated at a time": ({"linear": ALONG}, {4.0: ([120, -40, 10], 30)}),
+    "a conveyor along its own x": (
+        {"conveyor": {"at_mm": [0, 350, 50], "yaw_deg": 90, "speed_mm_s": 250, "at_s": 1}},
+        {3.0: ([0, 850, 50], 90)},
+    ),
+    "a conveyor that stops": (STOPS, {1.25: ([200 + 25, 0, 0], 0), 9.0: ([200 + 25, 0, 0], 0)}),
+    "a turntable that rises": ({"turntable": DIAL}, {2.5: ([1, 2, 6], 100)}),
+    "a turntable that changes its rate": (
+        {"turntable": {"at_m": [0, 0, 0], "rate_deg_s": 60, "changes": [SLOWER]}},
+        {5.0: ([0, 0, 0], 30 * 0.11)},
+    ),
+    "an indexer that turns": (TURNING, {t: ([0, 0, 0], yaw) for t, yaw in ((1, 0), (1.5, 45), (3, 45), (3.5, 90))}),
+    "an indexer that travels": (TRAVELLING, {0.5: ([0, 100, 0], 90)}),
+    "a swing about its pivot": ({"swing": PIVOT}, {0.0: ([420, 120, 160], 70), 0.4: ([420, 120, 160], 20)}),
+    "an oscillation along a direction of the world": (
+        {"oscillation": {**SWAYING, "phase_deg": 90}},
+        {0.0: ([1, 62, 380], 90), 0.4: ([1, 2, 300], 90), 0.8: ([1, -58, 220], 90)},
+    ),
+    "keyframes": ({"keyframes": {"points": POINTS}}, {t: ([100 * t, 0, 0], 10 * t) for t in (0, 1, 3)}),
+    "keyframes that repeat in both directions of time": (
+        AGAIN,
+        {t: ([100, 50, 0], 0) for t in (-1998.5, -0.5, 1.5, 3.5, 2001.5)},
+    ),
+    "keyframes that wind": (WINDING, {t: ([0, 0, 0], yaw) for t, yaw in ((1, 90), (3, 450), (5, 810))}),
+}
 
 
-def test_keyframes_that_repeat_do_so_for_ever_in_both_directions_of_time() -> None:
-    law: dict[str, Any] = {"keyframes": {"points": ROUND, "repeat": True}}
-    for t in (-1998.5, -0.5, 1.5, 3.5, 2001.5):
-        assert at(law, t)[0] == pytest.approx([0.1, 0.05, 0.0], abs=1e-9)
-    assert frame(law).law.valid == (-math.inf, math.inf)
-    turning = [{**ROUND[0], "yaw_deg": 90}, ROUND[1], {**ROUND[2], "yaw_deg": 450}]
-    law = {"keyframes": {"points": turning, "repeat": True}}
-    assert [at(law, t)[1] for t in (1.0, 3.0, 5.0)] == pytest.approx([math.pi / 2 * k for k in (1, 5, 9)])
+@pytest.mark.parametrize("name", PLACES)
+def test_a_frame_is_where_its_words_put_it(name: str) -> None:
+    law, places = PLACES[name]
+    for t, (position, yaw) in places.items():
+        found, turned = at(law, t)
+        assert found == pytest.approx(position, abs=1e-6)
+        assert turned == pytest.approx(yaw, abs=1e-9)
+
+
+def test_keyframes_are_not_known_beyond_them_unless_they_repeat() -> None:
+    law = {"keyframes": {"points": POINTS}}
+    assert frame(law).law.valid == (0.0, 3.0)
+    assert np.isnan(at(law, 3.1)[0]).all()
+    assert frame(AGAIN).law.valid == (-math.inf, math.inf)
+    assert at({"keyframes": {"points": POINTS, "ends": "natural"}}, 0.5) != at(law, 0.5)
 
 
 def keyframes(**given: Any) -> dict[str, Any]:
     """The good request with another frame, of these keyframes."""
-    request = copy.deepcopy(GOOD_REQUEST)
-    request["frames"]["tested"] = {"keyframes": {"points": ROUND, **given}}
-    return request
+    made: dict[str, Any] = changed(GOOD_REQUEST, {"frames.tested": {"keyframes": {"points": ROUND, **given}}})
+    return made
 
 
 def test_how_keyframes_end_is_said_once() -> None:
@@ -144,19 +116,20 @@ def test_how_keyframes_end_is_said_once() -> None:
 )
 def test_a_last_pose_that_is_not_the_first_is_refused_where_it_stands(change: dict[str, Any], key: str) -> None:
     points = [*ROUND[:-1], {**ROUND[-1], **change}]
-    with pytest.raises(InputError) as caught:
+    with refused_at(
+        f"frames.tested.keyframes.points[2].{key}",
+        "that of the first point, for the sequence repeats",
+        value=change[key],
+    ):
         scene_of(keyframes(points=points, repeat=True))
-    assert caught.value.field == f"frames.tested.keyframes.points[2].{key}"
-    assert caught.value.value == change[key]
-    assert "that of the first point, for the sequence repeats" in caught.value.allowed
 
 
 def changing(**given: Any) -> dict[str, Any]:
     """A belt that stops at 1 s and starts again at 2 s, with what is given of the first change."""
-    request = copy.deepcopy(GOOD_REQUEST)
     again = {"at_s": 2, "speed_mm_s": 250, "acceleration_mm_s2": 500, "jerk_mm_s3": 5000}
-    request["frames"]["belt"]["conveyor"]["changes"] = [{"at_s": 1, "speed_mm_s": 0, **given}, again]
-    return request
+    changes = [{"at_s": 1, "speed_mm_s": 0, **given}, again]
+    made: dict[str, Any] = changed(GOOD_REQUEST, {"frames.belt.conveyor.changes": changes})
+    return made
 
 
 def test_a_change_without_acceleration_or_jerk_takes_stated_ones_and_the_answer_says_so() -> None:
@@ -177,9 +150,7 @@ def test_a_change_without_acceleration_or_jerk_takes_stated_ones_and_the_answer_
 
 
 def test_a_dial_that_changes_its_rate_takes_those_of_a_dial() -> None:
-    request = copy.deepcopy(GOOD_REQUEST)
-    request["frames"]["dial"]["turntable"]["changes"] = [{"at_s": 1, "rate_deg_s": 0}]
-    scene = scene_of(request)
+    scene = scene_of(changed(GOOD_REQUEST, {"frames.dial.turntable.changes": [{"at_s": 1, "rate_deg_s": 0}]}))
     lines = [line for line in scene.assumptions if line.startswith("dial")]
     drive = "a dial of 500 mm with a servo drive"
     assert lines == [
@@ -212,15 +183,15 @@ def on(below: str, x: float, y: float, yaw: float) -> dict[str, Any]:
 
 def nested() -> dict[str, Any]:
     """A request with a nest on a tray, which goes with the belt, and one on a table; the nest is named before both."""
-    request = copy.deepcopy(GOOD_REQUEST)
-    request["frames"] = {
+    frames = {
         "nest": on("tray", 30, 40, -20),
         "tray": on("belt", 100, -50, 60),
-        **request["frames"],
+        **GOOD_REQUEST["frames"],
         "slot": on("table", 10, 0, 90),
         "table": {"fixed": {"frame": "world", "at_mm": [300, -200, 0], "yaw_deg": 45}},
     }
-    return request
+    made: dict[str, Any] = changed(GOOD_REQUEST, {"frames": frames})
+    return made
 
 
 @pytest.mark.parametrize("t", [0.0, 1.7])

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assur.planner.errors import InputError
 from assur.scenes.requests import check_document, load_scenario, plan_document, request_digest, scene_of
+from tests.refused import refused_at
 from tests.scenes.bad_requests import GOOD_REQUEST
 
 
@@ -85,9 +85,8 @@ def test_a_task_may_name_its_frames_and_bodies() -> None:
 def test_two_neighbours_need_two_names() -> None:
     request = with_neighbour()
     request["neighbours"].append(copy.deepcopy(request["neighbours"][0]))
-    with pytest.raises(InputError) as caught:
+    with refused_at("neighbours[1].name"):
         scene_of(request)
-    assert caught.value.field == "neighbours[1].name"
     request["neighbours"][1]["name"] = "third"
     assert len(scene_of(request).bodies) == len(GOOD_REQUEST["bodies"]) + 10
 
@@ -162,9 +161,8 @@ def test_an_uncertain_start_shifts_the_whole_motion_either_way(key: str) -> None
     assert scene_of(with_neighbour(**{key: amount})).frames["other/flange"].uncertainty.shift_s == (-0.05, 0.05)
     assert scene_of(with_neighbour(**{key: 0.0})).frames["other/flange"].uncertainty.shift_s == (0.0, 0.0)
     for wrong in (-0.1, math.nan, "soon"):
-        with pytest.raises(InputError) as caught:
+        with refused_at(f"neighbours[0].{key}"):
             scene_of(with_neighbour(**{key: wrong}))
-        assert caught.value.field == f"neighbours[0].{key}"
 
 
 @pytest.mark.parametrize(
@@ -181,29 +179,12 @@ def test_an_uncertain_start_shifts_the_whole_motion_either_way(key: str) -> None
     ],
 )
 def test_a_file_that_holds_no_plan_is_told_by_its_name(tmp_path: Path, document: Any, said: str) -> None:
-    with pytest.raises(InputError) as caught:
+    with refused_at(
+        "neighbours[0].plan.file",
+        f"a file with a planned answer, as assur plan --out writes it; in this one {said}",
+        value="plans/other.json",
+    ):
         scene_of(by_file(tmp_path, document), folder=tmp_path)
-    assert (caught.value.field, caught.value.value) == ("neighbours[0].plan.file", "plans/other.json")
-    assert f"a file with a planned answer, as assur plan --out writes it; in this one {said}" in caught.value.allowed
-
-
-@pytest.mark.parametrize("name", ["../plans/other.json", "none.json", "plans", "other.yaml", "/etc/passwd", "a\0.json"])
-def test_no_other_file_is_ever_read_for_a_plan(tmp_path: Path, name: str) -> None:
-    request = by_file(tmp_path, planned(KNOTS))
-    (tmp_path / "cell").mkdir()
-    (tmp_path / "cell" / "other.yaml").write_text("{}")
-    request["neighbours"][0]["plan"]["file"] = name
-    with pytest.raises(InputError) as caught:
-        scene_of(request, folder=tmp_path / "cell")
-    assert caught.value.field == "neighbours[0].plan.file"
-    assert "a file below the folder of the file that names it, ending in .json" in caught.value.allowed
-
-
-def test_a_request_alone_never_names_a_file(tmp_path: Path) -> None:
-    """Over HTTP, and in Python without a folder."""
-    with pytest.raises(InputError, match="a request never names a file") as caught:
-        scene_of(by_file(tmp_path, planned(KNOTS)))
-    assert caught.value.field == "neighbours[0].plan.file"
 
 
 @pytest.mark.parametrize(
@@ -223,6 +204,5 @@ def test_a_neighbour_has_either_a_trajectory_or_a_plan(tmp_path: Path, change: d
     request = with_neighbour(**change)
     if change.get("trajectory", 0) is None:
         del request["neighbours"][0]["trajectory"]
-    with pytest.raises(InputError) as caught:
+    with refused_at(field):
         scene_of(request, folder=tmp_path)
-    assert caught.value.field == field

@@ -16,6 +16,7 @@ from assur.scenes.exports.documents import check_trajectory_cell, export_cell
 from assur.scenes.reading.cell import Cell
 from assur.scenes.requests import cell_of, check_plan, plan_cell, read_plan, report_page, verdict_on
 from assur.scenes.view.document import view_of
+from tests.refused import refused_at
 
 Place = tuple[str | int, ...]
 
@@ -115,8 +116,7 @@ def test_a_plan_without_legs_is_not_exported_and_gives_its_legs_to_no_trajectory
 @pytest.mark.parametrize("step", [5e-324, 1e-300, 1e-12, 0.9e-9])
 def test_knots_that_are_closer_than_a_nanosecond_are_refused(step: float) -> None:
     time = list(answer()["trajectory"]["time_s"])
-    with pytest.raises(InputError, match="1e-09 s at least later than") as caught:
+    with refused_at("plan.trajectory.time_s[1]", match="1e-09 s at least later than"):
         checked(spoilt(("trajectory", "time_s"), [time[0], time[0] + step, *time[2:]]))
-    assert caught.value.field == "plan.trajectory.time_s[1]"
     apart = checked(spoilt(("trajectory", "time_s"), [time[0], time[0] + 1e-9, *time[2:]]))
     assert apart["ok"] is False

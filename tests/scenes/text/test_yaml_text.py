@@ -67,6 +67,7 @@ def test_plain_scalars_mean_what_yaml_1_2_says(text: str, meaning: object) -> No
         ("a: 1\n---\nb: 2", 2, "scenario"),
         ("a: [1,\nb: 2", 3, "scenario"),
         ("? [1, 2]\n: 3", 1, "scenario"),
+        ("%YAML 1.1\n---\non: yes", 3, "scenario"),
     ],
 )
 def test_what_surprises_is_refused_with_its_line(text: str, line: int, field: str) -> None:

@@ -5,12 +5,16 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pytest
 import yourdfpy
 from scipy.spatial.transform import Rotation
 
 from assur.planner.arrays import FloatArray
+from assur.scenes.urdf.importing import ImportedRobot, ImportOptions, import_robot
+from assur.scenes.urdf.refusals import ImportRefused
 
 Three = tuple[float, float, float]
 RIGHT = 1.5707963267948966
@@ -82,6 +86,24 @@ class Files:
         self.urdf.write_text(text)
         self.limits.write_text(limits(count))
         return self
+
+    def imported(self, **more: object) -> ImportedRobot:
+        """The robot; `more`: other options than the file of limits."""
+        given: dict[str, Any] = {"joint_limits": self.limits, **more}
+        return import_robot(ImportOptions(self.urdf, **given))
+
+    @property
+    def remarks(self) -> list[str]:
+        """What the report on the import says besides."""
+        found: list[str] = self.imported().report["remarks"]
+        return found
+
+
+def told(files: Files, **more: object) -> list[str]:
+    """All that is told of a description that is refused."""
+    with pytest.raises(ImportRefused) as caught:
+        files.imported(**more)
+    return [str(lack) for lack in caught.value.lacks]
 
 
 def flange_by_library(file: Path, base: str, tip: str, names: list[str], q: FloatArray) -> FloatArray:

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from assur.scenes.urdf.importing import ImportOptions, import_robot
 from tests.scenes.meshes.solids import SOLIDS, binary_stl
 from tests.scenes.urdf.made import Files
 from tests.scenes.urdf.test_solids_of_links import MESH, arms
@@ -22,7 +21,7 @@ def test_a_mesh_that_is_inside_out_is_not_called_open(name: str, noise: float, t
     files = Files(tmp_path).write(arms(MESH)[name][0])
     (tmp_path / "star.stl").write_bytes(binary_stl((SOLIDS["star"] + noise * NOISE)[:, ::-1]))
     with pytest.raises(Exception, match=r"the mesh is closed, but its faces point inwards.*flip its faces") as caught:
-        import_robot(ImportOptions(files.urdf, files.limits))
+        files.imported()
     assert "not closed" not in str(caught.value)
 
 
@@ -30,4 +29,4 @@ def test_an_open_mesh_is_still_called_open(tmp_path: Path) -> None:
     files = Files(tmp_path).write(arms(MESH)["rrpr, link 1"][0])
     (tmp_path / "star.stl").write_bytes(binary_stl(SOLIDS["star"][1:, ::-1]))
     with pytest.raises(Exception, match="the mesh is not closed"):
-        import_robot(ImportOptions(files.urdf, files.limits))
+        files.imported()

@@ -10,11 +10,10 @@ import pytest
 import yaml
 import yourdfpy
 
-from assur.scenes.urdf.importing import ImportOptions, import_robot, write
+from assur.scenes.urdf.importing import write
 from assur.scenes.urdf.reader import read_tree
-from assur.scenes.urdf.refusals import ImportRefused
 from tests.scenes.meshes.solids import SOLIDS, binary_stl
-from tests.scenes.urdf.made import FAMILIES, Files, J, box, mesh, urdf
+from tests.scenes.urdf.made import FAMILIES, Files, J, box, mesh, told, urdf
 
 SCARA = FAMILIES["scara, lift third"][2]
 LEVEL = (0.0, 1.0, 0.0)
@@ -41,13 +40,6 @@ MIMIC = '<mimic joint="left_slide" multiplier="-0.5" offset="0.001"/>'
 GRIPPER = finger("left", "l6", 0.01) + finger("right", "l6", -0.01, MIMIC)
 
 
-def told(files: Files, **more: object) -> list[str]:
-    given = {"joint_limits": files.limits, **more}
-    with pytest.raises(ImportRefused) as caught:
-        import_robot(ImportOptions(files.urdf, **given))  # type: ignore[arg-type]
-    return [str(lack) for lack in caught.value.lacks]
-
-
 def test_an_arm_with_a_gripper_is_told_how_to_be_imported_without_it(tmp_path: Path) -> None:
     files = Files(tmp_path).write(urdf(*FIVE, tail=GRIPPER))
     (found,) = told(files, joint_limits=None)
@@ -55,7 +47,7 @@ def test_an_arm_with_a_gripper_is_told_how_to_be_imported_without_it(tmp_path: P
     assert found.endswith(
         "without a gripper, up to link l6, it is a five-axis arm; say --tip l6 --hold left_slide=POSITION"
     )
-    taken = import_robot(ImportOptions(files.urdf, files.limits, tip="l6", held={"left_slide": 0.01}))
+    taken = files.imported(tip="l6", held={"left_slide": 0.01})
     assert (taken.report["family"], taken.report["flange"], taken.report["bodies"]) == ("five_axis_arm", "l6", 2)
 
 
@@ -98,7 +90,7 @@ def test_of_an_arm_with_rounded_angles_what_is_missing_is_told_and_not_that_it_i
     found = told(files, joint_limits=None)
     assert len(found) == 4
     assert all("no limit.acceleration in the URDF" in each for each in found)
-    remarks = import_robot(ImportOptions(files.urdf, files.limits)).report["remarks"]
+    remarks = files.remarks
     assert any("(3.14159) are read as" in each for each in remarks)
     files.write(SCARA.replace(lift.format("0.0"), lift.format("3.14")))
     first, second = told(files, joint_limits=None)
@@ -112,7 +104,7 @@ def test_a_likelier_flange_that_is_not_taken_is_said(tmp_path: Path) -> None:
     tcp = '<link name="tcp"/><joint name="mount" type="fixed"><parent link="l4"/><child link="tcp"/>'
     tilted = SCARA.replace("</robot>", tcp + '<origin rpy="3.1415 0 0"/></joint></robot>')
     files = Files(tmp_path).write(tilted)
-    found = import_robot(ImportOptions(files.urdf, files.limits))
+    found = files.imported()
     assert found.report["flange"] == "l4"
     assert "link tcp is not taken as the flange: link tcp: its z axis is not vertical" in found.report["remarks"]
 
@@ -142,7 +134,7 @@ def with_mesh(name: str) -> str:
 def test_an_absolute_path_below_the_package_is_found(start: str, tmp_path: Path) -> None:
     (tmp_path / "Arm.STL").write_bytes(binary_stl(SOLIDS["bracket"]))
     files = Files(tmp_path).write(with_mesh(start.format(tmp_path) + "Arm.STL"))
-    assert import_robot(ImportOptions(files.urdf, files.limits)).report["bodies"] == 2
+    assert files.imported().report["bodies"] == 2
 
 
 def test_a_mesh_that_is_spelled_otherwise_is_named(tmp_path: Path) -> None:
@@ -174,12 +166,12 @@ def test_packages_are_found_side_by_side_and_others_are_asked_for(tmp_path: Path
     for name in ("good", "lost", "broken", "uncalled"):
         (tmp_path / name).mkdir()
     files = packages(tmp_path / "good", MACRO.format(inside))
-    assert import_robot(ImportOptions(files.urdf, files.limits)).report["family"] == "scara"
+    assert files.imported().report["family"] == "scara"
     lost = packages(tmp_path / "lost", MACRO.format(inside), "elsewhere")
     (found,) = told(lost)
     assert found.startswith("the file: the folder of package 'elsewhere' is not known; say --package elsewhere=FOLDER")
     given = {"elsewhere": tmp_path / "good" / "macros"}
-    assert import_robot(ImportOptions(lost.urdf, lost.limits, packages=given)).report["family"] == "scara"
+    assert lost.imported(packages=given).report["family"] == "scara"
     (found,) = told(packages(tmp_path / "broken", "  " + '<?xml version="1.0"?>' + MACRO.format(inside)))
     assert "macros/arm.xacro" in found
     alone = packages(tmp_path / "uncalled", MACRO.format(inside))
@@ -197,7 +189,7 @@ def test_names_that_are_words_of_yaml_are_read_back(word: str, tmp_path: Path) -
     files = Files(tmp_path).write(text)
     limits = files.limits.read_text().replace("a_joint_1", f'"{word}"')
     files.limits.write_text(re.sub(r"a_joint_(\d)", r"j\1", limits))
-    found = import_robot(ImportOptions(files.urdf, files.limits))
+    found = files.imported()
     write(found, tmp_path / "robot.yaml")
     read = yaml.safe_load((tmp_path / "robot.yaml").read_text())["scara"]  # as another reader has it
     first = word if word.isalpha() else "j1"
@@ -210,6 +202,6 @@ def test_names_that_are_words_of_yaml_are_read_back(word: str, tmp_path: Path) -
 def test_a_name_with_characters_that_cannot_be_printed_is_read_back(tmp_path: Path) -> None:
     name = 'a"\u2028\u0085\u007f\u202eb \U0001f600 \\ä'
     files = Files(tmp_path).write(SCARA.replace('"made"', f"'{name}'"))
-    write(import_robot(ImportOptions(files.urdf, files.limits)), tmp_path / "robot.yaml")
+    write(files.imported(), tmp_path / "robot.yaml")
     read = yaml.safe_load((tmp_path / "robot.yaml").read_text())["scara"]
     assert read["title"] == f"{name}, imported from made.urdf"

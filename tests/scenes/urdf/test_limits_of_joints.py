@@ -7,9 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from assur.scenes.urdf.importing import ImportOptions, import_robot
-from assur.scenes.urdf.refusals import ImportRefused
-from tests.scenes.urdf.made import CELLARM_LIMITS, FAMILIES, Files, J, cellarm, urdf
+from tests.scenes.urdf.made import CELLARM_LIMITS, FAMILIES, Files, J, cellarm, told, urdf
 
 SCARA = FAMILIES["scara, lift third"][2]
 
@@ -23,14 +21,8 @@ def limited(folder: Path, first: str, text: str = SCARA) -> Files:
 
 def range_of(files: Files) -> str:
     """The range of the first joint as it is written, with its source."""
-    lines = import_robot(ImportOptions(files.urdf, files.limits)).text.splitlines()
+    lines = files.imported().text.splitlines()
     return next(line.strip() for line in lines if "range_rad" in line)
-
-
-def told(files: Files) -> list[str]:
-    with pytest.raises(ImportRefused) as caught:
-        import_robot(ImportOptions(files.urdf, files.limits))
-    return [str(lack) for lack in caught.value.lacks]
 
 
 @pytest.mark.parametrize("switch", ["", "has_position_limits: true, "])
@@ -98,7 +90,7 @@ def test_what_is_a_number_to_python_only_is_refused(text: str, tmp_path: Path) -
 @pytest.mark.parametrize("text", ["3", " 3. ", "+3.0", "30e-1", ".3E+1"])
 def test_every_form_of_a_number_is_read(text: str, tmp_path: Path) -> None:
     files = swapped(tmp_path, 'velocity="3.0"', f'velocity="{text}"')
-    assert "velocity_rad_s: {value: 3.0, " in import_robot(ImportOptions(files.urdf, files.limits)).text
+    assert "velocity_rad_s: {value: 3.0, " in files.imported().text
 
 
 def soft(folder: Path, attributes: str, more: str = "has_position_limits: true") -> Files:
@@ -124,16 +116,14 @@ def test_axes_that_are_no_unit_vectors_are_told(tmp_path: Path) -> None:
     lift = J("prismatic", (0.25, 0, 0), axis=(0, 0, -2), ends=(0.01, 0.2))
     text = urdf(J("revolute", axis=(0, 0, 0.5)), J("revolute", (0.3, 0, 0)), lift)
     files = Files(tmp_path).write(text)
-    found = import_robot(ImportOptions(files.urdf, files.limits))
+    found = files.imported()
     assert [remark for remark in found.report["remarks"] if "axes" in remark] == [
         "axes that are not 1 long: a_joint_1 (0.5), a_joint_3 (2); only their directions are taken, so positions are "
         "in rad and m along them, and nothing is scaled"
     ]
     assert "range_m: {value: [0.01, 0.2], " in found.text
     files.write(SCARA)
-    assert not any(
-        "axes" in remark for remark in import_robot(ImportOptions(files.urdf, files.limits)).report["remarks"]
-    )
+    assert not any("axes" in remark for remark in files.remarks)
 
 
 def test_numbers_are_parted_by_plain_spaces_only(tmp_path: Path) -> None:
@@ -149,16 +139,11 @@ OF_1_2 = LIFT.replace("/>", ' acceleration="14" deceleration="9" jerk="200"/>')
 
 def lines_of(files: Files, joint: str, **more: object) -> dict[str, str]:
     """The value and the source of each limit of a joint of the robot that is imported."""
-    text = import_robot(ImportOptions(files.urdf, files.limits, **more)).text  # type: ignore[arg-type]
+    text = files.imported(**more).text
     after = text[text.index(f'- name: "{joint}"') :].splitlines()[1:]
     rows = [line.strip() for line in after if "status" in line][:5]
     found = [re.fullmatch(r"(\w+): {value: (.*), status: (\w+), source: \"(.*)\"}", row) for row in rows]
     return {match[1]: f"{match[2]} {match[4]}" for match in found if match is not None}
-
-
-def remarks_of(files: Files) -> list[str]:
-    remarks: list[str] = import_robot(ImportOptions(files.urdf, files.limits)).report["remarks"]
-    return remarks
 
 
 def only(*keys: str, joint: str = "lift") -> str:
@@ -183,7 +168,7 @@ def test_without_a_file_of_limits_a_urdf_of_version_1_2_has_all_that_is_needed(t
     files = cellarm(tmp_path)
     text = files.urdf.read_text().replace('effort="1"', 'effort="1" acceleration="10"')
     files.urdf.write_text(text.replace("<robot ", '<robot version="1.2" '))
-    found = import_robot(ImportOptions(files.urdf)).text
+    found = files.imported(joint_limits=None).text
     assert found.count("limit.acceleration") == 4
     assert found.count("acceleration / 20 ms") == 4
 
@@ -194,7 +179,7 @@ def test_limits_that_a_version_has_not_are_taken_and_reported(version: str, tmp_
     assert lines_of(files, "lift")["acceleration_m_s2"].startswith("9.0 made.urdf")
     has_none = f"version {version or '1.0'} has none; read as in version 1.2"
     late = "limit.acceleration, limit.deceleration, limit.jerk"
-    assert f"line 18, joint lift: {late}: {has_none}" in remarks_of(files)
+    assert f"line 18, joint lift: {late}: {has_none}" in files.remarks
 
 
 @pytest.mark.parametrize("key", ["acceleration", "deceleration", "jerk"])
@@ -220,7 +205,7 @@ def test_ends_of_a_joint_without_end_are_reported(tmp_path: Path) -> None:
     limits = only("max_acceleration: 300", "min_position: -3", "max_position: 3", joint="wrist")
     files = cellarm(tmp_path, endless, limits=limits)
     assert lines_of(files, "wrist")["range_rad"].startswith("[-3.0, 3.0] joint_limits.yaml")
-    assert remarks_of(files)[0] == (
+    assert files.remarks[0] == (
         "line 20, joint wrist, limit.lower, limit.upper: it turns without end, so what the file states of its range is "
         "not taken"
     )
@@ -238,9 +223,7 @@ def test_soft_limits_without_a_limit_are_the_range_and_those_of_a_joint_without_
     endless = ('name="wrist" type="revolute"', 'name="wrist" type="continuous"')
     wrist = '<limit lower="-6.28" upper="6.28" velocity="20" effort="1"/>'
     files = cellarm(tmp_path, endless, (wrist, soft), limits=only(*keys, joint="wrist"))
-    assert remarks_of(files)[0].startswith(
-        "line 20, joint wrist, safety_controller.soft_lower_limit, safety_controller."
-    )
+    assert files.remarks[0].startswith("line 20, joint wrist, safety_controller.soft_lower_limit, safety_controller.")
 
 
 def controlled(interface: str, more: str = "") -> str:
@@ -269,7 +252,7 @@ def test_limits_of_a_controller_that_do_not_count_are_reported(tmp_path: Path) -
     files = cellarm(tmp_path, ("</robot>", controlled(off)))
     assert lines_of(files, "lift")["range_m"].startswith("[0.0, 0.15]")
     assert lines_of(files, "lift")["velocity_m_s"].startswith("0.7 ")
-    assert remarks_of(files)[:3] == [
+    assert files.remarks[:3] == [
         "line 24, ros2_control, joint lift, position.min: 0.01 is not taken, for <limits enable=...> switches it off",
         "line 25, ros2_control, joint lift, position.max: 0.3 is not taken, for <limits enable=...> switches it off",
         "line 25, ros2_control, joint lift, velocity.min: 0 is not taken, for it limits one direction only",
@@ -294,12 +277,12 @@ def test_soft_limits_of_the_file_narrow_the_range(tmp_path: Path) -> None:
     assert lines_of(files, "lift")["range_m"] == (
         "[0.02, 0.15] joint_limits.yaml, joint_limits.lift.soft_lower_limit; made.urdf, joint lift, limit.upper"
     )
-    assert "joint_limits.yaml, line 5, joint lift: k_position is not taken" in remarks_of(files)
+    assert "joint_limits.yaml, line 5, joint lift: k_position is not taken" in files.remarks
     off = cellarm(tmp_path, limits=only("has_soft_limits: false", *keys))
     assert lines_of(off, "lift")["range_m"].startswith("[0.0, 0.15]")
     assert (
         "joint_limits.yaml, line 5, joint lift: soft_lower_limit is switched off by has_soft_limits, and not taken"
-    ) in remarks_of(off)
+    ) in off.remarks
 
 
 @pytest.mark.parametrize("kind", ["velocity", "acceleration", "deceleration", "jerk"])
@@ -307,7 +290,7 @@ def test_what_is_switched_off_is_reported_and_what_is_on_must_be_there(kind: str
     files = cellarm(tmp_path, (LIFT, OF_1_2), limits=only(f"has_{kind}_limits: false", f"max_{kind}: 0.5"))
     assert (
         f"joint_limits.yaml, line 5, joint lift: max_{kind} is switched off by has_{kind}_limits, and not taken"
-    ) in remarks_of(files)
+    ) in files.remarks
     (found, *_) = told(cellarm(tmp_path, (LIFT, OF_1_2), limits=only(f"has_{kind}_limits: true")))
     assert f"joint lift: has_{kind}_limits is true in joint_limits.yaml, and max_{kind} is not given" in found
     (found, *_) = told(cellarm(tmp_path, (LIFT, OF_1_2), limits=only(f"max_{kind}: null")))
@@ -326,13 +309,13 @@ def test_keys_that_are_no_limits_of_motion_are_reported(tmp_path: Path) -> None:
     keys = ("has_effort_limits: true", "max_effort: 20", "angle_wraparound: false")
     assert (
         "joint_limits.yaml, line 5, joint lift: has_effort_limits, max_effort, angle_wraparound are not taken"
-    ) in remarks_of(cellarm(tmp_path, limits=only("max_acceleration: 12", *keys)))
+    ) in cellarm(tmp_path, limits=only("max_acceleration: 12", *keys)).remarks
 
 
 def test_what_is_beside_the_limits_is_refused_or_reported(tmp_path: Path) -> None:
     nested = "".join(f"    {line}\n" for line in CELLARM_LIMITS.splitlines())
     head = "/**:\n  use_sim_time: false\n  ros__parameters:\n    default_velocity_scaling_factor: 0.1\n"
-    remarks = remarks_of(cellarm(tmp_path, limits=head + nested))
+    remarks = cellarm(tmp_path, limits=head + nested).remarks
     assert remarks[:2] == [
         "joint_limits.yaml, line 2: 'use_sim_time' is not read",
         "joint_limits.yaml, line 4: default_velocity_scaling_factor is not taken: it is no limit of the arm's joints",
@@ -352,7 +335,7 @@ def test_joints_that_are_not_the_arm_s_are_reported(tmp_path: Path) -> None:
         '<link name="hand"/><joint name="grip" type="fixed"><parent link="flange"/><child link="hand"/></joint></robot>'
     )
     files = cellarm(tmp_path, ("</robot>", hand), limits=CELLARM_LIMITS + "  grip: {}\n  elbo: {max_velocity: 1}\n")
-    assert remarks_of(files)[:2] == [
+    assert files.remarks[:2] == [
         "joint_limits.yaml: joints elbo are not in the URDF; they are not used",
         "joint_limits.yaml: joints grip are not the arm's; they are not used",
     ]
@@ -362,7 +345,7 @@ def test_a_limit_of_the_file_that_is_wider_than_the_urdf_s_is_reported(tmp_path:
     keys = ("max_acceleration: 20", "max_velocity: 2", "max_position: 0.2", "min_position: 0.01")
     files = cellarm(tmp_path, (LIFT, OF_1_2), version="1.2", limits=only(*keys))
     head = "joint_limits.yaml, line 5, joint lift:"
-    assert [each for each in remarks_of(files) if each.startswith(head)] == [
+    assert [each for each in files.remarks if each.startswith(head)] == [
         f"{head} max_position 0.2 takes the place of the URDF's limit.upper 0.15, which is narrower",
         f"{head} max_velocity 2 takes the place of the URDF's limit.velocity 1, which is narrower",
         f"{head} max_acceleration 20 takes the place of the URDF's limit.acceleration 14, which is narrower",

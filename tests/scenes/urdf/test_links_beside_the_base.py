@@ -10,7 +10,7 @@ import pytest
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Pose
 from assur.scenes.urdf.chain import chain_to
-from assur.scenes.urdf.importing import ImportedRobot, ImportOptions, import_robot, write
+from assur.scenes.urdf.importing import ImportedRobot, write
 from assur.scenes.urdf.reader import read_tree
 from assur.scenes.urdf.refusals import ImportRefused
 from tests.scenes.urdf.made import FAMILIES, Files, box, flange_by_library
@@ -40,7 +40,7 @@ def around(mount: str = "fixed") -> str:
 
 
 def imported(files: Files, **more: object) -> ImportedRobot:
-    return import_robot(ImportOptions(files.urdf, files.limits, base="l0", **more))  # type: ignore[arg-type]
+    return files.imported(base="l0", **more)
 
 
 def bodies(found: ImportedRobot, files: Files) -> dict[str, str]:

@@ -13,7 +13,7 @@ from assur.planner.frames.motion import Pose
 from assur.scenes.catalogue import load_robot
 from assur.scenes.conventions import converted
 from assur.scenes.reading.arms import OVER, BuiltArm
-from assur.scenes.urdf.importing import ImportedRobot, ImportOptions, import_robot, write
+from assur.scenes.urdf.importing import ImportedRobot, write
 from assur.scenes.urdf.refusals import ImportRefused
 from assur.scenes.urdf.tree import turned
 from tests.scenes.urdf.made import FAMILIES, RIGHT, Files, J, flange_by_library, urdf
@@ -24,7 +24,7 @@ STATES = 1000
 
 def imported(files: Files, **more: object) -> tuple[ImportedRobot, BuiltArm]:
     """The robot that is imported, written and read again."""
-    found = import_robot(ImportOptions(files.urdf, files.limits, **more))  # type: ignore[arg-type]
+    found = files.imported(**more)
     return found, write(found, files.folder / "robot.yaml").built()
 
 

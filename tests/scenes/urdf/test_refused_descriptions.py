@@ -2,26 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from assur.scenes.urdf.importing import ImportOptions, import_robot
-from assur.scenes.urdf.refusals import ImportRefused
 from assur.scenes.urdf.solids import Covering
 from tests.scenes.meshes.solids import CUBE, binary_stl
-from tests.scenes.urdf.made import FAMILIES, Files, J, box, mesh, urdf
+from tests.scenes.urdf.made import FAMILIES, Files, J, box, mesh, told, urdf
 
 GOOD = FAMILIES["scara, lift third"][2]
-
-
-def told(files: Files, **more: object) -> list[str]:
-    """All that is told of a description that is refused."""
-    given = {"joint_limits": files.limits, **more}
-    with pytest.raises(ImportRefused) as caught:
-        import_robot(ImportOptions(files.urdf, **given))  # type: ignore[arg-type]
-    return [str(lack) for lack in caught.value.lacks]
 
 
 def test_everything_that_is_missing_is_told_at_once(tmp_path: Path) -> None:
@@ -50,55 +39,47 @@ def test_a_file_of_limits_takes_the_place_of_what_the_urdf_has_wrong(tmp_path: P
             "a_joint_1: {min_position: -1, max_position: 2, max_velocity: 2.5, has_jerk_limits: true, max_jerk: 500, ",
         )
     )
-    found = import_robot(ImportOptions(files.urdf, files.limits))
+    found = files.imported()
     assert "range_rad: {value: [-1.0, 2.0]" in found.text
     assert "velocity_rad_s: {value: 2.5" in found.text
     assert "jerk_rad_s3: {value: 500.0, status: third_party" in found.text
 
 
-def palletiser() -> str:
-    """Four axes whose hand is kept level by a linkage."""
-    level = (0.0, 1.0, 0.0)
-    return urdf(
-        J("revolute"),
-        J("revolute", (0, 0, 0.3), axis=level),
-        J("revolute", (0, 0, 0.4), axis=level),
-        J("revolute", (0.4, 0, 0), axis=level, more='<mimic joint="a_joint_2" multiplier="-1"/>'),
-        J("revolute", (0.1, 0, 0)),
-    )
+LEVEL = (0.0, 1.0, 0.0)
+MIMIC = '<mimic joint="a_joint_2" multiplier="-1"/>'
+TURN = J("revolute")
+PALLETISER = (TURN, J("revolute", (0, 0, 0.3), axis=LEVEL), J("revolute", (0, 0, 0.4), axis=LEVEL))
+
+
+def levelled(more: str) -> str:
+    """Four axes whose hand is kept level, perhaps by a linkage."""
+    return urdf(*PALLETISER, J("revolute", (0.4, 0, 0), axis=LEVEL, more=more), J("revolute", (0.1, 0, 0)))
 
 
 LAUGHS = '<!DOCTYPE robot [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;">]>'
 
 
-def swapped(old: str, new: str) -> Callable[[], str]:
-    def make() -> str:
-        assert old in GOOD
-        return GOOD.replace(old, new, 1)
-
-    return make
+def swapped(old: str, new: str) -> str:
+    assert old in GOOD
+    return GOOD.replace(old, new, 1)
 
 
-L1 = '<link name="l1"></link>'
-LEVEL = (0.0, 1.0, 0.0)
+def colliding(shape: str) -> str:
+    return swapped(
+        '<link name="l1"></link>', f'<link name="l1"><collision><geometry>{shape}</geometry></collision></link>'
+    )
 
 
-def off_axis() -> str:
-    """An elbow arm whose shoulder is beside the base axis."""
-    shoulder = J("revolute", (0.03, 0, 0.3), axis=LEVEL)
-    return urdf(J("revolute"), shoulder, J("revolute", (0.2, 0, 0), axis=LEVEL), J("fixed", (0.2, 0, 0)))
+def of_file(name: str) -> str:
+    return colliding(f'<mesh filename="{name}"/>')
 
 
-def lying() -> str:
-    return urdf(J("fixed", rpy=(1.0, 0, 0)), *[J("revolute", (0.1, 0, 0))] * 3)
-
-
-BAD: dict[str, tuple[Callable[[], str], str]] = {
-    "entities": (lambda: LAUGHS + GOOD.replace("made", "&b;"), "remove <!DOCTYPE"),
-    "no xml": (lambda: GOOD[:-9], "well-formed XML is needed"),
-    "another kind of document": (lambda: "<sdf/>", "the outermost element must be <robot>"),
-    "deep": (lambda: "<robot name='a'>" + "<b>" * 200 + "</b>" * 200 + "</robot>", "nested up to 64 deep"),
-    "nothing": (lambda: "<robot name='a'/>", "0 links"),
+BAD: dict[str, tuple[str, str]] = {
+    "entities": (LAUGHS + GOOD.replace("made", "&b;"), "remove <!DOCTYPE"),
+    "no xml": (GOOD[:-9], "well-formed XML is needed"),
+    "another kind of document": ("<sdf/>", "the outermost element must be <robot>"),
+    "deep": ("<robot name='a'>" + "<b>" * 200 + "</b>" * 200 + "</robot>", "nested up to 64 deep"),
+    "nothing": ("<robot name='a'/>", "0 links"),
     "not a number": (swapped('lower="-2.0"', 'lower="nan"'), "is no finite number"),
     "too large a number": (swapped("0.3 0.0 0.0", "1e300 0 0"), "is no finite number"),
     "two numbers": (swapped("0.3 0.0 0.0", "0.3 0"), "write 3 numbers"),
@@ -114,70 +95,41 @@ BAD: dict[str, tuple[Callable[[], str], str]] = {
     "a name twice": (swapped('name="a_joint_2"', 'name="a_joint_1"'), "a second one"),
     "a link twice": (swapped('link name="l2"', 'link name="l1"'), "a name of its own"),
     "an unknown type": (swapped('type="revolute"', 'type="screw"'), "one of revolute, continuous"),
-    "an unknown shape": (
-        swapped(
-            '<link name="l1"></link>', '<link name="l1"><collision><geometry><cone/></geometry></collision></link>'
-        ),
-        "one of box, sphere",
-    ),
+    "an unknown shape": (colliding("<cone/>"), "one of box, sphere"),
     "floating": (swapped('type="revolute"', 'type="floating"'), "begin below it with --base LINK"),
     "an empty range": (swapped('lower="-2.0" upper="2.5"', 'lower="0" upper="0"'), "the first below the second"),
-    "a linkage": (palletiser, "it mimics joint a_joint_2"),
-    "a palletiser without a linkage": (
-        lambda: palletiser().replace('<mimic joint="a_joint_2" multiplier="-1"/>', ""),
-        "its axis passes the pitch axis at 100 mm",
-    ),
+    "a linkage": (levelled(MIMIC), "it mimics joint a_joint_2"),
+    "a palletiser without a linkage": (levelled(""), "its axis passes the pitch axis at 100 mm"),
     "a palletiser of four axes": (
-        lambda: urdf(
-            J("revolute"),
-            J("revolute", (0, 0, 0.3), axis=LEVEL),
-            J("revolute", (0, 0, 0.4), axis=LEVEL),
-            J("revolute", (0.4, 0, 0)),
-        ),
+        urdf(*PALLETISER, J("revolute", (0.4, 0, 0))),
         "this is a palletiser with four axes, and no SCARA",
     ),
     "six axes": (
-        lambda: urdf(*[J("revolute", (0.1, 0, 0.1), axis=(0, float(i > 0), float(i == 0))) for i in range(6)]),
+        urdf(*[J("revolute", (0.1, 0, 0.1), axis=(0, float(i > 0), float(i == 0))) for i in range(6)]),
         "6 moving joints",
     ),
-    "a shoulder off the base axis": (off_axis, "its axis passes the axis of joint a_joint_1 at 30 mm"),
-    "a base that lies": (lying, "off the vertical"),
+    "a shoulder off the base axis": (
+        urdf(
+            TURN,
+            J("revolute", (0.03, 0, 0.3), axis=LEVEL),
+            J("revolute", (0.2, 0, 0), axis=LEVEL),
+            J("fixed", (0.2, 0, 0)),
+        ),
+        "its axis passes the axis of joint a_joint_1 at 30 mm",
+    ),
+    "a base that lies": (urdf(J("fixed", rpy=(1.0, 0, 0)), *[J("revolute", (0.1, 0, 0))] * 3), "off the vertical"),
     "links in one line": (swapped("0.3 0.0 0.0", "0 0 0"), "link 1 has no length"),
-    "a mesh of no package": (
-        swapped(
-            '<link name="l1"></link>',
-            '<link name="l1"><collision><geometry><mesh filename="package://lost/a.stl"/></geometry></collision></link>',
-        ),
-        "say --package lost=FOLDER",
-    ),
-    "a mesh of somebody's machine": (
-        swapped(
-            '<link name="l1"></link>',
-            '<link name="l1"><collision><geometry><mesh filename="file:///etc/a.stl"/></geometry></collision></link>',
-        ),
-        "is a path of somebody's machine",
-    ),
-    "a mesh that leaves the folder": (
-        swapped(
-            '<link name="l1"></link>',
-            '<link name="l1"><collision><geometry><mesh filename="../../a.stl"/></geometry></collision></link>',
-        ),
-        "leaves the folder",
-    ),
-    "a file that is no mesh": (
-        swapped(
-            '<link name="l1"></link>',
-            '<link name="l1"><collision><geometry><mesh filename="/etc/passwd"/></geometry></collision></link>',
-        ),
-        "a mesh in a file that ends in",
-    ),
+    "a mesh of no package": (of_file("package://lost/a.stl"), "say --package lost=FOLDER"),
+    "a mesh of somebody's machine": (of_file("file:///etc/a.stl"), "is a path of somebody's machine"),
+    "a mesh that leaves the folder": (of_file("../../a.stl"), "leaves the folder"),
+    "a file that is no mesh": (of_file("/etc/passwd"), "a mesh in a file that ends in"),
 }
 
 
 @pytest.mark.parametrize("name", BAD)
 def test_a_description_that_is_unsuitable_is_refused_with_what_would_be_right(name: str, tmp_path: Path) -> None:
-    make, words = BAD[name]
-    found = told(Files(tmp_path).write(make()))
+    text, words = BAD[name]
+    found = told(Files(tmp_path).write(text))
     assert any(words in each for each in found), found
     assert all("; " in each for each in found)
 
@@ -194,7 +146,7 @@ def test_a_mesh_that_is_not_closed_is_refused_or_taken_as_its_hull(tmp_path: Pat
     (found,) = told(files)
     assert found.startswith("link l1, collision: the mesh is not closed: ")
     assert "say --open-meshes hull to take its convex hull" in found
-    taken = import_robot(ImportOptions(files.urdf, files.limits, covering=Covering(0.01, 8, open_hull=True)))
+    taken = files.imported(covering=Covering(0.01, 8, open_hull=True))
     assert [cover["hulls"] for cover in taken.report["covers"]] == [1]
 
 
@@ -216,7 +168,7 @@ def test_names_that_are_too_long_are_refused(tmp_path: Path) -> None:
         assert "a name of 5000 characters; names of up to 200 characters are read" in found
         assert len(found) < 200
     files = Files(tmp_path).write(GOOD.replace('"made"', f'"{"y" * 5000}"'))
-    assert len(import_robot(ImportOptions(files.urdf, files.limits)).name) == 64
+    assert len(files.imported().name) == 64
 
 
 def test_a_number_that_our_form_does_not_take_is_told_at_its_joint(tmp_path: Path) -> None:
@@ -273,4 +225,4 @@ def test_links_and_joints_that_options_name_must_be_there(tmp_path: Path) -> Non
 def test_a_body_is_used(tmp_path: Path) -> None:
     good = urdf(*[J("revolute", (0.2, 0, 0), shape=box(0.1, 0.1, 0.1))] * 2, J("prismatic", (0.2, 0, 0), ends=(0, 0.1)))
     files = Files(tmp_path).write(good)
-    assert import_robot(ImportOptions(files.urdf, files.limits)).report["bodies"] == 2
+    assert files.imported().report["bodies"] == 2

@@ -17,7 +17,7 @@ from assur.scenes.conventions import converted
 from assur.scenes.meshes.load import triangles_of
 from assur.scenes.meshes.solid_cover import solid_cover
 from assur.scenes.meshes.surface import closed_surface
-from assur.scenes.urdf.importing import ImportedRobot, ImportOptions, import_robot, write
+from assur.scenes.urdf.importing import ImportedRobot, write
 from assur.scenes.urdf.solids import Covering
 from assur.scenes.urdf.tree import turned
 from tests.scenes.meshes.solids import SOLIDS, binary_stl, on_triangles, surface
@@ -99,7 +99,6 @@ def furthest(
     return float(worst)
 
 
-STAR = SOLIDS["star"] * 1e-3
 BOX = np.array([[x, y, z] for x in (-0.05, 0.05) for y in (-0.02, 0.02) for z in (-0.03, 0.03)])
 ORIGIN = ((0.05, 0.02, -0.1), (0.3, -0.4, 0.5))
 MESH = mesh("star.stl", "0.001 0.001 0.001", *ORIGIN)
@@ -148,7 +147,7 @@ def arms(shape: str) -> dict[str, tuple[str, str]]:
 def test_a_box_is_in_the_bodies_of_its_link_in_every_position(name: str, tmp_path: Path) -> None:
     text, link = arms(SHAPE)[name]
     files = Files(tmp_path).write(text)
-    found = import_robot(ImportOptions(files.urdf, files.limits))
+    found = files.imported()
     roll, pitch, yaw = ORIGIN[1]
     turn = turned("z", yaw) @ turned("y", pitch) @ turned("x", roll)
     corners = BOX @ turn.T + ORIGIN[0]
@@ -166,7 +165,7 @@ def test_a_mesh_is_in_the_bodies_of_its_link_in_every_position(name: str, tmp_pa
     text, link = arms(MESH)[name]
     files = Files(tmp_path).write(text)
     (tmp_path / "star.stl").write_bytes(binary_stl(SOLIDS["star"]))
-    found = import_robot(ImportOptions(files.urdf, files.limits, covering=Covering(0.005, 6, open_hull=False)))
+    found = files.imported(covering=Covering(0.005, 6, open_hull=False))
     roll, pitch, yaw = ORIGIN[1]
     turn = turned("z", yaw) @ turned("y", pitch) @ turned("x", roll)
     corners = triangles_of((tmp_path / "star.stl").read_bytes(), "stl") * 1e-3
@@ -186,7 +185,7 @@ def test_an_open_mesh_that_is_revolved_is_taken_as_its_convex_hull(name: str, tm
     text, link = arms(mesh("star.stl", "0.001 0.001 0.001"))[name]
     files = Files(tmp_path).write(text)
     (tmp_path / "star.stl").write_bytes(binary_stl(sheets))
-    found = import_robot(ImportOptions(files.urdf, files.limits, covering=Covering(0.005, 6, open_hull=True)))
+    found = files.imported(covering=Covering(0.005, 6, open_hull=True))
     assert any("upright cylinders" in remark for remark in found.report["remarks"])
     weights = np.random.default_rng(6).dirichlet(np.ones(len(sheets) * 3), 2000)
     between = weights @ sheets.reshape(-1, 3) * 1e-3
@@ -199,7 +198,7 @@ def test_a_mirrored_mesh_is_turned_outside_out(tmp_path: Path) -> None:
     text = arms(MESH)["rrpr, link 1"][0].replace('scale="0.001 0.001 0.001"', 'scale="0.001 -0.001 0.001"')
     files = Files(tmp_path).write(text)
     (tmp_path / "star.stl").write_bytes(binary_stl(SOLIDS["bracket"]))
-    assert import_robot(ImportOptions(files.urdf, files.limits)).report["covers"][0]["hulls"] == 2
+    assert files.imported().report["covers"][0]["hulls"] == 2
 
 
 def test_vertices_that_are_almost_equal_close_a_mesh_and_its_own_triangles_are_contained(tmp_path: Path) -> None:
@@ -209,7 +208,7 @@ def test_vertices_that_are_almost_equal_close_a_mesh_and_its_own_triangles_are_c
         closed_surface(noisy, 1e-3)
     text, link = arms(mesh("star.stl", "0.001 0.001 0.001"))["rrpr, link 2"]
     files = Files(tmp_path).write(text)
-    found = import_robot(ImportOptions(files.urdf, files.limits))
+    found = files.imported()
     corners = triangles_of((tmp_path / "star.stl").read_bytes(), "stl") * 1e-3
     assert furthest(files, found, link, on_triangles(corners, 500, seed=4), link) <= 1e-9
 
@@ -234,9 +233,7 @@ def pairs_of(folder: Path, *off: tuple[str, str]) -> set[str]:
     )
     files = Files(folder).write(text)
     given = srdf(folder, *off) if off else None
-    return {
-        "-".join(pair) for pair in import_robot(ImportOptions(files.urdf, files.limits, given)).report["self_pairs"]
-    }
+    return {"-".join(pair) for pair in files.imported(srdf=given).report["self_pairs"]}
 
 
 def test_pairs_that_an_srdf_disables_are_left_out_and_those_of_the_tool_stay(tmp_path: Path) -> None:
@@ -253,6 +250,6 @@ def test_pairs_that_an_srdf_disables_are_left_out_and_those_of_the_tool_stay(tmp
 def test_links_without_collision_shapes_are_told(tmp_path: Path) -> None:
     plain = urdf(J("revolute", (0, 0, 0.2)), J("revolute", (0.3, 0, 0)), J("prismatic", (0.2, 0, 0), ends=(0.0, 0.2)))
     files = Files(tmp_path).write(plain.replace('<link name="l1">', '<link name="l1"><visual/>'))
-    remarks = import_robot(ImportOptions(files.urdf, files.limits)).report["remarks"]
+    remarks = files.remarks
     assert any(remark.startswith("no collision shape, only a visual one: l1;") for remark in remarks)
     assert any(remark.startswith("no link has a collision shape: NOTHING") for remark in remarks)

@@ -10,9 +10,7 @@ import numpy as np
 import pytest
 
 from assur.scenes.urdf.chain import chain_to
-from assur.scenes.urdf.importing import ImportOptions, import_robot
 from assur.scenes.urdf.reader import read_tree
-from assur.scenes.urdf.refusals import ImportRefused
 from tests.scenes.urdf.made import (
     FAMILIES,
     FORE_AT,
@@ -21,6 +19,7 @@ from tests.scenes.urdf.made import (
     Files,
     cellarm,
     flange_by_library,
+    told,
     with_quaternions,
 )
 from tests.scenes.urdf.random_arms import ARMS
@@ -33,12 +32,6 @@ SOME = [*FAMILIES, *list(ARMS)[::3]]
 
 def text_of(name: str) -> str:
     return FAMILIES[name][2] if name in FAMILIES else ARMS[name]
-
-
-def told(files: Files) -> list[str]:
-    with pytest.raises(ImportRefused) as caught:
-        import_robot(ImportOptions(files.urdf, files.limits))
-    return [str(lack) for lack in caught.value.lacks]
 
 
 @pytest.mark.parametrize("name", SOME)
@@ -80,7 +73,7 @@ def test_a_solid_that_is_turned_by_a_quaternion_is_in_the_bodies_of_its_link(nam
     text, link = arms(SHAPE)[name]
     files = Files(tmp_path).write(with_quaternions(text))
     assert "rpy=" not in files.urdf.read_text()
-    found = import_robot(ImportOptions(files.urdf, files.limits))
+    found = files.imported()
     (shape,) = shapes(files.urdf)
     assert shape.link == link
     corners = BOX @ shape.pose[:3, :3].T + shape.pose[:3, 3]
@@ -106,11 +99,11 @@ def test_a_right_angle_as_a_quaternion_makes_the_robot_that_rpy_makes(
     quaternion: tuple[tuple[str, str], ...], rpy: tuple[tuple[str, str], ...], tmp_path: Path
 ) -> None:
     files = cellarm(tmp_path, *quaternion, version="1.1")
-    one = import_robot(ImportOptions(files.urdf, files.limits))
+    one = files.imported()
     files = cellarm(tmp_path, *rpy)
-    other = import_robot(ImportOptions(files.urdf, files.limits))
+    other = files.imported()
     files = cellarm(tmp_path, *(change for change in rpy if change == UP))
-    neither = import_robot(ImportOptions(files.urdf, files.limits))
+    neither = files.imported()
     assert without_digest(one.text) == without_digest(other.text) != without_digest(neither.text)
 
 
@@ -139,7 +132,7 @@ def test_a_quaternion_that_is_none_is_refused(name: str, tmp_path: Path) -> None
 
 def test_a_quaternion_of_few_digits_is_a_direction_and_that_is_reported(tmp_path: Path) -> None:
     files = cellarm(tmp_path, (FORE_AT, f'{FORE_AT} quat_xyzw="0 0 0.7071 0.7071"'), version="1.1")
-    found = import_robot(ImportOptions(files.urdf, files.limits))
+    found = files.imported()
     assert "yaw_rad: 1.5707963267948966" in found.text
     assert found.report["remarks"][0].startswith(
         "line 5, link fore, collision, origin.quat_xyzw: it is 0.99999 long; the quaternion of its direction is taken"
@@ -148,7 +141,7 @@ def test_a_quaternion_of_few_digits_is_a_direction_and_that_is_reported(tmp_path
 
 def test_a_quaternion_that_is_nearly_a_right_angle_is_read_as_rpy_is(tmp_path: Path) -> None:
     files = cellarm(tmp_path, (LIFT_AT, f'{LIFT_AT} quat_xyzw="1 0 0.00002 0"'), UP, version="1.1")
-    remarks = import_robot(ImportOptions(files.urdf, files.limits)).report["remarks"]
+    remarks = files.remarks
     assert any(each.startswith("angles written with few digits (1 0 0.00002 0) are read as") for each in remarks)
     files = cellarm(tmp_path, (LIFT_AT, f'{LIFT_AT} quat_xyzw="1 0 0.002 0"'), UP, version="1.1")
     assert any("deg from vertical slide" in each for each in told(files))
@@ -157,7 +150,7 @@ def test_a_quaternion_that_is_nearly_a_right_angle_is_read_as_rpy_is(tmp_path: P
 def test_a_quaternion_of_what_is_only_seen_has_no_effect(tmp_path: Path) -> None:
     seen = '<visual><origin quat_xyzw="0 0 0 0" rpy="x"/><geometry><box size="1 1 1"/></geometry></visual>'
     files = cellarm(tmp_path, ('<link name="fore">', f'<link name="fore">{seen}'))
-    found = import_robot(ImportOptions(files.urdf, files.limits))
+    found = files.imported()
     assert "visual (1, first in line 5)" in found.report["unused"]
     plain = cellarm(tmp_path)
-    assert without_digest(found.text) == without_digest(import_robot(ImportOptions(plain.urdf, plain.limits)).text)
+    assert without_digest(found.text) == without_digest(plain.imported().text)

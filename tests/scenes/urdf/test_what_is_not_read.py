@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from assur.scenes.urdf.importing import ImportedRobot, ImportOptions, import_robot
-from assur.scenes.urdf.refusals import ImportRefused
-from tests.scenes.urdf.made import FORE_AT, LIFT_AT, Files, cellarm
+from assur.scenes.urdf.importing import ImportedRobot
+from tests.scenes.urdf.made import FORE_AT, LIFT_AT, cellarm, told
 
 LINK = '<link name="carriage"/>'
 LIFT = '<limit lower="0" upper="0.15" velocity="1" effort="1"/>'
@@ -16,21 +15,17 @@ END = "</robot>"
 FORE = f'<collision><origin {FORE_AT}/><geometry><box size="0.3 0.1 0.06"/></geometry></collision>'
 
 
-def taken(files: Files, **more: object) -> ImportedRobot:
-    return import_robot(ImportOptions(files.urdf, files.limits, **more))  # type: ignore[arg-type]
-
-
-def told(files: Files, **more: object) -> list[str]:
-    with pytest.raises(ImportRefused) as caught:
-        taken(files, **more)
-    return [str(lack) for lack in caught.value.lacks]
-
-
 def body(found: ImportedRobot) -> str:
     """The robot's file without its head, which has the digest of the URDF."""
     return found.text[found.text.index("  l1_m") :]
 
 
+PLACE = '<link name="carriage">{}</link>'
+XACRO = '<x:if xmlns:x="http://www.ros.org/wiki/xacro" value="1"/>'
+DRAKE = 'xmlns:drake="http://drake.mit.edu" drake:acceleration="1" effort'
+TWO = f"<origin {FORE_AT}/>"
+LOW = '<joint name="lift"><command_interface name="position"><param name="max">low</param></command_interface></joint>'
+SIMULATED = "<collision><geometry><box/></geometry></collision>"
 REFUSED: dict[str, tuple[str, str, str]] = {
     "an attribute that is misspelt": (
         FORE_AT,
@@ -40,53 +35,37 @@ REFUSED: dict[str, tuple[str, str, str]] = {
     "an attribute with a capital": (FORE_AT, f'{FORE_AT} RPY="0 0 1"', "attribute RPY='0 0 1' is not known"),
     "an attribute of another reader": (
         LIFT,
-        LIFT.replace("effort", 'xmlns:drake="http://drake.mit.edu" drake:acceleration="1" effort'),
+        LIFT.replace("effort", DRAKE),
         "line 18, joint lift, limit: attribute drake.mit.edu:acceleration='1' is not known",
     ),
     "a unit": ('name="cellarm"', 'name="cellarm" units="mm"', "line 2, robot: attribute units='mm' is not known"),
     "an element with a capital": (LINK, f'{LINK}<Link name="arm"/>', "element <Link>, which holds link is not known"),
     "an element of a loop": (
         END,
-        '<loop_joint name="a"><link1 link="base"/></loop_joint></robot>',
+        f'<loop_joint name="a"><link1 link="base"/></loop_joint>{END}',
         "element <loop_joint>, which holds joint is not known",
     ),
     "an element that has a pose": (
         END,
-        '<tool><at xyz="0 0 1"/></tool></robot>',
+        f'<tool><at xyz="0 0 1"/></tool>{END}',
         "line 24, tool: element <tool>, which holds the attribute xyz is not known",
     ),
-    "an element of a joint": (
-        LIFT,
-        f'{LIFT}<screw pitch="2"/>',
-        "line 18, joint lift, screw: element <screw> is not known",
-    ),
-    "an element of a link": (LINK, '<link name="carriage"><offset z="1"/></link>', "element <offset> is not known"),
-    "an origin of a link": (
-        LINK,
-        '<link name="carriage"><origin xyz="0 0 1"/></link>',
-        "element <origin> is not known",
-    ),
+    "an element of a joint": (LIFT, f'{LIFT}<screw pitch="2"/>', "joint lift, screw: element <screw> is not known"),
+    "an element of a link": (LINK, PLACE.format('<offset z="1"/>'), "element <offset> is not known"),
+    "an origin of a link": (LINK, PLACE.format('<origin xyz="0 0 1"/>'), "element <origin> is not known"),
     "an element of a shape": (FORE_AT + "/>", FORE_AT + '/><scale by="2"/>', "element <scale> is not known"),
     "text in place of an attribute": (
         f"<origin {LIFT_AT}/>",
         "<origin>0.2 0 0</origin>",
         "text '0.2 0 0' is not known",
     ),
-    "two origins of a joint": (
-        f"<origin {LIFT_AT}/>",
-        f"<origin {LIFT_AT}/><origin/>",
-        "joint lift, origin: more than one",
-    ),
-    "two origins of a shape": (
-        f"<origin {FORE_AT}/>",
-        f"<origin/><origin {FORE_AT}/>",
-        "link fore, collision, origin: more than one of them; leave the one that counts",
-    ),
+    "two origins of a joint": (f"<origin {LIFT_AT}/>", f"<origin {LIFT_AT}/><origin/>", "lift, origin: more than one"),
+    "two origins of a shape": (TWO, f"<origin/>{TWO}", "fore, collision, origin: more than one of them; leave the one"),
     "two geometries": (FORE_AT + "/>", FORE_AT + "/><geometry/>", "link fore, collision, geometry: more than one"),
     "two limits": (LIFT, LIFT + LIFT, "joint lift, limit: more than one of them"),
     "a macro": (
         LINK,
-        '<x:if xmlns:x="http://www.ros.org/wiki/xacro" value="1"/>' + LINK,
+        XACRO + LINK,
         "line 6, xacro:if: <xacro:if> is a macro that is not expanded; give the file to import as .xacro",
     ),
     "a macro without a namespace": (LINK, f'<include filename="arm.xacro"/>{LINK}', "<include> is a macro that is not"),
@@ -102,18 +81,17 @@ REFUSED: dict[str, tuple[str, str, str]] = {
     ),
     "a joint of a simulator": (
         END,
-        '<gazebo>\n<joint name="x" type="revolute"><parent>a</parent></joint></gazebo></robot>',
+        f'<gazebo>\n<joint name="x" type="revolute"><parent>a</parent></joint></gazebo>{END}',
         "line 25, gazebo: <joint> adds to the robot what is no link or joint of the URDF",
     ),
     "a shape of a simulator": (
         END,
-        '<gazebo reference="fore"><collision><geometry><box/></geometry></collision></gazebo></robot>',
+        f'<gazebo reference="fore">{SIMULATED}</gazebo>{END}',
         "<geometry> adds to the robot",
     ),
     "a limit of a controller that is no number": (
         END,
-        '<ros2_control><joint name="lift"><command_interface name="position"><param name="max">low</param>'
-        "</command_interface></joint></ros2_control></robot>",
+        f"<ros2_control>{LOW}</ros2_control>{END}",
         "line 24, ros2_control, joint lift, position.max: 'low' is no finite number",
     ),
 }
@@ -145,7 +123,7 @@ def test_a_version_that_is_not_known_is_refused(version: str, tmp_path: Path) ->
 
 @pytest.mark.parametrize("version", ["", "1.0", "1.1", "1.2"])
 def test_what_no_plan_depends_on_is_listed_and_changes_nothing(version: str, tmp_path: Path) -> None:
-    plain = taken(cellarm(tmp_path))
+    plain = cellarm(tmp_path).imported()
     more = """
     <material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>
     <transmission name="t"><joint name="lift"><hardwareInterface>position</hardwareInterface></joint></transmission>
@@ -166,7 +144,7 @@ def test_what_no_plan_depends_on_is_listed_and_changes_nothing(version: str, tmp
         (END, more),
         version=version,
     )
-    found = taken(files)
+    found = files.imported()
     assert body(found) == body(plain)
     assert found.report["remarks"] == plain.report["remarks"]
     assert found.report["unused"] == [
@@ -195,7 +173,7 @@ def test_what_is_of_another_format_is_reported_with_its_line(tmp_path: Path) -> 
         (END, '<group name="arm">\n<member of="it"/></group></robot>'),
         (LIFT, f"{LIFT} # 150 mm, measured"),
     )
-    remarks = taken(files).report["remarks"]
+    remarks = files.remarks
     assert remarks[:3] == [
         "line 2, robot: attribute XMLSchema-instance:schemaLocation is of another format; it is not read",
         "line 24: element <group> is not of a URDF; it is not read",
@@ -209,18 +187,18 @@ def test_what_the_format_says_where_the_file_is_silent_is_reported(tmp_path: Pat
     assert found[0].startswith("joint shoulder: its axis is 90 deg off the vertical")
     mount = '<link name="stop"/><joint name="stopper" type="revolute"><parent link="base"/><child link="stop"/>'
     files = cellarm(tmp_path, (END, f'{mount}<limit upper="1" velocity="1" effort="1"/></joint></robot>'))
-    remarks = taken(files, held={"stopper": 0.0}).report["remarks"]
+    remarks = files.imported(held={"stopper": 0.0}).report["remarks"]
     assert "line 24, joint stopper: no <axis>: it is 1 0 0 by the format" in remarks
 
 
 def test_a_capsule_of_version_1_0_is_taken_and_reported(tmp_path: Path) -> None:
     shape = ('<box size="0.3 0.1 0.06"/>', '<capsule radius="0.04" length="0.2"/>')
-    found = taken(cellarm(tmp_path, shape))
+    found = cellarm(tmp_path, shape).imported()
     assert "{capsule: {radius_m: 0.04, length_m: 0.2}}" in found.text
     assert found.report["remarks"][0] == (
         "line 5, link fore, collision: a capsule: version 1.0 has none; read as in version 1.1"
     )
-    later = taken(cellarm(tmp_path, shape, version="1.1"))
+    later = cellarm(tmp_path, shape, version="1.1").imported()
     assert body(later) == body(found)
     assert not any("capsule" in remark for remark in later.report["remarks"])
     (lack,) = told(cellarm(tmp_path, (shape[0], '<capsule radius="0.04" length="0.2" height="1"/>'), version="1.1"))
@@ -244,4 +222,4 @@ def test_what_is_not_known_of_an_srdf_is_refused(more: str, words: str, tmp_path
     (found,) = told(cellarm(tmp_path), srdf=srdf)
     assert words in found
     srdf.write_text(SRDF.format('<group name="arm"/><passive_joint name="lift"/>'))
-    assert taken(cellarm(tmp_path), srdf=srdf).report["family"] == "scara"
+    assert cellarm(tmp_path).imported(srdf=srdf).report["family"] == "scara"

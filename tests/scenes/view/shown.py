@@ -15,7 +15,7 @@ from assur.scenes.requests import cell_of
 from assur.scenes.scenarios import shipped
 from assur.scenes.view.document import view_of
 from assur.scenes.view.packing import unpacked
-from tests.scenes.cells.second_kinematics import answer
+from tests.scenes.cells.answers import answer
 
 Array = NDArray[np.float64]
 Document = dict[str, Any]

@@ -8,7 +8,7 @@ from assur.scenes.report import report as of_report
 from assur.scenes.report.report import arrivals, refusal, report_of, table
 from assur.scenes.scenarios import shipped
 from assur.scenes.view import display_meshes
-from tests.scenes.cells.second_kinematics import answer
+from tests.scenes.cells.answers import answer
 from tests.scenes.view.shown import cell
 
 VERDICT = {"ok": True, "findings": [], "not_checked": []}

@@ -17,7 +17,7 @@ from assur.scenes.view.document import OFF, curves
 from assur.scenes.view.poses import WITHIN_M, Track, carrier_poses, instants
 from assur.scenes.view.quaternions import rotated
 from assur.scenes.view.tracks import Tracks, tracks
-from tests.scenes.cells.second_kinematics import answer
+from tests.scenes.cells.answers import answer
 from tests.scenes.view.shown import cell, scene
 
 EVERY_FAMILY = ("demo", "five-bar", "rv-m1", "elbow-arm", "polar-arm", "lab-arm", "two-robots", "parabolic-blend")

@@ -18,7 +18,7 @@ from assur.scenes.scenarios import shipped_scenarios
 from benchmarks.soak.random_cells import KINDS, random_cell
 from tests.forgeries.claims import read
 from tests.prover.bundles import bundle
-from tests.scenes.cells.second_kinematics import answer
+from tests.scenes.cells.answers import answer
 
 SMALL = ("standard-cycle", "five-bar", "rv-m1", "tray")
 """With all kinds of chains, and a surface."""
