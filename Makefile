@@ -180,7 +180,7 @@ SEED ?= 0
 
 soak: $(VENV)/installed-test
 	$(BIN)/assur kernels
-	$(BIN)/python -m benchmarks.oracle $(if $(PLANS),--count $(PLANS),--minutes $(MINUTES)) --seed $(SEED) \
+	$(BIN)/python -m benchmarks.judge $(if $(PLANS),--count $(PLANS),--minutes $(MINUTES)) --seed $(SEED) \
 		$(foreach campaign,$(ONLY),--only $(campaign)) --out $(OUT)/soak
 
 check-deployment: $(VENV)/installed-test

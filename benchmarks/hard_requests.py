@@ -22,14 +22,13 @@ from rich.progress import track
 from rich.table import Table
 
 from benchmarks.checker_refusals import SECOND, codes_of, keep, objections
-from benchmarks.oracle.kinds import ELBOW, FIVE_AXES, KINDS, POLAR, TILTING, random_cell
-from benchmarks.oracle.limits import rate
-from benchmarks.oracle.points import Points
-from benchmarks.oracle.product import checked, planned, shown
-from benchmarks.soak.arms import Arm, robot_file
-from benchmarks.soak.drafts import FIVE_BAR, SCARAS, THREE_AXES, neighbour_of
-from benchmarks.soak.poses import Document, Floats, si
-from benchmarks.soak.random_cells import surround
+from benchmarks.judge.arms import Arm, rate, robot_file
+from benchmarks.judge.poses import Document, Floats, si
+from benchmarks.judge.product import checked, planned, shown
+from benchmarks.random_requests.drafts import FIVE_BAR, SCARAS, THREE_AXES, neighbour_of
+from benchmarks.random_requests.kinds import ELBOW, FIVE_AXES, KINDS, POLAR, TILTING, random_cell
+from benchmarks.random_requests.points import Points
+from benchmarks.random_requests.random_cells import surround
 
 CONSOLE, PROGRESS = Console(width=140), Console(stderr=True)
 COUNT = 12_000
@@ -131,7 +130,7 @@ def with_lag(points: Points, turning: float, sliding: float) -> None:
     rng, lag = points.draft.rng, {}
     for j, name in enumerate(points.arm.names):
         if rng.uniform() < 0.8:
-            slides = points.arm.upper[j] - points.arm.lower[j] < 0.5
+            slides = bool(points.arm.slides[j])
             lag[f"{name}_{'m' if slides else 'rad'}"] = log_between(rng, 0.01, 1.0) * (sliding if slides else turning)
     points.draft.request.setdefault("execution", {})["lag"] = lag
 

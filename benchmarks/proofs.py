@@ -16,10 +16,9 @@ from rich.console import Console
 from rich.progress import Progress
 
 from benchmarks.checker_refusals import SECOND, codes_of, keep, objections
-from benchmarks.oracle.plans import own_seed
-from benchmarks.oracle.product import checked, planned, shown
-from benchmarks.soak.campaign import ELBOW
-from benchmarks.soak.random_cells import KINDS, random_cell
+from benchmarks.judge.campaigns import ELBOW, own_seed
+from benchmarks.judge.product import checked, planned, shown
+from benchmarks.random_requests.random_cells import KINDS, random_cell
 
 CONSOLE, PROGRESS = Console(width=140), Console(stderr=True)
 

@@ -29,9 +29,9 @@ from assur.scenes.bundle import bundle_document
 from assur.scenes.kernels import load
 from assur.scenes.requests import plan_document, plan_scenario
 from assur.scenes.scenarios import shipped, shipped_scenarios
+from benchmarks.judge.product import BAD_INPUT, planned
 from benchmarks.judged import SETS, label, problem_set
-from benchmarks.oracle.kinds import KINDS, random_cell
-from benchmarks.oracle.product import BAD_INPUT, planned
+from benchmarks.random_requests.kinds import KINDS, random_cell
 from benchmarks.translation import Terms, request
 
 Document = dict[str, Any]

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.recheck.arm import A1_M, A2_M
+from benchmarks.translation import A1_M, A2_M
 
 Array = Any
 

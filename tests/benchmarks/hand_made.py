@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.judge.spline import Spline
 from benchmarks.problem_set import ProblemSet
-from benchmarks.recheck.arm import A1_M, A2_M
-from benchmarks.recheck.spline import Spline
+from benchmarks.translation import A1_M, A2_M
 
 Floats = NDArray[np.float64]
 

@@ -14,8 +14,8 @@ from assur.scenes.requests import check_document, plan_document, validate
 from benchmarks import hard_requests
 from benchmarks.checker_refusals import Document, codes_of
 from benchmarks.hard_requests import HARD, Tally, count, hard_request, later, table_of
-from benchmarks.oracle.impossible import random_request
-from benchmarks.oracle.kinds import random_cell
+from benchmarks.random_requests.impossible import random_request
+from benchmarks.random_requests.kinds import random_cell
 
 EACH = 7
 """Requests of each kind: 63 of all kinds."""

@@ -7,7 +7,7 @@ import pytest
 from assur.scenes.requests import Detail, plan_document
 from benchmarks.checker_refusals import SECOND
 from benchmarks.proofs import Agreement, agreements, judged
-from benchmarks.soak.random_cells import KINDS, random_cell
+from benchmarks.random_requests.random_cells import KINDS, random_cell
 
 
 def test_both_checkers_agree_on_a_plan_of_each_kind_of_cell(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -17,7 +17,7 @@ def test_both_checkers_agree_on_a_plan_of_each_kind_of_cell(monkeypatch: pytest.
         request["options"] = own
         return plan_document(request, certificate=certificate)
 
-    monkeypatch.setattr("benchmarks.oracle.product.plan_document", first_plan)
+    monkeypatch.setattr("benchmarks.judge.product.plan_document", first_plan)
     found = Agreement()
     for found in agreements(len(KINDS), 5):
         assert found.plans == found.shown
@@ -30,17 +30,17 @@ NO_LINES: dict[str, list[object]] = {"lines": []}
 def test_checkers_that_differ_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     kind = next(iter(KINDS))
     monkeypatch.setattr("assur.prover.prove.prove", lambda _: (False, ["a row of one and another"]))
-    monkeypatch.setattr("benchmarks.oracle.product.check_document", lambda *_: {"ok": True, "findings": []})
-    monkeypatch.setattr("benchmarks.oracle.product.bundle_document", lambda *_: {})
+    monkeypatch.setattr("benchmarks.judge.product.check_document", lambda *_: {"ok": True, "findings": []})
+    monkeypatch.setattr("benchmarks.judge.product.bundle_document", lambda *_: {})
     monkeypatch.setattr(
-        "benchmarks.oracle.product.plan_document", lambda *_, **__: {"status": "planned", "census": NO_LINES}
+        "benchmarks.judge.product.plan_document", lambda *_, **__: {"status": "planned", "census": NO_LINES}
     )
     found = Agreement()
     judged(found, kind, 5)
     assert found.differ == [(kind, 5, f"{SECOND}; a row of one and another")]
     assert (found.shown, found.plans) == (0, 1)
     monkeypatch.setattr(
-        "benchmarks.oracle.product.plan_document",
+        "benchmarks.judge.product.plan_document",
         lambda *_, **__: {"status": "not_planned", "reason": "X", "census": NO_LINES},
     )
     judged(found, kind, 5)

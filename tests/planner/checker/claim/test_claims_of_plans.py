@@ -15,7 +15,7 @@ from assur.planner.errors import InputError
 from assur.scenes.bundle import bundle_document
 from assur.scenes.requests import plan_document
 from assur.scenes.scenarios import shipped_scenarios
-from benchmarks.soak.random_cells import KINDS, random_cell
+from benchmarks.random_requests.random_cells import KINDS, random_cell
 from tests.planner.checker.claim.forgeries import read
 from tests.prover.bundles import bundle
 from tests.scenes.cells.second_kinematics import answer
