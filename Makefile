@@ -229,7 +229,7 @@ image:
 		--label org.opencontainers.image.base.name="$(BASE)" --tag assur:$(VERSION) .
 prove-random: $(VENV)/installed-test
 	$(BIN)/assur kernels
-	$(BIN)/python -m benchmarks.proofs --plans $(if $(filter command line,$(origin PLANS)),$(PLANS),1000) --seed $(SEED)
+	$(BIN)/python -m benchmarks.judge --only proofs --count $(or $(PLANS),1000) --seed $(SEED) --out $(OUT)/proofs
 
 # Through HAProxy, where there is one (Debian: apt-get install haproxy).
 soak-service: $(VENV)/installed-test

@@ -4,7 +4,7 @@ With `--against OTHER` the new folder is compared with one that was recorded bef
 readings of the clock are left out, so the same sources write the same bytes on the same machine. A folder has:
 
 - `answers`, `bundles`: a file for each shipped scenario, and for each of them that is planned;
-- `cells.json`: for each random cell of the oracle, the digest of its answer;
+- `cells.json`: for each random cell, the digest of its answer;
 - `durations.json`: for each scenario, problem of a set and random cell the duration in s, or why there is no plan.
 
 `benchmarks/recorded` has the durations of scenarios and sets. For kernels of the least processor of the family, as in

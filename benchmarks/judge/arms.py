@@ -160,8 +160,8 @@ class Arm:
         for side, name in enumerate(("left", "right")):
             angle = psi + q[..., side]
             across = np.array([0.0, (0.5 if side == 0 else -0.5) * separation, 0.0])
-            found[f"proximal-{name}"] = Poses.of(self.base.then(Poses.of(across)).p, angle)
-            elbows.append(found[f"proximal-{name}"].then(Poses.of((float(cranks[side]), 0.0, 0.0))).p)
+            found[f"proximal-{name}"] = Poses.of(self.base.points(across), angle)
+            elbows.append(found[f"proximal-{name}"].points((float(cranks[side]), 0.0, 0.0)))
         between = elbows[1] - elbows[0]
         length = np.hypot(between[..., 0], between[..., 1])
         left, right = float(couplers[0]), float(couplers[1])

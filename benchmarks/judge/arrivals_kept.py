@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.judge.arms import tilt
+from benchmarks.judge.cell import grasp_of
 from benchmarks.judge.faults import Violation, beyond
 from benchmarks.judge.motion import Motion
 from benchmarks.judge.poses import Document, Floats, Poses, short
@@ -43,7 +44,7 @@ class Targets:
         self._motion = motion
         self._parts = dict(motion.cell.seats)
         holding = motion.request["start"].get("holding")
-        self._grasp = None if holding is None else _grasp(holding, 0.0)
+        self._grasp = None if holding is None else grasp_of(holding)
         self.of_step: dict[int, Target] = {}
         for arrival in motion.answer["arrivals"]:
             self.of_step[arrival["step"]] = self._of(arrival)
@@ -54,7 +55,7 @@ class Targets:
         turns = self._motion.arm.turns
         if kind == "pick":
             frame, pose = self._parts.pop(given["part"])
-            self._grasp = _grasp(given, arrival["yaw_offset_rad"])
+            self._grasp = grasp_of(given, arrival["yaw_offset_rad"])
             return Target(frame, pose.then(self._grasp), turns)
         if kind == "place":
             frame, pose = self._motion.cell.seat(given["to"])
@@ -65,11 +66,6 @@ class Targets:
         frame, pose = self._motion.cell.seat(to)
         angles = {key: to[f"{key}_rad"] for key in ("pitch", "roll") if isinstance(to.get(f"{key}_rad"), float | int)}
         return Target(frame, pose.then(turn), turns and "yaw_rad" in to, angles.get("pitch"), angles.get("roll"))
-
-
-def _grasp(given: Document, turn: float) -> Poses:
-    """The tool point in the part's frame."""
-    return Poses.of(yaw=turn).then(Poses.of(given["grasp_m"], given.get("grasp_yaw_rad", 0.0)))
 
 
 def arrivals_kept(motion: Motion, targets: Targets) -> list[Violation]:
@@ -165,5 +161,5 @@ def _point(motion: Motion, kind: str, given: Document) -> tuple[str, Poses]:
     """What counts along a conveyor: the control point, where the tool should be."""
     if kind == "pick":
         frame, pose = motion.cell.seats[given["part"]]
-        return frame, pose.then(_grasp(given, 0.0))
+        return frame, pose.then(grasp_of(given))
     return motion.cell.seat(given["start"] if kind == "trace" else given["to"])

@@ -1,7 +1,8 @@
 """Campaigns: random requests of all kinds in turn, each answer judged, and what was found counted by kind.
 
 `shifts` runs each plan many times with what is not known realised; `plans` judges plans as they are planned;
-`refusals` judges refusals of small requests that claim a proof.
+`refusals` judges refusals of small requests that claim a proof. `hard` counts how often the product's own checker
+refuses what the planner has proved, on requests for which they have disagreed; `proofs` runs the second checker, too.
 """
 
 from __future__ import annotations
@@ -16,14 +17,14 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.checker_refusals import codes_of, keep, objections
+from benchmarks.checker_refusals import SECOND, codes_of, keep, objections
 from benchmarks.judge.poses import Document
-from benchmarks.judge.product import BAD_INPUT, as_si, checked, planned
+from benchmarks.judge.product import BAD_INPUT, as_si, checked, planned, shown
 from benchmarks.judge.promises import broken_promises
 from benchmarks.judge.realisations import Realisations
 from benchmarks.judge.refusals import contradiction
 from benchmarks.judge.simulation import Outcome, simulated
-from benchmarks.random_requests import impossible, kinds, random_cells
+from benchmarks.random_requests import hard, impossible, kinds, random_cells
 
 REALISATIONS = 20
 LARGEST_MEDIAN = 1.3
@@ -39,11 +40,12 @@ UNPROVED, PLANNED, UNJUDGED = "not proved", "planned", "proved, not judged"
 class Tally:
     """Of one kind of requests. `evaluated`: number of evaluated answers; `refused`: of those that were not, by reason;
     `faults`: of answers, by kind; `unchecked`: answers that the product's own checker refuses, or had plans refused in
-    the search; `by_checker`: answers that it judged."""
+    the search; `codes`: why; `by_checker`: answers that it judged."""
 
     evaluated: int = 0
     refused: Counter[str] = field(default_factory=Counter)
     faults: Counter[str] = field(default_factory=Counter)
+    codes: Counter[str] = field(default_factory=Counter)
     unchecked: int = 0
     by_checker: int = 0
 
@@ -53,6 +55,7 @@ class Tally:
         self.unchecked += other.unchecked
         self.refused.update(other.refused)
         self.faults.update(other.faults)
+        self.codes.update(other.codes)
 
     @property
     def clean(self) -> bool:
@@ -63,7 +66,7 @@ class Tally:
         return {
             "evaluated": str(self.evaluated),
             "faults": _listed(self.faults) or "0",
-            "refused by the checker": f"{self.unchecked} of {self.by_checker}",
+            "refused by the checker": f"{self.unchecked} of {self.by_checker} {_listed(self.codes)}".strip(),
             "others": _listed(self.refused),
         }
 
@@ -164,6 +167,19 @@ def of_refusals(_: Tally, request: Document, answer: Document, __: int) -> Judge
     return (UNJUDGED, []) if broken is None else (None, [asdict(each) for each in broken])
 
 
+def of_checkers(_: Tally, __: Document, answer: Document, ___: int) -> Judgement:
+    """Leaves a plan to the product's own checker."""
+    return None if answer["status"] == "planned" else str(answer["reason"]), []
+
+
+def of_proofs(_: Tally, request: Document, answer: Document, __: int) -> Judgement:
+    """Runs the second checker on a plan. Raises `InputError` for an answer that no bundle can state."""
+    if answer["status"] != "planned":
+        return str(answer["reason"]), []
+    refusal = shown(request, answer)
+    return None, [{"kind": SECOND, "about": refusal}] if refusal else []
+
+
 @dataclass(frozen=True)
 class Campaign:
     """`make`: the request of a kind and a seed; `strict`: whether bad input in anything but `ELBOW` is an error."""
@@ -176,24 +192,31 @@ class Campaign:
 
     def evaluate(self, tally: Tally, kind: str, seed: int, request: Document, out: Path | None = None) -> bool:
         """Whether the answer to a request was evaluated; the tally counts it, or why it was not. A case that fails, or
-        that the product's own checker refuses, is written to `out`.
+        that the product's own checker refuses, is written to `out`. An error of the product is a fault.
 
         Raises `ValueError` for bad input, if that is `strict`."""
-        answer, field_ = planned(request)
+        try:
+            answer, field_ = planned(request)
+            findings = None if answer is None else checked(request, answer)
+        except Exception as error:  # noqa: BLE001 - an error is a result of a campaign: counted, kept, and exit 1
+            tally.faults[type(error).__name__] += 1
+            if out is not None:
+                keep(out, f"{kind}-{seed}", request, {"error": f"{type(error).__name__}: {error}"})
+            return False
         if answer is None:
             if self.strict and field_ != ELBOW:
                 raise ValueError(f"{kind}, seed {seed}: bad input in {field_}")
             tally.refused[f"{BAD_INPUT} {field_}"] += 1
             return False
-        findings = checked(request, answer)
         reason, faults = self.judge(tally, as_si(request), answer, seed)
-        unchecked = bool(codes_of(answer, findings))
+        codes = set(codes_of(answer, findings))
         tally.evaluated += reason is None
         tally.by_checker += findings is not None
-        tally.unchecked += unchecked
+        tally.unchecked += bool(codes)
+        tally.codes.update(codes)
         tally.refused.update([] if reason is None else [reason])
         tally.faults.update({each["kind"] for each in faults})
-        if out is not None and (unchecked or faults):
+        if out is not None and (codes or faults):
             written(out, kind, seed, request, answer, faults, findings)
         return reason is None
 
@@ -232,7 +255,12 @@ CAMPAIGNS = {
     "shifts": Campaign(tuple(random_cells.KINDS), random_cells.random_cell, of_shifts, ShiftTally, strict=True),
     "plans": Campaign(kinds.KINDS, kinds.random_cell, of_plans),
     "refusals": Campaign(tuple(impossible.KINDS), impossible.random_request, of_refusals),
+    "proofs": Campaign(tuple(random_cells.KINDS), random_cells.random_cell, of_proofs, strict=True),
+    "hard": Campaign(tuple(hard.HARD), hard.hard_request, of_checkers),
+    "hard-proofs": Campaign(tuple(hard.HARD), hard.hard_request, of_proofs),
 }
+SOAK = tuple(CAMPAIGNS)[:3]
+"""Campaigns that run if none is named."""
 
 
 @dataclass(eq=False)

@@ -1,4 +1,4 @@
-"""A request for the simulation: places and supports of bodies, and which pairs of bodies count when."""
+"""A request as the judge reads it: places and supports of bodies, and which pairs of bodies count when."""
 
 from __future__ import annotations
 
@@ -30,10 +30,9 @@ class Cell:
     lag: Floats
 
     @staticmethod
-    def of(request: Document, arm: Arm | None = None) -> Cell:
-        """The cell of a request in SI; `arm`: its arm, if it is known already. Raises `ValueError` for a field that the
-        simulation does not know."""
-        arm, frames = arm or Arm.of(request["robot"]), frames_of(request)
+    def of(request: Document) -> Cell:
+        """The cell of a request in SI. Raises `ValueError` for a shape that the judge does not know."""
+        arm, frames = Arm.of(request["robot"]), frames_of(request)
         carried = {each.name: each for each in arm.bodies}
         solids = {each.name: each.solid for each in arm.bodies}
         seats: dict[str, tuple[str, Poses]] = {}
@@ -55,7 +54,7 @@ class Cell:
 
     @cached_property
     def shapes(self) -> dict[str, Shape]:
-        """All bodies by name, as the oracle measures distances (`Gap`)."""
+        """All bodies by name, as `Gap` measures distances."""
         return {name: shape_of(solid) for name, solid in self.solids.items()}
 
     @property
@@ -77,10 +76,15 @@ class Cell:
             return frame, below.then(pose_in(pose))
         return seat(self.request, self.frames, pose)
 
+    @property
+    def held(self) -> tuple[str, Poses] | None:
+        """The part in the gripper at the start, and its planned pose in the flange."""
+        given = self.request["start"].get("holding")
+        return None if given is None else (given["part"], self.arm.tcp.then(grasp_of(given).inverse()))
+
     def grasped(self, pick: Document, arrival: Document) -> Poses:
         """A picked part's planned pose in the flange."""
-        grasp = Poses.of(pick["grasp_m"], pick.get("grasp_yaw_rad", 0.0))
-        return self.arm.tcp.then(Poses.of(yaw=arrival["yaw_offset_rad"]).then(grasp).inverse())
+        return self.arm.tcp.then(grasp_of(pick, arrival["yaw_offset_rad"]).inverse())
 
     def tracked_spans(self, answer: Document) -> list[tuple[str, float, float]]:
         """The frames that steps track, from when until when."""
@@ -146,3 +150,8 @@ class Cell:
         if frozenset((one, other)) in stage.contacts:
             return Pair(one, other, -stage.deep_m, contact=True)
         return Pair(one, other, clearance(self.request, stage.near, one, other))
+
+
+def grasp_of(given: Document, turn: float = 0.0) -> Poses:
+    """The tool point in the frame of the part that a pick, or the start, has in the gripper; with the part turned."""
+    return Poses.of(yaw=turn).then(Poses.of(given["grasp_m"], given.get("grasp_yaw_rad", 0.0)))

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.judge.arms import Arm
 from benchmarks.judge.cell import Cell
 from benchmarks.judge.poses import Document, Floats, Poses
 from benchmarks.judge.spline import Spline
@@ -36,8 +35,8 @@ class Motion:
 
     def __init__(self, request: Document, answer: Document) -> None:
         self.request, self.answer = request, answer
-        self.arm = Arm.of(request["robot"])
-        self.cell = Cell.of(request, self.arm)
+        self.cell = Cell.of(request)
+        self.arm = self.cell.arm
         self.spline = Spline.of(answer["trajectory"])
         self.shapes = self.cell.shapes
         self._extremes: dict[int, tuple[Floats, Floats]] = {}
@@ -86,13 +85,8 @@ class Motion:
         return found
 
     def _phases(self) -> Iterator[Phase]:
-        own = {b.name: (b.link, b.pose) for b in self.arm.bodies}
-        seated = {name: (frame, pose) for name, (frame, pose) in self.cell.seats.items()}
-        held: dict[str, tuple[str, Poses]] = {}
-        holding = self.request["start"].get("holding")
-        if holding is not None:
-            grasp = Poses.of(holding["grasp_m"], holding.get("grasp_yaw_rad", 0.0))
-            held = {holding["part"]: ("flange", self.arm.tcp.then(grasp.inverse()))}
+        own, seated = {b.name: (b.link, b.pose) for b in self.arm.bodies}, dict(self.cell.seats)
+        held = {} if self.cell.held is None else {self.cell.held[0]: ("flange", self.cell.held[1])}
         legs: list[Document | None] = [*self.answer["legs"], None]
         last: Stage | None = None
         for stage, leg in zip(stages(self.cell, self.answer, self.spline), legs, strict=False):

@@ -50,7 +50,7 @@ def _in_phase(motion: Motion, phase: Phase, beyond_m: float) -> list[NearPair]:
     grid = np.linspace(t0, t1, max(int(np.ceil((t1 - t0) / STEP_S)), 2) + 1)
     names = {name for pair in phase.pairs for name in (pair.first, pair.second)}
     places = motion.bodies(phase, grid, names)
-    centres = {name: place.then(motion.shapes[name].inner).p for name, place in places.items()}
+    centres = {name: place.points(motion.shapes[name].inner.p) for name, place in places.items()}
     ways = {name: _way(places[name], centres[name], motion.shapes[name].radius) for name in names}
     found = []
     for pair in phase.pairs:

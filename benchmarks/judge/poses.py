@@ -34,7 +34,11 @@ class Poses:
 
     def then(self, inner: Poses) -> Poses:
         """`inner`, which is given in this frame, in the frame in which this one is given."""
-        return Poses(self.r @ inner.r, self.p + np.einsum("...ij,...j->...i", self.r, inner.p))
+        return Poses(self.r @ inner.r, self.points(inner.p))
+
+    def points(self, p: Any) -> Floats:
+        """Points (..., 3), which are given in this frame, in the frame in which this one is given."""
+        return np.asarray(self.p + np.einsum("...ij,...j->...i", self.r, p))
 
     def inverse(self) -> Poses:
         """The outer frame, seen from this one."""

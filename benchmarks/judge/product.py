@@ -15,7 +15,7 @@ BAD_INPUT = "BAD_INPUT"
 
 
 def as_si(document: object) -> Document:
-    """A request as the oracle reads it: every quantity in SI, without fields that are not stated."""
+    """A request as the judge reads it: every quantity in SI, without fields that are not stated."""
     return dict(validate(document).model_dump(mode="json", exclude_unset=True, by_alias=True))
 
 

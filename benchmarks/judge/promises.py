@@ -19,7 +19,7 @@ TOOL = 0.05
 
 
 def broken_promises(request: Document, answer: Document) -> list[Violation]:
-    """What a planned answer promises and does not keep; `request` in SI, of a kind that the oracle knows."""
+    """What a planned answer promises and does not keep; `request` in SI, of a kind that the judge knows."""
     motion = Motion(request, answer)
     targets = Targets(motion)
     return [

@@ -12,6 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from benchmarks.judge.cell import Cell
 from benchmarks.judge.poses import Document, Floats
 
 SOON, LATE = (0.0, 0.02), (0.98, 1.0)
@@ -77,8 +78,9 @@ def grip_names(request: Document) -> list[str]:
     return found + [f"step {k}" for k, step in enumerate(request["task"]) if "held_within" in step.get("pick", {})]
 
 
-def drawn(request: Document, answer: Document, count: int, rng: np.random.Generator, joints: int) -> Realisations:
+def drawn(cell: Cell, answer: Document, count: int, rng: np.random.Generator) -> Realisations:
     """`count` runs: half with every share at an end, half with shares inside; the first with everything as planned."""
+    request = cell.request
     extreme = np.arange(count) % 2 == 1
     tolerance = float(request.get("execution", {}).get("start_tolerance_s", 0.0))
     until = sorted({arrival["until_s"] for arrival in answer["arrivals"]})
@@ -105,11 +107,10 @@ def drawn(request: Document, answer: Document, count: int, rng: np.random.Genera
 
     late = (shares() + 1.0) / 2.0 * tolerance
     late[0] = 0.0
-    lag = shares(len(nodes), joints)
+    lag = shares(len(nodes), len(cell.arm.names))
     steady = rng.uniform(0.0, 1.0, count) < 0.5
     lag[steady] = lag[steady][:, :1]  # a lag that stays as it is, in half of the runs
     names = [name for name, given in request.get("frames", {}).items() if "uncertainty" in given]
-    parts = [body["name"] for body in request.get("bodies", []) if "uncertainty" in body]
     ramps = np.sort(rng.uniform(0.0, 1.0, (count, 2, 2)), axis=2)
     ramps[extreme] = np.where(rng.uniform(size=(int(extreme.sum()), 2, 1)) < 0.5, SOON, LATE)
     return Realisations(
@@ -117,7 +118,7 @@ def drawn(request: Document, answer: Document, count: int, rng: np.random.Genera
         lag_s=nodes,
         lag=lag,
         frames={name: of_pose() for name in names},
-        parts={name: of_pose() for name in parts},
+        parts={name: of_pose() for name in cell.unknown_of},
         grips={name: of_pose() for name in grip_names(request)},
         shifts={each["name"]: shares() for each in request.get("neighbours", [])},
         ramps=ramps,
@@ -125,9 +126,9 @@ def drawn(request: Document, answer: Document, count: int, rng: np.random.Genera
     )
 
 
-def put_corners(found: Realisations, request: Document, answer: Document, names: tuple[str, ...], yaws: Floats) -> None:
+def put_corners(found: Realisations, cell: Cell, answer: Document, yaws: Floats) -> None:
     """Makes the last runs the worst corners that the arrivals name, as signs of frames and joints, lateness and a
-    direction. `names`: of the joints; `yaws` (A,): of the flange at each arrival, rad.
+    direction. `yaws` (A,): of the flange at each arrival, rad.
 
     A gripped part has the error that was realised at its pick. So each corner is there twice: with the other arrivals
     at their worst, and with all their signs reversed.
@@ -139,62 +140,39 @@ def put_corners(found: Realisations, request: Document, answer: Document, names:
         found.corners[r], found.ramps[r] = arrivals[k]["control_point"], (LATE, SOON)
         for other in [j for j in range(len(arrivals)) if j != k] + [k]:
             if arrivals[other].get("error"):
-                _put(found, r, request, arrivals[other], names, float(yaws[other]), 1.0 if other == k else flip)
+                _put(found, r, cell, arrivals[other], float(yaws[other]), 1.0 if other == k else flip)
 
 
-def _put(
-    found: Realisations, r: int, request: Document, arrival: Document, names: tuple[str, ...], yaw: float, sign: float
-) -> None:
+def _put(found: Realisations, r: int, cell: Cell, arrival: Document, yaw: float, sign: float) -> None:
     reported = {each["what"]: float(each["value"]) for each in arrival["error"]["worst"]}
-    step = request["task"][arrival["step"]]
-    lag = request.get("execution", {}).get("lag", {})
+    ((kind, given),) = cell.request["task"][arrival["step"]].items()
     node = int(np.argmin(np.abs(found.lag_s - arrival["until_s"])))
     height = 0.0
-    for j, name in enumerate(names):
+    for j, name in enumerate(cell.arm.names):
         if name in reported:
             found.lag[r, node, j] = sign * reported[name]
-            if f"{name}_m" in lag:
-                height -= reported[name] * lag[f"{name}_m"]
+            if cell.arm.slides[j]:
+                height -= reported[name] * cell.lag[j]
     if "late start s" in reported:
         found.late[r] = max(reported["late start s"], 0.0)
     for name, error in found.frames.items():
-        for key, table in (
-            ("along", error.along),
-            ("across", error.across),
-            ("up", error.up),
-            ("turned", error.turned),
-        ):
+        for key in ("along", "across", "up", "turned"):
             if f"{name} {key}" in reported:
-                table[r] = sign * reported[f"{name} {key}"]
-                if key == "up":
-                    height += reported[f"{name} {key}"] * request["frames"][name]["uncertainty"]["vertical_m"]
+                getattr(error, key)[r] = sign * reported[f"{name} {key}"]
+        height += reported.get(f"{name} up", 0.0) * cell.frames[name].unknown.get("vertical_m", 0.0)
     upwards = sign * (1.0 if height >= 0.0 else -1.0)
     direction = reported.get("direction rad", 0.0)
     towards = sign * np.array([np.cos(direction), np.sin(direction)])
-    for name, error in found.frames.items():
-        line = any(kind in request["frames"][name] for kind in ("conveyor", "linear"))
-        if not line and _about(request, step) == name:
-            error.flat[r] = towards
-    part = step.get("pick", {}).get("part")
+    part = given["part"] if kind == "pick" else None
+    about = cell.seat(given["to"])[0] if part is None else cell.seats[part][0]
+    if about in found.frames and cell.frames[about].line is None:
+        found.frames[about].flat[r] = towards
     if part in found.parts:
         error = found.parts[part]
         error.flat[r], error.up[r], error.turned[r] = towards, upwards, np.sign(error.turned[r] or 1.0)
-    if "place" in step:
+    if kind == "place":
         # what is held is off against the tool, which is the other way round
         for error in found.grips.values():
             c, s = np.cos(-yaw), np.sin(-yaw)
             error.flat[r] = -np.array([c * towards[0] - s * towards[1], s * towards[0] + c * towards[1]])
             error.up[r], error.turned[r] = -upwards, np.sign(error.turned[r] or 1.0)
-
-
-def _about(request: Document, step: Document) -> str:
-    """The frame that a step is about, as far as the request says it."""
-    ((kind, given),) = step.items()
-    if kind == "pick":
-        poses = {body["name"]: body.get("pose", {}) for body in request.get("bodies", [])}
-        name = poses[given["part"]].get("frame", "world")
-    else:
-        name = given["to"].get("frame", "world")
-    while "frame" in request.get("frames", {}).get(name, {}).get("fixed", {}):
-        name = request["frames"][name]["fixed"]["frame"]
-    return str(name)

@@ -1,4 +1,4 @@
-"""Whether a refusal that claims a proof is wrong, as far as the oracle can show it.
+"""Whether a refusal that claims a proof is wrong, as far as can be shown.
 
 A proof states that no plan exists. A counterexample contradicts it: joints with which the tool is at the point, an open
 interval of the window that is long enough, bodies that are far enough apart, a load that may be carried.
@@ -7,6 +7,7 @@ interval of the window that is long enough, bodies that are far enough apart, a 
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 
 import numpy as np
 
@@ -14,7 +15,6 @@ from benchmarks.judge.arms import Arm, robot_file
 from benchmarks.judge.cell import Cell
 from benchmarks.judge.faults import Violation
 from benchmarks.judge.inverse import TURNS
-from benchmarks.judge.laws import seat
 from benchmarks.judge.poses import Document, Floats, Poses
 from benchmarks.judge.solids import Gap
 from benchmarks.judge.stages import CONTACT_M, clearance
@@ -36,10 +36,10 @@ START = 1e-9
 
 def contradiction(request: Document, answer: Document) -> list[Violation] | None:
     """What contradicts a proved refusal of a request in SI: nothing, if it is right; None if this reason is not one
-    that the oracle can judge."""
+    that can be judged."""
     refusal = answer["refusal"]
     judge = JUDGES.get(refusal["reason"])
-    return None if judge is None else judge(Reach(request), refusal)
+    return None if judge is None else judge(Reach(Cell.of(request)), refusal)
 
 
 def _reached(reach: Reach, refusal: Document) -> list[Violation] | None:
@@ -73,9 +73,9 @@ def _opens(reach: Reach, refusal: Document) -> list[Violation] | None:
     """Of a window that is missed, or a law that ends: the longest opening."""
     facts = refusal["facts"]
     if refusal["stage"] == "start":
-        used = any(seat(reach.request, reach.frames, b["pose"])[0] == refusal["frame"] for b in _standing(reach))
+        used = any(frame == refusal["frame"] for frame, _ in reach.cell.seats.values())
         valid = reach.request["frames"][refusal["frame"]].get("valid_s", [-np.inf, np.inf])
-        known = valid[0] <= reach.start_s <= valid[1]
+        known = valid[0] <= reach.cell.start_s <= valid[1]
         return [_wrong(refusal, 0.0, "the frame bears nothing, or is known")] if known or not used else []
     point = reach.point(refusal["step"])
     if point is None or facts.get("on_arrival"):
@@ -85,10 +85,6 @@ def _opens(reach: Reach, refusal: Document) -> list[Violation] | None:
     if not longest > point.dwell + OPEN_S:
         return []
     return [_wrong(refusal, longest, f"open long enough: {spans[:3]}")]
-
-
-def _standing(reach: Reach) -> list[Document]:
-    return [body for body in reach.request.get("bodies", []) if "pose" in body]
 
 
 def _yaw(reach: Reach, refusal: Document) -> list[Violation] | None:
@@ -101,7 +97,7 @@ def _yaw(reach: Reach, refusal: Document) -> list[Violation] | None:
         point = reach.point(refusal["step"])
         if point is None or point.yaws is None:
             return None
-        there = reach.frames[point.frame].at(np.array(reach.start_s)).then(point.pose)
+        there = reach.frames[point.frame].at(np.array(reach.cell.start_s)).then(point.pose)
         yaws = [float(there.yaw) + turn for turn in point.yaws]
     ranges = reach.request["robot"]["limits"]["forbidden_yaw_rad"]
     for yaw in yaws:
@@ -122,7 +118,7 @@ def _way_round(reach: Reach, refusal: Document) -> list[Violation] | None:
         width = (last - first) % (2.0 * np.pi)
         after = begin - (begin - first) % (2.0 * np.pi) + width
         low, high = max(low, after), min(high, after - width + 2.0 * np.pi)
-    for tool in reach.tools(point, np.array([reach.start_s])):
+    for tool in reach.tools(point, np.array([reach.cell.start_s])):
         for each in reach.postures(point, tool):
             for turn in TURNS if reach.allowed(each.mode) and each.missing[0] <= MISSING else ():
                 q = each.q.copy()
@@ -185,9 +181,9 @@ def _hits(reach: Reach, refusal: Document) -> list[Violation] | None:
         return None  # in which turn the part is held is not known
     if point is None or reach.frames[point.frame].moves:
         return None
-    t = np.array([reach.start_s])
+    t = np.array([reach.cell.start_s])
     for tool in _every_yaw(reach, point, t):
-        for mode in {each.mode for each in reach.postures(point, tool)}:
+        for mode in dict.fromkeys(each.mode for each in reach.postures(point, tool)):
             if all(bodies.clear(point, number, tool, mode, *where) for where in bodies.places(number)):
                 return [_wrong(refusal, 0.0, f"nothing is too near in mode {mode}, yaw {float(tool.yaw[0]):.4f} rad")]
     return []
@@ -205,13 +201,7 @@ class Bodies:
     """The bodies of a request, where they stand, and those of its arm."""
 
     def __init__(self, reach: Reach) -> None:
-        self.reach = reach
-        self.shapes = Cell.of(reach.request, reach.arm).shapes
-        self.carried = {each.name: each for each in reach.arm.bodies}
-        self.tool = {body["name"] for body in reach.request["robot"]["tool"].get("bodies", [])}
-        self.seats: dict[str, tuple[str, Poses]] = {}
-        for body in _standing(reach):
-            self.seats[body["name"]] = seat(reach.request, reach.frames, body["pose"])
+        self.reach, self.cell, self.shapes = reach, reach.cell, reach.cell.shapes
 
     def meshes(self, one: str, other: str) -> bool:
         return self.shapes[one].mesh or self.shapes[other].mesh
@@ -224,55 +214,47 @@ class Bodies:
     def _at(self, name: str, links: dict[str, Poses], held: dict[str, Poses]) -> Poses:
         if name in held:
             return links["flange"].then(held[name])
-        if name in self.carried:
-            return links[self.carried[name].link].then(self.carried[name].pose)
-        frame, pose = self.seats[name]
-        return self.reach.frames[frame].at(np.array([self.reach.start_s])).then(pose)
+        if name in self.cell.carried:
+            return links[self.cell.carried[name].link].then(self.cell.carried[name].pose)
+        frame, pose = self.cell.seats[name]
+        return self.cell.frames[frame].at(np.array([self.cell.start_s])).then(pose)
 
     def places(self, number: int) -> list[tuple[float, bool, str, bool]]:
         """What the arm must go through at a step: height above the point, whether the distances of `near` are required,
         which contacts are allowed (`grip`, `rest` or none), and whether the part is held."""
-        ((kind, given),) = self.reach.request["task"][number].items()
+        ((kind, given),) = self.cell.request["task"][number].items()
         if kind == "move":
             return [(0.0, False, "", False)]
         if kind == "follow":
             return [(0.0, True, "", False)]
-        travel = float(self.reach.request["options"].get("clearance_m", {}).get("travel", 0.0))
-        up, off = (max(float(given[end]["m"]), 1.1 * travel) for end in ("approach", "depart"))
+        _, up, off = self.reach.heights(given)
         found = [(0.0, True, "grip", False), (0.0, True, "rest", True), (up, False, "", False)]
-        return [*found, (off, False, "", True)] if number + 1 < len(self.reach.request["task"]) else found
+        return [*found, (off, False, "", True)] if number + 1 < len(self.cell.request["task"]) else found
 
     def clear(
         self, point: Point, number: int, tool: Poses, mode: str, height: float, near: bool, touch: str, holds: bool
     ) -> bool:
         """Whether the robot is clear of all fixed bodies with the tool there, so much higher, in this mode."""
-        postures = [each for each in self.reach.postures(point, tool, height) if each.mode == mode]
-        raised = tool.moved((0.0, 0.0, height))
-        ((_, given),) = self.reach.request["task"][number].items()
-        part, held = given.get("part"), dict[str, Poses]()
-        q = postures[0].q
-        links = self.reach.arm.links(q)
+        cell, held = self.cell, dict[str, Poses]()
+        (posture,) = (each for each in self.reach.postures(point, tool, height) if each.mode == mode)
+        ((_, given),) = cell.request["task"][number].items()
+        part, links, to_flange = given.get("part"), cell.arm.links(posture.q), cell.arm.tcp.inverse()
         # the wrist has the yaw that is tried, in whatever turn that is
-        links["flange"] = raised.then(self.reach.arm.tcp.inverse())
+        links["flange"] = tool.moved((0.0, 0.0, height)).then(to_flange)
         if not all(np.isfinite(each.p).all() for each in links.values()):
             return False
         if holds and part is not None:
-            frame, pose = self.seats[part]
-            there = self.reach.frames[frame].at(np.array([self.reach.start_s])).then(pose)
-            flange = tool.then(self.reach.arm.tcp.inverse())
-            held = {part: flange.inverse().then(there)}
+            held = {part: tool.then(to_flange).inverse().then(self._at(part, links, {}))}
         rest = given.get("contact_with", [])
-        for one in (*self.carried, *held):
-            for other in self.seats:
-                if other in held or self.reach.frames[self.seats[other][0]].moves:
-                    continue
-                required = clearance(self.reach.request, near, one, other)
-                if (touch == "grip" and one in self.tool and other == part) or (
-                    touch == "rest" and one == part and other in rest
-                ):
-                    required = -CONTACT_M - float(given.get("contact_tolerance_m", 0.0))
-                if self.gap(one, other, links, held) < required + APART_M:
-                    return False
+        for one, other in product((*cell.carried, *held), cell.seats):
+            if other in held or cell.frames[cell.seats[other][0]].moves:
+                continue
+            required = clearance(cell.request, near, one, other)
+            gripped = touch == "grip" and one in cell.tool_bodies and other == part
+            if gripped or (touch == "rest" and one == part and other in rest):
+                required = -CONTACT_M - float(given.get("contact_tolerance_m", 0.0))
+            if self.gap(one, other, links, held) < required + APART_M:
+                return False
         return True
 
 

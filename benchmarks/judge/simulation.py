@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from benchmarks.judge.cell import Cell
+from benchmarks.judge.cell import Cell, grasp_of
 from benchmarks.judge.poses import Document, Floats, Poses, short
 from benchmarks.judge.realisations import PoseErrors, Realisations, drawn, put_corners
 from benchmarks.judge.solids import apart_at_least, gaps
@@ -58,10 +58,10 @@ def simulated(
 ) -> tuple[Outcome, Realisations]:
     """`count` runs of a planned answer to a request in SI."""
     cell = Cell.of(request)
-    found = drawn(request, answer, count, rng, len(cell.arm.names))
+    found = drawn(cell, answer, count, rng)
     run = Run(cell, answer, found)
     times = np.array([arrival["until_s"] for arrival in answer["arrivals"]])
-    put_corners(found, request, answer, cell.arm.names, cell.arm.links(run.spline.evaluate(times))["flange"].yaw)
+    put_corners(found, cell, answer, cell.arm.links(run.spline.evaluate(times))["flange"].yaw)
     return run.outcome(), found
 
 
@@ -79,10 +79,8 @@ class Run:
             error, unknown = real.parts.get(name), cell.unknown_of.get(name, {})
             planned = pose.still((real.count,))
             self.seats[name] = (frame, planned if error is None else _off(planned, unknown, error))
-        holding = cell.request["start"].get("holding")
-        if holding is not None:
-            grasp = Poses.of(holding["grasp_m"], holding.get("grasp_yaw_rad", 0.0))
-            self._grip("start", holding["part"], cell.arm.tcp.then(grasp.inverse()), holding.get("within", {}))
+        if cell.held is not None:
+            self._grip("start", *cell.held, cell.request["start"]["holding"].get("within", {}))
 
     def _grip(self, name: str, part: str, in_flange: Poses, within: Document) -> None:
         planned, error = in_flange.still((self.real.count,)), self.real.grips.get(name)
@@ -227,10 +225,9 @@ class Run:
         step = self.cell.request["task"][arrival["step"]]
         snapshot = self.poses(np.full((self.real.count, 1), arrival["until_s"]))
         tool, ((kind, given),) = snapshot.tool(), step.items()
-        offset = Poses.of(yaw=arrival["yaw_offset_rad"])
         if kind == "pick":
             part = snapshot.body(given["part"])
-            grasp = offset.then(Poses.of(given["grasp_m"], given.get("grasp_yaw_rad", 0.0)))
+            grasp = grasp_of(given, arrival["yaw_offset_rad"])
             wanted, real = tool.then(grasp.inverse()), part
             at_grasp = np.linalg.norm(part.then(grasp).p - tool.p, axis=-1)[:, 0]
         else:
@@ -238,7 +235,7 @@ class Run:
             wanted = snapshot.frame(name).then(pose)
             real = snapshot.body(given["part"]) if kind == "place" else tool
             if kind != "place":
-                wanted = wanted.then(offset)
+                wanted = wanted.moved(0.0, arrival["yaw_offset_rad"])
             at_grasp = np.zeros(self.real.count)
         delta, turn = (real.p - wanted.p)[:, 0], short(real.yaw - wanted.yaw)[:, 0]
         if kind not in ("pick", "place") and not self.cell.arm.turns:

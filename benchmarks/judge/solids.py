@@ -83,7 +83,7 @@ def solid_of(shape: Document) -> Solid:
         half, middle = (high - low) / 2.0, (high + low) / 2.0
         x, y, z = half.tolist()
         return Solid(x, y, z, offset=tuple(middle.tolist()), triangles=triangles)
-    raise ValueError(f"a shape that the simulation does not know: {kind}")
+    raise ValueError(f"a shape that the judge does not know: {kind}")
 
 
 def apart_at_least(a: Solid, at: Poses, b: Solid, beside: Poses) -> Floats:
@@ -108,13 +108,13 @@ def _by_coal(a: Solid, at: Poses, b: Solid, beside: Poses, enough: float) -> flo
     """The gap of two solids at single poses, m, or any lower bound of it that is `enough`. At most one of the solids is
     a mesh."""
     if a.triangles is not None and b.triangles is not None:
-        raise ValueError("two meshes: the simulation does not look at them against each other")
+        raise ValueError("two meshes are not measured against each other")
     if b.triangles is not None:
         a, at, b, beside = b, beside, a, at
     other, there = shape_of(b), beside
     if a.triangles is None:
         return Gap(shape_of(a), other).at(at, there)
-    world, middle, half = at.then(Poses.of(a.triangles)).p, _middle(b, beside), [b.radius, b.radius, b.height]
+    world, middle, half = at.points(a.triangles), _middle(b, beside), [b.radius, b.radius, b.height]
     apart = np.maximum(middle - half - world.max(axis=1), world.min(axis=1) - middle - half).max(axis=1)
     found = [Gap(_triangle(corners), other).at(UNMOVED, there) for corners in world[apart < enough]]
     return float(min(found)) if found else float(apart.min())
@@ -199,7 +199,7 @@ class Gap:
 
 
 def _middle(solid: Solid, at: Poses) -> Floats:
-    return at.then(Poses.of(solid.offset)).p if any(solid.offset) else at.p
+    return at.points(solid.offset) if any(solid.offset) else at.p
 
 
 def _core_gap(a: Solid, at: Poses, b: Solid, beside: Poses) -> Floats:

@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks.judge.arrivals_kept import Target
 from benchmarks.judge.faults import Violation, beyond
 from benchmarks.judge.motion import Motion
-from benchmarks.judge.poses import Document, Floats, Poses
+from benchmarks.judge.poses import Document, Floats
 
 TRACKED_M = 1e-5
 READ_M = 1e-7
@@ -107,7 +107,7 @@ def _trace(motion: Motion, arrival: Document, given: Document) -> list[Violation
     frame, at = motion.cell.seat({**given["start"], "at_m": [0.0, 0.0, 0.0]})
     target = Target(frame, at.moved(0.0, -float(given["start"].get("yaw_rad", 0.0))), False)
     t = np.linspace(t0, t1, max(int((t1 - t0) / 1e-3), 20) + 1)
-    local = target.at(motion, t).inverse().then(Poses.of(motion.tool(t).p)).p
+    local = target.at(motion, t).inverse().points(motion.tool(t).p)
     name, stated, found = arrival["control_point"], arrival["trace"], list[Violation]()
     parts = parts_of(np.array(given["start"]["at_m"]), given["path"])
     if parts is not None:
@@ -119,7 +119,7 @@ def _trace(motion: Motion, arrival: Document, given: Document) -> list[Violation
         found += beyond("trace", f"{name}, place", float(off[k]), min(TRACKED_M, stated["error_m"]) + READ_M, t[k])
     h = 1e-5
     inner = np.clip(t, t0 + h, t1 - h)
-    ends = [target.at(motion, inner + k).inverse().then(Poses.of(motion.tool(inner + k).p)).p for k in (-h, h)]
+    ends = [target.at(motion, inner + k).inverse().points(motion.tool(inner + k).p) for k in (-h, h)]
     size = np.linalg.norm(ends[1] - ends[0], axis=1) / (2.0 * h)
     for k in (int(size.argmin()), int(size.argmax())):
         found += beyond("trace", f"{name}, speed", abs(float(size[k]) / speed - 1.0), SPEED_SHARE + 1e-6, t[k])

@@ -144,32 +144,23 @@ def _pull(motion: Motion) -> list[Violation]:
 
 def _contacts(motion: Motion) -> list[Violation]:
     """The reported contacts are those of the legs."""
-    own: list[tuple[frozenset[str], float, float]] = []
-    for phase in motion.phases:
-        if phase.leg is not None:
-            own += [(pair, phase.leg["from_s"], phase.leg["to_s"]) for pair in phase.stage.contacts]
     known = {name for phase in motion.phases for name in (*phase.carried, *phase.seated)}
-    mine = _merged([each for each in own if each[0] <= known])
+    legs = [phase for phase in motion.phases if phase.leg is not None]
+    mine = _merged([(pair, p.stage.t0, p.stage.t1) for p in legs for pair in p.stage.contacts if pair <= known])
     stated = _merged([(frozenset(c["bodies"]), c["from_s"], c["to_s"]) for c in motion.answer["contacts"]])
-    return (
-        []
-        if _same(mine, stated)
-        else [Violation("contacts", f"{mine}, reported {stated}", float(len(stated)), float(len(mine)))]
+    same = [each[0] for each in mine] == [each[0] for each in stated] and np.allclose(
+        [each[1:] for each in mine], [each[1:] for each in stated], rtol=0.0, atol=1e-9
     )
+    about = f"{mine}, reported {stated}"
+    return [] if same else [Violation("contacts", about, float(len(stated)), float(len(mine)))]
 
 
-def _merged(spans: list[tuple[frozenset[str], float, float]]) -> list[tuple[tuple[str, ...], float, float]]:
-    found: list[tuple[tuple[str, ...], float, float]] = []
+def _merged(spans: list[tuple[frozenset[str], float, float]]) -> list[tuple[list[str], float, float]]:
+    """Contacts in order, those joined of which one begins where the other ends."""
+    found: list[tuple[list[str], float, float]] = []
     for pair, t0, t1 in sorted(spans, key=lambda each: (sorted(each[0]), each[1])):
-        name = tuple(sorted(pair))
+        name = sorted(pair)
         if found and found[-1][0] == name and abs(found[-1][2] - t0) <= 1e-9:
-            found[-1] = (name, found[-1][1], t1)
-        else:
-            found.append((name, t0, t1))
+            t0 = found.pop()[1]
+        found.append((name, t0, t1))
     return [each for each in found if each[2] > each[1]]
-
-
-def _same(a: list[tuple[tuple[str, ...], float, float]], b: list[tuple[tuple[str, ...], float, float]]) -> bool:
-    return len(a) == len(b) and all(
-        x[0] == y[0] and abs(x[1] - y[1]) <= 1e-9 and abs(x[2] - y[2]) <= 1e-9 for x, y in zip(a, b, strict=True)
-    )

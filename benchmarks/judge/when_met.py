@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.judge.arms import Arm, tilt
+from benchmarks.judge.arms import tilt
+from benchmarks.judge.cell import Cell, grasp_of
 from benchmarks.judge.inverse import Solution, solutions
-from benchmarks.judge.laws import Frame, frames_of, seat
 from benchmarks.judge.poses import Document, Floats, Poses
 
 HORIZON_S = 600.0
@@ -35,15 +35,12 @@ class Point:
 
 
 class Reach:
-    """The arm and the frames of a request in SI."""
+    """Where and when the arm of a cell can be at control points."""
 
-    def __init__(self, request: Document) -> None:
-        self.request = request
-        self.arm = Arm.of(request["robot"])
-        self.frames: dict[str, Frame] = frames_of(request)
-        self.least_margin = float(request["options"].get("singularity_margin", 0.05))
+    def __init__(self, cell: Cell) -> None:
+        self.cell, self.request, self.arm, self.frames = cell, cell.request, cell.arm, cell.frames
+        self.least_margin = float(self.request["options"].get("singularity_margin", 0.05))
         """Where a point is met, the arm is no nearer to a singularity: here this is required of all points."""
-        self.start_s = float(request["start"].get("at_s", 0.0))
 
     def point(self, number: int) -> Point | None:
         """The control point of a step; None for a place, whose part may be held in more than one way."""
@@ -53,18 +50,22 @@ class Reach:
             return None
         if kind == "pick":
             body = next(each for each in self.request["bodies"] if each["name"] == given["part"])
-            frame, pose = seat(self.request, self.frames, body["pose"])
+            frame, pose = self.cell.seats[body["name"]]
             symmetry = int(body.get("yaw_symmetry", 1))
             turns = None if symmetry == 0 or three else tuple(2.0 * np.pi * k / symmetry for k in range(symmetry))
-            grasp = Poses.of(given["grasp_m"], given.get("grasp_yaw_rad", 0.0))
-            travel = float(self.request["options"].get("clearance_m", {}).get("travel", 0.0))
-            ends = [max(float(given[end]["m"]), 1.1 * travel) for end in ("approach", "depart")]
             # the grasp turns with the tool about the part's own axis: it is on it here
-            return Point(frame, pose.then(grasp), turns, None, None, (0.0, *ends), float(given.get("dwell_s", 0.0)))
-        frame, pose = seat(self.request, self.frames, given["to"])
+            grasped, dwell = pose.then(grasp_of(given)), float(given.get("dwell_s", 0.0))
+            return Point(frame, grasped, turns, None, None, self.heights(given), dwell)
+        frame, pose = self.cell.seat(given["to"])
         yaws = (0.0,) if "yaw_rad" in given["to"] and not three else None
         angles = [given["to"].get(f"{key}_rad") for key in ("pitch", "roll")]
         return Point(frame, pose, yaws, angles[0], angles[1], (0.0,), float(given.get("duration_s", 0.0)))
+
+    def heights(self, pick: Document) -> tuple[float, float, float]:
+        """Heights of the tool above a pick's control point that are needed: there, before and after it, m."""
+        travel = float(self.request["options"].get("clearance_m", {}).get("travel", 0.0))
+        before, after = (max(float(pick[end]["m"]), 1.1 * travel) for end in ("approach", "depart"))
+        return 0.0, before, after
 
     def times(self, point: Point, number: int) -> Floats:
         """When the point may be met, densely; one instant if it is fixed and may be met at any time."""
@@ -81,7 +82,7 @@ class Reach:
         spelt, options = self.request.get("frames", {}).get(point.frame, {}), self.request["options"]
         low, high = given.get("window_s", (-np.inf, np.inf))
         first, last = spelt.get("valid_s", (-np.inf, np.inf))
-        low = max(float(low), self.start_s, float(first))
+        low = max(float(low), self.cell.start_s, float(first))
         high = min(float(high), float(last), float(options.get("latest_end_s", np.inf)), low + HORIZON_S)
         if not low <= high:
             return []

@@ -26,10 +26,26 @@ SCARAS = (
 )
 THREE_AXES = "oviedo-scara"
 FIVE_BAR = "mitsubishi-rp-5ah"
+ELBOW, POLAR, FIVE_AXES = TILTING = ("elbow-arm", "polar-arm", "mitsubishi-rv-m1")
+
+
+class Choices:
+    """What is chosen at random."""
+
+    rng: np.random.Generator
+
+    def between(self, low: float, high: float) -> float:
+        return float(self.rng.uniform(low, high))
+
+    def chance(self, share: float) -> bool:
+        return bool(self.rng.uniform() < share)
+
+    def one_of(self, *options: Any) -> Any:
+        return options[int(self.rng.integers(len(options)))]
 
 
 @dataclass(eq=False)
-class Draft:
+class Draft(Choices):
     """A request that is being written, in SI. `heading`: yaw of the base, rad; `low`, `high`: heights of the tool point
     above the base, m; `half`: half sizes of the part; `loose_m`, `upright_m`: how far parts may be off, about, where
     they are met."""
@@ -47,9 +63,6 @@ class Draft:
     upright_m: float = 0.0
     side: float = 1.0
 
-    def between(self, low: float, high: float) -> float:
-        return float(self.rng.uniform(low, high))
-
     def stand(self) -> None:
         """Puts the arm somewhere."""
         at, self.heading = self.rng.uniform(-0.5, 0.5, 3), self.between(-math.pi, math.pi)
@@ -61,12 +74,6 @@ class Draft:
         self.request |= {"schema": "assur/1", "robot": {"model": self.model, "tool": tool, "base": base}}
         self.request |= {"start": {}, "frames": {}, "bodies": [], "task": [], "options": options_of(self)}
 
-    def chance(self, share: float) -> bool:
-        return bool(self.rng.uniform() < share)
-
-    def one_of(self, *options: Any) -> Any:
-        return options[int(self.rng.integers(len(options)))]
-
     @property
     def stroke(self) -> float:
         return self.high - self.low
@@ -77,8 +84,7 @@ class Draft:
 
     def at(self, angle: float, radius: float, z: float) -> list[float]:
         """A point given from the base, in the world."""
-        inner = Poses.of((radius * math.cos(angle), radius * math.sin(angle), z))
-        return [float(x) for x in self.base.then(inner).p]
+        return [float(x) for x in self.base.points((radius * math.cos(angle), radius * math.sin(angle), z))]
 
     def yaw(self, angle: float) -> float:
         return self.heading + angle
@@ -123,6 +129,12 @@ class Draft:
         self.loose_m += unknown.get("position_m", 0.0) + 3.0 * unknown.get("speed_m_s", 0.0)
         self.loose_m += unknown.get("lateral_m", 0.0) + 0.1 * unknown.get("yaw_rad", 0.0)
         self.upright_m += unknown.get("vertical_m", 0.0)
+
+
+def finished(request: Document) -> Document:
+    """A request without what is empty, or is no part of it."""
+    request.pop("beside_m", None)
+    return {key: value for key, value in request.items() if value or key not in ("frames", "bodies")}
 
 
 def drafted(rng: np.random.Generator, model: str, tool: str) -> Draft:

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from benchmarks.judge.arms import Arm, robot_file, tilt
-from benchmarks.judge.poses import Document, Floats, Poses, si
-from benchmarks.random_requests.drafts import FIVE_BAR, SCARAS, THREE_AXES
+from benchmarks.judge.poses import Document, Floats, si
+from benchmarks.random_requests.drafts import FIVE_BAR, SCARAS, THREE_AXES, TILTING, Choices, finished
 
 UPRIGHT = (*SCARAS, THREE_AXES, FIVE_BAR)
-TILTING = ("elbow-arm", "polar-arm", "mitsubishi-rv-m1")
 SMALL = (0.0, 1e-15, 1e-12, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
 """By how much a requirement is missed or kept, m or rad."""
 
 
-class SmallRequest:
+class SmallRequest(Choices):
     """A request that is being written: an arm with a tool, at rest somewhere within its ranges, nothing around it."""
 
     def __init__(self, rng: np.random.Generator, models: tuple[str, ...], tool: bool = False) -> None:
@@ -59,12 +57,6 @@ class SmallRequest:
             },
         }
 
-    def chance(self, share: float) -> bool:
-        return bool(self.rng.uniform() < share)
-
-    def one_of(self, *options: Any) -> Any:
-        return options[int(self.rng.integers(len(options)))]
-
     def round(self, values: Floats) -> list[float]:
         """Whole millimetres, or as they are."""
         return [round(float(v), 3) if self.chance(0.7) else float(v) for v in values]
@@ -82,12 +74,9 @@ class SmallRequest:
             if np.isfinite(self.arm.links(q)["flange"].p).all():
                 return np.asarray(q)
 
-    def tool(self, q: Floats) -> Poses:
-        return self.arm.tool(q)
-
     def target(self, q: Floats, yaw: bool = True) -> Document:
         """Where the tool is with these joints, in the world."""
-        place, links = self.tool(q), self.arm.links(q)
+        place, links = self.arm.tool(q), self.arm.links(q)
         found: Document = {"at_m": [float(x) for x in place.p]}
         if self.arm.turns:
             found |= {"yaw_rad": float(place.yaw)} if yaw else {"yaw_free": True}
@@ -123,7 +112,7 @@ def at_the_edge_of_reach(rng: np.random.Generator) -> SmallRequest:
         lift = int(np.argmin(cell.arm.upper - cell.arm.lower))
         q = cell.joints()
         q[lift] = cell.one_of(cell.arm.lower[lift], cell.arm.upper[lift]) + cell.off()
-        to["at_m"][2] = cell.round(cell.tool(q).p[2:])[0]
+        to["at_m"][2] = cell.round(cell.arm.tool(q).p[2:])[0]
     elif cell.arm.tilts:
         above = float(rng.uniform(-0.3, 0.4)) * float(cell.chance(0.7))
         to["at_m"][2] = float(base.p[2]) + cell.arm.length("height") + above
@@ -150,7 +139,7 @@ def at_the_end_of_a_range(rng: np.random.Generator) -> SmallRequest:
         cell.request["start"]["joints"] = cell.arm.named(cell.q)
         q = cell.joints(0.6)
     q[j] = cell.one_of(lower, upper) + cell.off()
-    if not np.isfinite(cell.tool(q).p).all():
+    if not np.isfinite(cell.arm.tool(q).p).all():
         q[j] = (lower + upper) / 2.0
     cell.request["task"].append(cell.move(cell.target(q, yaw=cell.chance(0.8))))
     return cell
@@ -222,7 +211,7 @@ def never_near(rng: np.random.Generator) -> SmallRequest:
     cell = SmallRequest(rng, (*SCARAS, THREE_AXES))
     assert not cell.arm.tilts
     reach = cell.arm.length("l1") + cell.arm.length("l2")
-    z, base = float(cell.tool(cell.joints()).p[2]), cell.arm.base.p
+    z, base = float(cell.arm.tool(cell.joints()).p[2]), cell.arm.base.p
     r, period = float(rng.uniform(0.02, 0.4)), float(rng.uniform(0.3, 4.0))
     far = reach + r + cell.off()
     angle, amplitude = float(rng.uniform(-1.5, 1.5)) + float(cell.arm.base.yaw), float(rng.uniform(0.2, 1.5))
@@ -253,7 +242,7 @@ def near_a_body(rng: np.random.Generator) -> SmallRequest:
     to, at_start = cell.target(q, yaw=cell.chance(0.7)), cell.chance(0.35)
     travel, near = cell.one_of(0.0, 0.002, 0.01), cell.one_of(0.0, 0.001)
     cell.request["options"]["clearance_m"] = {"travel": travel, "near": near}
-    place = cell.tool(cell.q if at_start else q)
+    place = cell.arm.tool(cell.q if at_start else q)
     half = float(rng.uniform(0.01, 0.05))
     shape = cell.one_of({"box": {"size_m": [2 * half] * 3}}, {"sphere": {"radius_m": half}})
     kept = cell.one_of(travel, near) + cell.off()
@@ -270,7 +259,7 @@ def near_a_body(rng: np.random.Generator) -> SmallRequest:
 def picked(rng: np.random.Generator) -> SmallRequest:
     """A part on a plate, which may be too high; or the tool is too long for the surroundings."""
     cell = SmallRequest(rng, SCARAS, tool=True)
-    place = cell.tool(cell.joints(0.5))
+    place = cell.arm.tool(cell.joints(0.5))
     half, z = [float(v) for v in rng.uniform(0.008, 0.02, 3)], float(place.p[2])
     shape = cell.one_of(
         {"box": {"size_m": [2 * v for v in half]}}, {"cylinder": {"radius_m": 0.01, "height_m": 2 * half[2]}}
@@ -302,7 +291,7 @@ def forbidden(rng: np.random.Generator) -> SmallRequest:
     """A yaw about at the end of a forbidden range."""
     cell = SmallRequest(rng, SCARAS)
     to = cell.target(cell.joints(0.5))
-    yaw = to["yaw_rad"] if cell.chance(0.7) else float(cell.tool(cell.q).yaw)
+    yaw = to["yaw_rad"] if cell.chance(0.7) else float(cell.arm.tool(cell.q).yaw)
     width, off = float(rng.uniform(0.1, 1.0)), cell.off()
     first = yaw + off if cell.chance(0.5) else yaw - width - off
     first = (first + math.pi) % (2.0 * math.pi) - math.pi
@@ -336,7 +325,7 @@ def arched(rng: np.random.Generator) -> SmallRequest:
     for end in (cell.arm.lower[lift], cell.arm.upper[lift]):
         q = cell.q.copy()
         q[lift] = end
-        tops.append(float(cell.tool(q).p[2]))
+        tops.append(float(cell.arm.tool(q).p[2]))
     step = {"move": {"to": cell.target(cell.joints(0.5)), "arch": {"top_m": max(tops) + cell.off()}}}
     cell.request["task"].append(step)
     return cell
@@ -357,8 +346,4 @@ KINDS: dict[str, Callable[[np.random.Generator], SmallRequest]] = {
 
 def random_request(kind: str, seed: int) -> Document:
     """The request of a kind (one of `KINDS`) and a seed: the same on every machine."""
-    cell = KINDS[kind](np.random.default_rng([seed, 2000 + list(KINDS).index(kind)]))
-    for key in ("frames", "bodies"):
-        if not cell.request[key]:
-            del cell.request[key]
-    return cell.request
+    return finished(KINDS[kind](np.random.default_rng([seed, 2000 + list(KINDS).index(kind)])).request)

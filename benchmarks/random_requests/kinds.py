@@ -1,4 +1,4 @@
-"""All kinds of random cells: those of the simulation, and those that only the oracle judges, in SI."""
+"""All kinds of random cells, in SI: those that are run with shifts, and those that are only judged as planned."""
 
 from __future__ import annotations
 
@@ -9,11 +9,18 @@ import numpy as np
 from benchmarks.judge.poses import Document
 from benchmarks.judge.solids import solid_of
 from benchmarks.random_requests import random_cells
-from benchmarks.random_requests.drafts import FIVE_BAR, SCARAS, THREE_AXES, Draft
+from benchmarks.random_requests.drafts import (
+    ELBOW,
+    FIVE_AXES,
+    FIVE_BAR,
+    POLAR,
+    SCARAS,
+    THREE_AXES,
+    TILTING,
+    Draft,
+    finished,
+)
 from benchmarks.random_requests.points import blended, through_points, traced
-
-ELBOW, POLAR, FIVE_AXES = "elbow-arm", "polar-arm", "mitsubishi-rv-m1"
-TILTING = (ELBOW, POLAR, FIVE_AXES)
 
 
 def random_cell(kind: str, seed: int) -> Document:
@@ -21,16 +28,11 @@ def random_cell(kind: str, seed: int) -> Document:
     if kind in random_cells.KINDS:
         return random_cells.random_cell(kind, seed)
     rng = np.random.default_rng([seed, 1000 + list(OWN).index(kind)])
-    draft = OWN[kind](rng)
-    draft.request.pop("beside_m", None)
-    for key in ("frames", "bodies"):
-        if not draft.request[key]:
-            del draft.request[key]
-    return draft.request
+    return finished(OWN[kind](rng).request)
 
 
 def _changed(kind: str, change: Callable[[Draft], None]) -> Callable[[np.random.Generator], Draft]:
-    """A cell of the simulation with a further requirement."""
+    """A cell that is run with shifts, with a further requirement."""
 
     def make(rng: np.random.Generator) -> Draft:
         draft = random_cells.KINDS[kind](rng)

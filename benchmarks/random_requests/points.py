@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from benchmarks.judge.arms import Arm, tilt
-from benchmarks.judge.poses import Document, Floats, Poses
+from benchmarks.judge.poses import Document, Floats
 from benchmarks.random_requests.drafts import Draft, drafted
 from benchmarks.random_requests.random_cells import surround
 
@@ -29,9 +29,6 @@ class Points:
         self.number = 0
         self.due = self.draft.request["start"].setdefault("at_s", self.draft.between(0.0, 2.0)) + 0.2
         self.draft.request["start"]["joints"] = self.arm.named(self.q)
-
-    def tool(self, q: Floats) -> Poses:
-        return self.arm.tool(q)
 
     @property
     def turns(self) -> bool:
@@ -52,7 +49,7 @@ class Points:
                 q[0], q[1] = rng.uniform(0.35, 1.6), -rng.uniform(0.35, 1.6)
                 if near is not None:
                     q[:2] = self.q[:2] + rng.uniform(-near, near, 2)
-            if np.isfinite(self.tool(q).p).all():
+            if np.isfinite(self.arm.tool(q).p).all():
                 return np.asarray(q)
         raise ValueError("joints that do not meet")
 
@@ -66,7 +63,7 @@ class Points:
     def target(self, near: float | None = None, still: bool = False, lasts: float = 0.0) -> Document:
         """Where the tool should be next: in the world, or on something that moves and is there in time."""
         draft, q = self.draft, self._somewhere(near)
-        place, self.q = self.tool(q), q
+        place, self.q = self.arm.tool(q), q
         self.due += draft.between(0.4, 0.9) + lasts
         found: Document = {"at_m": [float(x) for x in place.p]}
         yaw = float(place.yaw) if self.turns else 0.0
@@ -121,7 +118,7 @@ class Points:
                 begin = draft.request["start"]["at_s"]
                 step["window_s"] = [begin, begin + draft.between(0.8, 4.0)]
         if self.turns and self.arm.family == "scara" and draft.chance(0.2):
-            ahead = float(self.tool(self.q).yaw) + draft.between(0.4, 2.5)
+            ahead = float(self.arm.tool(self.q).yaw) + draft.between(0.4, 2.5)
             draft.request["robot"].setdefault("limits", {})["forbidden_yaw_rad"] = [[ahead, ahead + 0.3]]
 
     def trace(self) -> None:

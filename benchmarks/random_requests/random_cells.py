@@ -14,6 +14,7 @@ from benchmarks.random_requests.drafts import (
     THREE_AXES,
     Draft,
     drafted,
+    finished,
     neighbour_of,
     part_shape,
     start_above,
@@ -24,12 +25,7 @@ from benchmarks.random_requests.drafts import (
 def random_cell(kind: str, seed: int) -> Document:
     """The request of a kind (one of `KINDS`) and a seed."""
     rng = np.random.default_rng([seed, list(KINDS).index(kind)])
-    draft = KINDS[kind](rng)
-    draft.request.pop("beside_m", None)
-    for key in ("frames", "bodies"):
-        if not draft.request[key]:
-            del draft.request[key]
-    return draft.request
+    return finished(KINDS[kind](rng).request)
 
 
 # where parts come from and go to: the frame, the pose of what lies there, and on what it lies

@@ -16,8 +16,7 @@ from benchmarks.judge.inverse import solutions
 from benchmarks.judge.laws import frames_of
 from benchmarks.judge.poses import Document, Poses, about, short
 from benchmarks.judge.solids import Gap, gaps, shape_of, solid_of
-from benchmarks.random_requests.drafts import FIVE_BAR, SCARAS, THREE_AXES
-from benchmarks.random_requests.kinds import TILTING
+from benchmarks.random_requests.drafts import FIVE_BAR, SCARAS, THREE_AXES, TILTING
 from benchmarks.random_requests.random_cells import KINDS, random_cell
 
 MODELS = (*SCARAS, THREE_AXES, FIVE_BAR, *TILTING)

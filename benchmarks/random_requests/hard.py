@@ -1,37 +1,29 @@
-"""``python -m benchmarks.hard_requests``: does the checker refuse what the planner has proved, where it is hardest?
-
-The requests are of the kinds for which planner and checkers have disagreed. A kind and a seed make the same request on
-every machine; searches end by a count. An answer is planned and checked, refused for a reason, bad input, or an error.
-*Checker refuses* counts the answers in whose search, or at whose end, the checker refused a plan that the planner had
-proved. Exit 1 if there is an error, or a refusal by a checker.
-"""
+"""Requests of the kinds for which planner and checkers have disagreed; their searches end by a count."""
 
 from __future__ import annotations
 
-import signal
-from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-import typer
-from rich.console import Console
-from rich.progress import track
-from rich.table import Table
 
-from benchmarks.checker_refusals import SECOND, codes_of, keep, objections
 from benchmarks.judge.arms import Arm, rate, robot_file
 from benchmarks.judge.poses import Document, Floats, si
-from benchmarks.judge.product import checked, planned, shown
-from benchmarks.random_requests.drafts import FIVE_BAR, SCARAS, THREE_AXES, neighbour_of
-from benchmarks.random_requests.kinds import ELBOW, FIVE_AXES, KINDS, POLAR, TILTING, random_cell
+from benchmarks.random_requests.drafts import (
+    ELBOW,
+    FIVE_AXES,
+    FIVE_BAR,
+    POLAR,
+    SCARAS,
+    THREE_AXES,
+    TILTING,
+    finished,
+    neighbour_of,
+)
+from benchmarks.random_requests.kinds import KINDS, random_cell
 from benchmarks.random_requests.points import Points
 from benchmarks.random_requests.random_cells import surround
 
-CONSOLE, PROGRESS = Console(width=140), Console(stderr=True)
-COUNT = 12_000
 LATEST_S = 9.9e4
 """Latest start, s; no instant of a request may be later than 1e5 s."""
 HEIGHT_M = 0.1
@@ -191,7 +183,7 @@ def lag_on_a_tilting_arm(rng: np.random.Generator) -> Document:
     for number in range(int(rng.integers(1, 4))):
         points.steps(1)
         way = rng.normal(size=3)
-        at = points.tool(points.q).p + rng.uniform(0.03, 0.09) * way / np.linalg.norm(way)
+        at = points.arm.tool(points.q).p + rng.uniform(0.03, 0.09) * way / np.linalg.norm(way)
         shape = {"cylinder": {"radius_m": rng.uniform(0.004, 0.012), "height_m": rng.uniform(0.01, 0.03)}}
         body = points.draft.add_body(f"pin-{number}", shape, at.tolist())
         body["uncertainty"] = {"vertical_m": rng.uniform(0.0, 1e-3), "position_m": rng.uniform(0.0, 1e-3)}
@@ -251,107 +243,4 @@ HARD: dict[str, Callable[[np.random.Generator], Document]] = {
 
 def hard_request(kind: str, seed: int) -> Document:
     """The request of a kind (one of `HARD`) and a seed, in SI."""
-    request = HARD[kind](np.random.default_rng([seed, 2000 + list(HARD).index(kind)]))
-    request.pop("beside_m", None)
-    return {key: value for key, value in request.items() if key not in ("frames", "bodies") or value}
-
-
-# the campaign
-
-
-@dataclass(eq=False)
-class Tally:
-    """Of one kind: answers by what became of them, and the codes with which the checker refused plans. `by_checker`:
-    answers in whose search, or at whose end, it refused a plan; `lost`: those that have no other plan; `unshown`: plans
-    that the second checker does not accept, if it was used."""
-
-    requests: int = 0
-    planned: int = 0
-    refused: Counter[str] = field(default_factory=Counter)
-    bad_input: Counter[str] = field(default_factory=Counter)
-    errors: Counter[str] = field(default_factory=Counter)
-    by_checker: int = 0
-    lost: int = 0
-    unshown: int = 0
-    codes: Counter[str] = field(default_factory=Counter)
-
-
-def count(tally: Tally, kind: str, seed: int, request: Document, out: Path | None, prove: bool = False) -> None:
-    """Plans a request and counts its answer. One that failed is written to `out`."""
-    tally.requests += 1
-    try:
-        answer, fault = planned(request)
-        findings = None if answer is None else checked(request, answer)
-    except Exception as error:  # noqa: BLE001 - an error is a result of this campaign: counted, kept, and exit 1
-        tally.errors[type(error).__name__] += 1
-        if out is not None:
-            keep(out, f"{kind}-{seed}", request, {"error": f"{type(error).__name__}: {error}"})
-        return
-    if answer is None:
-        tally.bad_input[fault] += 1
-        return
-    codes, refusal = codes_of(answer, findings), ""
-    has_plan = answer["status"] == "planned" and not findings
-    if prove and has_plan:
-        refusal = shown(request, answer)
-        tally.unshown += bool(refusal)
-    tally.codes.update(set(codes))
-    tally.by_checker += bool(codes)
-    tally.lost += bool(codes) and not has_plan
-    tally.planned += has_plan
-    if not has_plan and not codes:
-        tally.refused[str(answer["reason"])] += 1
-    if out is not None and (codes or refusal):
-        keep(out, f"{kind}-{seed}", request, {SECOND: refusal, **objections(answer, findings)})
-
-
-def table_of(tallies: dict[str, Tally]) -> Table:
-    """The counts by kind."""
-    table = Table(box=None, header_style="bold")
-    numbers = ("requests", "planned", "refused", "checker refuses", "of these no plan", "bad input", "errors")
-    table.add_column("kind")
-    for name in numbers:
-        table.add_column(name, justify="right")
-    table.add_column("codes of the checker")
-    for kind, tally in tallies.items():
-        bad, errors, refused = (each.total() for each in (tally.bad_input, tally.errors, tally.refused))
-        counts = (tally.requests, tally.planned, refused, tally.by_checker, tally.lost, bad, errors)
-        codes = ", ".join(f"{code} {number}" for code, number in tally.codes.most_common())
-        table.add_row(kind, *map(str, counts), codes)
-    return table
-
-
-def main(
-    requests: Annotated[int, typer.Option("--count", min=1, help="Requests, of all kinds in turn.")] = COUNT,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the first request of each kind.")] = 0,
-    only: Annotated[list[str] | None, typer.Option(help="Only this kind; repeatable.")] = None,
-    prove: Annotated[bool, typer.Option("--prove", help="The second checker judges each plan, too.")] = False,
-    out: Annotated[Path, typer.Option(help="Where requests that fail are written.")] = Path("out/hard"),
-) -> None:
-    """Plan hard requests, and count what becomes of them, by kind."""
-    kinds = only or list(HARD)
-    if unknown := [kind for kind in kinds if kind not in HARD]:
-        raise typer.BadParameter(f"--only: got {unknown[0]}; allowed: {', '.join(HARD)}")
-    tallies = {kind: Tally() for kind in kinds}
-    # also where a shell that started this in the background has it ignored
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        for number in track(range(requests), "requests", console=PROGRESS):
-            kind, own = kinds[number % len(kinds)], seed + number // len(kinds)
-            count(tallies[kind], kind, own, hard_request(kind, own), out, prove)
-    except KeyboardInterrupt:
-        PROGRESS.print("interrupted: what was planned until then")
-    CONSOLE.print(table_of(tallies))
-    if prove:
-        CONSOLE.print(f"plans that the second checker refuses: {sum(tally.unshown for tally in tallies.values())}")
-    for name, counted in (("errors", "errors"), ("bad input", "bad_input"), ("reasons", "refused")):
-        for kind, tally in tallies.items():
-            counts = ", ".join(f"{what} {number}" for what, number in getattr(tally, counted).most_common())
-            if counts:
-                CONSOLE.print(f"{name}, {kind}: {counts}", highlight=False)
-    if any(tally.by_checker or tally.errors or tally.unshown for tally in tallies.values()):
-        raise typer.Exit(1)
-
-
-if __name__ == "__main__":
-    typer.run(main)
+    return finished(HARD[kind](np.random.default_rng([seed, 2000 + list(HARD).index(kind)])))
