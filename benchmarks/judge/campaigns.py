@@ -150,14 +150,14 @@ def faults_of(outcome: Outcome, real: Realisations) -> list[Document]:
     return [{**each, "realised": real.described(each["run"])} for each in found[:SHOWN]] + found[SHOWN:]
 
 
-def of_plans(_: Tally, request: Document, answer: Document, __: int) -> Judgement:
+def of_plans(_tally: Tally, request: Document, answer: Document, _seed: int) -> Judgement:
     """Judges a plan as it is planned."""
     if answer["status"] != "planned":
         return str(answer["reason"]), []
     return None, [asdict(each) for each in broken_promises(request, answer)]
 
 
-def of_refusals(_: Tally, request: Document, answer: Document, __: int) -> Judgement:
+def of_refusals(_tally: Tally, request: Document, answer: Document, _seed: int) -> Judgement:
     """Judges a refusal that claims a proof. A plan instead must keep what it promises."""
     if answer["status"] == "planned":
         return PLANNED, [asdict(each) for each in broken_promises(request, answer)]
@@ -167,12 +167,12 @@ def of_refusals(_: Tally, request: Document, answer: Document, __: int) -> Judge
     return (UNJUDGED, []) if broken is None else (None, [asdict(each) for each in broken])
 
 
-def of_checkers(_: Tally, __: Document, answer: Document, ___: int) -> Judgement:
+def of_checkers(_tally: Tally, _request: Document, answer: Document, _seed: int) -> Judgement:
     """Leaves a plan to the product's own checker."""
     return None if answer["status"] == "planned" else str(answer["reason"]), []
 
 
-def of_proofs(_: Tally, request: Document, answer: Document, __: int) -> Judgement:
+def of_proofs(_tally: Tally, request: Document, answer: Document, _seed: int) -> Judgement:
     """Runs the second checker on a plan. Raises `InputError` for an answer that no bundle can state."""
     if answer["status"] != "planned":
         return str(answer["reason"]), []

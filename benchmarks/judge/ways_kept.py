@@ -156,7 +156,7 @@ def _contacts(motion: Motion) -> list[Violation]:
 
 
 def _merged(spans: list[tuple[frozenset[str], float, float]]) -> list[tuple[list[str], float, float]]:
-    """Contacts in order, those joined of which one begins where the other ends."""
+    """Contacts in order; one that begins where another of its pair ends is joined to it."""
     found: list[tuple[list[str], float, float]] = []
     for pair, t0, t1 in sorted(spans, key=lambda each: (sorted(each[0]), each[1])):
         name = sorted(pair)

@@ -8,7 +8,17 @@ from pathlib import Path
 import pytest
 
 from assur.scenes import load
-from benchmarks.judge.campaigns import CAMPAIGNS, ELBOW, Campaign, RunningCampaign, ShiftTally, Tally, run, written
+from benchmarks.judge.campaigns import (
+    CAMPAIGNS,
+    ELBOW,
+    SOAK,
+    Campaign,
+    RunningCampaign,
+    ShiftTally,
+    Tally,
+    run,
+    written,
+)
 from benchmarks.judge.product import BAD_INPUT, planned
 from benchmarks.random_requests.random_cells import random_cell
 
@@ -75,7 +85,7 @@ def test_any_other_fault_of_a_cell_is_raised() -> None:
 
 
 def test_campaigns_run_in_turn_until_each_has_its_count() -> None:
-    going = [RunningCampaign(name, 1) for name in CAMPAIGNS]
+    going = [RunningCampaign(name, 1) for name in SOAK]
     calls: list[int] = []
     run(going, None, count=2, after_each=lambda: calls.append(1))
     assert [each.done for each in going] == [2, 2, 2]
