@@ -149,9 +149,6 @@ class Run:
                 found += share[..., None] * self.frame_error(name, clock)
         return found
 
-    def poses(self, t: Floats) -> Snapshot:
-        return Snapshot(self, t)
-
     # what happens
 
     def outcome(self) -> Outcome:
@@ -168,7 +165,7 @@ class Run:
     def _look(self, stage: Stage, found: Outcome) -> None:
         steps = max(int(np.ceil((stage.t1 - stage.t0) / STEP_S)), 1)
         grid = np.broadcast_to(np.linspace(stage.t0, stage.t1, steps + 1), (self.real.count, steps + 1))
-        snapshot = self.poses(grid)
+        snapshot = Snapshot(self, grid)
         self._within_range(snapshot, found)
         held = None if self.held is None else self.held[0]
         for pair in self.cell.pairs(stage, held, {name: frame for name, (frame, _) in self.seats.items()}):
@@ -176,7 +173,7 @@ class Run:
             rows, best = np.arange(self.real.count), margin.argmin(axis=1)
             if margin[rows, best].min() < FASTEST_M_S * STEP_S / 2.0:
                 around = grid[rows, best][:, None] + np.linspace(-STEP_S, STEP_S, 2 * FINER + 1)
-                finer = self.poses(np.clip(around, stage.t0, stage.t1))
+                finer = Snapshot(self, np.clip(around, stage.t0, stage.t1))
                 margin, at = self._margins(pair, finer), finer.t
             else:
                 at = grid
@@ -223,7 +220,7 @@ class Run:
     def _arrive(self, arrival: Document, found: Outcome) -> None:
         """How far the tool is from its point, and a held part from its place, when a step is done."""
         step = self.cell.request["task"][arrival["step"]]
-        snapshot = self.poses(np.full((self.real.count, 1), arrival["until_s"]))
+        snapshot = Snapshot(self, np.full((self.real.count, 1), arrival["until_s"]))
         tool, ((kind, given),) = snapshot.tool(), step.items()
         if kind == "pick":
             part = snapshot.body(given["part"])
@@ -262,7 +259,7 @@ class Run:
         """The part changes hands as it is: into the gripper, or into the frame in which it is put down."""
         ((kind, given),) = self.cell.request["task"][number].items()
         arrival = next(each for each in self.answer["arrivals"] if each["step"] == number)
-        snapshot = self.poses(np.full((self.real.count, 1), arrival["until_s"]))
+        snapshot = Snapshot(self, np.full((self.real.count, 1), arrival["until_s"]))
         part = given["part"]
         if kind == "pick":
             real = snapshot.links["flange"].inverse().then(snapshot.body(part))

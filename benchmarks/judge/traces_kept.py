@@ -62,18 +62,15 @@ def arc(begin: Floats, via: Floats, end: Floats) -> Part:
     return Part(begin, end, radius * angle, (centre, out, ahead, radius))
 
 
-def parts_of(start: Floats, path: list[Document], to: Floats | None = None) -> list[Part] | None:
+def parts_of(start: Floats, path: list[Document]) -> list[Part] | None:
     """The parts of a path from `start`; None if there is one that is not known here, or a corner."""
     found: list[Part] = []
     here = start
-    for number, piece in enumerate(path):
+    for piece in path:
         ((kind, given),) = piece.items()
         if kind == "spline":
             return None
-        end = np.array(given["to_m"]) if "to_m" in given else to
-        if end is None or (number == len(path) - 1 and to is not None):
-            end = to
-        assert end is not None
+        end = np.array(given["to_m"])
         part = line(here, end) if kind == "line" else arc(here, np.array(given["via_m"]), end)
         if found and found[-1].tangent(found[-1].length) @ part.tangent(0.0) < np.cos(CORNER_RAD):
             return None

@@ -99,19 +99,13 @@ class Reach:
 
         grid = np.unique(np.append(np.arange(low, high, SAMPLE_S), high))
         value = inside(grid)
-        found, k = list[tuple[float, float]](), 0
-        good = value >= 0.0
-        while k < len(grid):
-            if not good[k]:
-                k += 1
-                continue
-            m = k
-            while m + 1 < len(grid) and good[m + 1]:
-                m += 1
+        good = np.concatenate([[False], value >= 0.0, [False]])
+        found = list[tuple[float, float]]()
+        first, last = np.flatnonzero(good[1:] & ~good[:-1]), np.flatnonzero(good[:-1] & ~good[1:]) - 1
+        for k, m in zip(first, last, strict=True):
             t0 = grid[k] if k == 0 else _edge(inside, grid[k - 1], grid[k])
             t1 = grid[m] if m + 1 == len(grid) else _edge(inside, grid[m + 1], grid[m])
             found.append((float(t0), float(t1)))
-            k = m + 1
         return found
 
     def best(self, point: Point, number: int) -> tuple[float, float, str]:
