@@ -180,7 +180,7 @@ SEED ?= 0
 
 soak: $(VENV)/installed-test
 	$(BIN)/assur kernels
-	$(BIN)/python -m benchmarks.oracle $(if $(PLANS),--count $(PLANS),--minutes $(MINUTES)) --seed $(SEED) \
+	$(BIN)/python -m benchmarks.judge $(if $(PLANS),--count $(PLANS),--minutes $(MINUTES)) --seed $(SEED) \
 		$(foreach campaign,$(ONLY),--only $(campaign)) --out $(OUT)/soak
 
 check-deployment: $(VENV)/installed-test
@@ -229,7 +229,7 @@ image:
 		--label org.opencontainers.image.base.name="$(BASE)" --tag assur:$(VERSION) .
 prove-random: $(VENV)/installed-test
 	$(BIN)/assur kernels
-	$(BIN)/python -m benchmarks.proofs --plans $(if $(filter command line,$(origin PLANS)),$(PLANS),1000) --seed $(SEED)
+	$(BIN)/python -m benchmarks.judge --only proofs --count $(or $(PLANS),1000) --seed $(SEED) --out $(OUT)/proofs
 
 # Through HAProxy, where there is one (Debian: apt-get install haproxy).
 soak-service: $(VENV)/installed-test

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.checker_refusals import keep
+from benchmarks.judge.problems import Finding, recheck
 from benchmarks.problem_set import Problem, ProblemSet, read_problem_set
-from benchmarks.recheck.findings import Finding, recheck
 from benchmarks.translation import Match
 
 Document = dict[str, Any]

@@ -18,11 +18,11 @@ from rich.progress import track
 from benchmarks.commits import ask, planning
 from benchmarks.figures import Document, figure, finish, quantile
 from benchmarks.first_answer import refusals
+from benchmarks.judge.arms import Arm
+from benchmarks.judge.spline import Spline
 from benchmarks.judged import judged, problem_set
 from benchmarks.machine import ROOT, pin
 from benchmarks.peers.arm import along
-from benchmarks.recheck.arm import tool
-from benchmarks.recheck.spline import Spline
 from benchmarks.translation import Terms, request
 
 LEGS, SAMPLE, SEED = 200, 20, 20_240
@@ -54,7 +54,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="A few legs.")] = F
             answer = ask(program, document)
             record = judged(problems, problem, answer, "position", document)
             if answer["status"] == "planned":
-                record["findings"] += bent(answer["trajectory"], start, end)
+                record["findings"] += bent(document, answer["trajectory"], start, end)
             records[f"leg {number}"] = record | {"reference_s": fastest_joint_move(q[0], q[-1], problems.limits)}
 
     def over(share: float) -> Any:
@@ -85,11 +85,11 @@ def ends(number: int, limits: Any) -> tuple[list[float], list[float]]:
             return points[0].tolist(), points[1].tolist()
 
 
-def bent(knots: Document, start: list[float], end: list[float]) -> list[str]:
+def bent(document: Document, knots: Document, start: list[float], end: list[float]) -> list[str]:
     """Whether the tool leaves the line between its ends, or does not end there, and by how much."""
     spline = Spline.of(knots)
     q = spline.evaluate(np.linspace(spline.time[0], spline.time[-1], CHECKED))
-    p = tool(q, np.zeros_like(q)).position
+    p = Arm.of(document["robot"]).tool(q).p
     a, way = np.array(start), np.array(end) - np.array(start)
     s = np.clip((p - a) @ way / (way @ way), 0.0, 1.0)
     off = float(np.linalg.norm(p - a - s[:, None] * way, axis=-1).max())

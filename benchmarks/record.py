@@ -4,7 +4,7 @@ With `--against OTHER` the new folder is compared with one that was recorded bef
 readings of the clock are left out, so the same sources write the same bytes on the same machine. A folder has:
 
 - `answers`, `bundles`: a file for each shipped scenario, and for each of them that is planned;
-- `cells.json`: for each random cell of the oracle, the digest of its answer;
+- `cells.json`: for each random cell, the digest of its answer;
 - `durations.json`: for each scenario, problem of a set and random cell the duration in s, or why there is no plan.
 
 `benchmarks/recorded` has the durations of scenarios and sets. For kernels of the least processor of the family, as in
@@ -29,9 +29,9 @@ from assur.scenes.bundle import bundle_document
 from assur.scenes.kernels import load
 from assur.scenes.requests import plan_document, plan_scenario
 from assur.scenes.scenarios import shipped, shipped_scenarios
+from benchmarks.judge.product import BAD_INPUT, planned
 from benchmarks.judged import SETS, label, problem_set
-from benchmarks.oracle.kinds import KINDS, random_cell
-from benchmarks.oracle.product import BAD_INPUT, planned
+from benchmarks.random_requests.kinds import KINDS, random_cell
 from benchmarks.translation import Terms, request
 
 Document = dict[str, Any]

@@ -17,9 +17,9 @@ from rich.progress import track
 
 from assur.scenes import plan
 from benchmarks.figures import Document, figure, finish, of_planned
+from benchmarks.judge.spline import Spline
 from benchmarks.judged import problem_set
 from benchmarks.machine import pin
-from benchmarks.recheck.spline import Spline
 from benchmarks.translation import Terms, request
 
 PERIOD_S = 0.02

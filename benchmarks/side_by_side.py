@@ -18,11 +18,11 @@ from rich.progress import track
 from benchmarks.best_known import PATH, found, lower
 from benchmarks.commits import WARM_UP_SEEDS, ask, planning
 from benchmarks.figures import Document, Figure, Records, finish, quantile, unclean
+from benchmarks.judge.problems import Finding, recheck
 from benchmarks.judged import in_words, judged, label, problem_set
 from benchmarks.machine import ROOT, pin
 from benchmarks.peers.running import peers, question
 from benchmarks.problem_set import Problem, ProblemSet
-from benchmarks.recheck.findings import Finding, recheck
 from benchmarks.translation import Terms, request, unrelated_problem
 
 BUDGET_S = 1.0

@@ -1,4 +1,7 @@
-"""A problem of the benchmark as a request document (`schema: assur/1`), and a made-up problem to warm up with."""
+"""A problem of the benchmark as a request document (`schema: assur/1`), and a made-up problem to warm up with.
+
+The planner and the judge both read this document. Tests hold it to the formulas of `benchmarks/problems/README.md`.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +19,8 @@ Match = Literal["position", "velocity"]
 LATEST_END_S = 5.0
 """Nothing in the problems holds beyond."""
 
+A1_M, A2_M = 0.325, 0.275
+"""Shoulder axis to elbow axis, and elbow axis to tool axis."""
 ROBOT_BODIES: list[Document] = [
     {"name": "link-1", "link": "link1", "shape": {"box": {"size_m": [0.405, 0.08, 0.06]}}, "at_m": [0.1625, 0.0, 0.30]},
     {"name": "link-2", "link": "link2", "shape": {"box": {"size_m": [0.355, 0.08, 0.06]}}, "at_m": [0.1375, 0.0, 0.36]},
@@ -91,7 +96,7 @@ def robot(limits: Mapping[str, tuple[float, ...]]) -> Document:
         if unit == "m":
             joint["zero_m"] = 0.0
         joints.append(joint)
-    return {"l1_m": 0.325, "l2_m": 0.275, "joints": joints, "bodies": ROBOT_BODIES, "self_pairs": []}
+    return {"l1_m": A1_M, "l2_m": A2_M, "joints": joints, "bodies": ROBOT_BODIES, "self_pairs": []}
 
 
 def _obstacle(name: str, obstacle: Document) -> tuple[Document | None, Document]:

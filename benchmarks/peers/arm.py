@@ -11,24 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.recheck.arm import A1_M, A2_M
+from benchmarks.translation import A1_M, A2_M
 
 Array = Any
 
 
 def solutions(position: list[float], yaw: float, limits: dict[str, list[float]]) -> list[list[float]]:
     """Every q within the limits that puts the tool there, in both modes and all turns; those of least |q| first."""
-    x, y, z = position
-    cosine = (x * x + y * y - A1_M**2 - A2_M**2) / (2 * A1_M * A2_M)
-    if not -1.0 <= cosine <= 1.0:
-        return []
     found = []
     for sign in (1.0, -1.0):
-        q2 = sign * math.acos(cosine)
-        q1 = math.atan2(y, x) - math.atan2(A2_M * math.sin(q2), A1_M + A2_M * math.cos(q2))
+        q1, q2, z, q4 = along(position, position, (yaw, yaw), sign, 1)[0].tolist()
         for k1, k4 in product((-1, 0, 1), (-2, -1, 0, 1, 2)):
-            q4 = math.remainder(yaw - q1 - q2, 2 * math.pi)
-            q = [q1 + 2 * math.pi * k1, q2, z, q4 + 2 * math.pi * k4]
+            q = [q1 + 2 * math.pi * k1, q2, z, math.remainder(q4, 2 * math.pi) + 2 * math.pi * k4]
+            # not where the tool is out of reach: NaN
             if all(low <= value <= high for low, value, high in zip(limits["qmin"], q, limits["qmax"], strict=True)):
                 found.append(q)
     return sorted(found, key=lambda q: sum(abs(value) for value in q))

@@ -19,7 +19,7 @@ from mplib.collision_detection import fcl
 
 from benchmarks.dialogue import Document, answer_lines
 from benchmarks.peers.arm import solutions
-from benchmarks.recheck.arm import A1_M, A2_M, LINK_1_Z_M, LINK_2_Z_M, QUILL_LENGTH_M
+from benchmarks.translation import A1_M, A2_M, ROBOT_BODIES
 
 STEP_S = 0.005
 """Time between samples of its trajectory."""
@@ -28,10 +28,17 @@ MIN_POINTS = 2
 
 
 def urdf(limits: Document) -> str:
-    """The problems' arm. Joints q1 and q2 turn, z lifts, q4 turns the quill; links as in `benchmarks.recheck.arm`."""
+    """The problems' arm. Joints q1 and q2 turn, z lifts, q4 turns the quill; its bodies are `ROBOT_BODIES`."""
 
-    def solid(shape: str, x: float, z: float) -> str:
-        return f'<collision><origin xyz="{x} 0 {z}"/><geometry>{shape}</geometry></collision>'
+    def solid(body: Document) -> str:
+        ((kind, given),) = body["shape"].items()
+        size = {key.removesuffix("_m"): value for key, value in given.items()}
+        if kind == "box":
+            shape = f'<box size="{" ".join(map(str, size["size"]))}"/>'
+        else:
+            shape = f'<cylinder radius="{size["radius"]}" length="{size["height"]}"/>'
+        at = " ".join(map(str, body["at_m"]))
+        return f'<collision><origin xyz="{at}"/><geometry>{shape}</geometry></collision>'
 
     def link(name: str, body: str = "") -> str:
         inertia = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
@@ -45,13 +52,13 @@ def urdf(limits: Document) -> str:
             f'<origin xyz="{x} 0 0"/><axis xyz="0 0 1"/><limit {bound}/></joint>'
         )
 
-    quill = f'<cylinder radius="0.012" length="{QUILL_LENGTH_M}"/>'
+    first, second, quill = (solid(body) for body in ROBOT_BODIES)
     return (
         '<?xml version="1.0"?><robot name="scara">'
         + link("base")
-        + link("link1", solid('<box size="0.405 0.08 0.06"/>', A1_M / 2, LINK_1_Z_M))
-        + link("link2", solid('<box size="0.355 0.08 0.06"/>', A2_M / 2, LINK_2_Z_M))
-        + link("lift", solid(quill, 0.0, QUILL_LENGTH_M / 2))
+        + link("link1", first)
+        + link("link2", second)
+        + link("lift", quill)
         + link("tool")
         + joint(0, "base", "link1", 0.0)
         + joint(1, "link1", "link2", A1_M)

@@ -19,57 +19,51 @@ from ompl import base, geometric, util
 
 from benchmarks.dialogue import Document, answer_lines
 from benchmarks.peers.arm import solutions
-from benchmarks.recheck.arm import A1_M, A2_M, LINK_1, LINK_1_Z_M, LINK_2, LINK_2_Z_M, QUILL, QUILL_LENGTH_M
-from benchmarks.recheck.surroundings import placed_obstacles
-from benchmarks.soak.solids import Solid
+from benchmarks.translation import A1_M, A2_M, ROBOT_BODIES, Terms, request
 
 RESOLUTION = 0.001
 """Share of the space's extent (14 rad) between states that OMPL checks along a motion: at most 9 mm of the tool. At its
 default, ten times as much, one path in six goes through an edge."""
 
 
-UPRIGHT = np.eye(3)
-LYING = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
-"""Turns the z axis, along which fcl has a capsule, into the x axis."""
+def geometry_of(body: Document) -> Any:
+    """A box or an upright cylinder as `fcl` has it: static problems have no others."""
+    ((kind, given),) = body["shape"].items()
+    if kind == "box":
+        return fcl.Box(*given["size_m"])
+    return fcl.Cylinder(given["radius_m"], given["height_m"])
 
 
-def geometry_of(solid: Solid) -> tuple[Any, Any]:
-    """A box, an upright cylinder or a capsule along x as `fcl` has it, and its attitude (3, 3)."""
-    if solid.ball > 0.0:
-        return fcl.Capsule(solid.ball, 2.0 * solid.half_x), LYING
-    if solid.round_m > 0.0:
-        return fcl.Cylinder(solid.round_m, 2.0 * solid.half_z), UPRIGHT
-    return fcl.Box(2.0 * solid.half_x, 2.0 * solid.half_y, 2.0 * solid.half_z), UPRIGHT
+def placed(c: float, s: float, at: Any) -> Any:
+    """Where a body is that is turned about the vertical, by cosine and sine."""
+    return fcl.Transform(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), np.array(at))
 
 
 class World:
     """The obstacles of a static problem at their places, and the three bodies of the arm."""
 
-    def __init__(self, problem: Document) -> None:
+    def __init__(self, problem: Document, limits: Document) -> None:
         self.request = fcl.CollisionRequest()
-        self.arm = [fcl.CollisionObject(geometry_of(body)[0]) for body in (LINK_1, LINK_2, QUILL)]
+        self.arm = [fcl.CollisionObject(geometry_of(body)) for body in ROBOT_BODIES]
         self.obstacles = []
-        for placed in placed_obstacles(problem, np.zeros(1)):
-            c, s = np.cos(placed.yaw[0]), np.sin(placed.yaw[0])
-            turned = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-            geometry, attitude = geometry_of(placed.solid)
-            where = fcl.Transform(turned @ attitude, placed.centre[0])
-            self.obstacles.append(fcl.CollisionObject(geometry, where))
+        for body in request(problem, limits, Terms())["bodies"]:
+            yaw = body["pose"]["yaw_rad"]
+            where = placed(np.cos(yaw), np.sin(yaw), body["pose"]["at_m"])
+            self.obstacles.append(fcl.CollisionObject(geometry_of(body), where))
 
     def free(self, q: list[float]) -> bool:
         """Whether the arm touches nothing."""
         c1, s1 = np.cos(q[0]), np.sin(q[0])
         c2, s2 = np.cos(q[0] + q[1]), np.sin(q[0] + q[1])
-        elbow, tool = (A1_M * c1, A1_M * s1), (A1_M * c1 + A2_M * c2, A1_M * s1 + A2_M * s2)
-        middle = ((elbow[0] + tool[0]) / 2, (elbow[1] + tool[1]) / 2)
-        turns = ((c1, s1), (c2, s2), (1.0, 0.0))
-        at = (
-            (elbow[0] / 2, elbow[1] / 2, LINK_1_Z_M),
-            (*middle, LINK_2_Z_M),
-            (*tool, q[2] + QUILL_LENGTH_M / 2),
+        elbow = np.array([A1_M * c1, A1_M * s1, 0.0])
+        links = (
+            (c1, s1, np.zeros(3)),
+            (c2, s2, elbow),
+            (1.0, 0.0, elbow + np.array([A2_M * c2, A2_M * s2, q[2]])),
         )
-        for body, (c, s), p in zip(self.arm, turns, at, strict=True):
-            body.setTransform(fcl.Transform(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), np.array(p)))
+        for body, spelt, (c, s, origin) in zip(self.arm, ROBOT_BODIES, links, strict=True):
+            along, _, up = spelt["at_m"]
+            body.setTransform(placed(c, s, origin + np.array([along * c, along * s, up])))
             for obstacle in self.obstacles:
                 if fcl.collide(body, obstacle, self.request, fcl.CollisionResult()):
                     return False
@@ -79,7 +73,7 @@ class World:
 def path(problem: Document, limits: Document, budget_s: float) -> tuple[list[list[float]], float] | None:
     """The points of a simplified path, and the seconds until there was any path."""
     began = time.perf_counter()
-    world = World(problem)
+    world = World(problem, limits)
     space = base.RealVectorStateSpace(4)
     bounds = base.RealVectorBounds(4)
     for j in range(4):

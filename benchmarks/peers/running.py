@@ -28,8 +28,8 @@ MODULES: Mapping[str, str] = {
     "mplib": "benchmarks.peers.mplib_planner",
 }
 NEEDS: Mapping[str, tuple[str, ...]] = {
-    "ompl": ("numpy", "python-fcl", "ruckig", "coal", "trimesh", "ompl"),
-    "mplib": ("numpy", "python-fcl", "coal", "trimesh", "toppra", "mplib"),
+    "ompl": ("numpy", "python-fcl", "ruckig", "ompl"),
+    "mplib": ("numpy", "python-fcl", "toppra", "mplib"),
 }
 """What each peer's program cannot run without, in the versions of `requirements.txt`."""
 INSTALL_S, START_S, LIMIT_S = 600.0, 60.0, 30.0

@@ -59,7 +59,7 @@ def main(
 def write_page(results: Path) -> None:
     """Fills the page from a file of results, and keeps the results beside those of other benchmarks."""
     page_table.KEPT.write_text(results.read_text(encoding="utf-8"), encoding="utf-8")
-    text = page_table.table(ROWS, page_table.read(page_table.KEPT), page_table.read(page_table.BEFORE))
+    text = page_table.table(ROWS, page_table.read(page_table.KEPT))
     page_table.PAGE.write_text(page_table.filled(page_table.PAGE.read_text(encoding="utf-8"), text), encoding="utf-8")
 
 

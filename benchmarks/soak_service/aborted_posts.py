@@ -14,7 +14,7 @@ from benchmarks.soak_service.client import Reply, counted, served_times, togethe
 from benchmarks.soak_service.greedy_client import body_of
 from benchmarks.soak_service.large_bodies import small
 from benchmarks.soak_service.row import Numbers, Row, Run, above
-from benchmarks.soak_service.served import Watch, served
+from benchmarks.soak_service.served import served
 
 SECONDS, FEW_SECONDS = 60.0, 16.0
 EACH_S, OPEN_S = 2.0, 0.3
@@ -37,14 +37,13 @@ def measure(run: Run) -> Numbers:
                 while not stop.wait(pause_s):
                     replies.append(client.post(PLANS, quick) if number else client.get("/readyz"))
 
-        with Watch(service) as watch:
-            aborted, end = 0, time.monotonic() + run.pick(FEW_SECONDS, SECONDS)
-            with together(asks, 2):
-                while time.monotonic() < end:
-                    _abort(service.port, long)
-                    aborted += 1
-                    time.sleep(EACH_S - OPEN_S)
-            by_cause = service.lost_by_metrics()
+        aborted, end = 0, time.monotonic() + run.pick(FEW_SECONDS, SECONDS)
+        with together(asks, 2):
+            while time.monotonic() < end:
+                _abort(service.port, long)
+                aborted += 1
+                time.sleep(EACH_S - OPEN_S)
+        lost = service.lost()
     times = served_times(plans)
     return {
         "aborted": aborted,
@@ -55,8 +54,8 @@ def measure(run: Run) -> Numbers:
         "quick_replies": counted(plans),
         "quick_median_s": round(statistics.median(times), 3) if times else None,
         "quick_longest_s": round(max(times), 3) if times else None,
-        "workers_lost": len(watch.gone) if by_cause is None else int(sum(by_cause.values())),
-        "workers_lost_by_cause": by_cause,
+        "workers_lost": int(sum(lost.values())),
+        "workers_lost_by_cause": lost,
     }
 
 

@@ -97,7 +97,7 @@ def measure(run: Run) -> Numbers:
                     run.say(f"{len(kills)} kills, {counted(replies)}")
         until(5.0, lambda: service.zombies() == 0)
         zombies, after_mib = service.zombies(), service.rss_mib()
-        by_cause = service.lost_by_metrics()
+        lost = service.lost()
     failed = [(reply.began, reply.ended) for reply in replies if reply.status != 200]
     good = [reply for reply in replies if reply.status == 200]
     return {
@@ -113,7 +113,7 @@ def measure(run: Run) -> Numbers:
         "zombies": zombies,
         "web_mib": [round(before_mib, 1), round(after_mib, 1)],
         "web_growth_mib": round(after_mib - before_mib, 1),
-        "workers_lost_by_cause": by_cause,
+        "workers_lost_by_cause": lost,
     }
 
 

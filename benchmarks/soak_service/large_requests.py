@@ -42,13 +42,12 @@ def measure(run: Run) -> Numbers:
                         cost = _cost(service, ADDRESS.get(group, "/v1/plans"), body)
                         costs.append({"group": group, "request": name, "bytes": len(body), **cost})
                         run.say(str(costs[-1]))
-            lost = service.lost_by_metrics()
+            lost = service.lost()
     peaks = [each["peak_mib"] for each in costs]
     return {
         "idle_worker_mib": idle_mib,
         "peak_mib": max(peaks),
         "web_peak_mib": round(watch.web_peak_mib),
-        "workers_gone": len(watch.gone),
         "workers_lost_by_cause": lost,
         "requests": costs,
     }

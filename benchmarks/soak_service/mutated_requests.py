@@ -161,7 +161,7 @@ def measure(run: Run) -> Numbers:
         with Watch(service) as watch:
             with together(sender.connection, CONNECTIONS):
                 pass
-            by_cause = service.lost_by_metrics()
+            lost = service.lost()
             rss_mib = service.rss_mib()
         _, bad_lines = service.log_lines()
     took_s = time.monotonic() - began
@@ -171,9 +171,8 @@ def measure(run: Run) -> Numbers:
         "per_second": round(sender.sent / took_s, 1),
         "replies": dict(sorted(sender.replies.items())),
         **{name: sender.counts[name] for name in (*LIMITS, "turned_away", "checks")},
-        "workers_gone": len(watch.gone),
-        "workers_lost": len(watch.gone) if by_cause is None else int(sum(by_cause.values())),
-        "workers_lost_by_cause": by_cause,
+        "workers_lost": int(sum(lost.values())),
+        "workers_lost_by_cause": lost,
         "log_lines_not_json": len(bad_lines),
         "examples_of_log_lines": [line[:160] for line in bad_lines[:5]],
         "worker_peak_mib": round(watch.peak_mib),

@@ -26,7 +26,12 @@ DRAIN_S = 3.0
 """A replica takes requests for so long after the signal to stop, s. The proxy requests its readiness each 0.5 s."""
 NAMES = "ab"
 """Names of the replicas, with which the ids of their jobs begin; the proxy has them in this order."""
-SETTINGS: dict[str, object] = {"workers": 1, "max_budget_s": 10.0}
+SETTINGS: dict[str, object] = {
+    "workers": 1,
+    "max_budget_s": 10.0,
+    "drain_s": DRAIN_S,
+    "forwarded_from": "127.0.0.1",
+}
 
 
 class _Replicas:
@@ -39,8 +44,7 @@ class _Replicas:
 
     def _started(self, number: int, times: int) -> Service:
         log = self._run.below("logs") / f"replica-{number}-{times}.log"
-        wished = {"replica": NAMES[number], "drain_s": DRAIN_S, "forwarded_from": "127.0.0.1"}
-        return self._stack.enter_context(served(log, self.ports[number], SETTINGS, wished=wished))
+        return self._stack.enter_context(served(log, self.ports[number], SETTINGS, replica=NAMES[number]))
 
     def restart(self, number: int, times: int) -> tuple[int | None, float]:
         """Its exit code after SIGTERM, and how long the end took, s; then it is ready again."""
@@ -60,7 +64,6 @@ def measure(run: Run) -> Numbers:
     with ExitStack() as stack:
         replicas = _Replicas(run, stack)
         long = body_of(replicas.services[0], JOB_S)
-        missing = replicas.services[0].lacking
         port = stack.enter_context(proxied(run.below("rolling-restart"), replicas.ports))
 
         def asks(number: int, stop: threading.Event) -> None:
@@ -80,7 +83,6 @@ def measure(run: Run) -> Numbers:
             time.sleep(SETTLED_S)
     failed = [reply for reply in replies if reply.status != 200]
     return {
-        "missing": missing,
         "restarts": len(ends),
         "requests": len(replies),
         "lost": len(failed),

@@ -19,7 +19,7 @@ import psutil
 
 from benchmarks.machine import ROOT
 from benchmarks.soak_service.client import Client, fetch, until
-from benchmarks.soak_service.row import NotThereError, RowError
+from benchmarks.soak_service.row import RowError
 
 START_S, STOP_S = 180.0, 200.0
 """Longest start and longest stop of a service, s."""
@@ -40,7 +40,6 @@ class Service:
         self.log = log
         self.web = psutil.Process(process.pid)
         self.port = 0
-        self.lacking: list[str] = []
 
     def client(self, source: str = "127.0.0.1", key: str | None = None, timeout: float = 120.0) -> Client:
         """A client at `source`, with an API key or without."""
@@ -91,10 +90,9 @@ class Service:
                 bad.append(line)
         return good, bad
 
-    def lost_by_metrics(self) -> dict[str, float] | None:
-        """Workers that ended without a request to end, by cause, from /metrics; None if it does not count them."""
-        reply = fetch(self.port, "/metrics", timeout=10.0)
-        return lost_workers(reply.body.decode(errors="replace")) if reply.status == 200 else None
+    def lost(self) -> dict[str, float]:
+        """Workers that ended without a request to end, by cause, from /metrics."""
+        return lost_workers(fetch(self.port, "/metrics", timeout=10.0).body.decode(errors="replace"))
 
     def stop(self, patience_s: float = STOP_S) -> int | None:
         """SIGTERM, and the exit code; None where the process had to be killed, so long after."""
@@ -112,27 +110,28 @@ class Service:
         return [child for child in _listed(self.web) if _status(child) not in (psutil.STATUS_ZOMBIE, "")]
 
 
-def lost_workers(metrics: str) -> dict[str, float] | None:
-    """Numbers of workers that ended, by cause, in a text in the format of Prometheus; None if it has none."""
+def lost_workers(metrics: str) -> dict[str, float]:
+    """Numbers of workers that ended, by cause, in a text in the format of Prometheus. Raises `RowError` if it has
+    none."""
     found: Counter[str] = Counter()
-    there = False
-    for labels, value in LOST.findall(metrics):
-        there = True
+    lines = LOST.findall(metrics)
+    if not lines:
+        raise RowError("/metrics does not count the workers that ended")
+    for labels, value in lines:
         cause = dict(re.findall(r'(\w+)="([^"]*)"', labels)).get("cause", "unknown")
         if cause not in PLANNED and float(value) > 0:
             found[cause] += float(value)  # type: ignore[assignment]
-    return dict(found) if there else None
+    return dict(found)
 
 
 class Watch:
-    """Observes the processes of a service while a block runs: which workers ended, and the memory of each."""
+    """Observes the processes of a service while a block runs: which workers there were, and the memory of each."""
 
     def __init__(self, service: Service) -> None:
         self._service = service
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._look, daemon=True)
         self.seen: set[int] = set()
-        self.gone: set[int] = set()
         self.peak_kib: Counter[int] = Counter()
         self.web_peak_mib = 0.0
 
@@ -154,7 +153,6 @@ class Watch:
             if self._service.process.poll() is not None:
                 return
             living = {worker.pid for worker in self._service.workers()}
-            self.gone |= self.seen - living
             self.seen |= living
             for pid in living:
                 self.peak_kib[pid] = max(self.peak_kib[pid], peak_kib(pid))
@@ -213,51 +211,25 @@ def served(
     port: int = 0,
     settings: Mapping[str, object] | None = None,
     patience_s: float = STOP_S,
-    wished: Mapping[str, object] | None = None,
     **more: object,
 ) -> Iterator[Service]:
     """A service that is ready, with `settings` and `more` (``workers=2`` is ASSUR_WORKERS); its log is written to
-    `log`. Of the settings `wished` it has those that it knows; `lacking` of it names the others. It ends with the
-    block, and nothing of it stays: by SIGTERM, and what is left `patience_s` later is killed.
+    `log`. It ends with the block, and nothing of it stays: by SIGTERM, and what is left `patience_s` later is killed.
 
-    Raises `NotThereError` where it does not know one of the settings, `RowError` where it does not become ready.
+    Raises `RowError` where it does not become ready, as with a setting that it does not know.
     """
-    given, wishes = {**(settings or {}), **more}, dict(wished or {})
-    lacking: list[str] = []
-    while True:
-        service = _begun(log, port, {_variable(name): str(value) for name, value in {**given, **wishes}.items()})
-        service.lacking = lacking
-        try:
-            _wait_until_ready(service)
-            yield service
-            return
-        except _UnknownSettingError as unknown:
-            name = next((wish for wish in wishes if _variable(wish) == unknown.name), None)
-            if name is None:
-                raise NotThereError(f"the setting {unknown.name}") from unknown
-            del wishes[name]
-            lacking.append(f"the setting {unknown.name}")
-        finally:
-            if service.process.poll() is None:
-                service.stop(patience_s)
-
-
-class _UnknownSettingError(Exception):
-    def __init__(self, name: str) -> None:
-        super().__init__(name)
-        self.name = name
-
-
-def _variable(name: str) -> str:
-    return f"ASSUR_{name.upper()}"
-
-
-def _begun(log: Path, port: int, given: dict[str, str]) -> Service:
     clean = {name: value for name, value in os.environ.items() if not name.startswith("ASSUR_")}
+    given = {f"ASSUR_{name.upper()}": str(value) for name, value in {**(settings or {}), **more}.items()}
     command = [sys.executable, "-m", "assur.api.command_line", "serve", "--port", str(port)]
     with log.open("wb") as stream:
         process = subprocess.Popen(command, cwd=ROOT, env=clean | given, stdout=stream, stderr=stream)
-    return Service(process, log)
+    service = Service(process, log)
+    try:
+        _wait_until_ready(service)
+        yield service
+    finally:
+        if service.process.poll() is None:
+            service.stop(patience_s)
 
 
 def _wait_until_ready(service: Service) -> None:
@@ -274,9 +246,7 @@ def _wait_until_ready(service: Service) -> None:
 
     ready_in_time = until(START_S, listens) and until(START_S, ready)
     if service.process.poll() is not None:
-        unknown = re.search(r"(ASSUR_\w+): got .*; allowed: one of ASSUR_", text())
-        if unknown is not None:
-            raise _UnknownSettingError(unknown.group(1))
-        raise RowError(f"the service ended while it started: {text()[-300:]!r}")
+        last = next(iter(text().strip().splitlines()[-1:]), "")
+        raise RowError(f"the service ended while it started: {last[:300]!r}")
     if not ready_in_time:
         raise RowError(f"the service did not become ready in {START_S:g} s: {text()[-300:]!r}")

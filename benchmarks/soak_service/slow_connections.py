@@ -35,7 +35,7 @@ def measure(run: Run) -> Numbers:
         folder = run.below("slow-connections")
         with (
             ExitStack() as stack,
-            served(run.below("logs") / f"slow, {name}.log", workers=1, patience_s=0.0, wished=BEHIND) as service,
+            served(run.below("logs") / f"slow, {name}.log", workers=1, patience_s=0.0, settings=BEHIND) as service,
         ):
             port = service.port
             if name == "behind the proxy":

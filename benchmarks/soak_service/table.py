@@ -14,8 +14,6 @@ from benchmarks.soak_service.row import Row
 PAGE = ROOT / "docs" / "how-it-is-tested.md"
 KEPT = ROOT / "benchmarks" / "results" / "soak_service.json"
 """The results that the page shows."""
-BEFORE = ROOT / "benchmarks" / "results" / "soak_service_before.json"
-"""Results of the same rows before the service was changed for them."""
 BUSY = 3.0
 """Above this load at its begin a row says so: others had the processors, too."""
 MARKED = re.compile(r"(<!-- soak of the service -->\n)(.*?)(<!-- end -->)", re.DOTALL)
@@ -33,17 +31,15 @@ def read(path: Path) -> dict[str, Any]:
     return document
 
 
-def table(rows: Sequence[Row], results: Results, before: Results) -> str:
+def table(rows: Sequence[Row], results: Results) -> str:
     """Head and table: each row with its bar, its result, and the verdict."""
     found = results["rows"]
-    if not found and not before["rows"]:
+    if not found:
         return NOTHING
-    head = _head(rows, results) if found else NOTHING.rstrip()
-    lines = [head, "", "| figure | first measured | before | bar | found | verdict |", "|---|---|---|---|---|---|"]
+    lines = [_head(rows, results), "", "| figure | first measured | bar | found | verdict |", "|---|---|---|---|---|"]
     for row in rows:
         result = found.get(row.name)
-        earlier = before["rows"].get(row.name)
-        cells = [row.title, row.before, _cell(earlier), row.bar, _cell(result), _verdict(result)]
+        cells = [row.title, row.before, row.bar, _cell(result), _verdict(result)]
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return "\n".join(lines) + "\n"
 

@@ -61,7 +61,7 @@ BANNED_NAMES = {
 
 EXCEPT = {
     "pickle.loads": "assur.api.workers.worker_process",  # between the web process and its own workers
-    "enable_signed_distance": "benchmarks.soak.solids",  # that of coal, which is not in the product
+    "enable_signed_distance": "benchmarks.judge.solids",  # that of coal, which is not in the product
 }
 """Where a banned name is allowed all the same."""
 
@@ -156,29 +156,29 @@ def test_the_planner_opens_no_file_knows_no_http_and_reads_no_environment() -> N
     assert worldly(tuple(source for source in sources("planner") if source.name not in COMPILER)) == []
 
 
-ASKING = ("benchmarks.oracle.product",)
-"""Modules of the simulation and the oracle that ask the product for answers."""
+ASKING = ("benchmarks.judge.product",)
+"""Modules of the judge that ask the product for answers."""
 
 
 def shared_with_the_product(found: tuple[Source, ...]) -> list[str]:
-    """Imports of the product by the simulation and the oracle, but for where they ask it for answers."""
+    """Imports of the product by the judge and what makes random requests, but for where it asks for answers."""
     return [
         f"{source.path}:{line} imports {name}"
         for source in found
-        if source.name.startswith(("benchmarks.soak.", "benchmarks.oracle")) and source.name not in ASKING
+        if source.name.startswith(("benchmarks.judge", "benchmarks.random_requests")) and source.name not in ASKING
         for name, line in imports(source.tree)
         if name.startswith("assur")
     ]
 
 
-def test_simulation_and_oracle_share_no_code_with_what_they_judge() -> None:
+def test_the_judge_shares_no_code_with_what_it_judges() -> None:
     assert shared_with_the_product(sources(*BESIDE)) == []
 
 
-def test_an_oracle_that_imports_the_planner_is_found() -> None:
+def test_a_judge_that_imports_the_planner_is_found() -> None:
     text = "def f():\n    from assur.planner.kernels import gjk"
-    found = shared_with_the_product(made_up("benchmarks.oracle.motion", text))
-    assert "benchmarks/oracle/motion.py:2 imports assur.planner.kernels" in found
+    found = shared_with_the_product(made_up("benchmarks.judge.motion", text))
+    assert "benchmarks/judge/motion.py:2 imports assur.planner.kernels" in found
 
 
 def test_the_service_is_seen_from_outside_by_what_puts_it_under_harm() -> None:
@@ -196,7 +196,7 @@ def test_the_recheck_shares_no_code_with_what_it_rechecks() -> None:
     shared = [
         f"{source.path}:{line} imports {name}"
         for source in sources(*BESIDE)
-        if source.name.startswith("benchmarks.recheck") or source.name == "benchmarks.problem_set"
+        if source.name in ("benchmarks.recheck", "benchmarks.problem_set", "benchmarks.translation")
         for name, line in imports(source.tree)
         if name.startswith(("assur", "benchmarks.run"))
     ]

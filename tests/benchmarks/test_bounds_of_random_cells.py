@@ -10,7 +10,7 @@ from assur.planner.bound.duration import least_duration
 from assur.planner.model.outcome import Planned
 from assur.planner.pipeline import plan
 from assur.scenes.requests import scene_of
-from benchmarks.soak.random_cells import KINDS, random_cell
+from benchmarks.random_requests.random_cells import KINDS, random_cell
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -13,10 +13,10 @@ from benchmarks import figures
 from benchmarks.best_known import PATH, read, worst
 from benchmarks.figures import Figure, figure, finish
 from benchmarks.first_answer import OURS, figures_of
+from benchmarks.judge.problems import Finding
 from benchmarks.judged import SETS, label, problem_set
 from benchmarks.machine import ROOT, machine
 from benchmarks.peers.running import NEEDS, REQUIREMENTS, peers
-from benchmarks.recheck.findings import Finding
 from benchmarks.report import BLOCKS, MARKED, PAGE, SCRIPTS, filled, results
 from benchmarks.scaling import FEW_SIZES, aside, crowd
 from benchmarks.scaling import figures_of as scaling_figures

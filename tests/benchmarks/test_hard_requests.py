@@ -7,15 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from assur.planner.checker import Code, Finding, Verdict
 from assur.planner.model.refusal import Obstacle
-from assur.planner.search import census
 from assur.scenes.requests import check_document, plan_document, validate
-from benchmarks import hard_requests
 from benchmarks.checker_refusals import Document, codes_of
-from benchmarks.hard_requests import HARD, Tally, count, hard_request, later, table_of
-from benchmarks.oracle.impossible import random_request
-from benchmarks.oracle.kinds import random_cell
+from benchmarks.judge.campaigns import CAMPAIGNS, Tally
+from benchmarks.judge.product import BAD_INPUT
+from benchmarks.random_requests.hard import HARD, hard_request, later
+from benchmarks.random_requests.impossible import random_request
+from benchmarks.random_requests.kinds import random_cell
 
 EACH = 7
 """Requests of each kind: 63 of all kinds."""
@@ -29,14 +28,14 @@ def test_a_kind_and_a_seed_make_one_request_which_is_in_si() -> None:
 
 
 @pytest.mark.parametrize("kind", HARD)
-def test_each_answer_is_planned_and_checked_or_refused_or_counted_against_the_checker(kind: str) -> None:
+def test_each_answer_is_planned_and_checked_or_refused_for_a_reason(kind: str) -> None:
+    """The checker refuses no plan of these requests."""
     tally = Tally()
     for seed in range(EACH):
-        count(tally, kind, seed, hard_request(kind, seed), None)
-    assert (tally.requests, tally.errors.total(), tally.bad_input.total()) == (EACH, 0, 0)
-    assert tally.planned + tally.refused.total() + tally.lost == EACH
-    assert tally.by_checker <= MOST[kind], tally.codes
-    assert tally.planned > 0
+        CAMPAIGNS["hard"].evaluate(tally, kind, seed, hard_request(kind, seed))
+    assert tally.clean, tally.codes
+    assert tally.evaluated + tally.refused.total() == tally.by_checker == EACH
+    assert tally.evaluated > 0
 
 
 @pytest.mark.parametrize(("kind", "seed"), [("tiny limits", 27), ("tiny limits", 264), ("tiny limits", 1293)])
@@ -78,49 +77,24 @@ def test_an_error_without_a_bound_is_no_number_of_an_answer() -> None:
     assert answer["best_candidate"]["arrivals"][0]["error"] is None
 
 
-MOST = {
-    "mesh round the arm": 0,
-    "neighbour, late clock": 0,
-    "late clock": 0,
-    "no yaw": 0,
-    "moves flown by": 0,
-    "lag, tilting arm": 0,
-    "tiny limits": 0,
-    "much lag": 0,
-    "ends of ranges": 0,
-}
-"""Most answers of these requests of whose plans the checker may refuse one."""
-
-
 def test_all_instants_of_a_document_are_later_and_no_durations() -> None:
     document = {"at_s": 1.0, "window_s": [1.0, 2.0], "dwell_s": 3.0, "points": [{"time_s": 4.0}], "budget_s": 5.0}
     moved = {"at_s": 101.0, "window_s": [101.0, 102.0], "dwell_s": 3.0, "points": [{"time_s": 104.0}], "budget_s": 5.0}
     assert later(document, 100.0) == moved
 
 
-def test_a_plan_that_the_checker_refuses_is_counted_and_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    kind = "mesh round the arm"
-    verdict = Verdict.of([Finding(Code.ARRIVAL, "this plan is refused", where="1 s")])
-    monkeypatch.setattr(census, "check", lambda *_, **__: verdict)
-    tally = Tally()
-    count(tally, kind, 0, hard_request(kind, 0), tmp_path)
-    assert (tally.planned, tally.by_checker, tally.lost, dict(tally.codes)) == (0, 1, 1, {"ARRIVAL": 1})
-    assert json.loads((tmp_path / "mesh-round-the-arm-0.json").read_bytes()) == hard_request(kind, 0)
-    assert table_of({kind: tally}).row_count == 1
-
-
-def test_an_error_of_the_product_is_counted_and_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    def fails(_: object) -> None:
+def test_an_error_of_the_product_is_a_fault_and_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def fails(*_: object, **__: object) -> None:
         raise ZeroDivisionError("0/0")
 
-    monkeypatch.setattr(hard_requests, "planned", fails)
+    monkeypatch.setattr("benchmarks.judge.product.plan_document", fails)
     tally = Tally()
-    count(tally, "no yaw", 0, hard_request("no yaw", 0), tmp_path)
-    assert dict(tally.errors) == {"ZeroDivisionError": 1}
+    assert not CAMPAIGNS["hard"].evaluate(tally, "no yaw", 0, hard_request("no yaw", 0), tmp_path)
+    assert (dict(tally.faults), tally.clean) == ({"ZeroDivisionError": 1}, False)
     assert "0/0" in (tmp_path / "no-yaw-0.faults.json").read_text(encoding="utf-8")
 
 
 def test_a_request_that_is_bad_input_is_counted_by_its_field() -> None:
     tally = Tally()
-    count(tally, "no yaw", 0, {**hard_request("no yaw", 0), "task": []}, None)
-    assert dict(tally.bad_input) == {"task": 1}
+    CAMPAIGNS["hard"].evaluate(tally, "no yaw", 0, {**hard_request("no yaw", 0), "task": []})
+    assert dict(tally.refused) == {f"{BAD_INPUT} task": 1}

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.judge.problems import recheck
 from benchmarks.problem_set import ProblemSet, read_problem_set
-from benchmarks.recheck.__main__ import recheck_lines
-from benchmarks.recheck.findings import Match, recheck
+from benchmarks.recheck import recheck_lines
+from benchmarks.translation import Match
 from tests.benchmarks.hand_made import along, answer, joints_at, problem_set, with_more_knots
 
 PROBLEMS = Path(__file__).parents[2] / "benchmarks" / "problems"

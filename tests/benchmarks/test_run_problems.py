@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.judged import SETS, problem_set
-from benchmarks.recheck.__main__ import recheck_lines
+from benchmarks.recheck import recheck_lines
 from benchmarks.run_problems import choose, run
 from benchmarks.translation import Match, Terms
 

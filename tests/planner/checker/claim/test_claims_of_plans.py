@@ -15,7 +15,7 @@ from assur.planner.errors import InputError
 from assur.scenes.bundle import bundle_document
 from assur.scenes.requests import plan_document
 from assur.scenes.scenarios import shipped_scenarios
-from benchmarks.soak.random_cells import KINDS, random_cell
+from benchmarks.random_requests.random_cells import KINDS, random_cell
 from tests.forgeries.claims import read
 from tests.prover.bundles import bundle
 from tests.scenes.cells.answers import answer

@@ -12,7 +12,7 @@ from assur.planner.errors import InputError
 from assur.planner.model.outcome import Plan
 from assur.scenes.resampling.grid import arrivals_on, legs_on, on_nanoseconds, on_ticks
 from assur.scenes.scenarios import shipped_scenarios
-from benchmarks.soak.random_cells import KINDS, random_cell
+from benchmarks.random_requests.random_cells import KINDS, random_cell
 from tests.planner.checker.statement.cases import VARIANTS, case_of, claim_of, differences, planned, sealed
 from tests.prover.test_meshes import CASES as MESHES
 
