@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from assur.planner.model.deadline import Stopwatch, Watch
     from assur.planner.model.outcome import Plan
     from assur.planner.model.scene import Scene
-    from assur.scenes.reading.cell import Cell
+    from assur.scenes.reading.cell import Cell, Kept
 
 __all__ = [
     "BUDGETS",
@@ -121,15 +121,15 @@ def cell_of(
     return cell
 
 
-def changed_cell(document: dict[str, Any], request: RequestDocument, changes: dict[str, Any]) -> Cell:
+def changed_cell(document: dict[str, Any], request: RequestDocument, changes: dict[str, Any], own: Kept) -> Cell:
     """The cell of a valid request whose document has the fields of `changes` in place of its own. Only these are read
-    again, if robot and surroundings are not among them. Raises `InputError` naming the field."""
+    again, if robot and surroundings are not among them, which `own` keeps. Raises `InputError` naming the field."""
     from assur.scenes.reading.cell import cell_of as build
 
     written = {**document, **changes}
     if not changes.keys() <= ChangesDocument.model_fields.keys():
         return build(written, validate(written))
-    return build(written, request.changed(read(ChangesDocument, changes)))
+    return build(written, request.changed(read(ChangesDocument, changes)), own)
 
 
 def _accepted(

@@ -118,6 +118,7 @@ class RequestDocument(Document):
 
     def changed(self, changes: ChangesDocument) -> RequestDocument:
         """The request with those fields that `changes` states in place of its own."""
+        self.surroundings  # noqa: B018 - the copy has the text, too: it is made once
         stated = {name: value for name in changes.model_fields_set if (value := getattr(changes, name)) is not None}
         made = BaseModel.model_copy(self, update=stated)  # `changes` are valid
         made.__dict__.pop("digest", None)  # of the request before, where it was computed
