@@ -11,12 +11,12 @@ from types import UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from annotated_types import MaxLen
-from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError, create_model
 from pydantic.fields import FieldInfo
 from typing_extensions import get_type_hints, is_typeddict
 
 from assur.planner.errors import FaultError
-from assur.scenes.bounds import FAR_M, MAX_DEPTH, MAX_JOINTS
+from assur.scenes.bounds import FAR_M, MAX_JOINTS
 from assur.scenes.faults import MOST_FAULTS, DocumentError, Path, as_written, dotted, likeliest, together
 from assur.scenes.schema.model import NAME, REFERENCE, ByName
 from assur.scenes.schema.normal import SINGLE, normal
@@ -50,9 +50,20 @@ COMPARISONS = {
 
 def read(model: Any, document: object) -> Any:
     """The document, which may be written in any units and with numbers of NumPy, as `model`. Raises `DocumentError`."""
+    return _read(model, document, _adapter(model))
+
+
+def _read(model: Any, document: object, by: TypeAdapter[Any]) -> Any:
     faults: list[DocumentError] = []
     found = document if check_sizes(model, document) else normal(document, faults)
-    return _validated(model, document, (), lambda: _adapter(model).validate_python(found), faults)
+    return _validated(model, document, (), lambda: by.validate_python(found), faults)
+
+
+def read_fields(model: type[BaseModel], document: dict[str, Any]) -> dict[str, Any]:
+    """The values of those fields of `model` that the document has, which are read as `read` reads them. Raises
+    `DocumentError`."""
+    found: BaseModel = _read(model, document, _of_fields(model))
+    return {name: getattr(found, name) for name in found.model_fields_set}
 
 
 def read_normal(model: Any, normal_document: object, document: object, prefix: Path = ()) -> Any:
@@ -96,6 +107,16 @@ def _validated(
 @cache
 def _adapter(model: Any) -> TypeAdapter[Any]:
     return TypeAdapter(model)
+
+
+@cache
+def _of_fields(model: type[BaseModel]) -> TypeAdapter[Any]:
+    """That of a model with the same fields, of which none must be given."""
+    fields: dict[str, Any] = {
+        name: (field.rebuild_annotation(), FieldInfo(default=None, alias=field.alias))
+        for name, field in model.model_fields.items()
+    }
+    return TypeAdapter(create_model(model.__name__, __config__=model.model_config, **fields))
 
 
 def _location(model: Any, document: object, parts: Path) -> Path | None:
@@ -310,38 +331,48 @@ class _Shape:
 def check_sizes(model: type[BaseModel], document: object) -> bool:
     """Raises `DocumentError` at the first list or mapping that has more items than `model` takes there. Returns whether
     the document is as `normal` makes it: in SI and of plain types, as most that programs write."""
+    if _is_normal(_of_model(model), document):
+        return True
     left: list[tuple[_Shape, Any, Path]] = [(_of_model(model), document, ())]
-    is_normal = True
     while left:
         shape, value, path = left.pop()
         mapping = isinstance(value, dict)
-        if mapping:
-            plain = type(value) is dict and (value.keys() <= shape.names or not any(map(si_key, value)))
-        elif isinstance(value, list):
-            plain = type(value) is list
-        else:
-            is_normal = False
+        if not (mapping or isinstance(value, list)):
             continue
         if shape.most is not None and len(value) > shape.most and (mapping or shape.item):
             raise DocumentError(dotted(path), value, shape.allowed.format(len(value)))
-        if not plain or len(path) >= MAX_DEPTH - 1:
-            is_normal = False
-        if shape is _ANYTHING and not is_normal:
+        inside = [
+            (below, item, (*path, str(key) if mapping else key))
+            for key, item in (value.items() if mapping else enumerate(value))
+            if type(item) not in SINGLE and (below := shape.item or shape.fields.get(key)) is not None
+        ]
+        left += reversed(inside)  # the first is read next
+    return False
+
+
+def _is_normal(shape: _Shape, document: object) -> bool:
+    """Whether a document of this shape is as `normal` makes it, and nothing in it has more items than may be."""
+    left: list[tuple[_Shape, Any]] = [(shape, document)]
+    for shape, value in left:  # which grows
+        kind = type(value)
+        if (kind is not dict and kind is not list) or (shape.most is not None and len(value) > shape.most):
+            return False
+        if kind is list:
+            left += [(shape.item or _ANYTHING, item) for item in value if type(item) not in SINGLE]
             continue
-        each, fields, count = shape.item, shape.fields, len(left)
-        for key, item in value.items() if mapping else enumerate(value):
-            if type(item) not in SINGLE:
-                below = each or fields.get(key)
-                # most lists are points
-                if below or type(item) is not list or not SINGLE.issuperset(map(type, item)):
-                    left.append((below or _ANYTHING, item, (*path, str(key) if mapping else key)))
-        if len(left) > count + 1:
-            left[count:] = reversed(left[count:])  # the first is read next
-    return is_normal
+        if not value.keys() <= shape.names and any(map(si_key, value)):
+            return False
+        for key, item in value.items():
+            # most lists are points
+            if type(item) not in SINGLE and (type(item) is not list or not SINGLE.issuperset(map(type, item))):
+                left.append((shape.item or shape.fields.get(key) or _ANYTHING, item))
+    return True
 
 
-_ANYTHING = _Shape(None, "")
-"""Single values, and lists of such, whose length the model checks."""
+_ANYTHING = _Shape(-1, "")
+"""What a model says nothing of, in few levels: what is deeper counts as not normal."""
+for _ in range(8):
+    _ANYTHING = _Shape(None, "", _ANYTHING)
 
 
 @cache

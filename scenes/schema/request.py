@@ -116,12 +116,13 @@ class RequestDocument(Document):
     def _sorted(self, frames: dict[str, FrameDocument], written: SerializerFunctionWrapHandler) -> Any:
         return written(dict(sorted(frames.items())))
 
-    def changed(self, changes: ChangesDocument) -> RequestDocument:
-        """The request with those fields that `changes` states in place of its own."""
-        self.surroundings  # noqa: B018 - the copy has the text, too: it is made once
-        stated = {name: value for name in changes.model_fields_set if (value := getattr(changes, name)) is not None}
-        made = BaseModel.model_copy(self, update=stated)  # `changes` are valid
-        made.__dict__.pop("digest", None)  # of the request before, where it was computed
+    def changed(self, stated: dict[str, Any]) -> RequestDocument:
+        """The request with these values of its fields, which are valid, in place of its own."""
+        own = {"digest"} if AROUND.isdisjoint(stated) else {"digest", "surroundings", "cell"}
+        self.surroundings  # noqa: B018 - a copy with the same has the text, too: it is made once
+        made = BaseModel.model_copy(self, update=stated)
+        for name in own:
+            made.__dict__.pop(name, None)
         return made
 
     def canonical(self) -> dict[str, Any]:
@@ -163,13 +164,5 @@ class RequestDocument(Document):
 
 
 SURROUNDINGS = {"frames", "bodies", "neighbours"}
-
-
-class ChangesDocument(Document):
-    """What changes between the requests of one cell, as far as it is stated."""
-
-    start: StartDocument | None = None
-    task: Annotated[list[StepDocument], Field(min_length=1, max_length=bounds.MAX_STEPS)] | None = None
-    options: OptionsDocument = OptionsDocument()
-    execution: ExecutionDocument = ExecutionDocument()
-    carry: CarryDocument | None = None
+AROUND = SURROUNDINGS | {"robot"}
+"""Fields of what is kept of a cell."""
