@@ -153,13 +153,12 @@ class RequestDocument(Document):
         return hashlib.sha256(f"{self.robot.text}{self.surroundings}".encode()).hexdigest()
 
     def _digest(self, without: dict[str, Any]) -> str:
-        start = self.model_dump_json(by_alias=True, exclude_none=True, include={"start"})
-        left_out = {"schema_": True, "robot": True, "start": True, **dict.fromkeys(SURROUNDINGS, True), **without}
-        rest = self.model_dump_json(by_alias=True, exclude_none=True, exclude=left_out)
+        left_out = {**dict.fromkeys(AROUND, True), **without}
+        own = self.model_dump_json(by_alias=True, exclude_none=True, exclude=left_out)
         # in the order of the fields; most requests repeat a robot and what is around it
-        text = (
-            f'{{"schema":"{self.schema_}","robot":{self.robot.text},{start[1:-1]},{self.surroundings[1:-1]},{rest[1:]}'
-        )
+        schema, start, behind = own.partition(',"start":')
+        state, task, rest = behind.partition(',"task":[')
+        text = f'{schema},"robot":{self.robot.text}{start}{state},{self.surroundings[1:-1]}{task}{rest}'
         return "sha256:" + hashlib.sha256(text.encode()).hexdigest()
 
 
