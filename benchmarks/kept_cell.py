@@ -61,13 +61,13 @@ def measured(name: str, cells: int) -> dict[str, Document]:
         for ahead in range(1, EACH + 2):
             other = problems.problems[(number + ahead) % len(problems.problems)]
             problem = problems.problems[number] | {"start": other["start"], "goal": other["goal"]}
-            asked = request(problem, problems.limits, Terms())
+            document = request(problem, problems.limits, Terms())
             cpu, began = time.process_time(), time.perf_counter()
-            answer = cell.plan(start=asked["start"], task=asked["task"])
+            answer = cell.plan(start=document["start"], task=document["task"])
             record = {"wall_s": time.perf_counter() - began, "cpu_s": time.process_time() - cpu}
             if ahead > 1:
-                found = dict(answer) | {"checked": check(asked, answer)["ok"]}
-                findings = judged(problems, problem, found, "position", asked)["findings"]
+                found = dict(answer) | {"checked": check(document, answer)["ok"]}
+                findings = judged(problems, problem, found, "position", document)["findings"]
                 item = f"{problem['id']} with the start and goal of {other['id']}"
                 records[item] = record | {"status": answer["status"], "findings": findings}
     return records
