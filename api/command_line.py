@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import gc
 import subprocess
 import sys
 from collections.abc import Callable
@@ -14,7 +13,6 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from assur.api.checked_report import checked_report
 from assur.api.cli import (
     console_report,
     ik_report,
@@ -169,6 +167,8 @@ def report(
     read = plan_files.answer_if_any(given, plan)
     with compiled_work(f"planning {given.name}" if read is None else f"reading {given.name}"):
         answer = given.plan() if read is None else read
+        from assur.api.checked_report import checked_report
+
         text, verdict = checked_report(given.cell, answer, given.title, given.about)
     page = text.encode()
     out.write_bytes(page)
@@ -324,7 +324,6 @@ def serve(
 
 def main() -> None:
     """The entry point. What `bordered` does not catch, wrong usage, typer answers itself with exit code 2."""
-    gc.set_threshold(50_000)  # objects that imports and the compiler make last: Python's 700 cost a tenth of a command
     for stream in (sys.stdout, sys.stderr):
         reconfigure: Callable[..., None] | None = getattr(stream, "reconfigure", None)
         if reconfigure is not None:

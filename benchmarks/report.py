@@ -22,7 +22,17 @@ from benchmarks.machine import ROOT
 from benchmarks.plots import TITLES, draw
 
 PLOTS = ROOT / "docs" / "plots"
-SCRIPTS = ("first_answer", "durations", "demo_cycle", "session", "scaling", "legs", "service", "side_by_side")
+SCRIPTS = (
+    "first_answer",
+    "durations",
+    "demo_cycle",
+    "session",
+    "kept_cell",
+    "scaling",
+    "legs",
+    "service",
+    "side_by_side",
+)
 """In the order in which `make bench` runs them."""
 PAGE = ROOT / "docs" / "benchmarks.md"
 MARKED = re.compile(r"(<!-- benchmark: ([a-z-]+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)

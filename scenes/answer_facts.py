@@ -6,10 +6,11 @@ facts without a form of its own is described by its fields (`schema.answer.FACTS
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import fields, is_dataclass
 from enum import StrEnum
 from functools import cache
+from operator import attrgetter, methodcaller
 from types import NoneType
 from typing import Any, TypeVar, cast, get_args, get_origin, get_type_hints
 
@@ -91,25 +92,33 @@ def _columns(kind: Any) -> tuple[tuple[str, str, bool], ...]:
 def written(value: object) -> Any:
     """A fact, or what is in one, as plain data that JSON can hold. Raises `FaultError` for a number that is not finite
     where there must be one."""
-    if type(value) in PLAIN:
-        return value
-    if isinstance(value, StrEnum):
-        return value.value
-    if isinstance(value, float):
-        return number(value)
-    if isinstance(value, tuple | list):
-        return [written(item) for item in value]
-    if isinstance(value, np.ndarray | np.generic):
-        return value.tolist()
-    return document_of(value) if is_dataclass(value) else value
+    kind: Any = type(value)
+    return value if kind in PLAIN else _writer(kind)(value)
+
+
+@cache
+def _writer(kind: Any) -> Callable[[Any], Any]:
+    """What writes values of this type, which is none of `PLAIN`."""
+    if issubclass(kind, float):
+        return number
+    if issubclass(kind, tuple | list):
+        return lambda value: [item if type(item) in PLAIN else written(item) for item in value]
+    if issubclass(kind, StrEnum):
+        return attrgetter("_value_")
+    if issubclass(kind, np.ndarray | np.generic):
+        return methodcaller("tolist")
+    return document_of if is_dataclass(kind) else lambda value: value
 
 
 def document_of(fact: object, **own: object) -> Any:
     """A fact in its form. `own`: by their keys, fields that the fact has not, or has in another frame or convention."""
+    kind: Any = type(fact)
     found = {}
-    for key, name, null in _columns(cast(Hashable, type(fact))):
+    for key, name, null in _columns(kind):
         value = own[key] if key in own else getattr(fact, name)
-        found[key] = optional(value) if null and isinstance(value, float) else written(value)
+        if type(value) not in PLAIN:
+            value = optional(value) if null and isinstance(value, float) else written(value)
+        found[key] = value
     return found
 
 

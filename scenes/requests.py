@@ -25,8 +25,8 @@ from assur.scenes.scenarios import Scenario, ScenarioDocument, load_scenario, sh
 from assur.scenes.schema.answer import Verdict
 from assur.scenes.schema.ik import IkDocument
 from assur.scenes.schema.normal import plain
-from assur.scenes.schema.read import read
-from assur.scenes.schema.request import SCHEMA, ChangesDocument, RequestDocument
+from assur.scenes.schema.read import read, read_fields
+from assur.scenes.schema.request import AROUND, SCHEMA, RequestDocument
 from assur.scenes.text.json_text import parse_json
 from assur.scenes.units import si_key
 
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from assur.planner.model.deadline import Stopwatch, Watch
     from assur.planner.model.outcome import Plan
     from assur.planner.model.scene import Scene
-    from assur.scenes.reading.cell import Cell
+    from assur.scenes.reading.cell import Cell, Kept
 
 __all__ = [
     "BUDGETS",
@@ -121,15 +121,16 @@ def cell_of(
     return cell
 
 
-def changed_cell(document: dict[str, Any], request: RequestDocument, changes: dict[str, Any]) -> Cell:
+def changed_cell(document: dict[str, Any], request: RequestDocument, changes: dict[str, Any], own: Kept) -> Cell:
     """The cell of a valid request whose document has the fields of `changes` in place of its own. Only these are read
-    again, if robot and surroundings are not among them. Raises `InputError` naming the field."""
+    again; `own` keeps robot and surroundings, if these are not among them. Raises `InputError` naming the field."""
     from assur.scenes.reading.cell import cell_of as build
 
     written = {**document, **changes}
-    if not changes.keys() <= ChangesDocument.model_fields.keys():
+    if not changes.keys() <= RequestDocument.model_fields.keys():
         return build(written, validate(written))
-    return build(written, request.changed(read(ChangesDocument, changes)))
+    changed = request.changed(read_fields(RequestDocument, changes))
+    return build(written, changed, own if AROUND.isdisjoint(changes) else None)
 
 
 def _accepted(

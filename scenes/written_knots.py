@@ -43,14 +43,15 @@ def settled(cell: Cell, plan: Plan) -> Plan:
 
 def trajectory_document(cell: Cell, trajectory: Trajectory) -> document.Trajectory:
     """The knots of a settled plan in the maker's convention. Reading them back gives the planner's, bit by bit."""
-    rates = rates_as_maker(np.stack([trajectory.qd, trajectory.qdd]), cell.conventions)
-    written = np.concatenate([as_maker(trajectory.q, cell.conventions)[None], rates])
+    conventions = cell.conventions
+    columns = np.array((trajectory.q - conventions.zeros, trajectory.qd, trajectory.qdd))
+    written = rates_as_maker(columns, conventions)  # positions without their zeros, too
     if not np.isfinite(written).all():
         raise FaultError("a trajectory is not finite")
     rows: list[list[list[float]]] = written.tolist()
     return {
-        "joint_names": [joint.name for joint in cell.conventions],
-        "joint_units": ["rad" if joint.kind == "revolute" else "m" for joint in cell.conventions],
+        "joint_names": [joint.name for joint in conventions],
+        "joint_units": ["rad" if joint.kind == "revolute" else "m" for joint in conventions],
         "time_s": trajectory.time.tolist(),
         "position": rows[0],
         "velocity": rows[1],

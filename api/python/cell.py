@@ -10,6 +10,7 @@ from assur.api.python.calls import plain_request
 
 if TYPE_CHECKING:
     from assur.request import Request
+    from assur.scenes.reading.cell import Kept
 
 
 class Cell:
@@ -18,9 +19,7 @@ class Cell:
     ``cell = assur.Cell(request)``, then ``cell.plan(start=..., task=...)``. What a plan does not state it has of the
     request. The answer is the same as that of `assur.plan` for `cell.request` with the same arguments.
 
-    Several threads may plan with one cell. A process keeps what it made of the 16 cells that were read last, those of
-    `assur.plan` among them, with 200,000 triangles of meshes in all. A cell that was dropped is made again when it is
-    needed.
+    Several threads may plan with one cell. It keeps what is made of robot and surroundings as long as it is there.
     """
 
     def __init__(self, request: Mapping[str, Any] | Request) -> None:
@@ -31,6 +30,7 @@ class Cell:
         document = plain(plain_request(request))
         self._valid = validate(document)
         self._document: dict[str, Any] = document
+        self._own: Kept = {}
 
     def plan(
         self,
@@ -48,7 +48,7 @@ class Cell:
 
         document, own = self.request(start=start, task=task, set=set), self._document
         changes = {key: value for key, value in document.items() if key not in own or value is not own[key]}
-        cell = changed_cell(own, self._valid, changes)
+        cell = changed_cell(own, self._valid, changes, self._own)
         return Answer.made(plan_cell(cell, certificate=certificate), document)
 
     def request(

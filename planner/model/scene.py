@@ -160,7 +160,7 @@ class Scene:
         if not self.kept.fits(self):
             self._check_bodies()
             object.__setattr__(self, "kept", KeptCell(facts_of(self)))
-        object.__setattr__(self, "index", {each.body.name: each for each in self.bodies})
+        object.__setattr__(self, "index", self.kept.of(_index, self))
         object.__setattr__(self, "pieces", self.kept.of(_pieces_of, self))
         check_tool_point(self.robot, self.tool)
         holding = self.start.holding
@@ -188,19 +188,21 @@ class Scene:
 
     def _check_rounding(self) -> None:
         """No frame is so fast, or stated so long ago, that proofs about what is on it would be about rounding."""
-        seats, lasts = [(body.frame, body.pose, body) for body in self.bodies], 0.0
+        reach, lasts = self.kept.of(_reach, self), 0.0
         for step in self.task:
             lasts += step.dwell_s
             if isinstance(step, Place):
-                seats.append((step.to.frame, step.to.pose, self.index[step.part]))
-        reach = dict[str, float]()
-        for frame, pose, each in seats:
-            far = math.hypot(pose.x, pose.y, pose.z) + (0.0 if self.frames[frame].law.is_fixed else each.body.radius)
-            reach[frame] = max(far, reach.get(frame, 0.0))
+                far = self.far(step.to.frame, step.to.pose, self.index[step.part])
+                reach = {**reach, step.to.frame: max(far, reach.get(step.to.frame, 0.0))}
         for frame, far in reach.items():
             check_rounding(
                 f"frames.{frame}", self.frames[frame].law, far, self.start.time, lasts + self.options.stay_safe_s
             )
+
+    def far(self, frame: str, pose: Pose, body: WorldBody) -> float:
+        """How far from the origin of a frame a body at a pose reaches, as far as that frame moves it, m."""
+        turned = 0.0 if self.frames[frame].law.is_fixed else body.body.radius
+        return math.hypot(pose.x, pose.y, pose.z) + turned
 
     @cached_property
     def ending(self) -> tuple[tuple[str, tuple[float, float]], ...]:
@@ -358,6 +360,18 @@ def laws_of(scene: Scene) -> tuple[FloatArray, FloatArray]:
 
 def _pieces_of(scene: Scene) -> Pieces:
     return pieces(bodies_in(scene))
+
+
+def _index(scene: Scene) -> dict[str, WorldBody]:
+    return {each.body.name: each for each in scene.bodies}
+
+
+def _reach(scene: Scene) -> dict[str, float]:
+    """How far the bodies in each frame reach (`Scene.far`), m."""
+    reach = dict[str, float]()
+    for body in scene.bodies:
+        reach[body.frame] = max(scene.far(body.frame, body.pose, body), reach.get(body.frame, 0.0))
+    return reach
 
 
 # JOINT_LIMIT: which joint would be where, and which end of its range that is beyond.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Collection
 from dataclasses import dataclass
 from threading import Lock
 
@@ -28,7 +27,6 @@ from assur.scenes.reading.bodies import Places
 from assur.scenes.reading.frames import Frames
 from assur.scenes.reading.start import check_loaded, start_of
 from assur.scenes.schema.request import OptionsDocument, RequestDocument
-from assur.scenes.schema.robots import LONGEST_KEPT
 
 MOST_CELLS, MOST_TRIANGLES = 16, 200_000
 """Cells that are kept, those that were read last, and triangles of meshes in all of them together, with the knots of
@@ -39,8 +37,10 @@ _lock = Lock()
 
 @dataclass(eq=False)
 class Surroundings:
-    """What is around a robot: its `frames`, bodies, and where these are. `kept`: what the planner made of the cell."""
+    """A robot (None where it could not be read) and what is around it: its `frames`, bodies, and where these are.
+    `kept`: what the planner made of the cell."""
 
+    given: robots.Equipped | None
     frames: Frames
     bodies: tuple[WorldBody, ...]
     places: Places
@@ -51,8 +51,15 @@ class Surroundings:
         """Triangles of the meshes, and knots of the neighbours."""
         for frame in self.frames.laws.values():
             self.triangles += 0 if frame.law.link is None else len(frame.law.link.trajectory.time)
-        for each in self.bodies:
-            self.triangles += 0 if each.body.surface is None else len(each.body.surface[1])
+        solids = [each.body for each in self.bodies]
+        if self.given is not None:
+            solids += [*(each.body for each in self.given.robot.bodies), *self.given.tool.bodies]
+        for body in solids:
+            self.triangles += 0 if body.surface is None else len(body.surface[1])
+
+
+Kept = dict[str | None, Surroundings]
+"""Robot and surroundings of the requests of one cell, by the part that the gripper holds at the start."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,23 +78,29 @@ class Cell:
         return self.given.conventions
 
 
-def cell_of(document: object, request: RequestDocument) -> Cell:
-    """The cell of a request; `document` is the request as it was written, for the fields that errors name.
+def cell_of(document: object, request: RequestDocument, own: Kept | None = None) -> Cell:
+    """The cell of a request; `document` is the request as it was written, for the fields that errors name. `own`: what
+    was made of requests with the same robot and surroundings.
 
     Raises `DocumentError` for what has no meaning: unknown names, wider limits, joints left out, a mesh that is open.
     Not checked here: whether anything can be planned. Raises `OutOfTimeError` where the deadline in force has passed
     before all bodies are made.
     """
     with located(document):
-        return _cell_of(document, request)
+        return _cell_of(document, request, {} if own is None else own)
 
 
-def _cell_of(document: object, request: RequestDocument) -> Cell:
+def _cell_of(document: object, request: RequestDocument, own: Kept) -> Cell:
     faults = Gathered()
-    given = _robot(request, faults)
     held = None if request.start.holding is None else request.start.holding.part
-    around = _around(request, () if given is None else given.names, held, faults)
-    known, places = around.frames, around.places
+    around = own.get(held)
+    if around is None:
+        around = _around(request, held, faults)
+        if not faults.faults:
+            if len(own) >= MOST_CELLS:
+                own.clear()
+            own[held] = around
+    given, known, places = around.given, around.frames, around.places
     coordinates, solid_tool = None if given is None else given.robot.coordinates, bool(request.robot.tool.bodies)
     if given is not None:
         try:
@@ -135,8 +148,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         zeros=tuple(given.conventions.zeros.tolist()),
         kept=around.kept,
     )
-    if len(request.robot.text) <= LONGEST_KEPT:  # a longer robot is another object for each request
-        around.kept = scene.kept
+    around.kept = scene.kept
     check_loaded(scene, given.conventions)
     return Cell(scene, given, known, places, document)
 
@@ -158,17 +170,16 @@ def _robot(request: RequestDocument, faults: Gathered) -> robots.Equipped | None
     return given
 
 
-def _around(request: RequestDocument, own: Collection[str], held: str | None, faults: Gathered) -> Surroundings:
-    """What is around the robot, kept from an earlier request if that has the same there. `own`, `held`: as
+def _around(request: RequestDocument, held: str | None, faults: Gathered) -> Surroundings:
+    """The robot and what is around it, kept from an earlier request if that has the same there. `held`: as
     `_surroundings`."""
     key = request.cell, held
     with _lock:
         if key in _kept:
             _kept.move_to_end(key)
             return _kept[key]
-    wrong = bool(faults.faults)
-    made = _surroundings(request, own, held, faults)
-    if not (wrong or faults.faults):
+    made = _surroundings(request, held, faults)
+    if not faults.faults:
         with _lock:
             _kept[key] = made
             while len(_kept) > MOST_CELLS or sum([each.triangles for each in _kept.values()]) > MOST_TRIANGLES:
@@ -176,9 +187,11 @@ def _around(request: RequestDocument, own: Collection[str], held: str | None, fa
     return made
 
 
-def _surroundings(request: RequestDocument, own: Collection[str], held: str | None, faults: Gathered) -> Surroundings:
-    """The frames, and the bodies of neighbours and of the cell. `own`: names of the bodies of the robot and its tool;
-    `held`: the part that the gripper holds at the start."""
+def _surroundings(request: RequestDocument, held: str | None, faults: Gathered) -> Surroundings:
+    """The robot, the frames, and the bodies of neighbours and of the cell. `held`: the part that the gripper holds at
+    the start."""
+    given = _robot(request, faults)
+    own = () if given is None else given.names
     known, places, found = frames.frames_of(request.frames, faults), Places(), list[WorldBody]()
     for i, item in enumerate(request.neighbours):
         raise_if_late()
@@ -203,7 +216,7 @@ def _surroundings(request: RequestDocument, own: Collection[str], held: str | No
         with faults.part("start", "holding"):
             places.hold(held)
             raise Refused(f"the name of a body: {choices(places, held)}", "part")
-    return Surroundings(known, tuple(found), places)
+    return Surroundings(given, known, tuple(found), places)
 
 
 NO_SOLIDS = "the tool has no bodies: nothing is kept clear of it between flange and tool point"

@@ -36,7 +36,7 @@ def start_of(item: StartDocument, given: Equipped, frames: Frames, places: Place
     unless each joint has its value, within the (narrowed) limits, or the pose of the tool is met by one joint position,
     within them and not singular."""
     limits, faults = given.robot.limits, Gathered()
-    stated = q = np.zeros(len(given.conventions))
+    stated = q = rest = np.zeros(len(given.conventions))
     try:
         if item.tool is not None:
             stated = q = _with_tool_at(item.tool, item, given, frames, places)
@@ -52,7 +52,7 @@ def start_of(item: StartDocument, given: Equipped, frames: Frames, places: Place
         ("velocity", item.velocity, limits.velocity, "_s"),
         ("acceleration", item.acceleration, limits.acceleration, "_s2"),
     ):
-        rates.append(np.zeros(len(q)))
+        rates.append(rest)
         if values is not None:
             most = limit * (1 + START_RATIO)
             with faults.part(key):

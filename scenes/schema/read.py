@@ -5,21 +5,20 @@ from __future__ import annotations
 import difflib
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 from functools import cache
 from types import UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
-from annotated_types import MaxLen
-from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError, create_model
 from pydantic.fields import FieldInfo
 from typing_extensions import get_type_hints, is_typeddict
 
 from assur.planner.errors import FaultError
-from assur.scenes.bounds import FAR_M, MAX_DEPTH, MAX_JOINTS
+from assur.scenes.bounds import FAR_M
 from assur.scenes.faults import MOST_FAULTS, DocumentError, Path, as_written, dotted, likeliest, together
-from assur.scenes.schema.model import NAME, REFERENCE, ByName
-from assur.scenes.schema.normal import SINGLE, normal
+from assur.scenes.schema.model import NAME, REFERENCE
+from assur.scenes.schema.normal import normal
+from assur.scenes.schema.sizes import check_sizes
 from assur.scenes.schema.stated import PLAIN, STATED
 from assur.scenes.units import SI_UNITS, any_unit, from_si, si_key, twin_of, unit_of
 
@@ -50,9 +49,20 @@ COMPARISONS = {
 
 def read(model: Any, document: object) -> Any:
     """The document, which may be written in any units and with numbers of NumPy, as `model`. Raises `DocumentError`."""
+    return _read(model, document, _adapter(model))
+
+
+def _read(model: Any, document: object, by: TypeAdapter[Any]) -> Any:
     faults: list[DocumentError] = []
     found = document if check_sizes(model, document) else normal(document, faults)
-    return _validated(model, document, (), lambda: _adapter(model).validate_python(found), faults)
+    return _validated(model, document, (), lambda: by.validate_python(found), faults)
+
+
+def read_fields(model: type[BaseModel], document: dict[str, Any]) -> dict[str, Any]:
+    """The values of those fields of `model` that the document has, which are read as `read` reads them. Raises
+    `DocumentError`."""
+    found: BaseModel = _read(model, document, _of_fields(model))
+    return {name: getattr(found, name) for name in found.model_fields_set}
 
 
 def read_normal(model: Any, normal_document: object, document: object, prefix: Path = ()) -> Any:
@@ -96,6 +106,16 @@ def _validated(
 @cache
 def _adapter(model: Any) -> TypeAdapter[Any]:
     return TypeAdapter(model)
+
+
+@cache
+def _of_fields(model: type[BaseModel]) -> TypeAdapter[Any]:
+    """That of a model with the same fields, all of them optional."""
+    fields: dict[str, Any] = {
+        name: (field.rebuild_annotation(), FieldInfo(default=None, alias=field.alias))
+        for name, field in model.model_fields.items()
+    }
+    return TypeAdapter(create_model(model.__name__, __config__=model.model_config, **fields))
 
 
 def _location(model: Any, document: object, parts: Path) -> Path | None:
@@ -285,96 +305,3 @@ def _assets() -> Sequence[str]:
 
 SHIPPED: dict[str | int, Callable[[], Sequence[str]]] = {"model": _models, "asset": _assets}
 """Keys whose values are names of shipped files; the message about any other value lists these names."""
-
-
-# The number of items and keys of a document is checked before its models read it: a model makes a fault of each wrong
-# item before it checks their number. A refusal here costs no more than the document's length.
-
-MOST_UNKNOWN = 20
-"""Most keys in addition to a model's fields that are left to the model, which suggests a field for each."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Shape:
-    """What may be at a place: how many items or keys at most (None: any number), the words of a refusal, which take
-    their number, and what they are: all alike (`item`), or by the name of a field. Single values are left out.
-    `names`: those of all fields in SI."""
-
-    most: int | None
-    allowed: str
-    item: _Shape | None = None
-    fields: dict[object, _Shape] = field(default_factory=dict)
-    names: frozenset[str] = frozenset()
-
-
-def check_sizes(model: type[BaseModel], document: object) -> bool:
-    """Raises `DocumentError` at the first list or mapping that has more items than `model` takes there. Returns whether
-    the document is as `normal` makes it: in SI and of plain types, as most that programs write."""
-    left: list[tuple[_Shape, Any, Path]] = [(_of_model(model), document, ())]
-    is_normal = True
-    while left:
-        shape, value, path = left.pop()
-        mapping = isinstance(value, dict)
-        if mapping:
-            plain = type(value) is dict and (value.keys() <= shape.names or not any(map(si_key, value)))
-        elif isinstance(value, list):
-            plain = type(value) is list
-        else:
-            is_normal = False
-            continue
-        if shape.most is not None and len(value) > shape.most and (mapping or shape.item):
-            raise DocumentError(dotted(path), value, shape.allowed.format(len(value)))
-        if not plain or len(path) >= MAX_DEPTH - 1:
-            is_normal = False
-        if shape is _ANYTHING and not is_normal:
-            continue
-        each, fields, count = shape.item, shape.fields, len(left)
-        for key, item in value.items() if mapping else enumerate(value):
-            if type(item) not in SINGLE:
-                below = each or fields.get(key)
-                # most lists are points
-                if below or type(item) is not list or not SINGLE.issuperset(map(type, item)):
-                    left.append((below or _ANYTHING, item, (*path, str(key) if mapping else key)))
-        if len(left) > count + 1:
-            left[count:] = reversed(left[count:])  # the first is read next
-    return is_normal
-
-
-_ANYTHING = _Shape(None, "")
-"""Single values, and lists of such, whose length the model checks."""
-
-
-@cache
-def _of_model(model: type[BaseModel]) -> _Shape:
-    fields, keys = model.model_fields.items(), len(model.model_fields)
-    shapes = {field.alias or name: _of(field.annotation, tuple(field.metadata)) for name, field in fields}
-    most, allowed = keys + MOST_UNKNOWN, f"at most {keys} fields, not {{}} keys"
-    if issubclass(model, ByName):
-        also = f" and {keys} other fields" if keys else ""
-        most, allowed = keys + MAX_JOINTS, f"at most {MAX_JOINTS} joints{also}, not {{}} keys"
-    known: dict[object, _Shape] = {
-        key: shape for name, shape in shapes.items() if shape for key in (name, twin_of(name) or name)
-    }
-    return _Shape(most, allowed, None, known, frozenset(shapes))
-
-
-def _of(annotation: Any, metadata: tuple[Any, ...]) -> _Shape | None:
-    """The shape that an annotation allows; None: a single value, or a list of such, whose length its model checks."""
-    if get_origin(annotation) is Annotated:
-        first, *more = get_args(annotation)
-        return _of(first, (*metadata, *more))
-    if get_origin(annotation) in (Union, UnionType):
-        options = [shape for part in get_args(annotation) if (shape := _of(part, metadata)) is not None]
-        return options[0] if len(options) == 1 else None
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return _of_model(annotation)
-    if get_origin(annotation) in (list, dict):
-        item = _of(get_args(annotation)[-1], ())
-        most = _most(metadata)
-        return None if item is None else _Shape(most, f"at most {most} items, not {{}}", item)
-    return None
-
-
-def _most(metadata: tuple[Any, ...]) -> int | None:
-    inner = (part for each in metadata for part in (each.metadata if isinstance(each, FieldInfo) else (each,)))
-    return next((part.max_length for part in inner if isinstance(part, MaxLen)), None)

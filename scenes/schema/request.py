@@ -116,11 +116,13 @@ class RequestDocument(Document):
     def _sorted(self, frames: dict[str, FrameDocument], written: SerializerFunctionWrapHandler) -> Any:
         return written(dict(sorted(frames.items())))
 
-    def changed(self, changes: ChangesDocument) -> RequestDocument:
-        """The request with those fields that `changes` states in place of its own."""
-        stated = {name: value for name in changes.model_fields_set if (value := getattr(changes, name)) is not None}
-        made = BaseModel.model_copy(self, update=stated)  # `changes` are valid
-        made.__dict__.pop("digest", None)  # of the request before, where it was computed
+    def changed(self, stated: dict[str, Any]) -> RequestDocument:
+        """The request with these values of its fields, which are valid, in place of its own."""
+        own = {"digest"} if AROUND.isdisjoint(stated) else {"digest", "surroundings", "cell"}
+        self.surroundings  # noqa: B018 - a copy with the same has the text, too: it is made once
+        made = BaseModel.model_copy(self, update=stated)
+        for name in own:
+            made.__dict__.pop(name, None)
         return made
 
     def canonical(self) -> dict[str, Any]:
@@ -151,24 +153,15 @@ class RequestDocument(Document):
         return hashlib.sha256(f"{self.robot.text}{self.surroundings}".encode()).hexdigest()
 
     def _digest(self, without: dict[str, Any]) -> str:
-        start = self.model_dump_json(by_alias=True, exclude_none=True, include={"start"})
-        left_out = {"schema_": True, "robot": True, "start": True, **dict.fromkeys(SURROUNDINGS, True), **without}
-        rest = self.model_dump_json(by_alias=True, exclude_none=True, exclude=left_out)
+        left_out = {**dict.fromkeys(AROUND, True), **without}
+        own = self.model_dump_json(by_alias=True, exclude_none=True, exclude=left_out)
         # in the order of the fields; most requests repeat a robot and what is around it
-        text = (
-            f'{{"schema":"{self.schema_}","robot":{self.robot.text},{start[1:-1]},{self.surroundings[1:-1]},{rest[1:]}'
-        )
+        schema, start, behind = own.partition(',"start":')
+        state, task, rest = behind.partition(',"task":[')
+        text = f'{schema},"robot":{self.robot.text}{start}{state},{self.surroundings[1:-1]}{task}{rest}'
         return "sha256:" + hashlib.sha256(text.encode()).hexdigest()
 
 
 SURROUNDINGS = {"frames", "bodies", "neighbours"}
-
-
-class ChangesDocument(Document):
-    """What changes between the requests of one cell, as far as it is stated."""
-
-    start: StartDocument | None = None
-    task: Annotated[list[StepDocument], Field(min_length=1, max_length=bounds.MAX_STEPS)] | None = None
-    options: OptionsDocument = OptionsDocument()
-    execution: ExecutionDocument = ExecutionDocument()
-    carry: CarryDocument | None = None
+AROUND = SURROUNDINGS | {"robot"}
+"""Fields of what is kept of a cell."""

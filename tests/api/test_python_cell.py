@@ -167,3 +167,34 @@ def test_a_change_that_is_wrong_is_refused_by_its_field(
     with pytest.raises(assur.InputError, match=message):
         cell.plan(**changes)
     assert cell.plan().planned
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"bodies.post.pose.at_mm": [30, -480, 150]},
+        {"frames": {"nest": {"fixed": {"at_mm": [0, 0, 0]}}}},
+        {"robot.tool.tcp_mm": [0, 0, -5], "options.seed": 4},
+        {"neighbours": []},
+    ],
+)
+def test_what_stands_around_may_change_as_well(request_: dict[str, Any], changes: dict[str, Any]) -> None:
+    cell = assur.Cell(request_)
+    before = timeless(cell.plan())
+    changed = cell.plan(set=changes)
+    assert timeless(changed) == timeless(assur.plan(cell.request(set=changes)))
+    assert timeless(cell.plan()) == before
+
+
+def test_a_cell_keeps_its_surroundings_itself(request_: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    cell = assur.Cell(request_)
+    before = timeless(cell.plan())
+    reading._kept.clear()  # as other cells would, which were read since
+
+    def anew(*_: Any) -> Any:
+        raise AssertionError("the surroundings are made again")
+
+    monkeypatch.setattr(reading, "_surroundings", anew)
+    assert timeless(cell.plan()) == before
+    with pytest.raises(AssertionError, match="made again"):
+        cell.plan(set={"bodies.table.pose.at_mm": [400, 300, -60]})

@@ -18,8 +18,8 @@ from assur.planner.model.options import LEAST_ACCELERATION_TIME_S
 from assur.scenes import bounds
 from assur.scenes.requests import cell_of, check_document, plan_document, validate, view_document
 from assur.scenes.schema.normal import normal
-from assur.scenes.schema.read import check_sizes
 from assur.scenes.schema.request import RequestDocument
+from assur.scenes.schema.sizes import check_sizes
 from tests.refused import refused_at
 
 LONG_S = 9e4

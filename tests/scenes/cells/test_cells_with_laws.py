@@ -11,11 +11,11 @@ from assur.scenes import check, plan
 from assur.scenes.cells import two_robots
 from assur.scenes.requests import scene_of
 from assur.scenes.scenarios import shipped
-from benchmarks.oracle.arrivals_kept import Targets, arrivals_kept
-from benchmarks.oracle.joints_kept import joints_kept
-from benchmarks.oracle.motion import Motion
-from benchmarks.oracle.product import as_si
-from benchmarks.oracle.promises import broken_promises
+from benchmarks.judge.arrivals_kept import Targets, arrivals_kept
+from benchmarks.judge.joints_kept import joints_kept
+from benchmarks.judge.motion import Motion
+from benchmarks.judge.product import as_si
+from benchmarks.judge.promises import broken_promises
 from tests.changed import changed
 from tests.scenes.cells.answers import Document, answer
 

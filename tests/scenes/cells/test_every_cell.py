@@ -10,8 +10,8 @@ import pytest
 
 from assur.scenes.requests import check_document, plan_scenario
 from assur.scenes.scenarios import Scenario, shipped, shipped_scenarios, unmet, with_files
-from benchmarks.oracle.product import as_si
-from benchmarks.oracle.promises import broken_promises
+from benchmarks.judge.product import as_si
+from benchmarks.judge.promises import broken_promises
 from tests.changed import changed
 from tests.scenes.cells.answers import Document, answer
 

@@ -14,8 +14,8 @@ from assur.planner.robots.five_axis_arm import FLANGE, LINK4
 from assur.scenes.exports.documents import check_trajectory_document, export_document
 from assur.scenes.requests import check_document, plan_document
 from assur.scenes.scenarios import shipped
-from benchmarks.oracle.product import as_si
-from benchmarks.oracle.promises import broken_promises
+from benchmarks.judge.product import as_si
+from benchmarks.judge.promises import broken_promises
 from tests.changed import changed
 from tests.scenes.bad_requests import Bad
 from tests.scenes.cells.answers import Document, answer, forged, not_planned, proof

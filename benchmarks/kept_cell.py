@@ -1,0 +1,77 @@
+"""``python -m benchmarks.kept_cell``: a new start and goal in a cell that is kept, through the public Python API.
+
+The cells are those of problems of the sets; the starts and goals are those of the problems behind each, so that some
+cannot be reached in its cell. Each answer is the first that is proved, and is there as a document inside of the time.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import track
+
+from assur import Cell, check
+from benchmarks.figures import Document, figure, finish, of_planned
+from benchmarks.judged import judged, label, problem_set
+from benchmarks.machine import pin
+from benchmarks.translation import Terms, request
+
+SETS = ("static", "moving_bodies")
+CELLS, FEW = 50, 5
+EACH = 4
+"""Starts and goals in a cell; those of one more are planned before, for the cell to be made."""
+
+
+def main(quick: Annotated[bool, typer.Option("--quick", help="Few cells.")] = False) -> None:
+    """Measure planning in kept cells."""
+    parameters: Document = {"cells": FEW if quick else CELLS, "each": EACH, "pinned": pin()}
+    groups = {name: measured(name, parameters["cells"]) for name in SETS}
+    records = {f"{name}/{item}": record for name, group in groups.items() for item, record in group.items()}
+    unplanned = sum(record["status"] != "planned" for record in records.values())
+    note = (
+        f"{' / '.join(label(name, 'position') for name in SETS)}; {len(records)} requests, {unplanned} without a plan"
+    )
+    figures = [
+        figure(
+            f"new start and goal in a kept cell, {words}",
+            list(groups.values()),
+            of_planned(key, share),
+            "ms",
+            decimals=2,
+            note=note,
+        )
+        for words, key, share in (
+            ("median", "wall_s", 0.5),
+            ("95 %", "wall_s", 0.95),
+            ("median, process CPU time", "cpu_s", 0.5),
+        )
+    ]
+    finish("kept_cell", "a new start and goal in a kept cell", quick, parameters, records, figures)
+
+
+def measured(name: str, cells: int) -> dict[str, Document]:
+    """The records of the requests in the first cells of a set."""
+    problems = problem_set(name)
+    records: dict[str, Document] = {}
+    for number in track(range(cells), name, console=Console(stderr=True)):
+        cell = Cell(request(problems.problems[number], problems.limits, Terms()))
+        for ahead in range(1, EACH + 2):
+            other = problems.problems[(number + ahead) % len(problems.problems)]
+            problem = problems.problems[number] | {"start": other["start"], "goal": other["goal"]}
+            document = request(problem, problems.limits, Terms())
+            cpu, began = time.process_time(), time.perf_counter()
+            answer = cell.plan(start=document["start"], task=document["task"])
+            record = {"wall_s": time.perf_counter() - began, "cpu_s": time.process_time() - cpu}
+            if ahead > 1:
+                found = dict(answer) | {"checked": check(document, answer)["ok"]}
+                findings = judged(problems, problem, found, "position", document)["findings"]
+                item = f"{problem['id']} with the start and goal of {other['id']}"
+                records[item] = record | {"status": answer["status"], "findings": findings}
+    return records
+
+
+if __name__ == "__main__":
+    typer.run(main)
