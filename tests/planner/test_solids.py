@@ -10,10 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.collision.bodies import COVER, Arrangement, Bodies, PairTables
+from assur.planner.collision.bodies import COVER, MOST, Arrangement, Bodies, PairTables
+from assur.planner.collision.proof import Prover
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece, box, cylinder, sphere, support
-from assur.planner.kernels.solids import CENTRE, FIRST, HALF, ROTATION, SECOND
+from assur.planner.kernels.solids import CENTRE, FIRST, HALF, REQUIRED, ROTATION, SECOND
 from assur.planner.laws import turntable
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import AT_START, Attachments, Held, Phase
@@ -178,3 +179,23 @@ def test_an_arm_stands_before_its_first_knot_and_after_its_last() -> None:
     path = Trajectory(np.array([1.0, 2.0]), q, np.zeros((2, 4)), np.zeros((2, 4)))
     found = standing(path, np.array([-5.0, 1.0, 2.0, 9.0]))
     assert np.array_equal(found, q[[0, 0, 1, 1]])
+
+
+def test_pairs_are_kept_for_all_plans_of_a_cell_with_the_start_of_each() -> None:
+    scene = scene_of_all()
+    later = replace(scene, start=replace(scene.start, time=scene.start.time + 1.0))
+    phase = Phase(0.0, 1.0, LegKind.MOVE, 0)
+    first, second = Prover(scene), Prover(later)
+    one, other = first.pairs_of(phase), second.pairs_of(phase)
+    assert one.rows is other.rows
+    anew = PairTables(later, second.arrangement)(second.of(phase), phase, later.start.time)
+    assert all(map(np.array_equal, other.errors, anew.errors))
+    assert [each.errors[2][0] for each in (one, other)] == [scene.start.time, later.start.time]
+    # other distances are other pairs
+    wide = replace(scene, options=replace(scene.options, clearance=replace(scene.options.clearance, travel_m=0.1)))
+    assert Prover(wide).pairs_of(phase).rows[0, REQUIRED] == 0.1
+    # a plan keeps its own where they are dropped meanwhile
+    for k in range(MOST + 2):
+        Prover(replace(scene, start=replace(scene.start, time=float(k)))).pairs_of(phase)
+    assert Prover(scene).pairs is not first.pairs
+    assert first.pairs_of(replace(phase, kind=LegKind.WAIT)) is one
