@@ -32,8 +32,8 @@ from assur.planner.model.scene import Scene
 
 @dataclass(eq=False)
 class StatedScene:
-    """The claim of a scene. `given`: what the statement checker derives of the scene alone; `is_stated`: it has no
-    difference in what depends on the cell alone."""
+    """The claim of a scene. `given`: what the statement checker derives of the cell alone; `is_stated`: it has no
+    difference in that."""
 
     base: SceneClaim
     given: Given
@@ -53,20 +53,25 @@ def stated_scene(scene: Scene) -> StatedScene:
     if last is not None and last.base.scene is scene:
         return last
     known = last if last is not None and early_of(scene) >= last.base.cell.early else None
-    base = claim_of(scene, None if known is None else known.base.cell)
-    stated = StatedScene(base, Given(scene), is_stated=known is not None and known.is_stated)
+    if known is None:
+        stated = StatedScene(claim_of(scene), Given(scene))
+    else:
+        stated = StatedScene(claim_of(scene, known.base.cell), known.given, known.is_stated)
     kept[:] = [stated]
     return stated
 
 
 @np.errstate(all="ignore")
-def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[[], None] = nothing) -> Verdict:
+def check(
+    scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[[], None] = nothing, *, sealed: bool = False
+) -> Verdict:
     """Whether `plan` does what `scene` asks and is proved to, from both alone (docs/guarantees.md), and whether what
     else is stated of it is so (`claims`).
 
     `between` is called between blocks of work, for a caller who has no time for all of it: what it raises is raised
-    here, and there is no verdict then. A plan of another task or robot gets findings, not exceptions. Not checked: that
-    the plan is good.
+    here, and there is no verdict then. `sealed`: the caller has just computed the digest of this very plan, which is
+    not computed again. A plan of another task or robot gets findings, not exceptions. Not checked: that the plan is
+    good.
     """
     try:
         stated = stated_scene(scene)
@@ -76,7 +81,7 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     strange = _strange(scene, plan, handling.bodies)
     if strange:
         return Verdict.of(strange)
-    of_legs = state_legs(handling)
+    of_legs = state_legs(handling, sealed=sealed)
     if any(each.code is not Code.DIGEST for each in of_legs):
         return Verdict.of(of_legs)  # who holds what follows from the legs: with others, nothing can be shown
     between()
@@ -191,11 +196,11 @@ def _strange(scene: Scene, plan: Plan, bodies: Collection[str]) -> list[Finding]
     unknown = [name for name in names if name not in bodies]
     if unknown:
         findings.append(Finding(Code.ROW, f"the certificate names a body that there is not: {unknown[0]!r:.60}"))
-    found, many = plan.certificate, len(names)
-    known = (found.first >= 0) & (found.first < many) & (found.second >= -1) & (found.second < many)
-    if not known.all():
-        row = int(np.argmin(known))
-        findings.append(Finding(Code.ROW, f"row {row} of the certificate is about a body that it does not name"))
+    found, named = plan.certificate, {*range(len(names))}
+    for column, numbers in ((found.first, named), (found.second, named | {-1})):
+        if not numbers.issuperset(column.tolist()):
+            row = int(np.argmin(np.isin(column, list(numbers))))
+            findings.append(Finding(Code.ROW, f"row {row} of the certificate is about a body that it does not name"))
     units = np.abs(np.sqrt(np.vecdot(found.normal, found.normal)) - 1.0) <= UNIT
     if not units.all():
         row = int(np.argmin(units))

@@ -90,8 +90,6 @@ def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = Non
     scene, cell, path = base.scene, base.cell, plan.trajectory
     if phases is None:
         phases = phases_in(scene, plan.legs, plan.arrivals)
-    required = cell.tables["required"].copy()
-    required[0, c.REQUIRED_UNTIL], required[0, c.REQUIRED_SINCE] = phases[-1].t1, scene.start.time
     rows = dict[str, Sequence[Sequence[float]]](
         sums=sums_of(scene, plan),
         guides=guides_of(scene, plan, phases),
@@ -99,17 +97,17 @@ def with_plan(base: SceneClaim, plan: Plan, phases: Sequence[Phase] | None = Non
         errors=errors_of(scene, plan, phases),
     )
     for name, named in named_rows(base, plan, phases).items():
-        if named:
-            rows[name] = [row for _, row in named]
-    of_plan = {
-        **with_knots(cell.tables, path, max([phase.t1 for phase in phases if phase.robot])),
-        **phases_of(scene, cell.carriers, base.seats, phases),
-        **{name: c.table(name, own) for name, own in rows.items() if own},
-        "required": required,
-        "limits": limits_of(scene, float(path.time[0]), phases),
-        "rows": rows_of(plan.certificate, cell.carriers.body),
-    }
-    return Claim(**{**cell.tables, **of_plan})
+        rows[name] = [row for _, row in named]
+    tables = with_knots(cell.tables, path, max([phase.t1 for phase in phases if phase.robot]))
+    tables = {**cell.tables, **tables, **phases_of(scene, cell.carriers, base.seats, phases)}
+    for name, own in rows.items():
+        if own:
+            tables[name] = c.table(name, own)
+    required = tables["required"] = tables["required"].copy()
+    required[0, c.REQUIRED_UNTIL], required[0, c.REQUIRED_SINCE] = phases[-1].t1, scene.start.time
+    tables["limits"] = limits_of(scene, path.start, phases)
+    tables["rows"] = rows_of(plan.certificate, cell.carriers.body)
+    return Claim(**tables)
 
 
 def named_rows(base: SceneClaim, plan: Plan, phases: Sequence[Phase]) -> dict[str, NamedRows]:

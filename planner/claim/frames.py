@@ -39,12 +39,14 @@ def arms_of(robots: Sequence[Robot]) -> dict[str, FloatArray]:
         if n > c.MOST_JOINTS:
             raise unstated(f"an arm with {n} joints")
         rows = robot.chain_rows
-        links, loops = rows.links.copy(), rows.loops.copy()
-        parents, turns = links[:, c.LINK_PARENT], links[:, c.LINK_YAW : c.LINK_COUPLER]
-        parents += first * (parents >= 0.0)
-        turns += start * (turns >= 0.0)
-        loops[:, c.LOOP_CRANK : c.LOOP_LENGTH] += first
-        loops[:, c.LOOP_BETWEEN] += start
+        links, loops = rows.links, rows.loops
+        if arms:
+            links, loops = links.copy(), loops.copy()
+            parents, turns = links[:, c.LINK_PARENT], links[:, c.LINK_YAW : c.LINK_COUPLER]
+            parents += first * (parents >= 0.0)
+            turns += start * (turns >= 0.0)
+            loops[:, c.LOOP_CRANK : c.LOOP_LENGTH] += first
+            loops[:, c.LOOP_BETWEEN] += start
         arms.append((first, len(links), n, 0, 0, start, len(rows.angles), loop if len(loops) else -1))
         for table, each in zip(tables.values(), (links, rows.angles, loops), strict=True):
             table.append(each)
@@ -66,18 +68,19 @@ def knots_of(path: Trajectory, begin: float, until: float) -> FloatArray:
 
     Raises `InputError` for a trajectory that does not rest at an end beyond which it is required.
     """
-    before, after, count, n = int(begin < path.time[0]), int(until > path.time[-1]), len(path.time), path.n
+    knots, n = path.knots, path.n
+    before, after, count = int(begin < path.start), int(until > path.end), len(knots)
     found = np.zeros((count + before + after, c.KNOT))
     own = found[before : before + count]
-    own[:, c.KNOT_TIME] = path.time
-    for first, states in ((c.KNOT_Q, path.q), (c.KNOT_QD, path.qd), (c.KNOT_QDD, path.qdd)):
-        own[:, first : first + n] = states
+    own[:, c.KNOT_TIME] = knots[:, 0]
+    for k, first in enumerate((c.KNOT_Q, c.KNOT_QD, c.KNOT_QDD)):
+        own[:, first : first + n] = knots[:, 1 + k * n : 1 + (k + 1) * n]
     for needed, end, t in ((before, 0, begin), (after, -1, until)):
         if needed:
-            if path.qd[end].any() or path.qdd[end].any():
+            if knots[end, 1 + n :].any():
                 when = "begins, and is needed before" if end == 0 else "ends, and is needed after"
                 raise unstated(f"a motion that is not at rest when it {when}")
-            found[end, c.KNOT_TIME], found[end, c.KNOT_Q : c.KNOT_Q + n] = t, path.q[end]
+            found[end, c.KNOT_TIME], found[end, c.KNOT_Q : c.KNOT_Q + n] = t, knots[end, 1 : 1 + n]
     return found
 
 

@@ -21,13 +21,15 @@ from assur.planner.model.scene import Scene, bodies_in
 class Carriers:
     """Numbers of a claim by the names of a scene, and what is uncertain of bodies before any was gripped.
 
-    `body`, `frame`: the rows of bodies and frames; `flange`: the row of the link that carries tool and part; `off`
-    (2 B,): how far, m, each body may be off its seat in every horizontal direction, then up or down.
+    `body`, `frame`: the rows of bodies and frames; `flange`: the row of the link that carries tool and part; `seats`
+    (B, c.SEAT): those of all bodies; `off` (2 B,): how far, m, each body may be off its seat in every horizontal
+    direction, then up or down.
     """
 
     body: dict[str, int]
     frame: dict[str, int]
     flange: int
+    seats: FloatArray
     off: FloatArray
 
 
@@ -37,14 +39,17 @@ def carriers_of(scene: Scene) -> Carriers:
 
 
 def _carriers(scene: Scene) -> Carriers:
-    names = [body.name for body in bodies_in(scene)]
+    names, flange = [body.name for body in bodies_in(scene)], scene.robot.links.index("flange")
+    body, frame = dict(zip(names, count(), strict=False)), dict(zip(scene.frames, count(), strict=False))
     many, off = len(names), np.zeros(2 * len(names))
-    for k, item in enumerate(scene.bodies, start=many - len(scene.bodies)):
-        within = item.uncertainty
+    links = [item.link for item in scene.robot.bodies] + [flange] * len(scene.tool.bodies)
+    seats: list[tuple[float, ...]] = [(k, link, -1, 0.0, 0.0, 0.0, 0.0) for k, link in enumerate(links)]
+    for k, item in enumerate(scene.bodies, start=len(links)):
+        pose, within = item.pose, item.uncertainty
+        seats.append((k, -1, frame[item.frame], pose.x, pose.y, pose.z, pose.yaw))
         if within.position_m or within.vertical_m or within.yaw_rad:
             off[k], off[many + k] = within.position_m + within.yaw_rad * item.body.radius, within.vertical_m
-    body, frame = dict(zip(names, range(many), strict=True)), dict(zip(scene.frames, count(), strict=False))
-    return Carriers(body, frame, scene.robot.links.index("flange"), off)
+    return Carriers(body, frame, flange, c.table("seats", seats), off)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,22 +62,12 @@ class Seats:
 
 def seats_of(scene: Scene, carriers: Carriers) -> Seats:
     """Where each body is when the plan begins."""
-    attached, moved, rows = at_start(scene), dict[str, int](), list[tuple[float, ...]]()
-    for item in scene.robot.bodies:
-        rows.append((len(rows), item.link, -1, 0.0, 0.0, 0.0, 0.0))
-    for _ in scene.tool.bodies:
-        rows.append((len(rows), carriers.flange, -1, 0.0, 0.0, 0.0, 0.0))
-    for each in scene.bodies:
-        pose = each.pose
-        rows.append((len(rows), -1, carriers.frame[each.frame], pose.x, pose.y, pose.z, pose.yaw))
-    for step in scene.task:
-        if step.part is not None:
-            moved[step.part] = carriers.body[step.part]
+    attached, rows, parts = at_start(scene), carriers.seats, {step.part for step in scene.task if step.part is not None}
     if attached.held is not None:
-        name = attached.held.part
-        moved[name] = carriers.body[name]
-        rows[moved[name]] = seat_of(scene, carriers, attached, name)
-    return Seats(c.table("seats", rows), tuple(sorted(moved.items(), key=itemgetter(1))))
+        name, rows = attached.held.part, rows.copy()
+        rows[carriers.body[name]] = seat_of(scene, carriers, attached, name)
+        parts.add(name)
+    return Seats(rows, tuple(sorted([(name, carriers.body[name]) for name in parts], key=itemgetter(1))))
 
 
 def seat_of(scene: Scene, carriers: Carriers, attached: Attachments, name: str) -> tuple[float, ...]:

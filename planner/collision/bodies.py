@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate
 
 import numpy as np
@@ -98,7 +98,7 @@ class Arrangement:
 
 
 MOST = 64
-"""Arrangements that are kept. When there are more, all but that of the start are dropped."""
+"""Arrangements that are kept, and pairs. When there are more, all but the arrangement of the start are dropped."""
 
 
 def bodies_of(scene: Scene) -> Bodies:
@@ -215,6 +215,11 @@ class Pairs:
     def __len__(self) -> int:
         return len(self.rows)
 
+    def since(self, start: float) -> Pairs:
+        """The pairs of a plan that begins at another time, s."""
+        sets, lag, clock = self.errors
+        return replace(self, errors=(sets, lag, np.array([start, *clock[1:].tolist()])))
+
     @property
     def many(self) -> bool:
         """Whether there are so many that planes between them are worth their rows."""
@@ -242,8 +247,22 @@ class Pairs:
         return RULES[self.rules[number]], float(self.rows[number, REQUIRED])
 
 
+def _none_yet(_: Scene) -> list[PairTables]:
+    """The pairs of a cell."""
+    return []
+
+
+def pair_tables_of(scene: Scene) -> PairTables:
+    """The pairs of a scene, kept with its cell until there are too many when a plan begins."""
+    kept = scene.kept.of(_none_yet, scene, scene.start.holding, scene.options.clearance, scene.execution)
+    if not kept or len(kept[0].made) > MOST:
+        kept[:] = [PairTables(scene, bodies_of(scene))]
+    return kept[0]
+
+
 class PairTables:
-    """The pairs of a scene by arrangement and kind of phase, made once each."""
+    """The pairs of a cell by arrangement, kind of phase and start, `made` once each: of scenes in which the same part
+    is held at the start, with the same distances and execution."""
 
     def __init__(self, scene: Scene, bodies: Bodies) -> None:
         self.scene, self.bodies = scene, bodies
@@ -251,28 +270,35 @@ class PairTables:
         """What `phases_of` needs of them where the arrangement has the seats."""
         self.tables, self.displaced = distances_of(scene), displaced_of(scene)
         self.required = self.tables["required"][0]
-        self._made: dict[tuple[object, ...], Pairs] = {}
+        self.made: dict[tuple[object, ...], Pairs] = {}
+        self._of_kind: dict[tuple[object, ...], Pairs] = {}
+        """The last that were made of each kind, for whatever start."""
 
-    def __call__(self, arrangement: Arrangement, phase: Phase) -> Pairs:
-        """The pairs of a phase, in the arrangement that it has."""
-        key = (
+    def __call__(self, arrangement: Arrangement, phase: Phase, start: float = math.nan) -> Pairs:
+        """The pairs of a phase, in the arrangement that it has, of a plan that begins at `start`, s (NaN: their errors
+        are not known)."""
+        kind = (
             arrangement, phase.near, phase.tracked, phase.corrected, phase.contacts, phase.contact_tolerance_m,
             phase.handled, phase.robot,
         )  # fmt: skip
-        if key not in self._made:
-            self._made[key] = self._pairs(arrangement, phase)
-        return self._made[key]
+        found = self.made.get((start, *kind))
+        if found is None:
+            known = self._of_kind.get(kind)
+            found = self._pairs(arrangement, phase, start) if known is None else known.since(start)
+            self._of_kind[kind] = self.made[start, *kind] = found
+        return found
 
-    def _pairs(self, arrangement: Arrangement, phase: Phase) -> Pairs:
+    def _pairs(self, arrangement: Arrangement, phase: Phase, start: float) -> Pairs:
         story, seats = phases_of(self.scene, self.bodies.carriers, self.seats, [phase]), arrangement.seats
         link, frame = seats[:, c.SEAT_LINK].astype(np.int64), seats[:, c.SEAT_FRAME].astype(np.int64)
         around, mine = (link < 0).nonzero()[0], ((link >= 0) & phase.robot).nonzero()[0]
         across = len(mine) * len(around)
-        i, k = mine[np.array((mine[:, None] < mine).nonzero())]
-        within = (link[i] != link[k]) & (self.tables["self_pairs"][link[i], link[k]] > 0.0)
+        on = link[mine]
+        within = (self.tables["self_pairs"][on[:, None], on] > 0.0) & (on[:, None] != on) & (mine[:, None] < mine)
+        i, k = mine[np.array(within.nonzero())]
         moves = (link < 0) & (self.bodies.still[frame + self.bodies.links] == 0)
-        first = [mine.repeat(len(around)), i[within]]
-        second, done = [around[None].repeat(len(mine), 0).ravel(), k[within]], list[int]()
+        first = [mine.repeat(len(around)), i]
+        second, done = [around[None].repeat(len(mine), 0).ravel(), k], list[int]()
         own = across + len(first[1])
         for part, supports in zip(story["put_down"][:, c.PUT_BODY].astype(np.int64), story["supports"], strict=True):
             # what does not move against a part, it was proved to stay clear of while it was put down
@@ -295,7 +321,7 @@ class PairTables:
             rows[:, EARLY] = np.where(moves[other], late[0, one] - late[1, other], 0.0)
             rows[:, LATE] = np.where(moves[other], late[1, one] - late[0, other], 0.0)
         shift = shift_of(self.displaced, story["shares"][0])
-        clock = np.array([self.scene.start.time, self.required[c.REQUIRED_LATE], *shift])
+        clock = np.array([start, self.required[c.REQUIRED_LATE], *shift])
         lag = self.required[c.REQUIRED_LAG :][: len(self.scene.robot.joints)].copy()
         apart = rows[:, REQUIRED] >= 0.0
         parted = rows[apart], rows[~apart]

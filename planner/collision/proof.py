@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.collision.bodies import Arrangement, Pairs, PairTables, bodies_of
+from assur.planner.collision.bodies import Arrangement, Pairs, pair_tables_of
 from assur.planner.collision.fcl_entry import Collider, PlacedShape
 from assur.planner.collision.rows import ProofFailure, Rows
 from assur.planner.kernels.carriers import Carried, place_carriers
@@ -146,8 +146,8 @@ class Prover:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.arrangement = bodies_of(scene)
-        self.pairs = PairTables(scene, self.arrangement)
+        self.pairs = pair_tables_of(scene)
+        self.arrangement = self.pairs.bodies
         self.laws, self.side = scene.kept.of(laws_of, scene)
         self.carried_by: Carried = scene.robot.row, self.laws, self.side
         self.collider = Collider()
@@ -177,7 +177,7 @@ class Prover:
         """The pairs of a phase."""
         arrangement = self.of(phase)
         if self._pairs is None:
-            self._pairs = self.pairs(arrangement, phase)
+            self._pairs = self.pairs(arrangement, phase, self.scene.start.time)
         return self._pairs
 
     def rule(self, phase: Phase, *names: str) -> tuple[Rule, float]:

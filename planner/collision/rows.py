@@ -62,20 +62,19 @@ def written(
     needed[columns[:, :, 0]] = 1
     number = needed.cumsum() - 1
     number[-1] = -1
-    shifted = bool(table[:, [FROM, TO]].any())
-    certificate = Certificate(
+    shifted = bool(table[:, FROM : TO + 1].any())
+    certificate = Certificate.of_columns(
         first=number[columns[:, 0, 0]],
         second=number[columns[:, 1, 0]],
         names=tuple(compress(names, needed.tolist())),
-        t0=table[:, T0].copy(),
-        t1=table[:, T1].copy(),
-        first_piece=columns[:, 0, 1].copy(),
-        second_piece=columns[:, 1, 1].copy(),
-        normal=table[:, ALONG : ALONG + 3].copy(),
-        shift0=table[:, FROM].copy() if shifted else None,
-        shift1=table[:, TO].copy() if shifted else None,
+        t0=table[:, T0],
+        t1=table[:, T1],
+        first_piece=columns[:, 0, 1],
+        second_piece=columns[:, 1, 1],
+        normal=table[:, ALONG : ALONG + 3],
+        shift0=table[:, FROM] if shifted else None,
+        shift1=table[:, TO] if shifted else None,
         covers=covered(trajectory),
     )
-    # its columns need not be validated again for it
-    object.__setattr__(certificate, "digest", digest(scene.digest, trajectory, legs, arrivals, certificate))
+    vars(certificate)["digest"] = digest(scene.digest, trajectory, legs, arrivals, certificate)
     return certificate

@@ -92,5 +92,4 @@ def _error(error: ArrivalError) -> list[Any]:
 
 def _numbers(*values: float) -> list[float]:
     """Python's own floats, −0 as 0: their shortest texts are different if the numbers are."""
-    numbers: list[float] = (np.array(values, dtype=float) + 0.0).tolist()
-    return numbers
+    return [float(value) + 0.0 for value in values]

@@ -34,11 +34,11 @@ class KeptCell:
     def of(self, make: Callable[[Scene], Made], scene: Scene, *key: Hashable) -> Made:
         """What `make` makes of a scene of this cell. `key`: what else of the scene it depends on."""
         all_made, place = self._made, (make, *key)  # once: another thread may drop all of them meanwhile
-        if place not in all_made:
+        made: Made | None = all_made.get(place)
+        if made is None:
             if len(all_made) >= MOST:
                 all_made = self._made = {}
-            all_made[place] = make(scene)
-        made: Made = all_made[place]
+            made = all_made[place] = make(scene)
         return made
 
 

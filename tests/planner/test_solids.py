@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.collision.bodies import COVER, Arrangement, Bodies, PairTables
+from assur.planner.collision.bodies import COVER, MOST, Arrangement, Bodies, PairTables
+from assur.planner.collision.proof import Prover
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece, box, cylinder, support
-from assur.planner.kernels.solids import CENTRE, FIRST, HALF, ROTATION, SECOND
+from assur.planner.kernels.solids import CENTRE, FIRST, HALF, REQUIRED, ROTATION, SECOND
 from assur.planner.laws import turntable
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import AT_START, Phase
@@ -108,3 +110,23 @@ def test_every_body_of_the_arm_is_asked_against_every_body_around_and_its_own_as
     # whole bodies are asked: by their only piece or by their box
     assert set(a) | set(b) <= set(solids.roots)
     assert solids.of_robot[solids.body[a]].all()
+
+
+def test_pairs_are_kept_for_all_plans_of_a_cell_with_the_start_of_each() -> None:
+    scene = scene_of_all()
+    later = replace(scene, start=replace(scene.start, time=scene.start.time + 1.0))
+    phase = Phase(0.0, 1.0, LegKind.MOVE, 0)
+    first, second = Prover(scene), Prover(later)
+    one, other = first.pairs_of(phase), second.pairs_of(phase)
+    assert one.rows is other.rows
+    anew = PairTables(later, second.arrangement)(second.of(phase), phase, later.start.time)
+    assert all(map(np.array_equal, other.errors, anew.errors))
+    assert [each.errors[2][0] for each in (one, other)] == [scene.start.time, later.start.time]
+    # other distances are other pairs
+    wide = replace(scene, options=replace(scene.options, clearance=replace(scene.options.clearance, travel_m=0.1)))
+    assert Prover(wide).pairs_of(phase).rows[0, REQUIRED] == 0.1
+    # a plan keeps its own where they are dropped meanwhile
+    for k in range(MOST + 2):
+        Prover(replace(scene, start=replace(scene.start, time=float(k)))).pairs_of(phase)
+    assert Prover(scene).pairs is not first.pairs
+    assert first.pairs_of(replace(phase, kind=LegKind.WAIT)) is one

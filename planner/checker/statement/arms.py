@@ -241,11 +241,12 @@ def limbs(robot: Robot, mode: str) -> list[Limb]:
 def states_at(path: Trajectory, time: float) -> FloatArray:
     """Position, velocity and acceleration (3, n) of the joints at a time: by the quintic that has those of both knots
     (N5). A joint rests before the first knot and behind the last one."""
-    within = min(max(time, float(path.time[0])), float(path.time[-1]))
-    i = int(path.time.searchsorted(within, "right")) - 1
-    if path.time[i] == within:
+    times, within = path.knots[:, 0], min(max(time, path.start), path.end)
+    i = int(times.searchsorted(within, "right")) - 1
+    begin = float(times[i])
+    if begin == within:
         return path.knots[i, 1:].reshape(3, -1)
-    h, since = float(path.time[i + 1] - path.time[i]), within - float(path.time[i])
+    h, since = float(times[i + 1]) - begin, within - begin
 
     def powers(t: float) -> FloatArray:
         return np.array([[math.perm(k, d) * t ** (k - d) if k >= d else 0.0 for k in range(6)] for d in range(3)])
@@ -276,11 +277,10 @@ def require_knots(report: Requirements, robot: Robot, path: Trajectory, claim: c
     knots = claim.knots[int(row[c.ARM_KNOT]) :][: int(row[c.ARM_KNOTS])]
     first = int(knots[0, 0] < required[0, 0])
     behind = len(knots) - first - len(required)
-    columns = [c.KNOT_TIME]
-    for column in (c.KNOT_Q, c.KNOT_QD, c.KNOT_QDD):
-        columns += range(column, column + path.q.shape[1])
-    own = knots[first : first + len(required)].take(columns, 1)
-    same = behind in (0, 1) and bool((own == required).all())
+    own = knots[first : first + len(required)]
+    states, stated = (each[:, 1:].reshape(len(each), 3, -1) for each in (required, own))
+    same = behind in (0, 1) and bool((own[:, c.KNOT_TIME] == required[:, 0]).all())
+    same = same and bool((stated[:, :, : path.n] == states).all())
     for k, beside in [(0, 1)] * first + [(-1, -2)] * behind:
         same = same and bool((knots[k, c.KNOT_Q :] == knots[beside, c.KNOT_Q :]).all())
         same = same and not (knots[k, c.KNOT_QD :].any() or knots[beside, c.KNOT_QD :].any())

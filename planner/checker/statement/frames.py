@@ -40,12 +40,12 @@ def require_known(statement: Statement) -> None:
     """The motion of each frame is known while a body is on it, and where the tool has to be at a point of it; lateness
     and shifts included."""
     claim, late = statement.claim, statement.scene.execution.start_tolerance_s
-    seated = claim.seats[claim.seated.astype(int), c.SEAT_FRAME]
     for number, frame in enumerate(statement.scene.frames.values()):
         earliest, latest = laws.known(frame.law)
         if (earliest, latest) == (-math.inf, math.inf) or laws.link_of(frame.law) is not None:
             continue
-        spans = [claim.phases[(seated == number).any(axis=1), c.PHASE_T0 : c.PHASE_T1 + 1]]
+        seated = (statement.seats[:, :, c.SEAT_FRAME] == number).any(axis=1)
+        spans = [claim.phases[seated, c.PHASE_T0 : c.PHASE_T1 + 1]]
         for table, column in (
             (claim.points, c.POINT_FRAME),
             (claim.rates, c.RATE_FRAME),

@@ -53,22 +53,14 @@ class Stage:
 
 
 class Given:
-    """What follows from a request alone, which all plans for it share."""
+    """What follows from a cell alone, which all plans for it share. `scene`: any of that cell."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.tcp, self.flange = numbers(scene.tool.tcp), float(scene.robot.links.index("flange"))
         self.frames = {name: number for number, name in enumerate(scene.frames)}
         self.bodies = {body.name: number for number, body in enumerate(bodies_of(scene))}
-        start = scene.start
-        self.start = [start.time, *start.q.tolist(), *start.qd.tolist(), *start.qdd.tolist()]
-        """Time, positions, velocities and accelerations of the joints when a plan begins."""
         self.motions: dict[str, laws.Formula] = {}
-        held = [None if start.holding is None else start.holding.part, *[step.part for step in scene.task]]
-        self.parts = [name for name in dict.fromkeys(held) if name is not None]
-        """The parts that the gripper holds at some time."""
-        self.seats: tuple[FloatArray, FloatArray] | None = None
-        """Of all bodies before any step: seats (1, B, 7), and how far each may be off it (1, 2 B), m."""
 
     def motion(self, frame: str) -> laws.Formula:
         """The formula of a frame that is no link of an arm; the times at which its pieces end are left out."""
@@ -77,18 +69,22 @@ class Given:
         return self.motions[frame]
 
     @cached_property
+    def seats(self) -> tuple[FloatArray, FloatArray]:
+        """Of all bodies before any is gripped: seats (1, B, 7), and how far each may be off it (1, 2 B), m."""
+        scene, off = self.scene, np.zeros((1, 2, len(self.bodies)))
+        links = [item.link for item in scene.robot.bodies] + [self.flange] * len(scene.tool.bodies)
+        seats: list[tuple[float, ...]] = [(k, link, -1.0, 0.0, 0.0, 0.0, 0.0) for k, link in enumerate(links)]
+        for k, body in enumerate(scene.bodies, start=len(links)):
+            seats.append((k, -1.0, self.frames[body.frame], *numbers(body.pose)))
+            off[0, :, k] = displaced(body.uncertainty, body.body)
+        return np.array(seats)[None], off.reshape(1, -1)
+
+    @cached_property
     def is_exact(self) -> bool:
-        """Whether nothing is uncertain: frames, bodies, grips, joints and the start."""
-        scene, holding = self.scene, self.scene.start.holding
-        poses = [] if holding is None else [holding.within]
-        poses += [step.held_within or EXACT for step in scene.task if isinstance(step, Pick)]
-        for body in scene.bodies:
-            within = body.uncertainty
-            if within.position_m or within.vertical_m or within.yaw_rad:
-                return False
-        frames = [frame.uncertainty for frame in scene.frames.values()]
-        known = poses.count(EXACT) == len(poses) and frames.count(CERTAIN) == len(frames)
-        return known and not any((*scene.execution.lag, scene.execution.start_tolerance_s))
+        """Whether nothing is uncertain of frames and bodies."""
+        within = [body.uncertainty for body in self.scene.bodies]
+        exact = all(not (each.position_m or each.vertical_m or each.yaw_rad) for each in within)
+        return exact and all(frame.uncertainty == CERTAIN for frame in self.scene.frames.values())
 
 
 class Handling(Requirements):
@@ -102,7 +98,7 @@ class Handling(Requirements):
         self.arrivals = {arrival.step: arrival for arrival in plan.arrivals}
         self.given = given = given or Given(scene)
         self.tcp, self.flange, self.frames, self.bodies = given.tcp, given.flange, given.frames, given.bodies
-        self.whole = (float(plan.trajectory.time[0]), float(plan.trajectory.time[-1]))
+        self.whole = (plan.trajectory.start, plan.trajectory.end)
         self._places: dict[tuple[str, float], Four] = {}
         self._tools: dict[float, Four] = {}
         self._supports: dict[int, set[str]] = {}
@@ -126,29 +122,37 @@ class Handling(Requirements):
 
     def _stage(self, number: int, when: Interval) -> Stage:
         """The stage of a leg, or of what comes behind the last one."""
-        behind = (leg.step for leg in self.plan.legs[:number] if leg.kind is LegKind.FOLLOW)
-        handed = [step for step in behind if self.scene.task[step].part is not None]
+        task, legs = self.scene.task, self.plan.legs
+        handed = [leg.step for leg in legs[:number] if leg.kind is LegKind.FOLLOW and task[leg.step].part is not None]
         stage = Stage(when, handed, self.held(handed), shares=self._shares(number))
         for k, own in enumerate(handed):
-            part = self.scene.task[own].part
+            part = task[own].part
             if part is not None and part != stage.held:
                 # the last step that handled it counts; parts that were taken since do not support it
-                stage.supports[part] = self.supports(own) - {self.scene.task[k].part or "" for k in handed[k + 1 :]}
-        leg = self.plan.legs[number] if number < len(self.plan.legs) else None
-        if leg is not None and leg.kind in TRACKING:
-            step = self.scene.task[leg.step]
+                stage.supports[part] = self.supports(own) - {task[k].part or "" for k in handed[k + 1 :]}
+        if number < len(legs) and legs[number].kind in TRACKING:
+            step = task[legs[number].step]
             stage.near, stage.depth = True, CONTACT_M + step.contact_tolerance_m
             if step.part is not None:
                 # while the part is held it may touch what it rests on; before it is taken, and after it was put down,
                 # the bodies of the tool
                 tool = {body.name for body in self.scene.tool.bodies}
-                others = self.supports(leg.step) if stage.held == step.part else tool
+                others = self.supports(legs[number].step) if stage.held == step.part else tool
                 stage.touching = {frozenset((other, step.part)) for other in others}
         return stage
 
     def legs(self, number: int, *, tracked: bool = False) -> list[Leg]:
         """The legs of a step; those that track its control point."""
         return [leg for leg in self.plan.legs if leg.step == number and (not tracked or leg.kind in TRACKING)]
+
+    @cached_property
+    def is_exact(self) -> bool:
+        """Whether nothing is uncertain: frames, bodies, grips, joints and the start."""
+        execution, holding = self.scene.execution, self.scene.start.holding
+        poses = [] if holding is None else [holding.within]
+        poses += [step.held_within or EXACT for step in self.scene.task if isinstance(step, Pick)]
+        certain = self.given.is_exact and poses.count(EXACT) == len(poses)
+        return certain and not any((*execution.lag, execution.start_tolerance_s))
 
     def handed_before(self, number: int) -> list[int]:
         """The steps before a step whose part has changed hands: all that have a part."""
@@ -270,8 +274,8 @@ class Handling(Requirements):
             self._tools[time] = then(flange, self.tcp)
         return self._tools[time]
 
-    def uncertainty(self, name: str, handed: Sequence[int]) -> PoseUncertainty | None:
-        """How uncertain the pose of a body of the surroundings is after some steps; None: not at all.
+    def uncertainty(self, name: str, handed: Sequence[int]) -> PoseUncertainty:
+        """How uncertain the pose of a body of the surroundings is after some steps.
 
         Of a part that a step has handled it is the error of the arrival, or what the step states of the grip.
         """
@@ -279,19 +283,11 @@ class Handling(Requirements):
             step, error = self.scene.task[number], self.arrivals[number].error
             if step.part == name:
                 stated = step.held_within if isinstance(step, Pick) else None
-                return stated if stated is not None or error is None else error.within
+                return stated or (EXACT if error is None else error.within)
         holding = self.scene.start.holding
         if holding is not None and holding.part == name:
             return holding.within
         return self.scene.index[name].uncertainty
-
-    def displaced(self, name: str, handed: Sequence[int]) -> tuple[float, float]:
-        """How far a point of a body of the surroundings may be off horizontally, and up or down, m."""
-        within = self.uncertainty(name, handed)
-        if within is None:
-            return 0.0, 0.0
-        turned = within.yaw_rad * self.radius(name) if within.yaw_rad else 0.0
-        return within.position_m + turned, within.vertical_m
 
     def _shares(self, leg: int) -> dict[str, tuple[float, float]]:
         """By frame, the least and the greatest share that the tool has in the frame's error along its line in a leg (or
@@ -315,6 +311,12 @@ class Handling(Requirements):
     def radius(self, name: str) -> float:
         """Horizontal distance of the points of a body of the surroundings from its origin at most, m."""
         return _radius(self.scene.index[name].body)
+
+
+def displaced(within: PoseUncertainty, body: Body) -> tuple[float, float]:
+    """How far a point of a body whose pose is so uncertain may be off horizontally, and up or down, m."""
+    turned = within.yaw_rad * _radius(body) if within.yaw_rad else 0.0
+    return within.position_m + turned, within.vertical_m
 
 
 @lru_cache(maxsize=1024)

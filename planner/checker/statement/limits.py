@@ -141,7 +141,8 @@ def require_limits(statement: Statement) -> None:
     heaviest = known.rated_kg if known.max_kg is None else known.max_kg
     if known.shares:
         heaviest = min(known.shares[-1][0], math.inf if known.max_kg is None else known.max_kg)
-    for load in loads_of(statement):
+    bounded = heaviest is not None or known.max_inertia_kgm2 is not None
+    for load in loads_of(statement) if bounded else ():
         carried, when = load.part or "the tool", (load.t0, load.t1)
         for what, amount, most in (
             ("kg", load.mass_kg, heaviest),
@@ -158,9 +159,9 @@ def _is_limited(statement: Statement, share: float, when: Interval) -> bool:
     """Whether a row of the claim has limits that are no wider, for as long, with this share of the accelerations and
     jerks."""
     own, jerk = statement.scene.robot.limits, statement.scene.options.jerk_limited
-    lower = (own.lower - ROUNDING * np.abs(own.lower)).tolist()
-    sizes = [own.upper, own.velocity, share * own.acceleration, share * own.jerk][: 3 + jerk]
-    upper = [(most + ROUNDING * np.abs(most)).tolist() for most in sizes]
+    lower = [x - ROUNDING * abs(x) for x in own.lower.tolist()]
+    sizes = ((own.upper, 1.0), (own.velocity, 1.0), (own.acceleration, share), (own.jerk, share))[: 3 + jerk]
+    upper = [[part * x + ROUNDING * abs(part * x) for x in most.tolist()] for most, part in sizes]
     for row in statement.claim.limits.tolist():
         kept = row[c.LIMIT_T0] <= when[0] and when[1] <= row[c.LIMIT_T1] and row[c.LIMIT_JERKS] >= jerk
         kept = kept and all(map(le, row[c.LIMIT_SHARE : c.LIMIT_LOWER], SHARES))

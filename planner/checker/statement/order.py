@@ -33,7 +33,9 @@ def require_order(handling: Handling) -> None:
     """Start, end, and the legs and arrivals of each step."""
     scene, plan, options = handling.scene, handling.plan, handling.scene.options
     (first, last), every, knots = handling.whole, list(range(len(scene.task))), plan.trajectory.knots
-    begins = math.dist(knots[0].tolist(), handling.given.start) <= SAME
+    start = scene.start
+    state = [start.time, *start.q.tolist(), *start.qd.tolist(), *start.qdd.tolist()]
+    begins = math.dist(knots[0].tolist(), state) <= SAME
     handling.require(begins, Code.START, "the motion begins in another state")
     rests = options.end != "rest" or math.hypot(*knots[-1, 1 + len(knots[0]) // 3 :].tolist()) <= SAME
     ends = options.latest_end_s is None or last <= options.latest_end_s + SAME
@@ -100,7 +102,7 @@ def _require_arrival(handling: Handling, number: int, own: list[Leg], *, is_last
             f"{name} goes on behind its control point",
         ),
         (
-            error is not None or handling.given.is_exact,
+            error is not None or handling.is_exact,
             f"no error is stated at {name}, and not everything is exact",
         ),
         (

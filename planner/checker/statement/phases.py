@@ -10,8 +10,8 @@ import math
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.statement.differences import IDENTITY, SAME
-from assur.planner.checker.statement.holding import Stage
+from assur.planner.checker.statement.differences import SAME
+from assur.planner.checker.statement.holding import Stage, displaced
 from assur.planner.checker.statement.statement import Statement, at_most, same
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
@@ -47,7 +47,7 @@ def require_phases(statement: Statement) -> None:
 def _require_seats(statement: Statement, names: list[str]) -> None:
     """Each body is fixed to its link or frame, at its pose, and as much of it is uncertain as is required."""
     seats, off = _required_seats(statement)
-    stages, stated = statement.stages, statement.claim.seats[statement.claim.seated.astype(int)]
+    stages, stated = statement.stages, statement.seats
     if (stated == seats).all() and (statement.claim.off >= off).all():
         return
     apart, known = np.abs(stated - seats), statement.claim.off >= off - SAME
@@ -64,28 +64,19 @@ def _require_seats(statement: Statement, names: list[str]) -> None:
 def _required_seats(statement: Statement) -> tuple[FloatArray, FloatArray]:
     """The seat of each body in each stage, (P, B, 7), and by how much each may be off it: (P, 2 B), horizontally, and
     then up or down, m. One row for all stages if no part is handled."""
-    scene, stages, flange = statement.scene, statement.stages, statement.flange
-    if statement.given.seats is None:
-        links = [item.link for item in scene.robot.bodies] + [flange] * len(scene.tool.bodies)
-        seats: list[tuple[float, ...]] = [(k, link, -1.0, *IDENTITY) for k, link in enumerate(links)]
-        off, frames = np.zeros((1, 2, len(statement.bodies))), statement.frames
-        for k, body in enumerate(scene.bodies, start=len(links)):
-            pose = body.pose
-            seats.append((k, -1.0, frames[body.frame], pose.x, pose.y, pose.z, pose.yaw))
-            within = body.uncertainty
-            if within.position_m or within.vertical_m or within.yaw_rad:
-                off[0, :, k] = statement.displaced(body.name, ())
-        statement.given.seats = np.array(seats).reshape(1, -1, c.SEAT), off.reshape(1, -1)
-    if not statement.given.parts:
+    scene, stages, flange, holding = statement.scene, statement.stages, statement.flange, statement.scene.start.holding
+    parts = {step.part for step in scene.task if step.part is not None}
+    parts |= set() if holding is None else {holding.part}
+    if not parts:
         return statement.given.seats
     # parts that are handled have others, phase by phase
     all_seats, all_off = (each.repeat(len(stages), 0) for each in statement.given.seats)
-    for part in statement.given.parts:
-        k = statement.bodies[part]
+    for part in parts:
+        k, body = statement.bodies[part], scene.index[part].body
         for p, stage in enumerate(stages):
             frame, at = statement.place(part, stage.handed)
             all_seats[p, k] = (k, flange, -1.0, *at) if frame is None else (k, -1.0, statement.frames[frame], *at)
-            all_off[p, k :: len(statement.bodies)] = statement.displaced(part, stage.handed)
+            all_off[p, k :: len(statement.bodies)] = displaced(statement.uncertainty(part, stage.handed), body)
     return all_seats, all_off
 
 

@@ -160,7 +160,7 @@ def _is_error(statement: Statement, number: int, error: ArrivalError) -> bool:
     frame, tool, point = _place(statement, number)
     known = EXACT
     if step.part is not None:
-        known = statement.uncertainty(step.part, statement.handed_before(number)) or EXACT
+        known = statement.uncertainty(step.part, statement.handed_before(number))
     arm = math.hypot(step.grasp.x, step.grasp.y) if isinstance(step, Pick) else 0.0
     planned = TRACKED_M if isinstance(step, Trace) else MEET
     if arrival.missed_by is not None:

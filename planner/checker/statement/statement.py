@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from functools import cached_property
 from itertools import chain, count, repeat
 
 import numpy as np
 
+from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement.differences import SAME, Interval
 from assur.planner.checker.statement.holding import Handling
 from assur.planner.claim import columns as c
@@ -63,6 +65,11 @@ class Statement(Handling):
         self.claim = claim
         self._lists: dict[str, list[list[float]]] = {}
         self._numbers: dict[str, dict[tuple[float, ...], list[tuple[float, ...]]]] = {}
+
+    @cached_property
+    def seats(self) -> FloatArray:
+        """The seat that the claim has of each body in each phase, (P, B, c.SEAT)."""
+        return np.asarray(self.claim.seats[self.claim.seated.astype(int)])
 
     def listed(self, table: str, *bounds: Bound) -> list[list[float]]:
         """The rows of a table whose numbers are within bounds, NaN is not; yaws may differ by full turns."""
