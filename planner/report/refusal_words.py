@@ -66,13 +66,13 @@ def because(scene: Scene, refusal: Refusal) -> str:
 
 
 def _parsed(template: str) -> list[Any]:
-    """The text and the names, each in {}, of a template; what is in [] is a list of its own."""
+    """The text and the names of a template, each name in a tuple; what is in [] is a list of its own."""
     levels: list[list[Any]] = [[]]
     for piece in PIECES.findall(template):
         if piece == "[":
             levels.append([])
         else:
-            inner = levels.pop() if piece == "]" else piece
+            inner = levels.pop() if piece == "]" else (piece[1:-1],) if piece[0] == "{" else piece
             levels[-1].append(inner)
     return levels[0]
 
@@ -99,13 +99,14 @@ def _filled(pieces: list[Any], codes: set[str], words: Words) -> str | None:
     found = ""
     text: str | None
     for piece in pieces:
-        if isinstance(piece, list):
-            text = _filled(piece, codes, words) or ""
-        elif piece[0] == "{":
-            name = piece[1:-1]
-            text = words[name] if name in words else _first(name, codes, words)
-        else:
+        kind = type(piece)
+        if kind is str:
             text = piece
+        elif kind is list:
+            text = _filled(piece, codes, words) or ""
+        else:
+            (name,) = piece
+            text = words[name] if name in words else _first(name, codes, words)
         if text is None:
             return None
         found += text
