@@ -121,17 +121,32 @@ def test_no_row_of_an_answer_can_be_spared(table: str) -> None:
             assert state_answer(Handling(case.scene, case.plan), case.claims, less), (table, row)
 
 
-def test_no_peak_of_the_tool_is_shown_without_its_rows() -> None:
-    case, claim = answered("demo")
-    found = state_answer(Handling(case.scene, case.plan), case.claims, claim._replace(rates=claim.rates[:0]))
-    assert {each.what for each in found} == {
+WITHOUT: dict[str, tuple[str, Code, set[str]]] = {
+    "rates": ("demo", T.PEAK, {
         "the speed of the tool may be larger than is stated",
         "the speed of the tool is not what is stated then",
         "the acceleration of the tool may be larger than is stated",
         "the acceleration of the tool is not what is stated then",
         "the tool may accelerate harder with a part than is stated",
         "the tool never accelerates as hard with a part as is stated",
-    }
+    }),
+    "axes": ("five-bar", T.SINGULARITY, {
+        "the arm may come nearer to a singular position (singularity) than is stated",
+        "the arm does not come as near to a singular position (singularity) as is stated",
+        "the arm may come nearer to a singular position (parallel) than is stated",
+        "the arm does not come as near to a singular position (parallel) as is stated",
+    }),
+}  # fmt: skip
+"""Case, topic, and what is reported of it if a table has no rows."""
+
+
+@pytest.mark.parametrize("table", WITHOUT)
+def test_no_peak_and_no_margin_is_shown_without_its_rows(table: str) -> None:
+    name, topic, sentences = WITHOUT[table]
+    case, claim = answered(name)
+    less = claim._replace(**{table: getattr(claim, table)[:0]})
+    found = state_answer(Handling(case.scene, case.plan), case.claims, less)
+    assert {each.what for each in found if each.code is topic} == sentences
 
 
 def test_modes_margins_grips_and_supports_that_a_request_asks_for_are_stated() -> None:
