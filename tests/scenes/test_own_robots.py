@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 from pathlib import Path
 from typing import Any
@@ -279,3 +280,10 @@ def test_a_file_that_is_no_robot_says_what_one_begins_with(tmp_path: Path) -> No
         assert caught.value.field.startswith("my-arm.yaml")
     with pytest.raises(OSError, match="No such file"):
         load_robot(tmp_path / "none.yaml")
+
+
+def test_a_document_that_is_built_is_not_changed() -> None:
+    document = changed(bodies=stated(inline()["robot"]["scara"]["bodies"]))
+    before = copy.deepcopy(document)
+    cell_of(document)
+    assert document == before

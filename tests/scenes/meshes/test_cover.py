@@ -123,6 +123,11 @@ def test_a_round_convex_mesh_is_one_hull_of_few_corners_around_it() -> None:
     assert ConvexHull(hull.vertices).volume <= 1.05 * 4 / 3 * np.pi * 0.1**3
 
 
+def test_a_cover_is_the_same_each_time() -> None:
+    first, second = cover(surface(SOLIDS["star"])), cover(surface(SOLIDS["star"]))
+    assert [h.vertices.tobytes() for h in hulls(first)] == [h.vertices.tobytes() for h in hulls(second)]
+
+
 FLAT = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.1, 0.1, 0.0]])
 
 

@@ -110,6 +110,13 @@ def test_further_outside_it_is_refused_and_the_number_is_not_in_the_range_as_it_
     assert not low <= float(str(caught.value.value)) <= high or "outside by" in words
 
 
+def test_a_speed_at_the_start_is_refused_with_the_excess_that_six_digits_hide() -> None:
+    request = started()
+    request["start"]["velocity"] = {"j1_rad_s": 7.000001, "j2_rad_s": 0, "j3_m_s": 0, "j4_rad_s": 0}
+    with pytest.raises(InputError, match=r"-7 to 7; it is outside by 9\.9e-07"):
+        cell_of(request)
+
+
 def test_a_range_that_a_request_narrows_is_refused_with_the_excess_that_six_digits_hide() -> None:
     request = started()
     request["robot"]["limits"] = {"j2_rad": [-2.5307275, 2]}
