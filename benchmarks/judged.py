@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.checker_refusals import keep
-from benchmarks.judge.problems import Finding, recheck
+from benchmarks.judge.problems import recheck
 from benchmarks.problem_set import Problem, ProblemSet, read_problem_set
 from benchmarks.translation import Match
 
@@ -37,13 +37,8 @@ def label(name: str, match: str) -> str:
 def judged(problems: ProblemSet, problem: Problem, answer: Document, match: Match, request: Document) -> Document:
     """An answer without its trajectory, and its `findings` in words: what is wrong with its motion, and whether the
     checker refused a plan. If it did, the request is kept in `REFUSED`."""
-    findings = [in_words(finding) for finding in recheck(problems, problem, answer, match)]
+    findings = [str(finding) for finding in recheck(problems, problem, answer, match)]
     if answer.get("checker_refused"):
         findings.append(f"the checker refused {answer['checker_refused']} plans of the search")
         keep(REFUSED, f"{problem['id']}-{match}", request, {"reason": answer["reason"]})
     return {key: value for key, value in answer.items() if key != "trajectory"} | {"findings": findings}
-
-
-def in_words(finding: Finding) -> str:
-    """A finding in words."""
-    return f"{finding.kind}: {finding.text}"

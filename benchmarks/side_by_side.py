@@ -19,7 +19,7 @@ from benchmarks.best_known import PATH, found, lower
 from benchmarks.commits import WARM_UP_SEEDS, ask, planning
 from benchmarks.figures import Document, Figure, Records, finish, quantile, unclean
 from benchmarks.judge.problems import Finding, recheck
-from benchmarks.judged import in_words, judged, label, problem_set
+from benchmarks.judged import judged, label, problem_set
 from benchmarks.machine import ROOT, pin
 from benchmarks.peers.running import peers, question
 from benchmarks.problem_set import Problem, ProblemSet
@@ -78,7 +78,7 @@ def rechecked(problems: ProblemSet, problem: Problem, answer: Document) -> Docum
         recheck(problems, problem, answer | {"checked": True}, "position") if answer["status"] == "planned" else []
     )
     return {key: value for key, value in answer.items() if key != "trajectory"} | {
-        "findings": [in_words(finding) for finding in findings if fatal(finding)],
+        "findings": [str(finding) for finding in findings if fatal(finding)],
         "limits": sorted({finding.kind for finding in findings if not fatal(finding)}),
     }
 

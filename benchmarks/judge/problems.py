@@ -49,6 +49,9 @@ class Finding:
     kind: str
     text: str
 
+    def __str__(self) -> str:
+        return f"{self.kind}: {self.text}"
+
 
 def recheck(
     problems: ProblemSet,

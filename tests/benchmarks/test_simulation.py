@@ -82,13 +82,6 @@ def test_a_neighbour_that_was_not_told_of_is_met() -> None:
     assert {name for name in bodies(run(asked, real), "collision") if name.startswith("other/")}
 
 
-def test_joints_that_lag_are_seen() -> None:
-    asked = between_walls({}, {"start_tolerance_ms": 0}, held_within={})
-    real = between_walls({}, {"lag": {"j1_deg": 0.5, "j3_mm": 1}}, held_within={})
-    outcome = run(asked, real)
-    assert kinds(outcome) >= {"contact", "error"}
-
-
 def test_a_corner_that_an_answer_names_is_the_worst_run() -> None:
     request = between_walls({"speed_mm_s": 5, "lateral_mm": 1}, {"start_tolerance_ms": 4}, held_within={})
     request["execution"]["lag"] = {"j1_deg": 0.02, "j3_mm": 0.05}
