@@ -120,6 +120,12 @@ def test_nothing_that_a_motion_comes_through_is_beyond(seed: int) -> None:
         assert beyond(time, begin, column(farther, state[1, 0], state[2, 0]), 0, *limit)
 
 
+def test_in_less_time_than_a_change_of_velocity_takes_there_is_no_way() -> None:
+    least, limit = changed(0.0, 0.0, 1.0, 0.0, 5.0, 250.0), (2.0, 5.0, 250.0)
+    assert farthest(0.99 * least, 0.0, 0.0, 1.0, 0.0, *limit) == -math.inf
+    assert farthest(1.01 * least, 0.0, 0.0, 1.0, 0.0, *limit) > 0.0
+
+
 @given(SEEDS)
 def test_who_must_stop_above_a_height_takes_no_less_than_the_way_there_from_rest_to_rest(seed: int) -> None:
     """Going beyond it and coming back is no short cut, however it turns round."""

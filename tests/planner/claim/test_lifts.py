@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from assur.planner.claim import columns as c
-from assur.planner.claim.lifts import BACK, BACK_M, arches_of, goes_over
+from assur.planner.claim.lifts import BACK, BACK_M, arches_of, goes_over, largest
 from assur.planner.model.outcome import Course, Leg, LegKind, Route
 from assur.planner.timing import Numbers, TimingRefusal, fastest_motion
 from assur.planner.trajectory import Trajectory
@@ -44,6 +44,12 @@ def way_back(path: Trajectory) -> float:
     z = path.evaluate(np.linspace(path.start, path.end, 20_001))[:, 0]
     steps, top = np.diff(z), int(z.argmax())
     return float(np.maximum(-steps[:top], 0.0).sum() + np.maximum(steps[top:], 0.0).sum())
+
+
+def test_at_an_instant_nothing_is_largest() -> None:
+    path = arched(0.0, 0.0)
+    when, value = largest(path, 2, path.end, path.end)
+    assert (when[0], value[0]) == (path.end, 0.0)
 
 
 @pytest.mark.parametrize("down", [False, True])

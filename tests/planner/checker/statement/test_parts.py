@@ -7,6 +7,7 @@ import ast
 import math
 import tomllib
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,8 @@ import pytest
 from assur.planner import kernel_cache
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import arms, laws, solids
+from assur.planner.checker.statement.holding import Given
+from assur.planner.geometry.shapes import box
 from assur.planner.laws import (
     Change,
     Law,
@@ -27,7 +30,10 @@ from assur.planner.laws import (
     swing,
     turntable,
 )
+from assur.planner.laws.law import PoseUncertainty
+from assur.planner.model.execution import Execution
 from tests.architecture.source_tree import ROOT, Source, imports
+from tests.planner.cells import cell, frame, go, stands
 from tests.scenes.robots_of_every_family import ROBOTS, built
 
 AT = Pose(0.3, -0.2, 0.1, 0.7)
@@ -171,6 +177,24 @@ def wrong_imports(modules: tuple[Source, ...]) -> list[str]:
         if any(f"{name}.".startswith(f"{each}.") for each in names)
         and not any(f"{each}.".startswith(f"{name}.") or f"{name}.".startswith(f"{each}.") for each in allowed)
     ]
+
+
+EXACTLY: dict[str, tuple[bool, dict[str, Any]]] = {
+    "nothing": (True, {"bodies": (stands("box", box(0.1, 0.1, 0.1), y=-0.5),), "frames": (frame("seat", fixed(AT)),)}),
+    "a body": (
+        False,
+        {"bodies": (stands("box", box(0.1, 0.1, 0.1), y=-0.5, uncertainty=PoseUncertainty(position_m=1e-3)),)},
+    ),
+    "a frame": (False, {"frames": (frame("seat", fixed(AT), 1e-3),)}),
+    "a lag": (False, {"execution": Execution((0.0, 0.001, 0.0, 0.0))}),
+    "the start": (False, {"execution": Execution(start_tolerance_s=0.01)}),
+}
+
+
+@pytest.mark.parametrize("what", EXACTLY)
+def test_one_thing_that_is_uncertain_makes_a_request_uncertain(what: str) -> None:
+    is_exact, options = EXACTLY[what]
+    assert Given(cell(go(0.3, 0.3), **options)).is_exact is is_exact
 
 
 def test_the_statement_checker_imports_nothing_that_derives_the_same_facts() -> None:
