@@ -22,7 +22,7 @@ from assur.planner.feasibility.necessary import (
     windows_impossible,
     yaw_impossible,
 )
-from assur.planner.feasibility.witnesses import RefusalProof, shown
+from assur.planner.feasibility.witnesses import RefusalProof, refusal_proof
 from assur.planner.kernel_cache import is_compiled
 from assur.planner.legs.meeting import every_turn
 from assur.planner.legs.missed import holds_for_all_times
@@ -139,7 +139,7 @@ def _outcome(scene: Scene, run: _Run, prover: Prover) -> Outcome:
             never = found.never or start_collides(scene, prover)
         if never is None:
             return _not_found(scene, run, prover, found)
-    census, proof = found.census.census(), shown(scene, prover, never)
+    census, proof = found.census.census(), refusal_proof(scene, prover, never)
     return _not_planned(scene, run, never, census, proof=proof, cut=False)
 
 
@@ -178,7 +178,7 @@ def _not_found(scene: Scene, run: _Run, prover: Prover, found: SearchResult) -> 
     nothing_tried = census.candidates == 0 and not found.cut_by_clock
     proof = None
     if nothing_tried and refusal is not None and for_all_times(scene, refusal):
-        proof = shown(scene, prover, refusal)
+        proof = refusal_proof(scene, prover, refusal)
     without = _not_planned(
         scene, run, refusal, census, proof=proof, cut=found.cut_by_clock, deepest=found.deepest, line=line
     )

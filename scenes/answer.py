@@ -29,7 +29,7 @@ from assur.scenes.numbers import number, optional
 from assur.scenes.reading.cell import Cell
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.request import RequestDocument
-from assur.scenes.written_knots import arrival_document, settled, trajectory_document
+from assur.scenes.written_knots import arrival_document, trajectory_document, with_rounded_knots
 
 Detail = Literal["full", "digest"]
 
@@ -56,7 +56,7 @@ def answer_of(
 
 
 def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAnswer:
-    plan = settled(cell, outcome.plan)
+    plan = with_rounded_knots(cell, outcome.plan)
     return cast(
         document.PlannedAnswer,
         {
@@ -80,7 +80,7 @@ def _is_full(scene: Scene) -> bool:
 
 def proved_document(cell: Cell, plan: Plan) -> document.CheckedPlan:
     """A plan with its proof and nothing else: as much of an answer as the checker judges."""
-    plan = settled(cell, plan)
+    plan = with_rounded_knots(cell, plan)
     proof = {"certificate": certificate_document(plan.certificate, "full"), "request_digest": cell.scene.digest}
     return cast(document.CheckedPlan, {**_motion(cell, plan), **proof})
 

@@ -51,7 +51,7 @@ class _Query:
     """A question with its robot, frames, places of bodies, time in s, and the bodies to collide with, if known."""
 
     question: written.IkDocument
-    given: robots.Equipped
+    given: robots.RobotWithTool
     frames: frames.Frames
     places: Places
     t: float
@@ -147,7 +147,7 @@ def _pose(motion: Motion) -> Pose:
     return Pose(x, y, z, number(float(motion.yaw)))
 
 
-def _named(q: FloatArray, given: robots.Equipped) -> dict[str, float]:
+def _named(q: FloatArray, given: robots.RobotWithTool) -> dict[str, float]:
     """The maker's values of a joint vector (n,), by joint and unit."""
     values = as_maker(q, given.conventions).tolist()
     pairs = zip(given.conventions, values, strict=True)
@@ -173,7 +173,7 @@ def _solution(query: _Query, flange: Motion, mode: int, q: FloatArray) -> writte
     return found
 
 
-def _unreached(mode: ModeSolutions, given: robots.Equipped) -> written.Unreached:
+def _unreached(mode: ModeSolutions, given: robots.RobotWithTool) -> written.Unreached:
     beyond = _named(mode.beyond, given) if mode.code is Code.ASSEMBLED else {}
     return {
         "mode": given.robot.modes[mode.mode],

@@ -21,7 +21,7 @@ BRIEF = ("pitch_rad", "roll_rad", "grip_m", "support_m")
 """Fields of an arrival that are left out where there is nothing to state."""
 
 
-def settled(cell: Cell, plan: Plan) -> Plan:
+def with_rounded_knots(cell: Cell, plan: Plan) -> Plan:
     """The plan with rounded knots: its document is read back as the same knots, bit by bit.
 
     Where a joint has a zero of its own, positions are rounded on the way to the maker's count and back, by some 1e-16.

@@ -74,7 +74,7 @@ class Run(Candidate):
         return [*(begin + float(law.passed[k]) for k in self.numbers[:-1]), float(law.duration) + begin]
 
 
-def extended(scene: Scene, partial: PartialPlan, run: Run) -> Extension | Refusal:
+def extended_by_run(scene: Scene, partial: PartialPlan, run: Run) -> Extension | Refusal:
     """The extension by a run, within all limits but that of the jerk.
 
     A run that accelerates a held part too hard is timed again, slower as a whole.

@@ -17,7 +17,7 @@ from typing import cast
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.blends.run import Run, extended
+from assur.planner.blends.run import Run, extended_by_run
 from assur.planner.kernels.drawing import EFFORTS, NUDGED, NUDGED_TIME, NUDGES, TIME_NUDGE_S
 from assur.planner.legs.joint import Shape
 from assur.planner.model.refusal import AccelerationTime, Reason, Refusal
@@ -160,7 +160,7 @@ class BlendSearch(Search):
             if self._late():
                 break
             self.found.census.candidates += 1
-            motion = extended(self.scene, partial, cast("Run", run))
+            motion = extended_by_run(self.scene, partial, cast("Run", run))
             if isinstance(motion, Extension):
                 made.append(motion)
                 continue

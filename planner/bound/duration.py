@@ -2,8 +2,8 @@
 
 Each event of the task (`events`) is met at some time T. Times are excluded one interval after the other; the first that
 cannot be excluded ends the bound. A time is excluded if a joint cannot come from where it was left in time (`fastest`,
-`guided`). Who leaves a point that moves leaves it at its first possible time or later; going along with the point until
-later is a motion within bounds, so the state at that first time stands for all later ones.
+`guided_joints`). An arm leaves a point that moves at its first possible time or later. Until then going along with the
+point is a motion within bounds, so the state at that first time stands for all later ones.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from assur.planner.bound.events import (
     climbs,
     events,
     places,
-    rates,
+    rate_bounds,
     straight_times,
-    turned,
+    turns_within,
 )
 from assur.planner.bound.fastest import EXACT, FREE, KINDS, STATE, arrivals, changed
-from assur.planner.bound.guided import BOUNDED, DYAD, UNKNOWN, first_open, guided
+from assur.planner.bound.guided import BOUNDED, DYAD, UNKNOWN, first_open, guided_joints
 from assur.planner.frames.motion import Pose
 from assur.planner.laws.belt_window import travelled
 from assur.planner.model.scene import Scene
@@ -205,13 +205,13 @@ class _Way:
             states, kept, fine = list[FloatArray](), list[FloatArray](), True
             for pose in event.poses:
                 point = self._points(pose, np.array([begin]))[0]
-                bounds = rates(law, math.hypot(pose.x, pose.y), np.array([begin]), np.array([begin + waits]))[0]
+                bounds = rate_bounds(law, math.hypot(pose.x, pose.y), np.array([begin]), np.array([begin + waits]))[0]
                 for mode in modes:
                     state, most = np.zeros((STATE, n)), np.zeros((3, n))
-                    found = guided(scene.robot.row, mode, point, bounds, waits, state, most, work)
+                    found = guided_joints(scene.robot.row, mode, point, bounds, waits, state, most, work)
                     fine = fine and found != UNKNOWN and bool(np.isfinite(bounds).all())
                     if found == BOUNDED and fine:
-                        choices = [turned(scene.robot, k, state[0, k], most[0, k] * waits) for k in range(n)]
+                        choices = [turns_within(scene.robot, k, state[0, k], most[0, k] * waits) for k in range(n)]
                         fine = len(states) + math.prod(map(len, choices)) <= MOST_STATES
                         turns = product(*choices) if fine else ()
                         states += [np.array([q, *state[1:]]) for q in turns]
@@ -251,7 +251,7 @@ class _Way:
             k = first_open(
                 edges,
                 self._points(pose, edges[1:]),
-                rates(law, arm_m, edges[:-1], edges[1:]),
+                rate_bounds(law, arm_m, edges[:-1], edges[1:]),
                 self._outside(edges + early),
                 scene.robot.row,
                 chosen,
@@ -280,6 +280,6 @@ class _Way:
             out |= edges[:-1] > window.time[1] + WINDOW_S
         if window.along is not None and law.way is not None:
             gone = travelled(law, event.point, edges)
-            off = rates(law, 0.0, edges[:-1], edges[1:])[:, :6:3].sum(axis=1) * np.diff(edges)
+            off = rate_bounds(law, 0.0, edges[:-1], edges[1:])[:, :6:3].sum(axis=1) * np.diff(edges)
             out |= (gone[1:] + off < window.along[0] - WINDOW_M) | (gone[1:] - off > window.along[1] + WINDOW_M)
         return out

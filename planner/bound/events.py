@@ -156,7 +156,7 @@ def places(
             q = np.where((robot.revolute == 0.0) | known, inverse.q, np.nan).tolist()
             if math.isnan(roll) if tilts else math.isnan(yaw) and robot.turns_load:
                 q[-1] = math.nan
-        choices = [turned(robot, k, at) for k, at in enumerate(q)]
+        choices = [turns_within(robot, k, at) for k, at in enumerate(q)]
         # counted before they are made: joints with 64 turns each have a thousand million positions together
         if len(found) + math.prod(map(len, choices)) > MOST:
             raise Unplaced
@@ -173,7 +173,7 @@ def allowed_modes(robot: Robot, elbow: str, q: FloatArray) -> tuple[int, ...]:
     return tuple(range(len(robot.modes))) if elbow in ("auto", "keep") else (robot.modes.index(elbow),)
 
 
-def turned(robot: Robot, joint: int, at: float, off: float = 0.0) -> list[float]:
+def turns_within(robot: Robot, joint: int, at: float, off: float = 0.0) -> list[float]:
     """Positions of a joint, whole turns from `at`, that are within its range or at most `off` beyond it; NaN stays as
     it is."""
     low, high = (float(edge[joint]) for edge in robot.limits.within)
@@ -222,7 +222,7 @@ def _curves(law: Law) -> list[tuple[list[FloatArray], FloatArray, BoolArray]]:
     return found
 
 
-def rates(law: Law, arm_m: float, begin: FloatArray, end: FloatArray) -> FloatArray:
+def rate_bounds(law: Law, arm_m: float, begin: FloatArray, end: FloatArray) -> FloatArray:
     """Bounds (N, 9) as `assur.planner.bound.guided` has them, of a point `arm_m` metres from a frame's axis,
     over [begin, end] (N,), s: of the velocity, acceleration and jerk of the point in the plane, of its height, and of
     the frame's yaw. Infinite: not bounded, as everything is of a link of another arm (R1)."""

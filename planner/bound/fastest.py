@@ -87,7 +87,7 @@ def unhindered(time: float, v: float, a: float, most_v: float, most_a: float, mo
 
 
 @kernel("float64(float64, float64, float64, float64, float64, float64)")
-def ahead(time: float, v: float, a: float, most_v: float, most_a: float, most_j: float) -> float:
+def most_ahead(time: float, v: float, a: float, most_v: float, most_a: float, most_j: float) -> float:
     """How far ahead it may be at any time up to `time`: the greatest of 0 and of `unhindered` so far."""
     way = max(0.0, unhindered(time, v, a, most_v, most_a, most_j))
     square = a * a - 2.0 * most_j * v
@@ -122,7 +122,7 @@ def bent(time: float, v: float, a0: float, a1: float, most_a: float, most_j: flo
 
 
 @kernel("float64(float64, float64, float64, float64, float64, float64, float64, float64)")
-def farthest(
+def farthest_way(
     time: float, v0: float, a0: float, v1: float, a1: float, most_v: float, most_a: float, most_j: float
 ) -> float:
     """The longest way in exactly `time` from (v0, a0) to (v1, a1), or more; −inf where there is none."""
@@ -162,7 +162,7 @@ def farthest(
 
 
 @kernel(f"{PAIR}(float64, {F2}, {F2}, int64, float64, float64, float64)")
-def ways(
+def way_span(
     time: float, begin: FloatArray, end: FloatArray, joint: int, most_v: float, most_a: float, most_j: float
 ) -> tuple[float, float]:
     """The least and the greatest way of a joint in exactly `time` from its state in `begin` (4, n) to the velocity and
@@ -172,24 +172,24 @@ def ways(
     v0, a0, v1, a1 = begin[1, joint], begin[2, joint], end[1, joint], end[2, joint]
     known0, known1 = begin[KINDS, joint] == EXACT, end[KINDS, joint] == EXACT
     if known0 and known1:
-        up = farthest(time, v0, a0, v1, a1, most_v, most_a, most_j)
-        down = -farthest(time, -v0, -a0, -v1, -a1, most_v, most_a, most_j)
+        up = farthest_way(time, v0, a0, v1, a1, most_v, most_a, most_j)
+        down = -farthest_way(time, -v0, -a0, -v1, -a1, most_v, most_a, most_j)
     elif known0:
-        up, down = ahead(time, v0, a0, most_v, most_a, most_j), -ahead(time, -v0, -a0, most_v, most_a, most_j)
+        up, down = most_ahead(time, v0, a0, most_v, most_a, most_j), -most_ahead(time, -v0, -a0, most_v, most_a, most_j)
     elif known1:
         # the same backwards in time
-        up, down = ahead(time, v1, -a1, most_v, most_a, most_j), -ahead(time, -v1, a1, most_v, most_a, most_j)
+        up, down = most_ahead(time, v1, -a1, most_v, most_a, most_j), -most_ahead(time, -v1, a1, most_v, most_a, most_j)
     else:
         up, down = most_v * time, -most_v * time
     return down, up
 
 
 @kernel(f"boolean(float64, {F2}, {F2}, int64, float64, float64, float64)")
-def beyond(
+def out_of_range_in(
     time: float, begin: FloatArray, end: FloatArray, joint: int, most_v: float, most_a: float, most_j: float
 ) -> bool:
-    """Whether a joint cannot come in exactly `time` from its state in `begin` (4, n) to that in `end` (`ways`)."""
-    down, up = ways(time, begin, end, joint, most_v, most_a, most_j)
+    """Whether a joint cannot come in exactly `time` from its state in `begin` (4, n) to that in `end` (`way_span`)."""
+    down, up = way_span(time, begin, end, joint, most_v, most_a, most_j)
     way: float = end[0, joint] - begin[0, joint]
     slack = ROUNDING * max(1.0, abs(way))
     return way > up + slack or way < down - slack
@@ -205,7 +205,7 @@ def soonest(begin: FloatArray, end: FloatArray, delay: FloatArray, limits: Float
     """
     for joint in range(begin.shape[1]):
         v, a, j = limits[0, joint], limits[1, joint], limits[2, joint]
-        if not beyond(least - delay[joint], begin, end, joint, v, a, j):
+        if not out_of_range_in(least - delay[joint], begin, end, joint, v, a, j):
             continue
         way = end[0, joint] - begin[0, joint]
         rest = begin[KINDS, joint] == EXACT and end[KINDS, joint] == EXACT
@@ -217,13 +217,13 @@ def soonest(begin: FloatArray, end: FloatArray, delay: FloatArray, limits: Float
         low, span = max(0.0, least - delay[joint]), 1e-3
         high = low + span
         for _ in range(HALVINGS):
-            if not beyond(high, begin, end, joint, v, a, j):
+            if not out_of_range_in(high, begin, end, joint, v, a, j):
                 break
             low, span = high, 2.0 * span
             high = low + span
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
-            if beyond(middle, begin, end, joint, v, a, j):
+            if out_of_range_in(middle, begin, end, joint, v, a, j):
                 low = middle
             else:
                 high = middle
@@ -261,6 +261,6 @@ def arrivals(
                 if times[c] < math.inf and not worse:
                     spare = times[c] - floor - delay[joint]
                     v, a, j = most[0, joint], most[1, joint], most[2, joint]
-                    worse = beyond(spare, begins[s], goals[c], joint, v, a, j)
+                    worse = out_of_range_in(spare, begins[s], goals[c], joint, v, a, j)
             if not worse:
                 times[c] = min(times[c], floor + soonest(begins[s], goals[c], delay, most, 0.0))

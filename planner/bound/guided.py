@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.bound.fastest import EXACT, F1, F2, F3, FREE, KINDS, ROUNDING, STATE, unhindered, ways
+from assur.planner.bound.fastest import EXACT, F1, F2, F3, FREE, KINDS, ROUNDING, STATE, unhindered, way_span
 from assur.planner.compiled import kernel
 from assur.planner.kernels.inverse import TURN
 from assur.planner.kernels.links import (
@@ -99,7 +99,7 @@ def dyad(
 
 
 @kernel(f"int64({F1}, int64, {F2}, {F1}, float64, {F2}, {F2}, {F1})", entry=True)
-def guided(
+def guided_joints(
     arm: FloatArray,
     mode: int,
     point: FloatArray,
@@ -152,7 +152,7 @@ def guided(
 
 
 @kernel(f"boolean({F2}, {F2}, {F2}, {F2}, {F1}, {F1}, {F2}, float64, float64, boolean)")
-def apart(
+def out_of_reach_within(
     begin: FloatArray,
     kept: FloatArray,
     end: FloatArray,
@@ -200,7 +200,7 @@ def apart(
         while turn <= last + ROUNDING and not met:
             if begin[KINDS, joint] != EXACT or end[KINDS, joint] != EXACT or down - wide <= turn <= up + wide:
                 if not tried:
-                    down, up = ways(spare, begin, end, joint, v, a, j)
+                    down, up = way_span(spare, begin, end, joint, v, a, j)
                     tried = True
                 met = down - wide <= turn <= up + wide
             turn += TURN
@@ -242,7 +242,7 @@ def first_open(
             continue
         before = edges[k + 1] - edges[k]
         for m in range(len(modes)):
-            found = guided(arm, modes[m], points[k], rates[k], before, state, bounds, work)
+            found = guided_joints(arm, modes[m], points[k], rates[k], before, state, bounds, work)
             if found == NOWHERE:
                 continue
             if found == UNKNOWN:
@@ -252,7 +252,7 @@ def first_open(
                     state[1, joint], state[2, joint] = 0.0, 0.0
                     state[KINDS, joint] = FREE if passes else EXACT
             for s in range(len(begins)):
-                if not apart(
+                if not out_of_reach_within(
                     begins[s], kept[s], state, bounds, left[s], late, limits, edges[k + 1], before, stops or passes
                 ):
                     return k

@@ -45,7 +45,7 @@ def supports(scene: Scene, step: Place, attached: Attachments, t: float) -> tupl
     return tuple(sorted(name for names in rest for name in names if name != step.part))
 
 
-def support(prover: Prover, step: Place, attached: Attachments, t: float) -> Nearest | None:
+def nearest_support(prover: Prover, step: Place, attached: Attachments, t: float) -> Nearest | None:
     """How far the part of a place is from the nearest body that it may rest on when it is put down at time t, s,
     `attached` being so before; None: there is none, or where they are then is not known."""
     names = supports(prover.scene, step, attached, t)
@@ -107,7 +107,7 @@ def _measured(
     if isinstance(step, Pick):
         found = grip(prover, step, attached, yaw_offset)
     elif isinstance(step, Place):
-        found = support(prover, step, attached, t)
+        found = nearest_support(prover, step, attached, t)
     if found is None or found.distance_m <= allowed_m(step) + TOUCH_M:
         return found, None
     of = "grip" if isinstance(step, Pick) else "support"

@@ -14,7 +14,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.refusals.nearest import points_between
-from assur.planner.checker.refusals.postures import allowed_modes
+from assur.planner.checker.refusals.postures import allowed_mode_names
 from assur.planner.checker.refusals.stated import Proof, Spot, spots
 from assur.planner.checker.refusals.ways import GraspOption, ways
 from assur.planner.collision.fcl_entry import PlacedShape
@@ -53,18 +53,18 @@ def ways_of_meeting(scene: Scene, number: int) -> list[WayOfMeeting]:
     found, ends = list[WayOfMeeting](), scene.straight(scene.task[number])
     for way in ways(scene, number):
         at = spots(scene, number, way.before, way.after)
-        found.append(WayOfMeeting(way, at, postures(scene, way, *[spot.above for spot in at], *ends)))
+        found.append(WayOfMeeting(way, at, postures_above(scene, way, *[spot.above for spot in at], *ends)))
     return found
 
 
-def postures(scene: Scene, way: GraspOption, *heights: float) -> list[Inverse]:
+def postures_above(scene: Scene, way: GraspOption, *heights: float) -> list[Inverse]:
     """How each working mode that is allowed has the flange at heights above the point of a way, m, its frame being
     where it is at the start."""
     robot, t = scene.robot, np.full(len(heights), scene.start.time)
     motion = scene.frames[way.frame].law.motion(t).at(way.flange, np.array(heights)).at_rest()
     tilt = tilts(scene, scene.task[way.number], scene.start.q)[0]
     motion = motion if tilt is None else motion.with_tilt(np.array(tilt))
-    return [robot.inverse(motion, robot.modes.index(mode), 0) for mode in allowed_modes(scene)]
+    return [robot.inverse(motion, robot.modes.index(mode), 0) for mode in allowed_mode_names(scene)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +97,7 @@ def hits(scene: Scene, prover: Prover, every: list[WayOfMeeting]) -> list[Hit] |
     nothing is, or it is not known, as the point may be met at another time."""
     found = list[Hit]()
     for way, at, modes in every:
-        for mode, inverse in zip(allowed_modes(scene), modes, strict=True):
+        for mode, inverse in zip(allowed_mode_names(scene), modes, strict=True):
             raise_if_late()
             for k, spot in enumerate(at):
                 hit = _in_the_way(scene, prover, way, mode, spot, inverse, k)
@@ -143,7 +143,7 @@ def _of_straight_part(scene: Scene, prover: Prover, hit: Hit, facts: Separation,
     if spot.end is None or hit.way is None or hit.mode is None:
         return facts
     longer = replace(spot, above=spot.above + missing + ROOM_M)
-    inverse = postures(scene, hit.way, longer.above)[allowed_modes(scene).index(hit.mode)]
+    inverse = postures_above(scene, hit.way, longer.above)[allowed_mode_names(scene).index(hit.mode)]
     enough = _in_the_way(scene, prover, hit.way, hit.mode, longer, inverse) is None
     return replace(facts, end=spot.end, straight_m=spot.above, least_m=longer.above if enough else None)
 

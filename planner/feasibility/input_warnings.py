@@ -20,7 +20,7 @@ from assur.planner.feasibility.hits import AtStart, always, posed, touch
 from assur.planner.geometry.shapes import Body, support
 from assur.planner.model.arrival_error import Cause
 from assur.planner.model.deadline import raise_if_late
-from assur.planner.model.input_warning import InputWarning, Odd
+from assur.planner.model.input_warning import InputWarning, WarningKind
 from assur.planner.model.outcome import Arrival
 from assur.planner.model.phases import CONTACT_M, Attachments, at_start, resting_on, yaw_offsets
 from assur.planner.model.scene import Pick, Place, Scene
@@ -56,7 +56,7 @@ def _tools_in_the_arm(scene: Scene, prover: Prover) -> list[InputWarning]:
         own = posed(prover, body.name)
         for each, allowed, others in shapes:
             if touch(prover, own, others, allowed * axis, -allowed * axis):
-                found.append(InputWarning(Odd.TOOL_IN_ARM, (body.name, each.body.name), allowed))
+                found.append(InputWarning(WarningKind.TOOL_IN_ARM, (body.name, each.body.name), allowed))
     return found
 
 
@@ -68,7 +68,9 @@ def _floating_parts(scene: Scene, at: AtStart) -> list[InputWarning]:
             picks.setdefault(step.part, step)
     for part, step in picks.items():
         if not resting_on(scene, part, *attached.point(scene, step), step.contact_with, attached):
-            found += [InputWarning(Odd.PART_FLOATS, (part, name), by) for name, by in _just_below(scene, at, part)]
+            found += [
+                InputWarning(WarningKind.PART_FLOATS, (part, name), by) for name, by in _just_below(scene, at, part)
+            ]
     return found
 
 
@@ -114,7 +116,7 @@ def unusual_arrivals(scene: Scene, arrivals: Sequence[Arrival]) -> tuple[InputWa
             if most is not None and most.cause is Cause.FRAME:
                 cause = f"frame {ways(scene, arrival.step)[0].frame}"
             bodies = scene.tool.bodies[0].name if scene.tool.bodies else scene.robot.links[-1], step.part
-            found.append(InputWarning(Odd.MAY_MISS, bodies, error.position_m, step.name, cause))
+            found.append(InputWarning(WarningKind.MAY_MISS, bodies, error.position_m, step.name, cause))
     return tuple(found)
 
 
@@ -170,7 +172,7 @@ def _off_part(scene: Scene, prover: Prover, step: Pick, attached: Attachments) -
     nearest = min((each for each in grips if each is not None), key=lambda each: each.distance_m, default=None)
     if nearest is None or not nearest.distance_m > GRIP_M:
         return []
-    return [InputWarning(Odd.TOOL_OFF_PART, nearest.bodies, nearest.distance_m)]
+    return [InputWarning(WarningKind.TOOL_OFF_PART, nearest.bodies, nearest.distance_m)]
 
 
 def _air_below(scene: Scene, at: AtStart, step: Place, attached: Attachments) -> list[InputWarning]:
@@ -191,7 +193,7 @@ def _air_below(scene: Scene, at: AtStart, step: Place, attached: Attachments) ->
             return []
         below.append((float(there[2] + body.heights[0] - now[2] - other.heights[1]), name))
     under = sorted((each for each in below if each[0] > 0.0), key=itemgetter(0))[:1]
-    return [InputWarning(Odd.RELEASED_IN_AIR, (step.part, name), gap) for gap, name in under]
+    return [InputWarning(WarningKind.RELEASED_IN_AIR, (step.part, name), gap) for gap, name in under]
 
 
 def _overlaps(scene: Scene, at: AtStart) -> list[InputWarning]:
@@ -210,7 +212,7 @@ def _overlaps(scene: Scene, at: AtStart) -> list[InputWarning]:
     # fixtures, which are no parts, are often made of shapes that overlap
     for one, two in sorted(pairs, key=pairs.__getitem__):
         if len(found) < MOST_OVERLAPS and touch(at.prover, at.shapes(one), at.shapes(two), *(OVERLAP_M * AXES)):
-            found.append(InputWarning(Odd.BODIES_OVERLAP, (one, two), OVERLAP_M))
+            found.append(InputWarning(WarningKind.BODIES_OVERLAP, (one, two), OVERLAP_M))
     return found
 
 
@@ -240,5 +242,5 @@ def unusual_supports(scene: Scene, prover: Prover, arrivals: Sequence[Arrival]) 
         for name in step.contact_with:
             distance = apart(prover, here, time, step.part, name)
             if distance > OFF_M:
-                found.append(InputWarning(Odd.SUPPORT_OFF_PART, (step.part, name), distance, step.name))
+                found.append(InputWarning(WarningKind.SUPPORT_OFF_PART, (step.part, name), distance, step.name))
     return tuple(found)

@@ -12,7 +12,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.refusals import points, start
 from assur.planner.checker.refusals.obstructions import obstructions
-from assur.planner.checker.refusals.postures import allowed_modes
+from assur.planner.checker.refusals.postures import allowed_mode_names
 from assur.planner.checker.refusals.stated import Proof, spots
 from assur.planner.checker.refusals.ways import GraspOption, is_turn, ways
 from assur.planner.checker.refusals.windows import overshoots
@@ -22,11 +22,11 @@ from assur.planner.feasibility.hits import (
     WayOfMeeting,
     hit_at_start,
     hits,
-    postures,
+    postures_above,
     refusal_of,
     ways_of_meeting,
 )
-from assur.planner.feasibility.witnesses import shown
+from assur.planner.feasibility.witnesses import refusal_proof
 from assur.planner.kernels.dyads import OUT_OF_REACH
 from assur.planner.legs.control_point import control_point, span_of
 from assur.planner.legs.missed import never_in_window
@@ -59,7 +59,7 @@ def out_of_range(scene: Scene, every: list[WayOfMeeting]) -> Refusal | None:
         beyond = (beyond_range(scene.robot, each.q) > slack).any(-1) & np.isfinite(each.q).all(-1)
         if not (beyond | (each.code == OUT_OF_REACH)).any():
             return None
-    for mode in allowed_modes(scene):
+    for mode in allowed_mode_names(scene):
         proofs = (proof for _, stated in obstructions(scene, way, mode) for proof in stated if proof.reason in RANGES)
         refusals = [_of_point(scene, proof).refusal(Stage.CONTROL_POINT, way.number) for proof in proofs]
         if not refusals:
@@ -180,11 +180,11 @@ def points_impossible(scene: Scene, prover: Prover, *, start_is_free: bool = Fal
     Called only when the first candidates have failed: where they have not, the arm can leave and the points can be met.
     """
     colliding = None if start_is_free else start_collides(scene, prover)
-    if colliding is not None and shown(scene, prover, colliding):
+    if colliding is not None and refusal_proof(scene, prover, colliding):
         return colliding
     for number in range(len(scene.task)):
         for refusal in _never(scene, prover, number):
-            if shown(scene, prover, refusal):
+            if refusal_proof(scene, prover, refusal):
                 return refusal
     return None
 
@@ -256,11 +256,11 @@ def met_posture(
 ) -> tuple[FloatArray, Attachments] | None:
     """Joints (n,) and attachments at a `place` of the control point of step `number`, in a working mode and with the
     part turned by `turn`, rad (None: any), as a witness names them; None: there is no such place."""
-    if not 0 <= number < len(scene.task) or mode not in allowed_modes(scene):
+    if not 0 <= number < len(scene.task) or mode not in allowed_mode_names(scene):
         return None
     for way in (each for each in ways(scene, number) if is_turn(each.turn, turn)):
         for spot in (each for each in spots(scene, number, way.before, way.after) if each.place == place):
-            inverse = postures(scene, way, spot.above)[allowed_modes(scene).index(mode)]
+            inverse = postures_above(scene, way, spot.above)[allowed_mode_names(scene).index(mode)]
             if int(inverse.code[0]) in REACHED:
                 return inverse.q[0], spot.attached
     return None

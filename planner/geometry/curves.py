@@ -189,7 +189,7 @@ def joining(one: Along, other: Along, speed: float) -> Polynomial:
     return polynomials(np.array([coefficients]))[0]
 
 
-def middle(one: Along, other: Along, speed: FloatArray) -> FloatArray:
+def middle_points(one: Along, other: Along, speed: FloatArray) -> FloatArray:
     """The points (T, 3) at u = 1/2 of the polynomials that join states (T, 3) of curves (`joining`); `speed` (T,)."""
     (p, t, k), (q, w, c) = one, other
     v = speed[:, None]

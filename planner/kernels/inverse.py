@@ -61,7 +61,7 @@ from assur.planner.kernels.links import (
     SCARA,
     SIGMA,
 )
-from assur.planner.kernels.motion import ORDERS, add_vector, close_loop, turned
+from assur.planner.kernels.motion import ORDERS, add_vector, close_five_bar, turn_left
 
 TURN = 2.0 * math.pi
 """A full turn, rad."""
@@ -235,7 +235,7 @@ def _invert_tilting(
         p2 = target[2, 4] if order > 1 else 0.0
         p3 = target[3, 4] if order > 2 else 0.0
         none = (0.0, 0.0, 0.0, 0.0)
-        add_vector(d, turned((-robot[L3], 0.0, 0.0, 0.0), none, (target[0, 4], p1, p2, p3)))
+        add_vector(d, turn_left((-robot[L3], 0.0, 0.0, 0.0), none, (target[0, 4], p1, p2, p3)))
     if polar:
         code = rpr(ROUNDING * longest, 1.0, d, order, solved)
         margins[0] = min(solved[LENGTH] / longest, 1.0)
@@ -350,7 +350,7 @@ def posture(robot: FloatArray, q: FloatArray, out: FloatArray, work: FloatArray)
         out[MODE] = 1.0 if math.sin(q[1]) > 0.0 else 0.0
         return
     if kind == FIVE_BAR:
-        close_loop(robot, q[0], q[1], work)
+        close_five_bar(robot, q[0], q[1], work)
         solved = work[SOLVED]
         out[LOOP] = solved[MARGIN]
         bend_left = math.atan2(solved[UY], solved[UX]) - q[0]

@@ -48,14 +48,14 @@ def put_jet(rows: FloatArray, i: int, jet: Jet) -> None:
 
 
 @kernel(f"{JET}({JET}, float64, {JET})")
-def add(a: Jet, k: float, b: Jet) -> Jet:
+def axpy(a: Jet, k: float, b: Jet) -> Jet:
     """a + k b for a number k."""
     r = abs(k)
     return a[0] + k * b[0], a[1] + r * b[1], a[2] + k * b[2], a[3] + r * b[3], a[4] + k * b[4], a[5] + r * b[5]
 
 
 @kernel(f"{BALL}(float64, float64, float64, float64)")
-def product(a: float, r: float, b: float, s: float) -> Ball:
+def number_product(a: float, r: float, b: float, s: float) -> Ball:
     """All products of a number within r of a and one within s of b."""
     return a * b, abs(a) * s + r * (abs(b) + s)
 
@@ -63,12 +63,12 @@ def product(a: float, r: float, b: float, s: float) -> Ball:
 @kernel(f"{JET}({JET}, {JET})")
 def times(a: Jet, b: Jet) -> Jet:
     """a b, by the product rule."""
-    value = product(a[0], a[1], b[0], b[1])
-    left, right = product(a[2], a[3], b[0], b[1]), product(a[0], a[1], b[2], b[3])
+    value = number_product(a[0], a[1], b[0], b[1])
+    left, right = number_product(a[2], a[3], b[0], b[1]), number_product(a[0], a[1], b[2], b[3])
     one, both, other = (
-        product(a[4], a[5], b[0], b[1]),
-        product(a[2], a[3], b[2], b[3]),
-        product(a[0], a[1], b[4], b[5]),
+        number_product(a[4], a[5], b[0], b[1]),
+        number_product(a[2], a[3], b[2], b[3]),
+        number_product(a[0], a[1], b[4], b[5]),
     )
     rate = left[0] + right[0], left[1] + right[1]
     return (*value, *rate, one[0] + 2.0 * both[0] + other[0], one[1] + 2.0 * both[1] + other[1])
@@ -77,16 +77,16 @@ def times(a: Jet, b: Jet) -> Jet:
 @kernel(f"{JET}({JET}, {BALL}, {BALL}, {BALL})")
 def through(a: Jet, value: Ball, slope: Ball, bend: Ball) -> Jet:
     """f(a) by the chain rule, from all that f, f' and f'' may be over the range of a."""
-    rate = product(slope[0], slope[1], a[2], a[3])
+    rate = number_product(slope[0], slope[1], a[2], a[3])
     least, most = max(abs(a[2]) - a[3], 0.0), abs(a[2]) + a[3]
     low, high = least * least, most * most
-    square = product(bend[0], bend[1], 0.5 * (low + high), 0.5 * (high - low))
-    pull = product(slope[0], slope[1], a[4], a[5])
+    square = number_product(bend[0], bend[1], 0.5 * (low + high), 0.5 * (high - low))
+    pull = number_product(slope[0], slope[1], a[4], a[5])
     return (*value, *rate, square[0] + pull[0], square[1] + pull[1])
 
 
 @kernel(f"Tuple(({JET}, {JET}))({JET})")
-def turned(a: Jet) -> tuple[Jet, Jet]:
+def cosine_and_sine(a: Jet) -> tuple[Jet, Jet]:
     """Cosine and sine of an angle. With d of at most r, cos d is from 1 - r²/2 to 1 and sin d from -r to r."""
     c, s, r = math.cos(a[0]), math.sin(a[0]), a[1]
     if r < 1.0:
@@ -152,7 +152,7 @@ def put_yaw(own: FloatArray, cosine: Jet, sine: Jet) -> None:
     """Writes the rotation of a carrier that is turned about the vertical."""
     none = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     put_column(own, 0, cosine, sine, none)
-    put_column(own, 1, add(none, -1.0, sine), cosine, none)
+    put_column(own, 1, axpy(none, -1.0, sine), cosine, none)
     put_column(own, 2, none, none, (1.0, 0.0, 0.0, 0.0, 0.0, 0.0))
 
 
@@ -169,8 +169,8 @@ def _turn_angles(robot: FloatArray, joints: FloatArray, turns: FloatArray) -> No
         for j in range(len(joints)):
             share = robot[at + c.ANGLE_SHARE + j]
             if share != 0.0:
-                angle = add(angle, share, jet_at(joints, j))
-        cosine, sine = turned(angle)
+                angle = axpy(angle, share, jet_at(joints, j))
+        cosine, sine = cosine_and_sine(angle)
         put_jet(turns[number], 0, cosine)
         put_jet(turns[number], 1, sine)
 
@@ -190,22 +190,22 @@ def _couplers(robot: FloatArray, turns: FloatArray, jets: FloatArray) -> tuple[b
     one, other = jets[int(own[c.LOOP_CRANK])], jets[int(own[c.LOOP_CRANK + 1])]
     left, right, a, b = own[c.LOOP_LENGTH], own[c.LOOP_LENGTH + 1], own[c.LOOP_COUPLER], own[c.LOOP_COUPLER + 1]
     x, y, none = own[APART], own[APART + 1], (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    sx = add(add((x, 0.0, 0.0, 0.0, 0.0, 0.0), right, jet_at(other, 3)), -left, jet_at(one, 3))
-    sy = add(add((y, 0.0, 0.0, 0.0, 0.0, 0.0), right, jet_at(other, 4)), -left, jet_at(one, 4))
+    sx = axpy(axpy((x, 0.0, 0.0, 0.0, 0.0, 0.0), right, jet_at(other, 3)), -left, jet_at(one, 3))
+    sy = axpy(axpy((y, 0.0, 0.0, 0.0, 0.0, 0.0), right, jet_at(other, 4)), -left, jet_at(one, 4))
     square = (left * left + right * right - x * x - y * y, 0.0, 0.0, 0.0, 0.0, 0.0)
-    square = add(add(square, 2.0 * x, sx), 2.0 * y, sy)
-    square = add(square, -2.0 * left * right, jet_at(turns[int(own[c.LOOP_BETWEEN])], 0))
-    fold = add((-0.5 * (a * a + b * b) / (a * b), 0.0, 0.0, 0.0, 0.0, 0.0), 0.5 / (a * b), square)
-    margin = add((1.0, 0.0, 0.0, 0.0, 0.0, 0.0), -1.0, times(fold, fold))
+    square = axpy(axpy(square, 2.0 * x, sx), 2.0 * y, sy)
+    square = axpy(square, -2.0 * left * right, jet_at(turns[int(own[c.LOOP_BETWEEN])], 0))
+    fold = axpy((-0.5 * (a * a + b * b) / (a * b), 0.0, 0.0, 0.0, 0.0, 0.0), 0.5 / (a * b), square)
+    margin = axpy((1.0, 0.0, 0.0, 0.0, 0.0, 0.0), -1.0, times(fold, fold))
     least = own[c.LOOP_LEAST]
     if not (margin[0] - margin[1] >= FREER * least * least and square[0] - square[1] > LEAST_SQUARE):
         return False, (none, none, none, none)
     ratio = inverse(square)
-    along = add((0.5, 0.0, 0.0, 0.0, 0.0, 0.0), 0.5 * (a * a - b * b), ratio)
-    across = add(none, own[c.LOOP_SIDE] * a * b, times(root(margin), ratio))
-    ux, uy = add(times(along, sx), -1.0, times(across, sy)), add(times(along, sy), 1.0, times(across, sx))
-    wx, wy = add(ux, -1.0, sx), add(uy, -1.0, sy)
-    return True, (add(none, 1.0 / a, ux), add(none, 1.0 / a, uy), add(none, 1.0 / b, wx), add(none, 1.0 / b, wy))
+    along = axpy((0.5, 0.0, 0.0, 0.0, 0.0, 0.0), 0.5 * (a * a - b * b), ratio)
+    across = axpy(none, own[c.LOOP_SIDE] * a * b, times(root(margin), ratio))
+    ux, uy = axpy(times(along, sx), -1.0, times(across, sy)), axpy(times(along, sy), 1.0, times(across, sx))
+    wx, wy = axpy(ux, -1.0, sx), axpy(uy, -1.0, sy)
+    return True, (axpy(none, 1.0 / a, ux), axpy(none, 1.0 / a, uy), axpy(none, 1.0 / b, wx), axpy(none, 1.0 / b, wy))
 
 
 @kernel(f"void(float64[::1], int64, float64[:, ::1], {CUBE})")
@@ -220,7 +220,7 @@ def _put_origin(robot: FloatArray, k: int, joints: FloatArray, jets: FloatArray)
             for column in range(3):
                 offset = robot[at + c.LINK_OFFSET + column]
                 if offset != 0.0:
-                    place = add(place, offset, jet_at(jets[parent], 3 + 3 * column + axis))
+                    place = axpy(place, offset, jet_at(jets[parent], 3 + 3 * column + axis))
         put_jet(own, axis, place)
     if slide < 0:
         return
@@ -232,9 +232,9 @@ def _put_origin(robot: FloatArray, k: int, joints: FloatArray, jets: FloatArray)
         for axis in range(3):
             if not level:
                 way = times(jet_at(joints, slide), jet_at(jets[parent], 3 + 3 * column + axis))
-                put_jet(own, axis, add(jet_at(own, axis), share, way))
+                put_jet(own, axis, axpy(jet_at(own, axis), share, way))
             elif axis == column:
-                put_jet(own, axis, add(jet_at(own, axis), share, jet_at(joints, slide)))
+                put_jet(own, axis, axpy(jet_at(own, axis), share, jet_at(joints, slide)))
 
 
 @kernel(f"void(float64[::1], float64[:, ::1], {CUBE}, {CUBE})", entry=True)
@@ -268,8 +268,8 @@ def sweep_links(robot: FloatArray, joints: FloatArray, turns: FloatArray, jets: 
                         unknown(jets[i])
                     return
             u, v = (loop[0], loop[1]) if coupler == 0 else (loop[2], loop[3])
-            turning = add(times(cosine, u), -1.0, times(sine, v))
-            sine = add(times(sine, u), 1.0, times(cosine, v))
+            turning = axpy(times(cosine, u), -1.0, times(sine, v))
+            sine = axpy(times(sine, u), 1.0, times(cosine, v))
             cosine = turning
         if robot[at + c.LINK_PITCH] < 0.0:
             put_yaw(own, cosine, sine)
@@ -278,17 +278,17 @@ def sweep_links(robot: FloatArray, joints: FloatArray, turns: FloatArray, jets: 
         level, up = jet_at(pitch, 0), jet_at(pitch, 1)
         put_column(own, 0, times(level, cosine), times(level, sine), up)
         # without roll: to the left, and up
-        left_x, left_y = add(none, -1.0, sine), cosine
-        high_x, high_y = add(none, -1.0, times(up, cosine)), add(none, -1.0, times(up, sine))
+        left_x, left_y = axpy(none, -1.0, sine), cosine
+        high_x, high_y = axpy(none, -1.0, times(up, cosine)), axpy(none, -1.0, times(up, sine))
         c_roll, s_roll = jet_at(roll, 0), jet_at(roll, 1)
         if robot[int(robot[ANGLES]) + ANGLE * int(robot[at + c.LINK_ROLL]) + ANGLE_MOVES] > 0.0:
             put_column(
-                own, 1, add(times(c_roll, left_x), 1.0, times(s_roll, high_x)),
-                add(times(c_roll, left_y), 1.0, times(s_roll, high_y)), times(s_roll, level),
+                own, 1, axpy(times(c_roll, left_x), 1.0, times(s_roll, high_x)),
+                axpy(times(c_roll, left_y), 1.0, times(s_roll, high_y)), times(s_roll, level),
             )  # fmt: skip
             put_column(
-                own, 2, add(times(c_roll, high_x), -1.0, times(s_roll, left_x)),
-                add(times(c_roll, high_y), -1.0, times(s_roll, left_y)), times(c_roll, level),
+                own, 2, axpy(times(c_roll, high_x), -1.0, times(s_roll, left_x)),
+                axpy(times(c_roll, high_y), -1.0, times(s_roll, left_y)), times(c_roll, level),
             )  # fmt: skip
         else:
             put_column(own, 1, left_x, left_y, none)

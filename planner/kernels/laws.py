@@ -16,7 +16,16 @@ from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
 from assur.planner.kernels import law_columns as c
 from assur.planner.kernels.dyads import fill_rows
-from assur.planner.kernels.jets import ACCELERATION, CUBE, JET_COLUMNS, RATE, put_yaw, sweep_links, turned, unknown
+from assur.planner.kernels.jets import (
+    ACCELERATION,
+    CUBE,
+    JET_COLUMNS,
+    RATE,
+    cosine_and_sine,
+    put_yaw,
+    sweep_links,
+    unknown,
+)
 from assur.planner.kernels.links import ANGLE_COUNT, JOINTS, LINKS, POSE_COLUMNS, SIZE, place_links, put_upright
 from assur.planner.kernels.spline import SPLINE, Spline, spline_state, sweep_joints
 
@@ -270,5 +279,5 @@ def sweep_frame(law: FloatArray, pieces: FloatArray, t0: float, t1: float, jets:
             rate, 0.5 * (high - low) + law[c.SLACK + 2],
             0.5 * (low_d + high_d), 0.5 * (high_d - low_d) + law[c.SLACK + 3],
         )  # fmt: skip
-        cosine, sine = turned(yaw)
+        cosine, sine = cosine_and_sine(yaw)
         put_yaw(own, cosine, sine)

@@ -154,7 +154,7 @@ def spline_extremes(knots: FloatArray, found: FloatArray) -> None:
 
 
 @kernel("int64(float64[:, ::1], float64[:, :, ::1])", allocates=True)
-def first_beyond(knots: FloatArray, bands: FloatArray) -> int:
+def first_limit_broken(knots: FloatArray, bands: FloatArray) -> int:
     """The first limit that the spline of knots (K, 1 + 3n) does not surely keep: `kind` n + joint, or `NONE`.
 
     `bands` (4, 2, n): lowest and highest value that are accepted of q and its derivatives.

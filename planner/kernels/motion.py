@@ -41,7 +41,7 @@ SERIES, VECTORS = "UniTuple(float64, 4)", "UniTuple(complex128, 4)"
 
 
 @kernel(f"{VECTORS}({SERIES}, {SERIES}, {SERIES})")
-def turned(x: Series, y: Series, a: Series) -> Vectors:
+def turn_left(x: Series, y: Series, a: Series) -> Vectors:
     """The vector (x, y), turned by the angle a to the left."""
     e, e1 = complex(math.cos(a[0]), math.sin(a[0])), complex(0.0, a[1])
     e2, e3 = complex(-a[1] * a[1], a[2]), complex(-3.0 * a[1] * a[2], a[3] - a[1] * a[1] * a[1])
@@ -76,7 +76,7 @@ def angle_of(robot: FloatArray, number: float, joints: FloatArray) -> Series:
 
 
 @kernel("int64(float64[::1], float64, float64, float64[:, ::1])")
-def close_loop(robot: FloatArray, theta1: float, theta5: float, work: FloatArray) -> int:
+def close_five_bar(robot: FloatArray, theta1: float, theta5: float, work: FloatArray) -> int:
     """The dyad between the elbows of a five-bar (K32), in base axes, for the angles of its cranks; its code.
 
     Row `SOLVED` of `work` is filled, without rates.
@@ -99,7 +99,7 @@ def yaw_of(robot: FloatArray, k: int, joints: FloatArray, work: FloatArray) -> S
         length, crank = robot[loop + c.LOOP_LENGTH + side], int(robot[loop + c.LOOP_CRANK + side])
         crank_yaw = angle_of(robot, robot[CHAIN + crank * c.LINK + c.LINK_YAW], joints)
         arm = (length if side == 1 else -length, 0.0, 0.0, 0.0)
-        add_vector(work, turned(arm, (0.0, 0.0, 0.0, 0.0), crank_yaw))
+        add_vector(work, turn_left(arm, (0.0, 0.0, 0.0, 0.0), crank_yaw))
     a, b, solved = robot[loop + c.LOOP_COUPLER], robot[loop + c.LOOP_COUPLER + 1], work[SOLVED]
     rrr(a, b, robot[loop + c.LOOP_SIDE], work, ORDERS - 1, solved)
     x, y = (solved[UX], solved[UY]) if coupler == 0 else (-solved[WX], -solved[WY])
@@ -140,10 +140,10 @@ def link_motion(robot: FloatArray, link: int, joints: FloatArray, out: FloatArra
         if k >= 0:
             yaw, pitch = yaw_of(robot, k, joints, work), robot[CHAIN + k * c.LINK + c.LINK_PITCH]
             if pitch >= 0.0:
-                tilted = turned(x, z, angle_of(robot, pitch, joints))
+                tilted = turn_left(x, z, angle_of(robot, pitch, joints))
                 x = (tilted[0].real, tilted[1].real, tilted[2].real, tilted[3].real)
                 z = (tilted[0].imag, tilted[1].imag, tilted[2].imag, tilted[3].imag)
-        add_vector(out, turned(x, y, yaw))
+        add_vector(out, turn_left(x, y, yaw))
         for order in range(ORDERS):
             out[order, 2] += z[order]
     at, yaw = CHAIN + link * c.LINK, yaw_of(robot, link, joints, work)

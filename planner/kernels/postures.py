@@ -138,7 +138,7 @@ AROUND = 40
 
 
 @kernel(f"void({ROW}, {ROW}, {CUBE}, float64, float64, float64, float64, float64, int64, {ROW})", allocates=True)
-def tool_peaks(
+def sample_tool_peaks(
     robot: FloatArray, tk: FloatArray, c: FloatArray, x: float, y: float, t0: float, t1: float, step: float,
     parts: int, found: FloatArray,
 ) -> None:  # fmt: skip

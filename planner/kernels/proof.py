@@ -53,7 +53,7 @@ from assur.planner.kernels.solids import (
     Units,
     gap,
     likely,
-    support,
+    unit_support,
 )
 from assur.planner.kernels.uncertainty import (
     ERRORS,
@@ -189,11 +189,11 @@ def side_normal(side: int) -> Normal:
 
 
 @kernel(f"float64({UNITS}, int64, int64, {NORMAL})")
-def ahead(units: Units, m: int, i: int, normal: Normal) -> float:
+def leads(units: Units, m: int, i: int, normal: Normal) -> float:
     """How far the plane n·x = 0 is ahead of all points of unit i at instant m, m."""
     (nx, ny, nz), placed = normal, units[2]
     along = nx * placed[m, i, 0] + ny * placed[m, i, 1] + nz * placed[m, i, 2]
-    return float(-along - support(units, m, i, normal))
+    return float(-along - unit_support(units, m, i, normal))
 
 
 @kernel(f"void({MOTION}, {CELL}, {ERRORS}, {NUMBERS}, {ROW}, {TABLE})", allocates=True)
@@ -222,7 +222,7 @@ def behind(motion: Motion, cell: Cell, errors: Errors, units: IntArray, edges: F
             for k in range(SIDES):
                 normal = side_normal(k)
                 middle, radius = derivative(bodies, jets, i, 2, normal)
-                shown = least_between(ahead(seen, 0, i, normal), ahead(seen, 2, i, normal), radius - middle, t1 - t0)
+                shown = least_between(leads(seen, 0, i, normal), leads(seen, 2, i, normal), radius - middle, t1 - t0)
                 shown -= (abs(middle) + radius + bodies[i, RADIUS] * math.sqrt(turned)) * square / SPARED
                 if is_offset:
                     shown -= displaced(bodies, offsets, i, normal)

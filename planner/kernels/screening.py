@@ -30,7 +30,7 @@ from assur.planner.kernels.intervals import (
 )
 from assur.planner.kernels.laws import place_frame
 from assur.planner.kernels.links import LINKS, assembled, place_links
-from assur.planner.kernels.proof import HALVE, OPEN, PROVED, SIDES, ahead, side_normal
+from assur.planner.kernels.proof import HALVE, OPEN, PROVED, SIDES, leads, side_normal
 from assur.planner.kernels.solids import (
     CELL,
     CUBE,
@@ -180,7 +180,7 @@ def sampled_behind(
         for r in range(len(mine)):
             place(units[0], mine[r], carriers[0], units[2], 0)
             for k in range(SIDES):
-                found = ahead(units, 0, mine[r], side_normal(k))
+                found = leads(units, 0, mine[r], side_normal(k))
                 least[r, k] = min(least[r, k], found) if found > -math.inf else -math.inf
 
 

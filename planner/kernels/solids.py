@@ -112,7 +112,7 @@ def width(bodies: FloatArray, i: int, own: Normal) -> float:
 
 
 @kernel(f"float64({UNITS}, int64, int64, {NORMAL})")
-def support(units: Units, m: int, i: int, normal: Normal) -> float:
+def unit_support(units: Units, m: int, i: int, normal: Normal) -> float:
     """max of n·(x − centre) over unit i at instant m (S1)."""
     bodies, vertices, placed = units
     ux, uy, uz = own = own_axes(placed, m, i, normal)
@@ -136,7 +136,7 @@ def gap(units: Units, m: int, a: int, b: int, normal: Normal) -> float:
         + ny * (placed[m, b, 1] - placed[m, a, 1])
         + nz * (placed[m, b, 2] - placed[m, a, 2])
     )
-    return float(between - support(units, m, a, normal) - support(units, m, b, (-nx, -ny, -nz)))
+    return float(between - unit_support(units, m, a, normal) - unit_support(units, m, b, (-nx, -ny, -nz)))
 
 
 @kernel(f"boolean({UNITS}, int64, int64, int64, float64)")

@@ -33,7 +33,7 @@ from assur.planner.kernels.solids import (
     VERTICES,
     Units,
     place,
-    support,
+    unit_support,
 )
 
 GROWN_M = 2e-9
@@ -68,8 +68,8 @@ def write_box(units: Units, u: int, boxes: FloatArray, b: int) -> None:
     centre = units[2][0, u]
     for axis in range(3):
         x, y, z = 1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0
-        boxes[b, axis] = centre[axis] - support(units, 0, u, (-x, -y, -z))
-        boxes[b, 3 + axis] = centre[axis] + support(units, 0, u, (x, y, z))
+        boxes[b, axis] = centre[axis] - unit_support(units, 0, u, (-x, -y, -z))
+        boxes[b, 3 + axis] = centre[axis] + unit_support(units, 0, u, (x, y, z))
 
 
 @kernel(

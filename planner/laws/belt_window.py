@@ -38,7 +38,7 @@ def travelled(law: Law, point: Pose, t: FloatArray) -> FloatArray:
 
 
 @lru_cache(maxsize=KEPT)
-def inside(law: Law, point: Pose, stretch: Stretch, start: float) -> tuple[tuple[float, float], ...]:
+def times_inside(law: Law, point: Pose, stretch: Stretch, start: float) -> tuple[tuple[float, float], ...]:
     """When a point that is fixed in the frame is within `stretch` in the `HORIZON_S` after `start`, s; closed intervals
     in order."""
     grid = np.arange(start, start + HORIZON_S + WINDOW_STEP_S, WINDOW_STEP_S)

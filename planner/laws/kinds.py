@@ -17,7 +17,7 @@ from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.laws.law import Ends, Law, Numbers, Piece, Repeat, tables
 from assur.planner.laws.ramps import Change, ramped
-from assur.planner.laws.validity import ALWAYS, FURTHEST_S, RANGES, SHORTEST_S, interval, number, placed
+from assur.planner.laws.validity import ALWAYS, FURTHEST_S, RANGES, SHORTEST_S, float_in, interval, placed
 
 # The cubic spline through poses.
 
@@ -231,7 +231,7 @@ def keyframes(
         raise InputError("keyframes.points", len(poses), f"as many as times ({len(known)}), two at least")
     for i, time in enumerate(known.tolist()):
         least = -FURTHEST_S if i == 0 else float(known[i - 1]) + SHORTEST_S
-        number(time, f"keyframes.points[{i}].time", least, FURTHEST_S)
+        float_in(time, f"keyframes.points[{i}].time", least, FURTHEST_S)
     if ends not in ("natural", "clamped", "periodic"):
         raise InputError("keyframes.ends", ends, "one of ('natural', 'clamped', 'periodic')")
     valid, repeat, turn, knots = interval(valid, "keyframes.valid"), None, 0.0, known
@@ -269,9 +269,9 @@ def checked(kind: str, changes: Sequence[Change] = (), **given: Any) -> Numbers:
         elif name in ("velocity", "direction"):
             if len(value) != 3:
                 raise InputError(field, value, "three numbers")
-            known[name] = tuple([number(part, f"{field}[{i}]") for i, part in enumerate(value)])
+            known[name] = tuple([float_in(part, f"{field}[{i}]") for i, part in enumerate(value)])
         else:
-            known[name] = number(value, field, *RANGES.get(name, ()))
+            known[name] = float_in(value, field, *RANGES.get(name, ()))
     return Numbers(**known, changes=tuple(changes))
 
 

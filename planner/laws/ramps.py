@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from assur.planner.errors import InputError
-from assur.planner.laws.validity import FURTHEST_S, LARGEST, number
+from assur.planner.laws.validity import FURTHEST_S, LARGEST, float_in
 
 TravelPiece = tuple[float, float, float, float, float]
 """When a piece begins, and travel, speed, acceleration and jerk then."""
@@ -35,10 +35,10 @@ class Change:
     jerk: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "time", number(self.time, "change.time", -FURTHEST_S, FURTHEST_S))
-        object.__setattr__(self, "speed", number(self.speed, "change.speed"))
-        object.__setattr__(self, "acceleration", number(self.acceleration, "change.acceleration", SMALLEST, LARGEST))
-        jerk = self.jerk if self.jerk == math.inf else number(self.jerk, "change.jerk", SMALLEST, LARGEST_JERK)
+        object.__setattr__(self, "time", float_in(self.time, "change.time", -FURTHEST_S, FURTHEST_S))
+        object.__setattr__(self, "speed", float_in(self.speed, "change.speed"))
+        object.__setattr__(self, "acceleration", float_in(self.acceleration, "change.acceleration", SMALLEST, LARGEST))
+        jerk = self.jerk if self.jerk == math.inf else float_in(self.jerk, "change.jerk", SMALLEST, LARGEST_JERK)
         object.__setattr__(self, "jerk", jerk)
 
     def phases(self, before: float) -> list[tuple[float, float, float]]:

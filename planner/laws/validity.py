@@ -27,7 +27,7 @@ RANGES = {
 """Least and greatest number, where it is not `LARGEST` to either side."""
 
 
-def number(value: float, field: str, least: float = -LARGEST, most: float = LARGEST) -> float:
+def float_in(value: float, field: str, least: float = -LARGEST, most: float = LARGEST) -> float:
     """`value` as a float from `least` to `most`. Raises `InputError` naming `field` (for NaN and non-numbers too)."""
     try:
         result = float(value)
@@ -40,7 +40,7 @@ def number(value: float, field: str, least: float = -LARGEST, most: float = LARG
 
 def placed(pose: Pose, field: str) -> Pose:
     """`pose`, each coordinate a number of allowed size. Raises `InputError` naming the coordinate."""
-    return Pose(*[number(getattr(pose, name), f"{field}.{name}") for name in ("x", "y", "z", "yaw")])
+    return Pose(*[float_in(getattr(pose, name), f"{field}.{name}") for name in ("x", "y", "z", "yaw")])
 
 
 def interval(valid: tuple[float, float], field: str) -> tuple[float, float]:

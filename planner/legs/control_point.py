@@ -11,7 +11,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion, Pose, Tilt
-from assur.planner.laws.belt_window import inside, outside_for_good, travelled
+from assur.planner.laws.belt_window import outside_for_good, times_inside, travelled
 from assur.planner.model.phases import Attachments
 from assur.planner.model.scene import Scene, Step, Trace, Window
 from assur.planner.robots.facts import Limits
@@ -169,7 +169,7 @@ class ControlPoint:
         law = self.scene.frames[self.frame].law
         if law.way is None:
             raise InputError(f"task[{self.step}].window_mm", window, "a window in millimetres only on a conveyor")
-        return inside(law, self.target, window, self.scene.start.time)
+        return times_inside(law, self.target, window, self.scene.start.time)
 
 
 def span_of(scene: Scene, frame: str, window: Window) -> tuple[float, float]:

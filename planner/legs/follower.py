@@ -71,7 +71,7 @@ UNIFORM = Trajectory(np.array([0.0, 1.0]), np.array([[0.0], [1.0]]), np.ones((2,
 """The phase s = t, by which derivatives by time are those by s."""
 
 
-class Course(Protocol):
+class FlangeCourse(Protocol):
     """Where the flange is at a time in a phase."""
 
     def motion(self, t: FloatArray, s: FloatArray, sd: FloatArray, sdd: FloatArray) -> Motion:
@@ -86,7 +86,7 @@ class PathTask:
     scene: Scene
     stage: Stage
     step: int
-    course: Course
+    course: FlangeCourse
     phase: Trajectory
     begin: float
     frame: str | None = None

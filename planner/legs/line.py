@@ -72,7 +72,7 @@ class Seen:
 
 
 @dataclass(frozen=True, eq=False)
-class Rates:
+class LineRates:
     """What the joints of a line do under a law: `table` (M, 4, n) holds q' to q'''' by s, `bounds` (n, 3) the limits of
     velocity, acceleration and jerk."""
 
@@ -80,11 +80,11 @@ class Rates:
     bounds: FloatArray
 
     @staticmethod
-    def of(derivatives: tuple[FloatArray, FloatArray, FloatArray], limits: Limits) -> Rates:
+    def of(derivatives: tuple[FloatArray, FloatArray, FloatArray], limits: Limits) -> LineRates:
         """The fourth derivative, by differences, serves the slopes of the search alone."""
         fourth = np.gradient(derivatives[2], 1 / (len(derivatives[2]) - 1), axis=0)
         bounds = np.stack([limits.velocity, limits.acceleration, limits.jerk], -1)
-        return Rates(np.stack([*derivatives, fourth], 1), bounds)
+        return LineRates(np.stack([*derivatives, fourth], 1), bounds)
 
     def at(self, s: FloatArray) -> FloatArray:
         """The table at s (R,), (4, R, n)."""

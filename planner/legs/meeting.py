@@ -78,7 +78,7 @@ class Meetings:
     last: float | None = None
 
 
-def times(point: ControlPoint, earliest: float, lead: float, *, any_time: bool = False) -> FloatArray:
+def meeting_times(point: ControlPoint, earliest: float, lead: float, *, any_time: bool = False) -> FloatArray:
     """Grid (G,) of meeting times from `earliest` on; tracking begins `lead` seconds after a meeting. `any_time`: the
     point can be met as well at one time as at another."""
     if any_time and point.intervals:
@@ -107,7 +107,7 @@ def meetings(
     """
     step, still, robot = point.facts, point.still, scene.robot
     any_time = still and step.window.time is None
-    t = times(point, earliest, lead, any_time=any_time)
+    t = meeting_times(point, earliest, lead, any_time=any_time)
     if not len(t):
         return Meetings(point, (), (window_is_missed(scene, point, earliest + lead),))
     # a margin is required of points that are met with a matched velocity, and not of others

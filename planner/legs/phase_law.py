@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.legs.line import FLAT, Rates, Seen
+from assur.planner.legs.line import FLAT, LineRates, Seen
 from assur.planner.robots.facts import Limits
 from assur.planner.timing import RawProfile, Solver, TimingRefusal, trajectory_of
 from assur.planner.trajectory import Trajectory
@@ -48,7 +48,7 @@ def quickest(derivatives: tuple[FloatArray, FloatArray, FloatArray], limits: Lim
     """
     if not (np.isfinite(derivatives).all() and np.any(derivatives[0])):
         return None
-    rates = Rates.of(derivatives, limits)
+    rates = LineRates.of(derivatives, limits)
     y, best, found = np.zeros(_FREE.shape[1]), np.inf, np.zeros(_FREE.shape[1])
     seen, damping = rates.seen(_shape(y)), DAMPING
     for exponent, steps in STAGES:
@@ -70,7 +70,7 @@ def law_of_jerks(duration: float, jerks: FloatArray) -> Trajectory:
 
 
 def _descended(
-    rates: Rates, y: FloatArray, seen: Seen, exponent: int, steps: int, damping: float
+    rates: LineRates, y: FloatArray, seen: Seen, exponent: int, steps: int, damping: float
 ) -> tuple[FloatArray, Seen, float]:
     """The free jerks, `seen`, after some steps down the norm of all times with this exponent (L5), and the damping
     reached."""

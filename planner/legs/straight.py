@@ -21,7 +21,7 @@ from assur.planner.frames.motion import Motion
 from assur.planner.legs.course import PathCourse
 from assur.planner.legs.follower import UNIFORM, PathTask, followed
 from assur.planner.legs.limits import rates
-from assur.planner.legs.line import Along, Line, Rates
+from assur.planner.legs.line import Along, Line, LineRates
 from assur.planner.legs.phase_law import TABLE, faster, quickest
 from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.model.outcome import Course, LegKind, Route
@@ -127,7 +127,7 @@ def _made_for(scene: Scene, mode: int, a: Motion, b: Motion, limits: Limits) -> 
         return None, 0.0
     t = np.linspace(0.0, plain.duration, CONSTANT_LOOKS)
     shape = np.concatenate([plain.evaluate(t, order) * plain.duration**order for order in range(4)], 1)
-    needed = float(Rates.of(derivatives, limits).times(shape).max())
+    needed = float(LineRates.of(derivatives, limits).times(shape).max())
     return law, SURELY * needed
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.kernels.postures import tool_peaks as sampled_peaks
+from assur.planner.kernels.postures import sample_tool_peaks as sampled_peaks
 from assur.planner.kernels.postures import tool_rates
 from assur.planner.model.outcome import ToolPeaks
 from assur.planner.model.phases import Phase

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 
-class Odd(StrEnum):
+class WarningKind(StrEnum):
     """The kind of a warning."""
 
     TOOL_IN_ARM = "TOOL_IN_ARM"
@@ -33,7 +33,7 @@ class InputWarning:
     off it. `step`: the name of a pick that may miss its part, or of the step that names what its part touches; `cause`:
     what adds most to the error of that pick."""
 
-    kind: Odd
+    kind: WarningKind
     bodies: tuple[str, str]
     amount_m: float
     step: str = ""

@@ -25,7 +25,7 @@ from assur.planner.geometry.curves import (
     along,
     circle_through,
     joining,
-    middle,
+    middle_points,
     slowest,
     spline_through,
 )
@@ -254,7 +254,7 @@ def corner_length(
 
     def off(taken: FloatArray) -> FloatArray:
         ends, begins = last[0].at(last[2] - taken), first[0].at(first[1] + taken)
-        return np.asarray(np.linalg.norm(middle(ends, begins, PULL * taken) - corner, axis=1))
+        return np.asarray(np.linalg.norm(middle_points(ends, begins, PULL * taken) - corner, axis=1))
 
     low, high = 0.0, SHARE * min(whole, first[0].length)
     if off(np.array([high]))[0] <= blend:

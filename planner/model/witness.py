@@ -30,7 +30,7 @@ down; and where a straight part begins or ends."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Hindrance:
+class Obstruction:
     """In one working mode, and with the part turned by `turn_rad` (None: any turn), a control point, or the place
     `above_m` over it, cannot be met: `reason` says why, `joint` which joint would be beyond its range, `by` how much is
     missing."""
@@ -45,12 +45,12 @@ class Hindrance:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Hindered:
+class Unreachable:
     """A control point that stands still: one hindrance for each working mode that is allowed and each turn of the part,
     so that none is left."""
 
     kind: Literal["hindered"] = "hindered"
-    ways: tuple[Hindrance, ...]
+    ways: tuple[Obstruction, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,7 +68,7 @@ class Meeting:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Met:
+class Overlap:
     """Bodies that are in the way: one pair at the start; at a control point one for each working mode and each turn of
     the part."""
 
@@ -77,7 +77,7 @@ class Met:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Openings:
+class OpenIntervals:
     """All times at which a control point may be met at all, its law, its windows and the latest end considered, from
     the start on for ever: none of these intervals is as long as the point must be tracked."""
 
@@ -86,7 +86,7 @@ class Openings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Orbit:
+class PeriodicReach:
     """A point on a frame that repeats its motion: over `span_s`, a whole period, it is never nearer to the arm's reach
     than `short_m`."""
 
@@ -95,4 +95,4 @@ class Orbit:
     short_m: float
 
 
-Witness = Hindered | Met | Openings | Orbit
+Witness = Unreachable | Overlap | OpenIntervals | PeriodicReach

@@ -9,7 +9,7 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.legs.control_point import WINDOW_S, ControlPoint
-from assur.planner.model.input_warning import InputWarning, Odd
+from assur.planner.model.input_warning import InputWarning, WarningKind
 from assur.planner.model.outcome import Busiest, Course, Route
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import RATES
@@ -80,14 +80,14 @@ def window_left(point: ControlPoint, begin: float) -> float | None:
 
 
 WARNINGS = {
-    Odd.PART_FLOATS: "{0} is {by} above {1} and rests on nothing",
-    Odd.TOOL_OFF_PART: "no body of the tool touches {1} where it is picked: {0}, the nearest, is {by} away; check "
-    "grasp and tcp",
-    Odd.RELEASED_IN_AIR: "{0} is released {by} above {1} and rests on nothing there",
-    Odd.SUPPORT_OFF_PART: "{0} should touch {1} in step {step}, as contact_with says, but is {by} away from it",
-    Odd.BODIES_OVERLAP: "{0} and {1} overlap by more than {by} where they are at the start",
-    Odd.MAY_MISS: "the tool may miss {1} by {by}{cause}; state tolerance_mm for step {step} to have it refused",
-    Odd.TOOL_IN_ARM: "{0}, a body of the tool, overlaps {1} of the arm{mount}, and nothing keeps the two apart",
+    WarningKind.PART_FLOATS: "{0} is {by} above {1} and rests on nothing",
+    WarningKind.TOOL_OFF_PART: "no body of the tool touches {1} where it is picked: {0}, the nearest, is {by} away; "
+    "check grasp and tcp",
+    WarningKind.RELEASED_IN_AIR: "{0} is released {by} above {1} and rests on nothing there",
+    WarningKind.SUPPORT_OFF_PART: "{0} should touch {1} in step {step}, as contact_with says, but is {by} away from it",
+    WarningKind.BODIES_OVERLAP: "{0} and {1} overlap by more than {by} where they are at the start",
+    WarningKind.MAY_MISS: "the tool may miss {1} by {by}{cause}; state tolerance_mm for step {step} to have it refused",
+    WarningKind.TOOL_IN_ARM: "{0}, a body of the tool, overlaps {1} of the arm{mount}, and nothing keeps the two apart",
 }
 """What is probably not meant, by its kind, with the names of the two bodies."""
 

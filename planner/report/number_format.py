@@ -38,7 +38,7 @@ def amount(value: float | None, unit: str | None) -> str:
     return f"{number(value * factor, 4 if name.startswith('kg') else 3)} {name}".rstrip()
 
 
-def apart(one: float, other: float) -> tuple[str, str]:
+def different_lengths(one: float, other: float) -> tuple[str, str]:
     """A length and the length that is required, m: with so many digits that they differ where they do."""
     shown = amount(one, "m"), amount(other, "m")
     for digits in range(4, MOST_DIGITS + 1):

@@ -26,7 +26,7 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Pick, Place, Scene, Trace, Window
 from assur.planner.model.window_missed import Miss, WindowMissed
-from assur.planner.report.number_format import amount, apart, position
+from assur.planner.report.number_format import amount, different_lengths, position
 from assur.planner.report.refusal_table import PARTS, SENTENCES, Row
 
 UNITS = {"_m_s": "m/s", "_m": "m", "_rad": "rad", "_s": "s"}
@@ -218,11 +218,11 @@ def _separation(facts: Separation) -> Words:
         unknown = required - (facts.clearance_m or 0.0)
         words |= {"unknown": amount(unknown, "m")} if unknown > LEAST_M else {}
         if pressed is not None:
-            words["pressed"], words["allowed"] = one, other = apart(unknown - gap, -pressed)
+            words["pressed"], words["allowed"] = one, other = different_lengths(unknown - gap, -pressed)
         elif gap < -LEAST_M:
             words["overlap"], words["required"] = one, other = amount(-gap, "m"), amount(required, "m")
         else:
-            words["gap"], words["required"] = one, other = apart(max(gap, 0.0), required)
+            words["gap"], words["required"] = one, other = different_lengths(max(gap, 0.0), required)
         words["alike"] = BY_ROUNDING if one == other else ""
     if facts.least_m is not None:
         words["enough"] = f"{float(np.ceil(facts.least_m * 1e4 - 1e-6)) / 10:g} mm"

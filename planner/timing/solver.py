@@ -68,7 +68,7 @@ class TimingRefusal:
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class SolverLimits:
     """What the solver is given, n numbers each: the most and the least velocity and acceleration, and the jerk."""
 
     velocity: list[float]
@@ -88,7 +88,7 @@ class RobotLimits:
     velocity: list[float]
     acceleration: list[float]
     jerk: list[float]
-    lowered: Limits = field(init=False)
+    lowered: SolverLimits = field(init=False)
 
     def __post_init__(self) -> None:
         accepted(LIMIT_NAMES, (self.velocity, self.acceleration, self.jerk), len(self.velocity))
@@ -99,7 +99,7 @@ class RobotLimits:
         acceleration = [a * (1 - RATE_RESERVE) for a in self.acceleration]
         rates = zip(self.jerk, acceleration, velocity, strict=True)
         jerk = [min(j * (1 - JERK_RESERVE), a / RAMP_S, v / RAMP_S**2) for j, a, v in rates]
-        lowered = Limits(velocity, [-v for v in velocity], acceleration, [-a for a in acceleration], jerk)
+        lowered = SolverLimits(velocity, [-v for v in velocity], acceleration, [-a for a in acceleration], jerk)
         object.__setattr__(self, "lowered", lowered)
 
 
@@ -121,7 +121,7 @@ def accepted(names: Sequence[str], rows: Sequence[Row], n: int) -> None:
             raise InputError(f"timing.{name}", row, f"{n or 'some'} finite numbers")
 
 
-def lowered_limits(start: Numbers, goal: Numbers, allowed: RobotLimits) -> Limits | TimingRefusal:
+def lowered_limits(start: Numbers, goal: Numbers, allowed: RobotLimits) -> SolverLimits | TimingRefusal:
     """Limits for the solver: lowered, but never below what the end states need, each direction by itself.
 
     A state with acceleration a comes to the velocity v ± a|a|/(2j) whatever one does (equation P2: + after the start,
@@ -163,7 +163,7 @@ def lowered_limits(start: Numbers, goal: Numbers, allowed: RobotLimits) -> Limit
         needs = [end * (1 + 1e-14) for end in (max(need_v), min(need_v), max(need_a), min(need_a))]
         forward, pull = max(lowered_v, needs[0]), max(lowered_a, needs[2])
         rows.append((forward, min(-lowered_v, needs[1]), pull, min(-lowered_a, needs[3]), given_j))
-    return Limits(*map(list, zip(*rows, strict=True)))
+    return SolverLimits(*map(list, zip(*rows, strict=True)))
 
 
 # A timed motion as the solver gave it, phases of constant jerk a joint; and the trajectory that is made of several.

@@ -290,6 +290,6 @@ def accepted_bands(
 
 def keeps_bands(trajectory: Trajectory, bands: FloatArray) -> bool:
     """Whether a trajectory stays within `accepted_bands`."""
-    from assur.planner.kernels.limits import NONE, first_beyond
+    from assur.planner.kernels.limits import NONE, first_limit_broken
 
-    return first_beyond(trajectory.knots, bands) == NONE
+    return first_limit_broken(trajectory.knots, bands) == NONE

@@ -40,7 +40,7 @@ class Surroundings:
     """A robot (None where it could not be read) and what is around it: its `frames`, bodies, and where these are.
     `kept`: what the planner made of the cell."""
 
-    given: robots.Equipped | None
+    given: robots.RobotWithTool | None
     frames: Frames
     bodies: tuple[WorldBody, ...]
     places: Places
@@ -67,7 +67,7 @@ class Cell:
     """A scene, what it was made of (the robot, its frames, where its bodies sit), and the request as it was written."""
 
     scene: Scene
-    given: robots.Equipped
+    given: robots.RobotWithTool
     frames: Frames
     places: Places
     document: object
@@ -153,7 +153,7 @@ def _cell_of(document: object, request: RequestDocument, own: Kept) -> Cell:
     return Cell(scene, given, known, places, document)
 
 
-def _robot(request: RequestDocument, faults: Gathered) -> robots.Equipped | None:
+def _robot(request: RequestDocument, faults: Gathered) -> robots.RobotWithTool | None:
     """The robot with its tool; None where it cannot be read, which `faults` have."""
     try:
         given = robots.equipped(request.robot)
@@ -247,7 +247,7 @@ def _check_riders(request: RequestDocument, picked: set[str]) -> None:
             raise Refused("a body that no step picks", "bodies", i, "pose", "body")
 
 
-def _options(item: OptionsDocument, of: robots.Equipped, places: Places, faults: Gathered) -> Options:
+def _options(item: OptionsDocument, of: robots.RobotWithTool, places: Places, faults: Gathered) -> Options:
     if item.elbow not in ("keep", "auto", *of.robot.modes):
         faults.add(Refused(f"one of keep, auto, {', '.join(of.robot.modes)}", "options", "elbow"))
     exceptions, names = [], [*of.names, *places]

@@ -37,7 +37,7 @@ from assur.scenes.units import from_si, si_key, twin_of
 
 
 @dataclass(frozen=True, eq=False)
-class Equipped:
+class RobotWithTool:
     """A robot at its base with its narrowed limits, its tool, its maker's joint conventions, its load limits, the
     forbidden ranges of yaw of its tool, and the names of the bodies of robot and tool."""
 
@@ -49,10 +49,10 @@ class Equipped:
     names: tuple[str, ...]
 
 
-_kept: dict[str, Equipped] = {}
+_kept: dict[str, RobotWithTool] = {}
 
 
-def equipped(item: RobotDocument) -> Equipped:
+def equipped(item: RobotDocument) -> RobotWithTool:
     """The robot of a document with its tool. Equal documents get the same robot, which is built once.
 
     Raises `Refused` at the field at fault.
@@ -68,7 +68,7 @@ def equipped(item: RobotDocument) -> Equipped:
         with within("tool"):
             tool = _tool(item.tool, of)
         names = (*(body.body.name for body in made.bodies), *(body.name for body in tool.bodies))
-        found = Equipped(made, tool, of.conventions, load, ranges, names)
+        found = RobotWithTool(made, tool, of.conventions, load, ranges, names)
         if len(item.text) <= LONGEST_KEPT:
             if len(_kept) >= MOST_KEPT:
                 _kept.clear()

@@ -13,7 +13,7 @@ from assur.scenes.conventions import Conventions, as_maker
 from assur.scenes.faults import FAULTS, Gathered, Refused, within
 from assur.scenes.reading.bodies import Places
 from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
-from assur.scenes.reading.robots import Equipped, hold, joint_values
+from assur.scenes.reading.robots import RobotWithTool, hold, joint_values
 from assur.scenes.reading.tool_pose import (
     flange_of,
     in_words,
@@ -31,7 +31,9 @@ START_RATIO = 1e-9
 """A start velocity or acceleration may exceed its limit by this share, as the planner has it: rounding of units."""
 
 
-def start_of(item: StartDocument, given: Equipped, frames: Frames, places: Places) -> tuple[Start, tuple[str, ...]]:
+def start_of(
+    item: StartDocument, given: RobotWithTool, frames: Frames, places: Places
+) -> tuple[Start, tuple[str, ...]]:
     """The state at the start, and a sentence for each joint that was moved to the end of its range. Raises `Refused`
     unless each joint has its value, within the (narrowed) limits, or the pose of the tool is met by one joint position,
     within them and not singular."""
@@ -94,7 +96,7 @@ def _moved(stated: FloatArray, q: FloatArray, conventions: Conventions) -> tuple
     )
 
 
-def position(stated: FloatArray, given: Equipped, share: float = 0.0) -> FloatArray:
+def position(stated: FloatArray, given: RobotWithTool, share: float = 0.0) -> FloatArray:
     """The joint vector (n,), the same object or one with values that are outside of their range by up to `share` of it
     moved to its end. Raises `Refused` unless all are within limits, and a five-bar's couplers meet."""
     robot, limits, q = given.robot, given.robot.limits, stated
@@ -116,7 +118,7 @@ def _refuse_open_chain(robot: FiveBar, q: FloatArray) -> None:
 
 
 def _with_tool_at(
-    tool: ToolPoseDocument, item: StartDocument, given: Equipped, frames: Frames, places: Places
+    tool: ToolPoseDocument, item: StartDocument, given: RobotWithTool, frames: Frames, places: Places
 ) -> FloatArray:
     """The joint vector (n,) of the only working mode, and the only turn of the wrist, that the request allows."""
     names = given.robot.modes

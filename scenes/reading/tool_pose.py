@@ -18,12 +18,12 @@ from assur.scenes.conventions import JointConvention, as_maker, rates_as_maker
 from assur.scenes.faults import Refused
 from assur.scenes.reading.bodies import Places, resolve
 from assur.scenes.reading.frames import Frames
-from assur.scenes.reading.robots import Equipped
+from assur.scenes.reading.robots import RobotWithTool
 from assur.scenes.reading.task import NO_HEADING, NO_TILT, NO_YAW
 from assur.scenes.schema.robots import ToolPoseDocument
 
 
-def flange_of(item: ToolPoseDocument, given: Equipped, frames: Frames, places: Places, t: float) -> Motion:
+def flange_of(item: ToolPoseDocument, given: RobotWithTool, frames: Frames, places: Places, t: float) -> Motion:
     """The flange at rest in the world, a motion of shape (), when the tool is at a pose at time `t`, s.
 
     Raises `Refused` for an angle that is missing or that the arm has not, a frame or body that there is not, and a
@@ -62,7 +62,7 @@ def known_from(law: Law) -> str:
     return "known " + " ".join(f"{word} {end:g} s" for word, end in ends if math.isfinite(end))
 
 
-def wrist_turns(found: FloatArray, given: Equipped) -> list[int] | None:
+def wrist_turns(found: FloatArray, given: RobotWithTool) -> list[int] | None:
     """In which full turn the wrist is in each joint vector (M, n), by its maker's count: 0 is from more than −180° to
     180°. None: the arm has no wrist, which turns its tool and nothing else."""
     if not {"yaw", "roll"} & set(given.robot.coordinates):
@@ -72,7 +72,7 @@ def wrist_turns(found: FloatArray, given: Equipped) -> list[int] | None:
     return [math.ceil((value - math.pi) / TURN) for value in values.tolist()]
 
 
-def nearest_to_zero(found: FloatArray, given: Equipped) -> FloatArray:
+def nearest_to_zero(found: FloatArray, given: RobotWithTool) -> FloatArray:
     """Which of several joint vectors (M, n) turns the wrist least, and then the other joints, (n,)."""
     turns = wrist_turns(found, given)
     centred = np.abs(found - given.conventions.zeros)
@@ -90,13 +90,13 @@ def in_words(joint: JointConvention, value: float) -> str:
     return f"{value * factor:.6g} {unit}"
 
 
-def joints_in_words(q: FloatArray, given: Equipped) -> str:
+def joints_in_words(q: FloatArray, given: RobotWithTool) -> str:
     """All joints with their values, those of a joint vector (n,), as the maker counts them."""
     pairs = zip(given.conventions, as_maker(q, given.conventions).tolist(), strict=True)
     return ", ".join(f"{joint.name} {in_words(joint, value)}" for joint, value in pairs)
 
 
-def lacks(mode: ModeSolutions, given: Equipped) -> str:
+def lacks(mode: ModeSolutions, given: RobotWithTool) -> str:
     """Why a working mode has no solution."""
     robot = given.robot
     if mode.code is Code.OUT_OF_REACH:
@@ -118,7 +118,7 @@ def lacks(mode: ModeSolutions, given: Equipped) -> str:
     )
 
 
-def lack(modes: Iterable[ModeSolutions], given: Equipped) -> str:
+def lack(modes: Iterable[ModeSolutions], given: RobotWithTool) -> str:
     """Why several working modes have no solution; a reason that all of them have is stated once."""
     reasons = {given.robot.modes[mode.mode]: lacks(mode, given) for mode in modes}
     if len(set(reasons.values())) == 1:

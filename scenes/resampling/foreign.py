@@ -16,7 +16,7 @@ from assur.planner.checker.verdict import Code, Finding
 from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import ProofFailure, Rows, written
-from assur.planner.kernels.limits import NONE, first_beyond
+from assur.planner.kernels.limits import NONE, first_limit_broken
 from assur.planner.kernels.proof import ROW_COLUMNS
 from assur.planner.model.outcome import Arrival, Leg, LegKind, Nearest, Plan
 from assur.planner.model.phases import Phase, at_start, handled_at_start, phases, stay_phases
@@ -179,15 +179,15 @@ def _beyond(scene: Scene, own: Limits, trajectory: Trajectory, low: int, high: i
     jerk = None if trajectory.jumps else own.jerk
     bands = accepted_bands(own.lower, own.upper, own.velocity, own.acceleration, jerk)
     knots = trajectory.knots
-    if first_beyond(np.ascontiguousarray(knots[low : high + 1]), bands) == NONE:
+    if first_limit_broken(np.ascontiguousarray(knots[low : high + 1]), bands) == NONE:
         return None
     while high - low > 1:
         middle = (low + high) // 2
-        if first_beyond(np.ascontiguousarray(knots[low : middle + 1]), bands) == NONE:
+        if first_limit_broken(np.ascontiguousarray(knots[low : middle + 1]), bands) == NONE:
             low = middle
         else:
             high = middle
-    kind, joint = divmod(int(first_beyond(np.ascontiguousarray(knots[low : high + 1]), bands)), trajectory.n)
+    kind, joint = divmod(int(first_limit_broken(np.ascontiguousarray(knots[low : high + 1]), bands)), trajectory.n)
     columns = (trajectory.time, trajectory.q, trajectory.qd, trajectory.qdd)
     least, most = Trajectory(*(each[low : high + 1] for each in columns), jumps=trajectory.jumps).extrema(kind)
     over = max(float(most[joint] - bands[kind, 1, joint]), float(bands[kind, 0, joint] - least[joint]))

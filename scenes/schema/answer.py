@@ -14,19 +14,19 @@ from pydantic import ConfigDict, Field, with_config
 from typing_extensions import TypedDict, get_type_hints
 
 from assur.planner.model.arrival_error import Cause
-from assur.planner.model.input_warning import Odd
+from assur.planner.model.input_warning import WarningKind
 from assur.planner.model.outcome import (
     Course,
 )
 from assur.planner.model.refusal import Facts, Reason, Stage, Unit
-from assur.planner.model.witness import Hindrance, Meeting, Witness
+from assur.planner.model.witness import Meeting, Obstruction, Witness
 from assur.scenes import bounds
 from assur.scenes.schema.described import describe
 from assur.scenes.schema.model import Angle, Point, Strength
 
 CLOSED = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, json_schema_extra=describe)
 
-FACTS: tuple[type, ...] = (*get_args(Facts), *get_args(Witness), Hindrance, Meeting)
+FACTS: tuple[type, ...] = (*get_args(Facts), *get_args(Witness), Obstruction, Meeting)
 """Dataclasses within answers. A configuration of their own would change how they are read: `facts_described` describes
 them in a schema that is made."""
 Schema = Literal["assur/1"]
@@ -338,7 +338,7 @@ class Relaxation(TypedDict):
 class InputWarning(TypedDict):
     """What of the request is probably not meant, for programs and in words."""
 
-    kind: Annotated[Odd, Field(strict=False)]
+    kind: Annotated[WarningKind, Field(strict=False)]
     bodies: Pair
     amount_m: Number
     detail: Text

@@ -6,6 +6,7 @@ import ast
 import re
 import tokenize
 from collections import Counter
+from collections.abc import Iterable
 from io import BytesIO
 from pathlib import PurePosixPath
 
@@ -57,6 +58,25 @@ def test_no_room_is_overcrowded() -> None:
 def test_every_module_of_the_product_says_what_it_is() -> None:
     every = [source for source in sources(*PRODUCT, "benchmarks") if source.text.strip()]
     assert [source.path for source in every if not ast.get_docstring(source.tree)] == []
+
+
+MOST_SHARED = 40
+"""Public functions and classes of `planner/` that have a name in common with one of another module."""
+
+
+def shared(modules: Iterable[Source]) -> list[str]:
+    """Names of public functions and classes that stand in two or more modules: a name is to mean one thing."""
+    kinds = ast.FunctionDef | ast.ClassDef
+    names = [node.name for source in modules for node in source.tree.body if isinstance(node, kinds)]
+    return sorted(name for name, count in Counter(names).items() if count > 1 and not name.startswith("_"))
+
+
+def test_a_name_mostly_means_one_thing() -> None:
+    assert len(shared(sources("planner"))) <= MOST_SHARED
+
+
+def test_a_name_with_two_meanings_is_found() -> None:
+    assert shared([made_up("def f(): ...\ndef _g(): ..."), made_up("class f: ...\ndef _g(): ...")]) == ["f"]
 
 
 def unfinished(source: Source) -> list[str]:

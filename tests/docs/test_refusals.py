@@ -10,7 +10,7 @@ from enum import StrEnum
 import pytest
 
 from assur.planner.checker.verdict import Code
-from assur.planner.model.input_warning import Odd
+from assur.planner.model.input_warning import WarningKind
 from assur.planner.model.refusal import Reason, Stage
 from assur.planner.report.refusal_table import KINDS
 from assur.scenes.reading.refusal import ABOUT
@@ -34,7 +34,7 @@ def rows(heading: str) -> dict[str, list[str]]:
 
 @pytest.mark.parametrize(
     ("heading", "codes"),
-    [("The reasons", Reason), ("The stages", Stage), ("Warnings", Odd), ("What the checker finds", Code)],
+    [("The reasons", Reason), ("The stages", Stage), ("Warnings", WarningKind), ("What the checker finds", Code)],
     ids=str,
 )
 def test_a_table_lists_every_code_once_in_the_order_of_the_code(heading: str, codes: type[StrEnum]) -> None:

@@ -29,7 +29,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece, Primitive, box, capsule, cylinder
 from assur.planner.laws import turntable
 from assur.planner.laws.law import PoseUncertainty
-from assur.planner.model.input_warning import InputWarning, Odd
+from assur.planner.model.input_warning import InputWarning, WarningKind
 from assur.planner.model.outcome import Planned
 from assur.planner.model.scene import Holding, Pick, Place, Scene, Tool
 from assur.planner.model.task import Tolerance
@@ -165,14 +165,14 @@ class Case(NamedTuple):
     """A scene, the warning about it, its bodies, its number (None: any), and some of its words."""
 
     scene: Scene
-    kind: Odd
+    kind: WarningKind
     bodies: tuple[str, str]
     amount_m: float | None = None
     words: str = ""
 
 
 PART_ON_LEFT, PART_ON_RIGHT = ("part", "left-table"), ("part", "right-table")
-IN_AIR, OFF_PART, FLOATS = Odd.RELEASED_IN_AIR, Odd.TOOL_OFF_PART, Odd.PART_FLOATS
+IN_AIR, OFF_PART, FLOATS = WarningKind.RELEASED_IN_AIR, WarningKind.TOOL_OFF_PART, WarningKind.PART_FLOATS
 SHORT = Tool(Pose(z=-0.06), (solid("cup", cylinder(CUP_M, 0.02), 0.0, 0.0, -0.01),))
 """A tool whose body ends above its point."""
 TOLD: dict[str, Case] = {
@@ -190,11 +190,12 @@ TOLD: dict[str, Case] = {
        for beside, up in ((0.0, GRIP_M + 0.002), (0.03 + CUP_M + GRIP_M + 0.002, 0.0), (0.0, 0.2))},
     "a tool that ends above its point": Case(gripped(0.0, tool=SHORT), OFF_PART, ("cup", "part")),
     **{f"a part {1e3 * by:g} mm deep in its table": Case(
-        lifted(-by), Odd.BODIES_OVERLAP, ("left-table", "part"), None,
+        lifted(-by), WarningKind.BODIES_OVERLAP, ("left-table", "part"), None,
         "left-table and part overlap by more than 1 mm where they are at the start")
        for by in (OVERLAP_M + 0.0005, 0.01)},
     **{f"a tool {1e3 * by:g} mm deep in the quill": Case(
-        mounted(by), Odd.TOOL_IN_ARM, ("cup", "quill"), None, "overlaps quill of the arm by more than 30 mm along")
+        mounted(by), WarningKind.TOOL_IN_ARM, ("cup", "quill"), None,
+        "overlaps quill of the arm by more than 30 mm along")
        for by in (MOUNT_M + 0.001, 0.1)},
 }  # fmt: skip
 USUAL: dict[str, Scene] = {
@@ -259,7 +260,7 @@ def test_warnings_refuse_nothing_and_are_in_both_answers() -> None:
     far = lifted(0.003)
     far = replace(far, task=(*far.task[:1], go(2.0, 0.0)))
     for scene, kind, answer in (
-        (mounted(0.05), Odd.TOOL_IN_ARM, "Planned"),
+        (mounted(0.05), WarningKind.TOOL_IN_ARM, "Planned"),
         (placed(0.01), IN_AIR, "Planned"),
         (far, FLOATS, "NotPlanned"),
     ):
@@ -282,7 +283,7 @@ def test_a_pick_that_may_miss_its_part_is_told_with_step_and_cause() -> None:
     told = plan(lying(0.0152))
     assert isinstance(told, Planned)
     (warning,) = told.warnings
-    assert (warning.kind, warning.bodies) == (Odd.MAY_MISS, ("cup", "part"))
+    assert (warning.kind, warning.bodies) == (WarningKind.MAY_MISS, ("cup", "part"))
     assert warning.amount_m == pytest.approx(0.0152, abs=1e-5)
     expected = "the tool may miss part by 15.2 mm, mainly due to: part; state tolerance_mm for step pick"
     assert warned(warning) == f"{expected} to have it refused"
@@ -293,7 +294,7 @@ def test_a_pick_that_may_miss_its_part_is_told_with_step_and_cause() -> None:
     turned = lying(0.0152, Tolerance(yaw_rad=1.0))
     told = plan(turned)
     assert isinstance(told, Planned)
-    assert [each.kind for each in unusual_arrivals(turned, told.plan.arrivals)] == [Odd.MAY_MISS]
+    assert [each.kind for each in unusual_arrivals(turned, told.plan.arrivals)] == [WarningKind.MAY_MISS]
 
 
 @pytest.mark.parametrize(
@@ -352,6 +353,6 @@ def test_bodies_that_cannot_touch_and_those_beyond_the_most_that_are_told_are_no
 ) -> None:
     scene = heap(apart)
     warnings = unusual_places(scene, AtStart(scene, Prover(scene)))
-    found = [each.bodies for each in warnings if each.kind is Odd.BODIES_OVERLAP]
+    found = [each.bodies for each in warnings if each.kind is WarningKind.BODIES_OVERLAP]
     assert found == [("part", f"box-{i}") for i in range(overlaps)]
     assert len([name for name in posed if name.startswith("box-")]) == overlaps

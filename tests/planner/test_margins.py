@@ -16,7 +16,7 @@ from assur.planner.collision.proof import Prover
 from assur.planner.errors import FaultError
 from assur.planner.geometry.shapes import box
 from assur.planner.kernels.links import CHAIN, LINKS
-from assur.planner.kernels.postures import tool_peaks
+from assur.planner.kernels.postures import sample_tool_peaks
 from assur.planner.legs.limits import least_margins
 from assur.planner.legs.tool_motion import tool_peaks as tool_peaks_of
 from assur.planner.model.outcome import Clearances, LegKind, Planned
@@ -142,7 +142,7 @@ def test_a_peak_of_what_is_not_known_is_not_a_number() -> None:
     row[CHAIN + LINK_OFFSET : CHAIN + LINK * int(row[LINKS]) : LINK] = np.nan
     path = Trajectory(np.array([0.0, 1.0]), *np.zeros((3, 2, 4)))
     peaks = np.zeros(4)
-    tool_peaks(row, path.edges, path.coefficients, 0.0, 0.0, 0.0, 1.0, 0.1, 8, peaks)
+    sample_tool_peaks(row, path.edges, path.coefficients, 0.0, 0.0, 0.0, 1.0, 0.1, 8, peaks)
     assert np.isnan(peaks[[0, 2]]).all()
 
 

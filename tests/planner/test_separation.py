@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from assur.planner.arrays import FloatArray
 from assur.planner.geometry.shapes import Hull, Piece, box
 from assur.planner.kernels.solids import RADIUS, spheres_apart
-from assur.planner.kernels.solids import support as kernel_support
+from assur.planner.kernels.solids import unit_support as kernel_support
 from tests.planner.cells import block, placed
 from tests.planner.convex import KINDS, anywhere, distance, grid_aligned, inside, pairs, shape_of
 from tests.planner.second_solids import Placed, gaps, kernel_gaps, likely, tables

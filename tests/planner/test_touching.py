@@ -13,14 +13,14 @@ import pytest
 from assur.planner.checked import check
 from assur.planner.checker.verdict import Code
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.touching import TOUCH_M, apart, grip, support
+from assur.planner.collision.touching import TOUCH_M, apart, grip, nearest_support
 from assur.planner.errors import InputError
 from assur.planner.feasibility.hits import never_touching
 from assur.planner.feasibility.input_warnings import OFF_M, unusual_supports
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder, sphere
 from assur.planner.laws import conveyor
-from assur.planner.model.input_warning import Odd
+from assur.planner.model.input_warning import WarningKind
 from assur.planner.model.outcome import NotPlanned, Planned
 from assur.planner.model.phases import AT_START, at_start, yaw_offsets
 from assur.planner.model.refusal import NotTouching, Reason, Stage
@@ -214,12 +214,12 @@ def test_a_support_that_moves_against_the_place_is_measured_when_the_part_is_put
     assert place.support_m > 0.2
     step = free.task[1]
     assert isinstance(step, Place)
-    found = support(Prover(free), step, at_start(free).after(free, free.task[0]), place.until)
+    found = nearest_support(Prover(free), step, at_start(free).after(free, free.task[0]), place.until)
     assert found is not None
     assert place.support_m == found.distance_m
     assert -0.8 < away < -0.6
     assert check(free, planned.plan).ok
-    assert [(w.kind, w.amount_m) for w in planned.warnings] == [(Odd.SUPPORT_OFF_PART, place.support_m)]
+    assert [(w.kind, w.amount_m) for w in planned.warnings] == [(WarningKind.SUPPORT_OFF_PART, place.support_m)]
 
 
 def test_a_part_with_any_turn_is_refused_by_the_search_and_not_as_a_proof() -> None:
@@ -250,7 +250,11 @@ def test_what_cannot_be_measured_cannot_be_asked_for(scene: Any, field: str) -> 
 def test_a_named_support_that_the_part_does_not_touch_is_told(by: float) -> None:
     scene = placed(by, contact_with=("right-table",))
     (warning,) = unusual_supports(scene, Prover(scene), ())
-    assert (warning.kind, warning.bodies, warning.step) == (Odd.SUPPORT_OFF_PART, ("part", "right-table"), "place")
+    assert (warning.kind, warning.bodies, warning.step) == (
+        WarningKind.SUPPORT_OFF_PART,
+        ("part", "right-table"),
+        "place",
+    )
     assert warning.amount_m == pytest.approx(by)
     words = f"part should touch right-table in step place, as contact_with says, but is {1e3 * by:.3g} mm away from it"
     assert warned(warning) == words

@@ -10,7 +10,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
 from assur.scenes.catalogue import models
 from assur.scenes.conventions import as_maker
-from assur.scenes.reading.robots import Equipped, equipped
+from assur.scenes.reading.robots import RobotWithTool, equipped
 from assur.scenes.schema.read import read
 from assur.scenes.schema.robots import RobotDocument
 
@@ -67,11 +67,11 @@ def robot_document(name: str) -> dict[str, Any]:
     return {**given, "tool": tool, "base": {"at_mm": [20, -30, 40], "yaw_deg": 130}}
 
 
-def built(name: str) -> Equipped:
+def built(name: str) -> RobotWithTool:
     return equipped(read(RobotDocument, robot_document(name)))
 
 
-def positions(given: Equipped, size: int, seed: int) -> FloatArray:
+def positions(given: RobotWithTool, size: int, seed: int) -> FloatArray:
     """Joint vectors (size, n) within the ranges, away from singular positions."""
     rng, limits = np.random.default_rng(seed), given.robot.limits
     q = rng.uniform(limits.lower, limits.upper, (200 * size, len(limits.lower)))
@@ -80,20 +80,20 @@ def positions(given: Equipped, size: int, seed: int) -> FloatArray:
     return good[:size]
 
 
-def in_words_of_the_maker(q: FloatArray, given: Equipped) -> dict[str, float]:
+def in_words_of_the_maker(q: FloatArray, given: RobotWithTool) -> dict[str, float]:
     """A joint vector (n,) as a request has it."""
     values = as_maker(q, given.conventions).tolist()
     return {f"{joint.name}_{joint.unit}": value for joint, value in zip(given.conventions, values, strict=True)}
 
 
-def tool_at(q: FloatArray, given: Equipped) -> Motion:
+def tool_at(q: FloatArray, given: RobotWithTool) -> Motion:
     """The tool point in the world."""
     none = np.zeros_like(q)
     flange = given.robot.link_motion(given.robot.links.index("flange"), q, none, none, none)
     return flange.at(given.tool.tcp)
 
 
-def pose_document(motion: Motion, given: Equipped) -> dict[str, Any]:
+def pose_document(motion: Motion, given: RobotWithTool) -> dict[str, Any]:
     """The pose of the tool as a request has it, in the world."""
     found: dict[str, Any] = {"at_m": motion.p.tolist()}
     if "yaw" in given.robot.coordinates:

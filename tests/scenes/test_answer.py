@@ -18,7 +18,7 @@ from hypothesis.extra.numpy import arrays
 from pydantic import TypeAdapter, ValidationError
 
 from assur.planner.errors import FaultError, InputError
-from assur.planner.model.input_warning import InputWarning, Odd
+from assur.planner.model.input_warning import InputWarning, WarningKind
 from assur.planner.model.outcome import Census, CensusLine, Certificate, NotPlanned, Outcome, Plan, Planned, Relaxation
 from assur.planner.model.refusal import (
     Bodies,
@@ -130,7 +130,7 @@ def _refused() -> NotPlanned:
         elapsed_s=0.2,
         cut_by_clock=True,
         explain_budget_spent=True,
-        warnings=(InputWarning(Odd.PART_FLOATS, ("part", "bed"), 0.003),),
+        warnings=(InputWarning(WarningKind.PART_FLOATS, ("part", "bed"), 0.003),),
     )
 
 

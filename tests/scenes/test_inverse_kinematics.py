@@ -20,7 +20,7 @@ from assur.planner.model.scene import WorldBody
 from assur.planner.robots.facts import principal
 from assur.scenes import ik, load
 from assur.scenes.conventions import converted
-from assur.scenes.reading.robots import Equipped
+from assur.scenes.reading.robots import RobotWithTool
 from assur.scenes.requests import cell_of, ik_cell, ik_document, scene_of
 from assur.scenes.schema.ik import IkAnswer
 from tests.planner.cells import mesh_box
@@ -44,7 +44,7 @@ def through_the_model(answer: dict[str, Any]) -> Any:
     return ANSWER.dump_python(ANSWER.validate_json(json.dumps(answer)), mode="json")
 
 
-def vector(joints: dict[str, float], given: Equipped) -> np.ndarray[Any, np.dtype[np.float64]]:
+def vector(joints: dict[str, float], given: RobotWithTool) -> np.ndarray[Any, np.dtype[np.float64]]:
     """A joint vector from the answer's words."""
     assert list(joints) == [f"{joint.name}_{joint.unit}" for joint in given.conventions]
     return converted(np.array(list(joints.values())), given.conventions)

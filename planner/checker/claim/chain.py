@@ -10,7 +10,7 @@ import math
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
-from assur.planner.checker.claim.motion import joints_over, over, piece_at
+from assur.planner.checker.claim.motion import joints_over, over, piece_begun_at
 from assur.planner.checker.claim.solids import (
     Jet,
     between,
@@ -107,7 +107,7 @@ def close_loop(k: Claim, loop: int, jets: FloatArray, s: tb.Scratch) -> bool:
 
 
 @kernel(types.void(F3, i8, JET, JET))
-def upright(jets: FloatArray, on: int, cosine: Jet, sine: Jet) -> None:
+def upright_rotation(jets: FloatArray, on: int, cosine: Jet, sine: Jet) -> None:
     """The rotation of a carrier that turns about the vertical only. What is constant of it was written before."""
     put(jets, on, 3, cosine)
     put(jets, on, 4, sine)
@@ -162,7 +162,7 @@ def chain(k: Claim, g: tb.Geometry, arm: int, jets: FloatArray, s: tb.Scratch) -
             u, v = jet(s.four, int(link[c.LINK_COUPLER]), 0), jet(s.four, int(link[c.LINK_COUPLER]), 1)
             cosine, sine = minus(times(cosine, u), times(sine, v)), plus(times(sine, u), times(cosine, v))
         if g.carriers[i, tb.CARRIER_UPRIGHT] > 0.0:
-            upright(jets, i, cosine, sine)
+            upright_rotation(jets, i, cosine, sine)
             continue
         p, r = int(link[c.LINK_PITCH]), int(link[c.LINK_ROLL])
         turns = s.turns
@@ -192,7 +192,7 @@ def frame_over(k: Claim, g: tb.Geometry, f: int, on: int, t0: float, t1: float, 
             return tb.NOT_GIVEN
         for part in range(2 if high > end else 1):
             a, b = (low, min(high, end)) if part == 0 else (begin, min(high - period, end))
-            i = piece_at(g.laws, first, last, a)
+            i = piece_begun_at(g.laws, first, last, a)
             for axis in range(4):
                 added = over(g.laws, i, tb.CURVE_POWER + tb.LAW_POWERS * axis, a, max(a, b), s.work)
                 added = plus(added, constant((gone + part) * frame[c.FRAME_STEP + axis]))
@@ -206,7 +206,7 @@ def frame_over(k: Claim, g: tb.Geometry, f: int, on: int, t0: float, t1: float, 
     for axis in range(3):
         put(jets, on, axis, jet(own, axis // 2, axis % 2))
     cosine, sine = turned(jet(own, 1, 1))
-    upright(jets, on, cosine, sine)
+    upright_rotation(jets, on, cosine, sine)
     return tb.KNOWN
 
 

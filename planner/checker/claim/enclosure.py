@@ -17,7 +17,7 @@ from assur.planner.checker.claim.chain import slot_of
 from assur.planner.checker.claim.motion import rounding
 from assur.planner.checker.claim.obligations import displaced_gap, is_fixed, own_gap, pair_of
 from assur.planner.checker.claim.rows import add_link, place_side
-from assur.planner.checker.claim.solids import derivative_bound, support
+from assur.planner.checker.claim.solids import derivative_bound, solid_reach
 from assur.planner.checker.claim.tables import F1, F2, f8, i8
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
@@ -151,7 +151,7 @@ def reach_at_ends(k: Claim, g: tb.Geometry, s: tb.Scratch, about: FloatArray, t0
         slot = slot_of(k, g, s, on, t, t)
         if slot < 0:
             return math.inf
-        reach = max(reach, support(g, s.jets, slot, solid, on, about[tb.OBJECT_NORMAL :], 1.0))
+        reach = max(reach, solid_reach(g, s.jets, slot, solid, on, about[tb.OBJECT_NORMAL :], 1.0))
     return reach
 
 
@@ -171,7 +171,7 @@ def write_levels(k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof, i: in
             continue
         place_side(k, g, about, at, p, b, -1.0)
         solid, on = int(about[at + tb.SIDE_SOLID]), int(about[at + tb.SIDE_CARRIER])
-        level = -support(g, s.jets, slot_of(k, g, s, on, t, t), solid, on, about[tb.OBJECT_NORMAL :], -1.0)
+        level = -solid_reach(g, s.jets, slot_of(k, g, s, on, t, t), solid, on, about[tb.OBJECT_NORMAL :], -1.0)
         off = pair[tb.PAIR_DISTANCE] + tb.SLACK + rounding(g, on, 0, g.solids[solid, tb.SOLID_SIZE])
         if not reach <= level - off:
             continue

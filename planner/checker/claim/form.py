@@ -102,7 +102,7 @@ def is_index(x: float, low: float, count: float) -> bool:
 
 
 @kernel(i8(tb.CLAIM, F2))
-def first_beyond(k: Claim, table: FloatArray) -> int:
+def first_row_broken(k: Claim, table: FloatArray) -> int:
     """The first row of `bounds` that the claim does not keep; FITS: it keeps all."""
     for i in range(len(table)):
         own = table[i]
@@ -288,7 +288,7 @@ def misfit(k: Claim, table: FloatArray) -> int:
     """FITS, or what does not fit: a row of `table` (`bounds`), or a key of MISFITS."""
     if not counts_fit(k):
         return COUNTS
-    row = first_beyond(k, table)
+    row = first_row_broken(k, table)
     if row != FITS:
         return row
     if not chains_fit(k):

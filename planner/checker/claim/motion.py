@@ -248,7 +248,7 @@ def rounding(g: tb.Geometry, on: int, order: int, reach: float) -> float:
 
 
 @kernel(i8(F2, i8, i8, f8))
-def piece_at(rows: FloatArray, low: int, high: int, t: float) -> int:
+def piece_begun_at(rows: FloatArray, low: int, high: int, t: float) -> int:
     """Of the pieces `low` to `high` of a motion the last that begins at t or before."""
     while low < high:
         middle = (low + high + 1) // 2
@@ -281,7 +281,7 @@ def joints_over(g: tb.Geometry, arm: int, n: int, t0: float, t1: float, s: tb.Sc
     last = first + int(g.spans[arm, 1]) - 1
     if not (rows[first, 0] <= t0 <= t1 <= rows[last, 1]):
         return False
-    i = piece_at(rows, first, last, t0)
+    i = piece_begun_at(rows, first, last, t0)
     for j in range(n):
         own = s.joints[j]
         own[0], own[1], own[2], own[3], own[4], own[5] = over(rows, i, tb.CURVE_POWER + tb.POWERS * j, t0, t1, s.work)

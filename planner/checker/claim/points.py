@@ -42,7 +42,7 @@ def subtract(s: tb.Scratch, i: int, j: int) -> None:
 
 
 @kernel(JET(F3, i8, i8))
-def dot(vectors: FloatArray, i: int, j: int) -> Jet:
+def jet_dot(vectors: FloatArray, i: int, j: int) -> Jet:
     """The scalar product of two vectors of jets, with its rounding."""
     total, x, y, z = constant(0.0), 0.0, 0.0, 0.0
     for m in range(3):
@@ -111,7 +111,7 @@ def see_axis(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, t0: float
         put(s.vectors, 2, m, constant(own[c.AXIS_DIRECTION + m]))
     if other >= 0 and not see(k, g, s, 2, other, False, own[c.AXIS_DIRECTION :], t0, t1):
         return False
-    total = dot(s.vectors, 0, 2)
+    total = jet_dot(s.vectors, 0, 2)
     s.vectors[0] = 0.0
     put(s.vectors, 0, 0, total)
     return True
@@ -215,7 +215,7 @@ def see_from(k: Claim, g: tb.Geometry, s: tb.Scratch, on: int, tool: FloatArray,
         s.way[axis] = 1.0
         if not see(k, g, s, 2, frame_on, False, s.way, t0, t1):
             return False
-        put(s.vectors, 3, axis, dot(s.vectors, 0, 2))
+        put(s.vectors, 3, axis, jet_dot(s.vectors, 0, 2))
     for axis in range(3):
         put(s.vectors, 0, axis, jet(s.vectors, 3, axis))
     return True
@@ -260,7 +260,7 @@ NO_LIMITS, KEPT = -2, -1
 
 
 @kernel(types.boolean(i8, f8, f8, F2, F1))
-def bounded(degree: int, low: float, high: float, stack: FloatArray, state: FloatArray) -> bool:
+def polynomial_bounded(degree: int, low: float, high: float, stack: FloatArray, state: FloatArray) -> bool:
     """Whether a polynomial stays between two numbers. Its Bernstein coefficients are in the first row of `stack`."""
     top, stack[0, tb.POWERS] = 1, 0.0
     while top > 0:
@@ -324,7 +324,7 @@ def write_control(h: float, ends: FloatArray, sizes: FloatArray, order: int, con
 
 
 @kernel(types.void(F1, i8, f8, f8))
-def cut(control: FloatArray, degree: int, low: float, high: float) -> None:
+def cut_bernstein(control: FloatArray, degree: int, low: float, high: float) -> None:
     """Makes Bernstein coefficients on [0, 1] those on [low, high] (de Casteljau)."""
     for r in range(1, degree + 1):
         for m in range(degree, r - 1, -1):
@@ -362,10 +362,10 @@ def sum_within(k: Claim, own: FloatArray, more: float, stack: FloatArray, state:
         off = write_control(h, ends, sizes, order, control)
         if more < 0.0 and (t0 > begin or t1 < end):
             off *= 1.0 + PART_ROUNDS * (5 - order) if t1 > begin else 1.0
-            cut(control, 5 - order, (max(t0, begin) - begin) / h, 1.0 if t1 >= end else (t1 - begin) / h)
+            cut_bernstein(control, 5 - order, (max(t0, begin) - begin) / h, 1.0 if t1 >= end else (t1 - begin) / h)
         off -= max(more, 0.0)
         least, most = low + off + 4.0 * tb.ULP * abs(low), high - off - 4.0 * tb.ULP * abs(high)
-        if not bounded(5 - order, least, most, stack, state):
+        if not polynomial_bounded(5 - order, least, most, stack, state):
             stack[len(stack) - 1, tb.POWERS] = begin
             return False
     return True

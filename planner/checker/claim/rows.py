@@ -19,7 +19,7 @@ from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.chain import slot_of
 from assur.planner.checker.claim.motion import rounding
 from assur.planner.checker.claim.obligations import pair_of, required_gap
-from assur.planner.checker.claim.solids import derivative_bound, support
+from assur.planner.checker.claim.solids import derivative_bound, solid_reach
 from assur.planner.checker.claim.tables import F1, F2, f8, i8
 from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
@@ -98,13 +98,13 @@ def row_on(
         slot = slot_of(k, g, s, on, t, t)
         if slot < 0:
             return WRONG if slot == -1 - tb.NOT_GIVEN else wide
-        reach = support(g, s.jets, slot, one, on, normal, 1.0)
+        reach = solid_reach(g, s.jets, slot, one, on, normal, 1.0)
         for edge in range(2 if s1 > s0 else 1):
             ahead = t + (s0 if edge == 0 else s1)
             slot = slot_of(k, g, s, other_on, ahead, ahead)
             if slot < 0:
                 return WRONG if slot == -1 - tb.NOT_GIVEN else wide
-            gap = min(gap, -reach - support(g, s.jets, slot, other, other_on, normal, -1.0))
+            gap = min(gap, -reach - solid_reach(g, s.jets, slot, other, other_on, normal, -1.0))
     gap -= required_gap(k, g, s, about, pair, t0, t1) + tb.SLACK
     if not gap >= 0.0:
         return HALVE_TIME if pair[tb.PAIR_VARIES] > 0.0 else WRONG
@@ -199,7 +199,7 @@ def first_wrong_row(k: Claim, g: tb.Geometry, s: tb.Scratch, proof: tb.Proof) ->
 
 
 @kernel(types.boolean(tb.CLAIM, tb.PROOF, i8, F2), inline=True)
-def covered(k: Claim, proof: tb.Proof, d: int, reached: FloatArray) -> bool:
+def covers_phase(k: Claim, proof: tb.Proof, d: int, reached: FloatArray) -> bool:
     """Whether the rows of pair d cover all of its phase, for all times by which one body may be ahead. Times are
     compared as they are. `reached`: room for (pieces, pieces) of both bodies."""
     pair, rows, links, state = proof.pairs[d], proof.rows, proof.links, proof.state
@@ -261,6 +261,6 @@ def first_uncovered(k: Claim, proof: tb.Proof, after: int) -> int:
     for d in range(after + 1, int(proof.state[tb.PAIRS])):
         p = int(proof.pairs[d, tb.PAIR_PHASE])
         counts = proof.pairs[d, tb.PAIR_NEEDED] > 0.0 and k.phases[p, c.PHASE_T1] > k.phases[p, c.PHASE_T0]
-        if counts and not covered(k, proof, d, reached):
+        if counts and not covers_phase(k, proof, d, reached):
             return d
     return -1

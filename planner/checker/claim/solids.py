@@ -40,7 +40,9 @@ def extent(g: tb.Geometry, solid: int, u: float, v: float, w: float) -> float:
 
 
 @kernel(f8(tb.GEOMETRY, F4, i8, i8, i8, F1, f8), inline=True)
-def support(g: tb.Geometry, jets: FloatArray, slot: int, solid: int, on: int, normal: FloatArray, sign: float) -> float:
+def solid_reach(
+    g: tb.Geometry, jets: FloatArray, slot: int, solid: int, on: int, normal: FloatArray, sign: float
+) -> float:
     """The largest m·x of a solid at an instant, m, for a unit vector m = `sign` * `normal` of the world (N2)."""
     at, x, y, z = jets[slot, on], sign * normal[0], sign * normal[1], sign * normal[2]
     u = x * at[3, 0] + y * at[4, 0] + z * at[5, 0]

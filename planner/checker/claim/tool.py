@@ -9,7 +9,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.chain import chain, slot_of, vector
-from assur.planner.checker.claim.motion import joints_over, piece_at, rounding
+from assur.planner.checker.claim.motion import joints_over, piece_begun_at, rounding
 from assur.planner.checker.claim.obligations import amount_of, corrected_within, is_fixed, share_of
 from assur.planner.checker.claim.points import (
     CORRECTED,
@@ -38,7 +38,7 @@ CHOSEN = 1e-9
 
 
 @kernel(f8(F1, i8, F1))
-def along(own: FloatArray, at: int, direction: FloatArray) -> float:
+def component_along(own: FloatArray, at: int, direction: FloatArray) -> float:
     """The scalar product of the vector in columns `at` to `at` + 2 with a direction."""
     return float(own[at] * direction[0] + own[at + 1] * direction[1] + own[at + 2] * direction[2])
 
@@ -69,17 +69,17 @@ def add_farthest(
         for m in range(3):
             local[column] += direction[m] * at[3 + 3 * column + m, 0]
     for i in range(first, first + many):
-        far = max(far, along(g.vertices[i], 0, local))
+        far = max(far, component_along(g.vertices[i], 0, local))
     here[:3] = 0.0
     add(here, 1.0, own, tb.SOLID_CENTRE)
     for i in range(first + many - 1, first - 1, -1):
-        if along(g.vertices[i], 0, local) >= far - CHOSEN:
+        if component_along(g.vertices[i], 0, local) >= far - CHOSEN:
             here[:3] = 0.0
             add(here, 1.0, g.vertices[i], 0)
     for e in range(tb.SOLID_EDGE, tb.SOLID_EDGE + 3 * int(own[tb.SOLID_EDGES]), 3):
-        way = along(own, e, local)
+        way = component_along(own, e, local)
         add(here, 1.0 if way > CHOSEN else -1.0 if way < -CHOSEN else 0.0, own, e)
-    add(local, -along(own, tb.SOLID_AXIS, local), own, tb.SOLID_AXIS)
+    add(local, -component_along(own, tb.SOLID_AXIS, local), own, tb.SOLID_AXIS)
     across = length(local, 0, 3)
     add(here, own[tb.SOLID_DISC] / across if across > CHOSEN else 0.0, local, 0)
     for m in range(3):
@@ -295,7 +295,7 @@ def middle(g: tb.Geometry, t0: float, t1: float) -> float:
     than its neighbours."""
     first = int(g.spans[0, 0])
     last = first + int(g.spans[0, 1]) - 1
-    i, j = piece_at(g.curves, first, last, t0), piece_at(g.curves, first, last, t1)
+    i, j = piece_begun_at(g.curves, first, last, t0), piece_begun_at(g.curves, first, last, t1)
     if g.curves[j, 0] >= t1:
         j -= 1
     return float(g.curves[(i + j + 1) // 2, 0]) if i < j else 0.5 * (t0 + t1)

@@ -32,7 +32,7 @@ from assur.planner.model.refusal import (
     Stage,
 )
 from assur.planner.model.scene import Scene
-from assur.planner.model.witness import Hindered, Met, Openings, Orbit, Witness
+from assur.planner.model.witness import OpenIntervals, Overlap, PeriodicReach, Unreachable, Witness
 
 OBSTRUCTED = frozenset(
     {
@@ -94,13 +94,13 @@ def _missing(scene: Scene, refusal: Refusal, witness: Witness | None) -> str:
 def _shown(scene: Scene, refusal: Refusal, witness: Witness | None) -> Iterator[Proof]:
     """What can be shown of the kind of a refusal with a witness."""
     match witness:
-        case Hindered() if refusal.stage in (Stage.CONTROL_POINT, Stage.INVERSE) and refusal.reason in OBSTRUCTED:
+        case Unreachable() if refusal.stage in (Stage.CONTROL_POINT, Stage.INVERSE) and refusal.reason in OBSTRUCTED:
             yield from obstructed(scene, refusal, witness)
-        case Met() if refusal.stage in (Stage.START, Stage.CONTROL_POINT):
+        case Overlap() if refusal.stage in (Stage.START, Stage.CONTROL_POINT):
             yield from met(scene, refusal, witness)
-        case Openings() if refusal.stage is Stage.WINDOW:
+        case OpenIntervals() if refusal.stage is Stage.WINDOW:
             yield from missed(scene, refusal, witness)
-        case Orbit() if refusal.stage is Stage.CONTROL_POINT and refusal.facts == OutOfReach():
+        case PeriodicReach() if refusal.stage is Stage.CONTROL_POINT and refusal.facts == OutOfReach():
             yield from points.orbit(scene, refusal, witness)
         case None:
             kind = refusal.stage, type(refusal.facts)

@@ -20,7 +20,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.refusals.nearest import deepest, distance, is_within
 from assur.planner.checker.refusals.obstructions import MOST, STATED
-from assur.planner.checker.refusals.postures import frame_at, links_at, posture, still
+from assur.planner.checker.refusals.postures import frame_at, links_at, posture_in_mode, still
 from assur.planner.checker.refusals.spans import around
 from assur.planner.checker.refusals.stated import NotShownError, Proof, Spot, spots
 from assur.planner.checker.refusals.ways import GraspOption, each_way, ways
@@ -43,7 +43,7 @@ from assur.planner.model.refusal import (
     Stage,
 )
 from assur.planner.model.scene import Pick, Place, Scene
-from assur.planner.model.witness import PROVED_M, PROVED_RAD, PROVED_TRACKED_M, Meeting, Met
+from assur.planner.model.witness import PROVED_M, PROVED_RAD, PROVED_TRACKED_M, Meeting, Overlap
 
 OUTSIDE_M = 1e-9
 """By this much, m, a point may be outside of the body whose point it is stated to be: rounding of poses."""
@@ -68,7 +68,7 @@ class Solid:
         return np.asarray(self.turn.T @ (point - self.at))
 
 
-def met(scene: Scene, refusal: Refusal, witness: Met) -> Iterator[Proof]:
+def met(scene: Scene, refusal: Refusal, witness: Overlap) -> Iterator[Proof]:
     """What is in the way as a witness states: in each way to a control point, or at the start. Raises `NotShownError`
     where it is not."""
     if len(witness.ways) > MOST:
@@ -117,7 +117,7 @@ def _at_a_point(scene: Scene, refusal: Refusal, way: GraspOption, mode: str, mee
     goal = way.goal(scene, at, spot.above, 0.0, 0.0)
     if way.turn is None:
         goal = replace(goal, yaw=around(at.then(way.flange).yaw, 0.0))
-    wanted, found = (goal.x.middle, goal.y.middle, goal.z.middle), posture(robot, mode, goal)
+    wanted, found = (goal.x.middle, goal.y.middle, goal.z.middle), posture_in_mode(robot, mode, goal)
     q = np.array([span.middle for span in found.joints])
     if not np.isfinite(q).all() or found.short.low > 0.0:
         raise NotShownError("the arm does not reach the point, so nothing of it can collide there")

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
 
-from assur.planner.checker.refusals.postures import forbidden, posture, reaches_by_joint, unreachable
-from assur.planner.checker.refusals.spans import Span, beyond
+from assur.planner.checker.refusals.postures import forbidden, posture_in_mode, reaches_by_joint, unreachable
+from assur.planner.checker.refusals.spans import Span, span_beyond
 from assur.planner.checker.refusals.stated import NotShownError, Proof, exceeded, same
 from assur.planner.checker.refusals.ways import GraspOption, each_way
 from assur.planner.model.refusal import (
@@ -27,7 +27,7 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Scene
 from assur.planner.model.scene import beyond as beyond_range
-from assur.planner.model.witness import PROVED_M, PROVED_RAD, PROVED_SHARE, PROVED_TRACKED_M, Hindered, Hindrance
+from assur.planner.model.witness import PROVED_M, PROVED_RAD, PROVED_SHARE, PROVED_TRACKED_M, Obstruction, Unreachable
 
 STATED = 5e-6
 """Amounts that are stated may be off by this, m, rad or 1: the square root of what a posture that is nearly stretched
@@ -35,17 +35,17 @@ rounds, and what the planner counts ranges of yaw wider."""
 NUMBER: Unit = "1"
 MOST = 4096
 """A witness with more obstructions is refused: four modes, dozens of turns, and all joints of each are fewer."""
-Obstruction = tuple[Hindrance, list[Proof]]
+ProvedObstruction = tuple[Obstruction, list[Proof]]
 """What a witness states of an obstruction, and what a refusal may state of it."""
 
 
-def witness_of(scene: Scene, number: int) -> Hindered | None:
+def witness_of(scene: Scene, number: int) -> Unreachable | None:
     """The obstructions of each way and mode in which a control point might be met; None: there may be a way."""
     found = [[each for each, _ in obstructions(scene, way, mode)] for way, mode, _ in each_way(scene, number, ())]
-    return Hindered(ways=tuple(dict.fromkeys(chain.from_iterable(found)))) if all(found) else None
+    return Unreachable(ways=tuple(dict.fromkeys(chain.from_iterable(found)))) if all(found) else None
 
 
-def obstructed(scene: Scene, refusal: Refusal, witness: Hindered) -> Iterator[Proof]:
+def obstructed(scene: Scene, refusal: Refusal, witness: Unreachable) -> Iterator[Proof]:
     """What obstructs each way to a point as the witness states. Raises `NotShownError` where one is not."""
     if len(witness.ways) > MOST:
         raise NotShownError("its witness has more obstructions than there are")
@@ -62,12 +62,12 @@ def obstructed(scene: Scene, refusal: Refusal, witness: Hindered) -> Iterator[Pr
     yield from shown
 
 
-def _is_same(one: Hindrance, other: Hindrance) -> bool:
+def _is_same(one: Obstruction, other: Obstruction) -> bool:
     alike = (one.reason, one.joint, one.unit) == (other.reason, other.joint, other.unit)
     return alike and same(one.above_m, other.above_m) and same(one.by, other.by, STATED)
 
 
-def obstructions(scene: Scene, way: GraspOption, mode: str) -> Iterator[Obstruction]:
+def obstructions(scene: Scene, way: GraspOption, mode: str) -> Iterator[ProvedObstruction]:
     """Everything that prevents the arm from meeting the point of a way that stands still; nothing: perhaps it can."""
     for above in dict.fromkeys((0.0, *scene.straight(scene.task[way.number]))):
         for stated in _at_height(scene, way, mode, above):
@@ -76,7 +76,7 @@ def obstructions(scene: Scene, way: GraspOption, mode: str) -> Iterator[Obstruct
             by, unit = (0.0, NUMBER) if amount is None else (max(amount.value, 0.0), amount.unit)
             joint = subject.name if isinstance(subject, JointName) else None
             yield (
-                Hindrance(mode=mode, turn_rad=way.turn, above_m=above, reason=reason, joint=joint, by=by, unit=unit),
+                Obstruction(mode=mode, turn_rad=way.turn, above_m=above, reason=reason, joint=joint, by=by, unit=unit),
                 stated,
             )
 
@@ -88,8 +88,8 @@ def _at_height(scene: Scene, way: GraspOption, mode: str, above: float) -> Itera
         return
     near = PROVED_TRACKED_M if above > 0.0 else PROVED_M
     goal = way.goal(scene, at, above, 0.0, 0.0)
-    exact = posture(robot, mode, goal)
-    wide = posture(robot, mode, way.goal(scene, at, above, near, PROVED_RAD))
+    exact = posture_in_mode(robot, mode, goal)
+    wide = posture_in_mode(robot, mode, way.goal(scene, at, above, near, PROVED_RAD))
     far = OutOfReach(
         mode=mode,
         heights_m=(goal.z.middle, robot.base.z),
@@ -108,9 +108,9 @@ def _at_height(scene: Scene, way: GraspOption, mode: str, above: float) -> Itera
     for k, joint in enumerate(robot.joints):
         low, high = float(limits.lower[k]), float(limits.upper[k])
         turns, least = joint.kind == "revolute", PROVED_SHARE * (high - low)
-        if beyond(wide.joints[k], low, high, turns=turns) > least:
+        if span_beyond(wide.joints[k], low, high, turns=turns) > least:
             middle = exact.joints[k].middle
-            by = beyond(Span(middle, middle), low, high, turns=turns)
+            by = span_beyond(Span(middle, middle), low, high, turns=turns)
             # the end that it is beyond, by the best full turn; both where both are as near
             off = {value: value - middle for value in (low - by, high + by)}
             ends = [v for v, d in off.items() if abs(math.remainder(d, math.tau) if turns else d) <= STATED]

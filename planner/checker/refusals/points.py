@@ -14,11 +14,11 @@ from numpy.polynomial import chebyshev
 from assur.planner.checker.refusals.obstructions import STATED
 from assur.planner.checker.refusals.postures import (
     Goal,
-    allowed_modes,
+    allowed_mode_names,
     beyond_every_pitch,
     flange_at,
     forbidden,
-    posture,
+    posture_in_mode,
     still,
 )
 from assur.planner.checker.refusals.spans import ANY, Span, around, sine
@@ -37,7 +37,7 @@ from assur.planner.model.refusal import (
     Refusal,
 )
 from assur.planner.model.scene import Move, Scene, beyond
-from assur.planner.model.witness import PROVED_M, Orbit
+from assur.planner.model.witness import PROVED_M, PeriodicReach
 
 PARTS, DEEPEST = 64, 12
 """Into so many parts a period is cut, and each is halved so often at most."""
@@ -109,7 +109,7 @@ def yaws_forbidden(scene: Scene, number: int) -> Iterator[Proof]:
     yield from (each for found in inside for each in found if all(inside))
 
 
-def orbit(scene: Scene, refusal: Refusal, witness: Orbit) -> Iterator[Proof]:
+def orbit(scene: Scene, refusal: Refusal, witness: PeriodicReach) -> Iterator[Proof]:
     """A point on a frame that repeats its motion and is never within reach. Raises `NotShownError` where it may be."""
     number, t0, short = refusal.step, scene.start.time, witness.short_m
     found = ways(scene, number)
@@ -121,7 +121,7 @@ def orbit(scene: Scene, refusal: Refusal, witness: Orbit) -> Iterator[Proof]:
         raise NotShownError("the point is not out of reach by as much, or its motion is not known")
     edges = np.linspace(t0, t0 + lasts, PARTS + 1).tolist()
     for way in found:
-        for mode in allowed_modes(scene):
+        for mode in allowed_mode_names(scene):
             if not all(_is_far(scene, way, mode, (a, b), short, 0) for a, b in pairwise(edges)):
                 raise NotShownError("the point is not shown to stay so far out of reach")
     yield _out_of_reach(short, OutOfReach())
@@ -129,7 +129,7 @@ def orbit(scene: Scene, refusal: Refusal, witness: Orbit) -> Iterator[Proof]:
 
 def _is_far(scene: Scene, way: GraspOption, mode: str, when: tuple[float, float], short: float, depth: int) -> bool:
     """Whether the flange is at least `short`, m, out of reach over an interval (up to `STATED`)."""
-    if posture(scene.robot, mode, _swept(scene, way, when)).short.low >= short - STATED:
+    if posture_in_mode(scene.robot, mode, _swept(scene, way, when)).short.low >= short - STATED:
         return True
     middle = (when[0] + when[1]) / 2.0
     halves = ((when[0], middle), (middle, when[1]))
@@ -138,14 +138,14 @@ def _is_far(scene: Scene, way: GraspOption, mode: str, when: tuple[float, float]
 
 def _swept(scene: Scene, way: GraspOption, when: tuple[float, float]) -> Goal:
     """Where the flange is over an interval, by bounds of the frame's motion."""
-    x, y, z, yaw = frame_over(scene.frames[way.frame].law, when)
+    x, y, z, yaw = frame_ranges(scene.frames[way.frame].law, when)
     c, s = sine(yaw + math.pi / 2), sine(yaw)
     local, spread = way.flange if way.turn is not None else way.point, around(0.0, way.spread)
     east, north = x + c * local.x - s * local.y + spread, y + s * local.x + c * local.y + spread
     return Goal(east, north, z + way.flange.z, ANY, ANY, ANY)
 
 
-def frame_over(law: Law, when: tuple[float, float]) -> list[Span]:
+def frame_ranges(law: Law, when: tuple[float, float]) -> list[Span]:
     """Between which values x, y, z and yaw of a frame are over an interval. Each piece of its law is a polynomial: its
     coefficients of Chebyshev bound how far it is from its middle."""
     formula = laws.formula_of(law, *when)

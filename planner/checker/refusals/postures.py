@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.refusals.spans import ANY, Span, arc_cosine, beyond, direction, length, pick, sine
+from assur.planner.checker.refusals.spans import ANY, Span, arc_cosine, direction, length, pick, sine, span_beyond
 from assur.planner.checker.refusals.stated import Proof
 from assur.planner.checker.statement import arms, laws
 from assur.planner.checker.statement.arms import Limb, limbs
@@ -62,7 +62,7 @@ class Posture:
     parallel: Span | None = None
 
 
-def posture(robot: Robot, mode: str, goal: Goal) -> Posture:
+def posture_in_mode(robot: Robot, mode: str, goal: Goal) -> Posture:
     """The posture of an arm in the working mode of this name. Raises `FaultError` for an arm that is not known."""
     own, base = limbs(robot, mode), robot.base
     local = Goal(goal.x - base.x, goal.y - base.y, goal.z - base.z, goal.yaw - base.yaw, goal.pitch, goal.roll)
@@ -137,7 +137,7 @@ def _upright(robot: TiltingArm, own: list[Limb], goal: Goal, *, back: bool) -> P
 # Where an arm is at some joint values, and where frames are: by the formulas of the statement checker.
 
 
-class Link(NamedTuple):
+class PlacedLink(NamedTuple):
     """Where a link is in the world: its origin (3,), m, its rotation (3, 3), and yaw (full turns of the joints
     counted), pitch and roll, rad."""
 
@@ -146,14 +146,14 @@ class Link(NamedTuple):
     angles: tuple[float, float, float]
 
 
-def links_at(scene: Scene, q: FloatArray) -> list[Link]:
+def links_at(scene: Scene, q: FloatArray) -> list[PlacedLink]:
     """The links of the arm at joint values q (n,), in the order of the robot's."""
     links, axes = arms.textbook(scene.robot, q.tolist()), np.eye(3).tolist()
     turned = [np.transpose([arms.rotated(own, axis) for axis in axes]) for _, own in links]
-    return [Link(np.array(p), r, own) for (p, own), r in zip(links, turned, strict=True)]
+    return [PlacedLink(np.array(p), r, own) for (p, own), r in zip(links, turned, strict=True)]
 
 
-def flange_at(scene: Scene, q: FloatArray) -> Link:
+def flange_at(scene: Scene, q: FloatArray) -> PlacedLink:
     """The flange of the arm at joint values q (n,)."""
     return links_at(scene, q)[scene.robot.links.index("flange")]
 
@@ -178,7 +178,7 @@ def still(scene: Scene, name: str) -> Pose | None:
     return frame_at(scene, name, scene.start.time) if laws.stands(scene.frames[name].law) else None
 
 
-def allowed_modes(scene: Scene) -> tuple[str, ...]:
+def allowed_mode_names(scene: Scene) -> tuple[str, ...]:
     """Names of the working modes that the request allows: where the arm has to keep its own, that of the start."""
     robot, elbow = scene.robot, scene.options.elbow
     mode = mode_at(robot, scene.start.q) if elbow == "keep" else elbow
@@ -251,7 +251,7 @@ def _beyond_room(scene: Scene, room: Span, yaw: float, joints: tuple[Span, ...])
         for one in first:
             for other in second:
                 last = total - (one + other + own)
-                if not beyond(last, lower[3], upper[3], turns=False) > PROVED_RAD:
+                if not span_beyond(last, lower[3], upper[3], turns=False) > PROVED_RAD:
                     return False
     return True
 

@@ -107,7 +107,7 @@ def direction(x: Span, y: Span) -> Span:
     return _wide(middle + min(off), middle + max(off))
 
 
-def beyond(a: Span, low: float, high: float, *, turns: bool) -> float:
+def span_beyond(a: Span, low: float, high: float, *, turns: bool) -> float:
     """By how much a span is beyond [low, high] at least, with the best full turn where `turns`; 0: it is not."""
     if not math.isfinite(a.low) or not math.isfinite(a.high) or (turns and a.high - a.low >= math.tau):
         return 0.0

@@ -9,8 +9,8 @@ from typing import Literal
 from assur.planner.checker.refusals.postures import forbidden, links_at, yaw_at
 from assur.planner.checker.refusals.stated import Proof, exceeded, law_ends
 from assur.planner.checker.statement import laws
-from assur.planner.checker.statement.differences import inverse, numbers, then
-from assur.planner.checker.statement.limits import integrals, part_inertia, share_of, tool_inertia
+from assur.planner.checker.statement.differences import inverse_pose, numbers, then
+from assur.planner.checker.statement.limits import integrals, part_inertia, share_with_load, tool_inertia
 from assur.planner.model.phases import at_start, yaw_offsets
 from assur.planner.model.refusal import (
     RATES,
@@ -40,7 +40,7 @@ def beyond_limits(scene: Scene, _: int = 0, least: float = PROVED_SHARE) -> Iter
     """Joints that are beyond their range, faster than they may be, or accelerate more, by more than a share `least` of
     range or limit."""
     limits, start, held = scene.robot.limits, scene.start, at_start(scene).held
-    accelerations = share_of(scene, _mass(scene, None if held is None else held.part)) * limits.acceleration
+    accelerations = share_with_load(scene, _mass(scene, None if held is None else held.part)) * limits.acceleration
     rows = zip(limits.lower, limits.upper, start.q, start.qd, limits.velocity, start.qdd, accelerations, strict=True)
     for k, row in enumerate(rows):
         low, high, q, *rates = map(float, row)
@@ -138,14 +138,14 @@ def _part_inertias(scene: Scene, refusal: Refusal, part: str) -> list[float]:
     """Of a part, kg·m², for each turn in which it may be taken, or the least and the greatest of all."""
     step, tcp, holding = scene.task[refusal.step], numbers(scene.tool.tcp), scene.start.holding
     if refusal.stage is Stage.START and holding is not None:
-        return [part_inertia(scene, part, then(tcp, inverse(numbers(holding.grasp))))]
+        return [part_inertia(scene, part, then(tcp, inverse_pose(numbers(holding.grasp))))]
     if not isinstance(step, Pick):
         return [0.0]
     grasp, offsets = numbers(step.grasp), yaw_offsets(scene, step)
     if offsets is not None:
         turned = (then((0.0, 0.0, 0.0, turn), grasp) for turn in offsets)
-        return [part_inertia(scene, part, then(tcp, inverse(each))) for each in turned]
-    mass, (ax, ay, *_) = scene.index[part].mass_kg or 0.0, then(grasp, inverse(tcp))
+        return [part_inertia(scene, part, then(tcp, inverse_pose(each))) for each in turned]
+    mass, (ax, ay, *_) = scene.index[part].mass_kg or 0.0, then(grasp, inverse_pose(tcp))
     volume, x, y, square = integrals(scene.index[part].body)
     away, out = math.hypot(ax, ay), math.hypot(x, y)
     return [mass * (square + sign * 2.0 * away * out + away * away * volume) / volume for sign in (-1.0, 1.0)]

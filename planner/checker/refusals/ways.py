@@ -12,18 +12,18 @@ from typing import TypeVar
 
 import numpy as np
 
-from assur.planner.checker.refusals.postures import Goal, allowed_modes, still
+from assur.planner.checker.refusals.postures import Goal, allowed_mode_names, still
 from assur.planner.checker.refusals.spans import ANY, around
 from assur.planner.frames.motion import Pose
 from assur.planner.model.phases import Attachments, at_start, yaw_offsets
 from assur.planner.model.refusal import Spot
 from assur.planner.model.scene import Pick, Place, Scene, Step, Trace
-from assur.planner.model.witness import Hindrance, Meeting
+from assur.planner.model.witness import Meeting, Obstruction
 
 TURN_RAD = 1e-9
 """Turns of a part that differ by no more are one, rad."""
 Turns = tuple[float | None, ...]
-Stated = TypeVar("Stated", Hindrance, Meeting)
+Stated = TypeVar("Stated", Obstruction, Meeting)
 NOT_TURNED: Turns = (0.0,)
 ANY_TURN: Turns = (None,)
 
@@ -126,7 +126,7 @@ def each_way(scene: Scene, number: int, stated: Sequence[Stated]) -> Iterator[tu
     """All ways to the control point of a step in all working modes that are allowed, with what a witness states of
     each."""
     for way in ways(scene, number):
-        for mode in allowed_modes(scene):
+        for mode in allowed_mode_names(scene):
             yield way, mode, [each for each in stated if each.mode == mode and is_turn(each.turn_rad, way.turn)]
 
 

@@ -20,13 +20,13 @@ from assur.planner.checker.refusals.stated import NotShownError, Proof, exceeded
 from assur.planner.checker.refusals.ways import ways
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.differences import SAME, Four, numbers, then
-from assur.planner.checker.statement.limits import SHARES, share_of
+from assur.planner.checker.statement.limits import SHARES, share_with_load
 from assur.planner.laws import Law
 from assur.planner.model.phases import at_start
 from assur.planner.model.refusal import LawEnds, Overshoot, Quantity, Reason, Refusal
 from assur.planner.model.scene import Place, Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
-from assur.planner.model.witness import PROVED_M, PROVED_S, PROVED_SHARE, Openings
+from assur.planner.model.witness import PROVED_M, PROVED_S, PROVED_SHARE, OpenIntervals
 
 Times = tuple[float, float]
 STATED = 1e-6
@@ -132,12 +132,12 @@ def tracking(scene: Scene, number: int) -> Tracking:
     )
 
 
-def witness_of(scene: Scene, number: int) -> Openings:
+def witness_of(scene: Scene, number: int) -> OpenIntervals:
     """All times at which the control point of a step may be met at all, as they are stated."""
-    return Openings(spans_s=tuple(tracking(scene, number).open_spans()))
+    return OpenIntervals(spans_s=tuple(tracking(scene, number).open_spans()))
 
 
-def missed(scene: Scene, refusal: Refusal, witness: Openings) -> Iterator[Proof]:
+def missed(scene: Scene, refusal: Refusal, witness: OpenIntervals) -> Iterator[Proof]:
     """Refusals of a point that can never be tracked for long enough. Raises `NotShownError` where it may be."""
     of = tracking(scene, refusal.step)
     along = None if of.along is None else (of.along[0] - PROVED_M, of.along[1] + PROVED_M)
@@ -249,10 +249,10 @@ def _shares(scene: Scene) -> list[tuple[float, float]]:
     """The shares of acceleration and jerk that loads leave after the start, and how long each is in force at least, s:
     a part is held until it was tracked to the end of the dwell, and then nothing is lighter than the tool."""
     tool, held = scene.tool.mass_kg or 0.0, at_start(scene).held
-    alone = share_of(scene, tool), math.inf
+    alone = share_with_load(scene, tool), math.inf
     if held is None:
         return [alone]
-    loaded = share_of(scene, tool + (scene.index[held.part].mass_kg or 0.0))
+    loaded = share_with_load(scene, tool + (scene.index[held.part].mass_kg or 0.0))
     place = next((step for step in scene.task if isinstance(step, Place)), None)
     return [(loaded, math.inf)] if place is None else [(loaded, place.dwell_s - SAME), alone]
 

@@ -36,7 +36,7 @@ AHEAD, UP = 0, 2
 """Axes of a link."""
 
 
-class Link(NamedTuple):
+class ChainLink(NamedTuple):
     """A link: the number of its parent (-1: the world); its origin in the parent's axes, m, and the axis along which a
     joint slides it; the joints whose sums are its yaw (from the base; None: from the world's x axis), its pitch and its
     roll; and the coupler from whose direction its yaw counts (-1: none)."""
@@ -56,7 +56,7 @@ class Chain(NamedTuple):
     pitch and roll the constant, rad, and the share of each joint; a yaw that counts from a coupler has its direction in
     addition."""
 
-    links: tuple[Link, ...]
+    links: tuple[ChainLink, ...]
     loop: tuple[float, ...]
     rows: FloatArray
     angles: FloatArray
@@ -66,29 +66,29 @@ class Chain(NamedTuple):
 def chain_of(robot: Robot) -> Chain:
     """The chain of an arm by the lengths of the request: (K9) a SCARA, (K32), (K34) a five-bar, (K25), (H1), (H2) arms
     that tilt. Raises `FaultError` for an arm of another family."""
-    links, loop = [Link(-1, (robot.base.x, robot.base.y, robot.base.z))], tuple[float, ...]()
+    links, loop = [ChainLink(-1, (robot.base.x, robot.base.y, robot.base.z))], tuple[float, ...]()
     if isinstance(robot, Scara):
         rise, lift = ((UP, 2), None) if robot.arms_rise else (None, (UP, 2))
         end = (robot.l2, 0.0, 0.0)
-        links += [Link(0, slide=rise, yaw=(0,)), Link(1, (robot.l1, 0.0, 0.0), yaw=(0, 1))]
-        links += [Link(2, end, lift, None), Link(2, end, lift, (0, 1, 3)[: robot.axes - 1])]
+        links += [ChainLink(0, slide=rise, yaw=(0,)), ChainLink(1, (robot.l1, 0.0, 0.0), yaw=(0, 1))]
+        links += [ChainLink(2, end, lift, None), ChainLink(2, end, lift, (0, 1, 3)[: robot.axes - 1])]
     elif isinstance(robot, FiveBar):
         half, (left, right), end = robot.separation / 2.0, robot.proximal, (robot.distal[0], 0.0, 0.0)
         lift = (UP, 2) if robot.axes > 2 else None
-        links += [Link(0, (0.0, half, 0.0), yaw=(0,)), Link(0, (0.0, -half, 0.0), yaw=(1,))]
-        links += [Link(1, (left, 0.0, 0.0), coupler=0), Link(2, (right, 0.0, 0.0), coupler=1)]
-        links += [Link(3, end, lift, None), Link(3, end, lift, (3,) if robot.axes > 3 else (), coupler=0)]
+        links += [ChainLink(0, (0.0, half, 0.0), yaw=(0,)), ChainLink(0, (0.0, -half, 0.0), yaw=(1,))]
+        links += [ChainLink(1, (left, 0.0, 0.0), coupler=0), ChainLink(2, (right, 0.0, 0.0), coupler=1)]
+        links += [ChainLink(3, end, lift, None), ChainLink(3, end, lift, (3,) if robot.axes > 3 else (), coupler=0)]
         loop = (1.0, 2.0, *robot.proximal, *robot.distal, 1.0 if robot.assembly == "front" else -1.0)
     elif isinstance(robot, PolarArm | ElbowArm):
-        links += [Link(0, (0.0, 0.0, robot.height), yaw=(0,)), Link(1, yaw=(0,), pitch=(1,))]
+        links += [ChainLink(0, (0.0, 0.0, robot.height), yaw=(0,)), ChainLink(1, yaw=(0,), pitch=(1,))]
         if isinstance(robot, PolarArm):
-            links += [Link(2, slide=(AHEAD, 2), yaw=(0,), pitch=(1,))] * 2
+            links += [ChainLink(2, slide=(AHEAD, 2), yaw=(0,), pitch=(1,))] * 2
         else:
-            links.append(Link(2, (robot.l1, 0.0, 0.0), yaw=(0,), pitch=(1, 2)))
+            links.append(ChainLink(2, (robot.l1, 0.0, 0.0), yaw=(0,), pitch=(1, 2)))
             wrist = (1, 2, 3) if isinstance(robot, FiveAxisArm) else (1, 2)
-            links.append(Link(3, (robot.l2, 0.0, 0.0), yaw=(0,), pitch=wrist))
+            links.append(ChainLink(3, (robot.l2, 0.0, 0.0), yaw=(0,), pitch=wrist))
             if isinstance(robot, FiveAxisArm):
-                links.append(Link(4, (robot.l3, 0.0, 0.0), yaw=(0,), pitch=wrist, roll=(4,)))
+                links.append(ChainLink(4, (robot.l3, 0.0, 0.0), yaw=(0,), pitch=wrist, roll=(4,)))
     else:
         raise FaultError(f"no textbook has the arm {type(robot).__name__}")
     rows, angles = np.zeros((len(links), c.LINK)), np.zeros((len(links), 3, 1 + len(robot.joints)))

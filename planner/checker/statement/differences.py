@@ -71,7 +71,7 @@ def then(one: Four, other: Four) -> Four:
     return (x, y, one[2] + other[2], one[3] + other[3])
 
 
-def inverse(one: Four) -> Four:
+def inverse_pose(one: Four) -> Four:
     """The pose with which then(one, inverse(one)) is the identity."""
     c, s = math.cos(one[3]), math.sin(one[3])
     return (-c * one[0] - s * one[1], s * one[0] - c * one[1], -one[2], -one[3])

@@ -12,7 +12,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement.curves import Curve, curve_of
-from assur.planner.checker.statement.differences import IDENTITY, SAME, TRACKED_M, Interval, inverse, then
+from assur.planner.checker.statement.differences import IDENTITY, SAME, TRACKED_M, Interval, inverse_pose, then
 from assur.planner.checker.statement.statement import Statement, same, within
 from assur.planner.checker.verdict import Code
 from assur.planner.claim import columns as c
@@ -60,7 +60,7 @@ def _rows(statement: Statement, first: str, last: str, when: Interval) -> FloatA
 def _begin(statement: Statement, frame: str, time: float) -> FloatArray:
     """Where the tool is in a frame at a time, (3,)."""
     there = statement.in_world((frame, IDENTITY), time)
-    return np.array(then(inverse(there), statement.tool_at(time))[:3])
+    return np.array(then(inverse_pose(there), statement.tool_at(time))[:3])
 
 
 def _is_straight(statement: Statement, number: int, when: Interval) -> bool:

@@ -15,7 +15,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import arms, laws
-from assur.planner.checker.statement.differences import SAME, Four, Interval, Requirements, inverse, numbers, then
+from assur.planner.checker.statement.differences import SAME, Four, Interval, Requirements, inverse_pose, numbers, then
 from assur.planner.checker.statement.solids import bodies_of
 from assur.planner.errors import FaultError
 from assur.planner.geometry.shapes import Body, Hull, Piece
@@ -171,12 +171,12 @@ class Handling(Requirements):
         for number in reversed(handed):
             step = self.scene.task[number]
             if step.part == name and isinstance(step, Pick):
-                return None, then(self.tcp, inverse(self.grasp(number)))
+                return None, then(self.tcp, inverse_pose(self.grasp(number)))
             if step.part == name and isinstance(step, Place):
                 return step.to.frame, numbers(step.to.pose)
         holding = self.scene.start.holding
         if holding is not None and holding.part == name:
-            return None, then(self.tcp, inverse(numbers(holding.grasp)))
+            return None, then(self.tcp, inverse_pose(numbers(holding.grasp)))
         return self.scene.index[name].frame, numbers(self.scene.index[name].pose)
 
     def grasp(self, number: int) -> Four:
@@ -203,7 +203,7 @@ class Handling(Requirements):
             return frame, then(at, self.grasp(number))
         if isinstance(step, Place):
             _, in_flange = self.place(step.part, self.handed_before(number))
-            return frame, then(at, then(inverse(in_flange), self.tcp))
+            return frame, then(at, then(inverse_pose(in_flange), self.tcp))
         return frame, (at[0], at[1], at[2], at[3] + self.arrivals[number].yaw_offset)
 
     def supports(self, number: int) -> set[str]:

@@ -10,7 +10,7 @@ from operator import le
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.statement.differences import Four, Interval, inverse
+from assur.planner.checker.statement.differences import Four, Interval, inverse_pose
 from assur.planner.checker.statement.holding import Handling
 from assur.planner.checker.statement.statement import ROUNDING, Statement
 from assur.planner.checker.verdict import Code
@@ -40,7 +40,7 @@ def loads_of(handling: Handling) -> list[Carried]:
         inertia = tool_inertia(scene) if turns else None
         if inertia is not None and carried is not None:
             inertia += part_inertia(scene, *carried)
-        found.append(Carried(part, mass, inertia, share_of(scene, mass), t0, t1))
+        found.append(Carried(part, mass, inertia, share_with_load(scene, mass), t0, t1))
         held.append(carried)
     return found
 
@@ -59,7 +59,7 @@ def require_loads(handling: Handling, stated: tuple[Carried, ...] | None) -> Non
             handling.require(same, Code.LOAD, what, (load.t0, load.t1))
 
 
-def share_of(scene: Scene, mass: float) -> float:
+def share_with_load(scene: Scene, mass: float) -> float:
     """Of acceleration and jerk that a load leaves (G2)."""
     load = scene.load_limits
     if load.shares:
@@ -82,7 +82,7 @@ def tool_inertia(scene: Scene) -> float:
 
 def part_inertia(scene: Scene, part: str, in_flange: Four) -> float:
     """Of a part that is held at a pose in the flange's frame, about the flange's axis, kg·m²."""
-    mass, (x, y, *_) = scene.index[part].mass_kg, inverse(in_flange)
+    mass, (x, y, *_) = scene.index[part].mass_kg, inverse_pose(in_flange)
     if not mass:
         return 0.0
     volume, first, second, square = integrals(scene.index[part].body)

@@ -15,7 +15,7 @@ from assur.planner.checker.statement.differences import (
     TRACKED_RAD,
     Four,
     Interval,
-    inverse,
+    inverse_pose,
     numbers,
     then,
 )
@@ -189,4 +189,4 @@ def _place(statement: Statement, number: int) -> tuple[str, Four, Four]:
     if isinstance(step, Trace):
         return frame, statement.tcp, (*step.path.end, at[3])
     point = at if step.part is None else statement.point(number)[1]
-    return frame, then(statement.tcp, then(inverse(at), point)), point
+    return frame, then(statement.tcp, then(inverse_pose(at), point)), point

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.bound.fastest import EXACT, FREE, beyond, changed, farthest, soonest
+from assur.planner.bound.fastest import EXACT, FREE, changed, farthest_way, out_of_range_in, soonest
 from assur.planner.kernels.meetings import rest_to_rest_time
 
 Limit = tuple[float, float, float]
@@ -61,9 +61,9 @@ def test_the_least_duration_is_the_one_that_ruckig_finds(seed: int) -> None:
         return
     begin, goal = column(0.3, v0, a0), column(0.3 + way, v1, a1)
     least = by_ruckig(begin, goal, limit)
-    assert not all(beyond(least + off, begin, goal, 0, *limit) for off in (-1e-7, 0.0, 1e-7))
+    assert not all(out_of_range_in(least + off, begin, goal, 0, *limit) for off in (-1e-7, 0.0, 1e-7))
     if least > 1e-3:
-        assert beyond(least * (1.0 - 1e-5) - 1e-6, begin, goal, 0, *limit)
+        assert out_of_range_in(least * (1.0 - 1e-5) - 1e-6, begin, goal, 0, *limit)
     if v1 == a1 == 0.0:
         found = soonest(begin, goal, np.zeros(1), np.array(limit)[:, None], 0.0)
         assert found == pytest.approx(least, rel=1e-5, abs=1e-6)
@@ -112,18 +112,18 @@ def test_nothing_that_a_motion_comes_through_is_beyond(seed: int) -> None:
         passed[3] = FREE
         for one in (begin, free):
             for other in (state, passed):
-                assert not beyond(time, one, other, 0, *limit)
+                assert not out_of_range_in(time, one, other, 0, *limit)
         # not only at the very time: who was there has passed it later, too
-        assert not beyond(time + 0.1, begin, passed, 0, *limit)
+        assert not out_of_range_in(time + 0.1, begin, passed, 0, *limit)
         assert changed(begin[1, 0], begin[2, 0], state[1, 0], state[2, 0], *limit[1:]) <= time * (1 + 1e-9) + 1e-12
-        farther = farthest(time, begin[1, 0], begin[2, 0], state[1, 0], state[2, 0], *limit) + 1e-6
-        assert beyond(time, begin, column(farther, state[1, 0], state[2, 0]), 0, *limit)
+        farther = farthest_way(time, begin[1, 0], begin[2, 0], state[1, 0], state[2, 0], *limit) + 1e-6
+        assert out_of_range_in(time, begin, column(farther, state[1, 0], state[2, 0]), 0, *limit)
 
 
 def test_in_less_time_than_a_change_of_velocity_takes_there_is_no_way() -> None:
     least, limit = changed(0.0, 0.0, 1.0, 0.0, 5.0, 250.0), (2.0, 5.0, 250.0)
-    assert farthest(0.99 * least, 0.0, 0.0, 1.0, 0.0, *limit) == -math.inf
-    assert farthest(1.01 * least, 0.0, 0.0, 1.0, 0.0, *limit) > 0.0
+    assert farthest_way(0.99 * least, 0.0, 0.0, 1.0, 0.0, *limit) == -math.inf
+    assert farthest_way(1.01 * least, 0.0, 0.0, 1.0, 0.0, *limit) > 0.0
 
 
 @given(SEEDS)
@@ -143,10 +143,10 @@ def test_who_must_stop_above_a_height_takes_no_less_than_the_way_there_from_rest
 def test_a_joint_that_has_no_time_is_nowhere_and_one_that_is_not_known_is_anywhere() -> None:
     limit = (1.0, 10.0, 100.0)
     here, there = column(0.0), column(1.0)
-    assert beyond(-1e-9, here, here, 0, *limit)
-    assert beyond(math.nan, here, here, 0, *limit)
-    assert not beyond(0.0, here, here, 0, *limit)
-    assert beyond(0.9, here, there, 0, *limit)
-    assert not beyond(0.9, column(math.nan), there, 0, *limit)
-    assert beyond(1.0 - 1e-6, column(0.0, kind=FREE), column(1.0, kind=FREE), 0, *limit)
-    assert not beyond(1.0, column(0.0, kind=FREE), column(1.0, kind=FREE), 0, *limit)
+    assert out_of_range_in(-1e-9, here, here, 0, *limit)
+    assert out_of_range_in(math.nan, here, here, 0, *limit)
+    assert not out_of_range_in(0.0, here, here, 0, *limit)
+    assert out_of_range_in(0.9, here, there, 0, *limit)
+    assert not out_of_range_in(0.9, column(math.nan), there, 0, *limit)
+    assert out_of_range_in(1.0 - 1e-6, column(0.0, kind=FREE), column(1.0, kind=FREE), 0, *limit)
+    assert not out_of_range_in(1.0, column(0.0, kind=FREE), column(1.0, kind=FREE), 0, *limit)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from assur.planner.arrays import FloatArray
-from assur.planner.bound.events import LEAST_MARGIN, Unplaced, allowed_modes, climbs, places, rates
+from assur.planner.bound.events import LEAST_MARGIN, Unplaced, allowed_modes, climbs, places, rate_bounds
 from assur.planner.bound.fastest import STATE
-from assur.planner.bound.guided import BOUNDED, DYAD, NOWHERE, UNKNOWN, guided
+from assur.planner.bound.guided import BOUNDED, DYAD, NOWHERE, UNKNOWN, guided_joints
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.laws import (
     Law,
@@ -145,11 +145,11 @@ def test_guided_joints_are_those_of_the_inverse_and_keep_to_their_bounds(robot: 
         )
         t = np.linspace(0.0, before, 41)
         motion = law.motion(t).at(pose)
-        bounds_of_point = rates(law, math.hypot(pose.x, pose.y), t[:1], t[-1:])[0]
+        bounds_of_point = rate_bounds(law, math.hypot(pose.x, pose.y), t[:1], t[-1:])[0]
         point = np.array([[*each[-1], yaw[-1]] for each, yaw in zip(*_orders(motion), strict=True)])
         for mode in range(len(robot.modes)):
             state, bounds = np.zeros((STATE, n)), np.zeros((3, n))
-            code = guided(arm, mode, point, bounds_of_point, before, state, bounds, work)
+            code = guided_joints(arm, mode, point, bounds_of_point, before, state, bounds, work)
             seen[code] += 1
             inverse = robot.inverse(motion, mode)
             if code == NOWHERE:
@@ -180,7 +180,7 @@ def test_no_point_of_a_frame_is_faster_than_the_bounds_of_its_law(name: str) -> 
         begin = float(rng.uniform(max(law.valid[0], 0.0), 2.5))
         end = min(begin + float(rng.choice([1e-3, 0.05, 0.5])), law.valid[1])
         offset = Pose(*rng.uniform(-0.5, 0.5, 2).tolist())
-        found = rates(law, math.hypot(offset.x, offset.y), np.array([begin]), np.array([end]))[0]
+        found = rate_bounds(law, math.hypot(offset.x, offset.y), np.array([begin]), np.array([end]))[0]
         motion = law.motion(np.linspace(begin, end, 200)).at(offset)
         reached = [np.linalg.norm(each[:, :2], axis=1).max() for each in (motion.v, motion.a, motion.j)]
         reached += [np.abs(each[:, 2]).max() for each in (motion.v, motion.a, motion.j)]
@@ -194,4 +194,4 @@ def test_no_point_of_a_frame_is_faster_than_the_bounds_of_its_law(name: str) -> 
 def test_a_jump_of_the_acceleration_has_no_bound_of_the_jerk_while_it_may_happen() -> None:
     law = conveyor(Pose(), 0.2, (Change(1.0, 0.0, 2.0, math.inf),))
     begin, end = np.array([0.0, 0.95, 1.05, 2.0]), np.array([0.5, 1.02, 1.15, 2.5])
-    assert np.isinf(rates(law, 0.0, begin, end)[:, 2]).tolist() == [False, True, True, False]
+    assert np.isinf(rate_bounds(law, 0.0, begin, end)[:, 2]).tolist() == [False, True, True, False]

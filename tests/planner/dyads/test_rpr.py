@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.kernels.dyads import ANGLE, LENGTH, RPR_COLUMNS, rpr
-from assur.planner.kernels.motion import add_vector, turned
+from assur.planner.kernels.motion import add_vector, turn_left
 from assur.planner.robots.facts import Code
 
 FORWARD, BACKWARD = 1, -1
@@ -55,7 +55,7 @@ def test_what_is_put_together_by_length_and_angle_is_taken_apart_again(sign: int
     length, angle = moving(10_000, sign)
     put = np.zeros((len(length[0]), 4, 2))
     for row, orders in zip(put, zip(*length, *angle, strict=True), strict=True):
-        add_vector(row, turned(orders[:4], (0.0, 0.0, 0.0, 0.0), orders[4:]))
+        add_vector(row, turn_left(orders[:4], (0.0, 0.0, 0.0, 0.0), orders[4:]))
     d, *derivatives = ((put[:, k, 0], put[:, k, 1]) for k in range(4))
     with np.errstate(all="raise"):
         got = solve(sign, d, *derivatives)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import Change, Law, conveyor, fixed, linear, turntable
-from assur.planner.laws.belt_window import HORIZON_S, inside, travelled
+from assur.planner.laws.belt_window import HORIZON_S, times_inside, travelled
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.model.phases import AT_START
 from assur.planner.model.scene import Follow, Window
@@ -144,6 +144,6 @@ def test_a_part_on_a_belt_that_stands_is_inside_a_window_that_begins_or_ends_whe
 ) -> None:
     belt, part = conveyor(Pose(0.3, -0.7, 0.1, yaw), 0.0), Pose(x, y)
     for window in ((x, x + 0.1), (x - 0.1, x)):
-        ((begin, end),) = inside(belt, part, window, 0.0)
+        ((begin, end),) = times_inside(belt, part, window, 0.0)
         assert begin == 0.0
         assert end >= HORIZON_S

@@ -15,7 +15,7 @@ from assur.planner.geometry.shapes import box
 from assur.planner.laws import Change, conveyor, fixed, linear, turntable
 from assur.planner.laws.belt_window import HORIZON_S
 from assur.planner.legs.control_point import control_point
-from assur.planner.legs.meeting import LOOK_AHEAD_S, Meetings, meetings, times
+from assur.planner.legs.meeting import LOOK_AHEAD_S, Meetings, meeting_times, meetings
 from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.model.outcome import NotPlanned
 from assur.planner.model.phases import AT_START
@@ -121,7 +121,7 @@ def test_a_part_that_comes_late_on_a_slow_belt_is_not_missed() -> None:
     scene = cell(go(0.0, 0.0, 0.05, 0.0, "belt", window=Window(along=(0.4, 0.6))), frames=(belt,))
     found = met(scene)
     assert found.branches, found.refusals
-    assert times(found.point, 0.0, 0.0)[0] == pytest.approx(40.0, abs=1e-6)
+    assert meeting_times(found.point, 0.0, 0.0)[0] == pytest.approx(40.0, abs=1e-6)
     assert found.branches[0].time[0] >= 40.0
 
 

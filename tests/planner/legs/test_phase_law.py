@@ -7,7 +7,7 @@ import pytest
 
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
-from assur.planner.legs.line import Rates
+from assur.planner.legs.line import LineRates
 from assur.planner.legs.phase_law import PIECES, SHORTEST_S, TABLE, law_of_jerks, quickest
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.scara import Scara
@@ -49,7 +49,7 @@ def test_the_slopes_of_the_times_are_those_of_differences() -> None:
     """Those by s to the interpolation of the table, from point to point."""
     s = np.linspace(0, 1, TABLE)[:, None]
     c = np.array([[0.7, -0.4, 0.3, 1.1], [0.2, 0.5, -0.6, 0.1], [0.3, -0.2, 0.4, -0.5]])
-    rates = Rates.of((c[0] + c[1] * s + c[2] * s**2 / 2, c[1] + c[2] * s, c[2] + 0 * s), limits())
+    rates = LineRates.of((c[0] + c[1] * s + c[2] * s**2 / 2, c[1] + c[2] * s, c[2] + 0 * s), limits())
     shape = np.random.default_rng(3).uniform([0.1, 0.5, -3, -20], [0.9, 2.0, 3, 20], (40, 4))
     seen = rates.seen(shape)
     times, slopes = seen.times, rates.slopes(seen)
@@ -72,7 +72,7 @@ def test_a_law_takes_at_least_the_time_that_its_rates_between_the_looks_need_all
         fine = 8001
         t = np.linspace(0, law.duration, fine)
         shape = np.concatenate([law.evaluate(t, order) * law.duration**order for order in range(4)], 1)
-        truth = float(Rates.of(along(arm(), a, b, fine), limits()).times(shape).max())
+        truth = float(LineRates.of(along(arm(), a, b, fine), limits()).times(shape).max())
         shares.append(truth / law.duration - 1)
     assert max(shares) <= BETWEEN
     assert min(shares) >= -1e-3

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.polynomial import polynomial
 
-from assur.planner.kernels.limits import first_beyond, spline_extremes
+from assur.planner.kernels.limits import first_limit_broken, spline_extremes
 from assur.planner.trajectory import Trajectory
 from tests.planner.trajectory.splines import Floats, bernstein, spline, splines
 
@@ -59,7 +59,7 @@ def test_numbers_that_are_none_have_no_bound_and_keep_no_limit(spoilt: float) ->
     for derivative in range(4):
         assert found[derivative, 0, 1] == -np.inf
         assert found[derivative, 1, 1] == np.inf
-    assert first_beyond(knots, wide) == 1
+    assert first_limit_broken(knots, wide) == 1
 
 
 @given(splines)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.errors import InputError
-from assur.planner.kernels.limits import NONE, first_beyond
+from assur.planner.kernels.limits import NONE, first_limit_broken
 from assur.planner.legs.limits import rates, used
 from assur.planner.model.refusal import Refusal, Stage
 from assur.planner.robots.facts import Limits
@@ -115,10 +115,10 @@ def test_what_is_first_beyond_is_what_its_exact_extremes_say(path: Trajectory, f
         low, high = path.extrema(derivative)
         spare = 1e-9 + 1e-9 * np.maximum(np.abs(low), np.abs(high))
         bands[derivative] = low - spare, high + spare
-    assert first_beyond(path.knots, bands) == NONE
+    assert first_limit_broken(path.knots, bands) == NONE
     middle, half = bands[kind].mean(0), (bands[kind, 1] - bands[kind, 0]) / 2
     bands[kind] = middle - factor * half, middle + factor * half
-    found = first_beyond(path.knots, bands)
+    found = first_limit_broken(path.knots, bands)
     tight = [j for j in range(path.n) if factor < 1 and half[j] * (1 - factor) > 1e-8 * (1 + abs(middle[j]))]
     if tight:
         assert found // path.n == kind
@@ -126,4 +126,4 @@ def test_what_is_first_beyond_is_what_its_exact_extremes_say(path: Trajectory, f
     if factor >= 1:
         assert found == NONE
     bands[kind, 0, 0] = np.nan
-    assert first_beyond(path.knots, bands) != NONE
+    assert first_limit_broken(path.knots, bands) != NONE

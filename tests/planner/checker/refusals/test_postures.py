@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from assur.planner.checker.refusals.postures import Goal, posture
-from assur.planner.checker.refusals.spans import ANY, around, beyond
+from assur.planner.checker.refusals.postures import Goal, posture_in_mode
+from assur.planner.checker.refusals.spans import ANY, around, span_beyond
 from assur.planner.errors import FaultError
 from tests.planner.robots.families import MADE, robot_named
 from tests.planner.robots.five_bars import five_bar
@@ -35,22 +35,24 @@ def test_the_joints_that_reach_a_goal_are_within_the_spans(name: str, wide: floa
         mode = int(robot.mode_of(q))
         if mode < 0 or not robot.within(q):
             continue
-        found = posture(robot, robot.modes[mode], goal_of(robot, q, wide))
+        found = posture_in_mode(robot, robot.modes[mode], goal_of(robot, q, wide))
         checked += 1
         assert found.short.low <= 0.0
         for joint, value, span in zip(robot.joints, q.tolist(), found.joints, strict=True):
-            assert beyond(span, value, value, turns=joint.kind == "revolute") <= 1e-9, joint.name
+            assert span_beyond(span, value, value, turns=joint.kind == "revolute") <= 1e-9, joint.name
         assert found.margin.low - 1e-9 <= float(robot.margin(q)) <= found.margin.high + 1e-9
         if found.parallel is not None:
             assert found.parallel.low - 1e-9 <= float(robot.parallel_margin(q)) <= found.parallel.high + 1e-9
         if wide < 1e-9 and float(robot.margin(q)) > 0.1:
             assert all(span.high - span.low < 1e-9 for span in found.joints if math.isfinite(span.low))
             others = [
-                posture(robot, other, goal_of(robot, q, wide)) for other in robot.modes if other != robot.modes[mode]
+                posture_in_mode(robot, other, goal_of(robot, q, wide))
+                for other in robot.modes
+                if other != robot.modes[mode]
             ]
             assert all(
                 any(
-                    beyond(span, value, value, turns=joint.kind == "revolute") > 1e-6
+                    span_beyond(span, value, value, turns=joint.kind == "revolute") > 1e-6
                     for joint, value, span in zip(robot.joints, q.tolist(), each.joints, strict=True)
                 )
                 for each in others
@@ -76,11 +78,11 @@ def test_what_is_out_of_reach_is_so_by_the_margin_of_the_robot(name: str) -> Non
             if "pitch" in robot.coordinates:
                 motion = motion.with_tilt(np.array([far.pitch.middle, far.roll.middle]))
             short = -float(robot.reach_margin(motion, number)[0])
-            assert posture(robot, mode, far).short.middle == pytest.approx(short, abs=1e-9)
+            assert posture_in_mode(robot, mode, far).short.middle == pytest.approx(short, abs=1e-9)
 
 
 def test_an_arm_that_is_not_known_is_a_fault() -> None:
     with pytest.raises(FaultError):
-        posture(
+        posture_in_mode(
             object.__new__(type("Strange", (), {"base": five_bar().base, "name": "strange"})), "left", Goal(*[ANY] * 3)
         )

@@ -22,7 +22,7 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
-from assur.planner.model.witness import PROVED_SHARE, Openings
+from assur.planner.model.witness import PROVED_SHARE, OpenIntervals
 from assur.planner.pipeline import plan
 from tests.planner.cells import cell, go
 
@@ -76,7 +76,7 @@ def test_a_start_beyond_a_limit_is_proved_by_its_facts_alone(name: str) -> None:
     for lie in lies(outcome.refusal):
         verdict = check_refusal(scene, lie, None)
         assert [finding.code for finding in verdict.findings] == [Code.REFUSAL], lie
-    assert not check_refusal(scene, outcome.refusal, Openings(spans_s=())).ok
+    assert not check_refusal(scene, outcome.refusal, OpenIntervals(spans_s=())).ok
     assert not check_refusal(cell(go(0.35, 0.2)), outcome.refusal, None).ok
 
 
@@ -104,7 +104,7 @@ def test_no_window_is_missed_by_a_point_that_has_none(miss: Miss) -> None:
             reason = Reason.LAW_ENDS if isinstance(facts, LawEnds) else Reason.WINDOW_MISSED
             refusal = Refusal(stage=Stage.WINDOW, reason=reason, step=0, amount=amount, facts=facts)
             for spans in ((), ((0.0, 0.1),), ((0.0, 2e6),)):
-                assert not check_refusal(scene, refusal, Openings(spans_s=spans)).ok
+                assert not check_refusal(scene, refusal, OpenIntervals(spans_s=spans)).ok
 
 
 def test_what_no_code_can_show_is_refused() -> None:

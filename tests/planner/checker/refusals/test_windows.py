@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from assur.planner.checker.refusals.points import frame_over
+from assur.planner.checker.refusals.points import frame_ranges
 from assur.planner.checker.refusals.windows import Tracking
 from assur.planner.checker.statement import laws
 from assur.planner.frames.motion import Pose
@@ -90,7 +90,7 @@ def test_bounds_of_aframe_over_an_interval_hold_all_of_its_places(name: str) -> 
     law, rng = MOVING[name], np.random.default_rng(2)
     for wide in (1e-3, 0.1, 5.0):
         begin = float(rng.uniform(0.0, 9.0))
-        spans = frame_over(law, (begin, begin + wide))
+        spans = frame_ranges(law, (begin, begin + wide))
         for t in np.linspace(begin, begin + wide, 40).tolist():
             for span, value in zip(spans, laws.place_at(law, t), strict=True):
                 assert span.low <= value <= span.high
