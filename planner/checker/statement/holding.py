@@ -17,6 +17,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import arms, laws
 from assur.planner.checker.statement.differences import SAME, Four, Interval, Requirements, inverse_pose, numbers, then
 from assur.planner.checker.statement.solids import bodies_of
+from assur.planner.claim import columns as c
 from assur.planner.errors import FaultError
 from assur.planner.geometry.shapes import Body, Hull, Piece
 from assur.planner.laws.law import EXACT, PoseUncertainty, Uncertainty
@@ -77,7 +78,7 @@ class Given:
         for k, body in enumerate(scene.bodies, start=len(links)):
             seats.append((k, -1.0, self.frames[body.frame], *numbers(body.pose)))
             off[0, :, k] = displaced(body.uncertainty, body.body)
-        return np.array(seats)[None], off.reshape(1, -1)
+        return np.array(seats).reshape(1, -1, c.SEAT), off.reshape(1, -1)
 
     @cached_property
     def is_exact(self) -> bool:
