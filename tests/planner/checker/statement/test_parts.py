@@ -15,7 +15,7 @@ import pytest
 from assur.planner import kernel_cache
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.statement import arms, laws, solids
-from assur.planner.checker.statement.holding import Given
+from assur.planner.checker.statement.holding import Handling
 from assur.planner.geometry.shapes import box
 from assur.planner.laws import (
     Change,
@@ -32,6 +32,8 @@ from assur.planner.laws import (
 )
 from assur.planner.laws.law import PoseUncertainty
 from assur.planner.model.execution import Execution
+from assur.planner.model.outcome import Planned
+from assur.planner.pipeline import plan
 from tests.architecture.source_tree import ROOT, Source, imports
 from tests.planner.cells import cell, frame, go, stands
 from tests.scenes.robots_of_every_family import ROBOTS, built
@@ -194,7 +196,10 @@ EXACTLY: dict[str, tuple[bool, dict[str, Any]]] = {
 @pytest.mark.parametrize("what", EXACTLY)
 def test_one_thing_that_is_uncertain_makes_a_request_uncertain(what: str) -> None:
     is_exact, options = EXACTLY[what]
-    assert Given(cell(go(0.3, 0.3), **options)).is_exact is is_exact
+    scene = cell(go(0.3, 0.3), **options)
+    found = plan(scene)
+    assert isinstance(found, Planned)
+    assert Handling(scene, found.plan).is_exact is is_exact
 
 
 def test_the_statement_checker_imports_nothing_that_derives_the_same_facts() -> None:
