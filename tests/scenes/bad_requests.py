@@ -439,6 +439,7 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     ),
     Bad("period of zero", {"frames.gate.swing.period_s": 0}),
     Bad("validity upside down", {"frames.belt.valid_s": [5, 1]}),
+    Bad("validity of no duration", {"frames.belt.valid_s": [1, 1]}),
     Bad("negative uncertainty", {"frames.belt.uncertainty": {"position_mm": -1}}, ".position_mm"),
     Bad(
         "one keyframe",
