@@ -62,16 +62,13 @@ def stated_scene(scene: Scene) -> StatedScene:
 
 
 @np.errstate(all="ignore")
-def check(
-    scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[[], None] = nothing, *, sealed: bool = False
-) -> Verdict:
+def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[[], None] = nothing) -> Verdict:
     """Whether `plan` does what `scene` asks and is proved to, from both alone (docs/guarantees.md), and whether what
     else is stated of it is so (`claims`).
 
     `between` is called between blocks of work, for a caller who has no time for all of it: what it raises is raised
-    here, and there is no verdict then. `sealed`: the caller has just computed the digest of this very plan, which is
-    not computed again. A plan of another task or robot gets findings, not exceptions. Not checked: that the plan is
-    good.
+    here, and there is no verdict then. A plan of another task or robot gets findings, not exceptions. Not checked: that
+    the plan is good.
     """
     try:
         stated = stated_scene(scene)
@@ -81,7 +78,7 @@ def check(
     strange = _strange(scene, plan, handling.bodies)
     if strange:
         return Verdict.of(strange)
-    of_legs = state_legs(handling, sealed=sealed)
+    of_legs = state_legs(handling)
     if any(each.code is not Code.DIGEST for each in of_legs):
         return Verdict.of(of_legs)  # who holds what follows from the legs: with others, nothing can be shown
     between()

@@ -197,9 +197,9 @@ def test_a_plan_that_the_checker_has_no_time_for_is_not_given_out(
     scene, _ = planned
     own: Callable[..., object] = check
 
-    def late(*asked: object, **how: object) -> object:
+    def late(*asked: object, between: Callable[[], None]) -> object:
         with passed():
-            return own(*asked, **how)
+            return own(*asked, between=between)
 
     monkeypatch.setattr(census, "check", late)
     outcome = plan(replace(scene, options=replace(scene.options, max_candidates=3)))

@@ -79,14 +79,12 @@ def state_cell(scene: Scene, claim: Claim) -> list[Finding]:
     return report.findings
 
 
-def state_legs(handling: Handling, *, sealed: bool = False) -> list[Finding]:
-    """Findings about the digest, unless the plan is just `sealed`, and about legs and arrivals, which need no claim.
-    `handling`: of the plan."""
+def state_legs(handling: Handling) -> list[Finding]:
+    """Findings about the digest, and about legs and arrivals, which need no claim. `handling`: of the plan."""
     plan = handling.plan
-    if not sealed:
-        own = digest(handling.scene.digest, plan.trajectory, plan.legs, plan.arrivals, plan.certificate)
-        what = "request, plan and certificate do not belong together"
-        handling.require(plan.certificate.digest == own, Code.DIGEST, what)
+    own = digest(handling.scene.digest, plan.trajectory, plan.legs, plan.arrivals, plan.certificate)
+    what = "request, plan and certificate do not belong together"
+    handling.require(plan.certificate.digest == own, Code.DIGEST, what)
     require_order(handling)
     return handling.findings
 
