@@ -40,7 +40,7 @@ from assur.planner.search.extension import extended, timed
 from assur.planner.search.meeting_options import options
 from assur.planner.search.partial_plan import Candidate, TimedCandidate, initial, prepared
 from assur.planner.search.rough_score import CoarseScore
-from assur.planner.search.tuning import MOST_OPTIONS
+from assur.planner.search.tuning import FREE, MOST_OPTIONS, NEARLY_FREE
 from assur.planner.search.via_batch import shape_of
 from assur.planner.timing import trajectory_of
 from assur.planner.trajectory import Trajectory
@@ -167,6 +167,9 @@ def scores(limit: int) -> None:
             rows = population.freedom.drawn(rng, DRAWN, population.shares)
             began = time.perf_counter()
             bad, _ = population.score(rows, rng)
+            may = bad <= NEARLY_FREE
+            bad[may] = np.maximum(bad[may], population.score.finely(rows[may])[0])
+            seems = bad <= FREE
             scored = time.perf_counter()
             really = np.zeros(DRAWN, dtype=bool)
             for i in range(DRAWN):
@@ -175,8 +178,8 @@ def scores(limit: int) -> None:
                 if isinstance(way, TimedCandidate) and screen(prover, way).refusal is None:
                     really[i] = not isinstance(extended(scene, way), Refusal)
             cost.append((time.perf_counter() - scored) / (scored - began))
-            drawn, free, seem = drawn + DRAWN, free + int(really.sum()), seem + int((bad == 0).sum())
-            both += int((really & (bad == 0)).sum())
+            drawn, free, seem = drawn + DRAWN, free + int(really.sum()), seem + int(seems.sum())
+            both += int((really & seems).sum())
         shares = (f"{100 * share:.0f} %" for share in (free / drawn, seem / drawn, both / max(1, seem)))
         made.add_row(name, str(drawn), *shares, f"{free - both}", f"1 : {np.median(cost):.0f}")
     OUT.print(made)

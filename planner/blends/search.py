@@ -22,11 +22,11 @@ from assur.planner.kernels.drawing import EFFORTS, NUDGED, NUDGED_TIME, NUDGES, 
 from assur.planner.legs.joint import Shape
 from assur.planner.model.refusal import AccelerationTime, Reason, Refusal
 from assur.planner.search.beam import Search
-from assur.planner.search.candidates import LEAST_RISE_M, Sampler
+from assur.planner.search.candidates import Sampler
 from assur.planner.search.meeting_options import preference
 from assur.planner.search.partial_plan import Candidate, Extension, Option, PartialPlan, TimedMotion
 from assur.planner.search.rough_score import CoarseScore
-from assur.planner.search.tuning import ANY_OPTION, ARCHED, ELITE, MOST_OPTIONS
+from assur.planner.search.tuning import ANY_OPTION, ARCHED, ELITE, LEAST_RISE_M, MOST_OPTIONS
 from assur.planner.search.via_batch import free_vias
 
 BATCH = 16

@@ -37,6 +37,7 @@ from assur.planner.kernels.solids import (
     FIRST,
     NORMAL,
     NUMBERS,
+    OPENED,
     PIECES,
     REQUIRED,
     ROW,
@@ -94,6 +95,40 @@ def widest(units: Units, a: int, b: int, sets: FloatArray, k: int, lasts: float)
     return (found, normal) if found >= above else (above, up)
 
 
+@kernel(f"float64({UNITS}, {CUBE}, {NUMBERS}, int64, {NUMBERS}, {ROW}, {TABLE}, float64)")
+def first_piece(
+    units: Units,
+    carriers: FloatArray,
+    stamp: IntArray,
+    number: int,
+    still: IntArray,
+    pair: FloatArray,
+    sets: FloatArray,
+    lasts: float,
+) -> float:
+    """The gap of the first pieces of a pair of bodies that are found too near; infinity: there are none."""
+    bodies, need, k = units[0], pair[REQUIRED] + RESERVE_M, int(pair[SET])
+    a, b = int(pair[FIRST]), int(pair[SECOND])
+    own, others = max(int(bodies[a, PIECES]), 1), max(int(bodies[b, PIECES]), 1)
+    if bodies[a, PIECES] > 0.0:
+        a = int(bodies[a, OPENED])
+    if bodies[b, PIECES] > 0.0:
+        b = int(bodies[b, OPENED])
+    for i in range(a, a + own):
+        place_unit(units, i, carriers, stamp, number, still)
+        for j in range(b, b + others):
+            place_unit(units, j, carriers, stamp, number, still)
+            if spheres_apart(units, 0, i, j, need):
+                continue
+            if k < 0:
+                found, _ = likely(units, 0, i, j, need)
+            else:
+                found, _ = widest(units, i, j, sets, k, lasts)
+            if not found > need:
+                return float(found)
+    return math.inf
+
+
 @kernel(
     f"void({CARRIED}, {TABLE}, {CUBE}, {TABLE}, {CELL}, {TABLE}, {TABLE}, float64, float64, float64, {ROW})",
     allocates=True,
@@ -115,8 +150,8 @@ def depths(
     required some pair is: a share of `deepest`, m, and 1 at most.
 
     At each instant the first pair that is found too near counts. A motion whose sum exceeds `most` is given up there.
-    Only the likely normals are tried, and bodies of several pieces count as their bounding boxes: a score, not a
-    verdict. `limits` (≥ 2, n): the lower and the upper ends of the joints; beyond them an instant counts as 1.
+    Only the likely normals are tried: a score, not a verdict. `limits` (≥ 2, n): the lower and the upper ends of the
+    joints; beyond them an instant counts as 1.
     """
     (robot, laws, side), (bodies, _, still) = carried, cell
     links, n = int(robot[LINKS]), q.shape[2]
@@ -158,6 +193,10 @@ def depths(
                     found, normal = likely(units, 0, a, b, need)
                 else:
                     found, normal = widest(units, a, b, sets, k, lasts)
+                if not found > need and (bodies[a, PIECES] > 0.0 or bodies[b, PIECES] > 0.0):
+                    # the normal of boxes that overlap keeps nothing apart
+                    found = first_piece(units, carriers, stamp, number, still, pairs[p], sets, lasts)
+                    normal = (0.0, 0.0, 0.0)
                 if not found > need:
                     # an unknown gap counts as deep
                     depth[w] += min(1.0, (need - found) / deepest) if found > -math.inf else 1.0

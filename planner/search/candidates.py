@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.kernels.candidates import OPTION
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.kernels.candidates import END, OPTION, WAIT
 from assur.planner.kernels.drawing import FASTEST_THROUGH, NUDGED_TIME, SLOWEST_THROUGH, TIME_NUDGE_S, WAIT_S
 from assur.planner.laws import all_stand
 from assur.planner.legs.joint import Shape
@@ -27,7 +27,8 @@ from assur.planner.search.via_batch import Freedom, shape_of
 
 # The candidates by free vias from one partial plan: new ones are drawn, good ones varied, the best are tried.
 #
-# Drawing and scoring one costs a small share of timing and screening it, so many are scored for each that is tried.
+# Drawing and scoring one costs a small share of timing and screening it, so many are scored for each that is tried:
+# all at a few instants, and then those that may be free at many.
 
 
 def at_the_point(chances: Sequence[float], *, may_stop: bool) -> tuple[float, float, bool]:
@@ -56,45 +57,56 @@ class Population:
         self.most = max(tuning.FEWEST, tuning.MOST_ROWS // (tuning.INSTANTS * max(1, score.pairs)))
         self.rounds = 0
         self.rows = self.freedom.direct()
-        self.bad, self.end = score(self.rows, rng)
+        self.bad, self.end = np.zeros(len(self.rows)), score.rough(self.rows)[:, END]
         self.tried: BoolArray = np.zeros(len(self.rows), dtype=bool)
         self.number: dict[Candidate, int] = {}
         """The row of each candidate that is being tried."""
 
     def batch(self, before: float) -> list[Candidate]:
-        """Scores a round of candidates and gives the best that were not tried yet and may end before `before`, s."""
-        least, most = tuning.TRIED
+        """Scores a round of candidates and gives those that are free as far as their scores say, were not tried yet and
+        may end before `before`, s, the quickest first; the best of them, if none is free."""
         count = min(self.most, tuning.EVALUATED[min(self.rounds, len(tuning.EVALUATED) - 1)])
         # where most of what seems free is refused for what the score does not see, scoring more does not help
-        self._add(self._new(count if self._promising(before) < most else tuning.FEWEST))
-        left = np.flatnonzero(~self.tried & (self.end < before))
-        chosen = left[: max(least, min(most, self._promising(before)))]
+        self._add(self._new(count if self._promising(before) < tuning.TRIED else tuning.FEWEST))
+        rows = np.flatnonzero(~self.tried & (self.end < before))
+        rows = rows[: max(1, min(tuning.CHECKED, self._promising(before)))]
+        chosen = rows[:0]
+        for first in range(0, len(rows), tuning.TRIED):
+            chosen = self._free(rows[first : first + tuning.TRIED])
+            if len(chosen):
+                break
+        else:
+            chosen = rows[self.bad[rows].argsort()[:1]]
         chosen = chosen[np.argsort(self.end[chosen], kind="stable")].tolist()
         self.tried[chosen] = True
         self.number = dict(zip(self._candidates(self.rows[chosen]), chosen, strict=True))
         return list(self.number)
 
+    def _free(self, rows: IntArray) -> IntArray:
+        """Those of the candidates in these rows that are free at many instants, too. The others count as tried."""
+        may = rows[self.bad[rows] <= tuning.NEARLY_FREE]
+        if len(may):
+            self.bad[may] = np.maximum(self.bad[may], self.score.finely(self.rows[may])[0])
+        free = self.bad[rows] <= tuning.FREE
+        self.tried[rows[~free]] = True
+        return rows[free]
+
     def free_direct(self, candidates: list[Candidate]) -> list[Candidate]:
         """Those direct ways to options that are free as far as their scores say, the quickest first. All count as tried
         from now on."""
-        rows = [self.options.index(each.option) for each in candidates]
+        rows = np.array([self.options.index(each.option) for each in candidates])
+        free = self._free(np.unique(rows))
         self.tried[rows] = True
-        self.number = {
-            each: row
-            for each, row, bad in zip(candidates, rows, self.bad[rows].tolist(), strict=True)
-            if not bad > tuning.FREE
-        }
+        self.number = {each: row for each, row in zip(candidates, rows.tolist(), strict=True) if row in free}
         return sorted(self.number, key=lambda each: float(self.end[self.number[each]]))
 
     def free_arches(self, candidates: list[Candidate]) -> list[Candidate]:
-        """Those arches that are free in the middle of the way, where the arm goes across, as far as their scores say.
-        Those that overlap their corners more come first, and then the quicker ones."""
+        """Those arches that are free as far as their scores say, the quickest first."""
         rows = self.freedom.direct()[[self.options.index(each.option) for each in candidates]]
+        rows[:, WAIT] = [each.shape.wait for each in candidates]
         forms = [each.shape.form for each in candidates if each.shape.form is not None]
-        bad, end = self.score.across(rows, np.array([form.top for form in forms]))
-        self.number = {}
-        free = [(form.rise + form.fall, end[k], k) for k, form in enumerate(forms) if not bad[k] > tuning.FREE]
-        return [candidates[k] for *_, k in sorted(free)]
+        bad, end = self.score.arches(rows, forms)
+        return [candidates[k] for k in end.argsort(kind="stable").tolist() if not bad[k] > tuning.FREE]
 
     def anyone(self) -> Candidate:
         """A new one, whatever its score: that nothing seems worth a try in one round ends no search."""
@@ -139,10 +151,6 @@ class Population:
         ]
 
 
-LEAST_RISE_M = 1e-3
-"""Over its ends an arch rises by so much at least, m."""
-
-
 @dataclass(eq=False)
 class Sampler:
     """Samples for one partial. What it learned stays with it. `score`: makes what scores many candidates at once."""
@@ -184,7 +192,9 @@ class Sampler:
             return simple
         found = self.population.batch(before)
         arches = max(tuning.FILLED - len(found), int(self.rng.random() < tuning.ARCHES_TOO)) if self._tops() else 0
-        return found + [self._arch() for _ in range(arches)] or [self.population.anyone()]
+        if arches:
+            found += self.population.free_arches([self._arch() for _ in range(arches)])
+        return found or [self.population.anyone()]
 
     def _simple(self, population: Population) -> Iterator[list[Candidate]]:
         """The direct ways and then the arches, first those that are free as far as their scores say. An empty batch:
@@ -263,10 +273,10 @@ class Sampler:
                 stops.append(ends[-1] + entry.far - entry.height)
         if arch is not None:
             # an arch that is lower than one of its ends is as high as it has to be anyway
-            height = max(height_of(scene, arch, state.q), min(upper, max([max(ends) + LEAST_RISE_M, *stops])))
+            height = max(height_of(scene, arch, state.q), min(upper, max([max(ends) + tuning.LEAST_RISE_M, *stops])))
             return [height] if height <= upper else []
         tops = [upper, (max(ends) + upper) / 2, *([max(stops)] if stops else [])]
-        return [top for top in tops if top > max(ends) + LEAST_RISE_M]
+        return [top for top in tops if top > max(ends) + tuning.LEAST_RISE_M]
 
     def too_high(self) -> Refusal | None:
         """Why the required arch cannot be: the lift ends below it; None: it can, or none is required."""

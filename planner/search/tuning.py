@@ -22,20 +22,24 @@ FEWEST = 16
 KEPT = 64
 """Candidates that are remembered."""
 FREE = 0.005
-"""A direct way or an arch with this score or less is tried before those by vias are drawn."""
+"""With this score or less a candidate counts as free. Such direct ways and arches are tried before vias are drawn."""
 LATER = 2
 """Rounds of candidates by vias before direct ways and arches are tried that seem to be in the way of something."""
 PARENTS = 24
 """The best of them are varied."""
 VARIED = 0.5
 """Share of a round that are variations, once there is something to vary."""
-TRIED = (3, 8)
-"""Candidates of a round that are timed at least, and at most."""
 NEARLY_FREE = 0.06
-"""A candidate with this score or less may be free: rough motions are rough."""
+"""A candidate with this score or less may be free: so few instants say little, and rough motions are rough."""
+CHECKED = 32
+"""Candidates of a round that may be free and are evaluated at `FINE` instants, at most."""
+TRIED = 8
+"""Candidates of a round that are timed, at most."""
 
-INSTANTS = 24
-"""Times at which a rough motion is evaluated."""
+INSTANTS = 12
+"""Times at which the rough motion of each candidate is evaluated,"""
+FINE, WAITING = 56, 8
+"""and those of the motion and of the wait of one that may be free, before it is timed: that costs 20 times as much."""
 GIVEN_UP = 1.5
 """A candidate that is in the way of something at more of them, or about as many, is not evaluated at the others."""
 REMEMBERED = 6
@@ -45,6 +49,8 @@ APART_S = 0.01
 DEPTH_M = 0.05
 """What is deeper than this in something counts as so deep, m: how deep a large body is entered says little."""
 
+LEAST_RISE_M = 1e-3
+"""Over its ends an arch rises by so much at least, m."""
 ARCH_CORNERS = (0.5, 1.0)
 """Corners of an arch that are tried first: half overlapped, stopped at; full overlap where the tool does not stop above
 its point: 0."""
@@ -52,7 +58,7 @@ ARCHED = 2
 """Options to which arches are tried first."""
 BATCH = 12
 """Arches in a batch, where an arch is required, or waits before a straight leg."""
-FILLED = 6
+FILLED = 3
 """Batches of candidates through vias that are smaller are filled up with arches, and to larger ones ..."""
 ARCHES_TOO = 0.3
 """... one is added this often."""

@@ -53,7 +53,7 @@ def lagging(tolerance_mm: float | None = None, **more: Any) -> Document:
             {"move": {"to": {"at_mm": [350, 0, 120]}}},
         ],
         "options": {
-            "seed": 1, "budget_s": 60, "max_candidates": 40, "explain_budget_s": 0, "stop": "first",
+            "seed": 2, "budget_s": 60, "max_candidates": 40, "explain_budget_s": 0, "stop": "first",
             "clearance_mm": {"travel": 8, "near": 1.5}, "elbow": "keep", **more,
         },
         "execution": {"lag": {"j1_deg": 0.05, "j2_deg": 0.05, "j3_mm": 0.2, "j4_deg": 0.1}, "belt_correction": True},

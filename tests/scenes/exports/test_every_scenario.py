@@ -121,12 +121,12 @@ def test_joint_trajectory_controller_runs_the_ticks_as_they_were_proved(name: st
 
 
 @pytest.mark.parametrize(
-    ("name", "joint", "by"), [("shutter", "j2", 60.0), ("crowded", "j1", 150.0), ("full-dial", "j1", 60.0)]
+    ("name", "joint", "by"), [("shutter", "j2_deg", 80.0), ("crowded", "j1_deg", 150.0), ("full-dial", "j3_mm", -100.0)]
 )
 def test_a_sample_in_an_obstacle_is_refused_with_the_time_and_the_pair(name: str, joint: str, by: float) -> None:
     request, plan = request_of(name), answer(name)
     header, rows = table(export_document(request, plan, {"format": "csv"})["file"])
-    k, column = len(rows) // 2, header.index(f"{joint}_deg")
+    k, column = len(rows) // 2, header.index(joint)
     rows[k][column] = repr(float(rows[k][column]) + by)
     verdict = check_trajectory_document(request, {"file": text(header, rows), "format": "csv", "jerk": "report"}, plan)
     near = [finding for finding in verdict["findings"] if finding["code"] == "SEPARATION"]
@@ -137,7 +137,7 @@ def test_a_sample_in_an_obstacle_is_refused_with_the_time_and_the_pair(name: str
 
 
 def test_what_cannot_be_proved_is_refused() -> None:
-    request, plan = request_of("rv-m1"), answer("rv-m1")
+    request, plan = request_of("five-bar"), answer("five-bar")
     with pytest.raises(InputError, match=r"jerk of .* times its limit"):
         export_document(request, plan, {"format": "csv", "tick_s": TICK_S})
     with pytest.raises(InputError) as caught:

@@ -68,10 +68,10 @@ def test_times_are_whole_nanoseconds_that_increase() -> None:
 def test_a_jerk_beyond_the_robots_is_refused_unless_it_is_asked_for() -> None:
     asked = {"format": "csv", "tick_ms": 1.0}
     with pytest.raises(InputError, match=r"jerk of .* is 1.* times its limit"):
-        export_document(request_of("rv-m1"), planned("rv-m1"), asked)
-    export = export_document(request_of("rv-m1"), planned("rv-m1"), {**asked, "jerk": "report"})
+        export_document(request_of("five-bar"), planned("five-bar"), asked)
+    export = export_document(request_of("five-bar"), planned("five-bar"), {**asked, "jerk": "report"})
     assert export["jerk_raised"] > 1.0
-    assert check(request_of("rv-m1"), export["plan"])["ok"] is False
+    assert check(request_of("five-bar"), export["plan"])["ok"] is False
 
 
 def test_a_plan_with_a_reserve_of_jerk_is_exported_within_the_robots_own() -> None:

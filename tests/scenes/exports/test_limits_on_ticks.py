@@ -57,6 +57,7 @@ HEAVY = {
 def belt_cell() -> tuple[dict[str, Any], dict[str, Any]]:
     """The cell of the tutorial, with a scale of the jerk of 0.8, and its plan."""
     request = yaml.safe_load((ROOT / "docs" / "first-belt-cell.yaml").read_text())["request"]
+    request["options"]["seed"] = 7
     return request, plan(request)
 
 
