@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
 from assur.planner.geometry.shapes import Piece, box, capsule, sphere
+from assur.planner.kernels.gjk import nearest_to_origin
 from tests.planner.cells import placed, rotation
 from tests.planner.convex import KINDS, anywhere, distance, grid_aligned, inside, pairs, shape_of
 from tests.planner.second_solids import Placed, distance_by_gjk, gaps
@@ -103,3 +104,17 @@ def test_spheres_capsules_and_boxes_have_their_closed_forms(seed: int) -> None:
     for piece, true in ((brick, to_brick), (rod, to_rod), (other, to_ball)):
         found, _ = separate(*placed([(ball, piece)]), 0)
         assert found == pytest.approx(max(0.0, true), abs=1e-7)
+
+
+def test_a_flat_tetrahedron_has_no_inside() -> None:
+    """Four points of one plane: rounding says of each face on which side of it the fourth point is."""
+    rng, work = np.random.default_rng(3), np.empty((3, 4))
+
+    def away(points: FloatArray) -> float:
+        assert nearest_to_origin(points, len(points), work)
+        return float(np.linalg.norm(work[0, : len(points)] @ points))
+
+    for _ in range(100):
+        corners = rng.uniform(-0.1, 0.1, (4, 2)) @ rng.normal(size=(2, 3)) + rng.uniform(-0.1, 0.1, 3)
+        faces = [away(np.delete(corners, corner, axis=0)) for corner in range(4)]
+        assert away(corners) == pytest.approx(min(faces), abs=1e-12)

@@ -13,8 +13,9 @@ from assur.planner.arrays import FloatArray
 from assur.planner.kernels.carriers import derivative
 from assur.planner.kernels.jets import JET_COLUMNS, JETS
 from assur.planner.kernels.laws import place_frame
-from assur.planner.kernels.solids import BALL, CENTRE, COLUMNS, DISC, HALF, ROTATION
+from assur.planner.kernels.solids import BALL, CENTRE, COLUMNS, DISC, HALF, RADIUS, ROTATION
 from assur.planner.kernels.spline import piece_motion, spline_state
+from assur.planner.kernels.uncertainty import OFFSET_COLUMNS, OFFSET_REACH, OFFSET_SHIFT, displaced
 from assur.planner.laws import Law, Pose, fixed, law_tables, linear
 from assur.planner.model.link_frames import link_law
 from assur.planner.robots.robot import Robot
@@ -86,6 +87,14 @@ def test_what_keeps_its_shape_adds_nothing() -> None:
         assert derivative(unit(none, flat, none, 0.2, 0.3), jets, 0, order, (0.6, 0.0, 0.8)) == point
         side = derivative(unit(none, flat[:, [2, 0, 1]], none, 0.2, 0.0), jets, 0, order, (0.6, 0.0, 0.8))
         assert side[1] > point[1] + 0.05
+
+
+def test_a_correction_displaces_the_far_end_of_a_solid_by_what_its_link_turns_and_its_axis_moves() -> None:
+    rod, offsets = unit(np.array([0.2, 0.0, 0.1]), np.eye(3), np.zeros(3), 0.0, 0.0), np.zeros((1, OFFSET_COLUMNS))
+    rod[0, RADIUS], offsets[0, OFFSET_SHIFT], offsets[0, OFFSET_REACH] = 0.15, 2e-3, 1e-3
+    moved = 2e-3 + 0.35 * math.sin(1e-3)
+    assert moved <= displaced(rod, offsets, 0, (0.0, 1.0, 0.0)) <= moved + 1e-6
+    assert displaced(rod, offsets, 0, (0.0, 0.0, 1.0)) == 0.0
 
 
 @every_arm

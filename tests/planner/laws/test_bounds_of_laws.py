@@ -22,6 +22,7 @@ from assur.planner.laws import (
     oscillation,
     swing,
 )
+from assur.planner.laws.law import Ends
 from tests.planner.laws.bounded import bounded, rates
 from tests.planner.laws.laws import cases, directions, intervals, samples, valid_kinds
 
@@ -101,15 +102,21 @@ def test_a_bound_holds_far_from_time_zero_where_phases_round(kind: str, start: f
     assert (bound(law, start, start + length, up) * (1 + 1e-14) >= rates(law.motion(t), up).max(axis=1)).all()
 
 
-@given(st.integers(-(10**6), 10**6), st.integers(0, 3), st.sampled_from([-1e-10, 0.0, 1e-10]))
-def test_the_bound_of_what_repeats_holds_in_exact_arithmetic_far_from_time_zero(
-    rounds: int, knot: int, beside: float
+@pytest.mark.parametrize("ends", ["periodic", "clamped"])
+@given(
+    st.integers(-(10**6), 10**6),
+    st.integers(0, 3),
+    st.one_of(st.sampled_from([-1e-10, 0.0, 1e-10]), st.floats(-0.05, 0.05)),
+)
+def test_the_bound_of_a_spline_holds_in_exact_arithmetic_also_far_from_time_zero(
+    ends: Ends, rounds: int, knot: int, beside: float
 ) -> None:
-    law, up = FAR["repeated"], np.array([0.0, 0.0, 1.0])
+    law, up = keyframes((0.3, 0.4, 0.65, 0.71), ROUND, ends), np.array([0.0, 0.0, 1.0])
     start, period = Fraction(law.row[c.START]), Fraction(law.row[c.PERIOD])
     begins, end = law.side[:, c.PIECE_BEGIN].tolist(), float(law.side[-1, c.PIECE_END])
     time = float(start + rounds * period + Fraction([*begins, end][knot]) + Fraction(beside))
-    within = (Fraction(time) - start) % period
+    time = min(max(time, law.valid[0]), law.valid[1])
+    within = (Fraction(time) - start) % (period or 1)
     piece = max(i for i in range(3) if Fraction(begins[i]) <= within)
     u, rates_, powers = within - Fraction(begins[piece]), law.side[piece, c.RATE :], law.side[piece, c.POWER :]
     pull = [[Fraction(x) for x in powers[i * c.MOST_POWERS :][:2].tolist()] for i in (2, 3)]
