@@ -147,6 +147,18 @@ def test_a_client_is_worked_for_as_often_at_a_time_as_it_may_and_others_pass_it(
     assert set(service.working.values()) == {second}
 
 
+def test_who_has_waited_for_its_own_limit_does_not_let_newcomers_pass() -> None:
+    service = Service(replace(PLACES, short=0))
+    first, second = (service.post(Client("limited", running=1)) for _ in range(2))
+    for ticket in [service.post(GREEDY) for _ in range(5)][:4]:
+        service.end(ticket, ticket.expected_s)
+    early = service.post(MODEST)
+    service.end(first)
+    service.post(Client("late"))
+    service.end(second)
+    assert early in service.working.values()
+
+
 def test_one_request_more_than_may_wait_is_told_when_the_next_begins() -> None:
     service = Service(replace(PLACES, workers=1, short=0, waiting=1))
     service.end(service.post(MODEST), 10.0)  # what is learnt: they take more than was expected
@@ -222,9 +234,12 @@ def test_a_client_pays_with_seconds_of_workers_and_gets_new_ones_each_minute() -
 
 def test_a_request_that_is_given_up_while_it_waits_costs_nothing() -> None:
     service = Service(replace(PLACES, workers=1, short=0))
-    first = service.post(GREEDY)
-    service.end(service.post(GREEDY))
+    first, second = service.post(GREEDY), service.post(GREEDY)
+    service.end(second)
     assert service.books.waiting == 0
+    third = service.post(GREEDY)
+    assert third.tag == second.tag > first.tag
+    service.end(third)
     service.end(first)
     service.end(first)
     assert service.books.running == 0

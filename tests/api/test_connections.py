@@ -281,6 +281,18 @@ def test_a_body_that_comes_too_slowly_is_given_up_before_its_time(running: Runni
         assert status(connection) == 408  # `body_s` is as long as the socket waits
 
 
+def test_a_body_has_a_time_however_steadily_it_comes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(body_reader, "FIRST_S", 100.0)  # its rate does not count
+
+    async def coming() -> dict[str, object]:
+        await asyncio.sleep(0.02)
+        return {"type": "http.request", "body": b"1", "more_body": True}
+
+    request = Request({"type": "http", "method": "POST", "headers": JSON, "client": ("::1", 1)}, coming)
+    with pytest.raises(Problem, match="not complete"):
+        asyncio.run(body_reader.read_body(request, 100, 0.2, Reading()))
+
+
 def test_bodies_of_one_address_leave_room_for_others() -> None:
     reading = Reading(in_all=100, of_one=50)
     reading.take("a", 50)

@@ -20,7 +20,7 @@ import pytest
 from assur.api.problems import Problem
 from assur.api.telemetry.trace import CURRENT, Trace
 from assur.api.web.settings import Settings
-from assur.api.workers import worker_process
+from assur.api.workers import quarantine, worker_process
 from assur.api.workers.client import Client, Demand
 from assur.api.workers.pool import Work, Workers
 from assur.api.workers.worker_process import NAME, WorkerProcess
@@ -285,6 +285,17 @@ async def test_a_request_in_quarantine_is_known_by_its_meaning_and_forgotten_in_
     assert await pid_of(workers) == worker
     await until(lambda: len(workers.quarantine) == 0)
     assert await asked("a body") == "planned"
+
+
+def test_of_too_many_requests_in_quarantine_the_one_to_be_freed_first_is_forgotten(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(quarantine, "MOST", 2)
+    now = iter(range(100))
+    kept = quarantine.Quarantine(50.0, lambda: float(next(now)))
+    for keys in (("a", "b"), ("a",), ("c",)):
+        assert kept.add(*keys).kind == "quarantined"
+    assert set(kept.left_s()) == {"a", "c"}
 
 
 @pytest.mark.parametrize(
