@@ -48,9 +48,9 @@ def test_an_arm_says_what_it_may_carry_plainly_or_with_a_source() -> None:
 
 
 def test_a_table_of_a_request_is_in_place_of_the_arms_law_and_of_its_table() -> None:
-    arm = {"rated_load_kg": 3, "max_load_kg": 6}
+    arm = {"rated_load_kg": 6, "max_load_kg": 6}
     table = [share(4, 0.9), share(5, 0.8)]
-    replaced = LoadLimits(3.0, 6.0, None, ((4.0, 0.9), (5.0, 0.8)))
+    replaced = LoadLimits(6.0, 6.0, None, ((4.0, 0.9), (5.0, 0.8)))
     assert loads_of(changed(arm, acceleration_by_load=table)) == replaced
     assert loads_of(changed({**arm, "acceleration_by_load": ROWS}, acceleration_by_load=table)) == replaced
     with_table, without = changed(arm, acceleration_by_load=table), changed(arm)
