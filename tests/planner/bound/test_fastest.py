@@ -150,3 +150,10 @@ def test_a_joint_that_has_no_time_is_nowhere_and_one_that_is_not_known_is_anywhe
     assert not out_of_range_in(0.9, column(math.nan), there, 0, *limit)
     assert out_of_range_in(1.0 - 1e-6, column(0.0, kind=FREE), column(1.0, kind=FREE), 0, *limit)
     assert not out_of_range_in(1.0, column(0.0, kind=FREE), column(1.0, kind=FREE), 0, *limit)
+
+
+def test_a_joint_that_must_turn_back_has_passed_what_is_before_that() -> None:
+    # the velocity is 0.2 - 10 t + 50 t²: 0 after 22.5 ms and 2.16 mm, and below for long
+    limit, begin = (1.0, 10.0, 100.0), column(0.0, 0.2, -10.0)
+    assert not out_of_range_in(0.1, begin, column(2.1e-3, kind=FREE), 0, *limit)
+    assert out_of_range_in(0.1, begin, column(2.2e-3, kind=FREE), 0, *limit)

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from assur.planner.bound.duration import least_duration
 from assur.planner.frames.motion import Pose
-from assur.planner.laws import conveyor, turntable
+from assur.planner.laws import conveyor, keyframes, turntable
 from assur.planner.model.outcome import Planned
 from assur.planner.model.phases import AT_START
 from assur.planner.model.scene import Follow, Pick, Place, Scene, Target, Tool, Window
@@ -220,6 +220,19 @@ def test_while_the_lift_goes_down_the_other_joints_are_with_the_part_as_it_comes
     found = planned(scene).plan.trajectory
     lasts = found.end - found.start
     assert 0.9 * lasts < bounded(scene) <= lasts
+
+
+def test_what_an_arm_does_after_it_cannot_go_along_with_its_point_any_more_is_not_known() -> None:
+    # the point is at one side, then out of reach, then at the other side: who waits there has no way to the goal
+    times = (0.0, 1.6, 1.7, 1.8, 1.9, 2.1, 2.3, 2.4, 2.5, 2.6, 9.0)
+    law = keyframes(times, [*[Pose(0.45, -0.25)] * 5, Pose(0.9, 0.0), *[Pose(0.45, 0.25)] * 5])
+    own = limits()
+    slow = replace(own, velocity=np.array([0.5, *own.velocity[1:]]))
+    first, goal = go(0.0, 0.0, 0.1, 0.0, "shuttle"), go(0.44, 0.25, 0.12, name="b")
+    more: dict[str, Any] = {"frames": (frame("shuttle", law),), "robot": replace(arm(), limits=slow), "elbow": "keep"}
+    there = replace(first, window=Window(time=(2.3, 9.0)))
+    found = planned(cell(there, goal, q=(-0.49, 1.083, 0.2, 0.0), **more), most=20).plan.trajectory
+    assert bounded(cell(first, goal, q=(-0.49, 1.083, 0.2, 0.0), **more)) <= found.duration
 
 
 def test_the_way_along_a_path_counts_once() -> None:
