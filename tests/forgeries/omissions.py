@@ -458,7 +458,7 @@ TABLE: tuple[tuple[str, str, Code, Change], ...] = (
     ("a part pulled harder", "belt-to-belt", T.RATE, put("rates", 1, c.RATE_MOST, times(1.01))),
     ("a pull less", "belt-to-belt", T.RATE, drop("rates", -1)),
     ("no forbidden yaw", "hose-on-gripper", T.YAW, drop("axes", 0)),
-    ("a narrower forbidden yaw", "hose-on-gripper", T.YAW, put("axes", 0, c.AXIS_HIGH, plus(1e-4))),
+    ("a narrower forbidden yaw", "hose-on-gripper, lag", T.YAW, put("axes", 0, c.AXIS_HIGH, plus(1e-4))),
     # straight legs
     ("a guide less", WAYS, T.GUIDE, drop("guides", 5)),
     ("a wider line", WAYS, T.GUIDE, put("guides", 5, c.GUIDE_MOST, times(1.001))),

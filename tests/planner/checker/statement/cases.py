@@ -172,10 +172,10 @@ def _near(d: Document) -> None:
 
 
 def _ways(d: Document) -> None:
-    """Straight parts with stops; a straight leg that begins in motion on the dial; then from rest to rest, with the yaw
-    that the tool has; and a via."""
+    """Straight parts with stops, one of them little longer than the distance in travel; a straight leg that begins in
+    motion on the dial; then from rest to rest, with the yaw that the tool has; and a via."""
     step(d, 0)["approach"]["stop"] = True
-    step(d, 1)["depart"]["stop"] = True
+    step(d, 1)["depart"] = {"mm": 8.5, "stop": True}
     step(d, 2)["leg"] = "cartesian"
     x, y, z = step(d, 2)["to"]["at_mm"]
     kept = {"at_mm": [x, y + 60, z + 5], "yaw_keep": True}
@@ -184,6 +184,10 @@ def _ways(d: Document) -> None:
         {"move": {"to": {"at_mm": [x + 30, y + 40, z + 15]}, "via": True}},
         {"move": {"to": {"at_mm": [x, y, z]}}},
     ]
+
+
+def _lagging(d: Document) -> None:
+    d["execution"] = {"lag": {"j1_deg": 0.1, "j2_deg": 0.1, "j4_deg": 0.1}}
 
 
 def _tilts(d: Document) -> None:
@@ -202,6 +206,7 @@ VARIANTS: dict[str, tuple[str, Callable[[Document], object]]] = {
     "two-robots, start uncertain": ("two-robots", _open_robots),
     "demo, straight ways": ("demo", _ways),
     "rv-m1, straight way": ("rv-m1", _tilts),
+    "hose-on-gripper, lag": ("hose-on-gripper", _lagging),
 }
 """By the name of a variant: the scenario, and what is changed in its request."""
 

@@ -60,20 +60,32 @@ def test_an_answer_that_states_nothing_needs_no_rows() -> None:
     assert state_answer(Handling(case.scene, replace(case.plan, arrivals=arrivals)), NOTHING, case.claim) == []
 
 
-NO_NUMBER: dict[str, tuple[Code, Said]] = {
-    "a clearance": (
+def gripped(k: Claims) -> Claims:
+    """The nearest pair is one that may touch: the tool and the part that it grips, which are stated to be near."""
+    assert k.nearest is not None
+    assert k.nearest[0] is not None
+    when = answered("demo")[0].plan.arrivals[0].until
+    return replace(k, nearest=(replace(k.nearest[0], bodies=("cup", "part"), phase="FOLLOW", time=when),))
+
+
+FALSE: dict[str, tuple[Code, Said]] = {
+    "a pair that may touch": (T.NEAREST, gripped),
+    "a clearance that is no number": (
         T.NEAREST,
         lambda k: replace(k, nearest=tuple(replace(each, gap_m=math.nan) for each in k.nearest)),
     ),
-    "a peak": (T.PEAK, lambda k: replace(k, peaks=tuple(replace(each, velocity=math.nan) for each in k.peaks))),
-    "a margin": (T.SINGULARITY, lambda k: replace(k, singularity=(math.nan,))),
+    "a peak that is no number": (
+        T.PEAK,
+        lambda k: replace(k, peaks=tuple(replace(each, velocity=math.nan) for each in k.peaks)),
+    ),
+    "a margin that is no number": (T.SINGULARITY, lambda k: replace(k, singularity=(math.nan,))),
 }
 
 
-@pytest.mark.parametrize("what", NO_NUMBER)
-def test_a_statement_that_is_no_number_is_reported(what: str) -> None:
-    """No answer that is read has one."""
-    code, change = NO_NUMBER[what]
+@pytest.mark.parametrize("what", FALSE)
+def test_a_false_statement_is_reported(what: str) -> None:
+    """No answer that is read has a number that is none, and no writer says how near a pair is that may touch."""
+    code, change = FALSE[what]
     assert code in {each.code for each in reported("demo", change(answered("demo")[0].claims))}
 
 
