@@ -20,11 +20,11 @@ from assur.planner.model.refusal import (
     Refusal,
     Stage,
 )
-from assur.planner.model.scene import Scene
+from assur.planner.model.scene import Follow, Scene, Window
 from assur.planner.model.window_missed import Miss, WindowMissed
-from assur.planner.model.witness import PROVED_SHARE, OpenIntervals
+from assur.planner.model.witness import PROVED_S, PROVED_SHARE, OpenIntervals
 from assur.planner.pipeline import plan
-from tests.planner.cells import cell, go
+from tests.planner.cells import at, cell, go
 
 
 def refused(scene: Scene) -> NotPlanned:
@@ -89,6 +89,13 @@ def test_a_start_that_is_beyond_a_limit_by_rounding_is_not_proved_to_be() -> Non
     refusal = refused(cell(go(0.35, 0.2), q=(0.3, 1.2, upper + 4.0 * over, 0.0))).refusal
     assert refusal is not None
     assert not check_refusal(scene, refusal, None).ok
+
+
+@pytest.mark.parametrize(("parts", "proved"), [(2.5, False), (3.5, True)])
+def test_a_window_that_is_too_short_by_rounding_is_not_proved_to_be(parts: float, proved: bool) -> None:
+    """Both of its ends and the time that is needed may be off."""
+    short = Window(time=(1.0, 1.3 - parts * PROVED_S))
+    assert refused(cell(Follow("f", at(0.35, 0.2), 0.3, window=short))).proved is proved
 
 
 @pytest.mark.parametrize("miss", list(Miss))
