@@ -112,6 +112,7 @@ def _put(height: float, within: float) -> Document:
 def _yawed(ranges: list[list[float]], *task: Document) -> Document:
     request = cell(*task)
     request["robot"]["limits"] = {"forbidden_yaw_deg": ranges, "j4_deg": [-270, 270]}
+    request["execution"] = {"lag": {"j1_deg": 0.1, "j4_deg": 0.2}}
     return request
 
 
