@@ -15,8 +15,11 @@ import ruckig
 
 from assur.planner.checker.refusals.judging import check_refusal
 from assur.planner.checker.refusals.windows import overshoots
+from assur.planner.checker.statement.differences import SAME
+from assur.planner.checker.statement.limits import SHARES
 from assur.planner.model.refusal import Overshoot, Refusal, Stage
 from assur.planner.model.scene import Scene
+from assur.planner.model.witness import PROVED_SHARE
 from assur.scenes.requests import cell_of, check_document, plan_document
 from tests.scenes.refused_cells import moving
 
@@ -97,6 +100,13 @@ def test_nothing_is_refused_at_the_boundary_and_all_beyond_it(of_joint: Any, lim
     for inside in (limit, limit * (1.0 - 1e-12), limit * (1.0 - 1e-3)):
         assert not claims(of_joint(inside))
     assert claims(of_joint(limit * (1.0 + 1e-5)))
+
+
+def test_it_is_proved_of_all_starts_that_a_plan_may_have_in_its_place() -> None:
+    """Velocity and acceleration may be less by 2e-9, and limits exceeded by their shares."""
+    least = 7.0 * (1.0 + PROVED_SHARE) + 2.0 * SAME - (50.0 - 2.0 * SAME) ** 2 / (2.0 * 1000.0 * (1.0 + SHARES[3]))
+    assert not claims(moving({}, {"j1_rad_s": least - SAME}, {"j1_rad_s": 50}))
+    assert claims(moving({}, {"j1_rad_s": least + SAME}, {"j1_rad_s": 50})) == {("j1", "velocity")}
 
 
 def test_the_amounts_are_those_of_the_start() -> None:
