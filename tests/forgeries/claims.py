@@ -96,6 +96,12 @@ def swapped(document: Document) -> None:
         row.update(bodies=row["bodies"][::-1], pieces=row["pieces"][::-1])
 
 
+def seen_from_other_side(document: Document) -> None:
+    """Rows are of the same bodies, with the other one first."""
+    swapped(document)
+    put("rows.*.normal", times(-1.0))(document)
+
+
 def of_first_piece(document: Document) -> None:
     """Rows of the first body with several pieces are all of its first piece."""
     many = next(k for k, each in enumerate(document["bodies"]) if len(each["pieces"]) > 1)
@@ -194,6 +200,7 @@ ROWS = [
         put("rows.*", lambda r: {**r, "s0": min(r["s0"] + 1e-9, r["s1"])}),
         T.COVER,
     ),
+    Forgery("another body is ahead of the clock", "beside-a-neighbour", seen_from_other_side, T.COVER),
 ]
 REQUIRED = [
     Forgery("greater distance in travel", "demo", put("required.travel", 0.2), T.ROW),
