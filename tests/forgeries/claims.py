@@ -228,7 +228,7 @@ PHASES_AND_BODIES = [
     Forgery("phases end too early", "demo", without_phase(-1), T.PHASE),
     Forgery("a phase begins late", "demo", put("phases.1.t0", plus(1e-9)), T.PHASE),
     Forgery("the robot need not keep clear while it moves", "demo", put("phases.*.robot", False), T.PHASE),
-    Forgery("nor in the last phase of its motion", "demo", put("phases.-2.robot", False), T.PHASE),
+    Forgery("nor in the last phase of its motion", "demo", put("phases.-1.robot", False), T.PHASE),
     Forgery("travel distance counts all the time", "demo", put("phases.*.near", False), T.ROW),
     Forgery("no contacts are allowed", "demo", put("phases.*.contacts", []), T.ROW),
     Forgery(

@@ -226,6 +226,16 @@ def test_a_late_start_counts_for_uncertainty(gap: float, may: bool) -> None:
     assert isinstance(Prover(scene).prove(phase, path), Rows) == may
 
 
+@pytest.mark.parametrize("ahead", [0.0, 0.5, -0.25])
+def test_a_planned_gap_is_that_to_where_the_other_body_is_when_it_is_ahead_of_the_clock(ahead: float) -> None:
+    scene, phase, path = standing_next_to(0.05, on="belt", frames=(Frame("belt", conveyor(Pose(), 0.1)),))
+    prover = Prover(scene)
+    solids = prover.of(phase)
+    ball, wall = (solids.pieces(solids.number[name])[0] for name in ("ball", "wall"))
+    found = prover.planned_gap(phase, path.q[0], 0.2, ball, wall, ahead)
+    assert found == pytest.approx(0.05 + 0.1 * (0.2 + ahead), abs=1e-9)
+
+
 @settings(max_examples=15)
 @given(st.integers(0, 10**6), st.sampled_from(LAWS[1:5]), st.sampled_from([0.01, 0.1]))
 def test_what_is_certified_with_a_start_tolerance_stays_clear_however_late_it_starts(
