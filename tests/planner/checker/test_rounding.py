@@ -18,6 +18,7 @@ from assur.planner.checker.claim.motion import make_curves, make_laws, rounding
 from assur.planner.checker.claim.tables import Geometry, Scratch
 from assur.planner.checker.claim.verdict import check_claim, prepare
 from assur.planner.checker.verdict import Code
+from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim, table
 from assur.planner.claim.filling import claim_of, with_plan
 from assur.planner.errors import InputError
@@ -245,6 +246,19 @@ def test_a_point_of_an_index_that_takes_a_millisecond_is_met_where_it_begins_to_
     corner = 0.5 + 2.0 * later
     assert point_codes(law, corner - 1e-3) == point_codes(law, corner) == set()
     assert point_codes(law, corner + 2e-4) == {Code.POINT}
+
+
+def test_what_both_ends_of_a_period_differ_by_counts_for_as_long_as_an_interval_may_be() -> None:
+    """A slight pull all along: at the end of its period the frame is elsewhere, and faster than as it begins."""
+    period, pull = 2.0, 2e-10
+    scene, claim, geometry, _ = at_rest(indexer(Pose(), 0.1, 0.3, period - 0.3, "travel"), 0.0)
+    on, pieces = len(claim.links) + list(scene.frames).index("moved"), claim.laws.copy()
+    pieces[:, c.LAW_POWER] += pull
+    pulled = claim._replace(laws=pieces)
+    other, scratch = prepare(pulled)
+    assert make_laws(pulled, other, scratch)
+    more = [rounding(other, on, order, 0.0) - rounding(geometry, on, order, 0.0) for order in range(2)]
+    assert more == pytest.approx([pull * period**2 / 2.0 + pull * period * period, pull * period], rel=1e-3)
 
 
 def point_codes(law: Law, t: float) -> set[Code]:
