@@ -121,7 +121,10 @@ REQUESTS: tuple[Other, ...] = (
     Other("the elbow of the start", BLENDS, T.ELBOW, T.ELBOW, option("elbow", "keep")),
     Other("a late dispatch", DEMO, T.ERROR, T.UNCERTAINTY, update("execution", start_tolerance_ms=3)),
     Other("servo lag", DEMO, T.ERROR, T.UNCERTAINTY, update("execution", lag={"j1_rad": 0.02, "j2_rad": 0.02})),
-    Other("a correction for the belt", "fast-belt", T.ROW, T.UNCERTAINTY, lambda r: r.update(execution={"belt_correction": True})),
+    Other(
+        "a correction for the belt", "fast-belt", T.ROW, T.UNCERTAINTY,
+        lambda r: r.update(execution={"belt_correction": True}),
+    ),
     Other("no correction for the belt", FLOW, T.ERROR, T.UNCERTAINTY, update("execution", belt_correction=False)),
     Other("a limit of the acceleration", DEMO, T.RATE, T.RATE, lambda r: r.update(carry={"acceleration_m_s2": 5.0})),
     # robot, frames and bodies
