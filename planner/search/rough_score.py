@@ -139,6 +139,7 @@ class CoarseScore:
         slower = np.where(np.reshape(still, (-1, 1)), 1.0, (whole - ahead - behind) / across)
         times = self._fine_times(begin, whole)
         q = self.rough.at(motions, possible, begin + (times - begin - ahead) / slower)
+        # shares of the ways up and down by their shares of time: about as a motion with limited jerk goes
         risen, left = ((times - begin) / up).clip(0.0, 1.0), ((begin + whole - times) / down).clip(0.0, 1.0)
         risen, left = risen * risen * (3.0 - 2.0 * risen), left * left * (3.0 - 2.0 * left)
         q[:, :, lift] = np.minimum(low + (top - low) * risen, goal + (top - goal) * left)

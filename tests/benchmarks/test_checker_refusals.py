@@ -23,18 +23,22 @@ KIND = "table to table"
 SAID = "this plan is not to be"
 
 
+def searched(seed: int) -> Document:
+    """A random cell whose search ends after few candidates."""
+    request = random_cell(KIND, seed)
+    return {**request, "options": {**request.get("options", {}), "max_candidates": 20}}
+
+
 @cache
 def seed() -> int:
-    """The seed of a random cell that has a plan."""
-    return next(seed for seed in range(20) if plan_document(random_cell(KIND, seed))["status"] == "planned")
+    """The seed of one that has a plan."""
+    return next(seed for seed in range(20) if plan_document(searched(seed))["status"] == "planned")
 
 
 @pytest.fixture
 def request_refused(monkeypatch: pytest.MonkeyPatch) -> Document:
     """A request that has a plan, and a checker that refuses each plan of a search."""
-    request = random_cell(KIND, seed())
-    request["options"] = {**request.get("options", {}), "max_candidates": 20}
-    verdict = Verdict.of([Finding(Code.ARRIVAL, SAID, where="1 s")])
+    request, verdict = searched(seed()), Verdict.of([Finding(Code.ARRIVAL, SAID, where="1 s")])
     monkeypatch.setattr(census, "check", lambda *_, **__: verdict)
     return request
 

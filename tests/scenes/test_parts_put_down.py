@@ -61,7 +61,7 @@ def test_a_higher_floor_moves_that_line_alone() -> None:
     # a post towards which the lid rides when the arm has gone
     post = {"name": "post", "shape": {"box": {"size_mm": [20, 20, 60]}}, "pose": {"at_mm": [166.5, -350, 80]}}
     request["bodies"].append(post)
-    request["options"] |= {"clearance_mm": {"travel": 2, "near": 2}, "seed": 4}
+    request["options"] |= {"clearance_mm": {"travel": 2, "near": 2}, "seed": 1}
     again = margins(request)
     assert set(again["placed"]["bodies"]) == {"lid", "post"}
     assert again["placed"]["gap_m"] < 0.006
