@@ -9,6 +9,7 @@ import pytest
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.collision.proof import Prover
+from assur.planner.collision.screening import screen
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.kernels.candidates import (
@@ -25,14 +26,17 @@ from assur.planner.kernels.candidates import (
     WAIT,
 )
 from assur.planner.laws import Frame, linear
+from assur.planner.legs.joint import Shape
 from assur.planner.legs.meeting import Meetings
+from assur.planner.legs.missed import ArchForm
 from assur.planner.model.scene import Scene
 from assur.planner.search.beam import Search
 from assur.planner.search.candidates import Population
+from assur.planner.search.extension import timed
 from assur.planner.search.meeting_options import options
-from assur.planner.search.partial_plan import Candidate, Option, initial, prepared
+from assur.planner.search.partial_plan import Candidate, Option, TimedCandidate, initial, prepared
 from assur.planner.search.rough_score import CoarseScore, RoughMotions
-from assur.planner.search.tuning import APART_S, LATER, NEARLY_FREE, REMEMBERED
+from assur.planner.search.tuning import APART_S, FREE, LATER, NEARLY_FREE, REMEMBERED
 from assur.planner.search.via_batch import Freedom, shape_of
 from tests.planner.cells import Around, arm, belt_and_dial, cell, go, solid, stands
 from tests.planner.search.test_search import narrow
@@ -231,6 +235,39 @@ def test_a_row_is_timed_as_the_shape_that_it_describes() -> None:
     for k, via in enumerate(shape.vias):
         assert np.array_equal(via.q, row[FIRST_VIA + 4 * k : FIRST_VIA + 4 * (k + 1)])
         assert via.pace == row[PACES + k]
+
+
+def really_free(scene: Scene, prover: Prover, candidate: Candidate) -> bool:
+    """Whether screening finds nothing in the way of a candidate, once it is timed."""
+    motion = timed(scene, initial(scene), candidate, None)
+    return isinstance(motion, TimedCandidate) and screen(prover, motion).refusal is None
+
+
+def test_what_is_free_at_many_instants_is_free_and_few_instants_miss_more() -> None:
+    scene = walled()
+    prover, found, population = asked(scene)
+    ways = drawn(population, 400)
+    few, _ = population.score(ways, np.random.default_rng(0))
+    seems = ways[few <= FREE]
+    many, _ = population.score.finely(seems)
+    free = np.array([really_free(scene, prover, Candidate(found[int(row[OPTION])], shape_of(row))) for row in seems])
+    assert 0.1 < (many > FREE).mean() < 0.9
+    assert free[many <= FREE].mean() > 0.85
+    assert free[many > FREE].mean() < 0.25
+
+
+def test_arches_are_scored_with_the_overlap_of_their_corners() -> None:
+    """A wall stands in the way: corners that overlap much go through it, and some that overlap less go over it."""
+    wall = stands("wall", box(0.5, 0.02, 0.24), 0.45, 0.0, 0.12)
+    scene = cell(go(0.33, 0.25, 0.1), bodies=(wall,), q=(-0.9, 0.6, 0.1, 0.0))
+    prover, found, population = asked(scene)
+    top, corners = float(scene.robot.limits.upper[2]), np.linspace(0.0, 1.0, 7).tolist()
+    arches = [Candidate(found[0], Shape(form=ArchForm(top, rise, fall))) for rise in corners for fall in corners]
+    seems = population.free_arches(arches)
+    free = [really_free(scene, prover, each) for each in arches]
+    agree = [(each in seems) is one for each, one in zip(arches, free, strict=True)]
+    assert 5 <= sum(free) <= len(arches) - 5
+    assert np.mean(agree) > 0.95
 
 
 @pytest.mark.parametrize("bars", [False, True])
