@@ -39,7 +39,7 @@ TRIED = 8
 INSTANTS = 12
 """Times at which the rough motion of each candidate is evaluated,"""
 FINE, WAITING = 56, 8
-"""and those of the motion and of the wait of one that may be free, before it is timed: that costs 20 times as much."""
+"""and those of the motion and of the wait of one that may be free, before it is timed: that costs ten times as much."""
 GIVEN_UP = 1.5
 """A candidate that is in the way of something at more of them, or about as many, is not evaluated at the others."""
 REMEMBERED = 6
