@@ -229,7 +229,8 @@ def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int, enou
     axes = np.concatenate([placed[0, unit, 3:12].reshape(3, 3) for unit in (a, b)], axis=1)
     turn = TURNS[np.argmax(np.abs(TURNS @ axes).min(axis=1))]
     points, directions, work = np.zeros((4, 3)), np.zeros((4, 3)), np.empty((3, 4))
-    weights, count, between = np.zeros(4), 0, placed[0, b, :3] - placed[0, a, :3]
+    count, between = 0, placed[0, b, :3] - placed[0, a, :3]
+    found = Simplex(math.inf, np.zeros(4), directions)
     for _ in range(ITERATIONS):
         length = float(np.linalg.norm(between))
         if count and not length > MEET_M:
@@ -242,19 +243,24 @@ def simplex(arrangement: Arrangement, carriers: FloatArray, a: int, b: int, enou
             break
         points[count], directions[count] = point, way
         count += 1
-        if not nearest_to_origin(points, count, work):
+        weights = np.zeros(4)
+        if nearest_to_origin(points, count, work):
+            kept = [k for k in range(count) if work[0, k] > 0.0]
+            count, weights[: len(kept)] = len(kept), work[0, kept]
+            points[:count], directions[:count] = points[kept], directions[kept]
+        else:
             weights = np.linalg.lstsq(np.vstack([points.T, np.ones(4)]), np.array([0.0, 0.0, 0.0, 1.0]), rcond=None)[0]
             weights = np.maximum(weights, 0.0)
             weights /= weights.sum()
-            break
-        kept = [k for k in range(count) if work[0, k] > 0.0]
-        weights = np.zeros(4)
-        count, weights[: len(kept)] = len(kept), work[0, kept]
-        points[:count], directions[:count] = points[kept], directions[kept]
         between = weights @ points
+        shown = Simplex(float(np.linalg.norm(between)), weights, directions.copy())
+        # a step that brings the pieces no nearer is rounded: its points are almost on one line
+        if not shown.distance_m < found.distance_m:
+            break
+        found = shown
         if count == 4:
             break
-    return Simplex(float(np.linalg.norm(weights @ points)), weights, directions)
+    return found
 
 
 # What is in the way of the arm at one time and posture: the first pair that is too near, or a mesh around it.

@@ -43,9 +43,14 @@ def test_an_arch_whose_lift_reaches_its_acceleration_in_microseconds_rises(kind:
     assert codes_and_status(hard_request(kind, seed)) == ([], "planned")
 
 
-@pytest.mark.parametrize("seed", [196, 954])
+@pytest.mark.parametrize("seed", [196, 954, 77000223])
 def test_a_peak_of_the_jerk_in_a_short_piece_is_shown(seed: int) -> None:
     assert codes_and_status(hard_request("tiny limits", seed)) == ([], "planned")
+
+
+def test_a_pair_is_stated_where_points_of_its_simplex_are_almost_on_one_line() -> None:
+    """A step of that search went away from the origin by rounding, and its points were those of the row."""
+    assert codes_and_status(hard_request("mesh round the arm", 77000544)) == ([], "planned")
 
 
 def test_the_top_of_an_arch_is_as_high_as_is_required_where_switches_share_knots() -> None:

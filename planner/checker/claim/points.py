@@ -253,8 +253,8 @@ def rate_within(k: Claim, g: tb.Geometry, s: tb.Scratch, own: FloatArray, t0: fl
 # A polynomial on an interval is between the least and the greatest of its Bernstein coefficients, and the first and the
 # last of them are its values at the ends. What they leave open is halved (de Casteljau).
 
-PART_ROUNDS = 3.0
-"""By how many times more coefficients on a part of a piece round, for each degree (R5)."""
+PART_ROUNDS = 12.0
+"""By how many rounding units of the largest coefficient those on a part of a piece round more, for each degree."""
 NO_LIMITS, KEPT = -2, -1
 """What `first_joint_beyond` returns in place of a joint."""
 
@@ -361,7 +361,11 @@ def sum_within(k: Claim, own: FloatArray, more: float, stack: FloatArray, state:
                 add_joint(one, other, j, own[c.SUM_SHARE + j], ends, sizes)
         off = write_control(h, ends, sizes, order, control)
         if more < 0.0 and (t0 > begin or t1 < end):
-            off *= 1.0 + PART_ROUNDS * (5 - order) if t1 > begin else 1.0
+            if t1 > begin:
+                largest = 0.0
+                for i in range(6 - order):
+                    largest = max(largest, abs(control[i]))
+                off += PART_ROUNDS * (5 - order) * tb.ULP * (largest + off)
             cut_bernstein(control, 5 - order, (max(t0, begin) - begin) / h, 1.0 if t1 >= end else (t1 - begin) / h)
         off -= max(more, 0.0)
         least, most = low + off + 4.0 * tb.ULP * abs(low), high - off - 4.0 * tb.ULP * abs(high)
