@@ -87,10 +87,6 @@ def figures_of(records: Records, sizes: Mapping[str, tuple[int, ...]]) -> list[F
     ]
 
 
-if __name__ == "__main__":
-    typer.run(main)
-
-
 DENSITY_M2 = 8.0
 """Bodies in a square metre of floor: ten of them within the arm's reach of 0.6 m, as crowded as a static problem."""
 INNER_M = 0.12
@@ -147,3 +143,7 @@ def aside(seed: int, bodies: int) -> Problem:
         pos = [float(r * np.cos(angle)), float(r * np.sin(angle)), random.uniform(0.05, 0.25)]
         obstacles.append({"type": "box", "size": [SMALL_M] * 3, "pos": pos, "yaw": random.uniform(-1.0, 1.0)})
     return crowd(seed, 0) | {"id": f"aside-{seed}-{bodies}", "obstacles": obstacles}
+
+
+if __name__ == "__main__":
+    typer.run(main)

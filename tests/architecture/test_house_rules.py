@@ -60,6 +60,17 @@ def test_every_module_of_the_product_says_what_it_is() -> None:
     assert [source.path for source in every if not ast.get_docstring(source.tree)] == []
 
 
+def runs_early(source: Source) -> bool:
+    """Whether what a module does as a program is in front of a part of it."""
+    programs = [isinstance(node, ast.If) and "__main__" in ast.unparse(node.test) for node in source.tree.body]
+    return any(programs[:-1])
+
+
+def test_a_program_runs_when_all_of_its_module_is_defined() -> None:
+    assert [source.path for source in sources(*PRODUCT, *BESIDE) if runs_early(source)] == []
+    assert runs_early(made_up('if __name__ == "__main__":\n    main()\ndef main(): ...'))
+
+
 MOST_SHARED = 40
 """Public functions and classes of `planner/` that have a name in common with one of another module."""
 

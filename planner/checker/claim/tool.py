@@ -9,6 +9,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.chain import chain, slot_of, vector
+from assur.planner.checker.claim.joint_bounds import sum_within
 from assur.planner.checker.claim.motion import joints_over, piece_begun_at, rounding
 from assur.planner.checker.claim.obligations import amount_of, corrected_within, is_fixed, share_of
 from assur.planner.checker.claim.points import (
@@ -22,7 +23,6 @@ from assur.planner.checker.claim.points import (
     moves_with_point,
     rate_within,
     see,
-    sum_within,
 )
 from assur.planner.checker.claim.rows import place_side
 from assur.planner.checker.claim.solids import jet, length, put

@@ -12,9 +12,10 @@ from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.chain import frame_over
 from assur.planner.checker.claim.enclosure import first_within, link_rows, open_body
 from assur.planner.checker.claim.form import FITS, MISFITS, bound_name, bounds, misfit, wrong_table
+from assur.planner.checker.claim.joint_bounds import KEPT, NO_LIMITS, first_joint_beyond
 from assur.planner.checker.claim.motion import make_curves, make_laws
 from assur.planner.checker.claim.obligations import make_pairs, number_bodies, require_second
-from assur.planner.checker.claim.points import ERRORS, KEPT, NO_LIMITS, first_joint_beyond
+from assur.planner.checker.claim.points import ERRORS
 from assur.planner.checker.claim.rows import first_uncovered, first_wrong_row, resolve
 from assur.planner.checker.claim.solids import place_solids
 from assur.planner.checker.claim.tables import F1, F2, I1, f8, i8

@@ -13,8 +13,8 @@ from flint import arb, arb_series, ctx
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.claim import tables as tb
 from assur.planner.checker.claim.chain import slot_of
+from assur.planner.checker.claim.joint_bounds import sum_within
 from assur.planner.checker.claim.motion import make_curves, make_laws, over, through_loop
-from assur.planner.checker.claim.points import sum_within
 from assur.planner.checker.claim.solids import Jet, inverse, polynomial, root, times, turned
 from assur.planner.checker.claim.verdict import prepare
 from assur.planner.claim import columns as c
