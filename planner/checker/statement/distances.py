@@ -20,21 +20,25 @@ def require_distances(report: Requirements, scene: Scene, claim: c.Claim) -> Non
     """Distances in travel and near a control point, with their exceptions (the last one that names a pair
     counts), and the pairs of the robot's links that are kept apart."""
     names, clearance, stated = [body.name for body in bodies_of(scene)], scene.options.clearance, claim.required[0]
-    count = len(names)
-    required, kept = np.empty((2, count, count, 2))
+    sides = [[not side or name in side for name in names] for e in clearance.exceptions for side in (e.first, e.second)]
+    sides += (claim.rules[:, c.RULE_SIDE :] == 1.0).reshape(-1, len(names)).tolist()
+    # bodies that are on the same sides of all rules have the same distances: one of each kind counts
+    kinds = dict[tuple[bool, ...], list[str]]()
+    for name, kind in zip(names, zip(*sides, strict=True) if sides else [()] * len(names), strict=True):
+        kinds.setdefault(kind, []).append(name)
+    pairs = [_both_ways(*two) for two in np.array([*kinds], dtype=bool).T.reshape(-1, 2, len(kinds))]
+    required, kept = np.empty((2, len(kinds), len(kinds), 2))
     required[:] = clearance.travel_m, clearance.near_m
-    for rule in clearance.exceptions:
-        sides = [np.array([not side or name in side for name in names]) for side in (rule.first, rule.second)]
-        required[_both_ways(*sides)] = rule.travel_m, rule.near_m
+    for rule, between in zip(clearance.exceptions, pairs, strict=False):
+        required[between] = rule.travel_m, rule.near_m
     kept[:] = stated[[c.REQUIRED_TRAVEL, c.REQUIRED_NEAR]]
-    for row in claim.rules:
-        first, second = (row[c.RULE_SIDE :] == 1.0).reshape(2, count)
-        kept[_both_ways(first, second)] = row[[c.RULE_TRAVEL, c.RULE_NEAR]]
-    less = ~(kept >= required)
+    for row, between in zip(claim.rules, pairs[len(clearance.exceptions) :], strict=True):
+        kept[between] = row[[c.RULE_TRAVEL, c.RULE_NEAR]]
+    less, members = ~(kept >= required), list(kinds.values())
     for i, k, near in np.argwhere(less).tolist() if less.any() else ():
-        if i <= k:
-            pair, kind = f"{names[i]} and {names[k]}", ("travel", "near")[near]
-            what = f"{pair} need {required[i, k, near]:g} m ({kind}), not {kept[i, k, near]:g} m"
+        if i < k or (i == k and len(members[i]) > 1):
+            pair, name = f"{members[i][0]} and {members[k][-1]}", ("travel", "near")[near]
+            what = f"{pair} need {required[i, k, near]:g} m ({name}), not {kept[i, k, near]:g} m"
             report.require(False, Code.DISTANCE, what)
     links = scene.robot.links
     for one, other in scene.robot.self_pairs:
