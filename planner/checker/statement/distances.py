@@ -21,12 +21,13 @@ def require_distances(report: Requirements, scene: Scene, claim: c.Claim) -> Non
     counts), and the pairs of the robot's links that are kept apart."""
     names, clearance, stated = [body.name for body in bodies_of(scene)], scene.options.clearance, claim.required[0]
     sides = [[not side or name in side for name in names] for e in clearance.exceptions for side in (e.first, e.second)]
-    sides += (claim.rules[:, c.RULE_SIDE :] == 1.0).reshape(-1, len(names)).tolist()
+    sides += (claim.rules[:, c.RULE_SIDE :] == 1.0).reshape(2 * len(claim.rules), len(names)).tolist()
     # bodies that are on the same sides of all rules have the same distances: one of each kind counts
     kinds = dict[tuple[bool, ...], list[str]]()
     for name, kind in zip(names, zip(*sides, strict=True) if sides else [()] * len(names), strict=True):
         kinds.setdefault(kind, []).append(name)
-    pairs = [_both_ways(*two) for two in np.array([*kinds], dtype=bool).T.reshape(-1, 2, len(kinds))]
+    on = np.array([*kinds], dtype=bool).T.reshape(len(sides) // 2, 2, len(kinds))
+    pairs = [_both_ways(*two) for two in on]
     required, kept = np.empty((2, len(kinds), len(kinds), 2))
     required[:] = clearance.travel_m, clearance.near_m
     for rule, between in zip(clearance.exceptions, pairs, strict=False):
