@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import Final
 
+from assur.planner.model.options import LONGEST_BUDGET_S, MOST_CANDIDATES
+
 MAX_BODIES: Final = 1_000
 """Bodies of the surroundings: a crowded cell has a hundred."""
 MAX_FRAMES: Final = 256
@@ -94,9 +96,9 @@ LONGEST_RAMP_S: Final = 100.0
 """Time, s, in which a joint with parabolic blends reaches its speed: a controller has tenths of a second."""
 MIN_BUDGET_S: Final = 1e-3
 """Seconds of search: in less time not even the start is checked."""
-MAX_BUDGET_S: Final = 60.0
+MAX_BUDGET_S: Final = LONGEST_BUDGET_S
 """Seconds of search that one request may ask for, and the same for its explanation."""
-MAX_CANDIDATES: Final = 10_000_000
+MAX_CANDIDATES: Final = MOST_CANDIDATES
 """Candidates that one request may ask for."""
 HEAVY_KG: Final = 1_000.0
 """Masses, kg."""

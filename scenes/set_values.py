@@ -1,32 +1,38 @@
 """Values that are set in a document by their paths: `options.seed`, `bodies.table.pose.at_mm`, `task.0.move.to`.
 
-Keys of a path are names of fields; an entry of a list is named by its `name`, or by its number from 0.
+Keys of a path are names of fields; an entry of a list is named by its `name`, a step by that of the step, or by its
+number from 0, `task.0` or `task[0]`.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from assur.planner.errors import InputError
 from assur.scenes.faults import DocumentError, choices, dotted
-from assur.scenes.units import si_key, twin_of
+from assur.scenes.units import from_si, si_key, to_si, twin_of
 
 Keys = Sequence[str]
+NUMBER = re.compile(r"\[(\d+)\]")
+OF_NAMES = ("frames",)
+"""Where the mappings are whose keys are names: a path through a name that is not there is misspelt."""
 
 
 def with_values(document: Mapping[str, Any], values: object) -> dict[str, Any]:
     """A document in which each path has its value, in this order. What is not on a path is the same object as before.
 
-    A field that the document leaves out is added, and one in the other unit is replaced; whether a field of that name
-    exists is for the reader of the document to say. Raises `InputError` for no mapping of paths, for an entry that a
-    list has not, and for a path through what is neither mapping nor list.
+    A field that the document leaves out is added, and one in the other unit is replaced, or converted where a part of
+    it is set; whether a field of that name exists is for the reader of the document to say. Raises `InputError` for no
+    mapping of paths, for an entry that a list has not, for a path through a frame that is not there, and for one
+    through what is neither mapping nor list.
     """
     if not isinstance(values, dict) or not all(isinstance(path, str) and path for path in values):
         raise InputError("set", values, "a mapping of values by their paths, as in {'options.seed': 3}")
     changed: Any = dict(document)
     for path, value in values.items():
-        changed = _with(changed, path.split("."), value, ())
+        changed = _with(changed, NUMBER.sub(r".\1", path).split("."), value, ())
     return dict(changed)
 
 
@@ -40,14 +46,30 @@ def _with(node: object, keys: Keys, value: object, above: tuple[str | int, ...])
     if not isinstance(node, dict):
         raise DocumentError(dotted((*above, keys[0])), node, "a mapping or a list, in which a value can be set")
     key, rest = _longest(keys, node) or (keys[0], keys[1:])
+    if rest and above == OF_NAMES and key not in node:
+        raise DocumentError(dotted((*above, key)), key, f"one of {choices(node, key)}")
     twin = twin_of(key) or (si_key(key) or ("",))[0]
-    kept = {name: each for name, each in node.items() if rest or name != twin}
-    return {**kept, key: _with(kept.get(key, {} if rest else None), rest, value, (*above, key))}
+    kept = {name: each for name, each in node.items() if name != twin}
+    inside = node.get(key, {}) if twin not in node else in_other_unit(node[twin], twin)
+    return {**kept, key: _with(inside, rest, value, (*above, key))}
+
+
+def in_other_unit(value: object, key: str) -> object:
+    """A value, whose key has a unit, in the other unit of that quantity: of `at_mm` as `at_m` has it."""
+    twin = si_key(key)
+    if twin is not None:
+        return to_si(value, twin[1])
+    if isinstance(value, list):
+        return [in_other_unit(each, key) for each in value]
+    if isinstance(value, dict):
+        return {name: in_other_unit(each, key) for name, each in value.items()}
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return from_si(float(value), si_key(str(twin_of(key)))[1]) if number else value  # type: ignore[arg-type, index]
 
 
 def _entry(entries: list[Any], keys: Keys, above: tuple[str | int, ...]) -> tuple[int, Keys]:
     """The number of the entry that the first keys name, and the keys behind it."""
-    names = [each.get("name") if isinstance(each, dict) else None for each in entries]
+    names = [_name_of(each) for each in entries]
     found = _longest(keys, [name for name in names if name is not None])
     if found is not None:
         return names.index(found[0]), found[1]
@@ -56,6 +78,14 @@ def _entry(entries: list[Any], keys: Keys, above: tuple[str | int, ...]) -> tupl
     named = choices([name for name in names if isinstance(name, str)], keys[0])
     numbers = f"a number from 0 to {len(entries) - 1}" if entries else "none: the list is empty"
     raise DocumentError(dotted((*above, keys[0])), keys[0], f"{numbers}, or the name of an entry: {named}")
+
+
+def _name_of(entry: object) -> object:
+    """The name of an entry of a list, or of the step that it is; None: it has none."""
+    if not isinstance(entry, dict):
+        return None
+    inside = next(iter(entry.values()), None)
+    return inside.get("name") if isinstance(inside, dict) and len(entry) == 1 else entry.get("name")
 
 
 def _longest(keys: Keys, names: Mapping[str, object] | Sequence[object]) -> tuple[str, Keys] | None:

@@ -190,7 +190,8 @@ class Answer(Mapping[str, Any]):
     def __repr__(self) -> str:
         if not self.planned:
             return f"<Answer: not planned. {self.sentence}>"
-        return f"<Answer: planned, {self.duration_s:.3f} s, {len(self.arrivals)} arrivals>"
+        many = len(self.arrivals)
+        return f"<Answer: planned, {self.duration_s:.3f} s, {many} arrival{'' if many == 1 else 's'}>"
 
 
 NOTEBOOKS = ("IPython", "marimo")

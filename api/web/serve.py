@@ -122,7 +122,9 @@ def listening(host: str, port: int) -> socket.socket:
             reason = str(error.strerror)
         else:
             return listener
-    raise InputError("ASSUR_HOST, ASSUR_PORT", f"{host}, {port}", f"a free address ({reason})")
+    raise InputError(
+        "ASSUR_HOST, ASSUR_PORT", f"{host}, {port}", f"a free address ({reason}); --host and --port give another"
+    )
 
 
 def _stopped(_: int, __: FrameType | None) -> None:

@@ -61,6 +61,10 @@ class Clearance:
         return (self.travel_m, self.near_m) if rule is None else (rule.travel_m, rule.near_m)
 
 
+LONGEST_BUDGET_S, MOST_CANDIDATES = 60.0, 10_000_000
+"""Most seconds of search, and most candidates, of one request."""
+
+
 @dataclass(frozen=True, slots=True)
 class Options:
     """How to search. `stop`: at the first certified plan, or when the budget is spent."""

@@ -13,6 +13,7 @@ from typing import Any
 
 from assur.planner.errors import InputError
 from assur.planner.laws import slowed
+from assur.planner.model.options import LONGEST_BUDGET_S, MOST_CANDIDATES
 from assur.planner.model.phases import CONTACT_M
 from assur.planner.model.refusal import LawEnds, NotTouching, Overshoot, Reason, Refusal, Separation, Stage
 from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step, Trace, Window
@@ -301,9 +302,11 @@ def _listed(scene: Scene, step: int, blocker: str | None, refusal: Refusal | Non
     if options.acceleration_time_s is not None:
         yield option("acceleration time", "left to the planner", acceleration_time_s=None)
     # a longer search: of more time and, where the request counts them, more candidates
-    seconds, count = MORE * options.budget_s, options.max_candidates and MORE * options.max_candidates
+    seconds, count = min(MORE * options.budget_s, LONGEST_BUDGET_S), options.max_candidates
+    count = count and min(MORE * count, MOST_CANDIDATES)
     counted = f"{count} candidates in " if count else ""
-    yield option("budget", f"{counted}{seconds:g} s", budget_s=seconds, max_candidates=count)
+    if (seconds, count) != (options.budget_s, options.max_candidates):
+        yield option("budget", f"{counted}{seconds:g} s", budget_s=seconds, max_candidates=count)
     if options.elbow != "auto" and len(scene.robot.modes) > 1:
         yield option("elbow", "auto", elbow="auto")
     if isinstance(what, Move | Follow) and what.target.pitch is not None:

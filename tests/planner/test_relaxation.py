@@ -191,7 +191,7 @@ CASES: dict[str, tuple[Callable[[], Scene], str, str]] = {
         "acceleration time",
         "left to the planner",
     ),
-    "too few candidates": (round_a_wall, "budget", "8 candidates in 240 s"),
+    "too few candidates": (round_a_wall, "budget", "8 candidates in 60 s"),
     "a pitch that does not reach": (out_at_a_pitch, "pitch", "free"),
     "a dial too fast to be met": (fast_dial, "match", "position"),
     "a process speed too high": (lambda: corner(1e-3, 0.3), "process speed", "60 mm/s"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from typing import Any
 
 import pytest
@@ -14,7 +15,7 @@ DOCUMENT: dict[str, Any] = {
     "options": {"budget_ms": 500, "clearance_mm": {"travel": 8, "near": 1}},
     "frames": {"belt.1": {"conveyor": {"at_mm": [0, 350, 50], "speed_mm_s": 250}}, "belt": {"fixed": {}}},
     "bodies": [{"name": "table", "mass_kg": 1.0}, {"name": "fence.left", "mass_kg": 2.0}],
-    "task": [{"move": {"to": {"at_mm": [1, 2, 3]}}}],
+    "task": [{"move": {"name": "home", "to": {"at_mm": [1, 2, 3]}}}],
 }
 
 
@@ -31,6 +32,8 @@ DOCUMENT: dict[str, Any] = {
         ("bodies.1.mass_kg", 4, ("bodies", 1, "mass_kg")),
         ("bodies.1", {"name": "other"}, ("bodies", 1)),
         ("task.0.move.to.at_mm.2", 9, ("task", 0, "move", "to", "at_mm", 2)),
+        ("task[0].move.to.at_mm[2]", 9, ("task", 0, "move", "to", "at_mm", 2)),
+        ("task.home.move.to.at_mm.2", 9, ("task", 0, "move", "to", "at_mm", 2)),
         ("carry.acceleration_m_s2", 30, ("carry", "acceleration_m_s2")),
         ("task", [], ("task",)),
     ],
@@ -56,6 +59,24 @@ def test_a_value_is_set_where_its_path_leads_and_nowhere_else(path: str, value: 
     assert found == expected
 
 
+@pytest.mark.parametrize(
+    ("path", "value", "where", "expected"),
+    [
+        ("task.0.move.to.at_m.2", 0.5, ("task", 0, "move", "to"), {"at_m": [0.001, 0.002, 0.5]}),
+        ("options.clearance_m.near", 0.5, ("options", "clearance_m"), {"travel": 0.008, "near": 0.5}),
+        ("turn.at_mm.0", 7, ("turn",), {"at_mm": [7, 200.0, 300.0], "yaw_rad": math.pi}),
+        ("turn.yaw_deg", 7, ("turn",), {"at_m": [0.1, 0.2, 0.3], "yaw_deg": 7}),
+    ],
+)
+def test_a_part_of_a_value_is_set_in_the_unit_of_its_path(
+    path: str, value: object, where: tuple[Any, ...], expected: dict[str, Any]
+) -> None:
+    node: Any = with_values({**DOCUMENT, "turn": {"at_m": [0.1, 0.2, 0.3], "yaw_rad": math.pi}}, {path: value})
+    for key in where:
+        node = node[key]
+    assert node == expected
+
+
 def test_of_values_for_one_field_the_last_counts() -> None:
     found = with_values(
         DOCUMENT, {"options": {"seed": 1}, "options.seed": 2, "options.budget_ms": 1, "options.budget_s": 3}
@@ -68,6 +89,8 @@ def test_of_values_for_one_field_the_last_counts() -> None:
     [
         ({"bodies.tabel.mass_kg": 1}, r"bodies\.tabel: got 'tabel'.*fence\.left, table; did you mean table\?"),
         ({"bodies.2": 1}, r"bodies\.2: got '2'; allowed: a number from 0 to 1, or the name of an entry"),
+        ({"frames.belts.conveyor.speed_mm_s": 1}, r"frames\.belts: got 'belts'; .*did you mean belt"),
+        ({"task.homer.move.via": True}, r"task\.homer: got 'homer'; .*entry: home; did you mean home\?"),
         ({"bodies.-1": 1}, r"bodies\.-1"),
         ({"bodies.": 1}, r"bodies"),
         ({"task.0.move.to.at_mm.2.x": 1}, r"task\[0\]\.move\.to\.at_mm\[2\]\.x: got 3; allowed: a mapping or a list"),
