@@ -21,7 +21,7 @@ class InputError(AssurError):
     """
 
     def __init__(self, field: str, value: object, allowed: str) -> None:
-        super().__init__(f"{field}: got {_shown(value)}; allowed: {allowed}")
+        super().__init__(f"{_cut(field, LONGEST_FIELD)}: got {_shown(value)}; allowed: {allowed}")
         self.field = field
         self.value = value
         self.allowed = allowed
@@ -39,8 +39,8 @@ class FaultError(AssurError):
     """Ours: an invariant of the planner does not hold."""
 
 
-LONGEST_SHOWN = 80
-"""So many characters of a value that is refused are repeated."""
+LONGEST_SHOWN, LONGEST_FIELD = 80, 400
+"""So many characters of a value that is refused, and of the path of its field, are repeated."""
 
 
 def _shown(value: object) -> str:
@@ -51,4 +51,8 @@ def _shown(value: object) -> str:
         shown = repr(value)
     except ValueError:
         return f"a {type(value).__name__} with a whole number of more than 4300 digits"
-    return shown if len(shown) <= LONGEST_SHOWN else shown[: LONGEST_SHOWN - 3] + "..."
+    return _cut(shown, LONGEST_SHOWN)
+
+
+def _cut(text: str, longest: int) -> str:
+    return text if len(text) <= longest else text[: longest - 3] + "..."

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_DEPTH
 from assur.scenes.faults import DocumentError, choices, dotted
 from assur.scenes.units import from_si, si_key, to_si, twin_of
 
@@ -32,7 +33,10 @@ def with_values(document: Mapping[str, Any], values: object) -> dict[str, Any]:
         raise InputError("set", values, "a mapping of values by their paths, as in {'options.seed': 3}")
     changed: Any = dict(document)
     for path, value in values.items():
-        changed = _with(changed, NUMBER.sub(r".\1", path).split("."), value, ())
+        keys = NUMBER.sub(r".\1", path).split(".")
+        if len(keys) > MAX_DEPTH:
+            raise InputError("set", path, f"a path of at most {MAX_DEPTH} keys")
+        changed = _with(changed, keys, value, ())
     return dict(changed)
 
 

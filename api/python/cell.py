@@ -23,7 +23,8 @@ class Cell:
     """
 
     def __init__(self, request: Mapping[str, Any] | Request) -> None:
-        """Raises `InputError` naming the field that is not right; its `errors` are all fields that are not."""
+        """Checks the form of the request; names are looked up and meshes read with the first plan. Raises `InputError`
+        naming the field that is not right; its `errors` are all fields that are not."""
         from assur.scenes.requests import validate
         from assur.scenes.schema.normal import plain
 

@@ -60,9 +60,6 @@ def file_wanted(request: Request) -> dict[str, Any] | None:
     """How the plan is to be written into a file, as an export has it; None: the answer is wanted. Raises `Problem`
     naming the parameter."""
     given = request.query_params
-    for name in NAMES:
-        if len(values := given.getlist(name)) > 1:
-            raise Problem.of_input(InputError(name, ", ".join(values), f"{name} once"))
     own = {name: given[name] for name in OF_FILES if name in given}
     form = given.get("format")
     if form is not None and form not in MEDIA_TYPES:

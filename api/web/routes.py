@@ -74,10 +74,12 @@ async def read_admitted(request: Request, limit: int, *parameters: str, json: bo
 
 def admit(request: Request, *parameters: str) -> None:
     """Raises the `Problem` of a request that is turned away unread: for a parameter of the address that is not one of
-    `parameters`, and when the queue is full."""
+    `parameters` or is there twice, and when the queue is full."""
     for name in request.query_params:
         if name not in parameters:
             raise Problem.of_input(InputError(name, request.query_params[name], _known(parameters)))
+        if len(values := request.query_params.getlist(name)) > 1:
+            raise Problem.of_input(InputError(name, ", ".join(values), f"{name} once"))
     service_of(request).workers.require_room(client_of(request))
 
 

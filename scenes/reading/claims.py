@@ -169,12 +169,14 @@ def untrue_errors(plan: Plan, scene: Scene) -> tuple[Finding, ...]:
 
 def untrue_bound(stated: float | None, scene: Scene, lasts: float) -> tuple[Finding, ...]:
     """A finding if a stated lower bound of the duration, s, is larger than the one that is computed again from the
-    request, or than the plan takes (`lasts`, s). None, 0 or less states nothing."""
+    request, or than the plan takes (`lasts`, s). None states nothing; 0 or less no answer has."""
     from assur.planner.bound.duration import least_duration
 
     where = "lower_bound_s"
-    if stated is None or stated <= 0.0:
+    if stated is None:
         return ()
+    if not stated > 0.0:
+        return (Finding(Code.CLAIM, f"{where} is {stated:.6g}, but a bound is more than 0, or null", where=where),)
     if not stated <= lasts + BOUND_S:
         what = f"{where} is {stated:.6f}, but this plan takes only {lasts:.6f}"
         return (Finding(Code.CLAIM, what, stated - lasts, "s", where),)

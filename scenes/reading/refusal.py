@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -195,7 +196,7 @@ def _typed(kind: Any, given: object, key: str) -> Any:
     if given is None:
         return None
     try:
-        return _adapter(kind).validate_python(given)
+        return _adapter(kind).validate_json(json.dumps(given), strict=True)
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         if first["type"] in ("union_tag_invalid", "union_tag_not_found"):

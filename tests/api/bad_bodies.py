@@ -92,6 +92,7 @@ BAD_CALLS: tuple[tuple[str, Any, str], ...] = (
             ("certificate=none", "certificate"),
             ("certificate=", "certificate"),
             ("certificate=full&certificate=x", "certificate"),
+            ("certificate=full&certificate=digest", "certificate"),
             ("certificate=%00", "certificate"),
             ("certficate=digest", "certficate"),
             ("budget_s=1", "budget_s"),

@@ -296,6 +296,8 @@ def test_what_is_not_checked_must_have_its_form(key: str, value: object, field: 
         (("witness",), {"kind": "met"}, "witness.ways", "what a witness of this kind has"),
         (("witness",), {"kind": "met", "ways": "all"}, "witness.ways", "what a witness of this kind has"),
         (("witness",), {"kind": "met", "ways": [{"mode": 1}]}, "witness.ways[0].mode", "text"),
+        (("facts", "gap_m"), True, "facts.gap_m", "a number"),
+        (("facts", "touching"), 1, "facts.touching", "true or false"),
         (("facts", "kind"), "hearsay", "facts.kind", "one of out_of_reach, joint_limit"),
         (("joint",), "j1", "joint", "nothing in addition to bodies: only one of bodies, joint and frame"),
         (("frame",), "belt", "frame", "nothing in addition to bodies: only one of bodies, joint and frame"),

@@ -94,6 +94,7 @@ def test_of_values_for_one_field_the_last_counts() -> None:
         ({"bodies.-1": 1}, r"bodies\.-1"),
         ({"bodies.": 1}, r"bodies"),
         ({"task.0.move.to.at_mm.2.x": 1}, r"task\[0\]\.move\.to\.at_mm\[2\]\.x: got 3; allowed: a mapping or a list"),
+        ({"a." * 20_000 + "b": 1}, "set: got 'a.a.*at most 32 keys"),
         ({"": 1}, "set: got"),
         ({3: 1}, "set: got"),
         ([("options.seed", 1)], "set: got"),

@@ -31,7 +31,7 @@ def test_what_is_computed_again_is_accepted_and_so_is_less(name: str) -> None:
     outcome = plan(scene)
     assert isinstance(outcome, Planned)
     lasts = outcome.plan.trajectory.duration
-    for claimed in (outcome.lower_bound_s, least(scene), 0.5 * least(scene), 0.0, -1.0, None):
+    for claimed in (outcome.lower_bound_s, least(scene), 0.5 * least(scene), 1e-9, None):
         assert untrue_bound(claimed, scene, lasts) == ()
 
 
@@ -44,7 +44,7 @@ def test_more_than_is_computed_again_is_refused(name: str) -> None:
     known = least(scene)
     more = known * (1.0 + 2.0 * RESERVE)
     assert more < lasts
-    for claimed in (more, 0.5 * (known + lasts), lasts, lasts + 1e-6, 1e9, math.inf, math.nan):
+    for claimed in (more, 0.5 * (known + lasts), lasts, lasts + 1e-6, 1e9, math.inf, math.nan, 0.0, -1.0):
         (finding,) = untrue_bound(claimed, scene, lasts)
         assert (finding.code, finding.where) == (Code.CLAIM, "lower_bound_s")
         assert not finding.amount <= 0.0
