@@ -30,7 +30,7 @@ def load(name: str | Path) -> dict[str, Any]:
     from assur.scenes.files import is_file, is_json, json_in
     from assur.scenes.plan_file import is_plan_file, plan_file_in
     from assur.scenes.requests import load_scenario, shipped, shipped_scenarios
-    from assur.scenes.scenarios import with_files
+    from assur.scenes.scenario import with_files
 
     path = Path(name)
     is_there = is_file(path)

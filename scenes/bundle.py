@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from assur.planner.errors import InputError
 from assur.planner.model.claims import NOTHING, Claims
 from assur.scenes.requests import cell_of, read_plan
-from assur.scenes.scenarios import with_files
+from assur.scenes.scenario import with_files
 
 if TYPE_CHECKING:
     from assur.planner.model.outcome import Plan

@@ -7,6 +7,7 @@ from pathlib import Path
 from assur.planner.errors import InputError
 from assur.scenes.faults import WHOLE, fault
 from assur.scenes.plan_file import is_plan_file
+from assur.scenes.schema.cell_file import CELL, TASK
 from assur.scenes.schema.request import SCHEMA
 
 
@@ -17,6 +18,9 @@ def refuse_other(document: object) -> None:
         raise InputError(WHOLE, document, allowed)
     if not isinstance(document, dict):
         return  # its model says what a request is
+    if document.get("schema") in (CELL, TASK):
+        allowed = f"{SCHEMA}: a cell and a task make a request together; assur.load reads the one of a task file"
+        raise fault(document, ("schema",), allowed)
     status = document.get("status")
     if isinstance(status, str) and status in ("planned", "not_planned"):
         raise fault(document, ("status",), "no status: this is an answer, not a request")

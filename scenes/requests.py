@@ -21,7 +21,8 @@ from assur.scenes.catalogue import RobotFile, load_robot, models, robots, shippe
 from assur.scenes.faults import located, written_key
 from assur.scenes.files import with_meshes, with_plans
 from assur.scenes.not_requests import refuse_other
-from assur.scenes.scenarios import Scenario, ScenarioDocument, load_scenario, shipped, shipped_scenarios, unmet
+from assur.scenes.scenario import Scenario
+from assur.scenes.scenarios import ScenarioDocument, load_scenario, shipped, shipped_scenarios, unmet
 from assur.scenes.schema.answer import Verdict
 from assur.scenes.schema.ik import IkDocument
 from assur.scenes.schema.normal import plain

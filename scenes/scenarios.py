@@ -2,48 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import Field
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_TEXT, MAX_YAML_BYTES
-from assur.scenes.catalogue import with_robots
-from assur.scenes.faults import NOTHING, DocumentError, likeliest
-from assur.scenes.files import empty, with_meshes, with_plans
-from assur.scenes.schema.model import Document, Instant
+from assur.scenes.faults import NOTHING, DocumentError, fault, likeliest
+from assur.scenes.files import empty
+from assur.scenes.scenario import Scenario
+from assur.scenes.schema.cell_file import CELL, TASK
+from assur.scenes.schema.expect import ExpectDocument
+from assur.scenes.schema.model import Document
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
-from assur.scenes.text.yaml_text import Lines, parse_yaml, with_line
+from assur.scenes.task_files import is_task, task_scenario
+from assur.scenes.text.yaml_text import parse_yaml, with_line
 
 CELLS = Path(__file__).parent / "cells"
 """The shipped scenarios."""
-OF_PLAN = "plan"
-"""First part of the fields of a plan that is checked against a scenario; no key of a request."""
-
-
-class RangeDocument(Document):
-    """A range; either end may be left out."""
-
-    min: Instant | None = None
-    max: Instant | None = None
-
-
-class ExpectDocument(Document):
-    """What a scenario's answer must be."""
-
-    status: Literal["planned", "not_planned"]
-    duration_s: RangeDocument | None = None
-    reason: str | None = None
-    proved: bool | None = None
-    mentions: Annotated[list[str], Field(max_length=32)] = Field(default_factory=list)
-    matched: Annotated[list[str], Field(max_length=64)] = Field(default_factory=list)
-    relaxation: str | None = None
 
 
 class ScenarioDocument(Document):
@@ -52,28 +31,6 @@ class ScenarioDocument(Document):
     about: Annotated[str, Field(min_length=1, max_length=MAX_TEXT)]
     request: RequestDocument
     expect: ExpectDocument | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Scenario:
-    """A scenario: its name is its file's, `folder` its file's folder, `lines` has the line of each value."""
-
-    name: str
-    about: str
-    request: dict[str, Any]
-    expect: dict[str, Any]
-    folder: Path
-    lines: Lines
-
-    @contextmanager
-    def located(self) -> Iterator[None]:
-        """An `InputError` about the request, raised inside, gets the line of the file."""
-        try:
-            yield
-        except InputError as error:
-            if error.field.split(".")[0] == OF_PLAN:
-                raise  # about the plan that is checked: another file, whose lines are not known
-            raise with_line(error, self.lines, "request.") from error
 
 
 def load_scenario(path: Path) -> Scenario:
@@ -86,6 +43,12 @@ def load_scenario(path: Path) -> Scenario:
 def scenario_in(text: bytes, path: Path) -> Scenario:
     """The scenario in the YAML text of a file, which is not opened. Raises `DocumentError` with the line."""
     document, lines = parse_yaml(text)
+    if is_task(document):
+        return task_scenario(document, lines, path)
+    if isinstance(document, dict) and document.get("schema") == CELL:
+        raise with_line(
+            fault(document, ("schema",), f"{TASK}: this is a cell; a task file that names it is planned"), lines
+        )
     if document is None:
         raise empty(path, "a scenario: YAML with about, request and, if something is expected of the answer, expect")
     if isinstance(document, dict) and "request" not in document and {"robot", "task"} & document.keys():
@@ -115,12 +78,6 @@ def shipped(name: str) -> Scenario:
 def scenario_text(name: str) -> str:
     """The YAML of a shipped scenario. Raises `InputError` for a name that is none."""
     return (CELLS / f"{shipped(name).name}.yaml").read_text(encoding="utf-8")
-
-
-def with_files(request: Any, folder: Path) -> Any:
-    """The request with the content of each file (of a robot, a plan, a mesh) in place of its name; the files must be
-    below `folder`."""
-    return with_meshes(with_plans(with_robots(request, folder), folder), folder)
 
 
 def unmet(expect: dict[str, Any], answer: dict[str, Any]) -> list[str]:

@@ -32,7 +32,7 @@ from assur.scenes.requests import (
     shipped_scenarios,
     unmet,
 )
-from assur.scenes.scenarios import with_files
+from assur.scenes.scenario import with_files
 from assur.scenes.units import si_key, twin_of
 
 if TYPE_CHECKING:

@@ -35,7 +35,7 @@ from assur.planner.errors import InputError
 from assur.scenes.faults import fault
 from assur.scenes.meshes.folder import MeshFolder
 from assur.scenes.requests import Detail, shipped, stated_budgets, with_options
-from assur.scenes.scenarios import with_files
+from assur.scenes.scenario import with_files
 
 SMALL_BYTES = 32768
 """Bodies up to this are looked through at once: it takes less than 1 ms, and the way to a thread and back half as long.

@@ -37,7 +37,8 @@ from assur.scenes.requests import (
     view_document,
     with_options,
 )
-from assur.scenes.scenarios import CELLS, scenario_in, with_files
+from assur.scenes.scenario import with_files
+from assur.scenes.scenarios import CELLS, scenario_in
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import OptionsDocument
 from assur.scenes.schema.shapes import MeshDocument

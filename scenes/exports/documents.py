@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
 from assur.scenes.requests import cell_of, read_plan
-from assur.scenes.scenarios import with_files
+from assur.scenes.scenario import with_files
 from assur.scenes.schema.export import ExportDocument, ForeignTrajectoryDocument
 from assur.scenes.schema.read import read
 

@@ -19,8 +19,8 @@ SINGLE = frozenset((str, float, int, bool))
 LEAVES = SINGLE | {type(None)}
 """The same, and what is refused where a key has it."""
 ALLOWED = "a number that a float or an int is exactly"
-OF_NAMES = "frames"
-"""Key of the mapping whose keys are names that the document gives, whatever they end in."""
+OF_NAMES = frozenset(("frames", "kinds", "positions", "slots", "slot", "set"))
+"""Keys of the mappings whose keys are names that the document gives, or paths, whatever they end in."""
 
 
 def normal(document: object, faults: list[DocumentError] | None = None) -> Any:
@@ -70,7 +70,7 @@ def _inside(value: object, path: Path, faults: list[DocumentError] | None) -> An
 
 def _mapping(mapping: dict[Any, Any], path: Path, faults: list[DocumentError]) -> dict[Any, Any]:
     found = {}
-    of_names = bool(path) and path[-1] == OF_NAMES
+    of_names = bool(path) and path[-1] in OF_NAMES
     for key, value in mapping.items():
         if value is None:
             faults.append(DocumentError(dotted((*path, str(key))), None, "a value; leave the key out if there is none"))

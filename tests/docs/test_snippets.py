@@ -10,6 +10,8 @@ import pytest
 
 from assur.scenes import load, plan
 from assur.scenes.requests import load_robot, load_scenario, parse_json, plan_scenario, unmet
+from assur.scenes.schema.cell_file import CELL, CellDocument
+from assur.scenes.schema.read import read
 from assur.scenes.schema.robots import FAMILIES
 from assur.scenes.text.yaml_text import parse_yaml
 from tests.docs.pages import HOST, PAGES, ROOT, Block, blocks, of_language, save_files
@@ -51,6 +53,8 @@ def test_every_yaml_block_is_planned_by_itself_or_in_the_small_cell(block: Block
     save_files(block.page, tmp_path)
     if block.saved is not None and any(block.text.startswith(f"{family}:") for family in FAMILIES):
         assert load_robot(tmp_path / block.saved).listed()["joints"]
+    elif block.text.startswith(f"schema: {CELL}"):
+        assert read(CellDocument, parse_yaml(block.text.encode())[0]).robot
     elif block.saved is not None:
         scenario = load_scenario(tmp_path / block.saved)
         assert unmet(scenario.expect, plan_scenario(scenario)) == []

@@ -9,7 +9,8 @@ import json
 import pytest
 
 from assur.scenes.requests import check_document, plan_scenario
-from assur.scenes.scenarios import Scenario, shipped, shipped_scenarios, unmet, with_files
+from assur.scenes.scenario import Scenario, with_files
+from assur.scenes.scenarios import shipped, shipped_scenarios, unmet
 from benchmarks.judge.product import as_si
 from benchmarks.judge.promises import broken_promises
 from tests.changed import changed

@@ -16,7 +16,8 @@ from assur.scenes.conventions import as_maker
 from assur.scenes.exports.documents import check_trajectory_document, export_document
 from assur.scenes.reading.cell import Cell
 from assur.scenes.requests import cell_of, read_plan
-from assur.scenes.scenarios import shipped, shipped_scenarios, with_files
+from assur.scenes.scenario import with_files
+from assur.scenes.scenarios import shipped, shipped_scenarios
 from tests.scenes.cells.answers import answer
 from tests.scenes.exports.controller import sampled, seconds
 from tests.scenes.exports.test_foreign import table, text

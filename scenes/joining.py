@@ -1,0 +1,307 @@
+"""The request that a cell file and a task file make together, and where each part of it was written.
+
+The cell and the task stay as they were written, in their units; the request is made of their own values. So a fault of
+the request is a fault at the place in the cell or the task from which the value came (`Joined.relocated`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from typing import Any
+
+from assur.planner.errors import InputError
+from assur.scenes.faults import WHOLE, DocumentError, Gathered, Refused, choices, dotted, located, written_key
+from assur.scenes.schema.cell_file import CellDocument, TaskDocument, TransferDocument
+from assur.scenes.schema.normal import normal, plain
+from assur.scenes.schema.read import read
+from assur.scenes.schema.request import SCHEMA
+from assur.scenes.set_values import with_values
+from assur.scenes.units import si_key
+
+Document = dict[str, Any]
+Path = tuple[str | int, ...]
+AROUND = ("robot", "frames", "neighbours", "execution", "carry")
+"""Fields of a cell that are fields of a request."""
+ENDS = {"move": "to", "follow": "to", "place": "to", "trace": "start"}
+"""Key of the pose of each step that has one: a position's name may be in its place."""
+HANDLING = {"approach": {"m": 0.03}, "dwell_s": 0.1, "depart": {"m": 0.03}}
+"""How a part is picked and placed where neither the step, the slots nor the kind state it."""
+HANDLED, GRASP, REST = ("approach", "dwell_s", "depart"), ("grasp_m", "grasp_yaw_rad"), ("contact_with",)
+"""Fields of picks and places that kinds or slots may state; of picks alone; of places alone."""
+OF_CELL, OF_TASK = "cell", "task"
+"""First part of the fields of a fault: the document that it is in."""
+
+
+def joined(cell: object, task: object) -> Joined:
+    """The request of a task in a cell. Raises `DocumentError` whose fields begin with `cell` or `task`."""
+    with within_document(OF_TASK):
+        stated: TaskDocument = read(TaskDocument, task)
+    written, values = plain(cell), plain(stated.set)
+    try:
+        changed = with_values(written, values) if values and isinstance(written, dict) else written
+    except InputError as error:
+        raise DocumentError(f"{OF_TASK}.set", error.value, f"{error.field}: {error.allowed}") from error
+    with within_document(OF_CELL):
+        read(CellDocument, changed)
+    return _Join(changed, plain(task)).made()
+
+
+class within_document:
+    """A fault inside is one of the document of that name."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, InputError):
+            raise documented(error).relocated(self._field) from error
+
+    def _field(self, field: str) -> str:
+        return self._name if field == WHOLE else f"{self._name}.{field}"
+
+
+def documented(error: InputError) -> DocumentError:
+    """A fault as one of a document."""
+    return error if isinstance(error, DocumentError) else DocumentError(error.field, error.value, error.allowed)
+
+
+class Joined:
+    """A `request`, and where its parts were written: `origins`, from the path of a part to its path in the cell or the
+    task, which begins with `cell` or `task`."""
+
+    def __init__(self, request: Document, origins: dict[Path, Path]) -> None:
+        self.request = request
+        self._origins = {dotted(path): dotted(origin) for path, origin in origins.items()}
+
+    def relocated(self, error: InputError) -> DocumentError:
+        """A fault of the request as one of the cell or the task."""
+        return documented(error).relocated(self.origin)
+
+    def origin(self, field: str) -> str:
+        """The field of the cell or the task from which a field of the request came."""
+        head = field
+        while head not in self._origins and head:
+            head = head[: max(head.rfind("."), head.rfind("["), 0)]
+        return self._origins[head] + field[len(head) :] if head else field
+
+
+class _Join:
+    """Makes one request. `cell` and `task` are valid by their models and as they were written."""
+
+    def __init__(self, cell: Document, task: Document) -> None:
+        self.cell, self.task, self.faults = cell, task, Gathered()
+        self.origins: dict[Path, Path] = {}
+        self.kinds: Document = cell.get("kinds", {})
+        self.positions: Document = cell.get("positions", {})
+        self.grids: Document = cell.get("slots", {})
+        self.parts: dict[str, Document] = {}
+        self.slot_of: dict[str, tuple[str, int]] = {}
+        """The slot in which a part lies, while the steps are read in order."""
+
+    def made(self) -> Joined:
+        """The request. Raises `DocumentError`."""
+        cell, task = self.cell, self.task
+        with located({OF_CELL: cell, OF_TASK: task}):
+            for name in self.positions.keys() & self.grids.keys():
+                self.faults.add(Refused("a name that no position has"), OF_CELL, "slots", name)
+            request: Document = {"schema": SCHEMA}
+            for key in AROUND:
+                if key in cell:
+                    request[key] = cell[key]
+                    self.origins[key,] = OF_CELL, key
+            request["bodies"] = self._bodies()
+            request["start"] = self._start()
+            request["options"] = self._options()
+            request["task"] = self._steps()
+            self.faults.settle()
+        return Joined(request, self.origins)
+
+    def _options(self) -> Document:
+        """Those of the cell and those of the task. None may be in both."""
+        own, given = self.cell.get("options", {}), self.task.get("options", {})
+        for key in given:
+            if written_key(own, (si_key(key) or (key,))[0]) is not None:
+                self.faults.add(Refused("none: the cell states it, and `set` changes it"), OF_TASK, "options", key)
+        self.origins["options",] = OF_TASK, "options"
+        self.origins |= {("options", key): (OF_CELL, "options", key) for key in own}
+        return {**own, **given}
+
+    def _start(self) -> Document:
+        """The state at the begin; a position's name may be in place of the pose of the tool."""
+        start, where = self.task["start"], (OF_TASK, "start")
+        self.origins["start",] = where
+        if isinstance(start.get("tool"), str):
+            start = {**start, "tool": self._position(start["tool"], (*where, "tool"), ("start", "tool"))}
+        return dict(start)
+
+    # Parts are bodies of the request, behind those of the cell.
+
+    def _bodies(self) -> list[Document]:
+        bodies = list(self.cell.get("bodies", ()))
+        self.origins |= {("bodies", i): (OF_CELL, "bodies", i) for i in range(len(bodies))}
+        for k, part in enumerate(self.task.get("parts", ())):
+            at, where = ("bodies", len(bodies)), (OF_TASK, "parts", k)
+            self.origins[at] = where
+            self.parts[part["name"]] = part
+            bodies.append(self._body(part, at, where))
+        return bodies
+
+    def _body(self, part: Document, at: Path, where: Path) -> Document:
+        """A part as a body: what it does not state it has of its kind."""
+        body = {key: value for key, value in part.items() if key not in ("kind", "slot")}
+        kind = part.get("kind")
+        if kind is not None and kind not in self.kinds:
+            self.faults.add(Refused(f"one of the kinds: {choices(self.kinds, kind)}"), *where, "kind")
+        elif kind is not None:
+            for key in ("shape", "mass_kg", "yaw_symmetry", "uncertainty"):
+                if key in self.kinds[kind] and key not in body:
+                    body[key] = self.kinds[kind][key]
+                    self.origins[(*at, key)] = OF_CELL, "kinds", kind, key
+        if "slot" in part:
+            ((grid, number),) = part["slot"].items()
+            taken = self._taken(grid)
+            pose = self._slot_pose(grid, number, (*where, "slot"))
+            if number in taken:
+                self.faults.add(Refused(f"a slot that is free: {taken[number]} is in it"), *where, "slot", grid)
+            self.slot_of[part["name"]] = grid, number
+            if pose is not None:
+                body["pose"] = pose
+                self.origins[(*at, "pose")] = OF_CELL, "slots", grid
+        return body
+
+    def _taken(self, grid: str) -> dict[int, str]:
+        """The slots of a grid in which a part lies now, and the part."""
+        return {number: part for part, (name, number) in self.slot_of.items() if name == grid}
+
+    def _slot_pose(self, grid: str, number: object, where: Path) -> Document | None:
+        """The pose of a slot; None, and a fault, where there is none."""
+        if grid not in self.grids:
+            self.faults.add(Refused(f"the name of slots: {choices(self.grids, grid)}"), *where)
+            return None
+        slots = normal(self.grids[grid])
+        nx, ny, nz = slots.get("count", (1, 1, 1))
+        if not (isinstance(number, int) and not isinstance(number, bool) and 1 <= number <= nx * ny * nz):
+            self.faults.add(Refused(f"the number of a slot, 1 to {nx * ny * nz}"), *where, grid)
+            return None
+        n, step = number - 1, slots.get("step_m", (0.0, 0.0, 0.0))
+        steps = n % nx, n // nx % ny, n // (nx * ny)
+        at = [start + many * far for start, many, far in zip(slots["at_m"], steps, step, strict=True)]
+        kept = {key: slots[key] for key in ("frame", "body", "yaw_rad") if key in slots}
+        return {"yaw_rad": 0.0, **kept, "at_m": at}
+
+    def _position(self, name: str, where: Path, at: Path, grids: Collection[str] = ()) -> object:
+        """The pose of a named position; any pose, and a fault, where there is none. `grids`: what the name could have
+        been as well."""
+        if name not in self.positions:
+            kinds = "positions and slots" if grids else "positions"
+            self.faults.add(Refused(f"one of the {kinds}: {choices([*self.positions, *grids], name)}"), *where)
+            return {"at_m": [0.0, 0.0, 0.0]}
+        self.origins[at] = OF_CELL, "positions", name
+        return self.positions[name]
+
+    # Steps: names of positions and slots become poses, and what a pick or a place leaves out it has of its kind and its
+    # slots. A transfer is a pick and a place for each part.
+
+    def _steps(self) -> list[Document]:
+        steps: list[Document] = []
+        for i, step in enumerate(self.task["steps"]):
+            where = (OF_TASK, "steps", i)
+            kind = next(iter(step), "")
+            own = step.get(kind)
+            if kind == "transfer" and isinstance(own, dict):
+                steps += self._transfer(own, (*where, kind), len(steps))
+                continue
+            at = ("task", len(steps))
+            self.origins[at] = where
+            if isinstance(own, dict):
+                step = {**step, kind: self._step(kind, own, (*where, kind), (*at, kind))}
+            steps.append(step)
+        return steps
+
+    def _transfer(self, own: Document, where: Path, count: int) -> list[Document]:
+        """A pick and a place for each part, in this order, to the next free slots."""
+        with within_document(dotted(where)):
+            stated: TransferDocument = read(TransferDocument, own)
+        steps: list[Document] = []
+        for k, part in enumerate(stated.parts):
+            window = {key: own[key] for key in own if key.startswith("window_")}
+            pick = {"part": part, "name": f"pick-{part}", **window}
+            place = {"part": part, "name": f"place-{part}", "to": stated.to}
+            for kind, given in (("pick", pick), ("place", place)):
+                at = ("task", count + len(steps))
+                self.origins[at] = self.origins[(*at, kind)] = where
+                self.origins[(*at, kind, "part")] = self.origins[(*at, kind, "name")] = (*where, "parts", k)
+                self.origins |= {(*at, kind, key): (*where, key) for key in window if kind == "pick"}
+                steps.append({kind: self._step(kind, given, where, (*at, kind))})
+        return steps
+
+    def _step(self, kind: str, own: Document, where: Path, at: Path) -> Document:
+        """A step of a request. `where` it was written, and `at` which place it is in the request."""
+        made, part = dict(own), own.get("part")
+        end = ENDS.get(kind)
+        grid = self._end(made, end, part, where, at) if end in made else None
+        if kind in ("pick", "place") and isinstance(part, str):
+            for source, origin in self._defaults(part, grid if kind == "place" else None):
+                for key, value in source.items():
+                    si = (si_key(key) or (key,))[0]
+                    allowed = si in HANDLED or (kind == "pick" and si in GRASP) or (kind == "place" and si in REST)
+                    if allowed and written_key(made, si) is None:
+                        made[key] = value
+                        self.origins[(*at, key)] = (*origin, key)
+            made = {**{key: each for key, each in HANDLING.items() if written_key(made, key) is None}, **made}
+            if kind == "pick":
+                self.slot_of.pop(part, None)
+                if written_key(made, "grasp_m") is None:
+                    made["grasp_m"] = [0.0, 0.0, 0.0]
+        return made
+
+    def _defaults(self, part: str, grid: str | None) -> Sequence[tuple[Document, Path]]:
+        """What a pick or a place may take its fields from, and where these are written: slots, kind, and ours."""
+        kind = self.parts.get(part, {}).get("kind")
+        found: list[tuple[Document, Path]] = []
+        if grid is not None:
+            found.append((self.grids[grid], (OF_CELL, "slots", grid)))
+        if kind in self.kinds:
+            found.append((self.kinds[kind], (OF_CELL, "kinds", kind)))
+        return found
+
+    def _end(self, made: Document, end: str, part: object, where: Path, at: Path) -> str | None:
+        """Puts a pose in place of a name of a position or of slots. Returns the name of the slots."""
+        to, place = made[end], (*where, end)
+        slot = to.get("slot") if isinstance(to, dict) else None
+        if isinstance(to, str) and to in self.grids and isinstance(part, str):
+            slot = self._next_slot(to, place)
+        elif isinstance(to, str):
+            made[end] = self._position(to, place, (*at, end), self.grids if isinstance(part, str) else {})
+            return None
+        if slot is None:
+            return None
+        if not (isinstance(slot, dict) and len(slot) == 1):
+            self.faults.add(Refused("the name of slots and a number, as in {box: 3}"), *place, "slot")
+            return None
+        ((grid, number),) = slot.items()
+        if isinstance(to, dict):
+            place = (*place, "slot")
+        pose = self._slot_pose(grid, number, place)
+        if pose is None:
+            return None
+        if isinstance(part, str):
+            taken = self._taken(grid)
+            if number in taken:
+                self.faults.add(Refused(f"a slot that is free: {taken[number]} is in it"), *place)
+            self.slot_of[part] = grid, number
+        made[end] = pose
+        self.origins[(*at, end)] = OF_CELL, "slots", grid
+        return str(grid)
+
+    def _next_slot(self, grid: str, where: Path) -> Document:
+        """The first free slot."""
+        nx, ny, nz = self.grids[grid].get("count", (1, 1, 1))
+        taken = self._taken(grid)
+        free = next((number for number in range(1, nx * ny * nz + 1) if number not in taken), None)
+        if free is None:
+            self.faults.add(Refused(f"slots with one that is free: all {nx * ny * nz} are taken"), *where)
+        return {grid: free or 1}

@@ -1,0 +1,45 @@
+"""A scenario: a request with a name, where it was written, and what its answer must be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from assur.planner.errors import InputError
+from assur.scenes.catalogue import with_robots
+from assur.scenes.files import with_meshes, with_plans
+from assur.scenes.text.yaml_text import Lines, with_line
+
+OF_PLAN = "plan"
+"""First part of the fields of a plan that is checked against a scenario; no key of a request."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """A scenario: its name is its file's, `folder` its file's folder, `lines` has the line of each value."""
+
+    name: str
+    about: str
+    request: dict[str, Any]
+    expect: dict[str, Any]
+    folder: Path
+    lines: Lines
+
+    @contextmanager
+    def located(self) -> Iterator[None]:
+        """An `InputError` about the request, raised inside, gets the line of the file."""
+        try:
+            yield
+        except InputError as error:
+            if error.field.split(".")[0] == OF_PLAN:
+                raise  # about the plan that is checked: another file, whose lines are not known
+            raise with_line(error, self.lines, "request.") from error
+
+
+def with_files(request: Any, folder: Path) -> Any:
+    """The request with the content of each file (of a robot, a plan, a mesh) in place of its name; the files must be
+    below `folder`."""
+    return with_meshes(with_plans(with_robots(request, folder), folder), folder)

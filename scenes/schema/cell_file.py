@@ -1,0 +1,133 @@
+"""Cell files and task files: what a cell has for all of its tasks, and what a task adds."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
+
+from assur.scenes import bounds
+from assur.scenes.schema.expect import ExpectDocument
+from assur.scenes.schema.frames import FrameDocument
+from assur.scenes.schema.model import (
+    KNOWN,
+    WHOLE,
+    Angle,
+    Document,
+    Duration,
+    Group,
+    Interval,
+    Mass,
+    Name,
+    Point,
+    PoseUncertaintyDocument,
+    Reference,
+    Stretch,
+)
+from assur.scenes.schema.request import CarryDocument, ExecutionDocument
+from assur.scenes.schema.robots import NeighbourDocument, RobotDocument
+from assur.scenes.schema.shapes import BodyDocument, PlaceInCell, ShapeDocument
+from assur.scenes.schema.task import LiftDocument, TargetDocument
+
+CELL, TASK = "assur-cell/1", "assur-task/1"
+"""Versions of both files."""
+Count = Annotated[int, Field(ge=1, le=bounds.MAX_SLOTS), WHOLE]
+Slot = Annotated[dict[Name, Count], Field(min_length=1, max_length=1)]
+"""The name of a grid, and the number of a slot in it, from 1."""
+
+
+class HandlingDefaults(Document):
+    """What picks and places do that do not state it."""
+
+    approach: LiftDocument | None = None
+    dwell_s: Duration | None = None
+    depart: LiftDocument | None = None
+
+
+class KindDocument(HandlingDefaults):
+    """What all parts of a kind have in common."""
+
+    shape: ShapeDocument
+    mass_kg: Mass | None = None
+    yaw_symmetry: Annotated[int, Field(ge=0, le=360), WHOLE] = 1
+    uncertainty: PoseUncertaintyDocument = KNOWN
+    grasp_m: Point | None = None
+    grasp_yaw_rad: Angle | None = None
+
+
+class SlotsDocument(HandlingDefaults):
+    """A grid of places for parts, in a frame or relative to a body."""
+
+    at_most_one: ClassVar[tuple[Group, ...]] = (("frame", "body"),)
+
+    frame: Reference | None = None
+    body: Reference | None = None
+    at_m: Point
+    step_m: Point | None = None
+    count: Annotated[list[Count], Field(min_length=3, max_length=3)] | None = None
+    yaw_rad: Angle = 0.0
+    contact_with: Annotated[list[Reference], Field(max_length=bounds.MAX_CONTACTS)] | None = None
+
+
+class CellDocument(Document):
+    """What a cell has for all of its tasks."""
+
+    schema_: Literal["assur-cell/1"] = Field(alias="schema")
+    about: Annotated[str, Field(min_length=1, max_length=bounds.MAX_TEXT)] | None = None
+    robot: RobotDocument
+    frames: Annotated[dict[Name, FrameDocument], Field(max_length=bounds.MAX_FRAMES)] = Field(default_factory=dict)
+    bodies: Annotated[list[BodyDocument], Field(max_length=bounds.MAX_BODIES)] = Field(default_factory=list)
+    neighbours: Annotated[list[NeighbourDocument], Field(max_length=bounds.MAX_NEIGHBOURS)] = Field(
+        default_factory=list
+    )
+    kinds: Annotated[dict[Name, KindDocument], Field(max_length=bounds.MAX_BODIES)] = Field(default_factory=dict)
+    positions: Annotated[dict[Name, TargetDocument], Field(max_length=bounds.MAX_BODIES)] = Field(default_factory=dict)
+    slots: Annotated[dict[Name, SlotsDocument], Field(max_length=bounds.MAX_BODIES)] = Field(default_factory=dict)
+    options: dict[str, Any] = Field(default_factory=dict)
+    execution: ExecutionDocument = ExecutionDocument()
+    carry: CarryDocument | None = None
+
+
+class PartDocument(Document):
+    """A part of a kind, or with a solid of its own: at a pose, in a slot, or in the gripper at the start."""
+
+    exactly_one: ClassVar[tuple[Group, ...]] = (("kind", "shape"),)
+    at_most_one: ClassVar[tuple[Group, ...]] = (("pose", "slot"),)
+
+    name: Name
+    kind: Name | None = None
+    shape: ShapeDocument | None = None
+    pose: PlaceInCell | None = None
+    slot: Slot | None = None
+    mass_kg: Mass | None = None
+    yaw_symmetry: Annotated[int, Field(ge=0, le=360), WHOLE] = 1
+    uncertainty: PoseUncertaintyDocument = KNOWN
+
+
+class TransferDocument(Document):
+    """A pick and a place for each part, in this order, to the next free slots."""
+
+    parts: Annotated[list[Reference], Field(min_length=1, max_length=bounds.MAX_STEPS)]
+    to: Name
+    window_s: Interval | None = None
+    window_m: Stretch | None = None
+
+
+class CellReference(Document):
+    """Names the cell of a task."""
+
+    file: Annotated[str, Field(min_length=1, max_length=255)]
+
+
+class TaskDocument(Document):
+    """What a task adds to a cell. Its steps are read with the request that both make together."""
+
+    schema_: Literal["assur-task/1"] = Field(alias="schema")
+    about: Annotated[str, Field(min_length=1, max_length=bounds.MAX_TEXT)] | None = None
+    cell: CellReference | None = None
+    set: Annotated[dict[str, Any], Field(max_length=bounds.MAX_SET)] = Field(default_factory=dict)
+    start: dict[str, Any]
+    parts: Annotated[list[PartDocument], Field(max_length=bounds.MAX_BODIES)] = Field(default_factory=list)
+    steps: Annotated[list[dict[str, Any]], Field(min_length=1, max_length=bounds.MAX_STEPS)]
+    options: dict[str, Any] = Field(default_factory=dict)
+    expect: ExpectDocument | None = None

@@ -1,0 +1,95 @@
+"""Task files: the scenario that a task in a YAML file and the cell in the file that it names make together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_YAML_BYTES
+from assur.scenes.faults import NOTHING, DocumentError, fault
+from assur.scenes.files import below, empty
+from assur.scenes.joining import OF_CELL, OF_TASK, Joined, documented, joined, within_document
+from assur.scenes.scenario import OF_PLAN, Scenario, with_files
+from assur.scenes.schema.cell_file import TASK
+from assur.scenes.text.yaml_text import Lines, line_of, parse_yaml, with_line
+
+ENDINGS = (".yaml", ".yml")
+
+
+@dataclass(frozen=True, eq=False)
+class _Files:
+    """Lines of a task's file (`task`) and of the file of its cell, with the name of that."""
+
+    task: Lines
+    name: str
+    cell: Lines
+
+    def placed(self, error: InputError) -> DocumentError:
+        """A fault of the cell or the task, with the file and the line: fields of the task alone, those of the cell
+        behind the name of its file."""
+        return documented(error).relocated(self._field, self._line)
+
+    def _field(self, field: str) -> str:
+        inside = field.removeprefix(OF_TASK).removeprefix(".")
+        if not field.startswith(OF_CELL):
+            return inside or OF_TASK
+        return f"{self.name}: {field.removeprefix(OF_CELL).removeprefix('.') or OF_CELL}"
+
+    def _line(self, field: str) -> int | None:
+        name, mark, inside = field.partition(": ")
+        return line_of(inside, self.cell) if mark and name == self.name else line_of(field, self.task)
+
+
+@dataclass(frozen=True, eq=False)
+class TaskScenario(Scenario):
+    """A scenario whose request is a task in a cell."""
+
+    joined: Joined
+    files: _Files
+
+    @contextmanager
+    def located(self) -> Iterator[None]:
+        """An `InputError` about the request, raised inside, gets the place in the file of the cell or the task."""
+        try:
+            yield
+        except InputError as error:
+            if error.field.split(".")[0] == OF_PLAN:
+                raise  # about the plan that is checked
+            raise self.files.placed(self.joined.relocated(error)) from error
+
+
+def is_task(document: object) -> bool:
+    """Whether the document of a file is a task."""
+    return isinstance(document, dict) and document.get("schema") == TASK
+
+
+def task_scenario(document: dict[str, Any], lines: Lines, path: Path) -> TaskScenario:
+    """The scenario of a task, which was read from the file at `path`. The file of its cell must be below the folder of
+    that file. Raises `DocumentError` with file and line, or `OSError`."""
+    cell = document.get("cell", NOTHING)
+    name = cell.get("file") if isinstance(cell, dict) else None
+    if not isinstance(name, str):
+        raise with_line(fault(document, ("cell",), "the file of a cell, as in {file: cell.yaml}"), lines)
+    try:
+        found = below(path.parent, name, "cell.file", ENDINGS, MAX_YAML_BYTES)
+    except InputError as error:
+        raise with_line(error, lines) from error
+    try:
+        given, cell_lines = parse_yaml(found.read_bytes())
+        if given is None:
+            raise empty(found, "a cell: YAML with schema: assur-cell/1")
+    except DocumentError as error:
+        raise error.relocated(lambda field: field if field == found.name else f"{found.name}: {field}") from error
+    files = _Files(lines, found.name, cell_lines)
+    try:
+        with within_document(OF_CELL):
+            given = with_files(given, found.parent)
+        made = joined(given, document)
+    except InputError as error:
+        raise files.placed(error) from error
+    about, expect = document.get("about") or given.get("about") or "", document.get("expect", {})
+    return TaskScenario(path.stem, " ".join(about.split()), made.request, expect, path.parent, lines, made, files)
