@@ -18,7 +18,7 @@ from assur.scenes.schema.expect import ExpectDocument
 from assur.scenes.schema.model import Document
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
-from assur.scenes.task_files import is_task, task_scenario
+from assur.scenes.tasks.task_file import is_task, task_scenario
 from assur.scenes.text.yaml_text import parse_yaml, with_line
 
 CELLS = Path(__file__).parent / "cells"

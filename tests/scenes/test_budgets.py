@@ -40,7 +40,7 @@ ARM: dict[str, Any] = {
     "start": {"joints": {"j1_deg": 0, "j2_deg": 60, "j3_mm": 250, "j4_deg": 0}},
     "bodies": [{"name": "post", "pose": {"at_mm": [-300, 300, 100]}, "shape": {"box": {"size_mm": [40, 40, 200]}}}],
     "task": [{"move": {"to": {"at_mm": [350, 100, 250], "yaw_deg": 0}}}],
-    "options": {"budget_s": 30, "max_candidates": 4},
+    "options": {"budget_s": 30, "max_candidates": 16},
 }
 
 

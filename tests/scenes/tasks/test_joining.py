@@ -11,9 +11,9 @@ import pytest
 
 from assur.planner.errors import InputError
 from assur.scenes import load
-from assur.scenes.joining import joined
 from assur.scenes.requests import cell_of, plan_scenario, request_digest
 from assur.scenes.scenarios import load_scenario
+from assur.scenes.tasks.joining import joined
 from assur.scenes.text.yaml_text import parse_yaml
 
 Document = dict[str, Any]

@@ -12,9 +12,9 @@ from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_YAML_BYTES
 from assur.scenes.faults import NOTHING, DocumentError, fault
 from assur.scenes.files import below, empty
-from assur.scenes.joining import OF_CELL, OF_TASK, Joined, documented, joined, within_document
 from assur.scenes.scenario import OF_PLAN, Scenario, with_files
 from assur.scenes.schema.cell_file import TASK
+from assur.scenes.tasks.joining import OF_CELL, OF_TASK, Joined, documented, joined, within_document
 from assur.scenes.text.yaml_text import Lines, line_of, parse_yaml, with_line
 
 ENDINGS = (".yaml", ".yml")
