@@ -18,6 +18,7 @@ from assur.scenes.exports.documents import export_schemas
 from assur.scenes.requests import file_schema, ik_schema, request_schema
 from assur.scenes.scenarios import CELLS
 from assur.scenes.schema.answer import Answer, Verdict, facts_described
+from assur.scenes.schema.cell_file import CellDocument, TaskDocument, TransferDocument
 from assur.scenes.schema.described import FILE, description, unit_in_words
 from assur.scenes.schema.export import ExportAnswer, TrajectoryVerdict
 from assur.scenes.schema.ik import IkAnswer
@@ -32,6 +33,9 @@ ANSWERS: tuple[Any, ...] = (Answer, Verdict, IkAnswer, ExportAnswer, TrajectoryV
 SCHEMAS: dict[str, dict[str, Any]] = {
     "request": request_schema(),
     "scenario file": file_schema(),
+    "cell file": CellDocument.model_json_schema(),
+    "task file": TaskDocument.model_json_schema(),
+    "transfer": TransferDocument.model_json_schema(),
     "question of inverse kinematics": ik_schema(),
     "question of an export": export_schemas()[0],
     "question about a trajectory": export_schemas()[1],
