@@ -13,11 +13,11 @@ from assur.planner.model.options import LONGEST_BUDGET_S, MOST_CANDIDATES
 MAX_BODIES: Final = 1_000
 """Bodies of the surroundings: a crowded cell has a hundred."""
 MAX_FRAMES: Final = 256
+"""Frames of the cell."""
 MAX_SLOTS: Final = 10_000
 """Slots of a grid along one axis."""
 MAX_SET: Final = 256
 """Values that a task sets."""
-"""Frames of the cell."""
 MAX_STEPS: Final = 64
 """Control points of one task."""
 MAX_PATH_PARTS: Final = 200

@@ -6,6 +6,7 @@ the request is a fault at the place in the cell or the task from which the value
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from typing import Any
 
@@ -36,7 +37,9 @@ def joined(cell: object, task: object) -> Joined:
     """The request of a task in a cell. Raises `DocumentError` whose fields begin with `cell` or `task`."""
     with within_document(OF_TASK):
         stated: TaskDocument = read(TaskDocument, task)
-    written, values = plain(cell), plain(stated.set)
+    with within_document(OF_CELL):
+        written = plain(cell)
+    values = plain(stated.set)
     try:
         changed = with_values(written, values) if values and isinstance(written, dict) else written
     except InputError as error:
@@ -162,7 +165,7 @@ class _Join:
                     self.origins[(*at, key)] = OF_CELL, "kinds", kind, key
         if "slot" in part:
             ((grid, number),) = part["slot"].items()
-            taken = self._taken(grid)
+            taken, number = self._taken(grid), int(number)
             pose = self._slot_pose(grid, number, (*where, "slot"))
             if number in taken:
                 self.faults.add(Refused(f"a slot that is free: {taken[number]} is in it"), *where, "slot", grid)
@@ -176,13 +179,17 @@ class _Join:
         """The slots of a grid in which a part lies now, and the part."""
         return {number: part for part, (name, number) in self.slot_of.items() if name == grid}
 
+    def _counts(self, grid: str) -> tuple[int, ...]:
+        """The number of slots of a grid along x, y and z."""
+        return tuple(int(count) for count in self.grids[grid].get("count", (1, 1, 1)))
+
     def _slot_pose(self, grid: str, number: object, where: Path) -> Document | None:
         """The pose of a slot; None, and a fault, where there is none."""
         if grid not in self.grids:
             self.faults.add(Refused(f"the name of slots: {choices(self.grids, grid)}"), *where)
             return None
         slots = normal(self.grids[grid])
-        nx, ny, nz = slots.get("count", (1, 1, 1))
+        nx, ny, nz = self._counts(grid)
         if not (isinstance(number, int) and not isinstance(number, bool) and 1 <= number <= nx * ny * nz):
             self.faults.add(Refused(f"the number of a slot, 1 to {nx * ny * nz}"), *where, grid)
             return None
@@ -279,7 +286,7 @@ class _Join:
             return None
         if slot is None:
             return None
-        if not (isinstance(slot, dict) and len(slot) == 1):
+        if not (isinstance(slot, dict) and len(slot) == 1 and isinstance(next(iter(slot)), str)):
             self.faults.add(Refused("the name of slots and a number, as in {box: 3}"), *place, "slot")
             return None
         ((grid, number),) = slot.items()
@@ -299,9 +306,8 @@ class _Join:
 
     def _next_slot(self, grid: str, where: Path) -> Document:
         """The first free slot."""
-        nx, ny, nz = self.grids[grid].get("count", (1, 1, 1))
-        taken = self._taken(grid)
-        free = next((number for number in range(1, nx * ny * nz + 1) if number not in taken), None)
+        taken, many = self._taken(grid), math.prod(self._counts(grid))
+        free = next((number for number in range(1, many + 1) if number not in taken), None)
         if free is None:
-            self.faults.add(Refused(f"slots with one that is free: all {nx * ny * nz} are taken"), *where)
+            self.faults.add(Refused(f"slots with one that is free: all {many} are taken"), *where)
         return {grid: free or 1}

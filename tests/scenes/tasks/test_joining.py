@@ -148,6 +148,13 @@ def test_slots_are_filled_along_x_then_y_then_z_and_those_left_are_free_again() 
     assert at[-1] == pytest.approx([0.38, -0.25, 0.06])
 
 
+def test_a_whole_number_may_be_written_with_a_fraction_of_0() -> None:
+    cell, task = documents()
+    before = joined(cell, task).request
+    cell["slots"]["box"]["count"], task["parts"][2]["slot"] = [2.0, 2, 2.0], {"box": 2.0}
+    assert joined(cell, task).request == before
+
+
 def put(path: str, value: object) -> Callable[[Document], None]:
     """A change of a document at a path."""
 
@@ -212,6 +219,8 @@ FAULTS: list[tuple[str, str, object, str, str]] = [
     ("task", "steps.1.move.to", 3, "task.steps[1].move.to", "a mapping of fields"),
     ("task", "steps.1.move", {"to": {"slot": {"box": 9}}}, "task.steps[1].move.to.slot.box", "the number of a slot"),
     ("task", "steps.1.move", {"to": {"slot": 3}}, "task.steps[1].move.to.slot", "the name of slots and a number"),
+    ("task", "steps.1.move", {"to": {"slot": {3: 1}}}, "task.steps[1].move.to.slot", "the name of slots and a number"),
+    ("cell", "frames.belt.conveyor.speed_mm_s", 2**60, "cell.frames.belt.conveyor.speed_mm_s", "a whole number"),
     ("task", "steps.1", {"mvoe": {}}, "task.steps[1]", "exactly one of move, follow, trace, pick, place"),
     (
         "task",
