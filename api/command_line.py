@@ -99,6 +99,10 @@ def plan(
     certificate: Annotated[
         Literal["full", "digest"], typer.Option(help="The whole table of the proof in the answer, or its digest.")
     ] = "full",
+    after: Annotated[
+        Path | None,
+        typer.Option("--continue", help="FILE is a task without a start: it begins where the plan in this file ends."),
+    ] = None,
     details: Annotated[bool, typer.Option("--details", help="List every assumption, not only their number.")] = False,
     opened: Annotated[bool, typer.Option("--open", help="Show the report of the answer in a browser.")] = False,
 ) -> int:
@@ -106,8 +110,8 @@ def plan(
     piped = out is not None and str(out) == STANDARD
     if piped and as_json:
         raise InputError("--json", "with --out -", "one of both: each writes a document to standard output")
-    given = target(file)
-    writable(out, file)
+    given = target(file, after)
+    writable(out, file, after)
     read_cell(given)
     with compiled_work(f"planning {given.name}"):
         answer = given.plan()

@@ -18,6 +18,7 @@ from assur.scenes.schema.expect import ExpectDocument
 from assur.scenes.schema.model import Document
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
+from assur.scenes.tasks.next_task import EndState
 from assur.scenes.tasks.task_file import is_task, task_scenario
 from assur.scenes.text.yaml_text import parse_yaml, with_line
 
@@ -33,18 +34,23 @@ class ScenarioDocument(Document):
     expect: ExpectDocument | None = None
 
 
-def load_scenario(path: Path) -> Scenario:
-    """The scenario in a YAML file. Raises `DocumentError` with the line, or `OSError` for a file that is not there."""
+def load_scenario(path: Path, after: EndState | None = None) -> Scenario:
+    """The scenario in a YAML file. `after`: the end of the plan where it begins; it is a task then. Raises
+    `DocumentError` with the line, or `OSError` for a file that is not there."""
     with path.open("rb") as file:
         text = file.read(MAX_YAML_BYTES + 1)
-    return scenario_in(text, path)
+    return scenario_in(text, path, after)
 
 
-def scenario_in(text: bytes, path: Path) -> Scenario:
-    """The scenario in the YAML text of a file, which is not opened. Raises `DocumentError` with the line."""
+def scenario_in(text: bytes, path: Path, after: EndState | None = None) -> Scenario:
+    """The scenario in the YAML text of a file, which is not opened; `after`: as `load_scenario`. Raises `DocumentError`
+    with the line."""
     document, lines = parse_yaml(text)
     if is_task(document):
-        return task_scenario(document, lines, path)
+        return task_scenario(document, lines, path, after)
+    if after is not None:
+        allowed = f"{TASK}: a task file begins where a plan ends; of a request, answer.next_task does so in Python"
+        raise with_line(fault(document, ("schema",), allowed), lines)
     if isinstance(document, dict) and document.get("schema") == CELL:
         raise with_line(
             fault(document, ("schema",), f"{TASK}: this is a cell; a task file that names it is planned"), lines

@@ -33,6 +33,7 @@ from assur.scenes.requests import (
     unmet,
 )
 from assur.scenes.scenario import with_files
+from assur.scenes.tasks.next_task import EndState, end_state
 from assur.scenes.units import si_key, twin_of
 
 if TYPE_CHECKING:
@@ -103,14 +104,19 @@ class Target:
         return [] if self.scenario is None else unmet(self.scenario.expect, answer)
 
 
-def target(text: str) -> Target:
+def target(text: str, after: Path | None = None) -> Target:
     """What `text` names: a file (a scenario in YAML, a request in JSON, or a plan file, whose request counts), -
-    for a request or a plan file on standard input, else a shipped scenario.
+    for a request or a plan file on standard input, else a shipped scenario. `after`: the plan file where it begins,
+    which is then a task file.
 
     Raises `InputError`, or `OSError` for a file that cannot be read.
     """
     path = Path(text)
-    if text != STANDARD and not is_file(path):
+    if after is not None:
+        if text == STANDARD or not is_file(path) or is_json(path):
+            raise InputError("FILE", text, "with --continue a task file (YAML) that exists")
+        scenario = load_scenario(path, _end_of(after))
+    elif text != STANDARD and not is_file(path):
         if text not in shipped_scenarios():
             known = likeliest(text, shipped_scenarios())
             raise InputError("FILE", text, f"a file that exists, or a shipped scenario: {known}")
@@ -120,6 +126,18 @@ def target(text: str) -> Target:
     else:
         scenario = load_scenario(path)
     return Target(scenario.name, scenario.request, scenario.folder, scenario)
+
+
+def _end_of(path: Path) -> EndState:
+    """The state in which the plan in a plan file ends. Raises `InputError` that names --continue, or `OSError`."""
+    try:
+        held = plan_file_in(json_file(path, "--continue", "a plan file"))
+        with in_request():
+            return end_state(held.request, held.plan)
+    except InputError as error:
+        if error.field == "--continue":
+            raise
+        raise InputError(f"--continue: {error.field}", error.value, error.allowed) from error
 
 
 def _json_target(path: Path) -> Target:

@@ -6,7 +6,7 @@ import copy
 import html
 import sys
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -50,12 +50,19 @@ class Answer(Mapping[str, Any]):
             raise InputError("answer.status", status, f"{PLANNED} or {NOT_PLANNED}: no answer has another")
         self._document = document
         self._request = None if request is None else copy.deepcopy(dict(request))
+        self._of: tuple[dict[str, Any], dict[str, Any]] | None = None
 
     @classmethod
-    def made(cls, document: dict[str, Any], request: dict[str, Any] | None) -> Answer:
-        """An answer that keeps these documents themselves, which nobody changes."""
+    def made(
+        cls,
+        document: dict[str, Any],
+        request: dict[str, Any] | None,
+        of: tuple[dict[str, Any], dict[str, Any]] | None = None,
+    ) -> Answer:
+        """An answer that keeps these documents themselves, which nobody changes. `of`: the cell and the task that make
+        the request, if it is made of them."""
         answer = cls(document)
-        answer._request = request
+        answer._request, answer._of = request, of
         return answer
 
     @property
@@ -123,6 +130,31 @@ class Answer(Mapping[str, Any]):
     def warnings(self) -> list[written.InputWarning]:
         """What of the request is probably not meant, and refuses nothing."""
         return cast("list[written.InputWarning]", self._said("warnings"))
+
+    def next_task(
+        self, steps: Sequence[Mapping[str, Any]], *, parts: Sequence[Mapping[str, Any]] = ()
+    ) -> dict[str, Any]:
+        """The task with these steps that begins where this plan ends: clock, state of the robot, what the gripper
+        holds, and where each part lies, with what the plan proves of how well it is known.
+
+        Of an answer of a cell and a task it is a task of that cell, an assur-task/1 document, to which `parts` are
+        added; of an answer to a request it is a request, whose bodies have all parts. Everything else is as it was.
+        The frames count as known at the new start as the cell states it; bodies on a frame whose speed is uncertain are
+        known less well, for the time of the plan. Raises `InputError` where there is no plan or no request.
+        """
+        from assur.scenes.schema.normal import plain
+        from assur.scenes.tasks.next_task import end_state, next_request, next_task
+
+        request, made = self._known_request(), plain({"steps": [*map(dict, steps)], "parts": [*map(dict, parts)]})
+        if self._of is None:
+            if parts:
+                raise InputError("parts", made["parts"], "none: add bodies to the request that is returned")
+            return next_request(request, self._document, made["steps"])
+        cell, task = self._of
+        kept: dict[str, Any] = {key: task[key] for key in ("schema", "cell", "options") if key in task}
+        found = next_task(cell, {**kept, **made}, end_state(request, self._document), task.get("parts", ()))
+        changed = {path: value for path, value in task.get("set", {}).items() if path not in found["set"]}
+        return {**found, "set": {**changed, **found["set"]}}
 
     def save(self, path: str | Path, *, title: str = "", about: str = "") -> Path:
         """Writes request and answer into one file, which `assur.load_answer` reads, and `assur check`, `assur report`

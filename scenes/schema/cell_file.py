@@ -120,13 +120,14 @@ class CellReference(Document):
 
 
 class TaskDocument(Document):
-    """What a task adds to a cell. Its steps are read with the request that both make together."""
+    """What a task adds to a cell. Its steps are read with the request that both make together. Only a task that begins
+    where a plan ends has no start of its own."""
 
     schema_: Literal["assur-task/1"] = Field(alias="schema")
     about: Annotated[str, Field(min_length=1, max_length=bounds.MAX_TEXT)] | None = None
     cell: CellReference | None = None
     set: Annotated[dict[str, Any], Field(max_length=bounds.MAX_SET)] = Field(default_factory=dict)
-    start: dict[str, Any]
+    start: dict[str, Any] | None = None
     parts: Annotated[list[PartDocument], Field(max_length=bounds.MAX_BODIES)] = Field(default_factory=list)
     steps: Annotated[list[dict[str, Any]], Field(min_length=1, max_length=bounds.MAX_STEPS)]
     options: dict[str, Any] = Field(default_factory=dict)

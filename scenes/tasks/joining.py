@@ -7,7 +7,7 @@ the request is a fault at the place in the cell or the task from which the value
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 from assur.planner.errors import InputError
@@ -91,6 +91,29 @@ class Joined:
         return self._origins[head] + field[len(head) :] if head else field
 
 
+def slot_poses(grids: Document) -> Iterator[tuple[str, int, Document]]:
+    """Each slot of the `slots` of a cell, which are valid: its grid, its number and its pose, in SI."""
+    for name, written in grids.items():
+        grid = normal(written)
+        for number in range(1, math.prod(_counts(grid)) + 1):
+            yield name, number, _pose(grid, number)
+
+
+def _counts(grid: Document) -> tuple[int, ...]:
+    """The number of slots of a grid along x, y and z."""
+    return tuple(int(count) for count in grid.get("count", (1, 1, 1)))
+
+
+def _pose(grid: Document, number: int) -> Document:
+    """The pose of a slot of a grid, which is in SI."""
+    nx, ny, _ = _counts(grid)
+    n, step = number - 1, grid.get("step_m", (0.0, 0.0, 0.0))
+    steps = n % nx, n // nx % ny, n // (nx * ny)
+    at = [start + many * far for start, many, far in zip(grid["at_m"], steps, step, strict=True)]
+    kept: Document = {key: grid[key] for key in ("frame", "body", "yaw_rad") if key in grid}
+    return {"yaw_rad": 0.0, **kept, "at_m": at}
+
+
 class _Join:
     """Makes one request. `cell` and `task` are valid by their models and as they were written."""
 
@@ -134,6 +157,9 @@ class _Join:
 
     def _start(self) -> Document:
         """The state at the begin; a position's name may be in place of the pose of the tool."""
+        if "start" not in self.task:
+            self.faults.add(Refused("the state at the start, which must be given"), OF_TASK, "start")
+            return {}
         start, where = self.task["start"], (OF_TASK, "start")
         self.origins["start",] = where
         if isinstance(start.get("tool"), str):
@@ -179,25 +205,16 @@ class _Join:
         """The slots of a grid in which a part lies now, and the part."""
         return {number: part for part, (name, number) in self.slot_of.items() if name == grid}
 
-    def _counts(self, grid: str) -> tuple[int, ...]:
-        """The number of slots of a grid along x, y and z."""
-        return tuple(int(count) for count in self.grids[grid].get("count", (1, 1, 1)))
-
     def _slot_pose(self, grid: str, number: object, where: Path) -> Document | None:
         """The pose of a slot; None, and a fault, where there is none."""
         if grid not in self.grids:
             self.faults.add(Refused(f"the name of slots: {choices(self.grids, grid)}"), *where)
             return None
-        slots = normal(self.grids[grid])
-        nx, ny, nz = self._counts(grid)
-        if not (isinstance(number, int) and not isinstance(number, bool) and 1 <= number <= nx * ny * nz):
-            self.faults.add(Refused(f"the number of a slot, 1 to {nx * ny * nz}"), *where, grid)
+        most = math.prod(_counts(self.grids[grid]))
+        if not (isinstance(number, int) and not isinstance(number, bool) and 1 <= number <= most):
+            self.faults.add(Refused(f"the number of a slot, 1 to {most}"), *where, grid)
             return None
-        n, step = number - 1, slots.get("step_m", (0.0, 0.0, 0.0))
-        steps = n % nx, n // nx % ny, n // (nx * ny)
-        at = [start + many * far for start, many, far in zip(slots["at_m"], steps, step, strict=True)]
-        kept = {key: slots[key] for key in ("frame", "body", "yaw_rad") if key in slots}
-        return {"yaw_rad": 0.0, **kept, "at_m": at}
+        return _pose(normal(self.grids[grid]), number)
 
     def _position(self, name: str, where: Path, at: Path, grids: Collection[str] = ()) -> object:
         """The pose of a named position; any pose, and a fault, where there is none. `grids`: what the name could have
@@ -306,7 +323,7 @@ class _Join:
 
     def _next_slot(self, grid: str, where: Path) -> Document:
         """The first free slot."""
-        taken, many = self._taken(grid), math.prod(self._counts(grid))
+        taken, many = self._taken(grid), math.prod(_counts(self.grids[grid]))
         free = next((number for number in range(1, many + 1) if number not in taken), None)
         if free is None:
             self.faults.add(Refused(f"slots with one that is free: all {many} are taken"), *where)

@@ -14,7 +14,10 @@ from assur.scenes.faults import NOTHING, DocumentError, fault
 from assur.scenes.files import below, empty
 from assur.scenes.scenario import OF_PLAN, Scenario, with_files
 from assur.scenes.schema.cell_file import TASK
+from assur.scenes.schema.read import read
+from assur.scenes.schema.request import RequestDocument
 from assur.scenes.tasks.joining import OF_CELL, OF_TASK, Joined, documented, joined, within_document
+from assur.scenes.tasks.next_task import EndState, hold_same, next_task
 from assur.scenes.text.yaml_text import Lines, line_of, parse_yaml, with_line
 
 ENDINGS = (".yaml", ".yml")
@@ -67,9 +70,10 @@ def is_task(document: object) -> bool:
     return isinstance(document, dict) and document.get("schema") == TASK
 
 
-def task_scenario(document: dict[str, Any], lines: Lines, path: Path) -> TaskScenario:
+def task_scenario(document: dict[str, Any], lines: Lines, path: Path, after: EndState | None = None) -> TaskScenario:
     """The scenario of a task, which was read from the file at `path`. The file of its cell must be below the folder of
-    that file. Raises `DocumentError` with file and line, or `OSError`."""
+    that file. `after`: the end of the plan where the task begins. Raises `DocumentError` with file and line, or
+    `OSError`."""
     cell = document.get("cell", NOTHING)
     name = cell.get("file") if isinstance(cell, dict) else None
     if not isinstance(name, str):
@@ -88,7 +92,12 @@ def task_scenario(document: dict[str, Any], lines: Lines, path: Path) -> TaskSce
     try:
         with within_document(OF_CELL):
             given = with_files(given, found.parent)
-        made = joined(given, document)
+        made = joined(given, document if after is None else next_task(given, document, after))
+        if after is not None:
+            try:
+                hold_same(read(RequestDocument, made.request), after)
+            except InputError as error:
+                raise made.relocated(error) from error
     except InputError as error:
         raise files.placed(error) from error
     about, expect = document.get("about") or given.get("about") or "", document.get("expect", {})

@@ -13,6 +13,7 @@ from assur.scenes.requests import load_robot, load_scenario, parse_json, plan_sc
 from assur.scenes.schema.cell_file import CELL, CellDocument
 from assur.scenes.schema.read import read
 from assur.scenes.schema.robots import FAMILIES
+from assur.scenes.tasks.next_task import end_state
 from assur.scenes.text.yaml_text import parse_yaml
 from tests.docs.pages import HOST, PAGES, ROOT, Block, blocks, of_language, save_files
 from tests.docs.warm_process import run_words
@@ -56,7 +57,11 @@ def test_every_yaml_block_is_planned_by_itself_or_in_the_small_cell(block: Block
     elif block.text.startswith(f"schema: {CELL}"):
         assert read(CellDocument, parse_yaml(block.text.encode())[0]).robot
     elif block.saved is not None:
-        scenario = load_scenario(tmp_path / block.saved)
+        after = None
+        if "start:" not in block.text:
+            first = load_scenario(tmp_path / "task.yaml")
+            after = end_state(first.request, plan_scenario(first))
+        scenario = load_scenario(tmp_path / block.saved, after)
         assert unmet(scenario.expect, plan_scenario(scenario)) == []
     else:
         (base,) = (json.loads(other.text) for other in JSON if other.saved == "request.json")

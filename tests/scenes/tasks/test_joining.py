@@ -198,7 +198,7 @@ FAULTS: list[tuple[str, str, object, str, str]] = [
     ("cell", "task", [], "cell.task", "one of "),
     ("task", "schema", "assur-task/2", "task.schema", "'assur-task/1'"),
     ("task", "robot", {}, "task.robot", "one of "),
-    ("task", "start", None, "task.start", "a value, which must be given"),
+    ("task", "start", None, "task.start", "the state at the start, which must be given"),
     ("task", "start.joints.j9_deg", 1, "task.start.joints.j9_deg", ""),
     ("task", "parts.0.kind", "braket", "task.parts[0].kind", "one of the kinds: bracket; did you mean bracket?"),
     ("task", "parts.0.kind", None, "task.parts[0]", "exactly one of kind, shape"),

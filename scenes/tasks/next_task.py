@@ -1,0 +1,170 @@
+"""What comes after a plan: a task, or a request, that begins in the state in which the plan ends.
+
+State of the robot, clock, what the gripper holds, and where each part lies now are of the plan. How well a part is
+known that was handled is what the plan proves of it. A body on a frame whose speed is not known well is known less well
+when the next task begins: the frame may have been off for all of the plan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from assur.scenes.faults import NOTHING, DocumentError, fault
+from assur.scenes.schema.cell_file import CellDocument, TaskDocument
+from assur.scenes.schema.read import read
+from assur.scenes.schema.request import RequestDocument
+from assur.scenes.schema.shapes import PlaceInCell
+from assur.scenes.tasks.joining import OF_CELL, OF_TASK, slot_poses, within_document
+
+if TYPE_CHECKING:
+    from assur.planner.frames.motion import Pose
+    from assur.scenes.reading.cell import Cell
+
+Document = dict[str, Any]
+PLACES = ("pose", "slot")
+"""Fields that say where a part is."""
+SAME = ("robot", "frames", "neighbours")
+"""Fields of the request of a plan that the request of the next task has as well: the state of the plan is one of
+them."""
+
+
+@dataclass(frozen=True, eq=False)
+class EndState:
+    """The state in which the plan for `request` ends, in the `cell` of that; `document`: the request as written.
+
+    `start`: the state as the start of what comes next. `uncertainty`: of each body that was handled, or is known less
+    well than at the start of the plan. `moved`: bodies that were put down elsewhere. `places`: frame and pose of every
+    body; of the part that is `held` those from which it was taken.
+    """
+
+    document: Document
+    request: RequestDocument
+    start: Document
+    uncertainty: Mapping[str, Document]
+    moved: frozenset[str]
+    places: Mapping[str, tuple[str, Pose]]
+    held: str | None
+    cell: Cell
+
+    def body(self, written: Document, slots: Mapping[tuple[object, ...], Document]) -> Document:
+        """A body or a part at the end of the plan. `written`: at its start, or without a place. `slots`: that in which
+        a part is at a frame and a position."""
+        name = written["name"]
+        placed = {key: value for key, value in written.items() if key not in PLACES}
+        if name in self.uncertainty:
+            placed["uncertainty"] = self.uncertainty[name]
+        if name == self.held:
+            return placed
+        frame, pose = self.places[name]
+        slot = slots.get((frame, pose.x, pose.y, pose.z))
+        if slot is not None:
+            return {**placed, "slot": slot}
+        if name not in self.moved and "pose" in written:
+            return {**placed, "pose": written["pose"]}
+        return {**placed, "pose": {"frame": frame, "at_m": [pose.x, pose.y, pose.z], "yaw_rad": pose.yaw}}
+
+
+def end_state(request: Document, answer: object) -> EndState:
+    """The state in which the plan in an answer to a request ends. The plan is not checked here. Raises `InputError`
+    naming the field of the request, or one below `plan`."""
+    from assur.planner.model.phases import phases
+    from assur.scenes.reading.plan import PLAN, motion_of
+    from assur.scenes.requests import cell_of, refused, validate
+
+    if refused(answer) or not isinstance(answer, dict):
+        raise DocumentError(PLAN, answer, "an answer with a plan: nothing comes after one that has none")
+    cell, stated = cell_of(request), validate(request)
+    if answer.get("request_digest", stated.digest) != stated.digest:
+        raise DocumentError(f"{PLAN}.request_digest", answer["request_digest"], f"{stated.digest}, that of the request")
+    trajectory, legs, arrivals = motion_of(answer, cell.conventions)
+    for i, each in enumerate(answer["arrivals"]):
+        if "error" not in each:
+            raise DocumentError(f"{PLAN}.arrivals[{i}].error", NOTHING, "how far the tool may be off, or null")
+    scene, last = cell.scene, phases(cell.scene, legs, arrivals)[-1]
+    uncertainty = {name: asdict(each) for name, each in last.handled.within}
+    start = _start(answer["trajectory"])
+    held = last.attached.held
+    if held is not None:
+        grasp = held.in_flange.inverse().then(scene.tool.tcp)
+        at = {"grasp_m": [grasp.x, grasp.y, grasp.z], "grasp_yaw_rad": grasp.yaw}
+        start["holding"] = {"part": held.part, **at, "within": uncertainty.pop(held.part)}
+    places = {body.body.name: last.attached.pose_of(scene, body.body.name) for body in scene.bodies}
+    for body in stated.bodies:
+        if uncertainty.get(body.name) == vars(body.uncertainty):
+            del uncertainty[body.name]
+        off_m = scene.frames[places[body.name][0]].uncertainty.speed_m_s * (trajectory.end - trajectory.start)
+        if off_m > 0.0 and not (held is not None and body.name == held.part):
+            known = uncertainty.get(body.name, vars(body.uncertainty))
+            uncertainty[body.name] = {**known, "position_m": known["position_m"] + off_m}
+    moved = frozenset(name for name, _, _ in last.attached.placed)
+    return EndState(request, stated, start, uncertainty, moved, places, None if held is None else held.part, cell)
+
+
+def _start(trajectory: Mapping[str, Any]) -> Document:
+    """The last point of a trajectory as the start of a request, in the maker's words: the same numbers."""
+    start: Document = {"at_s": trajectory["time_s"][-1]}
+    for key, of, rate in (("joints", "position", ""), ("velocity", "velocity", "_s"), ("acceleration",) * 2 + ("_s2",)):
+        values = trajectory[of][-1]
+        if key == "joints" or any(values):
+            names = zip(trajectory["joint_names"], trajectory["joint_units"], values, strict=True)
+            start[key] = {f"{name}_{unit}{rate}": value for name, unit, value in names}
+    return start
+
+
+def next_request(request: Document, answer: object, steps: Sequence[Document]) -> Document:
+    """The request with these steps that begins where the plan in an answer to `request` ends. Raises as `end_state`."""
+    end = end_state(request, answer)
+    bodies = [end.body(body, {}) for body in request.get("bodies", ())]
+    return {**request, "start": end.start, "bodies": bodies, "task": list(steps)}
+
+
+def next_task(cell: Document, task: Document, end: EndState, parts: Sequence[Document] | None = None) -> Document:
+    """A task of a cell that begins where a plan ends. `task` has no start; what else it has counts. `parts`: those of
+    the plan, as they were written (None: the bodies of its request that the cell has not). One that `task` has as well,
+    with a place, is there; all others are where the plan left them.
+
+    Raises `DocumentError` whose field begins with `cell` or `task`.
+    """
+    with within_document(OF_TASK):
+        read(TaskDocument, task)
+        if "start" in task:
+            raise fault(task, ("start",), "none: the task begins where the plan ends")
+    with within_document(OF_CELL):
+        read(CellDocument, cell)
+        slots = _slots(cell, end.cell)
+    if parts is None:
+        own = {body["name"] for body in cell.get("bodies", ())}
+        parts = [body for body in end.document.get("bodies", ()) if body["name"] not in own]
+    known = {part["name"]: part for part in parts}
+    listed = []
+    for part in task.get("parts", ()):
+        before = known.pop(part["name"], {})
+        if before and not part.keys() & {*PLACES}:
+            part = end.body({key: before[key] for key in PLACES if key in before} | part, slots)
+        listed.append(part)
+    listed += [end.body(part, slots) for part in known.values()]
+    names = {part["name"] for part in listed}
+    worse = {f"bodies.{name}.uncertainty": each for name, each in end.uncertainty.items() if name not in names}
+    return {**task, "start": end.start, "parts": listed, "set": {**worse, **task.get("set", {})}}
+
+
+def hold_same(request: RequestDocument, end: EndState) -> None:
+    """Raises `DocumentError` for a request whose robot, frames or neighbours are not those of the plan: its state is
+    one of them."""
+    for key in SAME:
+        if getattr(request, key) != getattr(end.request, key):
+            raise DocumentError(key, f"another {key.rstrip('s')}", "what the request of the plan has there")
+
+
+def _slots(cell: Document, read_cell: Cell) -> dict[tuple[object, ...], Document]:
+    """The slots of a cell by their frame, which has a law, and their position in it."""
+    from assur.scenes.reading.bodies import resolve
+
+    found: dict[tuple[object, ...], Document] = {}
+    for grid, number, written in slot_poses(cell.get("slots", {})):
+        place: PlaceInCell = read(PlaceInCell, written)
+        frame, pose = resolve(place, place.yaw_rad, read_cell.frames, read_cell.places)
+        found[frame, pose.x, pose.y, pose.z] = {grid: number}
+    return found

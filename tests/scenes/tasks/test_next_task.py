@@ -1,0 +1,272 @@
+"""What comes after a plan begins in its end: the same state to the bit, parts and slots as the plan left them."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+import assur
+from assur.api.command_line import app
+from assur.api.python.answer import Answer
+from assur.planner.errors import InputError
+from assur.scenes.plan_file import PlanFile
+from assur.scenes.tasks.joining import joined
+from assur.scenes.tasks.next_task import end_state
+from assur.scenes.text.yaml_text import parse_yaml
+
+Document = dict[str, Any]
+
+CELL = """
+schema: assur-cell/1
+robot: {model: mitsubishi-rh-6frh5520, tool: {tcp_mm: [0, 0, -100]}}
+frames:
+  belt: {conveyor: {at_mm: [0, 350, 50], speed_mm_s: 150}, uncertainty: {speed_mm_s: 2}}
+  lane: {fixed: {frame: belt, at_mm: [0, -40, 0]}}
+  shelf: {fixed: {at_mm: [300, -230, 60]}}
+kinds:
+  bracket: {shape: {box: {size_mm: [60, 40, 20]}}, mass_kg: 0.12, yaw_symmetry: 2, grasp_mm: [0, 0, 10]}
+bodies:
+  - {name: table, shape: {box: {size_mm: [260, 200, 10]}}, pose: {at_mm: [360, -200, 45]}}
+  - {name: mark, shape: {sphere: {radius_mm: 5}}, pose: {frame: lane, at_mm: [-2000, 0, 0]}}
+positions: {home: {at_mm: [350, 0, 180]}}
+slots:
+  box: {frame: shelf, step_mm: [75, 60, 0], at_mm: [0, 0, 0], count: [2, 1, 1], contact_with: [table]}
+"""
+TASK = """
+schema: assur-task/1
+cell: {file: cell.yaml}
+start: {joints: {j1_deg: 20, j2_deg: 60, j3_mm: 300, j4_deg: 0}}
+parts:
+  - {name: a, kind: bracket, pose: {frame: belt, at_mm: [-300, 0, 10]}}
+  - {name: b, kind: bracket, pose: {frame: belt, at_mm: [-700, 0, 10]}, uncertainty: {yaw_deg: 1}}
+steps: [{transfer: {parts: [a], to: box}}, {move: {to: home}}]
+options: {seed: 1, stop: first, max_candidates: 100, budget_s: 20}
+"""
+NEXT = (
+    TASK.split("start:", maxsplit=1)[0]
+    + "steps: [{transfer: {parts: [b], to: box}}]\n"
+    + TASK[TASK.index("options:") :]
+)
+
+
+def read(text: str) -> Document:
+    document, _ = parse_yaml(text.encode())
+    return dict(document)
+
+
+@cache
+def planned(steps: str = "") -> Answer:
+    """The answer to the task, or to another with these steps, as a plan of a cell and a task."""
+    cell, task = read(CELL), read(TASK)
+    if steps:
+        task["steps"] = read(f"steps: {steps}")["steps"]
+    request = joined(cell, task).request
+    answer = Answer.made(assur.plan(request, certificate="digest").document, request, (cell, task))
+    assert answer.planned, answer.sentence
+    return answer
+
+
+def then(answer: Answer, document: Document) -> Answer:
+    """The answer to what comes after `answer`."""
+    request = joined(read(CELL), document).request if document["schema"] == "assur-task/1" else document
+    return assur.plan(request)
+
+
+def test_state_and_clock_of_the_next_plan_are_the_same_to_the_bit() -> None:
+    before = planned()
+    after = then(before, before.next_task([{"move": {"to": {"at_mm": [300, 200, 150]}}}]))
+    assert after.planned
+    first, last = after["trajectory"], before["trajectory"]
+    assert first["time_s"][0] == last["time_s"][-1]
+    for key in ("position", "velocity", "acceleration"):
+        assert first[key][0] == last[key][-1]
+
+
+def test_a_filled_slot_stays_filled_and_a_part_keeps_its_kind() -> None:
+    """The slots sit in a frame that is fixed in the world, in which the answer has the place."""
+    task = planned().next_task([{"transfer": {"parts": ["b"], "to": "box"}}])
+    assert [part["name"] for part in task["parts"]] == ["a", "b"]
+    assert task["parts"][0]["slot"] == {"box": 1}
+    assert "pose" not in task["parts"][0]
+    assert task["parts"][0]["kind"] == "bracket"
+    after = then(planned(), task)
+    assert after.planned, after.sentence
+    assert assur.check(after.request or {}, after)["ok"]
+    arrival = next(each for each in after.arrivals if each["control_point"] == "place-b")
+    assert arrival["at_m"][:2] == pytest.approx([0.375, -0.23])
+    full = after.request
+    assert full is not None
+    again = Answer.made(after.document, full, (read(CELL), task)).next_task(
+        [{"transfer": {"parts": ["c"], "to": "box"}}],
+        parts=[{"name": "c", "kind": "bracket", "pose": {"frame": "belt", "at_mm": [-1200, 0, 10]}}],
+    )
+    with pytest.raises(InputError, match="slots with one that is free: all 2 are taken"):
+        joined(read(CELL), again)
+
+
+def test_what_a_plan_proves_of_a_part_that_it_put_down_is_how_well_it_is_known() -> None:
+    task, before = planned().next_task([{"move": {"to": "home"}}]), planned()
+    error = next(each for each in before.arrivals if each["control_point"] == "place-a")["error"]
+    assert error is not None
+    assert error["horizontal_m"] > 0.0
+    assert task["parts"][0]["uncertainty"] == {
+        "position_m": error["horizontal_m"],
+        "vertical_m": error["vertical_m"],
+        "yaw_rad": error["yaw_rad"],
+    }
+
+
+def test_what_rides_on_a_belt_of_uncertain_speed_is_known_less_well_by_the_time_of_the_plan() -> None:
+    """Also in a frame that is fixed in the belt. A body of the cell is changed by `set`."""
+    before = planned()
+    task, off_m = before.next_task([{"move": {"to": "home"}}]), 0.002 * before.duration_s
+    b = task["parts"][1]
+    assert b["uncertainty"] == {"position_m": off_m, "vertical_m": 0.0, "yaw_rad": pytest.approx(0.0174532925)}
+    assert b["pose"] == {"frame": "belt", "at_mm": [-700, 0, 10]}
+    assert task["set"] == {"bodies.mark.uncertainty": {"position_m": off_m, "vertical_m": 0.0, "yaw_rad": 0.0}}
+    second = then(before, task)
+    assert second.request is not None
+    again = Answer.made(second.document, second.request, (read(CELL), task)).next_task([{"move": {"to": "home"}}])
+    assert again["set"]["bodies.mark.uncertainty"]["position_m"] == off_m + 0.002 * second.duration_s
+
+
+def test_a_part_that_the_gripper_holds_is_held_as_it_was_gripped() -> None:
+    before = planned("[{pick: {part: a}}]")
+    task = before.next_task([{"place": {"part": "a", "to": "box"}}])
+    holding, error = task["start"]["holding"], before.arrivals[0]["error"]
+    assert error is not None
+    assert holding["part"] == "a"
+    assert holding["within"]["position_m"] == error["horizontal_m"]
+    assert holding["grasp_yaw_rad"] == before.arrivals[0]["yaw_offset_rad"]
+    assert holding["grasp_m"] == pytest.approx([0.0, 0.0, 0.01], abs=1e-15)
+    assert not task["parts"][0].keys() & {"pose", "slot"}
+    after = then(before, task)
+    assert after.planned, after.sentence
+    assert assur.check(after.request or {}, after)["ok"]
+
+
+def test_after_a_request_comes_a_request() -> None:
+    of = planned()
+    before = Answer(of.document, of.request)
+    request = before.next_task([{"move": {"to": {"at_mm": [300, 200, 150]}}}])
+    assert request["schema"] == "assur/1"
+    assert request["robot"] == read(CELL)["robot"]
+    bodies = {body["name"]: body for body in request["bodies"]}
+    assert bodies["a"]["pose"] == {"frame": "shelf", "at_m": [0.0, 0.0, 0.0], "yaw_rad": 0.0}
+    assert bodies["mark"]["uncertainty"]["position_m"] == 0.002 * before.duration_s
+    assert bodies["table"] == read(CELL)["bodies"][0]
+    after = then(before, request)
+    assert after.planned
+    assert after["trajectory"]["position"][0] == before["trajectory"]["position"][-1]
+    with pytest.raises(InputError, match="none: add bodies"):
+        before.next_task([{"move": {"to": {"at_mm": [300, 200, 150]}}}], parts=[{"name": "c"}])
+
+
+def _no_error(answer: Document) -> None:
+    del answer["arrivals"][0]["error"]
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        (lambda answer: answer.update(status="not_planned"), "plan"),
+        (lambda answer: answer.update(request_digest="sha256:0"), "plan.request_digest"),
+        (lambda answer: answer.pop("trajectory"), "plan.trajectory"),
+        (lambda answer: answer["trajectory"]["position"][-1].append(0.0), "plan.trajectory.position"),
+        (_no_error, "plan.arrivals[0].error"),
+    ],
+)
+def test_an_answer_without_an_end_is_refused(change: Callable[[Document], object], field: str) -> None:
+    answer = copy.deepcopy(planned().document)
+    change(answer)
+    with pytest.raises(InputError) as refused:
+        end_state(planned().request or {}, answer)
+    assert refused.value.field.startswith(field)
+
+
+# ---- on the command line -------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    before = planned()
+    (tmp_path / "cell.yaml").write_text(CELL)
+    (tmp_path / "next.yaml").write_text(NEXT)
+    (tmp_path / "plan.json").write_text(json.dumps(PlanFile(before.request or {}, before.document).document))
+    return tmp_path
+
+
+def run(folder: Path, file: str = "next.yaml", plan: str = "plan.json") -> tuple[int, str, Document]:
+    made = CliRunner().invoke(
+        app, ["plan", str(folder / file), "--continue", str(folder / plan), "--out", str(folder / "out.json")]
+    )
+    out = folder / "out.json"
+    return made.exit_code, " ".join(made.output.split()), json.loads(out.read_text()) if out.is_file() else {}
+
+
+def test_a_task_file_continues_a_plan_file(folder: Path) -> None:
+    """Its parts are those of the plan: here all that is known of `b` is that it was on the belt."""
+    text = NEXT.replace("steps:", "parts: [{name: b, kind: bracket}]\nsteps:")
+    (folder / "next.yaml").write_text(text)
+    code, output, held = run(folder)
+    assert code == 0, output
+    last = planned()["trajectory"]
+    assert held["plan"]["trajectory"]["position"][0] == last["position"][-1]
+    assert held["plan"]["start_s"] == last["time_s"][-1]
+    bodies = {body["name"]: body for body in held["request"]["bodies"]}
+    assert bodies["a"]["pose"] == {"frame": "shelf", "yaw_rad": 0.0, "at_m": [0.0, 0.0, 0.0]}
+    assert bodies["b"]["pose"] == {"frame": "belt", "at_mm": [-700, 0, 10]}
+    place = held["request"]["task"][1]["place"]
+    assert place["to"]["at_m"] == [0.075, 0.0, 0.0]
+
+
+def test_a_place_that_the_task_states_counts_more_than_that_of_the_plan(folder: Path) -> None:
+    seen = "parts: [{name: b, kind: bracket, pose: {frame: belt, at_mm: [-690, 5, 10]}}]\nsteps:"
+    (folder / "next.yaml").write_text(NEXT.replace("steps:", seen))
+    code, output, held = run(folder)
+    assert code == 0, output
+    bodies = {body["name"]: body for body in held["request"]["bodies"]}
+    assert bodies["b"]["pose"]["at_mm"] == [-690, 5, 10]
+    assert "uncertainty" not in bodies["b"]
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "message"),
+    [
+        ("next.yaml", TASK, "line 4: start"),
+        ("next.yaml", NEXT.replace("steps:", "stepz:"), "line 4: stepz"),
+        ("next.yaml", "about: none\nrequest: {}\n", "allowed: assur-task/1: a task file begins where a plan ends"),
+        ("cell.yaml", CELL.replace("speed_mm_s: 150", "speed_mm_s: 160"), 'cell.yaml: frames: got "another frame"'),
+        ("cell.yaml", CELL.replace("-100]", "-90]"), 'cell.yaml: robot: got "another robot"'),
+        ("plan.json", "{}", "--continue: schema"),
+        ("plan.json", "[", "--continue"),
+    ],
+)
+def test_what_cannot_continue_is_refused_with_its_place(folder: Path, file: str, text: str, message: str) -> None:
+    (folder / file).write_text(text)
+    code, output, held = run(folder)
+    assert code == 2
+    assert message in output
+    assert not held
+
+
+def test_a_task_without_a_start_begins_where_a_plan_ends_or_is_refused(folder: Path) -> None:
+    made = CliRunner().invoke(app, ["plan", str(folder / "next.yaml")])
+    assert made.exit_code == 2
+    assert "line 1: start: it is missing; allowed: the state at the start, which must be given" in " ".join(
+        made.output.split()
+    )
+    for file in ("plan.json", "none.yaml"):
+        code, output, _ = run(folder, file)
+        assert code == 2
+        assert "with --continue a task file (YAML) that exists" in output
+    code, output, _ = run(folder, plan="none.json")
+    assert code == 2
+    assert "--continue" in output
