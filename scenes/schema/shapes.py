@@ -9,6 +9,7 @@ from pydantic import Field
 from assur.scenes import bounds
 from assur.scenes.schema.model import (
     KNOWN,
+    ORIGIN,
     WHOLE,
     Angle,
     Document,
@@ -88,7 +89,7 @@ class PlaceInCell(Document):
 
     frame: Reference | None = None
     body: Reference | None = None
-    at_m: Point
+    at_m: Point = ORIGIN
     yaw_rad: Angle = 0.0
 
 
@@ -113,7 +114,7 @@ class AttachedBody(Document):
 
     name: Name
     shape: ShapeDocument
-    at_m: Point
+    at_m: Point = ORIGIN
     yaw_rad: Angle = 0.0
 
 
