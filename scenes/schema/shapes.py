@@ -83,7 +83,10 @@ class ShapeDocument(Document):
 
 
 class PlaceInCell(Document):
-    """A pose that is constant in a frame, or in whatever frame another body sits in, relative to that body."""
+    """A pose that is constant in a frame, or in whatever frame another body sits in, relative to that body.
+
+    The shape is turned by the roll about x, then by the pitch about y, then by the yaw about z, the axes of the frame.
+    """
 
     at_most_one: ClassVar[tuple[Group, ...]] = (("frame", "body"),)
 
@@ -91,6 +94,8 @@ class PlaceInCell(Document):
     body: Reference | None = None
     at_m: Point = ORIGIN
     yaw_rad: Angle = 0.0
+    pitch_rad: Angle | None = None
+    roll_rad: Angle | None = None
 
 
 class BodyDocument(Document):
