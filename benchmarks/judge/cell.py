@@ -10,8 +10,8 @@ import numpy as np
 
 from benchmarks.judge.arms import Arm, CarriedBody
 from benchmarks.judge.laws import Frame, frames_of, seat
-from benchmarks.judge.poses import Document, Floats, Poses, pose_in
-from benchmarks.judge.solids import Shape, Solid, shape_of, solid_of
+from benchmarks.judge.poses import Document, Floats, Poses, pose_in, si
+from benchmarks.judge.solids import Shape, Solid, shape_of, solid_of, tilted
 from benchmarks.judge.stages import CONTACT_M, TRACKING, Pair, Stage, clearance
 
 
@@ -41,7 +41,7 @@ class Cell:
                 name = f"{neighbour['name']}/{each.name}"
                 solids[name], seats[name] = each.solid, (f"{neighbour['name']}/{each.link}", each.pose)
         for body in request.get("bodies", []):
-            solids[body["name"]] = solid_of(body["shape"])
+            solids[body["name"]] = _solid(body)
             if "pose" in body and "body" in body["pose"]:
                 below, pose = seats[body["pose"]["body"]]
                 seats[body["name"]] = below, pose.then(pose_in(body["pose"]))
@@ -150,6 +150,13 @@ class Cell:
         if frozenset((one, other)) in stage.contacts:
             return Pair(one, other, -stage.deep_m, contact=True)
         return Pair(one, other, clearance(self.request, stage.near, one, other))
+
+
+def _solid(body: Document) -> Solid:
+    """The solid of a body in the frame of its pose, which stays upright."""
+    pose, upright = body.get("pose", {}), solid_of(body["shape"])
+    pitch, roll = float(si(pose, "pitch", 0.0)), float(si(pose, "roll", 0.0))
+    return tilted(upright, pitch, roll) if pitch or roll else upright
 
 
 def grasp_of(given: Document, turn: float = 0.0) -> Poses:

@@ -1,16 +1,16 @@
 """Solids and how far they are apart, exactly, at many instants at a time.
 
-Every solid stays upright. A box, an upright cylinder, a capsule along an axis and a sphere are a flat core (a rectangle
-rounded by a radius) times an interval of heights, enlarged by a ball. Of two such products the gap is that of the flat
-cores and that of the heights put together: their hypotenuse where both are apart, else the larger of both, which is
-then minus the depth of the overlap; the balls are subtracted. A cylinder that lies and a mesh are replaced by the box
-which holds them, and, where the box comes too near, by `coal`, a mesh triangle by triangle: each of them is convex,
-so the depth of an overlap is known, too.
+Frames turn about the vertical alone. An upright box, an upright cylinder, a capsule along an axis and a sphere are a
+flat core (a rectangle rounded by a radius) times an interval of heights, enlarged by a ball. Of two such products the
+gap is that of the flat cores and that of the heights put together: their hypotenuse where both are apart, else the
+larger of both, which is then minus the depth of the overlap; the balls are subtracted. A cylinder that lies, a tilted
+body and a mesh are replaced by the box which holds them, and, where the box comes too near, by `coal`, a mesh triangle
+by triangle: each of them is convex, so the depth of an overlap is known, too.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from benchmarks.judge.poses import Document, Floats, Poses, si
+from benchmarks.judge.poses import Document, Floats, Poses, about, si
 
 ASSETS = Path(__file__).resolve().parents[2] / "scenes" / "assets"
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
@@ -30,7 +30,8 @@ class Solid:
     """Half sizes of the flat core and of the heights, the radius that rounds the flat core, and the ball, m.
 
     `triangles` (K, 3, 3): of a mesh, whose box this is; `lying`: axis (0 or 1), radius and half length of a cylinder
-    that lies. `offset` (3,): where the middle of the core is in the body's frame.
+    that lies; `tilted`: a solid and the rotation (3, 3) by which it is turned in the body's frame, in this box.
+    `offset` (3,): where the middle of the core is in the body's frame.
     """
 
     half_x: float
@@ -41,11 +42,12 @@ class Solid:
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     triangles: Floats | None = None
     lying: tuple[int, float, float] | None = None
+    tilted: tuple[Solid, Floats] | None = None
 
     @property
     def exact(self) -> bool:
         """Whether the core with its ball is the solid itself."""
-        return self.triangles is None and self.lying is None
+        return self.triangles is None and self.lying is None and self.tilted is None
 
     @property
     def radius(self) -> float:
@@ -78,12 +80,29 @@ def solid_of(shape: Document) -> Solid:
         return Solid(*((h, r, r) if axis == 0 else (r, h, r)), lying=(axis, r, h))
     if kind == "mesh" and "asset" in given:
         mesh: Any = trimesh.load_mesh(ASSETS / f"{given['asset']}.stl")
-        triangles = np.asarray(mesh.triangles, dtype=np.float64) * UNITS[given["unit"]]
-        low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
-        half, middle = (high - low) / 2.0, (high + low) / 2.0
-        x, y, z = half.tolist()
-        return Solid(x, y, z, offset=tuple(middle.tolist()), triangles=triangles)
+        return _of_triangles(np.asarray(mesh.triangles, dtype=np.float64) * UNITS[given["unit"]])
     raise ValueError(f"a shape that the judge does not know: {kind}")
+
+
+def _of_triangles(triangles: Floats) -> Solid:
+    low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+    half, middle = (high - low) / 2.0, (high + low) / 2.0
+    x, y, z = half.tolist()
+    return Solid(x, y, z, offset=tuple(middle.tolist()), triangles=triangles)
+
+
+def tilted(solid: Solid, pitch: float, roll: float) -> Solid:
+    """The solid, upright so far, turned by the roll about x and then by the pitch about y of the body's frame."""
+    turn = about(1, pitch) @ about(0, roll)
+    if solid.triangles is not None:
+        return _of_triangles(solid.triangles @ turn.T)
+    if solid.lying is not None or solid.round_m:
+        axis, r, h = (2, solid.round_m, solid.half_z) if solid.lying is None else solid.lying
+        half = h * np.abs(turn[:, axis]) + r * np.sqrt(np.maximum(1.0 - turn[:, axis] ** 2, 0.0))
+    else:
+        half = np.abs(turn) @ np.array([solid.half_x, solid.half_y, solid.half_z]) + solid.ball
+    x, y, z = half.tolist()
+    return Solid(x, y, z, tilted=(solid, turn))
 
 
 def apart_at_least(a: Solid, at: Poses, b: Solid, beside: Poses) -> Floats:
@@ -153,6 +172,9 @@ def shape_of(solid: Solid) -> Shape:
             model.addTriangle(a, b, c)
         model.endModel()
         return Shape(model, float(np.linalg.norm(solid.triangles, axis=-1).max()), mesh=True)
+    if solid.tilted is not None:
+        upright = shape_of(solid.tilted[0])
+        return replace(upright, inner=Poses(solid.tilted[1], np.zeros(3)).then(upright.inner))
     half = solid.half_x, solid.half_y, solid.half_z
     radius, axis = float(np.hypot(solid.radius, solid.height)), int(np.argmax(half))
     if solid.lying is not None:

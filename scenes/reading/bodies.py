@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import AXES, ORIGIN, Body, Piece, box, capsule, cylinder, sphere
@@ -82,12 +83,15 @@ class MeshRefused(Refused):
 def attached(item: AttachedBody, lower_m: float = 0.0) -> Body:
     """A body at its pose in its carrier's frame, `lower_m` lower: its pieces and surface moved there."""
     tilt = (item.roll_rad or 0.0, item.pitch_rad or 0.0) if isinstance(item, LinkBody) else (0.0, 0.0)
-    body = solid(item.name, item.shape)
     at = np.array(item.at_m) - [0.0, 0.0, lower_m]
-    unturned = item.yaw_rad == 0.0 and tilt == (0.0, 0.0)
-    if unturned and body.surface is None:
-        return Body(item.name, tuple(Piece(p.shape, at + p.position, p.rotation) for p in body.pieces))
     turn = _turn(item.yaw_rad) if tilt == (0.0, 0.0) else _turn(item.yaw_rad) @ _tilt(*tilt)
+    return _moved(solid(item.name, item.shape), at, turn, unturned=item.yaw_rad == 0.0 and tilt == (0.0, 0.0))
+
+
+def _moved(body: Body, at: FloatArray, turn: FloatArray, *, unturned: bool = False) -> Body:
+    """The same body at `at` (3,), turned by the rotation `turn` (3, 3), or not at all."""
+    if unturned and body.surface is None:
+        return Body(body.name, tuple(Piece(p.shape, at + p.position, p.rotation) for p in body.pieces))
     turned = [p.rotation if unturned else turn @ p.rotation for p in body.pieces]
     pieces = tuple(Piece(p.shape, at + turn @ p.position, axes) for p, axes in zip(body.pieces, turned, strict=True))
     surface = body.surface
@@ -95,15 +99,15 @@ def attached(item: AttachedBody, lower_m: float = 0.0) -> Body:
         vertices = surface[0] @ turn.T + at
         vertices.flags.writeable = False
         surface = (vertices, surface[1])
-    return Body(item.name, pieces, surface)
+    return Body(body.name, pieces, surface)
 
 
-def _turn(yaw: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+def _turn(yaw: float) -> FloatArray:
     c, s = np.cos(yaw), np.sin(yaw)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def _tilt(roll: float, pitch: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+def _tilt(roll: float, pitch: float) -> FloatArray:
     """R_y(pitch) R_x(roll)."""
     cr, sr, cp, sp = np.cos(roll), np.sin(roll), np.cos(pitch), np.sin(pitch)
     return np.array([[cp, sp * sr, sp * cr], [0.0, cr, -sr], [-sp, cp * sr, cp * cr]])
@@ -127,6 +131,7 @@ Placement = PlaceInCell | TargetDocument | ToolPoseDocument
 
 
 AT_ORIGIN = Pose()
+UNMOVED = np.zeros(3)
 NO_POSE = "no pose: the gripper holds it at the start"
 
 
@@ -147,9 +152,17 @@ def world_body(item: BodyDocument, frames: Frames, places: Places, held: str | N
             error.at("pose")
             raise
     body = solid(item.name, item.shape)
+    if item.pose is not None and tilts(item.pose):
+        # what is relative to this body has its place in the frame of `pose`, which stays upright
+        body = _moved(body, UNMOVED, _tilt(item.pose.roll_rad or 0.0, item.pose.pitch_rad or 0.0))
     places[item.name] = (frame, pose)
     within_m = EXACT if item.uncertainty is KNOWN else pose_uncertainty(item.uncertainty)
     return WorldBody(body, frame, pose, item.mass_kg, item.yaw_symmetry, within_m)
+
+
+def tilts(place: PlaceInCell) -> tuple[str, ...]:
+    """The keys of a pose by which its body does not stay upright."""
+    return tuple(key for key in ("pitch_rad", "roll_rad") if getattr(place, key))
 
 
 def resolve(place: Placement, yaw: float, frames: Frames, places: Places) -> tuple[str, Pose]:

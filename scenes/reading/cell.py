@@ -120,7 +120,7 @@ def _cell_of(document: object, request: RequestDocument, own: Kept) -> Cell:
     robot, tool = given.robot, given.tool
     taken_up = {step.part for step in steps if isinstance(step, Pick)} | ({held} if held else set())
     if taken_up:
-        _check_riders(request, taken_up)
+        _check_picked(request, taken_up)
     carry = None if request.carry is None else request.carry.acceleration_m_s2
     scene = Scene(
         robot=robot,
@@ -240,11 +240,16 @@ def _left_out(robot: Robot, request: RequestDocument) -> tuple[str, ...]:
     return (*found, *(NO_LAG.format(other.name) for other in request.neighbours))
 
 
-def _check_riders(request: RequestDocument, picked: set[str]) -> None:
-    """A body whose pose is relative to a part would stay behind when that part is picked up."""
+def _check_picked(request: RequestDocument, picked: set[str]) -> None:
+    """A body whose pose is relative to a part would stay behind when that part is picked up; and the gripper holds
+    parts upright."""
     for i, body in enumerate(request.bodies):
-        if body.pose is not None and body.pose.body in picked:
+        if body.pose is None:
+            continue
+        if body.pose.body in picked:
             raise Refused("a body that no step picks", "bodies", i, "pose", "body")
+        if body.name in picked and (tilt := bodies.tilts(body.pose)):
+            raise Refused(f"0: a step picks {body.name}, and parts stay upright", "bodies", i, "pose", tilt[0])
 
 
 def _options(item: OptionsDocument, of: robots.RobotWithTool, places: Places, faults: Gathered) -> Options:

@@ -11,6 +11,7 @@ from assur.scenes.schema.expect import ExpectDocument
 from assur.scenes.schema.frames import FrameDocument
 from assur.scenes.schema.model import (
     KNOWN,
+    ORIGIN,
     WHOLE,
     Angle,
     Document,
@@ -62,7 +63,7 @@ class SlotsDocument(HandlingDefaults):
 
     frame: Reference | None = None
     body: Reference | None = None
-    at_m: Point
+    at_m: Point = ORIGIN
     step_m: Point | None = None
     count: Annotated[list[Count], Field(min_length=3, max_length=3)] | None = None
     yaw_rad: Angle = 0.0

@@ -205,6 +205,8 @@ MOST_YAW_ERROR_RAD = 1.6
 YawError = Annotated[float, Field(ge=0.0, le=MOST_YAW_ERROR_RAD)]
 
 Point = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
+ORIGIN = [0.0, 0.0, 0.0]
+"""The place of a pose that states none."""
 Interval = Annotated[list[Instant], Field(min_length=2, max_length=2)]
 Stretch = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
 
@@ -233,7 +235,7 @@ KNOWN = PoseUncertaintyDocument()
 class PoseDocument(Document):
     """A pose in a parent that the context names."""
 
-    at_m: Point
+    at_m: Point = ORIGIN
     yaw_rad: Angle = 0.0
 
 

@@ -17,6 +17,7 @@ from assur.planner.geometry.shapes import LARGEST_M
 from assur.planner.robots.turns import MOST_TURNS
 from assur.scenes import bounds
 from assur.scenes.schema.model import (
+    ORIGIN,
     WHOLE,
     Angle,
     ByName,
@@ -239,7 +240,7 @@ class RobotDocument(ArmDocument):
     model: ModelName | None = None
     file: Annotated[str, Field(min_length=1, max_length=255)] | None = None
     tool: ToolDocument
-    base: PoseDocument = PoseDocument(at_m=[0.0, 0.0, 0.0])
+    base: PoseDocument = PoseDocument()
     limits: LimitsDocument = Field(default_factory=lambda: LimitsDocument.model_validate({}))
 
     @model_validator(mode="wrap")
@@ -307,7 +308,7 @@ class ToolPoseDocument(Document):
 
     frame: Reference | None = None
     body: Reference | None = None
-    at_m: Point
+    at_m: Point = ORIGIN
     yaw_rad: Angle | None = None
     pitch_rad: Angle | None = None
     roll_rad: Angle | None = None

@@ -9,6 +9,7 @@ from pydantic import Field
 from assur.scenes import bounds
 from assur.scenes.schema.model import (
     KNOWN,
+    ORIGIN,
     WHOLE,
     Angle,
     Document,
@@ -82,14 +83,19 @@ class ShapeDocument(Document):
 
 
 class PlaceInCell(Document):
-    """A pose that is constant in a frame, or in whatever frame another body sits in, relative to that body."""
+    """A pose that is constant in a frame, or in whatever frame another body sits in, relative to that body.
+
+    The shape is turned by the roll about x, then by the pitch about y, then by the yaw about z, the axes of the frame.
+    """
 
     at_most_one: ClassVar[tuple[Group, ...]] = (("frame", "body"),)
 
     frame: Reference | None = None
     body: Reference | None = None
-    at_m: Point
+    at_m: Point = ORIGIN
     yaw_rad: Angle = 0.0
+    pitch_rad: Angle | None = None
+    roll_rad: Angle | None = None
 
 
 class BodyDocument(Document):
@@ -113,7 +119,7 @@ class AttachedBody(Document):
 
     name: Name
     shape: ShapeDocument
-    at_m: Point
+    at_m: Point = ORIGIN
     yaw_rad: Angle = 0.0
 
 

@@ -10,6 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from assur.scenes import bounds
 from assur.scenes.schema.model import (
+    ORIGIN,
     Angle,
     Coordinate,
     Distance,
@@ -50,7 +51,7 @@ class TargetDocument(Document):
 
     frame: Reference | None = None
     body: Reference | None = None
-    at_m: Point
+    at_m: Point = ORIGIN
     yaw_rad: Angle | None = None
     yaw_free: bool = False
     yaw_keep: bool = False

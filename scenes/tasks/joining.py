@@ -13,6 +13,7 @@ from typing import Any
 from assur.planner.errors import InputError
 from assur.scenes.faults import WHOLE, DocumentError, Gathered, Refused, choices, dotted, located, written_key
 from assur.scenes.schema.cell_file import CellDocument, TaskDocument, TransferDocument
+from assur.scenes.schema.model import ORIGIN
 from assur.scenes.schema.normal import normal, plain
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import SCHEMA
@@ -109,7 +110,7 @@ def _pose(grid: Document, number: int) -> Document:
     nx, ny, _ = _counts(grid)
     n, step = number - 1, grid.get("step_m", (0.0, 0.0, 0.0))
     steps = n % nx, n // nx % ny, n // (nx * ny)
-    at = [start + many * far for start, many, far in zip(grid["at_m"], steps, step, strict=True)]
+    at = [start + many * far for start, many, far in zip(grid.get("at_m", ORIGIN), steps, step, strict=True)]
     kept: Document = {key: grid[key] for key in ("frame", "body", "yaw_rad") if key in grid}
     return {"yaw_rad": 0.0, **kept, "at_m": at}
 
@@ -222,7 +223,7 @@ class _Join:
         if name not in self.positions:
             kinds = "positions and slots" if grids else "positions"
             self.faults.add(Refused(f"one of the {kinds}: {choices([*self.positions, *grids], name)}"), *where)
-            return {"at_m": [0.0, 0.0, 0.0]}
+            return {}
         self.origins[at] = OF_CELL, "positions", name
         return self.positions[name]
 
