@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_YAML_BYTES
-from assur.scenes.faults import NOTHING, DocumentError, fault
+from assur.scenes.faults import NOTHING, DocumentError, documented, fault
 from assur.scenes.files import below, empty
 from assur.scenes.scenario import OF_PLAN, Scenario, with_files
 from assur.scenes.schema.cell_file import TASK
-from assur.scenes.tasks.joining import OF_CELL, OF_TASK, Joined, documented, joined, within_document
+from assur.scenes.set_values import GIVEN
+from assur.scenes.tasks.joining import OF_CELL, OF_TASK, Joined, joined, within_document
 from assur.scenes.text.yaml_text import Lines, line_of, parse_yaml, with_line
 
 ENDINGS = (".yaml", ".yml")
@@ -22,16 +23,24 @@ ENDINGS = (".yaml", ".yml")
 
 @dataclass(frozen=True, eq=False)
 class _Files:
-    """Lines of a task's file (`task`) and of the file of its cell, with the name of that."""
+    """Lines of a task's file (`task`) and of the file of its cell, with the name of that, and both `documents`."""
 
     task: Lines
     name: str
     cell: Lines
+    documents: tuple[Any, Any]
 
     def placed(self, error: InputError) -> DocumentError:
         """A fault of the cell or the task, with the file and the line: fields of the task alone, those of the cell
         behind the name of its file."""
         return documented(error).relocated(self._field, self._line)
+
+    def joined(self, given: Mapping[str, object] | None = None) -> Joined:
+        """The request of the task, with values that are set last. Raises `DocumentError` with file and line."""
+        try:
+            return joined(*self.documents, given)
+        except InputError as error:
+            raise self.placed(error) from error
 
     def _field(self, field: str) -> str:
         inside = field.removeprefix(OF_TASK).removeprefix(".")
@@ -40,6 +49,8 @@ class _Files:
         return f"{self.name}: {field.removeprefix(OF_CELL).removeprefix('.') or OF_CELL}"
 
     def _line(self, field: str) -> int | None:
+        if field.startswith(GIVEN):
+            return None
         name, mark, inside = field.partition(": ")
         return line_of(inside, self.cell) if mark and name == self.name else line_of(field, self.task)
 
@@ -60,6 +71,10 @@ class TaskScenario(Scenario):
             if error.field.split(".")[0] == OF_PLAN:
                 raise  # about the plan that is checked
             raise self.files.placed(self.joined.relocated(error)) from error
+
+    def with_values(self, given: Mapping[str, object]) -> TaskScenario:
+        made = self.files.joined(given)
+        return replace(self, request=made.request, joined=made)
 
 
 def is_task(document: object) -> bool:
@@ -84,12 +99,13 @@ def task_scenario(document: dict[str, Any], lines: Lines, path: Path) -> TaskSce
             raise empty(found, "a cell: YAML with schema: assur-cell/1")
     except DocumentError as error:
         raise error.relocated(lambda field: field if field == found.name else f"{found.name}: {field}") from error
-    files = _Files(lines, found.name, cell_lines)
+    files = _Files(lines, found.name, cell_lines, (given, document))
     try:
         with within_document(OF_CELL):
             given = with_files(given, found.parent)
-        made = joined(given, document)
     except InputError as error:
         raise files.placed(error) from error
+    files = replace(files, documents=(given, document))
+    made = files.joined()
     about, expect = document.get("about") or given.get("about") or "", document.get("expect", {})
     return TaskScenario(path.stem, " ".join(about.split()), made.request, expect, path.parent, lines, made, files)
