@@ -42,6 +42,7 @@ from assur.api.cli.cell_reading import announce_compilation, compiled_work, read
 from assur.api.cli.console_report import rows
 from assur.api.cli.inputs import (
     STANDARD,
+    Values,
     given_options,
     joints_in,
     log_file,
@@ -69,7 +70,9 @@ app = typer.Typer(
 app.add_typer(robots_group.app, name="robots")
 app.add_typer(keys_group.app, name="keys")
 
-File = Annotated[str, typer.Argument(help="A scenario file (YAML), a request (JSON), or a shipped scenario's name.")]
+File = Annotated[
+    str, typer.Argument(help="A scenario or a task (YAML), a request (JSON), or a shipped scenario's name.")
+]
 PlanOrCell = Annotated[str, typer.Argument(metavar="FILE", help=PLAN_OR_CELL)]
 Plan = Annotated[Path | None, typer.Argument(help=ANSWER)]
 
@@ -92,6 +95,7 @@ def assur(
 @within_memory
 def plan(
     file: File,
+    values: Values = None,
     as_json: AsJson = False,
     out: Annotated[
         Path | None, typer.Option("--out", help="Write request and answer to this file; - is standard output.")
@@ -110,7 +114,7 @@ def plan(
     piped = out is not None and str(out) == STANDARD
     if piped and as_json:
         raise InputError("--json", "with --out -", "one of both: each writes a document to standard output")
-    given = target(file, after)
+    given = target(file, values, after)
     writable(out, file, after)
     read_cell(given)
     with compiled_work(f"planning {given.name}"):
@@ -143,11 +147,12 @@ def plan(
 def check(
     file: PlanOrCell,
     plan: Plan = None,
+    values: Values = None,
     as_json: AsJson = False,
 ) -> int:
     """Check the answer in a plan file, or an answer (PLAN) to the cell in FILE, with the checker, which trusts no
     planner."""
-    given = target(file)
+    given = target(file, values)
     cell, answer = read_cell(given), plan_files.answer_for(given, plan)
     read = None if requests.refused(answer) else requests.read_plan(cell, answer)
     with compiled_work(f"checking {given.name if plan is None else plan.name}"):
@@ -162,11 +167,12 @@ def check(
 def report(
     file: PlanOrCell,
     plan: Plan = None,
+    values: Values = None,
     out: Annotated[Path, typer.Option("--out", help="Write the report to this file.")] = Path("report.html"),
     opened: Annotated[bool, typer.Option("--open", help="Show the report in a browser.")] = False,
 ) -> int:
     """Write a page that plays an answer and says all of it; it needs no network. A cell alone is planned first."""
-    given = target(file)
+    given = target(file, values)
     writable(out, file, plan)
     read = plan_files.answer_if_any(given, plan)
     with compiled_work(f"planning {given.name}" if read is None else f"reading {given.name}"):
@@ -188,6 +194,7 @@ def report(
 @within_memory
 def ik(
     file: Annotated[str | None, typer.Argument(help="As of `plan`: robot, tool, frames and bodies are its.")] = None,
+    values: Values = None,
     robot: Annotated[
         str | None, typer.Option(help="A shipped robot or a robot's file; of FILE the tool point and the base only.")
     ] = None,
@@ -208,7 +215,7 @@ def ik(
     question: dict[str, Any] = {"pose": given_options(pose) or None, "at_s": at_s}
     if joints is not None:
         question["joints"] = joints_in(joints)
-    cell = None if file is None else read_cell(target(file))
+    cell = None if file is None else read_cell(target(file, values))
     if robot is not None:
         question["robot"] = robot_in_place(robot, cell)
     announce_compilation()

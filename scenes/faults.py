@@ -83,6 +83,11 @@ class DocumentError(InputError):
         return _joined([one(each) for each in (self, *self.more)], self.left_out)
 
 
+def documented(error: InputError) -> DocumentError:
+    """A fault as one of a document."""
+    return error if isinstance(error, DocumentError) else DocumentError(error.field, error.value, error.allowed)
+
+
 def _as_mapping(error: InputError) -> dict[str, Any]:
     line = getattr(error, "line", None)
     value = {} if error.value is NOTHING else {"value": error.value}

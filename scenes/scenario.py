@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from assur.planner.errors import InputError
 from assur.scenes.catalogue import with_robots
+from assur.scenes.faults import DocumentError, documented
 from assur.scenes.files import with_meshes, with_plans
-from assur.scenes.text.yaml_text import Lines, with_line
+from assur.scenes.set_values import GIVEN, Changed
+from assur.scenes.text.yaml_text import Lines, line_of, with_line
 
 OF_PLAN = "plan"
 """First part of the fields of a plan that is checked against a scenario; no key of a request."""
+OF_REQUEST = "request."
+"""What the fields of a request begin with in the file."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +31,8 @@ class Scenario:
     expect: dict[str, Any]
     folder: Path
     lines: Lines
+    changed: Changed | None = field(default=None, kw_only=True)
+    """The request with the values that were set in it, if some were."""
 
     @contextmanager
     def located(self) -> Iterator[None]:
@@ -36,7 +42,22 @@ class Scenario:
         except InputError as error:
             if error.field.split(".")[0] == OF_PLAN:
                 raise  # about the plan that is checked: another file, whose lines are not known
-            raise with_line(error, self.lines, "request.") from error
+            raise self.placed(error) from error
+
+    def placed(self, error: InputError) -> DocumentError:
+        """A fault of the request with its place in the file."""
+        if self.changed is None:
+            return with_line(error, self.lines, OF_REQUEST)
+        return documented(error).relocated(self.changed.field, self._line)
+
+    def _line(self, field: str) -> int | None:
+        return None if field.startswith(GIVEN) else line_of(OF_REQUEST + field, self.lines)
+
+    def with_values(self, given: Mapping[str, object]) -> Scenario:
+        """The scenario with values that are set in its request by their paths; their faults are at `GIVEN`. Raises
+        `InputError`."""
+        changed = Changed(self.request, given, GIVEN)
+        return replace(self, request=changed.document, changed=changed)
 
 
 def with_files(request: Any, folder: Path) -> Any:

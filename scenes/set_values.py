@@ -7,17 +7,21 @@ number from 0, `task.0` or `task[0]`.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_DEPTH
-from assur.scenes.faults import DocumentError, choices, dotted
+from assur.scenes.faults import DocumentError, choices, documented, dotted
 from assur.scenes.units import from_si, si_key, to_si, twin_of
 
 Keys = Sequence[str]
+Path = tuple[str | int, ...]
 NUMBER = re.compile(r"\[(\d+)\]")
-OF_NAMES = ("frames",)
+GIVEN = "--set "
+"""Mark of values that are set on the command line."""
+OF_NAMES = ("frames", "kinds", "positions", "slots")
 """Where the mappings are whose keys are names: a path through a name that is not there is misspelt."""
 
 
@@ -26,36 +30,96 @@ def with_values(document: Mapping[str, Any], values: object) -> dict[str, Any]:
 
     A field that the document leaves out is added, and one in the other unit is replaced, or converted where a part of
     it is set; whether a field of that name exists is for the reader of the document to say. Raises `InputError` for no
-    mapping of paths, for an entry that a list has not, for a path through a frame that is not there, and for one
+    mapping of paths, for an entry that a list has not, for a path through a name that is not there, and for one
     through what is neither mapping nor list.
     """
-    if not isinstance(values, dict) or not all(isinstance(path, str) and path for path in values):
-        raise InputError("set", values, "a mapping of values by their paths, as in {'options.seed': 3}")
     changed: Any = dict(document)
-    for path, value in values.items():
-        keys = NUMBER.sub(r".\1", path).split(".")
-        if len(keys) > MAX_DEPTH:
-            raise InputError("set", path, f"a path of at most {MAX_DEPTH} keys")
-        changed = _with(changed, keys, value, ())
+    for path, value in _paths(values).items():
+        changed = _with(changed, _keys(path), value, (), [])
     return dict(changed)
 
 
-def _with(node: object, keys: Keys, value: object, above: tuple[str | int, ...]) -> object:
-    """A copy of a node in which `value` is at these keys; `above`: the keys of the node itself."""
+class Changed:
+    """A `document` in which values were set, as `with_values` does, that knows which of its fields were. `mark`: what
+    is written before a path where the values are, such as `set.`: faults of the paths are there."""
+
+    def __init__(self, document: Mapping[str, Any], values: object, mark: str) -> None:
+        """Raises `InputError`, as `with_values`, at the path that is wrong."""
+        self.document, self.mark = dict(document), mark
+        self._whole: dict[str, str] = {}
+        """The path of each value, by the field that it became."""
+        self._made: dict[str, str] = {}
+        """The same by each field around it that the document had not."""
+        for path, value in _paths(values).items():
+            made: list[Path] = []
+            try:
+                self.document = dict(_with(self.document, _keys(path), value, (), made))  # type: ignore[call-overload]
+            except InputError as error:
+                raise DocumentError(f"{mark}{path}", error.value, error.allowed) from error
+            field = dotted(made[-1])
+            self._whole = {
+                each: of for each, of in self._whole.items() if not each.startswith((f"{field}.", f"{field}["))
+            }
+            self._whole[field] = path
+            self._made |= {dotted(each): path for each in made[:-1]}
+
+    @contextmanager
+    def located(self) -> Iterator[None]:
+        """A fault of the document inside is at the place where the value was set."""
+        try:
+            yield
+        except InputError as error:
+            raise documented(error).relocated(self.field) from error
+
+    def field(self, field: str) -> str:
+        """Where a field of the document was written: where it was set, or in the document."""
+        return self.origin(field) or field
+
+    def origin(self, field: str) -> str | None:
+        """Where a field of the document was set, in the words of the paths; None: it was not."""
+        head = field
+        while head and head not in self._whole and head not in self._made:
+            head = head[: max(head.rfind("."), head.rfind("["), 0)]
+        if not head:
+            return None
+        if head in self._whole:
+            return f"{self.mark}{self._whole[head]}{field[len(head) :]}"
+        return f"{self.mark}{self._made[head] if head == field else field}"
+
+
+def _paths(values: object) -> dict[str, object]:
+    if not isinstance(values, dict) or not all(isinstance(path, str) and path for path in values):
+        raise InputError("set", values, "a mapping of values by their paths, as in {'options.seed': 3}")
+    return values
+
+
+def _keys(path: str) -> Keys:
+    keys = NUMBER.sub(r".\1", path).split(".")
+    if len(keys) > MAX_DEPTH:
+        raise InputError("set", path, f"a path of at most {MAX_DEPTH} keys")
+    return keys
+
+
+def _with(node: object, keys: Keys, value: object, above: Path, made: list[Path]) -> object:
+    """A copy of a node in which `value` is at these keys; `above`: the keys of the node itself. `made` gets the path of
+    each node that is new, that of the value last."""
     if not keys:
+        made.append(above)
         return value
     if isinstance(node, list):
         number, rest = _entry(node, keys, above)
-        return [*node[:number], _with(node[number], rest, value, (*above, number)), *node[number + 1 :]]
+        return [*node[:number], _with(node[number], rest, value, (*above, number), made), *node[number + 1 :]]
     if not isinstance(node, dict):
         raise DocumentError(dotted((*above, keys[0])), node, "a mapping or a list, in which a value can be set")
     key, rest = _longest(keys, node) or (keys[0], keys[1:])
-    if rest and above == OF_NAMES and key not in node:
+    if rest and len(above) == 1 and above[0] in OF_NAMES and key not in node:
         raise DocumentError(dotted((*above, key)), key, f"one of {choices(node, key)}")
     twin = twin_of(key) or (si_key(key) or ("",))[0]
+    if rest and key not in node and twin not in node:
+        made.append((*above, key))
     kept = {name: each for name, each in node.items() if name != twin}
     inside = node.get(key, {}) if twin not in node else in_other_unit(node[twin], twin)
-    return {**kept, key: _with(inside, rest, value, (*above, key))}
+    return {**kept, key: _with(inside, rest, value, (*above, key), made)}
 
 
 def in_other_unit(value: object, key: str) -> object:
@@ -71,7 +135,7 @@ def in_other_unit(value: object, key: str) -> object:
     return from_si(float(value), si_key(str(twin_of(key)))[1]) if number else value  # type: ignore[arg-type, index]
 
 
-def _entry(entries: list[Any], keys: Keys, above: tuple[str | int, ...]) -> tuple[int, Keys]:
+def _entry(entries: list[Any], keys: Keys, above: Path) -> tuple[int, Keys]:
     """The number of the entry that the first keys name, and the keys behind it."""
     names = [_name_of(each) for each in entries]
     found = _longest(keys, [name for name in names if name is not None])

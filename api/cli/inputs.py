@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from assur.api.web.settings import Settings
 from assur.planner.errors import InputError
@@ -26,6 +29,7 @@ from assur.scenes.requests import (
     load_robot,
     load_scenario,
     models,
+    parse_json,
     plan_cell,
     shipped,
     shipped_robot,
@@ -33,6 +37,7 @@ from assur.scenes.requests import (
     unmet,
 )
 from assur.scenes.scenario import with_files
+from assur.scenes.set_values import GIVEN, Changed
 from assur.scenes.tasks.next_task import EndState, end_state
 from assur.scenes.units import si_key, twin_of
 
@@ -42,6 +47,13 @@ if TYPE_CHECKING:
 
 STANDARD = "-"
 """Names standard input where a file is read, and standard output where one is written."""
+
+SET = (
+    "Set a value of FILE by its path: --set options.seed=3. VALUE is JSON. May be repeated; the last counts. In a task "
+    "file, paths that begin with start, parts, steps or options are its own; all others are those of its cell."
+)
+Values = Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help=SET)]
+"""The option of all commands that take a cell."""
 
 UNSTATED = {"explain_budget_s": 2.0, "report": "full"}
 """Options of a request that does not state them: `assur plan` explains and reports more than other callers need."""
@@ -57,6 +69,8 @@ class Target:
     folder: Path | None
     scenario: Scenario | None = None
     plan_file: PlanFile | None = None
+    changed: Changed | None = None
+    """The request with the values that were set in it, where no scenario knows them."""
 
     @property
     def title(self) -> str:
@@ -95,22 +109,59 @@ class Target:
             return plan_cell(cell, unstated=UNSTATED)
 
     def _located(self) -> AbstractContextManager[None]:
+        if self.changed is not None:
+            return self.changed.located()
         if self.plan_file is not None:
             return in_request()
         return nullcontext() if self.scenario is None else self.scenario.located()
+
+    def with_values(self, given: Mapping[str, object]) -> Target:
+        """The same with values that are set by their paths, and faults of them at `GIVEN`. Raises `InputError`."""
+        if not given:
+            return self
+        if self.scenario is not None:
+            scenario = self.scenario.with_values(given)
+            return replace(self, request=scenario.request, scenario=scenario)
+        if not isinstance(self.request, dict):
+            return self  # no request: refused where it is read
+        changed = Changed(self.request, given, GIVEN)
+        return replace(self, request=changed.document, changed=changed)
 
     def unmet(self, answer: dict[str, Any]) -> list[str]:
         """What of the scenario's `expect` the answer does not hold."""
         return [] if self.scenario is None else unmet(self.scenario.expect, answer)
 
 
-def target(text: str, after: Path | None = None) -> Target:
-    """What `text` names: a file (a scenario in YAML, a request in JSON, or a plan file, whose request counts), -
-    for a request or a plan file on standard input, else a shipped scenario. `after`: the plan file where it begins,
-    which is then a task file.
+def target(text: str, values: list[str] | None = None, after: Path | None = None) -> Target:
+    """What `text` names: a file (a scenario or a task in YAML, a request in JSON, or a plan file, whose request
+    counts), - for a request or a plan file on standard input, else a shipped scenario. `values`: ``PATH=VALUE`` each,
+    which are set in it. `after`: the plan file where it begins, which is then a task file.
 
     Raises `InputError`, or `OSError` for a file that cannot be read.
     """
+    return _target(text, after).with_values(set_values(values))
+
+
+def set_values(texts: list[str] | None) -> dict[str, object]:
+    """Values that are set, by their paths, from ``PATH=VALUE`` each, where VALUE is JSON; the last of a path counts.
+    Raises `InputError`."""
+    found: dict[str, object] = {}
+    for text in texts or ():
+        path, mark, value = text.partition("=")
+        if not (mark and path.strip()):
+            raise InputError("--set", text, "a path, = and a value in JSON, as in --set options.seed=3")
+        try:
+            read = parse_json(value.encode("utf-8", "surrogatepass"))
+        except InputError as error:
+            quoted = f"{path}={json.dumps(value)}"
+            allowed = f"JSON, such as 3, [1, 2] or true; text in double quotes, as in --set '{quoted}'"
+            raise InputError(f"{GIVEN}{path}", value, allowed) from error
+        found.pop(path, None)
+        found[path] = read
+    return found
+
+
+def _target(text: str, after: Path | None) -> Target:
     path = Path(text)
     if after is not None:
         if text == STANDARD or not is_file(path) or is_json(path):

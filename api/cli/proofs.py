@@ -11,7 +11,7 @@ import typer
 from assur.api.cli import console_report
 from assur.api.cli.border import BAD_INPUT, RIGHT, answered, say, show, writable
 from assur.api.cli.cell_reading import compiled_work, read_cell
-from assur.api.cli.inputs import target
+from assur.api.cli.inputs import Values, target
 from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for
 from assur.api.documents import to_json
 from assur.planner.errors import InputError
@@ -27,11 +27,12 @@ NAMES_ONLY = "All that the bundle claims is shown. Its digests are names: neithe
 def bundle(
     file: Annotated[str, typer.Argument(metavar="FILE", help=PLAN_OR_CELL)],
     plan: Annotated[Path | None, typer.Argument(help=ANSWER)] = None,
+    values: Values = None,
     out: Annotated[Path, typer.Option("--out", help="Write the bundle to this file.")] = Path("bundle.json"),
 ) -> int:
     """Write the proof bundle of a PLAN: all that a second checker needs to prove it."""
     writable(out, file, plan)
-    given = target(file)
+    given = target(file, values)
     answer = answer_for(given, plan)
     cell = read_cell(given)
     with compiled_work(f"writing the bundle of {given.name if plan is None else plan.name}"):

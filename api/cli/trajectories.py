@@ -12,7 +12,7 @@ from rich.table import Table
 from assur.api.cli.border import RIGHT, AsJson, answered, show, writable
 from assur.api.cli.cell_reading import compiled_work, read_cell
 from assur.api.cli.console_report import findings
-from assur.api.cli.inputs import given_options, json_file, target, text_file
+from assur.api.cli.inputs import Values, given_options, json_file, target, text_file
 from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for
 from assur.api.documents import plan_file_bytes
 from assur.planner.report.number_format import amount
@@ -33,6 +33,7 @@ def export(
         ),
     ],
     plan: Annotated[Path | None, typer.Argument(help=ANSWER)] = None,
+    values: Values = None,
     tick_ms: Annotated[
         float | None, typer.Option("--tick-ms", help="The controller's step; else the points are the plan's knots.")
     ] = None,
@@ -57,7 +58,7 @@ def export(
     """Write a PLAN as a controller's file, proved anew on the points that the file has."""
     writable(out, file, plan, after)
     writable(plan_out, file, plan, after, out, option="--plan-out")
-    given = target(file)
+    given = target(file, values)
     question: dict[str, Any] = given_options({"format": form, "jerk": jerk, "tick_ms": tick_ms, "lead_ms": lead_ms})
     if after is not None:
         question["after"] = json_file(after, "--after", "a plan file")
@@ -83,6 +84,7 @@ def check_trajectory(
     trajectory: Annotated[
         Path, typer.Argument(help="CSV with time_s, j1_deg, j1_deg_s, j1_deg_s2, ..., or a message of ROS.")
     ],
+    values: Values = None,
     jerk: Annotated[
         Literal["limit", "report"], typer.Option(help="Hold the jerk to its limits, or only say how high it is.")
     ] = "limit",
@@ -99,7 +101,7 @@ def check_trajectory(
     as_json: AsJson = False,
 ) -> int:
     """Prove or refute a TRAJECTORY that was made elsewhere: limits of the joints, and distances in the cell of FILE."""
-    given = target(file)
+    given = target(file, values)
     text = text_file(trajectory, "TRAJECTORY")
     form = "ros2" if is_message(text.encode()) else "csv"
     late = {"start_s": start_s, "start_tolerance_ms": start_tolerance_ms}

@@ -7,17 +7,27 @@ the request is a fault at the place in the cell or the task from which the value
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from assur.planner.errors import InputError
-from assur.scenes.faults import WHOLE, DocumentError, Gathered, Refused, choices, dotted, located, written_key
+from assur.scenes.faults import (
+    WHOLE,
+    DocumentError,
+    Gathered,
+    Refused,
+    choices,
+    documented,
+    dotted,
+    located,
+    written_key,
+)
 from assur.scenes.schema.cell_file import CellDocument, TaskDocument, TransferDocument
-from assur.scenes.schema.model import ORIGIN
 from assur.scenes.schema.normal import normal, plain
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import SCHEMA
-from assur.scenes.set_values import with_values
+from assur.scenes.set_values import GIVEN, Changed
+from assur.scenes.tasks.grids import counts, pose_of_slot
 from assur.scenes.units import si_key
 
 Document = dict[str, Any]
@@ -32,22 +42,87 @@ HANDLED, GRASP, REST = ("approach", "dwell_s", "depart"), ("grasp_m", "grasp_yaw
 """Fields of picks and places that kinds or slots may state; of picks alone; of places alone."""
 OF_CELL, OF_TASK = "cell", "task"
 """First part of the fields of a fault: the document that it is in."""
+OWN = ("start", "parts", "steps", "options")
+"""Fields of a task whose values can be set there."""
 
 
-def joined(cell: object, task: object) -> Joined:
-    """The request of a task in a cell. Raises `DocumentError` whose fields begin with `cell` or `task`."""
-    with within_document(OF_TASK):
-        stated: TaskDocument = read(TaskDocument, task)
-    with within_document(OF_CELL):
-        written = plain(cell)
-    values = plain(stated.set)
-    try:
-        changed = with_values(written, values) if values and isinstance(written, dict) else written
-    except InputError as error:
-        raise DocumentError(f"{OF_TASK}.set", error.value, f"{error.field}: {error.allowed}") from error
-    with within_document(OF_CELL):
-        read(CellDocument, changed)
-    return _Join(changed, plain(task)).made()
+class CellFile:
+    """The document of a cell, read once for many tasks: valid by its model, and as it was `written`."""
+
+    def __init__(self, document: object) -> None:
+        """Raises `DocumentError` whose fields begin with `cell`."""
+        with within_document(OF_CELL):
+            self.written: Document = plain(document)
+            read(CellDocument, self.written)
+
+
+def joined(cell: object, task: object, given: Mapping[str, object] | None = None) -> Joined:
+    """The request of a task in a cell, a document or a `CellFile`. Raises `DocumentError` whose fields begin with
+    `cell`, `task`, or `GIVEN`.
+
+    `given`: values that are set last, by their paths. A path that begins with a field of `OWN` is one of the task, but
+    for an option that the cell states; all others are paths of the cell.
+    """
+    origins = _Origins()
+    with origins:
+        with within_document(OF_TASK):
+            asked = plain(task)
+        with within_document(OF_CELL):
+            written = cell.written if isinstance(cell, CellFile) else plain(cell)
+        of_cell, of_task = _shared(given or {}, written)
+        if of_task and isinstance(asked, dict):
+            asked = origins.changed(OF_TASK, asked, of_task, GIVEN)
+        with within_document(OF_TASK):
+            stated: TaskDocument = read(TaskDocument, asked)
+        changed = written
+        for values, mark in ((plain(stated.set), f"{OF_TASK}.set."), (of_cell, GIVEN)):
+            if values and isinstance(changed, dict):
+                changed = origins.changed(OF_CELL, changed, values, mark)
+        if changed is not written or not isinstance(cell, CellFile):
+            with within_document(OF_CELL):
+                read(CellDocument, changed)
+        return _Join(changed, asked, origins).made()
+
+
+def _shared(given: Mapping[str, object], cell: object) -> tuple[Document, Document]:
+    """The values that are set in the cell, and those that are set in the task."""
+    own = cell.get("options") if isinstance(cell, dict) else None
+    stated = own if isinstance(own, dict) else {}
+    of_cell: Document = {}
+    of_task: Document = {}
+    for path, value in given.items():
+        first, _, rest = path.partition(".")
+        key = rest.partition(".")[0]
+        in_cell = first == "options" and written_key(stated, (si_key(key) or (key,))[0]) is not None
+        (of_task if first.partition("[")[0] in OWN and not in_cell else of_cell)[path] = value
+    return of_cell, of_task
+
+
+class _Origins:
+    """Where values of cell and task were set. A fault inside has its place there."""
+
+    def __init__(self) -> None:
+        self._changed: list[tuple[str, Changed]] = []
+
+    def changed(self, name: str, document: Document, values: Document, mark: str) -> Document:
+        """The document of that name with these values."""
+        made = Changed(document, values, mark)
+        self._changed.insert(0, (f"{name}.", made))
+        return made.document
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, InputError) and self._changed:
+            raise documented(error).relocated(self.field) from error
+
+    def field(self, field: str) -> str:
+        """The place of a field of the cell or the task."""
+        for name, changed in self._changed:
+            if field.startswith(name) and (origin := changed.origin(field.removeprefix(name))) is not None:
+                return origin
+        return field
 
 
 class within_document:
@@ -67,17 +142,12 @@ class within_document:
         return self._name if field == WHOLE else f"{self._name}.{field}"
 
 
-def documented(error: InputError) -> DocumentError:
-    """A fault as one of a document."""
-    return error if isinstance(error, DocumentError) else DocumentError(error.field, error.value, error.allowed)
-
-
 class Joined:
     """A `request`, and where its parts were written: `origins`, from the path of a part to its path in the cell or the
     task, which begins with `cell` or `task`."""
 
-    def __init__(self, request: Document, origins: dict[Path, Path]) -> None:
-        self.request = request
+    def __init__(self, request: Document, origins: dict[Path, Path], values: _Origins) -> None:
+        self.request, self._values = request, values
         self._origins = {dotted(path): dotted(origin) for path, origin in origins.items()}
 
     def relocated(self, error: InputError) -> DocumentError:
@@ -89,37 +159,14 @@ class Joined:
         head = field
         while head not in self._origins and head:
             head = head[: max(head.rfind("."), head.rfind("["), 0)]
-        return self._origins[head] + field[len(head) :] if head else field
-
-
-def slot_poses(grids: Document) -> Iterator[tuple[str, int, Document]]:
-    """Each slot of the `slots` of a cell, which are valid: its grid, its number and its pose, in SI."""
-    for name, written in grids.items():
-        grid = normal(written)
-        for number in range(1, math.prod(_counts(grid)) + 1):
-            yield name, number, _pose(grid, number)
-
-
-def _counts(grid: Document) -> tuple[int, ...]:
-    """The number of slots of a grid along x, y and z."""
-    return tuple(int(count) for count in grid.get("count", (1, 1, 1)))
-
-
-def _pose(grid: Document, number: int) -> Document:
-    """The pose of a slot of a grid, which is in SI."""
-    nx, ny, _ = _counts(grid)
-    n, step = number - 1, grid.get("step_m", (0.0, 0.0, 0.0))
-    steps = n % nx, n // nx % ny, n // (nx * ny)
-    at = [start + many * far for start, many, far in zip(grid.get("at_m", ORIGIN), steps, step, strict=True)]
-    kept: Document = {key: grid[key] for key in ("frame", "body", "yaw_rad") if key in grid}
-    return {"yaw_rad": 0.0, **kept, "at_m": at}
+        return self._values.field(self._origins[head] + field[len(head) :]) if head else field
 
 
 class _Join:
     """Makes one request. `cell` and `task` are valid by their models and as they were written."""
 
-    def __init__(self, cell: Document, task: Document) -> None:
-        self.cell, self.task, self.faults = cell, task, Gathered()
+    def __init__(self, cell: Document, task: Document, values: _Origins) -> None:
+        self.cell, self.task, self.faults, self._values = cell, task, Gathered(), values
         self.origins: dict[Path, Path] = {}
         self.kinds: Document = cell.get("kinds", {})
         self.positions: Document = cell.get("positions", {})
@@ -144,7 +191,7 @@ class _Join:
             request["options"] = self._options()
             request["task"] = self._steps()
             self.faults.settle()
-        return Joined(request, self.origins)
+        return Joined(request, self.origins, self._values)
 
     def _options(self) -> Document:
         """Those of the cell and those of the task. None may be in both."""
@@ -211,11 +258,11 @@ class _Join:
         if grid not in self.grids:
             self.faults.add(Refused(f"the name of slots: {choices(self.grids, grid)}"), *where)
             return None
-        most = math.prod(_counts(self.grids[grid]))
+        most = math.prod(counts(self.grids[grid]))
         if not (isinstance(number, int) and not isinstance(number, bool) and 1 <= number <= most):
             self.faults.add(Refused(f"the number of a slot, 1 to {most}"), *where, grid)
             return None
-        return _pose(normal(self.grids[grid]), number)
+        return pose_of_slot(normal(self.grids[grid]), number)
 
     def _position(self, name: str, where: Path, at: Path, grids: Collection[str] = ()) -> object:
         """The pose of a named position; any pose, and a fault, where there is none. `grids`: what the name could have
@@ -252,6 +299,10 @@ class _Join:
             stated: TransferDocument = read(TransferDocument, own)
         steps: list[Document] = []
         for k, part in enumerate(stated.parts):
+            if part in stated.parts[:k]:
+                allowed = f"a part that is not in the list before; entry {stated.parts.index(part)} is this one"
+                self.faults.add(Refused(allowed), *where, "parts", k)
+                continue
             window = {key: own[key] for key in own if key.startswith("window_")}
             pick = {"part": part, "name": f"pick-{part}", **window}
             place = {"part": part, "name": f"place-{part}", "to": stated.to}
@@ -324,7 +375,7 @@ class _Join:
 
     def _next_slot(self, grid: str, where: Path) -> Document:
         """The first free slot."""
-        taken, many = self._taken(grid), math.prod(_counts(self.grids[grid]))
+        taken, many = self._taken(grid), math.prod(counts(self.grids[grid]))
         free = next((number for number in range(1, many + 1) if number not in taken), None)
         if free is None:
             self.faults.add(Refused(f"slots with one that is free: all {many} are taken"), *where)

@@ -16,7 +16,8 @@ from assur.scenes.schema.cell_file import CellDocument, TaskDocument
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
 from assur.scenes.schema.shapes import PlaceInCell
-from assur.scenes.tasks.joining import OF_CELL, OF_TASK, slot_poses, within_document
+from assur.scenes.tasks.grids import slot_poses
+from assur.scenes.tasks.joining import OF_CELL, OF_TASK, within_document
 
 if TYPE_CHECKING:
     from assur.planner.frames.motion import Pose

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_YAML_BYTES
-from assur.scenes.faults import NOTHING, DocumentError, fault
+from assur.scenes.faults import NOTHING, DocumentError, documented, fault
 from assur.scenes.files import below, empty
-from assur.scenes.scenario import OF_PLAN, Scenario, with_files
+from assur.scenes.scenario import Scenario, with_files
 from assur.scenes.schema.cell_file import TASK
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
-from assur.scenes.tasks.joining import OF_CELL, OF_TASK, Joined, documented, joined, within_document
+from assur.scenes.set_values import GIVEN
+from assur.scenes.tasks.joining import OF_CELL, OF_TASK, Joined, joined, within_document
 from assur.scenes.tasks.next_task import EndState, hold_same, next_task
 from assur.scenes.text.yaml_text import Lines, line_of, parse_yaml, with_line
 
@@ -25,16 +25,34 @@ ENDINGS = (".yaml", ".yml")
 
 @dataclass(frozen=True, eq=False)
 class _Files:
-    """Lines of a task's file (`task`) and of the file of its cell, with the name of that."""
+    """Lines of a task's file (`task`) and of the file of its cell, with the name of that, and both `documents`.
+    `after`: the end of the plan where the task begins."""
 
     task: Lines
     name: str
     cell: Lines
+    documents: tuple[Any, Any]
+    after: EndState | None
 
     def placed(self, error: InputError) -> DocumentError:
         """A fault of the cell or the task, with the file and the line: fields of the task alone, those of the cell
         behind the name of its file."""
         return documented(error).relocated(self._field, self._line)
+
+    def joined(self, given: Mapping[str, object] | None = None) -> Joined:
+        """The request of the task, with values that are set last. Raises `DocumentError` with file and line."""
+        cell, task = self.documents
+        try:
+            if self.after is None:
+                return joined(cell, task, given)
+            made = joined(cell, next_task(cell, task, self.after), given)
+            try:
+                hold_same(read(RequestDocument, made.request), self.after)
+            except InputError as error:
+                raise made.relocated(error) from error
+            return made
+        except InputError as error:
+            raise self.placed(error) from error
 
     def _field(self, field: str) -> str:
         inside = field.removeprefix(OF_TASK).removeprefix(".")
@@ -43,6 +61,8 @@ class _Files:
         return f"{self.name}: {field.removeprefix(OF_CELL).removeprefix('.') or OF_CELL}"
 
     def _line(self, field: str) -> int | None:
+        if field.startswith(GIVEN):
+            return None
         name, mark, inside = field.partition(": ")
         return line_of(inside, self.cell) if mark and name == self.name else line_of(field, self.task)
 
@@ -54,15 +74,12 @@ class TaskScenario(Scenario):
     joined: Joined
     files: _Files
 
-    @contextmanager
-    def located(self) -> Iterator[None]:
-        """An `InputError` about the request, raised inside, gets the place in the file of the cell or the task."""
-        try:
-            yield
-        except InputError as error:
-            if error.field.split(".")[0] == OF_PLAN:
-                raise  # about the plan that is checked
-            raise self.files.placed(self.joined.relocated(error)) from error
+    def placed(self, error: InputError) -> DocumentError:
+        return self.files.placed(self.joined.relocated(error))
+
+    def with_values(self, given: Mapping[str, object]) -> TaskScenario:
+        made = self.files.joined(given)
+        return replace(self, request=made.request, joined=made)
 
 
 def is_task(document: object) -> bool:
@@ -88,17 +105,13 @@ def task_scenario(document: dict[str, Any], lines: Lines, path: Path, after: End
             raise empty(found, "a cell: YAML with schema: assur-cell/1")
     except DocumentError as error:
         raise error.relocated(lambda field: field if field == found.name else f"{found.name}: {field}") from error
-    files = _Files(lines, found.name, cell_lines)
+    files = _Files(lines, found.name, cell_lines, (given, document), after)
     try:
         with within_document(OF_CELL):
             given = with_files(given, found.parent)
-        made = joined(given, document if after is None else next_task(given, document, after))
-        if after is not None:
-            try:
-                hold_same(read(RequestDocument, made.request), after)
-            except InputError as error:
-                raise made.relocated(error) from error
     except InputError as error:
         raise files.placed(error) from error
+    files = replace(files, documents=(given, document))
+    made = files.joined()
     about, expect = document.get("about") or given.get("about") or "", document.get("expect", {})
     return TaskScenario(path.stem, " ".join(about.split()), made.request, expect, path.parent, lines, made, files)

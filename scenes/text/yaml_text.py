@@ -16,7 +16,7 @@ import yaml
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_DEPTH, MAX_YAML_BYTES
-from assur.scenes.faults import WHOLE, DocumentError, Path, dotted
+from assur.scenes.faults import WHOLE, DocumentError, Path, documented, dotted
 from assur.scenes.text.json_text import not_utf8
 from assur.scenes.text.scalars import Refused, real, whole
 
@@ -39,7 +39,7 @@ LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 def with_line(error: InputError, lines: Lines, prefix: str = "") -> DocumentError:
     """The error with the line of its field, or of the innermost mapping around it that the file has. `prefix`: where in
     the file the document is that the error speaks of; the field gets it."""
-    known = error if isinstance(error, DocumentError) else DocumentError(error.field, error.value, error.allowed)
+    known = documented(error)
     if known.line is not None:
         return known
     return known.relocated(

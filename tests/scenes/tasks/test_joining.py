@@ -231,8 +231,21 @@ FAULTS: list[tuple[str, str, object, str, str]] = [
     ),
     ("task", "options.clearance_m", {"travel": 1, "near": 1}, "task.options.clearance_m", "none: the cell states it"),
     ("task", "options.sed", 1, "task.options.sed", "one of "),
-    ("task", "set", {"frames.bolt.conveyor.speed_mm_s": 1}, "task.set", "frames.bolt: one of belt"),
-    ("task", "set", {"robot.limits.acceleration": 7}, "cell.robot.limits.acceleration", "at most 1"),
+    ("task", "steps.0.transfer.parts", ["a", "a"], "task.steps[0].transfer.parts[1]", "a part that is not in the list"),
+    ("task", "set", {"frames.bolt.conveyor.speed_mm_s": 1}, "task.set.frames.bolt.conveyor.speed_mm_s", "one of belt"),
+    ("task", "set", {"slots.bx.yaw_deg": 1}, "task.set.slots.bx.yaw_deg", "one of box; did you mean box?"),
+    ("task", "set", {"robot.limits.acceleration": 7}, "task.set.robot.limits.acceleration", "at most 1"),
+    ("task", "set", {"robt.model": "x"}, "task.set.robt.model", "one of "),
+    (
+        "task",
+        "set",
+        {"frames.belt": {"linear": {}}},
+        "task.set.frames.belt.linear.velocity_m_s",
+        "velocity_m_s or velocity_mm_s",
+    ),
+    ("task", "set", {"robot.limits.j9_deg": [0, 1]}, "task.set.robot.limits.j9_deg", ""),
+    ("task", "set", {"kinds.bracket.shape.mesh.asset": "brackt"}, "task.set.kinds.bracket.shape.mesh.asset", "one of "),
+    ("task", "set", {"slots.box.at_mm.2": "low"}, "task.set.slots.box.at_mm.2", "a number"),
     ("task", "set", [1], "task.set", "a mapping of fields"),
 ]
 
@@ -278,6 +291,11 @@ def test_a_grid_that_is_full_takes_no_part() -> None:
         ),
         (CELL, CELL, r"line 2: schema: got 'assur-cell/1'; allowed: .*a task file"),
         ("robot: [", TASK, r"cell\.yaml: .*"),
+        (
+            CELL,
+            TASK + "set:\n  slots.box.yaw_deg: 0\n  frames.belt.conveyor.speed_mm_s: fast\n",
+            r"line 15: set\.frames\.belt\.conveyor\.speed_mm_s: got 'fast'; allowed: a number",
+        ),
     ],
 )
 def test_a_fault_has_its_file_and_its_line(tmp_path: Path, cell: str, task: str, message: str) -> None:
