@@ -237,10 +237,12 @@ def scenes(as_json: AsJson = False) -> int:
 @app.command()
 @bordered
 def schema(
-    whole: Annotated[bool, typer.Option("--file", help="Of a whole scenario file: about, request and expect.")] = False,
+    kind: Annotated[requests.Kind, typer.Argument(help="Of which document; a scenario is a file with a request.")] = (
+        "request"
+    ),
 ) -> int:
-    """Print the JSON Schema of the request."""
-    show_json(requests.file_schema() if whole else requests.request_schema())
+    """Print the JSON Schema of a request, a scenario file, a cell file or a task file."""
+    show_json(requests.request_schema() if kind == "request" else requests.schema_of(kind))
     return RIGHT
 
 

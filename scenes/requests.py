@@ -24,7 +24,9 @@ from assur.scenes.not_requests import refuse_other
 from assur.scenes.scenario import Scenario
 from assur.scenes.scenarios import ScenarioDocument, load_scenario, shipped, shipped_scenarios, unmet
 from assur.scenes.schema.answer import Verdict
+from assur.scenes.schema.cell_file import CellDocument, TaskDocument
 from assur.scenes.schema.ik import IkDocument
+from assur.scenes.schema.model import Document
 from assur.scenes.schema.normal import plain
 from assur.scenes.schema.read import read, read_fields
 from assur.scenes.schema.request import AROUND, SCHEMA, RequestDocument
@@ -48,7 +50,6 @@ __all__ = [
     "check_cell",
     "check_document",
     "check_plan",
-    "file_schema",
     "ik_cell",
     "ik_document",
     "ik_schema",
@@ -65,6 +66,7 @@ __all__ = [
     "request_schema",
     "robots",
     "scene_of",
+    "schema_of",
     "shipped",
     "shipped_robot",
     "shipped_scenarios",
@@ -76,6 +78,14 @@ __all__ = [
 ]
 
 
+Kind = Literal["request", "scenario", "cell", "task"]
+KINDS: dict[Kind, type[Document]] = {
+    "request": RequestDocument,
+    "scenario": ScenarioDocument,
+    "cell": CellDocument,
+    "task": TaskDocument,
+}
+"""Kinds of documents that are written by hand. A scenario is a file with a request."""
 Detail = Literal["full", "digest"]
 """How much of its certificate an answer has: the whole table of the proof, or its digest and size."""
 
@@ -94,13 +104,12 @@ def request_digest(document: object) -> str:
 
 def request_schema() -> dict[str, Any]:
     """JSON Schema of a request, with both ways to write each quantity."""
-    schema = RequestDocument.model_json_schema()
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA, **schema}
+    return {**schema_of("request"), "$id": SCHEMA}
 
 
-def file_schema() -> dict[str, Any]:
-    """JSON Schema of a scenario file: `about`, `request` and `expect`."""
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **ScenarioDocument.model_json_schema()}
+def schema_of(kind: Kind) -> dict[str, Any]:
+    """JSON Schema of a document of this kind, with both ways to write each quantity."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **KINDS[kind].model_json_schema()}
 
 
 def cell_of(

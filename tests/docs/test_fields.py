@@ -15,10 +15,10 @@ from typer.testing import CliRunner
 
 from assur.api.command_line import app
 from assur.scenes.exports.documents import export_schemas
-from assur.scenes.requests import file_schema, ik_schema, request_schema
+from assur.scenes.requests import KINDS, ik_schema, request_schema, schema_of
 from assur.scenes.scenarios import CELLS
 from assur.scenes.schema.answer import Answer, Verdict, facts_described
-from assur.scenes.schema.cell_file import CellDocument, TaskDocument, TransferDocument
+from assur.scenes.schema.cell_file import CELL, TASK, TransferDocument
 from assur.scenes.schema.described import FILE, description, unit_in_words
 from assur.scenes.schema.export import ExportAnswer, TrajectoryVerdict
 from assur.scenes.schema.ik import IkAnswer
@@ -32,9 +32,7 @@ SENTENCES: dict[str, dict[str, str]] = yaml.safe_load(FILE.read_text(encoding="u
 ANSWERS: tuple[Any, ...] = (Answer, Verdict, IkAnswer, ExportAnswer, TrajectoryVerdict, ViewDocument)
 SCHEMAS: dict[str, dict[str, Any]] = {
     "request": request_schema(),
-    "scenario file": file_schema(),
-    "cell file": CellDocument.model_json_schema(),
-    "task file": TaskDocument.model_json_schema(),
+    **{f"{kind} file": schema_of(kind) for kind in KINDS if kind != "request"},
     "transfer": TransferDocument.model_json_schema(),
     "question of inverse kinematics": ik_schema(),
     "question of an export": export_schemas()[0],
@@ -157,15 +155,21 @@ def test_the_tables_of_the_pages_say_what_the_schema_says(
         assert plain(cell) == SENTENCES[model.__name__][key], key
 
 
-def test_the_schema_of_a_whole_file_takes_every_shipped_one_and_refuses_what_the_reader_refuses() -> None:
-    printed = CliRunner().invoke(app, ["schema", "--file"])
-    assert json.loads(printed.stdout) == file_schema()
+def test_the_schemas_of_files_take_every_shipped_one_and_refuse_what_the_reader_refuses() -> None:
     assert json.loads(CliRunner().invoke(app, ["schema"]).stdout) == request_schema()
-    validator = jsonschema_rs.Draft202012Validator(file_schema())
-    files = [yaml.safe_load(path.read_text(encoding="utf-8")) for path in sorted(CELLS.glob("*.yaml"))]
-    assert len(files) > 20
+    validators = {}
+    for kind in KINDS:
+        printed = json.loads(CliRunner().invoke(app, ["schema", kind]).stdout)
+        assert printed == (request_schema() if kind == "request" else schema_of(kind))
+        validators[kind] = jsonschema_rs.Draft202012Validator(printed)
+    files = [yaml.safe_load(path.read_text(encoding="utf-8")) for path in sorted(CELLS.glob("**/*.yaml"))]
+    of: dict[str, list[dict[str, Any]]] = {"scenario": [], "cell": [], "task": []}
     for document in files:
-        assert validator.is_valid(document)
+        kind = {CELL: "cell", TASK: "task"}.get(document.get("schema"), "scenario")
+        of[kind].append(document)
+        assert validators[kind].is_valid(document)
+    assert min(map(len, of.values())) >= 4
     changes: list[dict[str, Any]] = [{"requst": {}}, {"about": ""}, {"expect": {"status": "maybe"}}, {"request": {}}]
     for change in changes:
-        assert not validator.is_valid({**files[0], **change}), change
+        for kind, documents in of.items():
+            assert not validators[kind].is_valid({**documents[0], **change}), change
