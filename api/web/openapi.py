@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Literal, NotRequired
 
 from typing_extensions import TypedDict
 
@@ -13,6 +13,7 @@ from assur.api.web.service import scenario_request
 from assur.scenes.plan_file import FORM
 from assur.scenes.requests import shipped_scenarios
 from assur.scenes.schema.answer import facts_described
+from assur.scenes.schema.view import ViewDocument
 
 TEXT = """\
 Plans jerk-limited motion of SCARA-class robots through moving control points among moving bodies, proved free of
@@ -62,11 +63,13 @@ class Scenes(TypedDict):
 
 
 class Parsed(TypedDict):
-    """What a scenario's text means: why the cell exists, and the request, ready to be posted."""
+    """What a scenario's text means: why the cell exists, the request, ready to be posted, and, with `draw`, the view of
+    its cell."""
 
     status: Literal["parsed"]
     about: str
     request: dict[str, Any]
+    view: NotRequired[ViewDocument]
 
 
 ROBOTS: dict[str, Any] = {

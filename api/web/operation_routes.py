@@ -19,7 +19,7 @@ from assur.api.web.clients import Clients
 from assur.api.web.job_store import JobStore
 from assur.api.web.routes import service_of
 from assur.api.web.service import Service
-from assur.scenes.report.assembly import digests
+from assur.scenes.report.assembly import digests, page
 
 INDEX = Path(__file__).parent / "index.html"
 POLICY = {"Content-Security-Policy": "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"}
@@ -61,13 +61,15 @@ def watch(service: Service, jobs: JobStore, clients: Clients) -> Meters:
 
 
 FILES = Path(__file__).parent / "studio"
-SCRIPTS = ("answers", "documents", "drafts", "history", "jobs", "service", "storage", "studio")
+SCRIPTS = ("answers", "documents", "drafts", "drawing", "history", "jobs", "service", "storage", "studio")
 KINDS = {"studio.css": "text/css"} | {f"{name}.js": "text/javascript" for name in SCRIPTS}
 """The files of the page, and what they are."""
+PLAYER = "player.html"
+"""The page that draws the cell of the text in the studio: as a report has it, with nothing to play yet."""
 
 
 @cache
-def _page() -> tuple[bytes, dict[str, str]]:
+def _studio_page() -> tuple[bytes, dict[str, str]]:
     """The page, and the policy that it is sent with: its own files, this service, and the reports that it shows, which
     inherit the policy."""
     script, style = digests()
@@ -79,11 +81,13 @@ def _page() -> tuple[bytes, dict[str, str]]:
 
 
 def studio() -> Response:
-    page, headers = _page()
+    page, headers = _studio_page()
     return Response(page, media_type="text/html", headers=headers)
 
 
 def studio_file(name: str) -> Response:
+    if name == PLAYER:
+        return Response(page("cell", "", "", None), media_type="text/html", headers=POLICY)
     if name not in KINDS:
         raise Problem("not-found", "See /docs for what there is.")
     return Response((FILES / name).read_bytes(), media_type=KINDS[name])

@@ -109,7 +109,11 @@ def _with_plan(*kinds: str) -> dict[str, Any]:
 
 VIEWED = _with_plan("PlannedAnswer", "NotPlannedAnswer", "CheckedPlan")
 TEXT = body(
-    fields(["text"], text={"type": "string", "description": "a scenario in YAML"}),
+    fields(
+        ["text"],
+        text={"type": "string", "description": "a scenario in YAML"},
+        draw={"type": "boolean", "default": False, "description": "give a view of the cell at its start, too"},
+    ),
     {"a scenario": {"text": scenario_text("transfer")}},
 )
 

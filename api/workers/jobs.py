@@ -35,6 +35,7 @@ from assur.scenes.requests import (
     plan_scenario,
     shipped,
     view_document,
+    view_of_cell,
     with_options,
 )
 from assur.scenes.scenario import with_files
@@ -195,7 +196,7 @@ def of_body(
 BOTH = 'an object with the fields "request" and "plan" and no others, or a plan file'
 REPORTED = 'an object with the fields "request" and "plan", and, if it likes, "title" and "about"'
 EXPORTED = 'an object with the fields "request" and "plan" and how to export it'
-TEXT = 'an object with the field "text", a scenario in YAML, and no others'
+TEXT = 'an object with the field "text", a scenario in YAML, and, if it likes, "draw"'
 """What bodies are."""
 LONGEST_TEXT = 2000
 """Longest title of a report, characters."""
@@ -248,18 +249,25 @@ def ik(question: dict[str, Any]) -> dict[str, Any]:
     return ik_document(request, question)
 
 
-@of_body(TEXT, "build", "status", ("text",))
+@of_body(TEXT, "build", "status")
 def parse(document: dict[str, Any]) -> dict[str, Any]:
     """What the scenario in {"text": YAML} means: why it exists, and its request with what the shipped files hold that
-    it names. All faults that show without planning are reported now, each with its line."""
-    text = document["text"]
+    it names; with {"draw": true} the view of its cell, too, where the arm stands at its start. All faults that show
+    without planning are reported now, each with its line."""
+    document = {"draw": False, **document}
+    if document.keys() != {"text", "draw"}:
+        raise _not_allowed(document, TEXT)
+    text, draw = document["text"], document["draw"]
     if not isinstance(text, str):
         raise InputError("text", text, "a text")
+    if not isinstance(draw, bool):
+        raise InputError("draw", draw, "true or false")
     scenario = scenario_in(text.encode("utf-8", "surrogatepass"), CELLS / "text")
     with scenario.located():
-        cell_of(scenario.request, folder=scenario.folder)
+        cell = cell_of(scenario.request, folder=scenario.folder)
         request = with_files(scenario.request, scenario.folder)
-    return {"status": "parsed", "about": scenario.about, "request": request}
+    found = {"status": "parsed", "about": scenario.about, "request": request}
+    return found | {"view": view_of_cell(cell)} if draw else found
 
 
 @of_body(EXPORTED, "export", "format", left_out=TEXTS)

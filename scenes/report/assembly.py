@@ -56,7 +56,7 @@ def _add(name: str, found: dict[str, str], above: tuple[str, ...]) -> None:
 
 
 def page(title: str, chips: str, facts: str, view: Any) -> str:
-    """The whole page. `chips` and `facts` are HTML; the title is not."""
+    """The whole page. `chips` and `facts` are HTML; the title is not. `view` None: what is played comes later."""
     style, code = text_of("style.css"), script()
     if "</script" in code or "</style" in style:
         raise FaultError("a part of the page would end its element")

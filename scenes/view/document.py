@@ -20,6 +20,7 @@ from assur.scenes.schema import view as document
 from assur.scenes.view.answer_form import answer_in
 from assur.scenes.view.display_meshes import displays, written
 from assur.scenes.view.packing import floats, words
+from assur.scenes.view.poses import STEP_S
 from assur.scenes.view.thinning import needed_of_curves
 from assur.scenes.view.tracks import Tracks, tracks
 
@@ -28,20 +29,25 @@ if TYPE_CHECKING:
 
 MOVING_S, STILL_S = 3.0, 1.0
 """Duration of a view without a motion, s: where frames move, and where nothing moves."""
+UNPLANNED = {"status": "not_planned"}
+"""What is there of an answer before anything was planned."""
+SKETCHED_S = 0.01
+"""Time between sampled poses of frames in a view without an answer, s: it is drawn while its text is written."""
 
 
-def view_of(cell: Cell, given: object) -> document.ViewDocument:
+def view_of(cell: Cell, given: object | None) -> document.ViewDocument:
     """The view of an answer to the request of a cell, as the answer states it: `check` judges whether it is true.
-    Raises `DocumentError` below "plan"."""
+    `given` None: nothing was planned yet, and the arm stands at its start. Raises `DocumentError` below "plan"."""
     # the planner's libraries come with the first view, not with this module
     from assur.scenes.view.distances import distances
 
-    answer = answer_in(given, cell.scene)
+    answer: dict[str, Any] = UNPLANNED if given is None else answer_in(given, cell.scene)
     scene, motion = cell.scene, _motion_in(answer)
     refusal, census = answer.get("refusal") or {}, answer.get("census", {})
     if motion is None:
         trajectory, of_plan = _at_rest(scene, refusal)
-        shown, active = tracks(scene, trajectory, of_plan), tuple[Phase, ...]()
+        step_s = SKETCHED_S if given is None else STEP_S
+        shown, active = tracks(scene, trajectory, of_plan, step_s=step_s), tuple[Phase, ...]()
     else:
         trajectory, legs, arrivals = motion_of(motion, cell.conventions)
         of_plan = phases(scene, legs, arrivals)
@@ -87,7 +93,7 @@ def view_of(cell: Cell, given: object) -> document.ViewDocument:
             {"names": list(each["bodies"]), "from_s": each["from_s"] - start, "to_s": each["to_s"] - start}
             for each in answer.get("contacts", ())
         ],
-        "refusal": None if planned else _refusal(answer, refusal, motion, start),
+        "refusal": None if planned or given is None else _refusal(answer, refusal, motion, start),
         "census": [
             {"reason": line["reason"], "count": line["count"], "detail": line["detail"]}
             for line in census.get("lines", ())

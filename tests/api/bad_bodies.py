@@ -154,5 +154,6 @@ BAD_CALLS: tuple[tuple[str, Any, str], ...] = (
     ("/v1/scenes/parse", {}, "body"),
     ("/v1/scenes/parse", {"text": 1}, "text"),
     ("/v1/scenes/parse", {"text": "", "file": "x"}, "body"),
+    ("/v1/scenes/parse", {"text": "", "draw": 1}, "draw"),
 )
 """Calls of the service that are refused: address, body, and the field that the problem must name."""

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import base64
 from typing import Any
 
 import httpx
+import numpy as np
 import pytest
 
 from assur.api.web.service import scenario_request
@@ -101,3 +103,13 @@ def test_a_text_that_is_no_scenario_is_refused(client: httpx.Client, text: str) 
 def test_the_text_of_a_scenario_that_is_not_shipped_is_not_found(client: httpx.Client) -> None:
     for name in ("nothing", "..%2fdemo", "__init__"):
         assert client.get(f"/v1/scenes/{name}/text").status_code == 404
+
+
+def test_a_drawing_shows_the_arm_at_its_start(client: httpx.Client) -> None:
+    told = client.post("/v1/scenes/parse", json={"text": TEXT, "draw": True}).json()
+    view = told.pop("view")
+    assert told == parsed(client, TEXT).json()
+    assert (view["status"], view["refusal"], view["moves"], view["curves"]) == ("not_planned", None, False, None)
+    at = client.post("/v1/ik", json={"request": told["request"], "joints": told["request"]["start"]["joints"]}).json()
+    tool = np.frombuffer(base64.b64decode(view["tool"]["path_m"]["float32"]), "<f4")[:3]
+    assert np.abs(tool - at["tool"]["world"]["at_m"]).max() < 1e-6

@@ -84,11 +84,11 @@ class Studio(Opened):
         self.page.click("#plan")
         self.until(IDLE)
         assert self.faults == ""
-        assert self.page.locator("figcaption").count() > 0
+        assert self.page.locator("#answers figcaption").count() > 0
 
     def player(self, number: int = 0) -> Any:
         """The frame of a player, once it has drawn."""
-        frame = self.page.frame_locator("iframe").nth(number)
+        frame = self.page.frame_locator("#answers iframe").nth(number)
         frame.locator("html[data-ready=yes]").wait_for()
         return frame
 

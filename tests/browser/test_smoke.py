@@ -18,7 +18,7 @@ def test_a_report_loads_without_a_message_and_draws(opened: Any) -> None:
 def test_the_studio_plans_refuses_keeps_and_saves(studio: Studio) -> None:
     page = studio.page
     studio.planned()
-    assert "planned, 1.4" in page.locator("figcaption").inner_text()
+    assert "planned, 1.4" in page.locator("#answers figcaption").inner_text()
     assert studio.player().locator("#now").inner_text() == "0.000"
     studio.choose("bead-beyond-reach")
     studio.planned()

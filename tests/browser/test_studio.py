@@ -16,10 +16,10 @@ def test_the_demo_is_planned_and_played(studio: Studio, service: httpx.Client) -
     page = studio.page
     assert page.input_value("#text") == service.get("/v1/scenes/demo/text").text
     studio.planned()
-    player = page.frame_locator("iframe")
+    player = page.frame_locator("#answers iframe")
     player.locator("html[data-ready=yes]").wait_for()
-    assert page.locator("figcaption strong").inner_text() == "demo"
-    assert "answer 1: planned, 1.4" in page.locator("figcaption").inner_text()
+    assert page.locator("#answers figcaption strong").inner_text() == "demo"
+    assert "answer 1: planned, 1.4" in page.locator("#answers figcaption").inner_text()
     assert player.locator("#now").inner_text() == "0.000"
     page.frames[-1].evaluate("window.assur.seek(0.9)")
     assert player.locator("#now").inner_text() == "0.900"
@@ -29,7 +29,7 @@ def test_the_demo_is_planned_and_played(studio: Studio, service: httpx.Client) -
     assert {address for address in studio.asked if not address.startswith((host, "data:", "about:"))} == set()
 
 
-PLAYERS = "[...document.querySelectorAll('iframe')].map((frame) => frame.contentWindow.assur)"
+PLAYERS = "[...document.querySelectorAll('#answers iframe')].map((frame) => frame.contentWindow.assur)"
 EVERY = f"{PLAYERS}.every((player) => {{}})"
 VIEWS = f"{PLAYERS}.map((player) => player.camera.state)"
 ONE_VIEW = f"new Set({VIEWS}.map((state) => JSON.stringify(state))).size === 1"
@@ -46,7 +46,7 @@ def test_two_plans_are_compared_with_one_clock_and_one_camera(studio: Studio) ->
     assert page.locator("#note").inner_text() == "This answer is kept. Press Plan: the next answer is shown next to it."
     studio.choose("demo")  # another cell, of another size
     studio.planned()
-    assert page.locator("iframe").count() == 2
+    assert page.locator("#answers iframe").count() == 2
     for k in range(2):
         studio.player(k)
     studio.until(ONE_VIEW)
@@ -56,7 +56,7 @@ def test_two_plans_are_compared_with_one_clock_and_one_camera(studio: Studio) ->
     studio.until(EVERY.format("player.t === 0.25"))
     second.evaluate("window.assur.seek(0.5)")
     studio.until(EVERY.format("player.t === 0.5"))
-    stage = page.frame_locator("iframe").nth(1).locator("#stage")
+    stage = page.frame_locator("#answers iframe").nth(1).locator("#stage")
     stage.focus()
     page.keyboard.press("ArrowUp")
     page.keyboard.press("+")
@@ -68,7 +68,7 @@ def test_two_plans_are_compared_with_one_clock_and_one_camera(studio: Studio) ->
     page.uncheck("#together")
     first.evaluate("window.assur.seek(0.1), window.assur.look('front')")
     page.wait_for_timeout(300)
-    assert studio.ask("document.querySelectorAll('iframe')[1].contentWindow.assur.t") == 0.5
+    assert studio.ask("document.querySelectorAll('#answers iframe')[1].contentWindow.assur.t") == 0.5
     assert not studio.ask(ONE_VIEW)
 
 
@@ -76,11 +76,11 @@ def test_a_refusal_is_shown_with_its_reason(studio: Studio) -> None:
     page = studio.page
     studio.choose("bead-beyond-reach")
     studio.planned()
-    player = page.frame_locator("iframe")
+    player = page.frame_locator("#answers iframe")
     player.locator("html[data-ready=yes]").wait_for()
     told = player.locator("#refusal").inner_text()
     assert "reach" in told
-    assert "reach" in page.locator("figcaption").inner_text()
+    assert "reach" in page.locator("#answers figcaption").inner_text()
 
 
 def test_a_fault_of_the_text_is_told_at_its_line(studio: Studio) -> None:
@@ -97,7 +97,7 @@ def test_a_fault_of_the_text_is_told_at_its_line(studio: Studio) -> None:
     assert "mitsubishi-rh-6" in page.evaluate(f"{marked}(document.getElementById('text'))")
     studio.write("mitsubishi-rh-6", "mitsubishi-rh-6frh5520")
     assert studio.faults == ""
-    assert page.locator("iframe").count() == 0
+    assert page.locator("#answers iframe").count() == 0
 
 
 def test_faults_are_told_while_one_writes(studio: Studio) -> None:
@@ -113,12 +113,12 @@ def test_an_answer_to_another_text_is_marked(studio: Studio) -> None:
     page = studio.page
     studio.write("max_candidates: 300", "max_candidates: 30")
     studio.planned()
-    assert page.locator("figcaption strong").inner_text() == "The demo"
-    assert not page.locator(".stale").is_visible()
+    assert page.locator("#answers figcaption strong").inner_text() == "The demo"
+    assert not page.locator("#answers .stale").is_visible()
     studio.write("max_candidates: 30", "max_candidates: 31")
-    assert page.locator(".stale").is_visible()
+    assert page.locator("#answers .stale").is_visible()
     studio.write("max_candidates: 31", "max_candidates: 30")
-    assert not page.locator(".stale").is_visible()
+    assert not page.locator("#answers .stale").is_visible()
 
 
 @pytest.mark.parametrize(
@@ -145,7 +145,7 @@ def test_a_plan_is_called_off(studio: Studio, service: httpx.Client) -> None:
     page.wait_for_selector("#numbers dd")
     page.click("#cancel")
     studio.until(IDLE)
-    assert page.locator("iframe").count() == 0
+    assert page.locator("#answers iframe").count() == 0
     assert studio.faults == ""
     assert studio.note.startswith("Cancelled after ")
     assert service.get("/readyz").status_code == 200

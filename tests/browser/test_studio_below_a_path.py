@@ -20,7 +20,7 @@ def test_the_studio_plans_and_asks_for_nothing_outside_of_its_path(browser: Brow
         page.wait_for_selector("html[data-ready=yes]")
         page.click("#plan")
         studio.until("!document.getElementById('plan').disabled")
-        assert "planned, 1.4" in page.locator("figcaption").inner_text()
+        assert "planned, 1.4" in page.locator("#answers figcaption").inner_text()
         assert studio.said == []
         asked = [address for address in studio.asked if not address.startswith(("data:", "about:"))]
         assert asked

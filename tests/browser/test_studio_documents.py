@@ -76,9 +76,9 @@ def test_a_plan_file_shows_its_plan_and_its_request_and_is_not_planned(studio: S
     held = plan_file(about="Two trays.")
     studio.opened("cell-plan.json", json.dumps(held))
     studio.player()
-    assert studio.page.locator("figcaption strong").inner_text() == "line 3"
-    assert f"planned, {held['plan']['duration_s']:.3f} s" in studio.page.locator("figcaption").inner_text()
-    assert not studio.page.locator(".stale").is_visible()
+    assert studio.page.locator("#answers figcaption strong").inner_text() == "line 3"
+    assert f"planned, {held['plan']['duration_s']:.3f} s" in studio.page.locator("#answers figcaption").inner_text()
+    assert not studio.page.locator("#answers .stale").is_visible()
     assert parsed(studio.text) == request()
     assert studio.text.startswith('about: "Two trays."\n')
     assert not any("v1/jobs" in address for address in studio.asked)
@@ -95,7 +95,7 @@ def test_what_the_studio_saved_it_takes_again(studio: Studio) -> None:
     content = studio.saved("plan")[1].decode()
     studio.choose("demo")
     studio.pasted(content)
-    studio.until("document.querySelector('figcaption span').textContent.startsWith('answer 2: planned')")
+    studio.until("document.querySelector('#answers figcaption span').textContent.startsWith('answer 2: planned')")
     assert parsed(studio.text) == json.loads(content)["request"]
 
 
@@ -113,7 +113,7 @@ def test_a_plan_file_that_is_not_right_is_refused_and_the_text_stays(studio: Stu
         studio.opened("plan.json", json.dumps(held))
         studio.until(f"document.getElementById('faults').innerText.includes({json.dumps(said)})")
         assert studio.text == before
-        assert studio.page.locator("iframe").count() == 0
+        assert studio.page.locator("#answers iframe").count() == 0
 
 
 @pytest.mark.parametrize(
@@ -153,7 +153,7 @@ def test_a_scenario_in_json_is_left_as_it_is_and_planned(studio: Studio) -> None
     studio.pasted(content)
     assert studio.text == content
     studio.planned()
-    assert studio.page.locator("figcaption strong").inner_text() == "in JSON"
+    assert studio.page.locator("#answers figcaption strong").inner_text() == "in JSON"
 
 
 def test_a_request_that_was_written_by_hand_is_taken_by_plan(studio: Studio) -> None:

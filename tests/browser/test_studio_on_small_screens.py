@@ -22,7 +22,7 @@ def test_the_picture_comes_first_and_is_seen(studio: Studio, size: str) -> None:
     studio.planned()
     studio.player()
     assert page.evaluate("scrollY") == 0
-    stage = page.frame_locator("iframe").locator("#stage").bounding_box()
+    stage = page.frame_locator("#answers iframe").locator("#stage").bounding_box()
     editor = page.locator("#text").bounding_box()
     assert stage is not None
     assert editor is not None

@@ -139,7 +139,7 @@ def test_save_writes_the_text_that_is_seen_and_not_the_planned_one(studio: Studi
     studio.write("schema: assur/1", "schema: assur/7")
     studio.page.wait_for_selector("#faults p")
     told = studio.faults
-    assert studio.page.locator("figcaption .stale").is_visible()
+    assert studio.page.locator("#answers figcaption .stale").is_visible()
     assert studio.page.get_attribute("#of-answer", "label") == "Answer to the text before its last change"
     _, content = studio.saved("text")
     assert content.decode() == studio.text
@@ -172,7 +172,7 @@ def test_a_file_is_dropped_anywhere_also_on_a_player(studio: Studio) -> None:
     studio.player()
     assert studio.dropped(("one.yaml", CELL.encode()))
     assert studio.text == CELL
-    assert studio.dropped(("two.yaml", b"about: two"), target="iframe")
+    assert studio.dropped(("two.yaml", b"about: two"), target="#answers iframe")
     assert studio.text == "about: two"
     assert texts(studio.page) == sorted([CELL, "about: two"])
     assert studio.dropped(("a.yaml", b"a: 1"), ("b.yaml", b"b: 1"))

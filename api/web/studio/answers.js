@@ -1,5 +1,6 @@
 // The answers that are shown: one, or two that are compared and have one clock and one camera. What of them is saved.
 import { fileName } from "./documents.js";
+import * as drawing from "./drawing.js";
 import { ask } from "./service.js";
 
 const find = (id) => document.getElementById(id);
@@ -23,6 +24,7 @@ export function show(made, framed) {
   const caption = document.createElement("figcaption");
   const what = answer.status === "planned" ? `planned, ${answer.duration_s.toFixed(3)} s` : answer.sentence;
   const stale = element("span", "The text has changed since.", "stale");
+  stale.hidden = true;
   const close = element("button", "Close");
   close.addEventListener("click", () => {
     figure.remove();
@@ -42,9 +44,11 @@ export function show(made, framed) {
 
 // Whether the answer that is shown is that of `text`.
 export function compareText(text) {
-  if (!shown) return;
-  shown.stale.hidden = shown.text === text;
-  find("of-answer").label = shown.stale.hidden ? "Answer" : "Answer to the text before its last change";
+  if (shown) {
+    shown.stale.hidden = shown.text === text;
+    find("of-answer").label = shown.stale.hidden ? "Answer" : "Answer to the text before its last change";
+  }
+  settle();
 }
 
 export function settle() {
@@ -52,7 +56,8 @@ export function settle() {
   find("of-answer").disabled = shown === null;
   find("formats").disabled = shown === null || shown.answer.status !== "planned";
   document.querySelector(".together").hidden = find("answers").children.length < 2;
-  find("hint").hidden = find("answers").children.length > 0 || !find("progress").hidden;
+  drawing.settle(shown !== null && shown.stale.hidden);
+  find("hint").hidden = !find("drawing").hidden || find("answers").children.length > 0 || !find("progress").hidden;
 }
 
 export function keep() {
@@ -65,7 +70,7 @@ export function keep() {
 // come takes the camera of the first one.
 let [times, views] = [[], []];
 export function follow() {
-  const players = [...document.querySelectorAll("iframe")].map((frame) => frame.contentWindow.assur).filter(Boolean);
+  const players = [...document.querySelectorAll("#answers iframe")].map((frame) => frame.contentWindow.assur).filter(Boolean);
   const view = (player) => JSON.stringify(player.camera.state);
   if (players.length > 1 && find("together").checked) {
     const known = times.length === players.length;

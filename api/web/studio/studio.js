@@ -2,6 +2,7 @@
 import * as answers from "./answers.js";
 import { contentOf, fileName, kindOf, LONGEST_TEXT, nameOf, scenarioOf } from "./documents.js";
 import * as drafts from "./drafts.js";
+import * as drawing from "./drawing.js";
 import { History } from "./history.js";
 import { cancel, searched, searching, tellProgress } from "./jobs.js";
 import { ask, enterKey, Refused } from "./service.js";
@@ -83,18 +84,34 @@ function forget() {
   number();
 }
 
-// Faults are shown while one writes, once nothing has been typed for a moment.
-const MOMENT_MS = 600;
+// While one writes the cell is drawn, and faults are shown, once nothing has been typed for a moment: a longer one for
+// faults, which half a word has. One text is sent at a time; of those that wait the latest is.
+const MOMENT_MS = 120;
+const FAULT_MS = 600;
+const after = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+let examined = null; // the promise of what is sent
+let replaced = true; // whether the text is another one than that of the drawing, and no change of it
+
 async function examine() {
   const of = (changes += 1);
-  await new Promise((resolve) => setTimeout(resolve, MOMENT_MS));
   const latest = () => of === changes && !searching();
+  const patient = after(FAULT_MS);
+  await after(MOMENT_MS);
+  await examined;
   if (!latest() || !text.value.trim()) return;
-  await attempt(async () => {
+  examined = attempt(async () => {
     const { kind } = kindOf(text.value);
-    if (kind === "text") await ask("v1/scenes/parse", { text: text.value }, { quiet: true });
-    else note(`This is a ${kind} in JSON. Plan takes it.`);
-  }, (problem) => latest() && tellFaults(problem));
+    if (kind !== "text") return note(`This is a ${kind} in JSON. Plan takes it.`);
+    const { view } = await (await ask("v1/scenes/parse", { text: text.value, draw: true }, { quiet: true })).json();
+    if (!latest()) return undefined;
+    drawing.show(view, !replaced);
+    replaced = false;
+    return answers.settle();
+  }, (problem) => {
+    if (latest()) drawing.mark("The text has changed since, and has a fault.");
+    patient.then(() => latest() && tellFaults(problem));
+  });
+  await examined;
 }
 
 // ---- texts that are kept ----------------------------------------------------------------------------------------
@@ -175,6 +192,7 @@ function put(content) {
   if (left && !left.text.trim()) drafts.remove();
   text.value = content;
   history.add(text.value, 0);
+  replaced = true;
   find("kept").textContent = "";
   text.setSelectionRange(0, 0);
   text.scrollTop = 0;
@@ -365,7 +383,8 @@ function textFile() {
 async function connect(quiet = false) {
   if (connected) return;
   const { scenes } = await (await ask("v1/scenes", undefined, { quiet })).json();
-  await answers.offerFormats();
+  await Promise.all([answers.offerFormats(), drawing.begin(framed)]);
+  answers.settle();
   find("shipped").replaceChildren(...scenes.map((each) => new Option(each.name, each.name)));
   connected = true;
   listTexts();

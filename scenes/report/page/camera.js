@@ -13,10 +13,9 @@ export const VIEWS = {
 };
 
 export class Camera {
-  constructor(box) {
-    this.box = box;
+  constructor() {
+    this.box = null; // of what is seen
     this.aspect = 1;
-    this.look("perspective");
   }
 
   // One of VIEWS, from so far that the box of what moves is seen as a whole.

@@ -78,12 +78,25 @@ function write(target, at, point, normal, outward, body) {
   );
 }
 
+// The shapes of the last view, by the numbers of their meshes: most are in the next one, too.
+let known = new Map();
+function shapesOf(meshes) {
+  const now = new Map();
+  const shapes = meshes.map((mesh) => {
+    const key = JSON.stringify(mesh);
+    if (!now.has(key)) now.set(key, known.get(key) || prepared(mesh));
+    return now.get(key);
+  });
+  known = now;
+  return shapes;
+}
+
 export const KINDS = ["robot", "tool", "part", "body", "neighbour"];
 
 // Bodies that never leave their carrier are one batch with all others on it, in its frame; a part that is carried is a
 // batch of its own, in its own frame. So there are few draw calls, however many bodies stand around.
 export function batches(view) {
-  const shapes = view.meshes.map(prepared);
+  const shapes = shapesOf(view.meshes);
   const found = new Map();
   view.bodies.forEach((body, number) => {
     const alone = body.seats.length > 1;

@@ -71,46 +71,67 @@ function refusal(host, view, seek) {
   census(host, view);
 }
 
+// An element of the page without what is in it, and without what listens to it.
+function emptied(id) {
+  const [old, fresh] = [find(id), find(id).cloneNode(false)];
+  old.replaceWith(fresh);
+  return fresh;
+}
+
 class Player {
-  constructor(view) {
-    this.view = view;
-    this.tracks = new Tracks(view);
+  constructor() {
+    this.view = null;
     this.t = 0;
     this.speed = 0.25;
     this.playing = false;
     this.show = { path: true, points: true, pair: true, unknown: false, clearance: false };
-    const canvas = find("stage");
-    this.renderer = new Renderer(canvas, this.tracks);
-    this.camera = new Camera(this.renderer.box);
-    steer(canvas, this.camera, () => this.draw());
-    const seek = (t) => this.seek(t);
-    this.charts = charts(find("charts"), this.tracks, seek);
-    this.timeline = new Timeline(find("timeline"), this.tracks, seek);
-    this.label = labels(this.renderer, this.tracks, this.camera, find("labels"));
-    refusal(find("refusal"), view, seek);
-    this.legend();
+    this.canvas = find("stage");
+    this.renderer = new Renderer(this.canvas);
+    this.camera = new Camera();
+    this.charts = [];
+    steer(this.canvas, this.camera, () => this.draw());
     this.controls();
-    const met = view.refusal && view.refusal.at_s;
-    this.seek(met || 0);
-    new ResizeObserver(() => this.draw()).observe(canvas);
-    for (const chart of this.charts) new ResizeObserver(() => chart.draw(this.t)).observe(chart.canvas);
+    new ResizeObserver(() => this.draw()).observe(this.canvas);
+    this.resized = new ResizeObserver(() => this.charts.forEach((chart) => chart.draw(this.t)));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.restyle());
   }
 
-  legend() {
+  // Plays a view from now on. `still`: the camera stays where it is, if there is one, and so does the clock.
+  take(view, still = false) {
+    this.pause();
+    const known = this.view !== null && still;
+    this.view = view;
+    this.tracks = new Tracks(view);
+    this.renderer.take(this.tracks);
+    this.camera.box = this.renderer.box;
+    if (!known) this.camera.look("perspective");
+    const seek = (t) => this.seek(t);
+    this.resized.disconnect();
+    this.charts = charts(emptied("charts"), this.tracks, seek);
+    for (const chart of this.charts) this.resized.observe(chart.canvas);
+    this.timeline = new Timeline(emptied("timeline"), this.tracks, seek);
+    this.label = labels(this.renderer, this.tracks, this.camera, emptied("labels"));
+    find("refusal").hidden = true;
+    refusal(emptied("refusal"), view, seek);
+    this.legend(emptied("legend"));
+    find("time").max = String(view.lasts_s);
+    const met = view.refusal && view.refusal.at_s;
+    this.seek(known ? this.t : met || 0);
+  }
+
+  legend(host) {
     const kinds = new Set(this.view.bodies.map((body) => body.kind));
     for (const [kind, name] of Object.entries(KINDS)) {
       if (!kinds.has(kind)) continue;
       const item = document.createElement("span");
       item.className = `swatch of-${kind}`;
       item.textContent = this.view.candidate && kind === "robot" ? "best candidate" : name;
-      find("legend").append(item);
+      host.append(item);
     }
   }
 
   controls() {
     const times = find("time");
-    times.max = String(this.view.lasts_s);
     times.addEventListener("input", () => this.seek(Number(times.value)));
     find("play").addEventListener("click", () => this.toggle());
     find("back").addEventListener("click", () => this.step(-1));
@@ -250,6 +271,7 @@ class Player {
   }
 
   draw() {
+    if (this.view === null) return;
     const { t } = this;
     const pair = this.tracks.nearest(t);
     this.renderer.draw(t, this.camera, this.show, pair);
@@ -267,8 +289,10 @@ class Player {
 try {
   if (window.self !== window.top) document.documentElement.dataset.within = "another page";
   const view = JSON.parse(find("view").textContent);
-  // for tests, and for who looks into a page with the tools of a browser
-  window.assur = new Player(view);
+  // for tests, for who looks into a page with the tools of a browser, and for a page that has views of its own to play
+  window.assur = new Player();
+  if (view === null) document.documentElement.dataset.bare = "yes";
+  else window.assur.take(view);
   document.documentElement.dataset.ready = "yes";
 } catch (error) {
   find("failed").hidden = false;

@@ -38,27 +38,38 @@ function program(gl, vertex, fragment) {
 }
 
 export class Renderer {
-  constructor(canvas, tracks) {
+  constructor(canvas) {
     const options = { antialias: true, stencil: true, alpha: false };
     const gl = canvas.getContext("webgl2", options);
     if (!gl) throw new Error("This browser has no WebGL 2.");
-    Object.assign(this, { canvas, gl, tracks });
+    Object.assign(this, { canvas, gl });
     this.stats = { drawCalls: 0, triangles: 0 };
     this.share = 1; // of the pixels of a side that are drawn: fewer while a slow machine plays
     this.solid = program(gl, SOLID_VERTEX, SOLID_FRAGMENT);
     this.floor = program(gl, FLOOR_VERTEX, FLOOR_FRAGMENT);
     this.line = program(gl, LINE_VERTEX, LINE_FRAGMENT);
+    this.held = []; // arrays and buffers of what is drawn
+    this.empty = gl.createVertexArray();
+    this.readTheme();
+  }
+
+  // What is drawn from now on.
+  take(tracks) {
+    const { gl } = this;
+    for (const { vertices, buffer } of this.held.splice(0)) {
+      gl.deleteVertexArray(vertices);
+      gl.deleteBuffer(buffer);
+    }
+    this.tracks = tracks;
     this.batches = batches(tracks.view).map((batch) => this.uploaded(batch));
     this.path = this.ribbon(pathOf(tracks.toolPath));
     this.pairLine = this.ribbon(new Float32Array(8));
     this.crosses = this.ribbon(crossLines(), true);
     this.traces = tracks.view.control_points.map((point) => point.path && this.ribbon(traceOf(point)));
     this.marks = marksOf(tracks, this.batches).map(({ carrier, lines }) => ({ carrier, line: this.ribbon(lines, true) }));
-    this.empty = gl.createVertexArray();
     // of a refusal without a motion: the two bodies that would meet
     const met = (tracks.view.refusal && !tracks.view.moves && tracks.view.refusal.met) || [];
     this.met = met.map((name) => tracks.view.bodies.findIndex((body) => body.name === name));
-    this.readTheme();
     this.box = boxOf(tracks, this.batches);
     this.ground = Math.min(0, this.box.floor);
   }
@@ -66,9 +77,10 @@ export class Renderer {
   uploaded(batch) {
     const { gl } = this;
     const array = (data) => {
-      const vertices = gl.createVertexArray();
+      const [vertices, buffer] = [gl.createVertexArray(), gl.createBuffer()];
+      this.held.push({ vertices, buffer });
       gl.bindVertexArray(vertices);
-      gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
       gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
       [[0, 3], [3, 3], [6, 3], [9, 2], [11, 3]].forEach(([offset, size], place) => {
         gl.enableVertexAttribArray(place);
@@ -82,8 +94,8 @@ export class Renderer {
   // Points x, y, z, time as one line; or, `apart`, every two of them as a line of their own.
   ribbon(points, apart = false) {
     const { gl } = this;
-    const vertices = gl.createVertexArray();
-    const buffer = gl.createBuffer();
+    const [vertices, buffer] = [gl.createVertexArray(), gl.createBuffer()];
+    this.held.push({ vertices, buffer });
     gl.bindVertexArray(vertices);
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     gl.bufferData(gl.ARRAY_BUFFER, points, gl.DYNAMIC_DRAW);

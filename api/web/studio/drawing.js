@@ -1,0 +1,37 @@
+// The drawing of the cell that the text means, before any plan: one player for as long as the page is open.
+import { ask } from "./service.js";
+
+const find = (id) => document.getElementById(id);
+let player = null; // null: it has not come, or this browser cannot draw
+let drawn = null; // what is drawn, or will be once there is a player: { view, still }
+
+// Loads the player. `framed` is called with its window.
+export async function begin(framed) {
+  if (find("drawing").querySelector("iframe")) return;
+  const frame = document.createElement("iframe");
+  frame.title = "The cell at its start";
+  frame.srcdoc = await (await ask("studio/player.html")).text();
+  const loaded = new Promise((resolve) => frame.addEventListener("load", resolve, { once: true }));
+  find("drawing").append(frame);
+  await loaded;
+  player = frame.contentWindow.assur || null;
+  framed(frame.contentWindow);
+  if (drawn !== null) show(drawn.view, drawn.still);
+}
+
+// Draws a view. `still`: the camera stays where it is.
+export function show(view, still) {
+  drawn = { view, still };
+  mark("");
+  if (player !== null) player.take(view, still);
+}
+
+// Why the cell that is drawn is not that of the text; nothing: it is.
+export function mark(why) {
+  find("undrawn").textContent = why;
+}
+
+// It is not shown beside an answer to the same text.
+export function settle(answered) {
+  find("drawing").hidden = drawn === null || player === null || answered;
+}
