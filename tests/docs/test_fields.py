@@ -157,7 +157,7 @@ def test_the_tables_of_the_pages_say_what_the_schema_says(
 
 def test_the_schemas_of_files_take_every_shipped_one_and_refuse_what_the_reader_refuses() -> None:
     assert json.loads(CliRunner().invoke(app, ["schema"]).stdout) == request_schema()
-    validators = {}
+    validators: dict[str, jsonschema_rs.Draft202012Validator] = {}
     for kind in KINDS:
         printed = json.loads(CliRunner().invoke(app, ["schema", kind]).stdout)
         assert printed == (request_schema() if kind == "request" else schema_of(kind))
@@ -165,11 +165,11 @@ def test_the_schemas_of_files_take_every_shipped_one_and_refuse_what_the_reader_
     files = [yaml.safe_load(path.read_text(encoding="utf-8")) for path in sorted(CELLS.glob("**/*.yaml"))]
     of: dict[str, list[dict[str, Any]]] = {"scenario": [], "cell": [], "task": []}
     for document in files:
-        kind = {CELL: "cell", TASK: "task"}.get(document.get("schema"), "scenario")
-        of[kind].append(document)
-        assert validators[kind].is_valid(document)
+        of_file = {CELL: "cell", TASK: "task"}.get(document.get("schema"), "scenario")
+        of[of_file].append(document)
+        assert validators[of_file].is_valid(document)
     assert min(map(len, of.values())) >= 4
     changes: list[dict[str, Any]] = [{"requst": {}}, {"about": ""}, {"expect": {"status": "maybe"}}, {"request": {}}]
     for change in changes:
-        for kind, documents in of.items():
-            assert not validators[kind].is_valid({**documents[0], **change}), change
+        for of_file, documents in of.items():
+            assert not validators[of_file].is_valid({**documents[0], **change}), change
