@@ -23,8 +23,9 @@ from assur.scenes.faults import NOTHING, Gathered, Refused, located, within
 from assur.scenes.numbers import number, optional
 from assur.scenes.reading import frames, robots
 from assur.scenes.reading.bodies import Places
+from assur.scenes.reading.frames import known_from, knows
 from assur.scenes.reading.start import position
-from assur.scenes.reading.tool_pose import flange_of, known_from, knows, lacks, wrist_turns
+from assur.scenes.reading.tool_pose import flange_of, lacks, wrist_turns
 from assur.scenes.schema import ik as written
 from assur.scenes.schema.read import read
 

@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from benchmarks.judge.arms import Arm, CarriedBody
-from benchmarks.judge.laws import Frame, frames_of, seat
+from benchmarks.judge.laws import Frame, drift, frames_of, seat, seat_then
 from benchmarks.judge.poses import Document, Floats, Poses, pose_in, si
 from benchmarks.judge.solids import Shape, Solid, shape_of, solid_of, tilted
 from benchmarks.judge.stages import CONTACT_M, TRACKING, Pair, Stage, clearance
@@ -45,11 +45,17 @@ class Cell:
             if "pose" in body and "body" in body["pose"]:
                 below, pose = seats[body["pose"]["body"]]
                 seats[body["name"]] = below, pose.then(pose_in(body["pose"]))
+            elif "at_s" in body.get("pose", {}):
+                seats[body["name"]] = seat_then(request, frames, body["pose"])
             elif "pose" in body:
                 seats[body["name"]] = seat(request, frames, body["pose"])
         lag = request.get("execution", {}).get("lag", {})
         amounts = np.array([lag.get(f"{name}_rad", lag.get(f"{name}_m", 0.0)) for name in arm.names])
-        unknown = {body["name"]: body["uncertainty"] for body in request.get("bodies", []) if "uncertainty" in body}
+        unknown = {}
+        for body in request.get("bodies", []):
+            own, far = body.get("uncertainty", {}), drift(request, frames, body.get("pose", {}))
+            if own or far:
+                unknown[body["name"]] = own | {"position_m": own.get("position_m", 0.0) + far}
         return Cell(request, arm, frames, seats, solids, carried, unknown, amounts)
 
     @cached_property

@@ -50,6 +50,24 @@ def seat(request: Document, frames: dict[str, Frame], pose: Document) -> tuple[s
     return name, inner
 
 
+def seat_then(request: Document, frames: dict[str, Frame], pose: Document) -> tuple[str, Poses]:
+    """As `seat`, of a pose with `at_s`: a place in the frame as it is written, where a body is at that time."""
+    name, inner = seat(request, frames, pose)
+    if name == "world":
+        return name, inner
+    ((_, law),) = [each for each in request["frames"][name].items() if each[0] not in ("uncertainty", "valid_s")]
+    written = Poses.of(law["pivot_m"], law.get("yaw_rad", 0.0)) if "pivot_m" in law else pose_in(law)
+    return name, frames[name].at(np.array(float(pose["at_s"]))).inverse().then(written).then(inner)
+
+
+def drift(request: Document, frames: dict[str, Frame], pose: Document) -> float:
+    """How far a body may have gone beside its frame's law between the time of its pose and the start, m."""
+    if "at_s" not in pose:
+        return 0.0
+    name, start = seat(request, frames, pose)[0], float(request["start"].get("at_s", 0.0))
+    return float(frames[name].unknown.get("speed_m_s", 0.0)) * abs(start - float(pose["at_s"]))
+
+
 def _add_neighbour(neighbour: Document, found: dict[str, Frame]) -> None:
     arm, given = Arm.of(neighbour["robot"]), Spline.of(neighbour["trajectory"])
     time = given.time + (neighbour.get("starts_at_s", given.time[0]) - given.time[0])

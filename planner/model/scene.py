@@ -98,7 +98,8 @@ class WorldBody:
     """A body of the surroundings at a constant pose in a frame. A `part` is a body that a pick or place names.
 
     `yaw_symmetry`: how many yaws of the body look the same to a gripper (1: one; 2: every half turn; 0: any yaw).
-    `uncertainty`: how far it may be from its pose in the frame.
+    `uncertainty`: how far it may be from its pose in the frame. `since_s`: the time of the clock from which the pose
+    was computed, s; None: it is the request's own.
     """
 
     body: Body
@@ -107,6 +108,7 @@ class WorldBody:
     mass_kg: float | None = None
     yaw_symmetry: int = 1
     uncertainty: PoseUncertainty = EXACT
+    since_s: float | None = None
 
     @property
     def name(self) -> str:

@@ -365,6 +365,8 @@ def _rounder(step: Step) -> Iterator[tuple[str, Step]]:
 def _belts(scene: Scene, what: Step) -> Iterator[Change]:
     name = frame_of(scene, what)
     frame = scene.frames[name]
+    if any(body.frame == name and body.since_s is not None for body in scene.bodies):
+        return  # at another speed the body would be elsewhere on the belt
     for law in (slowed(frame.law, share) for share in BELTS):
         if law is not None:
             frames = {**scene.frames, name: replace(frame, law=law)}

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -11,7 +13,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import AXES, ORIGIN, Body, Piece, box, capsule, cylinder, sphere
-from assur.planner.laws.law import EXACT
+from assur.planner.laws.law import EXACT, Law, PoseUncertainty
 from assur.planner.model.deadline import OutOfTimeError
 from assur.planner.model.scene import WORLD, WorldBody
 from assur.scenes.faults import DocumentError, FollowsError, Refused, as_written, choices, dotted, fault, within
@@ -119,11 +121,18 @@ class Places(dict[str, tuple[str, Pose]]):
     def __init__(self, places: Mapping[str, tuple[str, Pose]] = MappingProxyType({})) -> None:
         super().__init__(places)
         self.unread: set[str] = set(places.unread) if isinstance(places, Places) else set()
+        self.drifting: set[str] = set(places.drifting) if isinstance(places, Places) else set()
+        """Bodies with a time in their pose, in frames whose speed is uncertain."""
 
     def hold(self, name: str) -> None:
         """Raises `FollowsError` for the name of a body that has a fault, or that is one of a neighbour's that has."""
         if name.partition("/")[0] in self.unread:
             raise FollowsError
+
+    def steady(self, name: str) -> None:
+        """Raises `Refused` at `body` for a body from which no place is known as well as in its frame."""
+        if name in self.drifting:
+            raise Refused("a body without at_s, or in a frame whose speed is known: how far it is off grows", "body")
 
 
 Placement = PlaceInCell | TargetDocument | ToolPoseDocument
@@ -135,19 +144,23 @@ UNMOVED = np.zeros(3)
 NO_POSE = "no pose: the gripper holds it at the start"
 
 
-def world_body(item: BodyDocument, frames: Frames, places: Places, held: str | None) -> WorldBody:
+def world_body(item: BodyDocument, frames: Frames, places: Places, held: str | None, start_s: float) -> WorldBody:
     """A body of the surroundings; it is added to `places`, which holds those that were named before. `held`: the part
-    that the gripper holds at the start, which has no pose."""
+    that the gripper holds at the start, which has no pose. `start_s`: when the plan begins."""
     if item.name in places:
         raise Refused("a name that no other body has", "name")
     if (item.pose is None) != (item.name == held):
         raise Refused(
             NO_POSE if item.name == held else "a pose: only the part that start.holding names has none", "pose"
         )
-    frame, pose = WORLD, AT_ORIGIN
+    frame, pose, at_s = WORLD, AT_ORIGIN, None if item.pose is None else item.pose.at_s
     if item.pose is not None:
         try:
             frame, pose = resolve(item.pose, item.pose.yaw_rad, frames, places)
+            if at_s is not None:
+                if item.pose.frame is None:
+                    raise Refused("none: a pose relative to a body, or in no frame, is so at all times", "at_s")
+                pose = frames.riding(frame, pose, at_s)
         except Refused as error:
             error.at("pose")
             raise
@@ -157,7 +170,22 @@ def world_body(item: BodyDocument, frames: Frames, places: Places, held: str | N
         body = _moved(body, UNMOVED, _tilt(item.pose.roll_rad or 0.0, item.pose.pitch_rad or 0.0))
     places[item.name] = (frame, pose)
     within_m = EXACT if item.uncertainty is KNOWN else pose_uncertainty(item.uncertainty)
-    return WorldBody(body, frame, pose, item.mass_kg, item.yaw_symmetry, within_m)
+    if at_s is not None:
+        drift_m = frames.laws[frame].uncertainty.speed_m_s * abs(start_s - at_s)
+        if drift_m > 0.0:
+            places.drifting.add(item.name)
+            within_m = _drifted(within_m, drift_m, frames.laws[frame].law)
+    return WorldBody(body, frame, pose, item.mass_kg, item.yaw_symmetry, within_m, at_s)
+
+
+def _drifted(within: PoseUncertainty, drift_m: float, law: Law) -> PoseUncertainty:
+    """How far a body may be from its pose whose frame, from the time of the pose until the start, may have gone by
+    `drift_m` more or less: along its line, or else in every horizontal direction."""
+    line = law.line
+    level, upright = (1.0, 0.0) if line is None else (math.hypot(line[0], line[1]), abs(float(line[2])))
+    return replace(
+        within, position_m=within.position_m + drift_m * level, vertical_m=within.vertical_m + drift_m * upright
+    )
 
 
 def tilts(place: PlaceInCell) -> tuple[str, ...]:
@@ -174,5 +202,6 @@ def resolve(place: Placement, yaw: float, frames: Frames, places: Places) -> tup
     places.hold(place.body)
     if place.body not in places:
         raise Refused(f"a body that is named before: {choices(places, place.body)}", "body")
+    places.steady(place.body)
     frame, carrier = places[place.body]
     return frame, carrier.then(pose)

@@ -28,10 +28,13 @@ from assur.scenes.reading.frames import Frames
 from assur.scenes.reading.start import check_loaded, start_of
 from assur.scenes.schema.request import OptionsDocument, RequestDocument
 
+Depends = tuple[str | None, float | None]
+"""On what surroundings depend besides their documents: the part that the gripper holds at the start; and the time of
+the start, s, where a pose has a time and how far its frame has gone since then is uncertain."""
 MOST_CELLS, MOST_TRIANGLES = 16, 200_000
 """Cells that are kept, those that were read last, and triangles of meshes in all of them together, with the knots of
 neighbours: with rings of 40,000 triangles they took about 50 MB. A cell with more triangles is not kept."""
-_kept: OrderedDict[tuple[str, str | None], Surroundings] = OrderedDict()
+_kept: OrderedDict[tuple[str, Depends], Surroundings] = OrderedDict()
 _lock = Lock()
 
 
@@ -58,8 +61,8 @@ class Surroundings:
             self.triangles += 0 if body.surface is None else len(body.surface[1])
 
 
-Kept = dict[str | None, Surroundings]
-"""Robot and surroundings of the requests of one cell, by the part that the gripper holds at the start."""
+Kept = dict[Depends, Surroundings]
+"""Robot and surroundings of the requests of one cell."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,13 +96,14 @@ def cell_of(document: object, request: RequestDocument, own: Kept | None = None)
 def _cell_of(document: object, request: RequestDocument, own: Kept) -> Cell:
     faults = Gathered()
     held = None if request.start.holding is None else request.start.holding.part
-    around = own.get(held)
+    depends = held, _start_of_drift(request)
+    around = own.get(depends)
     if around is None:
-        around = _around(request, held, faults)
+        around = _around(request, depends, faults)
         if not faults.faults:
             if len(own) >= MOST_CELLS:
                 own.clear()
-            own[held] = around
+            own[depends] = around
     given, known, places = around.given, around.frames, around.places
     coordinates, solid_tool = None if given is None else given.robot.coordinates, bool(request.robot.tool.bodies)
     if given is not None:
@@ -170,15 +174,22 @@ def _robot(request: RequestDocument, faults: Gathered) -> robots.RobotWithTool |
     return given
 
 
-def _around(request: RequestDocument, held: str | None, faults: Gathered) -> Surroundings:
-    """The robot and what is around it, kept from an earlier request if that has the same there. `held`: as
-    `_surroundings`."""
-    key = request.cell, held
+def _start_of_drift(request: RequestDocument) -> float | None:
+    """The time of the start, s, if a pose has a time and the speed of a frame is uncertain."""
+    uncertain = any(frame.uncertainty.speed_m_s > 0.0 for frame in request.frames.values())
+    if uncertain and any(body.pose is not None and body.pose.at_s is not None for body in request.bodies):
+        return request.start.at_s
+    return None
+
+
+def _around(request: RequestDocument, depends: Depends, faults: Gathered) -> Surroundings:
+    """The robot and what is around it, kept from an earlier request if that has the same there."""
+    key = request.cell, depends
     with _lock:
         if key in _kept:
             _kept.move_to_end(key)
             return _kept[key]
-    made = _surroundings(request, held, faults)
+    made = _surroundings(request, depends[0], faults)
     if not faults.faults:
         with _lock:
             _kept[key] = made
@@ -208,7 +219,7 @@ def _surroundings(request: RequestDocument, held: str | None, faults: Gathered) 
         try:
             if named.name in own:
                 raise Refused("a name that no body of the robot or its tool has", "name")
-            found.append(bodies.world_body(named, known, places, held))
+            found.append(bodies.world_body(named, known, places, held, request.start.at_s))
         except FAULTS as error:
             places.unread.add(named.name)
             faults.add(error, "bodies", i)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from assur.planner import laws
 from assur.planner.errors import FaultError
 from assur.planner.laws import ALWAYS, Change, Frame, Law, Pose, PoseUncertainty, Uncertainty
+from assur.planner.laws.law import FARTHEST_WAY_M, way
 from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.scene import WORLD
 from assur.scenes.faults import FAULTS, FollowsError, Gathered, Refused, choices, within
@@ -47,6 +51,17 @@ def uncertainty(document: UncertaintyDocument, law: Law) -> Uncertainty:
             "0: only a conveyor or a linear frame has a side (others: position_m)", "uncertainty", "lateral_m"
         )
     return Uncertainty(**vars(document))
+
+
+def knows(law: Law, t: float) -> bool:
+    """Whether a law is known at a time, s."""
+    return law.valid[0] <= t <= law.valid[1]
+
+
+def known_from(law: Law) -> str:
+    """The time span, in words, in which a law is known."""
+    ends = zip(("from", "to"), law.valid, strict=True)
+    return "known " + " ".join(f"{word} {end:g} s" for word, end in ends if math.isfinite(end))
 
 
 def _posed(make: Callable[..., Law], *fields: str) -> Callable[[Any, Valid], Law]:
@@ -94,6 +109,8 @@ LAWS: dict[str, Callable[[Any, Valid], Law]] = {
     "keyframes": _keyframes,
 }
 """Key of a frame's law in a document → the law."""
+STATED = tuple(key for key in LAWS if key != "keyframes")
+"""Laws that state one pose of their frame."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +139,24 @@ class Frames:
             raise Refused(f"one of {choices(list(self), name)}", "frame")
         below, carrier = self.fixed_on[name]
         return below, carrier.then(pose)
+
+    def riding(self, name: str, pose: Pose, at_s: float) -> Pose:
+        """The pose in a frame with a law of what rides on it, and is at `pose` in the frame as the request writes it
+        when the clock is `at_s`. Raises `Refused` at `at_s` where the frame has no such pose, or is not known then."""
+        law = self.laws[name].law
+        if law.link is not None or law.kind not in STATED:
+            raise Refused(f"none: {name} states no single pose; frames that do are {', '.join(STATED)}", "at_s")
+        if not knows(law, at_s):
+            raise Refused(f"a time at which {name} is known; it is {known_from(law)}", "at_s")
+        if law.is_fixed:
+            return pose
+        gone = way(law, math.hypot(pose.x, pose.y), at_s, at_s)
+        if gone > FARTHEST_WAY_M:
+            raise Refused(f"a time until which it goes {FARTHEST_WAY_M:g} m at most; it goes {gone:g} m", "at_s")
+        motion = law.motion(np.array(at_s))
+        x, y, z = motion.p.tolist()
+        back = Pose(x, y, z, float(motion.yaw)).inverse().then(law.numbers.pose)
+        return Pose(back.x, back.y, back.z, math.remainder(back.yaw, math.tau)).then(pose)
 
 
 STILL = Frame(WORLD, laws.fixed(Pose()))

@@ -201,6 +201,7 @@ class _Task:
         faults.settle()
         self.held, self.lost = None, False
         self.places[item.part] = (target.frame, target.pose)
+        self.places.drifting.discard(item.part)
         within_m = math.inf if item.support_within_m is None else item.support_within_m
         handling = self._handling(item, target.frame, contacts)
         return Place(name, item.part, target, **handling, support_within_m=within_m)

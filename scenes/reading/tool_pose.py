@@ -9,7 +9,6 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
-from assur.planner.laws.law import Law
 from assur.planner.report.number_format import SHOWN_AS, amount
 from assur.planner.report.refusal_words import POSITIONS
 from assur.planner.robots.facts import TURN, Code
@@ -17,7 +16,7 @@ from assur.planner.robots.turns import ModeSolutions
 from assur.scenes.conventions import JointConvention, as_maker, rates_as_maker
 from assur.scenes.faults import Refused
 from assur.scenes.reading.bodies import Places, resolve
-from assur.scenes.reading.frames import Frames
+from assur.scenes.reading.frames import Frames, known_from, knows
 from assur.scenes.reading.robots import RobotWithTool
 from assur.scenes.reading.task import NO_HEADING, NO_TILT, NO_YAW
 from assur.scenes.schema.robots import ToolPoseDocument
@@ -49,17 +48,6 @@ def flange_of(item: ToolPoseDocument, given: RobotWithTool, frames: Frames, plac
     if item.pitch_rad is None:
         return flange
     return flange.with_tilt(np.array([item.pitch_rad, item.roll_rad]))
-
-
-def knows(law: Law, t: float) -> bool:
-    """Whether a law is known at a time, s."""
-    return law.valid[0] <= t <= law.valid[1]
-
-
-def known_from(law: Law) -> str:
-    """The time span, in words, in which a law is known."""
-    ends = zip(("from", "to"), law.valid, strict=True)
-    return "known " + " ".join(f"{word} {end:g} s" for word, end in ends if math.isfinite(end))
 
 
 def wrist_turns(found: FloatArray, given: RobotWithTool) -> list[int] | None:

@@ -14,6 +14,7 @@ from assur.scenes.schema.model import (
     Angle,
     Document,
     Group,
+    Instant,
     Mass,
     Name,
     Point,
@@ -86,6 +87,7 @@ class PlaceInCell(Document):
     """A pose that is constant in a frame, or in whatever frame another body sits in, relative to that body.
 
     The shape is turned by the roll about x, then by the pitch about y, then by the yaw about z, the axes of the frame.
+    With `at_s` the pose is in the frame as the request writes it, and the body is there at that time of the clock.
     """
 
     at_most_one: ClassVar[tuple[Group, ...]] = (("frame", "body"),)
@@ -96,6 +98,7 @@ class PlaceInCell(Document):
     yaw_rad: Angle = 0.0
     pitch_rad: Angle | None = None
     roll_rad: Angle | None = None
+    at_s: Instant | None = None
 
 
 class BodyDocument(Document):
