@@ -15,7 +15,7 @@ from assur.scenes.faults import NOTHING, DocumentError, fault
 from assur.scenes.schema.cell_file import CellDocument, TaskDocument
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
-from assur.scenes.schema.shapes import PlaceInCell
+from assur.scenes.schema.shapes import BodyDocument, PlaceInCell
 from assur.scenes.tasks.grids import slot_poses
 from assur.scenes.tasks.joining import OF_CELL, OF_TASK, within_document
 
@@ -92,15 +92,21 @@ def end_state(request: Document, answer: object) -> EndState:
         at = {"grasp_m": [grasp.x, grasp.y, grasp.z], "grasp_yaw_rad": grasp.yaw}
         start["holding"] = {"part": held.part, **at, "within": uncertainty.pop(held.part)}
     places = {body.body.name: last.attached.pose_of(scene, body.body.name) for body in scene.bodies}
+    moved = frozenset(name for name, _, _ in last.attached.placed)
     for body in stated.bodies:
         if uncertainty.get(body.name) == vars(body.uncertainty):
             del uncertainty[body.name]
+        if (held is not None and body.name == held.part) or (_has_time(body) and body.name not in moved):
+            continue  # how well the one is known the grip says, and the other the time of its pose
         off_m = scene.frames[places[body.name][0]].uncertainty.speed_m_s * (trajectory.end - trajectory.start)
-        if off_m > 0.0 and not (held is not None and body.name == held.part):
+        if off_m > 0.0:
             known = uncertainty.get(body.name, vars(body.uncertainty))
             uncertainty[body.name] = {**known, "position_m": known["position_m"] + off_m}
-    moved = frozenset(name for name, _, _ in last.attached.placed)
     return EndState(request, stated, start, uncertainty, moved, places, None if held is None else held.part, cell)
+
+
+def _has_time(body: BodyDocument) -> bool:
+    return body.pose is not None and body.pose.at_s is not None
 
 
 def _start(trajectory: Mapping[str, Any]) -> Document:

@@ -17,6 +17,7 @@ from assur.api.command_line import app
 from assur.api.python.answer import Answer
 from assur.planner.errors import InputError
 from assur.scenes.plan_file import PlanFile
+from assur.scenes.requests import cell_of
 from assur.scenes.tasks.joining import joined
 from assur.scenes.tasks.next_task import end_state
 from assur.scenes.text.yaml_text import parse_yaml
@@ -135,6 +136,17 @@ def test_what_rides_on_a_belt_of_uncertain_speed_is_known_less_well_by_the_time_
     assert second.request is not None
     again = Answer.made(second.document, second.request, (read(CELL), task)).next_task([{"move": {"to": "home"}}])
     assert again["set"]["bodies.mark.uncertainty"]["position_m"] == off_m + 0.002 * second.duration_s
+
+
+def test_of_a_part_with_a_time_the_error_counts_from_that_time_and_not_twice() -> None:
+    task = read(TASK)
+    task["parts"][1]["pose"] = {"frame": "belt", "at_mm": [-700, 0, 10], "at_s": -1.0}
+    request = joined(read(CELL), task).request
+    before = Answer.made(assur.plan(request, certificate="digest").document, request, (read(CELL), task))
+    after = before.next_task([{"transfer": {"parts": ["b"], "to": "box"}}])
+    assert after["parts"][1] == task["parts"][1]
+    b = next(body for body in cell_of(joined(read(CELL), after).request).scene.bodies if body.name == "b")
+    assert b.uncertainty.position_m == pytest.approx(0.002 * (before.duration_s + 1.0), rel=1e-12)
 
 
 def test_a_part_that_the_gripper_holds_is_held_as_it_was_gripped() -> None:
