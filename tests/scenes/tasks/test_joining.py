@@ -203,6 +203,11 @@ FAULTS: list[tuple[str, str, object, str, str]] = [
     ("task", "parts.0.kind", "braket", "task.parts[0].kind", "one of the kinds: bracket; did you mean bracket?"),
     ("task", "parts.0.kind", None, "task.parts[0]", "exactly one of kind, shape"),
     ("task", "parts.0.pose.frame", "bolt", "task.parts[0].pose.frame", "one of belt, world; did you mean belt?"),
+    ("task", "parts.0.pose.pitch_deg", 5, "task.parts[0].pose.pitch_deg", "0: a step picks a, and parts stay upright"),
+    ("task", "parts.0.pose.at_s", "now", "task.parts[0].pose.at_s", "a number"),
+    ("task", "parts.2.pose", {"at_s": 1}, "task.parts[2].slot", "at most one of pose, slot"),
+    ("cell", "slots.box.at_s", 1, "cell.slots.box.at_s", "one of "),
+    ("cell", "positions.home.at_s", 1, "cell.positions.home.at_s", "one of "),
     ("task", "parts.0.slot", {"box": 1}, "task.parts[0].slot", "at most one of pose, slot"),
     ("task", "parts.1.name", "a", "task.parts[1].name", "a name that no other body has"),
     ("task", "parts.0.name", "table", "task.parts[0].name", "a name that no other body has"),
@@ -260,6 +265,24 @@ def test_what_is_wrong_is_named_where_it_was_written(
         built(cell, task)
     assert caught.value.field == field, str(caught.value)
     assert caught.value.allowed.startswith(allowed), str(caught.value)
+
+
+def test_places_that_are_not_stated_are_the_origin() -> None:
+    cell, task = documents()
+    cell["slots"]["box"].pop("at_mm")
+    cell["positions"]["home"] = {}
+    task["parts"][0]["pose"] = {"frame": "belt"}
+    request = joined(cell, task).request
+    assert request["bodies"][-1]["pose"]["at_m"] == pytest.approx([0.08, 0.0, 0.0])
+    stated = copy.deepcopy(request)
+    stated["bodies"][-3]["pose"]["at_mm"] = stated["task"][-1]["move"]["to"]["at_mm"] = [0, 0, 0]
+    assert request_digest(request) == request_digest(stated)
+
+
+def test_a_part_has_the_time_of_its_pose() -> None:
+    cell, task = documents()
+    task["parts"][0]["pose"]["at_s"] = 0.4
+    assert cell_of(joined(cell, task).request).scene.index["a"].pose.x == pytest.approx(-0.55)
 
 
 def test_a_grid_that_is_full_takes_no_part() -> None:
