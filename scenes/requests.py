@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from assur.planner.model.outcome import Plan
     from assur.planner.model.scene import Scene
     from assur.scenes.reading.cell import Cell, Kept
+    from assur.scenes.tasks.kept_cell import TaskOfCell
 
 __all__ = [
     "BUDGETS",
@@ -75,7 +76,7 @@ __all__ = [
     "with_options",
 ]
 
-
+Valid = Callable[[RequestDocument], None]
 Detail = Literal["full", "digest"]
 """How much of its certificate an answer has: the whole table of the proof, or its digest and size."""
 
@@ -100,23 +101,24 @@ def request_schema() -> dict[str, Any]:
 
 def file_schema() -> dict[str, Any]:
     """JSON Schema of a scenario file: `about`, `request` and `expect`."""
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **ScenarioDocument.model_json_schema()}
+    return {"$schema": request_schema()["$schema"], **ScenarioDocument.model_json_schema()}
 
 
 def cell_of(
     document: object,
     *,
     folder: Path | None = None,
-    valid: Callable[[RequestDocument], None] | None = None,
+    valid: Valid | None = None,
     laps: Stopwatch | None = None,
+    task: TaskOfCell | None = None,
 ) -> Cell:
     """Scene and joint conventions of a request. `folder`: below which it may name files (never over HTTP). `valid` is
-    given the request before anything is built of it; what it raises is raised here. `laps` measures the stages `read`
-    and `build`."""
+    given the request before it is built; what it raises is raised here. `laps` measures the stages `read` and `build`.
+    `task`: the request is that of this task in a cell that is kept."""
     from assur.scenes.reading.cell import cell_of as build
 
-    written, request = _accepted(document, folder, valid, laps)
-    cell = build(written, request)
+    written, request = _accepted(document, folder, valid, laps, task)
+    cell = build(written, request, None if task is None else task.around(request))
     if laps is not None:
         laps.lap("build")
     return cell
@@ -135,15 +137,14 @@ def changed_cell(document: dict[str, Any], request: RequestDocument, changes: di
 
 
 def _accepted(
-    document: object,
-    folder: Path | None,
-    valid: Callable[[RequestDocument], None] | None,
-    laps: Stopwatch | None,
+    document: object, folder: Path | None, valid: Valid | None, laps: Stopwatch | None, task: TaskOfCell | None
 ) -> tuple[object, RequestDocument]:
     """A request as it was written, with the files that it names in place of their names, and the same in SI."""
     # Errors quote the document as it was written: a mesh's file, not the bytes that took its place.
     written = document if folder is None else with_plans(with_robots(document, folder), folder)
-    request = validate(written if folder is None else with_meshes(written, folder))
+    request = None if task is None else task.read()
+    if request is None:
+        request = validate(written if folder is None else with_meshes(written, folder))
     if laps is not None:
         laps.lap("read")
     if valid is not None:
@@ -172,8 +173,9 @@ def plan_document(
     started: float | None = None,
     most_budget_s: float | None = None,
     watch: Watch | None = None,
-    valid: Callable[[RequestDocument], None] | None = None,
+    valid: Valid | None = None,
     laps: Stopwatch | None = None,
+    task: TaskOfCell | None = None,
 ) -> dict[str, Any]:
     """The answer to a request: planned, or not planned and why. Raises `InputError` naming the field.
 
@@ -181,19 +183,19 @@ def plan_document(
     took the request up, so that reading it and building the scene count, too, and a budget that ends there is an
     answer; None: the budget is for the search alone. `most_budget_s`: largest budget of either kind, to which a larger
     one is cut; None: there is none. `watch` gets the progress of the search; what it raises ends the planning and
-    is raised here. `valid`: as `cell_of`; `laps` measures the stages.
+    is raised here. `valid`, `task`: as `cell_of`; `laps` measures the stages.
     """
     if started is None:
-        cell = cell_of(document, folder=folder, valid=valid, laps=laps)
+        cell = cell_of(document, folder=folder, valid=valid, laps=laps, task=task)
         return plan_cell(cell, certificate=certificate, most_budget_s=most_budget_s, watch=watch, laps=laps)
     from assur.scenes.answer import unbuilt
     from assur.scenes.reading.cell import cell_of as build
 
-    written, request = _accepted(document, folder, valid, laps)
+    written, request = _accepted(document, folder, valid, laps, task)
     budget_s = request.options.budget_s if most_budget_s is None else min(request.options.budget_s, most_budget_s)
     try:
         with Deadline(started, budget_s):
-            cell = build(written, request)
+            cell = build(written, request, None if task is None else task.around(request))
     except OutOfTimeError as late:
         return dict(unbuilt(request, budget_s, time.perf_counter() - started, str(late)))
     finally:
@@ -242,7 +244,7 @@ def plan_scenario(
     started: float | None = None,
     most_budget_s: float | None = None,
     watch: Watch | None = None,
-    valid: Callable[[RequestDocument], None] | None = None,
+    valid: Valid | None = None,
     laps: Stopwatch | None = None,
 ) -> dict[str, Any]:
     """The answer to a scenario's request; as `plan_document`. Raises `InputError` with the line in the file."""

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from threading import Lock
 
 from assur.planner.errors import FaultError, InputError
@@ -27,6 +29,7 @@ from assur.scenes.reading.bodies import Places
 from assur.scenes.reading.frames import Frames
 from assur.scenes.reading.start import check_loaded, start_of
 from assur.scenes.schema.request import OptionsDocument, RequestDocument
+from assur.scenes.schema.shapes import BodyDocument
 
 MOST_CELLS, MOST_TRIANGLES = 16, 200_000
 """Cells that are kept, those that were read last, and triangles of meshes in all of them together, with the knots of
@@ -46,16 +49,36 @@ class Surroundings:
     places: Places
     kept: KeptCell = NOTHING_KEPT
 
-    def __post_init__(self) -> None:
-        self.triangles = 0
+    @cached_property
+    def triangles(self) -> int:
         """Triangles of the meshes, and knots of the neighbours."""
+        found = 0
         for frame in self.frames.laws.values():
-            self.triangles += 0 if frame.law.link is None else len(frame.law.link.trajectory.time)
+            found += 0 if frame.law.link is None else len(frame.law.link.trajectory.time)
         solids = [each.body for each in self.bodies]
         if self.given is not None:
             solids += [*(each.body for each in self.given.robot.bodies), *self.given.tool.bodies]
         for body in solids:
-            self.triangles += 0 if body.surface is None else len(body.surface[1])
+            found += 0 if body.surface is None else len(body.surface[1])
+        return found
+
+    def with_parts(self, parts: Sequence[BodyDocument], held: str | None) -> Surroundings:
+        """The same with further bodies, and what the planner made of the cell. Raises `Refused` at the fields of a
+        part."""
+        if self.given is None:
+            raise FaultError("parts are added to a cell that could be read")
+        places, found = Places(self.places), list[WorldBody]()
+        for item in parts:
+            raise_if_late()
+            if item.name in self.given.names:
+                raise Refused("a name that no body of the robot or its tool has", "name")
+            found.append(bodies.world_body(item, self.frames, places, held))
+        if held is not None and held not in places:
+            raise Refused("the name of a body")
+        kept = self.kept
+        if kept is NOTHING_KEPT:
+            kept = self.kept = KeptCell(self.given.robot, self.given.tool, self.frames.laws, self.bodies)
+        return Surroundings(self.given, self.frames, (*self.bodies, *found), places, kept)
 
 
 Kept = dict[str | None, Surroundings]
@@ -93,14 +116,14 @@ def cell_of(document: object, request: RequestDocument, own: Kept | None = None)
 def _cell_of(document: object, request: RequestDocument, own: Kept) -> Cell:
     faults = Gathered()
     held = None if request.start.holding is None else request.start.holding.part
-    around = own.get(held)
-    if around is None:
-        around = _around(request, held, faults)
+    surroundings = own.get(held)
+    if surroundings is None:
+        surroundings = around(request, held, faults)
         if not faults.faults:
             if len(own) >= MOST_CELLS:
                 own.clear()
-            own[held] = around
-    given, known, places = around.given, around.frames, around.places
+            own[held] = surroundings
+    given, known, places = surroundings.given, surroundings.frames, surroundings.places
     coordinates, solid_tool = None if given is None else given.robot.coordinates, bool(request.robot.tool.bodies)
     if given is not None:
         try:
@@ -127,7 +150,7 @@ def _cell_of(document: object, request: RequestDocument, own: Kept) -> Cell:
         tool=tool,
         start=start,
         frames=known.laws,
-        bodies=around.bodies,
+        bodies=surroundings.bodies,
         task=steps,
         options=options,
         execution=Execution(lag, request.execution.start_tolerance_s, request.execution.belt_correction),
@@ -140,15 +163,15 @@ def _cell_of(document: object, request: RequestDocument, own: Kept) -> Cell:
             *frames.assumptions_of(request.frames),
             *_left_out(robot, request),
             *loads.assumptions_of(
-                robot, given.load, tool, [body for body in around.bodies if body.body.name in taken_up]
+                robot, given.load, tool, [body for body in surroundings.bodies if body.body.name in taken_up]
             ),
         ),
         digest=request.digest,
         signs=tuple(given.conventions.signs.tolist()),
         zeros=tuple(given.conventions.zeros.tolist()),
-        kept=around.kept,
+        kept=surroundings.kept,
     )
-    around.kept = scene.kept
+    surroundings.kept = scene.kept
     check_loaded(scene, given.conventions)
     return Cell(scene, given, known, places, document)
 
@@ -170,7 +193,7 @@ def _robot(request: RequestDocument, faults: Gathered) -> robots.RobotWithTool |
     return given
 
 
-def _around(request: RequestDocument, held: str | None, faults: Gathered) -> Surroundings:
+def around(request: RequestDocument, held: str | None, faults: Gathered) -> Surroundings:
     """The robot and what is around it, kept from an earlier request if that has the same there. `held`: as
     `_surroundings`."""
     key = request.cell, held
