@@ -2,6 +2,9 @@
 
 The cells are those of problems of the sets; the starts and goals are those of the problems behind each, so that some
 cannot be reached in its cell. Each answer is the first that is proved, and is there as a document inside of the time.
+
+What building takes is measured in a cell file with fifty meshes: a new part and start in the cell that is kept, and the
+same as a whole request, one after the other.
 """
 
 from __future__ import annotations
@@ -14,6 +17,9 @@ from rich.console import Console
 from rich.progress import track
 
 from assur import Cell, check
+from assur.planner.model.deadline import Stopwatch
+from assur.scenes.requests import plan_document
+from assur.scenes.tasks.kept_cell import KeptCellFile
 from benchmarks.figures import Document, figure, finish, of_planned
 from benchmarks.judged import judged, label, problem_set
 from benchmarks.machine import pin
@@ -49,6 +55,14 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few cells.")] = Fa
             ("median, process CPU time", "cpu_s", 0.5),
         )
     ]
+    meshes = with_meshes(FEW if quick else CELLS)
+    figures += [
+        figure(
+            f"building a new part and start, 50 meshes, {words}", [meshes], of_planned(key, 0.5), "ms", bar, decimals=2
+        )
+        for words, key, bar in (("in a kept cell", "kept_s", (0.3,)), ("as a whole request", "whole_s", ()))
+    ]
+    records |= meshes
     finish("kept_cell", "a new start and goal in a kept cell", quick, parameters, records, figures)
 
 
@@ -70,6 +84,39 @@ def measured(name: str, cells: int) -> dict[str, Document]:
                 findings = judged(problems, problem, found, "position", document)["findings"]
                 item = f"{problem['id']} with the start and goal of {other['id']}"
                 records[item] = record | {"status": answer["status"], "findings": findings}
+    return records
+
+
+MESHES = 50
+
+
+def with_meshes(count: int) -> dict[str, Document]:
+    """The records of new parts and starts in a cell with meshes: seconds of the stage `build`."""
+    robot: Document = {"model": "mitsubishi-rh-6frh5520", "tool": {"tcp_mm": [0, 0, -100]}}
+    mesh = {"mesh": {"asset": "bracket", "unit": "mm"}}
+    bodies = [
+        {"name": f"mesh-{k}", "shape": mesh, "pose": {"at_mm": [30 * (k % 10) - 600, 60 * (k // 10) - 700, 0]}}
+        for k in range(MESHES)
+    ]
+    kept = KeptCellFile({"schema": "assur-cell/1", "robot": robot, "bodies": bodies})
+    records: dict[str, Document] = {}
+    for number in range(count + 1):
+        task = {
+            "schema": "assur-task/1",
+            "start": {"joints": {"j1_deg": number, "j2_deg": 60, "j3_mm": 250, "j4_deg": 0}},
+            "parts": [{"name": "part", "shape": mesh, "pose": {"at_mm": [300 - number, 100 + number, 10]}}],
+            "steps": [{"move": {"to": {"at_mm": [350, 0, 150]}}}],
+            "options": {"stop": "first", "budget_s": 5.0},
+        }
+        own, whole = Stopwatch(), Stopwatch()
+        made, answer = kept.plan(task, laps=own)
+        other = plan_document(made.request, laps=whole)
+        same = answer["trajectory"] == other["trajectory"] and check(made.request, answer)["ok"]
+        if number:  # the cell is made with the first
+            record = {"status": answer["status"], "findings": [] if same else ["not the answer of the request"]}
+            records[f"part and start {number}"] = record | {
+                "kept_s": own.seconds["build"], "whole_s": whole.seconds["build"],
+            }  # fmt: skip
     return records
 
 

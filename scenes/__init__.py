@@ -18,7 +18,7 @@ __all__ = ["check", "ik", "load", "plan"]
 
 def load(name: str | Path) -> dict[str, Any]:
     """The request in a scenario file (YAML), a request file (``.json``) or a plan file (as ``assur plan --out`` writes
-    it), or in the shipped scenario of that name.
+    it), or in the shipped scenario of that name; of a cell file the cell, which `assur.Cell` takes.
 
     A plain document of its own each time: change it, plan it, post it. What the files hold that a scenario names (of
     robots, plans and meshes), which must lie below its folder, is in it already. As on the command line, a file that is
@@ -29,8 +29,9 @@ def load(name: str | Path) -> dict[str, Any]:
     from assur.scenes.faults import likeliest
     from assur.scenes.files import is_file, is_json, json_in
     from assur.scenes.plan_file import is_plan_file, plan_file_in
-    from assur.scenes.requests import load_scenario, shipped, shipped_scenarios
+    from assur.scenes.requests import shipped, shipped_scenarios
     from assur.scenes.scenario import with_files
+    from assur.scenes.scenarios import load_yaml
 
     path = Path(name)
     is_there = is_file(path)
@@ -43,7 +44,9 @@ def load(name: str | Path) -> dict[str, Any]:
             plan_file_in(given).request if is_plan_file(given) else with_files(given, path.parent)
         )
         return document
-    scenario = load_scenario(path) if is_there else shipped(str(name))
+    scenario = load_yaml(path) if is_there else shipped(str(name))
+    if isinstance(scenario, dict):
+        return scenario
     with scenario.located():
         request: dict[str, Any] = with_files(scenario.request, scenario.folder)
     return request

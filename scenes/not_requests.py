@@ -19,7 +19,10 @@ def refuse_other(document: object) -> None:
     if not isinstance(document, dict):
         return  # its model says what a request is
     if document.get("schema") in (CELL, TASK):
-        allowed = f"{SCHEMA}: a cell and a task make a request together; assur.load reads the one of a task file"
+        allowed = (
+            f"{SCHEMA}: a cell and a task make a request together; assur.load reads the one of a task file, and "
+            "assur.Cell takes a cell"
+        )
         raise fault(document, ("schema",), allowed)
     status = document.get("status")
     if isinstance(status, str) and status in ("planned", "not_planned"):

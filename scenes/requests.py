@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from assur.planner.model.outcome import Plan
     from assur.planner.model.scene import Scene
     from assur.scenes.reading.cell import Cell, Kept
+    from assur.scenes.tasks.kept_cell import TaskOfCell
 
 __all__ = [
     "BUDGETS",
@@ -78,7 +79,6 @@ __all__ = [
     "with_options",
 ]
 
-
 Kind = Literal["request", "scenario", "cell", "task"]
 KINDS: dict[Kind, type[Document]] = {
     "request": RequestDocument,
@@ -87,6 +87,7 @@ KINDS: dict[Kind, type[Document]] = {
     "task": TaskDocument,
 }
 """Kinds of documents that are written by hand. A scenario is a file with a request."""
+Valid = Callable[[RequestDocument], None]
 Detail = Literal["full", "digest"]
 """How much of its certificate an answer has: the whole table of the proof, or its digest and size."""
 
@@ -117,16 +118,17 @@ def cell_of(
     document: object,
     *,
     folder: Path | None = None,
-    valid: Callable[[RequestDocument], None] | None = None,
+    valid: Valid | None = None,
     laps: Stopwatch | None = None,
+    task: TaskOfCell | None = None,
 ) -> Cell:
     """Scene and joint conventions of a request. `folder`: below which it may name files (never over HTTP). `valid` is
-    given the request before anything is built of it; what it raises is raised here. `laps` measures the stages `read`
-    and `build`."""
+    given the request before it is built; what it raises is raised here. `laps` measures the stages `read` and `build`.
+    `task`: the request is that of this task in a cell that is kept."""
     from assur.scenes.reading.cell import cell_of as build
 
-    written, request = _accepted(document, folder, valid, laps)
-    cell = build(written, request)
+    written, request = _accepted(document, folder, valid, laps, task)
+    cell = build(written, request, None if task is None else task.around(request))
     if laps is not None:
         laps.lap("build")
     return cell
@@ -145,15 +147,14 @@ def changed_cell(document: dict[str, Any], request: RequestDocument, changes: di
 
 
 def _accepted(
-    document: object,
-    folder: Path | None,
-    valid: Callable[[RequestDocument], None] | None,
-    laps: Stopwatch | None,
+    document: object, folder: Path | None, valid: Valid | None, laps: Stopwatch | None, task: TaskOfCell | None
 ) -> tuple[object, RequestDocument]:
     """A request as it was written, with the files that it names in place of their names, and the same in SI."""
     # Errors quote the document as it was written: a mesh's file, not the bytes that took its place.
     written = document if folder is None else with_plans(with_robots(document, folder), folder)
-    request = validate(written if folder is None else with_meshes(written, folder))
+    request = None if task is None else task.read()
+    if request is None:
+        request = validate(written if folder is None else with_meshes(written, folder))
     if laps is not None:
         laps.lap("read")
     if valid is not None:
@@ -182,8 +183,9 @@ def plan_document(
     started: float | None = None,
     most_budget_s: float | None = None,
     watch: Watch | None = None,
-    valid: Callable[[RequestDocument], None] | None = None,
+    valid: Valid | None = None,
     laps: Stopwatch | None = None,
+    task: TaskOfCell | None = None,
 ) -> dict[str, Any]:
     """The answer to a request: planned, or not planned and why. Raises `InputError` naming the field.
 
@@ -191,19 +193,19 @@ def plan_document(
     took the request up, so that reading it and building the scene count, too, and a budget that ends there is an
     answer; None: the budget is for the search alone. `most_budget_s`: largest budget of either kind, to which a larger
     one is cut; None: there is none. `watch` gets the progress of the search; what it raises ends the planning and
-    is raised here. `valid`: as `cell_of`; `laps` measures the stages.
+    is raised here. `valid`, `task`: as `cell_of`; `laps` measures the stages.
     """
     if started is None:
-        cell = cell_of(document, folder=folder, valid=valid, laps=laps)
+        cell = cell_of(document, folder=folder, valid=valid, laps=laps, task=task)
         return plan_cell(cell, certificate=certificate, most_budget_s=most_budget_s, watch=watch, laps=laps)
     from assur.scenes.answer import unbuilt
     from assur.scenes.reading.cell import cell_of as build
 
-    written, request = _accepted(document, folder, valid, laps)
+    written, request = _accepted(document, folder, valid, laps, task)
     budget_s = request.options.budget_s if most_budget_s is None else min(request.options.budget_s, most_budget_s)
     try:
         with Deadline(started, budget_s):
-            cell = build(written, request)
+            cell = build(written, request, None if task is None else task.around(request))
     except OutOfTimeError as late:
         return dict(unbuilt(request, budget_s, time.perf_counter() - started, str(late)))
     finally:
@@ -252,7 +254,7 @@ def plan_scenario(
     started: float | None = None,
     most_budget_s: float | None = None,
     watch: Watch | None = None,
-    valid: Callable[[RequestDocument], None] | None = None,
+    valid: Valid | None = None,
     laps: Stopwatch | None = None,
 ) -> dict[str, Any]:
     """The answer to a scenario's request; as `plan_document`. Raises `InputError` with the line in the file."""

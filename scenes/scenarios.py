@@ -13,14 +13,14 @@ from assur.scenes.bounds import MAX_TEXT, MAX_YAML_BYTES
 from assur.scenes.faults import NOTHING, DocumentError, fault, likeliest
 from assur.scenes.files import empty
 from assur.scenes.scenario import Scenario
-from assur.scenes.schema.cell_file import CELL, TASK
+from assur.scenes.schema.cell_file import TASK
 from assur.scenes.schema.expect import ExpectDocument
 from assur.scenes.schema.model import Document
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
 from assur.scenes.tasks.next_task import EndState
-from assur.scenes.tasks.task_file import is_task, task_scenario
-from assur.scenes.text.yaml_text import parse_yaml, with_line
+from assur.scenes.tasks.task_file import cell_document, is_cell, is_task, task_scenario
+from assur.scenes.text.yaml_text import Lines, parse_yaml, with_line
 
 CELLS = Path(__file__).parent / "cells"
 """The shipped scenarios."""
@@ -37,21 +37,33 @@ class ScenarioDocument(Document):
 def load_scenario(path: Path, after: EndState | None = None) -> Scenario:
     """The scenario in a YAML file. `after`: the end of the plan where it begins; it is a task then. Raises
     `DocumentError` with the line, or `OSError` for a file that is not there."""
+    return scenario_in(_text(path), path, after)
+
+
+def load_yaml(path: Path) -> Scenario | dict[str, Any]:
+    """The scenario in a YAML file, or the cell, with what the files hold that it names. Raises as `load_scenario`."""
+    document, lines = parse_yaml(_text(path))
+    return cell_document(document, lines, path.parent) if is_cell(document) else _scenario(document, lines, path)
+
+
+def _text(path: Path) -> bytes:
     with path.open("rb") as file:
-        text = file.read(MAX_YAML_BYTES + 1)
-    return scenario_in(text, path, after)
+        return file.read(MAX_YAML_BYTES + 1)
 
 
 def scenario_in(text: bytes, path: Path, after: EndState | None = None) -> Scenario:
     """The scenario in the YAML text of a file, which is not opened; `after`: as `load_scenario`. Raises `DocumentError`
     with the line."""
-    document, lines = parse_yaml(text)
+    return _scenario(*parse_yaml(text), path, after)
+
+
+def _scenario(document: Any, lines: Lines, path: Path, after: EndState | None = None) -> Scenario:
     if is_task(document):
         return task_scenario(document, lines, path, after)
     if after is not None:
         allowed = f"{TASK}: a task file begins where a plan ends; of a request, answer.next_task does so in Python"
         raise with_line(fault(document, ("schema",), allowed), lines)
-    if isinstance(document, dict) and document.get("schema") == CELL:
+    if is_cell(document):
         raise with_line(
             fault(document, ("schema",), f"{TASK}: this is a cell; a task file that names it is planned"), lines
         )

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def load(name: str | Path) -> dict[str, Any]:
     """The request in a scenario file (YAML), a request file (``.json``) or a plan file, or in the shipped scenario of
-    that name. Of a plan file `load_answer` reads the answer, too.
+    that name. Of a plan file `load_answer` reads the answer, too. Of a cell file it is the cell, which `Cell` takes.
 
     A plain document of its own each time: change it, plan it, post it. What the files hold that a scenario names (of
     robots, plans and meshes), which must lie below its folder, is in it already. A file that is there comes before a

@@ -247,9 +247,11 @@ class Pieces:
     """Pieces (S,) of bodies (B,), those of body b being `first[b]` and the `count[b] - 1` behind it.
 
     `position` (S, 3) m and `rotation` (S, 3, 3) in the body's axes; `half` (S, 3), `disc`, `ball` (S,) the terms of
-    their support function (S1), zero for a hull, which is number `hull` (S,) of `hulls`; -1: a primitive.
+    their support function (S1), zero for a hull, which is number `hull` (S,) of `hulls`; -1: a primitive. The first
+    five are columns of `table` (S, 17).
     """
 
+    table: FloatArray
     first: IntArray
     count: IntArray
     position: FloatArray
@@ -262,10 +264,11 @@ class Pieces:
     hulls: tuple[Hull, ...]
 
 
-def pieces(bodies: Sequence[Body]) -> Pieces:
-    """The table of some bodies, in order; its arrays are read-only."""
+def pieces(bodies: Sequence[Body], before: Pieces | None = None) -> Pieces:
+    """The table of some bodies, in order, behind those that are in the table `before`; its arrays are read-only."""
     every = [piece for body in bodies for piece in body.pieces]
-    hull, hulls, numbers = list[int](), list[Hull](), list[float]()
+    hull, numbers = list[int](), list[float]()
+    hulls, shapes = ([], ()) if before is None else ([*before.hulls], before.shapes)
     for piece in every:
         numbers += piece.position.tolist()
         numbers += piece.rotation.ravel().tolist()
@@ -278,10 +281,15 @@ def pieces(bodies: Sequence[Body]) -> Pieces:
             hull.append(-1)
             numbers += (*shape.half, shape.disc, shape.ball)
     table, count = np.array(numbers).reshape(-1, 17), np.array([len(body.pieces) for body in bodies], dtype=np.int64)
-    arrays = table, count, count.cumsum() - count, np.array(hull, dtype=np.int64)
+    number = np.array(hull, dtype=np.int64)
+    if before is not None:
+        table, count = np.concatenate([before.table, table]), np.concatenate([before.count, count])
+        number = np.concatenate([before.hull, number])
+    arrays = table, count, count.cumsum() - count, number
     for array in arrays:
         array.setflags(write=False)
     return Pieces(
+        table=table,
         first=arrays[2],
         count=count,
         position=table[:, :3],
@@ -290,6 +298,6 @@ def pieces(bodies: Sequence[Body]) -> Pieces:
         disc=table[:, 15],
         ball=table[:, 16],
         hull=arrays[3],
-        shapes=tuple([piece.shape for piece in every]),
+        shapes=(*shapes, *[piece.shape for piece in every]),
         hulls=tuple(hulls),
     )

@@ -7,7 +7,10 @@ from operator import is_
 from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
-    from assur.planner.model.scene import Scene
+    from assur.planner.laws.law import Frame
+    from assur.planner.model.load import Tool
+    from assur.planner.model.scene import Scene, WorldBody
+    from assur.planner.robots.robot import Robot
 
 Made = TypeVar("Made")
 
@@ -19,19 +22,42 @@ class KeptCell:
     """Values that follow from robot, tool, frames and bodies of a scene, and from the keys under which they are kept.
 
     Scenes share one if they have the same four objects; a scene with another object gets a new one (`Scene.kept`).
-    Threads may read it at the same time: at worst, both make the same value.
+    `before`: that of the same cell without the last of its bodies, from which some values are made sooner. Threads may
+    read it at the same time: at worst, both make the same value.
     """
 
-    def __init__(self, facts: tuple[object, ...]) -> None:
-        """`facts`: as `facts_of` a scene gives them."""
-        self._facts = facts
+    def __init__(
+        self,
+        robot: Robot,
+        tool: Tool,
+        frames: dict[str, Frame],
+        bodies: tuple[WorldBody, ...],
+        before: KeptCell | None = None,
+    ) -> None:
+        self.robot, self.tool, self.frames, self.bodies, self.before = robot, tool, frames, bodies, before
         self._made: dict[Hashable, Any] = {}
+
+    @property
+    def kept(self) -> KeptCell:
+        """Itself: what needs no more of a scene than the cell takes one for the other."""
+        return self
 
     def fits(self, scene: Scene) -> bool:
         """Whether a scene has the same robot, tool, frames and bodies: the same objects, not equal ones."""
-        return all(map(is_, self._facts, facts_of(scene)))
+        return self.bodies is scene.bodies and self._is_around(scene)
 
-    def of(self, make: Callable[[Scene], Made], scene: Scene, *key: Hashable) -> Made:
+    def begins(self, scene: Scene) -> bool:
+        """Whether a scene has the same, and further bodies behind these."""
+        return (
+            self._is_around(scene)
+            and len(self.bodies) <= len(scene.bodies)
+            and all(map(is_, self.bodies, scene.bodies))
+        )
+
+    def _is_around(self, scene: Scene) -> bool:
+        return self.robot is scene.robot and self.tool is scene.tool and self.frames is scene.frames
+
+    def of(self, make: Callable[[Any], Made], scene: Scene | KeptCell, *key: Hashable) -> Made:
         """What `make` makes of a scene of this cell. `key`: what else of the scene it depends on."""
         all_made, place = self._made, (make, *key)  # once: another thread may drop all of them meanwhile
         made: Made | None = all_made.get(place)
@@ -42,10 +68,17 @@ class KeptCell:
         return made
 
 
-def facts_of(scene: Scene) -> tuple[object, ...]:
-    """The objects from which all follows that is kept of a cell."""
-    return scene.robot, scene.tool, scene.frames, scene.bodies
+class _NoCell(KeptCell):
+    """That of no cell: it fits no scene."""
+
+    def __init__(self) -> None:
+        self.before = None
+
+    def fits(self, scene: Scene) -> bool:  # noqa: ARG002 - none
+        return False
+
+    def begins(self, scene: Scene) -> bool:  # noqa: ARG002 - none
+        return False
 
 
-NOTHING_KEPT = KeptCell((None,))
-"""That of no cell: it fits no scene."""
+NOTHING_KEPT = _NoCell()

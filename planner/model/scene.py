@@ -16,7 +16,7 @@ from assur.planner.geometry.shapes import Body, Pieces, pieces
 from assur.planner.laws.law import EXACT, Frame, PoseUncertainty, Uncertainty, check_rounding, law_tables
 from assur.planner.model.execution import AS_PLANNED, Execution, check_execution
 from assur.planner.model.forbidden_yaw import YawRange, check_ranges
-from assur.planner.model.kept import NOTHING_KEPT, KeptCell, facts_of
+from assur.planner.model.kept import NOTHING_KEPT, KeptCell
 from assur.planner.model.load import UNKNOWN, Load, LoadLimits, Tool, greatest_inertia
 from assur.planner.model.options import DEFAULTS, Clearance, ClearanceException, Options, check_timing
 from assur.planner.model.refusal import BeyondRange
@@ -161,7 +161,8 @@ class Scene:
             raise InputError("task", self.task, "at least one step")
         if not self.kept.fits(self):
             self._check_bodies()
-            object.__setattr__(self, "kept", KeptCell(facts_of(self)))
+            before = self.kept if self.kept.begins(self) else None
+            object.__setattr__(self, "kept", KeptCell(self.robot, self.tool, self.frames, self.bodies, before))
         object.__setattr__(self, "index", self.kept.of(_index, self))
         object.__setattr__(self, "pieces", self.kept.of(_pieces_of, self))
         check_tool_point(self.robot, self.tool)
@@ -194,17 +195,12 @@ class Scene:
         for step in self.task:
             lasts += step.dwell_s
             if isinstance(step, Place):
-                far = self.far(step.to.frame, step.to.pose, self.index[step.part])
+                far = _far(self.frames[step.to.frame], step.to.pose, self.index[step.part])
                 reach = {**reach, step.to.frame: max(far, reach.get(step.to.frame, 0.0))}
         for frame, far in reach.items():
             check_rounding(
                 f"frames.{frame}", self.frames[frame].law, far, self.start.time, lasts + self.options.stay_safe_s
             )
-
-    def far(self, frame: str, pose: Pose, body: WorldBody) -> float:
-        """How far from the origin of a frame a body at a pose reaches, as far as that frame moves it, m."""
-        turned = 0.0 if self.frames[frame].law.is_fixed else body.body.radius
-        return math.hypot(pose.x, pose.y, pose.z) + turned
 
     @cached_property
     def ending(self) -> tuple[tuple[str, tuple[float, float]], ...]:
@@ -349,7 +345,7 @@ class Scene:
             yield f".{'start' if isinstance(step, Trace) else 'to'}.yaw_keep", True, allowed
 
 
-def bodies_in(scene: Scene) -> tuple[Body, ...]:
+def bodies_in(scene: Scene | KeptCell) -> tuple[Body, ...]:
     """The bodies of the robot, of its tool and those around, in the order of a claim."""
     own = [item.body for item in scene.robot.bodies]
     return (*own, *scene.tool.bodies, *[item.body for item in scene.bodies])
@@ -360,20 +356,31 @@ def laws_of(scene: Scene) -> tuple[FloatArray, FloatArray]:
     return law_tables([frame.law for frame in scene.frames.values()])
 
 
-def _pieces_of(scene: Scene) -> Pieces:
-    return pieces(bodies_in(scene))
+def _pieces_of(scene: Scene | KeptCell) -> Pieces:
+    before = scene.kept.before
+    if before is None:
+        return pieces(bodies_in(scene))
+    return pieces([item.body for item in scene.bodies[len(before.bodies) :]], before.of(_pieces_of, before))
 
 
 def _index(scene: Scene) -> dict[str, WorldBody]:
     return {each.body.name: each for each in scene.bodies}
 
 
-def _reach(scene: Scene) -> dict[str, float]:
-    """How far the bodies in each frame reach (`Scene.far`), m."""
-    reach = dict[str, float]()
-    for body in scene.bodies:
-        reach[body.frame] = max(scene.far(body.frame, body.pose, body), reach.get(body.frame, 0.0))
+def _reach(scene: Scene | KeptCell) -> dict[str, float]:
+    """How far the bodies in each frame reach (`_far`), m."""
+    before = scene.kept.before
+    reach = {} if before is None else {**before.of(_reach, before)}
+    for body in scene.bodies[0 if before is None else len(before.bodies) :]:
+        far = _far(scene.frames[body.frame], body.pose, body)
+        reach[body.frame] = max(far, reach.get(body.frame, 0.0))
     return reach
+
+
+def _far(frame: Frame, pose: Pose, body: WorldBody) -> float:
+    """How far from the origin of a frame a body at a pose reaches, as far as that frame moves it, m."""
+    turned = 0.0 if frame.law.is_fixed else body.body.radius
+    return math.hypot(pose.x, pose.y, pose.z) + turned
 
 
 # JOINT_LIMIT: which joint would be where, and which end of its range that is beyond.

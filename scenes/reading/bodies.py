@@ -144,9 +144,12 @@ UNMOVED = np.zeros(3)
 NO_POSE = "no pose: the gripper holds it at the start"
 
 
-def world_body(item: BodyDocument, frames: Frames, places: Places, held: str | None, start_s: float) -> WorldBody:
+def world_body(
+    item: BodyDocument, frames: Frames, places: Places, held: str | None, start_s: float | None
+) -> WorldBody:
     """A body of the surroundings; it is added to `places`, which holds those that were named before. `held`: the part
-    that the gripper holds at the start, which has no pose. `start_s`: when the plan begins."""
+    that the gripper holds at the start, which has no pose. `start_s`: when the plan begins; None: no pose has a time in
+    a frame whose speed is uncertain."""
     if item.name in places:
         raise Refused("a name that no other body has", "name")
     if (item.pose is None) != (item.name == held):
@@ -171,7 +174,10 @@ def world_body(item: BodyDocument, frames: Frames, places: Places, held: str | N
     places[item.name] = (frame, pose)
     within_m = EXACT if item.uncertainty is KNOWN else pose_uncertainty(item.uncertainty)
     if at_s is not None:
-        drift_m = frames.laws[frame].uncertainty.speed_m_s * abs(start_s - at_s)
+        speed_m_s = frames.laws[frame].uncertainty.speed_m_s
+        if speed_m_s > 0.0 and start_s is None:
+            raise FaultError("a pose with a time needs the start of the plan")
+        drift_m = 0.0 if start_s is None else speed_m_s * abs(start_s - at_s)
         if drift_m > 0.0:
             places.drifting.add(item.name)
             within_m = _drifted(within_m, drift_m, frames.laws[frame].law)

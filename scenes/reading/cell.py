@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from threading import Lock
 
 from assur.planner.errors import FaultError, InputError
@@ -27,6 +29,7 @@ from assur.scenes.reading.bodies import Places
 from assur.scenes.reading.frames import Frames
 from assur.scenes.reading.start import check_loaded, start_of
 from assur.scenes.schema.request import OptionsDocument, RequestDocument
+from assur.scenes.schema.shapes import BodyDocument
 
 Depends = tuple[str | None, float | None]
 """On what surroundings depend besides their documents: the part that the gripper holds at the start; and the time of
@@ -49,16 +52,36 @@ class Surroundings:
     places: Places
     kept: KeptCell = NOTHING_KEPT
 
-    def __post_init__(self) -> None:
-        self.triangles = 0
+    @cached_property
+    def triangles(self) -> int:
         """Triangles of the meshes, and knots of the neighbours."""
+        found = 0
         for frame in self.frames.laws.values():
-            self.triangles += 0 if frame.law.link is None else len(frame.law.link.trajectory.time)
+            found += 0 if frame.law.link is None else len(frame.law.link.trajectory.time)
         solids = [each.body for each in self.bodies]
         if self.given is not None:
             solids += [*(each.body for each in self.given.robot.bodies), *self.given.tool.bodies]
         for body in solids:
-            self.triangles += 0 if body.surface is None else len(body.surface[1])
+            found += 0 if body.surface is None else len(body.surface[1])
+        return found
+
+    def with_parts(self, parts: Sequence[BodyDocument], depends: Depends) -> Surroundings:
+        """The same with further bodies, and what the planner made of the cell. Raises `Refused` at the fields of a
+        part."""
+        if self.given is None:
+            raise FaultError("parts are added to a cell that could be read")
+        (held, start_s), places, found = depends, Places(self.places), list[WorldBody]()
+        for item in parts:
+            raise_if_late()
+            if item.name in self.given.names:
+                raise Refused("a name that no body of the robot or its tool has", "name")
+            found.append(bodies.world_body(item, self.frames, places, held, start_s))
+        if held is not None and held not in places:
+            raise Refused("the name of a body")
+        kept = self.kept
+        if kept is NOTHING_KEPT:
+            kept = self.kept = KeptCell(self.given.robot, self.given.tool, self.frames.laws, self.bodies)
+        return Surroundings(self.given, self.frames, (*self.bodies, *found), places, kept)
 
 
 Kept = dict[Depends, Surroundings]
@@ -96,15 +119,15 @@ def cell_of(document: object, request: RequestDocument, own: Kept | None = None)
 def _cell_of(document: object, request: RequestDocument, own: Kept) -> Cell:
     faults = Gathered()
     held = None if request.start.holding is None else request.start.holding.part
-    depends = held, _start_of_drift(request)
-    around = own.get(depends)
-    if around is None:
-        around = _around(request, depends, faults)
+    depends = depends_of(request)
+    surroundings = own.get(depends)
+    if surroundings is None:
+        surroundings = around(request, depends, faults)
         if not faults.faults:
             if len(own) >= MOST_CELLS:
                 own.clear()
-            own[depends] = around
-    given, known, places = around.given, around.frames, around.places
+            own[depends] = surroundings
+    given, known, places = surroundings.given, surroundings.frames, surroundings.places
     coordinates, solid_tool = None if given is None else given.robot.coordinates, bool(request.robot.tool.bodies)
     if given is not None:
         try:
@@ -131,7 +154,7 @@ def _cell_of(document: object, request: RequestDocument, own: Kept) -> Cell:
         tool=tool,
         start=start,
         frames=known.laws,
-        bodies=around.bodies,
+        bodies=surroundings.bodies,
         task=steps,
         options=options,
         execution=Execution(lag, request.execution.start_tolerance_s, request.execution.belt_correction),
@@ -144,15 +167,15 @@ def _cell_of(document: object, request: RequestDocument, own: Kept) -> Cell:
             *frames.assumptions_of(request.frames),
             *_left_out(robot, request),
             *loads.assumptions_of(
-                robot, given.load, tool, [body for body in around.bodies if body.body.name in taken_up]
+                robot, given.load, tool, [body for body in surroundings.bodies if body.body.name in taken_up]
             ),
         ),
         digest=request.digest,
         signs=tuple(given.conventions.signs.tolist()),
         zeros=tuple(given.conventions.zeros.tolist()),
-        kept=around.kept,
+        kept=surroundings.kept,
     )
-    around.kept = scene.kept
+    surroundings.kept = scene.kept
     check_loaded(scene, given.conventions)
     return Cell(scene, given, known, places, document)
 
@@ -174,22 +197,28 @@ def _robot(request: RequestDocument, faults: Gathered) -> robots.RobotWithTool |
     return given
 
 
-def _start_of_drift(request: RequestDocument) -> float | None:
-    """The time of the start, s, if a pose has a time and the speed of a frame is uncertain."""
+def depends_of(request: RequestDocument) -> Depends:
+    """On what the surroundings of a request depend besides their documents."""
+    held = None if request.start.holding is None else request.start.holding.part
+    return held, start_of_drift(request, request.start.at_s)
+
+
+def start_of_drift(request: RequestDocument, start_s: float) -> float | None:
+    """The time of the start, if a pose has a time and the speed of a frame is uncertain."""
     uncertain = any(frame.uncertainty.speed_m_s > 0.0 for frame in request.frames.values())
     if uncertain and any(body.pose is not None and body.pose.at_s is not None for body in request.bodies):
-        return request.start.at_s
+        return start_s
     return None
 
 
-def _around(request: RequestDocument, depends: Depends, faults: Gathered) -> Surroundings:
+def around(request: RequestDocument, depends: Depends, faults: Gathered) -> Surroundings:
     """The robot and what is around it, kept from an earlier request if that has the same there."""
     key = request.cell, depends
     with _lock:
         if key in _kept:
             _kept.move_to_end(key)
             return _kept[key]
-    made = _surroundings(request, depends[0], faults)
+    made = _surroundings(request, depends, faults)
     if not faults.faults:
         with _lock:
             _kept[key] = made
@@ -198,9 +227,9 @@ def _around(request: RequestDocument, depends: Depends, faults: Gathered) -> Sur
     return made
 
 
-def _surroundings(request: RequestDocument, held: str | None, faults: Gathered) -> Surroundings:
-    """The robot, the frames, and the bodies of neighbours and of the cell. `held`: the part that the gripper holds at
-    the start."""
+def _surroundings(request: RequestDocument, depends: Depends, faults: Gathered) -> Surroundings:
+    """The robot, the frames, and the bodies of neighbours and of the cell."""
+    held, start_s = depends
     given = _robot(request, faults)
     own = () if given is None else given.names
     known, places, found = frames.frames_of(request.frames, faults), Places(), list[WorldBody]()
@@ -219,7 +248,7 @@ def _surroundings(request: RequestDocument, held: str | None, faults: Gathered) 
         try:
             if named.name in own:
                 raise Refused("a name that no body of the robot or its tool has", "name")
-            found.append(bodies.world_body(named, known, places, held, request.start.at_s))
+            found.append(bodies.world_body(named, known, places, held, start_s))
         except FAULTS as error:
             places.unread.add(named.name)
             faults.add(error, "bodies", i)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -124,6 +125,30 @@ class RequestDocument(Document):
         for name in own:
             made.__dict__.pop(name, None)
         return made
+
+    @staticmethod
+    def of_cell(stated: dict[str, Any]) -> RequestDocument:
+        """What a cell states of the requests of its tasks, valid values by their fields: no request yet."""
+        return RequestDocument.model_construct(schema_=SCHEMA, **stated)
+
+    def with_task(self, stated: dict[str, Any], parts: Sequence[BodyDocument]) -> RequestDocument:
+        """The request of a task in this cell: the valid values that the task states, and its parts behind the bodies of
+        the cell."""
+        own = {name: self.__dict__[name] for name in RequestDocument.model_fields if name in self.__dict__}
+        made = RequestDocument.model_construct(**{**own, **stated, "bodies": [*self.bodies, *parts]})
+        if parts:
+            texts = [part.model_dump_json(by_alias=True, exclude_none=True) for part in parts]
+            before, behind = self._around_parts
+            made.__dict__["surroundings"] = f"{before}{',' if self.bodies else ''}{','.join(texts)}{behind}"
+        else:
+            made.__dict__["surroundings"] = self.surroundings
+        return made
+
+    @cached_property
+    def _around_parts(self) -> tuple[str, str]:
+        """The text of the surroundings before and behind the place of further bodies."""
+        behind = self.model_dump_json(by_alias=True, exclude_none=True, include={"neighbours"})
+        return self.surroundings[: -len(behind) - 1], f"],{behind[1:]}"
 
     def canonical(self) -> dict[str, Any]:
         """The request in SI with every default written out: what two requests that mean the same have in common.

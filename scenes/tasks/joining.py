@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 from assur.planner.errors import InputError
@@ -146,9 +147,13 @@ class Joined:
     """A `request`, and where its parts were written: `origins`, from the path of a part to its path in the cell or the
     task, which begins with `cell` or `task`."""
 
-    def __init__(self, request: Document, origins: dict[Path, Path], values: _Origins) -> None:
-        self.request, self._values = request, values
-        self._origins = {dotted(path): dotted(origin) for path, origin in origins.items()}
+    def __init__(self, request: Document, origins: dict[Path, Path], values: _Origins, cell: Document) -> None:
+        """`cell`: the document of the cell, with the values that were set in it."""
+        self.request, self.cell, self._values, self._paths = request, cell, values, origins
+
+    @cached_property
+    def _origins(self) -> dict[str, str]:
+        return {dotted(path): dotted(origin) for path, origin in self._paths.items()}
 
     def relocated(self, error: InputError) -> DocumentError:
         """A fault of the request as one of the cell or the task."""
@@ -191,7 +196,7 @@ class _Join:
             request["options"] = self._options()
             request["task"] = self._steps()
             self.faults.settle()
-        return Joined(request, self.origins, self._values)
+        return Joined(request, self.origins, self._values, cell)
 
     def _options(self) -> Document:
         """Those of the cell and those of the task. None may be in both."""

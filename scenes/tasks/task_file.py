@@ -12,7 +12,7 @@ from assur.scenes.bounds import MAX_YAML_BYTES
 from assur.scenes.faults import NOTHING, DocumentError, documented, fault
 from assur.scenes.files import below, empty
 from assur.scenes.scenario import Scenario, with_files
-from assur.scenes.schema.cell_file import TASK
+from assur.scenes.schema.cell_file import CELL, TASK, CellDocument
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
 from assur.scenes.set_values import GIVEN
@@ -85,6 +85,22 @@ class TaskScenario(Scenario):
 def is_task(document: object) -> bool:
     """Whether the document of a file is a task."""
     return isinstance(document, dict) and document.get("schema") == TASK
+
+
+def is_cell(document: object) -> bool:
+    """Whether a document is a cell."""
+    return isinstance(document, dict) and document.get("schema") == CELL
+
+
+def cell_document(document: dict[str, Any], lines: Lines, folder: Path) -> dict[str, Any]:
+    """The cell in a file, with what the files hold that it names, which are below `folder`. Raises `DocumentError`
+    with the line."""
+    try:
+        found: dict[str, Any] = with_files(document, folder)
+        read(CellDocument, found)
+    except InputError as error:
+        raise with_line(error, lines) from error
+    return found
 
 
 def task_scenario(document: dict[str, Any], lines: Lines, path: Path, after: EndState | None = None) -> TaskScenario:

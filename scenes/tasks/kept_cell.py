@@ -1,0 +1,128 @@
+"""A cell file that is read and built once, and planned with many tasks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_BODIES
+from assur.scenes.faults import WHOLE, DocumentError, Gathered, Refused, documented
+from assur.scenes.requests import plan_document
+from assur.scenes.schema.read import read_fields
+from assur.scenes.schema.request import RequestDocument
+from assur.scenes.schema.shapes import BodyDocument
+from assur.scenes.tasks.joining import OF_CELL, OF_TASK, CellFile, Joined, joined
+
+if TYPE_CHECKING:
+    from assur.scenes.reading.cell import Depends, Kept, Surroundings
+
+STATED_BY_CELL = ("robot", "frames", "bodies", "neighbours", "execution", "carry")
+"""Fields of a request that the cell states, but for the parts among the bodies."""
+STATED_BY_TASK = ("start", "task", "options")
+"""Fields of a request that are of the task."""
+
+
+class KeptCellFile:
+    """A cell file, with what is made of its robot and surroundings, for many tasks.
+
+    Of a task that sets no values of the cell only start, parts, steps and options are read and built. Several threads
+    may use one at the same time: at worst, both make the same.
+    """
+
+    def __init__(self, document: object) -> None:
+        """Raises `DocumentError` for the form of the cell. Names are looked up and meshes read with the first task."""
+        try:
+            self.file = CellFile(document)
+        except DocumentError as error:
+            raise error.relocated(
+                lambda field: WHOLE if field == OF_CELL else field.removeprefix(f"{OF_CELL}.")
+            ) from error
+        written = self.file.written
+        stated = {key: written[key] for key in STATED_BY_CELL if key in written}
+        self.alone = RequestDocument.of_cell(read_fields(RequestDocument, stated))
+        self._around: Kept = {}
+        self._last: tuple[Sequence[BodyDocument], Depends, Surroundings] | None = None
+
+    def joined(self, task: object) -> Joined:
+        """The request of a task. Raises `DocumentError`; fields of the cell begin with `cell`."""
+        try:
+            return joined(self.file, task)
+        except InputError as error:
+            raise _of_task(error) from error
+
+    def plan(self, task: object, **how: Any) -> tuple[Joined, dict[str, Any]]:
+        """The request of a task, and its answer, the same as that of `plan_document` for that request; `how`: as there.
+
+        Raises `DocumentError` at the fields of the task; those of the cell begin with `cell`.
+        """
+        made = self.joined(task)
+        try:
+            return made, plan_document(made.request, task=TaskOfCell(self, made), **how)
+        except InputError as error:
+            raise _of_task(made.relocated(error)) from error
+
+    def around(self, parts: Sequence[BodyDocument], depends: Depends, start_s: float) -> Surroundings | None:
+        """Robot and surroundings with these parts; None where something of them has a fault. `start_s`: of the task."""
+        last, held = self._last, depends[0]
+        if last is not None and last[1] == depends and last[0] == parts:
+            return last[2]
+        from assur.scenes.reading.cell import around, start_of_drift
+
+        own = held if held is not None and any(body.name == held for body in self.alone.bodies) else None
+        of_cell = own, start_of_drift(self.alone, start_s)
+        cell = self._around.get(of_cell)
+        if cell is None:
+            faults = Gathered()
+            cell = around(self.alone, of_cell, faults)
+            if faults.faults:
+                return None
+            self._around = {of_cell: cell}
+        try:
+            made = cell.with_parts(parts, depends)
+        except (Refused, InputError):
+            return None
+        self._last = parts, depends, made
+        return made
+
+
+def _of_task(error: InputError) -> DocumentError:
+    """A fault as one of the task, where a fault of the task has no first part."""
+    return documented(error).relocated(lambda field: field.removeprefix(f"{OF_TASK}."))
+
+
+class TaskOfCell:
+    """A task in a cell that is kept: what has to be read and built of it.
+
+    Where something has a fault, nothing is: the request is then read and built as a whole, which reports all faults at
+    their fields.
+    """
+
+    def __init__(self, kept: KeptCellFile, made: Joined) -> None:
+        self._kept, self._request = kept, made.request
+        self._is_kept = made.cell is kept.file.written
+        """Whether the task sets no values of the cell."""
+        self._parts: Sequence[BodyDocument] | None = None
+
+    def read(self) -> RequestDocument | None:
+        """The request in SI; None where it has to be read as a whole."""
+        request, alone = self._request, self._kept.alone
+        if not self._is_kept or len(request["bodies"]) > MAX_BODIES:
+            return None
+        stated = {key: request[key] for key in STATED_BY_TASK}
+        try:
+            found = read_fields(RequestDocument, {**stated, "bodies": request["bodies"][len(alone.bodies) :]})
+        except InputError:
+            return None
+        self._parts = found.pop("bodies")
+        return alone.with_task(found, self._parts)
+
+    def around(self, request: RequestDocument) -> Kept | None:
+        """Robot and surroundings of the request that was read; None where they have to be built as a whole."""
+        if self._parts is None:
+            return None
+        from assur.scenes.reading.cell import depends_of
+
+        depends = depends_of(request)
+        found = self._kept.around(self._parts, depends, request.start.at_s)
+        return None if found is None else {depends: found}
