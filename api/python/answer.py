@@ -137,9 +137,9 @@ class Answer(Mapping[str, Any]):
         """The task with these steps that begins where this plan ends: clock, state of the robot, what the gripper
         holds, and where each part lies, with what the plan proves of how well it is known.
 
-        Of an answer of a cell and a task it is a task of that cell, an assur-task/1 document, to which `parts` are
-        added; of an answer to a request it is a request, whose bodies have all parts. Everything else is as it was.
-        The frames count as known at the new start as the cell states it; bodies on a frame whose speed is uncertain are
+        Of an answer of `assur.Cell` of a cell file these are the fields of a task, ``cell.plan(**fields)``; `parts` are
+        added. Of an answer to a request it is a request, whose bodies have all parts. Everything else is as it was. The
+        frames count as known at the new start as the cell states it; bodies on a frame whose speed is uncertain are
         known less well, for the time of the plan. Raises `InputError` where there is no plan or no request.
         """
         from assur.scenes.schema.normal import plain
@@ -151,10 +151,13 @@ class Answer(Mapping[str, Any]):
                 raise InputError("parts", made["parts"], "none: add bodies to the request that is returned")
             return next_request(request, self._document, made["steps"])
         cell, task = self._of
-        kept: dict[str, Any] = {key: task[key] for key in ("schema", "cell", "options") if key in task}
-        found = next_task(cell, {**kept, **made}, end_state(request, self._document), task.get("parts", ()))
-        changed = {path: value for path, value in task.get("set", {}).items() if path not in found["set"]}
-        return {**found, "set": {**changed, **found["set"]}}
+        kept: dict[str, Any] = {key: task[key] for key in ("schema", "options") if key in task}
+        end = end_state(request, self._document)
+        fields = next_task(cell, {**kept, **made}, end, task.get("parts", ()))
+        del fields["schema"]
+        worse = fields.pop("set")
+        changed = {path: value for path, value in task.get("set", {}).items() if path not in worse} | worse
+        return {**fields, "set": changed} if changed else fields
 
     def save(self, path: str | Path, *, title: str = "", about: str = "") -> Path:
         """Writes request and answer into one file, which `assur.load_answer` reads, and `assur check`, `assur report`

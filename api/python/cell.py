@@ -63,8 +63,9 @@ class Cell:
 
         given = {"start": start, "parts": parts, "steps": steps, "task": task, "options": options, "set": set}
         if self._file is not None:
-            made, answer = self._file.plan(self._task(given), certificate=certificate)
-            return Answer.made(answer, made.request)
+            stated = self._task(given)
+            made, answer = self._file.plan(stated, certificate=certificate)
+            return Answer.made(answer, made.request, (self._document, stated))
         document, own = self._changed(given), self._document
         changes = {key: value for key, value in document.items() if key not in own or value is not own[key]}
         cell = changed_cell(own, self._valid, changes, self._own)

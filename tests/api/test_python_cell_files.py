@@ -57,6 +57,18 @@ TASKS: dict[str, Document] = {
         "steps": HOME,
         "options": FIRST,
     },
+    "a part that was seen at a time": {
+        "start": {**START, "at_s": 0.5},
+        "parts": [{"name": "a", "kind": "bracket", "pose": {"frame": "belt", "at_mm": [-300, 0, 10], "at_s": -1.5}}],
+        "steps": [{"pick": {"part": "a"}}],
+        "options": FIRST,
+    },
+    "the same, later": {
+        "start": {**START, "at_s": 0.75},
+        "parts": [{"name": "a", "kind": "bracket", "pose": {"frame": "belt", "at_mm": [-300, 0, 10], "at_s": -1.5}}],
+        "steps": [{"pick": {"part": "a"}}],
+        "options": FIRST,
+    },
     "values of the cell": {
         "start": START,
         "parts": [part("a", 100)],
@@ -71,6 +83,7 @@ TASKS: dict[str, Document] = {
 def document() -> Document:
     """The document of a cell."""
     found: Document = parse_yaml(CELL.encode())[0]
+    found["frames"]["belt"]["uncertainty"] = {"speed_mm_s": 1}
     found["bodies"].append({"name": "post", "shape": {"sphere": {"radius_mm": 30}}, "pose": {"at_mm": [0, -400, 60]}})
     return found
 

@@ -18,7 +18,6 @@ from assur.api.python.answer import Answer
 from assur.planner.errors import InputError
 from assur.scenes.plan_file import PlanFile
 from assur.scenes.requests import cell_of
-from assur.scenes.tasks.joining import joined
 from assur.scenes.tasks.next_task import end_state
 from assur.scenes.text.yaml_text import parse_yaml
 
@@ -64,20 +63,22 @@ def read(text: str) -> Document:
 
 @cache
 def planned(steps: str = "") -> Answer:
-    """The answer to the task, or to another with these steps, as a plan of a cell and a task."""
-    cell, task = read(CELL), read(TASK)
+    """The answer to the task, or to another with these steps."""
+    task = read(TASK)
     if steps:
         task["steps"] = read(f"steps: {steps}")["steps"]
-    request = joined(cell, task).request
-    answer = Answer.made(assur.plan(request, certificate="digest").document, request, (cell, task))
+    answer = assur.Cell(read(CELL)).plan(**fields(task), certificate="digest")
     assert answer.planned, answer.sentence
     return answer
 
 
+def fields(task: Document) -> Document:
+    return {key: task[key] for key in ("start", "parts", "steps", "options")}
+
+
 def then(answer: Answer, document: Document) -> Answer:
     """The answer to what comes after `answer`."""
-    request = joined(read(CELL), document).request if document["schema"] == "assur-task/1" else document
-    return assur.plan(request)
+    return assur.Cell(read(CELL)).plan(**document) if "steps" in document else assur.plan(document)
 
 
 def test_state_and_clock_of_the_next_plan_are_the_same_to_the_bit() -> None:
@@ -102,14 +103,12 @@ def test_a_filled_slot_stays_filled_and_a_part_keeps_its_kind() -> None:
     assert assur.check(after.request or {}, after)["ok"]
     arrival = next(each for each in after.arrivals if each["control_point"] == "place-b")
     assert arrival["at_m"][:2] == pytest.approx([0.375, -0.23])
-    full = after.request
-    assert full is not None
-    again = Answer.made(after.document, full, (read(CELL), task)).next_task(
+    again = after.next_task(
         [{"transfer": {"parts": ["c"], "to": "box"}}],
         parts=[{"name": "c", "kind": "bracket", "pose": {"frame": "belt", "at_mm": [-1200, 0, 10]}}],
     )
     with pytest.raises(InputError, match="slots with one that is free: all 2 are taken"):
-        joined(read(CELL), again)
+        assur.Cell(read(CELL)).request(**again)
 
 
 def test_what_a_plan_proves_of_a_part_that_it_put_down_is_how_well_it_is_known() -> None:
@@ -133,19 +132,17 @@ def test_what_rides_on_a_belt_of_uncertain_speed_is_known_less_well_by_the_time_
     assert b["pose"] == {"frame": "belt", "at_mm": [-700, 0, 10]}
     assert task["set"] == {"bodies.mark.uncertainty": {"position_m": off_m, "vertical_m": 0.0, "yaw_rad": 0.0}}
     second = then(before, task)
-    assert second.request is not None
-    again = Answer.made(second.document, second.request, (read(CELL), task)).next_task([{"move": {"to": "home"}}])
+    again = second.next_task([{"move": {"to": "home"}}])
     assert again["set"]["bodies.mark.uncertainty"]["position_m"] == off_m + 0.002 * second.duration_s
 
 
 def test_of_a_part_with_a_time_the_error_counts_from_that_time_and_not_twice() -> None:
     task = read(TASK)
     task["parts"][1]["pose"] = {"frame": "belt", "at_mm": [-700, 0, 10], "at_s": -1.0}
-    request = joined(read(CELL), task).request
-    before = Answer.made(assur.plan(request, certificate="digest").document, request, (read(CELL), task))
+    before = assur.Cell(read(CELL)).plan(**fields(task))
     after = before.next_task([{"transfer": {"parts": ["b"], "to": "box"}}])
     assert after["parts"][1] == task["parts"][1]
-    b = next(body for body in cell_of(joined(read(CELL), after).request).scene.bodies if body.name == "b")
+    b = next(body for body in cell_of(assur.Cell(read(CELL)).request(**after)).scene.bodies if body.name == "b")
     assert b.uncertainty.position_m == pytest.approx(0.002 * (before.duration_s + 1.0), rel=1e-12)
 
 
