@@ -162,6 +162,18 @@ def test_in_a_frame_without_a_line_the_drift_is_in_every_horizontal_direction() 
     assert (within.position_m, within.vertical_m) == pytest.approx((0.01, 0.0))
 
 
+def test_a_plan_that_counts_from_a_later_time_is_refused() -> None:
+    """The part is at the same place in the moving frame; only since when it is known there differs."""
+    soon, long_ago = from_belt(0.1, speed_mm_s=4), from_belt(-1.4, speed_mm_s=4)
+    long_ago["bodies"][0]["pose"]["at_mm"] = [-525, 0, 10]
+    scenes = scene_of(soon), scene_of(long_ago)
+    assert scenes[0].index["a"].pose.x == pytest.approx(scenes[1].index["a"].pose.x, abs=1e-12)
+    answer = planned(soon)
+    verdict = check_document(long_ago, {**answer, "request_digest": scenes[1].digest})
+    assert "ERROR" in {finding["code"] for finding in verdict["findings"]}
+    assert not verdict["ok"]
+
+
 def test_a_kept_cell_depends_on_the_start_only_where_a_speed_is_uncertain() -> None:
     def bodies(request: Document, start_s: float) -> Any:
         request["start"]["at_s"] = start_s
