@@ -26,7 +26,7 @@ def load(name: str | Path) -> dict[str, Any]:
     where neither a file nor a scenario has the name; `OSError` for a file that cannot be read.
     """
     from assur.planner.errors import InputError
-    from assur.scenes.faults import likeliest
+    from assur.scenes.faults import choices
     from assur.scenes.files import is_file, is_json, json_in
     from assur.scenes.plan_file import is_plan_file, plan_file_in
     from assur.scenes.requests import shipped, shipped_scenarios
@@ -36,7 +36,7 @@ def load(name: str | Path) -> dict[str, Any]:
     path = Path(name)
     is_there = is_file(path)
     if not is_there and str(name) not in shipped_scenarios():
-        names = likeliest(path.stem, shipped_scenarios())
+        names = choices(shipped_scenarios(), path.stem)
         raise InputError("name", str(name), f"a file that is there, or a shipped scenario, one of {names}")
     if is_there and is_json(path):
         given = json_in(path, "a request or a plan file, as JSON")

@@ -17,7 +17,7 @@ import typer
 from assur.api.web.settings import Settings
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_LOG_BYTES, MAX_PLAN_FILE_BYTES
-from assur.scenes.faults import NOTHING, WHOLE, DocumentError, likeliest
+from assur.scenes.faults import NOTHING, WHOLE, DocumentError, choices, likeliest
 from assur.scenes.files import is_file, is_json, json_in, json_of
 from assur.scenes.meshes import use_folder
 from assur.scenes.motion_log import MotionLog, load_log
@@ -169,8 +169,8 @@ def _target(text: str, after: Path | None) -> Target:
         scenario = load_scenario(path, _end_of(after))
     elif text != STANDARD and not is_file(path):
         if text not in shipped_scenarios():
-            known = likeliest(text, shipped_scenarios())
-            raise InputError("FILE", text, f"a file that exists, or a shipped scenario: {known}")
+            known = choices(shipped_scenarios(), text)
+            raise InputError("FILE", text, f"a file that exists, or a shipped scenario (`assur scenes`): {known}")
         scenario = shipped(text)
     elif text == STANDARD or is_json(path):
         return _json_target(path)
