@@ -21,6 +21,7 @@ SHOWN = (
     ("two-robots", 0.5, "light"),
     ("carton", 0.62, "dark"),
     ("five-bar", 0.3, "light"),
+    ("packing", 3.2, "light"),
     ("shut-gate", None, "light"),
 )
 COLOURS = 255
