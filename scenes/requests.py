@@ -72,7 +72,6 @@ __all__ = [
     "unmet",
     "validate",
     "view_document",
-    "view_of_cell",
     "with_options",
 ]
 
@@ -307,13 +306,6 @@ def view_document(request: object, plan: object, *, folder: Path | None = None) 
     from assur.scenes.view.document import view_of
 
     return dict(view_of(cell_of(request, folder=folder), plan))
-
-
-def view_of_cell(cell: Cell) -> dict[str, Any]:
-    """What a viewer plays of a cell before anything is planned: the arm stands at its start."""
-    from assur.scenes.view.document import view_of
-
-    return dict(view_of(cell, None))
 
 
 def verdict_on(cell: Cell, answer: dict[str, Any]) -> dict[str, Any] | None:

@@ -14,6 +14,7 @@ from assur.scenes.faults import NOTHING, DocumentError, fault
 from assur.scenes.files import below, empty
 from assur.scenes.scenario import OF_PLAN, Scenario, with_files
 from assur.scenes.schema.cell_file import TASK
+from assur.scenes.tasks.cell_alone import cell_alone
 from assur.scenes.tasks.joining import OF_CELL, OF_TASK, Joined, documented, joined, within_document
 from assur.scenes.text.yaml_text import Lines, line_of, parse_yaml, with_line
 
@@ -84,12 +85,34 @@ def task_scenario(document: dict[str, Any], lines: Lines, path: Path) -> TaskSce
             raise empty(found, "a cell: YAML with schema: assur-cell/1")
     except DocumentError as error:
         raise error.relocated(lambda field: field if field == found.name else f"{found.name}: {field}") from error
-    files = _Files(lines, found.name, cell_lines)
+    return _made(document, given, _Files(lines, found.name, cell_lines), path, found.parent)
+
+
+def scenario_of_texts(task: bytes | None, cell: bytes, path: Path) -> TaskScenario:
+    """The scenario of the text of a task and the text of its cell, or of a cell alone (None). Faults of the cell are
+    those of `cell: `; the name of a file in the task does not count. Files that the cell names must be below the folder
+    of `path`. Raises `DocumentError` with the line."""
+    document, lines = (None, Lines()) if task is None else parse_yaml(task)
+    if task is not None and not is_task(document):
+        schema = document.get("schema", NOTHING) if isinstance(document, dict) else NOTHING
+        allowed = f"{TASK}: the text beside a cell is one of its tasks"
+        raise DocumentError("schema", schema, allowed, line_of("schema", lines))
+    try:
+        given, cell_lines = parse_yaml(cell)
+    except DocumentError as error:
+        raise error.relocated(lambda field: f"{OF_CELL}: {field}") from error
+    return _made(document, given, _Files(lines, OF_CELL, cell_lines), path, path.parent)
+
+
+def _made(document: dict[str, Any] | None, given: Any, files: _Files, path: Path, folder: Path) -> TaskScenario:
+    """The scenario of a task (None: there is none yet) in the cell `given`, whose files are below `folder`. Raises
+    `DocumentError` with the line."""
     try:
         with within_document(OF_CELL):
-            given = with_files(given, found.parent)
-        made = joined(given, document)
+            given = with_files(given, folder)
+        made = cell_alone(given) if document is None else joined(given, document)
     except InputError as error:
         raise files.placed(error) from error
-    about, expect = document.get("about") or given.get("about") or "", document.get("expect", {})
-    return TaskScenario(path.stem, " ".join(about.split()), made.request, expect, path.parent, lines, made, files)
+    stated = document or {}
+    about, expect = stated.get("about") or given.get("about") or "", stated.get("expect", {})
+    return TaskScenario(path.stem, " ".join(about.split()), made.request, expect, path.parent, files.task, made, files)
