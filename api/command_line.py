@@ -237,9 +237,9 @@ def scenes(as_json: AsJson = False) -> int:
 @app.command()
 @bordered
 def schema(
-    kind: Annotated[requests.Kind, typer.Argument(help="Of which document; a scenario is a file with a request.")] = (
-        "request"
-    ),
+    kind: Annotated[
+        requests.Kind, typer.Argument(help="The kind of document. A scenario is a file with a request.")
+    ] = ("request"),
 ) -> int:
     """Print the JSON Schema of a request, a scenario file, a cell file or a task file."""
     show_json(requests.request_schema() if kind == "request" else requests.schema_of(kind))

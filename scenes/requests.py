@@ -20,16 +20,14 @@ from assur.scenes.budgets import BUDGETS, silent, stated_budgets
 from assur.scenes.catalogue import RobotFile, load_robot, models, robots, shipped_robot, with_robots
 from assur.scenes.faults import located, written_key
 from assur.scenes.files import with_meshes, with_plans
+from assur.scenes.json_schemas import KINDS, Kind, ik_schema, request_schema, schema_of
 from assur.scenes.not_requests import refuse_other
 from assur.scenes.scenario import Scenario
-from assur.scenes.scenarios import ScenarioDocument, load_scenario, shipped, shipped_scenarios, unmet
+from assur.scenes.scenarios import load_scenario, shipped, shipped_scenarios, unmet
 from assur.scenes.schema.answer import Verdict
-from assur.scenes.schema.cell_file import CellDocument, TaskDocument
-from assur.scenes.schema.ik import IkDocument
-from assur.scenes.schema.model import Document
 from assur.scenes.schema.normal import plain
 from assur.scenes.schema.read import read, read_fields
-from assur.scenes.schema.request import AROUND, SCHEMA, RequestDocument
+from assur.scenes.schema.request import AROUND, RequestDocument
 from assur.scenes.text.json_text import parse_json
 from assur.scenes.units import si_key
 
@@ -44,6 +42,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BUDGETS",
+    "KINDS",
+    "Kind",
     "RobotFile",
     "Scenario",
     "assumptions_of",
@@ -75,18 +75,9 @@ __all__ = [
     "unmet",
     "validate",
     "view_document",
-    "view_of_cell",
     "with_options",
 ]
 
-Kind = Literal["request", "scenario", "cell", "task"]
-KINDS: dict[Kind, type[Document]] = {
-    "request": RequestDocument,
-    "scenario": ScenarioDocument,
-    "cell": CellDocument,
-    "task": TaskDocument,
-}
-"""Kinds of documents that are written by hand. A scenario is a file with a request."""
 Valid = Callable[[RequestDocument], None]
 Detail = Literal["full", "digest"]
 """How much of its certificate an answer has: the whole table of the proof, or its digest and size."""
@@ -102,16 +93,6 @@ def validate(document: object) -> RequestDocument:
 def request_digest(document: object) -> str:
     """SHA-256 of the request in SI with every default written out: the same for requests that mean the same."""
     return validate(document).digest
-
-
-def request_schema() -> dict[str, Any]:
-    """JSON Schema of a request, with both ways to write each quantity."""
-    return {**schema_of("request"), "$id": SCHEMA}
-
-
-def schema_of(kind: Kind) -> dict[str, Any]:
-    """JSON Schema of a document of this kind, with both ways to write each quantity."""
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **KINDS[kind].model_json_schema()}
 
 
 def cell_of(
@@ -320,13 +301,6 @@ def view_document(request: object, plan: object, *, folder: Path | None = None) 
     return dict(view_of(cell_of(request, folder=folder), plan))
 
 
-def view_of_cell(cell: Cell) -> dict[str, Any]:
-    """What a viewer plays of a cell before anything is planned: the arm stands at its start."""
-    from assur.scenes.view.document import view_of
-
-    return dict(view_of(cell, None))
-
-
 def verdict_on(cell: Cell, answer: dict[str, Any]) -> dict[str, Any] | None:
     """What the checker says of an answer; None where there is nothing to check: a plan with the digest of its
     certificate. Raises `InputError` naming the field."""
@@ -360,11 +334,6 @@ def ik_cell(cell: Cell | None, question: object) -> dict[str, Any]:
     from assur.scenes.inverse_kinematics import ik
 
     return dict(ik(cell, question))
-
-
-def ik_schema() -> dict[str, Any]:
-    """JSON Schema of a question of `ik_document`."""
-    return IkDocument.model_json_schema()
 
 
 def read_plan(cell: Cell, plan: object, *, proved_anew: bool = False) -> tuple[Plan, tuple[Finding, ...], Claims]:

@@ -63,12 +63,12 @@ class Scenes(TypedDict):
 
 
 class Parsed(TypedDict):
-    """What a scenario's text means: why the cell exists, the request, ready to be posted, and, with `draw`, the view of
-    its cell."""
+    """What a scenario's text means: why the cell exists, the request, ready to be posted (not for a cell without a
+    task, whose status is `cell`), and, with `draw`, the view of its cell."""
 
-    status: Literal["parsed"]
+    status: Literal["parsed", "cell"]
     about: str
-    request: dict[str, Any]
+    request: NotRequired[dict[str, Any]]
     view: NotRequired[ViewDocument]
 
 

@@ -110,8 +110,9 @@ def _with_plan(*kinds: str) -> dict[str, Any]:
 VIEWED = _with_plan("PlannedAnswer", "NotPlannedAnswer", "CheckedPlan")
 TEXT = body(
     fields(
-        ["text"],
-        text={"type": "string", "description": "a scenario in YAML"},
+        [],
+        text={"type": "string", "description": "a scenario in YAML; beside a cell, one of its tasks"},
+        cell={"type": "string", "description": "the text of a cell, in YAML; without a text, the cell alone"},
         draw={"type": "boolean", "default": False, "description": "give a view of the cell at its start, too"},
     ),
     {"a scenario": {"text": scenario_text("transfer")}},

@@ -35,7 +35,6 @@ from assur.scenes.requests import (
     plan_scenario,
     shipped,
     view_document,
-    view_of_cell,
     with_options,
 )
 from assur.scenes.scenario import with_files
@@ -43,6 +42,7 @@ from assur.scenes.scenarios import CELLS, scenario_in
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import OptionsDocument
 from assur.scenes.schema.shapes import MeshDocument
+from assur.scenes.tasks.task_file import scenario_of_texts
 
 FIRST_PLAN: dict[str, Any] = {
     "schema": "assur/1",
@@ -196,7 +196,9 @@ def of_body(
 BOTH = 'an object with the fields "request" and "plan" and no others, or a plan file'
 REPORTED = 'an object with the fields "request" and "plan", and, if it likes, "title" and "about"'
 EXPORTED = 'an object with the fields "request" and "plan" and how to export it'
-TEXT = 'an object with the field "text", a scenario in YAML, and, if it likes, "draw"'
+TEXT = (
+    'an object with the fields "text", a scenario in YAML, or "cell", a cell in YAML, or both, and, if it likes, "draw"'
+)
 """What bodies are."""
 LONGEST_TEXT = 2000
 """Longest title of a report, characters."""
@@ -252,22 +254,34 @@ def ik(question: dict[str, Any]) -> dict[str, Any]:
 @of_body(TEXT, "build", "status")
 def parse(document: dict[str, Any]) -> dict[str, Any]:
     """What the scenario in {"text": YAML} means: why it exists, and its request with what the shipped files hold that
-    it names; with {"draw": true} the view of its cell, too, where the arm stands at its start. All faults that show
-    without planning are reported now, each with its line."""
-    document = {"draw": False, **document}
-    if document.keys() != {"text", "draw"}:
+    it names. With {"cell": YAML} the text is a task of that cell; without a text it is a cell that has no request yet.
+    With {"draw": true} also the view of the cell, where the arm stands at its start. All faults that show without
+    planning are reported now, each with its line."""
+    given = {"text": None, "cell": None, "draw": False, **document}
+    if given.keys() != {"text", "cell", "draw"} or not {"text", "cell"} & document.keys():
         raise _not_allowed(document, TEXT)
-    text, draw = document["text"], document["draw"]
-    if not isinstance(text, str):
-        raise InputError("text", text, "a text")
-    if not isinstance(draw, bool):
-        raise InputError("draw", draw, "true or false")
-    scenario = scenario_in(text.encode("utf-8", "surrogatepass"), CELLS / "text")
+    for name in ("text", "cell"):
+        if name in document and not isinstance(given[name], str):
+            raise InputError(name, given[name], "a text")
+    if not isinstance(given["draw"], bool):
+        raise InputError("draw", given["draw"], "true or false")
+    text, cell_text = (
+        None if each is None else each.encode("utf-8", "surrogatepass") for each in (given["text"], given["cell"])
+    )
+    path = CELLS / "text"
+    scenario = scenario_in(text or b"", path) if cell_text is None else scenario_of_texts(text, cell_text, path)
     with scenario.located():
         cell = cell_of(scenario.request, folder=scenario.folder)
         request = with_files(scenario.request, scenario.folder)
-    found = {"status": "parsed", "about": scenario.about, "request": request}
-    return found | {"view": view_of_cell(cell)} if draw else found
+    found: dict[str, Any] = {"status": "cell", "about": scenario.about}
+    found |= {} if text is None else {"status": "parsed", "request": request}
+    if given["draw"]:
+        from assur.scenes.view.document import view_of
+
+        found["view"] = view_of(cell, None)
+        if text is None and "name" not in scenario.request["task"][0]["move"]:  # a cell without positions
+            found["view"]["control_points"] = []
+    return found
 
 
 @of_body(EXPORTED, "export", "format", left_out=TEXTS)

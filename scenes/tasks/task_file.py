@@ -16,6 +16,7 @@ from assur.scenes.schema.cell_file import CELL, TASK, CellDocument
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
 from assur.scenes.set_values import GIVEN
+from assur.scenes.tasks.cell_alone import cell_alone
 from assur.scenes.tasks.joining import OF_CELL, OF_TASK, Joined, joined, within_document
 from assur.scenes.tasks.next_task import EndState, hold_same, next_task
 from assur.scenes.text.yaml_text import Lines, line_of, parse_yaml, with_line
@@ -25,14 +26,14 @@ ENDINGS = (".yaml", ".yml")
 
 @dataclass(frozen=True, eq=False)
 class _Files:
-    """Lines of a task's file (`task`) and of the file of its cell, with the name of that, and both `documents`.
-    `after`: the end of the plan where the task begins."""
+    """Lines of a task's file (`task`) and of the file of its cell, with the name of that. `after`: the end of the plan
+    where the task begins. `documents`: of the cell, and of the task (None: there is none yet)."""
 
     task: Lines
     name: str
     cell: Lines
-    documents: tuple[Any, Any]
     after: EndState | None
+    documents: tuple[Any, Any] = (None, None)
 
     def placed(self, error: InputError) -> DocumentError:
         """A fault of the cell or the task, with the file and the line: fields of the task alone, those of the cell
@@ -43,6 +44,8 @@ class _Files:
         """The request of the task, with values that are set last. Raises `DocumentError` with file and line."""
         cell, task = self.documents
         try:
+            if task is None:
+                return cell_alone(cell)
             if self.after is None:
                 return joined(cell, task, given)
             made = joined(cell, next_task(cell, task, self.after), given)
@@ -121,13 +124,34 @@ def task_scenario(document: dict[str, Any], lines: Lines, path: Path, after: End
             raise empty(found, "a cell: YAML with schema: assur-cell/1")
     except DocumentError as error:
         raise error.relocated(lambda field: field if field == found.name else f"{found.name}: {field}") from error
-    files = _Files(lines, found.name, cell_lines, (given, document), after)
+    return _made(document, given, _Files(lines, found.name, cell_lines, after), path, found.parent)
+
+
+def scenario_of_texts(task: bytes | None, cell: bytes, path: Path) -> TaskScenario:
+    """The scenario of the text of a task and the text of its cell, or of a cell alone (None). Faults of the cell are
+    those of `cell: `; the name of a file in the task does not count. Files that the cell names must be below the folder
+    of `path`. Raises `DocumentError` with the line."""
+    document, lines = (None, Lines()) if task is None else parse_yaml(task)
+    if task is not None and not is_task(document):
+        schema = document.get("schema", NOTHING) if isinstance(document, dict) else NOTHING
+        allowed = f"{TASK}: the text beside a cell is one of its tasks"
+        raise DocumentError("schema", schema, allowed, line_of("schema", lines))
+    try:
+        given, cell_lines = parse_yaml(cell)
+    except DocumentError as error:
+        raise error.relocated(lambda field: f"{OF_CELL}: {field}") from error
+    return _made(document, given, _Files(lines, OF_CELL, cell_lines, None), path, path.parent)
+
+
+def _made(document: dict[str, Any] | None, given: Any, files: _Files, path: Path, folder: Path) -> TaskScenario:
+    """The scenario of a task (None: there is none yet) in the cell `given`, whose files are below `folder`. Raises
+    `DocumentError` with the line."""
     try:
         with within_document(OF_CELL):
-            given = with_files(given, found.parent)
+            given = with_files(given, folder)
     except InputError as error:
         raise files.placed(error) from error
     files = replace(files, documents=(given, document))
-    made = files.joined()
-    about, expect = document.get("about") or given.get("about") or "", document.get("expect", {})
-    return TaskScenario(path.stem, " ".join(about.split()), made.request, expect, path.parent, lines, made, files)
+    made, stated = files.joined(), document or {}
+    about, expect = stated.get("about") or given.get("about") or "", stated.get("expect", {})
+    return TaskScenario(path.stem, " ".join(about.split()), made.request, expect, path.parent, files.task, made, files)

@@ -3,7 +3,7 @@ import { ask } from "./service.js";
 
 const find = (id) => document.getElementById(id);
 let player = null; // null: it has not come, or this browser cannot draw
-let drawn = null; // what is drawn, or will be once there is a player: { view, still }
+let drawn = null; // what is drawn, or will be once there is a player: { view, still, alone }
 
 // Loads the player. `framed` is called with its window.
 export async function begin(framed) {
@@ -16,12 +16,13 @@ export async function begin(framed) {
   await loaded;
   player = frame.contentWindow.assur || null;
   framed(frame.contentWindow);
-  if (drawn !== null) show(drawn.view, drawn.still);
+  if (drawn !== null) show(drawn.view, drawn.still, drawn.alone);
 }
 
-// Draws a view. `still`: the camera stays where it is.
-export function show(view, still) {
-  drawn = { view, still };
+// Draws a view. `still`: the camera stays where it is; `alone`: it is of a cell without a task.
+export function show(view, still, alone) {
+  drawn = { view, still, alone };
+  find("drawn").textContent = alone ? "without a task: somewhere within its limits" : "at its start, without a plan";
   mark("");
   if (player !== null) player.take(view, still);
 }

@@ -5,6 +5,7 @@ import * as drafts from "./drafts.js";
 import * as drawing from "./drawing.js";
 import { History } from "./history.js";
 import { cancel, searched, searching, tellProgress } from "./jobs.js";
+import { cellOf, fileOf, partOf, readable } from "./parts.js";
 import { ask, enterKey, Refused } from "./service.js";
 
 const find = (id) => document.getElementById(id);
@@ -40,14 +41,20 @@ function goTo(line) {
 const fault = (error) =>
   `${error.field}${error.value === undefined ? "" : `: got ${JSON.stringify(error.value)}`}; allowed: ${error.allowed}`;
 
+// Whether a fault is one of the cell of the task that is shown.
+const elsewhere = ({ field }) => field.startsWith("cell: ") && cellOf(text.value) !== null;
+
 function tellFaults(problem) {
   const errors = problem.errors || [];
   const paragraphs = errors.map((error) => {
     const paragraph = document.createElement("p");
     if (error.line) {
       const go = document.createElement("button");
-      go.textContent = `line ${error.line}`;
-      go.addEventListener("click", () => goTo(error.line));
+      go.textContent = elsewhere(error) ? `${fileOf(cellOf(text.value))}, line ${error.line}` : `line ${error.line}`;
+      go.addEventListener("click", () => {
+        if (elsewhere(error)) showDraft(cellOf(text.value));
+        goTo(error.line);
+      });
       paragraph.append(go);
     }
     paragraph.append(fault(error));
@@ -59,7 +66,7 @@ function tellFaults(problem) {
     paragraphs.push(paragraph);
   }
   find("faults").replaceChildren(...paragraphs);
-  number(new Set(errors.map((error) => error.line)));
+  number(new Set(errors.filter((error) => !elsewhere(error)).map((error) => error.line)));
 }
 
 // The messages about the answer and its files; faults of the text are not touched.
@@ -102,9 +109,10 @@ async function examine() {
   examined = attempt(async () => {
     const { kind } = kindOf(text.value);
     if (kind !== "text") return note(`This is a ${kind} in JSON. Plan takes it.`);
-    const { view } = await (await ask("v1/scenes/parse", { text: text.value, draw: true }, { quiet: true })).json();
+    const question = { ...readable(text.value, scenario), draw: true };
+    const { status, view } = await (await ask("v1/scenes/parse", question, { quiet: true })).json();
     if (!latest()) return undefined;
-    drawing.show(view, !replaced);
+    drawing.show(view, !replaced, status === "cell");
     replaced = false;
     return answers.settle();
   }, (problem) => {
@@ -116,6 +124,8 @@ async function examine() {
 
 // ---- texts that are kept ----------------------------------------------------------------------------------------
 
+// What an answer is an answer to: the text, and that of its cell.
+const meant = () => JSON.stringify([text.value, (cellOf(text.value) || { text: null }).text]);
 const name = () => scenario || nameOf(text.value, (drafts.current() || {}).file);
 
 // Keeps the text, and tells where that is not as it should be. `as`: its file, if it is from one.
@@ -151,7 +161,8 @@ function tellText() {
   const search = scenario ? `?scenario=${encodeURIComponent(scenario)}` : location.pathname;
   if (scenario || location.search) window.history.replaceState(null, "", search);
   forget();
-  answers.compareText(text.value);
+  offerCell();
+  answers.compareText(meant());
   examine();
 }
 
@@ -223,14 +234,16 @@ async function choose() {
   await attempt(async () => {
     if (!value.startsWith("text:")) return showScenario(value);
     const draft = drafts.all().find(({ id }) => `text:${id}` === value);
-    if (draft) {
-      put(draft.text);
-      drafts.open(draft.id);
-      scenario = null;
-    }
-    return tellText();
+    return draft ? showDraft(draft) : tellText();
   });
   listTexts();
+}
+
+function showDraft(draft) {
+  put(draft.text);
+  drafts.open(draft.id);
+  scenario = null;
+  tellText();
 }
 
 async function remove() {
@@ -264,8 +277,9 @@ async function plan() {
   await attempt(async () => {
     await connect();
     if (kindOf(text.value).kind !== "text" && (await take(text.value))) return;
-    const [given, title] = [text.value, name()];
-    const { request: read, about } = await (await ask("v1/scenes/parse", { text: given })).json();
+    const [given, title] = [meant(), name()];
+    const { request: read, about } = await (await ask("v1/scenes/parse", readable(text.value, scenario))).json();
+    if (read === undefined) throw new Refused({ detail: "This is a cell. A task is planned: a text of assur-task/1 that names the file of this cell." });
     const request = reported(read);
     const answer = await searched(request);
     if (answer === null) {
@@ -277,7 +291,7 @@ async function plan() {
     tellProgress("Drawing", null, []);
     const page = await drawn({ request, plan: answer, title, about });
     answers.show({ name: title, about, request, answer, page, text: given }, framed);
-    answers.compareText(text.value);
+    answers.compareText(meant());
   });
   busy(false);
 }
@@ -306,8 +320,9 @@ async function take(content, file = null) {
     else if (page === null) throw new Refused({ detail: `The request has ${made.length} characters, too many for this page.` });
     if (page === null) return false;
     const { request, plan: answer, about, title } = found;
-    answers.show({ name: title || nameOf(made, file), about, request, answer, page, text: made }, framed);
-    answers.compareText(text.value);
+    const of = made.length <= LONGEST_TEXT ? meant() : made;
+    answers.show({ name: title || nameOf(made, file), about, request, answer, page, text: of }, framed);
+    answers.compareText(meant());
     if (made.length > LONGEST_TEXT) note("The plan is shown. Its request is too long for the editor: it has meshes or other long parts.");
     return true;
   }
@@ -316,8 +331,11 @@ async function take(content, file = null) {
 
 async function openFiles(files) {
   if (files.length) await attempt(async () => {
-    if (files.length > 1) throw new Refused({ detail: `These are ${files.length} files. Open one at a time.` });
-    await take(await contentOf(files[0]), files[0].name);
+    const both = await Promise.all(files.slice(0, 2).map(async (file) => [await contentOf(file), file.name]));
+    const order = both.sort(([a], [b]) => partOf(a).localeCompare(partOf(b))); // the cell before the task
+    if (files.length > 1 && (files.length > 2 || order.map(([each]) => partOf(each)).join() !== "cell,task"))
+      throw new Refused({ detail: `These are ${files.length} files. Open one at a time, or a cell and a task.` });
+    for (const [content, file] of order) await take(content, file);
   });
   find("file").value = "";
 }
@@ -360,7 +378,9 @@ async function save() {
   find("save").disabled = true;
   note("");
   await attempt(async () => {
-    const [content, file] = value === "text" ? textFile() : await answers.saved(value);
+    const cell = cellOf(text.value);
+    const own = { text: textFile, cell: () => [crlfOf(cell)(cell.text), fileOf(cell)] };
+    const [content, file] = value in own ? own[value]() : await answers.saved(value);
     const link = document.createElement("a");
     link.href = URL.createObjectURL(new Blob([content], { type: "application/octet-stream" }));
     link.download = file;
@@ -373,8 +393,17 @@ async function save() {
 
 // The text as it is seen, and the name of its file.
 function textFile() {
-  const { file = null, crlf = false } = drafts.current() || {};
-  return [crlf ? text.value.replaceAll("\n", "\r\n") : text.value, file || `${fileName(name())}.yaml`];
+  const draft = drafts.current() || {};
+  return [crlfOf(draft)(text.value), draft.file || `${fileName(name())}.yaml`];
+}
+
+const crlfOf = ({ crlf = false }) => (content) => (crlf ? content.replaceAll("\n", "\r\n") : content);
+
+// A task is saved, and so is its cell.
+function offerCell() {
+  const [, offered] = find("of-text").children;
+  if (offered) offered.remove();
+  if (cellOf(text.value) !== null) find("of-text").append(new Option("cell (YAML)", "cell"));
 }
 
 // ---- the page ---------------------------------------------------------------------------------------------------

@@ -1,0 +1,34 @@
+// A scenario in two texts: a task, and the cell that it names by its file. The cell is one of the texts that are kept.
+import { fileName, nameOf } from "./documents.js";
+import * as drafts from "./drafts.js";
+import { Refused } from "./service.js";
+
+const SCHEMA = /^\{?\s*["']?schema["']?\s*:\s*["']?assur-(cell|task)\/1\b/m;
+const FILE = /^\s*["']?cell["']?\s*:\s*\{?\s*["']?file["']?\s*:\s*(?:"([^"\n]*)"|'([^'\n]*)'|([^\s,}#]+))/m;
+
+// "cell" or "task"; "scenario": the text is whole.
+export const partOf = (text) => (SCHEMA.exec(text) || [null, "scenario"])[1];
+
+// The name of the file of a text.
+export const fileOf = ({ text, file }) => file || `${fileName(nameOf(text, file))}.yaml`;
+
+// The kept text that is the cell of a task; null: there is none, or the text is no task.
+export function cellOf(text) {
+  if (partOf(text) !== "task") return null;
+  const [, ...named] = FILE.exec(text) || [];
+  const wanted = (named.find(Boolean) || "").split("/").pop();
+  return drafts.all().find((draft) => partOf(draft.text) === "cell" && fileOf(draft) === wanted) || null;
+}
+
+// What the service is to read for a text. `shipped`: its cell may be one of the service's own files. Raises `Refused`
+// for a task whose cell is not here.
+export function readable(text, shipped) {
+  if (partOf(text) === "cell") return { cell: text };
+  const cell = cellOf(text);
+  if (cell !== null) return { text, cell: cell.text };
+  const named = FILE.exec(text);
+  if (shipped || partOf(text) !== "task" || named === null) return { text };
+  const line = text.slice(0, named.index + named[0].length).split("\n").length;
+  const value = named.slice(1).find(Boolean);
+  throw new Refused({ errors: [{ field: "cell.file", value, allowed: "the file of a cell that is open here: open it, too", line }] });
+}
