@@ -10,6 +10,7 @@ from typing_extensions import TypedDict
 
 from assur.api.documents import json_response
 from assur.api.problems import Problem
+from assur.api.web import plan_files
 from assur.api.web.clients import client_of
 from assur.api.web.mesh_routes import digest_of, folder_of, keep, require_digest, until
 from assur.api.web.request_log import FACTS
@@ -55,18 +56,25 @@ def show_cell(request: Request) -> Response:
 
 async def plan_task(request: Request) -> Response:
     folder, digest = folder_of(request), digest_of(request)
-    certificate, client = certificate_of(request), client_of(request)
-    try:
-        parts = parts_wanted(*map(request.query_params.get, NAMES))
-    except InputError as error:
-        raise Problem.of_input(error) from error
-    body = await read_admitted(request, PLAN_BODY_BYTES, "certificate", *NAMES)
+    how, client = plan_files.file_wanted(request), client_of(request)
+    if how is None:
+        certificate = certificate_of(request)
+        try:
+            parts = parts_wanted(*map(request.query_params.get, NAMES))
+        except InputError as error:
+            raise Problem.of_input(error) from error
+        body = await read_admitted(request, PLAN_BODY_BYTES, "certificate", *NAMES)
+    else:
+        body = await read_admitted(request, PLAN_BODY_BYTES, *plan_files.NAMES)
     if not folder.use(digest, "cell"):
         raise cell_jobs.unknown(digest)
     service = service_of(request)
 
     async def planned() -> Response:
-        order = await service.task_order(digest, body, certificate, parts, client)
+        if how is None:
+            order = await service.task_order(digest, body, certificate, parts, client)
+        else:
+            order = await service.task_file_order(digest, body, how, client)
         return await unless_gone(request, service.do(order))
 
     return await once(request, body, planned)

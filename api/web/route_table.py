@@ -57,6 +57,7 @@ OF_FOLDER = ("no-mesh-folder", "mesh-folder-full", "mesh-folder-fault")
 a mesh."""
 WORKED = (*OF_BODY, *OF_WORKER)
 PLANNED = (*OF_BODY, *OF_KEY, *OF_WORKER)
+OF_TASK = ("cell-unknown", "no-mesh-folder", *PLANNED)
 STARTED = (*OF_BODY, *OF_KEY, "busy", "not-ready")
 JOB_ANSWERED = (
     "job-lost", "job-not-done", "bad-input", "quarantined", "fault", "worker-crashed", "busy", "not-ready",
@@ -108,6 +109,7 @@ TASK: dict[str, Any] = body(
               {"type": "string"}),
     parameter("digits", "significant digits of the numbers of the answer",
               {"type": "integer", "minimum": LEAST_DIGITS, "maximum": MOST_DIGITS}),
+    *plan_files.PARAMETERS,
 )  # fmt: skip
 IK_EXAMPLE = {
     "robot": {"model": "mitsubishi-rh-6frh5520", "tool": {"tcp_mm": [0, 0, -100]}},
@@ -183,7 +185,8 @@ TABLE = (
     Row("POST", "/v1/plans", routes.plan, "plan", "plans", "Plan a request", Answer, PLANNED, PLAN_OR_FILE,
         responses=plan_files.responses(problems(*PLANNED))),
     Row("POST", "/v1/cells/{sha256}/plans", cell_routes.plan_task, "plan_task", "cells",
-        "Plan a task in a cell that is kept", None, ("cell-unknown", "no-mesh-folder", *PLANNED), TASK),
+        "Plan a task in a cell that is kept", None, OF_TASK, TASK,
+        responses=plan_files.responses(problems(*OF_TASK))),
     Row("POST", "/v1/scenes/{name}/plans", routes.plan_scene, "plan_scene", "plans", "Plan a shipped scenario", Answer,
         ("not-found", *PLANNED), SCENE),
     Row("POST", "/v1/plans/check", answered_by(jobs.check), "check_plan", "plans", "Check a plan against its request",

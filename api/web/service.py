@@ -125,6 +125,17 @@ class Service:
         at_once = len(body) <= SMALL_BYTES and digest in self._cell_budgets
         return read() if at_once else await self._beside(client, read)
 
+    async def task_file_order(self, digest: str, body: bytes, how: dict[str, Any], client: Client) -> Order:
+        """The same for the file of its plan, as `how` asks for it. Raises `Problem`."""
+        order = await self.task_order(digest, body, "full", Parts(), client)
+        work = replace(
+            order.work,
+            job=cell_jobs.plan_task_file,
+            arguments=(digest, body, how, self.settings.max_budget_s),
+            key=digest_of("plan_task_file", order.work.key, json.dumps(how)),
+        )
+        return Order(work, replace(order.demand, wall_s=order.demand.wall_s + self.settings.check_s))
+
     def _task(self, digest: str, body: bytes, certificate: Detail, parts: Parts, client: Client) -> Order:
         task, own = jobs.document_in(body, jobs.TASK), self._cell_budgets.get(digest)
         if own is None:

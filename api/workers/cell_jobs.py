@@ -10,6 +10,7 @@ from typing import Any
 from assur.api.documents import to_json
 from assur.api.problems import Problem
 from assur.api.workers.answer_parts import Parts, part_of
+from assur.api.workers.file_jobs import file_of
 from assur.api.workers.jobs import TASK, Answer, Reply, bordered, document_in, how_planned, repeatable
 from assur.api.workers.worker_process import Line
 from assur.planner.errors import InputError
@@ -53,10 +54,7 @@ def plan_task(digest: str, body: bytes, certificate: Detail, parts: Parts, most_
     laps = given["laps"]
 
     def work() -> Answer:
-        task = document_in(body, TASK)
-        if "cell" in task:
-            raise InputError("cell", task["cell"], "no cell: the address names it")
-        _, answer = kept_cell(digest).plan({"schema": SCHEMA, **task}, **given)
+        _, answer = kept_cell(digest).plan(_task_in(body), **given)
         laps.lap("write")
         found = to_json(part_of(answer, parts))
         laps.lap("write")
@@ -64,6 +62,25 @@ def plan_task(digest: str, body: bytes, certificate: Detail, parts: Parts, most_
         return Answer(found, str(answer["status"]), reason, laps.seconds, repeatable(answer))
 
     return bordered(work)
+
+
+def plan_task_file(digest: str, body: bytes, how: dict[str, Any], most_budget_s: float, line: Line) -> Reply:
+    """The file of the plan of the task in `body`, in the cell with this digest, as `plan_file`."""
+    given = how_planned("full", most_budget_s, line)
+
+    def work() -> Answer:
+        made, answer = kept_cell(digest).plan(_task_in(body), **given)
+        return file_of(made.request, answer, how, given["laps"])
+
+    return bordered(work)
+
+
+def _task_in(body: bytes) -> dict[str, Any]:
+    """The task in a body. Raises `Problem`, and `InputError` where it names a cell."""
+    task = document_in(body, TASK)
+    if "cell" in task:
+        raise InputError("cell", task["cell"], "no cell: the address names it")
+    return {"schema": SCHEMA, **task}
 
 
 def kept_cell(digest: str) -> KeptCellFile:

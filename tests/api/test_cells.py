@@ -178,6 +178,24 @@ def test_a_cell_is_used_with_the_meshes_that_it_names(service: tuple[httpx.Clien
     assert gone.json()["type"] == "urn:assur:problem:cell-unknown"
 
 
+def test_the_file_of_a_plan_comes_in_one_call(service: tuple[httpx.Client, Path]) -> None:
+    client, _ = service
+    client.put(ADDRESS, content=BODY, headers=JSON)
+    task = TASKS["a part"]
+    request = assur.Cell(CELL).request(**task)
+    for how in ({"format": "csv", "tick_ms": "8", "jerk": "report"}, {"format": "ros2"}):
+        file = client.post(f"{ADDRESS}/plans", json=task, params=how)
+        beside = client.post("v1/plans", json=request, params=how)
+        assert file.status_code == 200, file.text
+        assert file.headers["Assur-Verdict"] == "right"
+        assert file.content == beside.content
+        for name in ("Content-Type", "Assur-Request-Digest", "Assur-Certificate-Digest"):
+            assert file.headers[name] == beside.headers[name]
+    for wrong, field in (({"format": "pdf"}, "format"), ({"format": "csv", "fields": "status"}, "fields")):
+        refused = client.post(f"{ADDRESS}/plans", json=task, params=wrong)
+        assert (refused.status_code, refused.json()["errors"][0]["field"]) == (422, field)
+
+
 def test_a_client_sends_a_cell_and_plans_tasks_in_it(service: tuple[httpx.Client, Path]) -> None:
     with assur.Client(str(service[0].base_url)) as client:
         digest, cell = client.put_cell(CELL), assur.Cell(CELL)
