@@ -27,6 +27,7 @@ STATUS = {
     "unauthorized": (401, "The request has no key of this service"),
     "not-found": (404, "There is nothing here"),
     "job-lost": (404, "There is no such job here"),
+    "cell-unknown": (404, "There is no cell with this digest"),
     "mesh-unknown": (404, "There is no mesh with this digest"),
     "no-mesh-folder": (404, "This service keeps no meshes"),
     "method-not-allowed": (405, "This address does not know that method"),

@@ -3,10 +3,13 @@
 A service with one worker runs as a process of its own on a free port; round trips go over one connection, one after
 the other. The round trip less the planning time that the answer states is what reading, queueing, writing and the
 network cost. Nothing is pinned. Answers are checked by `assur.scenes.check` and by the recheck.
+
+The same requests are planned as tasks in cells that were registered before, each between two trips of the other kind.
 """
 
 from __future__ import annotations
 
+import hashlib
 import http.client
 import json
 import tempfile
@@ -41,7 +44,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few round trips.")
     records: dict[str, Document] = {}
     with (
         tempfile.TemporaryDirectory() as folder,
-        served(Path(folder, "log"), workers=1, max_tasks=100_000) as service,
+        served(Path(folder, "log"), workers=1, max_tasks=100_000, mesh_folder=folder) as service,
     ):
         client = service.client(timeout=60.0)
         for i in range(WARM):
@@ -50,6 +53,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few round trips.")
             document = request(problem, problems.limits, Terms(BUDGET_S, "first"))
             digest_s, short = trip(client, document, "digest")
             full_s, whole = trip(client, document, "full")
+            kept_s, kept = in_cell(client, document)
             record = {"status": whole["status"], "findings": [f"refused: {code}" for code in codes_of(whole, None)]}
             if whole["status"] == "planned":
                 began = time.perf_counter()
@@ -59,7 +63,8 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few round trips.")
                 full = whole | {"checked": verdict["ok"], "checker_refused": len(codes), "reason": "; ".join(codes)}
                 record["findings"] = judged(problems, problem, full, "position", document)["findings"]
                 record["digest_s"], record["full_s"] = digest_s - short["elapsed_s"], full_s - whole["elapsed_s"]
-            if short.get("trajectory") != whole.get("trajectory"):
+                record["kept_s"] = kept_s - kept["elapsed_s"]
+            if not short.get("trajectory") == whole.get("trajectory") == kept.get("trajectory"):
                 record["findings"].append("the same request got another answer")
             records[str(problem["id"])] = record
 
@@ -71,6 +76,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few round trips.")
         figure(f"{name}, median, digest", [records], at("digest_s", 0.5), "ms", (1.5,), decimals=2),
         figure(f"{name}, 95 %, digest", [records], at("digest_s", 0.95), "ms", decimals=2),
         figure(f"{name}, median, certificate in full", [records], at("full_s", 0.5), "ms", decimals=2),
+        figure(f"{name}, median, digest, registered cell", [records], at("kept_s", 0.5), "ms", (1.2,), decimals=2),
         figure("check of documents (assur.scenes.check), median", [records], at("check_s", 0.5), "ms", decimals=2),
     ]
     finish("service", "what HTTP adds to a plan", quick, parameters, records, figures)
@@ -83,6 +89,22 @@ def trip(client: Client, document: Document, detail: str) -> tuple[float, Docume
     if reply.status != http.client.OK:
         raise RuntimeError(f"HTTP {reply.status}: {reply.fault or str(answer)[:300]}")
     return reply.seconds, answer
+
+
+def in_cell(client: Client, document: Document) -> tuple[float, Document]:
+    """Seconds of the round trip of a request as a task in its cell, which is registered and was planned once."""
+    of_cell = {key: document[key] for key in ("robot", "frames", "bodies", "execution") if key in document}
+    cell = json.dumps({"schema": "assur-cell/1", **of_cell}).encode()
+    address = f"/v1/cells/{hashlib.sha256(cell).hexdigest()}"
+    reply = client.send("PUT", address, cell, {"Content-Type": "application/json"})
+    if reply.status not in (http.client.OK, http.client.CREATED):
+        raise RuntimeError(f"HTTP {reply.status}: {reply.fault or str(reply.document())[:300]}")
+    task = {"start": document["start"], "steps": document["task"], "options": document["options"]}
+    for _ in range(2):
+        reply = client.post(f"{address}/plans?certificate=digest", json.dumps(task).encode())
+        if reply.status != http.client.OK:
+            raise RuntimeError(f"HTTP {reply.status}: {reply.fault or str(reply.document())[:300]}")
+    return reply.seconds, reply.document()
 
 
 if __name__ == "__main__":

@@ -100,6 +100,26 @@ class Client(_Endpoint):
         """The answer to a request, or to the shipped scenario that ``{"scenario": name}`` names; as `assur.plan`."""
         return self._send(exchange.planning(request, certificate))
 
+    def put_cell(self, cell: Mapping[str, Any]) -> str:
+        """Sends the document of a cell, which the service keeps; its digest, which names it in `plan_task`."""
+        return self._send(exchange.keeping(cell))
+
+    def plan_task(
+        self,
+        digest: str,
+        *,
+        start: object,
+        steps: list[Any],
+        parts: list[Any] | None = None,
+        options: object = None,
+        set: Mapping[str, object] | None = None,  # noqa: A002 as of `assur.Cell`
+        certificate: Literal["full", "digest"] = "full",
+    ) -> Answer:
+        """The answer to a task in the cell with this digest; as `plan` of `assur.Cell`. The answer does not know its
+        request."""
+        task: dict[str, object] = {"start": start, "steps": steps, "parts": parts, "options": options, "set": set}
+        return self._send(exchange.planning_task(digest, task, certificate))
+
     def check(self, request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> Verdict:
         """The checker's verdict on a planned answer with its certificate in full; as `assur.check`."""
         return self._send(exchange.checking(request, answer))
@@ -162,6 +182,26 @@ class AsyncClient(_Endpoint):
     ) -> Answer:
         """The answer to a request, or to the shipped scenario that ``{"scenario": name}`` names; as `assur.plan`."""
         return await self._send(exchange.planning(request, certificate))
+
+    async def put_cell(self, cell: Mapping[str, Any]) -> str:
+        """Sends the document of a cell, which the service keeps; its digest, which names it in `plan_task`."""
+        return await self._send(exchange.keeping(cell))
+
+    async def plan_task(
+        self,
+        digest: str,
+        *,
+        start: object,
+        steps: list[Any],
+        parts: list[Any] | None = None,
+        options: object = None,
+        set: Mapping[str, object] | None = None,  # noqa: A002 as of `assur.Cell`
+        certificate: Literal["full", "digest"] = "full",
+    ) -> Answer:
+        """The answer to a task in the cell with this digest; as `plan` of `assur.Cell`. The answer does not know its
+        request."""
+        task: dict[str, object] = {"start": start, "steps": steps, "parts": parts, "options": options, "set": set}
+        return await self._send(exchange.planning_task(digest, task, certificate))
 
     async def check(self, request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> Verdict:
         """The checker's verdict on a planned answer with its certificate in full; as `assur.check`."""

@@ -116,6 +116,18 @@ def uploading(content: bytes, form: str, unit: str) -> Exchange[dict[str, Any]]:
     return Exchange("PUT", f"v1/meshes/{digest}", lambda _: mesh, content, how, media_type="application/octet-stream")
 
 
+def keeping(cell: object) -> Exchange[str]:
+    """A cell is sent; what comes of it is the digest that names it."""
+    body = _json(plain_request(cell))
+    digest = hashlib.sha256(body).hexdigest()
+    return Exchange("PUT", f"v1/cells/{digest}", lambda _: digest, body)
+
+
+def planning_task(digest: str, task: dict[str, object], certificate: str) -> Exchange[Answer]:
+    body = _json({key: value for key, value in plain_parts(task).items() if value is not None})
+    return Exchange("POST", f"v1/cells/{digest}/plans", Answer, body, (("certificate", certificate),))
+
+
 def health() -> Exchange[Health]:
     return Exchange("GET", "readyz", _health, accepted=frozenset({"not-ready"}))
 

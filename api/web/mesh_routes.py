@@ -24,7 +24,7 @@ from assur.api.web.uploads import Uploads
 from assur.api.workers import jobs
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_MESH_BYTES
-from assur.scenes.meshes.folder import DIGEST, FolderError, MeshFolder, StoredFile
+from assur.scenes.meshes.folder import DIGEST, FolderError, Kind, MeshFolder, StoredFile
 from assur.scenes.schema.shapes import MeshFormat, MeshUnit
 
 
@@ -45,7 +45,7 @@ class KeptMesh(TypedDict):
 
 
 async def put_mesh(request: Request) -> Response:
-    folder, digest = _folder(request), _digest(request)
+    folder, digest = folder_of(request), digest_of(request)
     how = _covering(request)
     content = await read_admitted(request, MAX_MESH_BYTES, "format", "unit", json=False)
     if not content:
@@ -55,7 +55,7 @@ async def put_mesh(request: Request) -> Response:
     uploads.add(client.name, len(content))
     is_new = False
     try:
-        is_new = await asyncio.to_thread(_put, folder, digest, content)
+        is_new = await asyncio.to_thread(keep, folder, digest, content)
     finally:
         if not is_new:
             uploads.take_back(client.name, len(content))
@@ -68,18 +68,20 @@ async def put_mesh(request: Request) -> Response:
 
 
 def show_mesh(request: Request) -> Response:
-    folder, digest = _folder(request), _digest(request)
+    folder, digest = folder_of(request), digest_of(request)
     return _response(digest, folder.known(digest), None, 200)
 
 
-def _folder(request: Request) -> MeshFolder:
+def folder_of(request: Request) -> MeshFolder:
+    """The folder for meshes and cells. Raises `Problem` where there is none."""
     folder = service_of(request).meshes
     if folder is None:
         raise Problem("no-mesh-folder", "Send meshes as data in requests. An operator may set ASSUR_MESH_FOLDER.")
     return folder
 
 
-def _digest(request: Request) -> str:
+def digest_of(request: Request) -> str:
+    """The digest in the address. Raises `Problem`."""
     digest = str(request.path_params["sha256"])
     if not DIGEST.fullmatch(digest):
         raise Problem.of_input(InputError("sha256", digest, "64 hexadecimal digits, small letters"))
@@ -100,23 +102,32 @@ def _covering(request: Request) -> tuple[str, str] | None:
     return found[0], found[1]
 
 
-def _put(folder: MeshFolder, digest: str, content: bytes) -> bool:
-    """Keeps the bytes; whether they are new. Raises `Problem`."""
+def require_digest(digest: str, content: bytes) -> None:
+    """Raises the `Problem` of bytes with another digest."""
     there = hashlib.sha256(content).hexdigest()
     if there != digest:
         error = FieldError("body", f"{len(content)} bytes with the SHA-256 {there}", f"bytes with the SHA-256 {digest}")
         raise Problem("bad-input", str(error), (error,))
+
+
+def keep(folder: MeshFolder, digest: str, content: bytes, kind: Kind = "mesh") -> bool:
+    """Keeps the bytes of a mesh or a cell; whether they are new. Raises `Problem`."""
+    require_digest(digest, content)
     try:
-        return folder.put_mesh(digest, content)
+        return folder.put(digest, content, kind)
     except FolderError as error:
         event("a mesh is not kept", logging.ERROR, why=str(error))
-        kind = "mesh-folder-full" if error.full else "mesh-folder-fault"
-        raise Problem(kind, f"{error}. Send the mesh as data in requests meanwhile.") from error
+        problem = "mesh-folder-full" if error.full else "mesh-folder-fault"
+        raise Problem(problem, f"{error}. Send all of it in requests meanwhile.") from error
+
+
+def until(kept: StoredFile) -> str:
+    """Until when a file is kept if it is not used again."""
+    return datetime.fromtimestamp(time.time() + kept.left_s, UTC).isoformat(timespec="seconds")
 
 
 def _response(digest: str, kept: StoredFile | None, cover: Covered | None, status: int) -> Response:
     if kept is None:
         raise Problem("mesh-unknown", f"Send the file with PUT /v1/meshes/{digest}.")
-    until = datetime.fromtimestamp(time.time() + kept.left_s, UTC).isoformat(timespec="seconds")
-    document = KeptMesh(sha256=digest, bytes=kept.size, expires=until, cover=cover)
+    document = KeptMesh(sha256=digest, bytes=kept.size, expires=until(kept), cover=cover)
     return json_response(document, status)

@@ -174,6 +174,7 @@ TAGS = {
     "jobs": "Plan now, fetch later",
     "scenes": "The shipped scenarios, and the text of others",
     "kinematics": "Robots, and where a tool can be",
+    "cells": "Cells that are sent once, and planned with many tasks",
     "meshes": "Mesh files that are sent once and named by requests",
     "service": "Whether the service runs, and how",
 }

@@ -11,7 +11,8 @@ from fastapi.routing import APIRoute
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 
 from assur.api.version import VersionDocument
-from assur.api.web import job_routes, mesh_routes, operation_routes, plan_files, routes
+from assur.api.web import cell_routes, job_routes, mesh_routes, operation_routes, plan_files, routes
+from assur.api.web.cell_routes import StoredCell
 from assur.api.web.job_routes import JobDocument
 from assur.api.web.mesh_routes import KeptMesh
 from assur.api.web.openapi import (
@@ -30,6 +31,7 @@ from assur.api.web.openapi import (
 from assur.api.web.routes import answered_by
 from assur.api.web.settings import PLAN_BODY_BYTES
 from assur.api.workers import jobs
+from assur.api.workers.answer_parts import LEAST_DIGITS, MOST_DIGITS
 from assur.scenes.scenarios import scenario_text
 from assur.scenes.schema.answer import Answer, Verdict
 from assur.scenes.schema.export import ExportAnswer, TrajectoryVerdict
@@ -55,6 +57,7 @@ OF_FOLDER = ("no-mesh-folder", "mesh-folder-full", "mesh-folder-fault")
 a mesh."""
 WORKED = (*OF_BODY, *OF_WORKER)
 PLANNED = (*OF_BODY, *OF_KEY, *OF_WORKER)
+OF_TASK = ("cell-unknown", "no-mesh-folder", *PLANNED)
 STARTED = (*OF_BODY, *OF_KEY, "busy", "not-ready")
 JOB_ANSWERED = (
     "job-lost", "job-not-done", "bad-input", "quarantined", "fault", "worker-crashed", "busy", "not-ready",
@@ -95,6 +98,19 @@ MESH: dict[str, Any] = {
         ),
     ],
 }
+OBJECT: dict[str, Any] = {"type": "object", "additionalProperties": True}
+CELL: dict[str, Any] = body(OBJECT | {"description": "a cell, `schema: assur-cell/1`"}, {}, SHA256)
+TASK: dict[str, Any] = body(
+    OBJECT | {"description": "a task without its cell: `start`, `parts`, `steps`, `options`, `set`"},
+    {},
+    SHA256,
+    CERTIFICATE,
+    parameter("fields", "names of fields of the answer, or paths, separated by commas; `status` is always there",
+              {"type": "string"}),
+    parameter("digits", "significant digits of the numbers of the answer",
+              {"type": "integer", "minimum": LEAST_DIGITS, "maximum": MOST_DIGITS}),
+    *plan_files.PARAMETERS,
+)  # fmt: skip
 IK_EXAMPLE = {
     "robot": {"model": "mitsubishi-rh-6frh5520", "tool": {"tcp_mm": [0, 0, -100]}},
     "pose": {"at_mm": [350, 0, 150], "yaw_deg": 90},
@@ -173,6 +189,9 @@ METRICS = {"content": {"text/plain": {"schema": {"type": "string"}}}, "descripti
 TABLE = (
     Row("POST", "/v1/plans", routes.plan, "plan", "plans", "Plan a request", Answer, PLANNED, PLAN_OR_FILE,
         responses=plan_files.responses(problems(*PLANNED))),
+    Row("POST", "/v1/cells/{sha256}/plans", cell_routes.plan_task, "plan_task", "cells",
+        "Plan a task in a cell that is kept", None, OF_TASK, TASK,
+        responses=plan_files.responses(problems(*OF_TASK))),
     Row("POST", "/v1/scenes/{name}/plans", routes.plan_scene, "plan_scene", "plans", "Plan a shipped scenario", Answer,
         ("not-found", *PLANNED), SCENE),
     Row("POST", "/v1/plans/check", answered_by(jobs.check), "check_plan", "plans", "Check a plan against its request",
@@ -230,6 +249,13 @@ TABLE = (
         "Whether a mesh is known, its size, and until when it is kept", KeptMesh,
         ("mesh-unknown", "no-mesh-folder", "bad-input"), {"parameters": [SHA256]}),
     Row("HEAD", "/v1/meshes/{sha256}", mesh_routes.show_mesh),
+    Row("PUT", "/v1/cells/{sha256}", cell_routes.put_cell, "keep_cell", "cells",
+        "Keep a cell, so that tasks can be planned in it by its digest", StoredCell, (*WORKED, *OF_FOLDER), CELL,
+        responses={201: {"model": StoredCell, "description": "It is new here"}}),
+    Row("GET", "/v1/cells/{sha256}", cell_routes.show_cell, "show_cell", "cells",
+        "Whether a cell is known, its size, and until when it is kept", StoredCell,
+        ("cell-unknown", "no-mesh-folder", "bad-input"), {"parameters": [SHA256]}),
+    Row("HEAD", "/v1/cells/{sha256}", cell_routes.show_cell),
     Row("GET", "/", operation_routes.index),
     Row("GET", "/v1/version", operation_routes.show_version, "show_version", "service", "Which build this is",
         VersionDocument),

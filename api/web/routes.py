@@ -31,7 +31,7 @@ def service_of(request: Request) -> Service:
     return service
 
 
-async def _unless_gone(request: Request, work: Awaitable[jobs.Answer]) -> Response:
+async def unless_gone(request: Request, work: Awaitable[jobs.Answer]) -> Response:
     """The response to `work`, which is cancelled as soon as the client closes the connection."""
     working = asyncio.ensure_future(work)
     leaving = asyncio.ensure_future(_gone(request))
@@ -114,7 +114,7 @@ def answered_by(
 
     async def answered(request: Request) -> Response:
         given = await read_admitted(request, limit)
-        return await _unless_gone(request, service_of(request).quick(job, client_of(request), given))
+        return await unless_gone(request, service_of(request).quick(job, client_of(request), given))
 
     return answered
 
@@ -123,18 +123,16 @@ async def plan(request: Request) -> Response:
     how, client = plan_files.file_wanted(request), client_of(request)
     if how is not None:
         body = await read_admitted(request, PLAN_BODY_BYTES, *plan_files.NAMES)
-        return await once(
-            request, body, lambda: _unless_gone(request, service_of(request).plan_file(body, how, client))
-        )
+        return await once(request, body, lambda: unless_gone(request, service_of(request).plan_file(body, how, client)))
     certificate = certificate_of(request)
     body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
-    return await once(request, body, lambda: _unless_gone(request, service_of(request).plan(body, certificate, client)))
+    return await once(request, body, lambda: unless_gone(request, service_of(request).plan(body, certificate, client)))
 
 
 async def plan_scene(request: Request) -> Response:
     order = await scene_order(request)
     key = order.work.key.encode()
-    return await once(request, key, lambda: _unless_gone(request, service_of(request).do(order)))
+    return await once(request, key, lambda: unless_gone(request, service_of(request).do(order)))
 
 
 def list_robots() -> Response:

@@ -25,7 +25,8 @@ from assur.api.version import version_document
 from assur.api.web.body_reader import Reading
 from assur.api.web.settings import Settings
 from assur.api.web.uploads import Turns
-from assur.api.workers import file_jobs, jobs
+from assur.api.workers import cell_jobs, file_jobs, jobs
+from assur.api.workers.answer_parts import Parts
 from assur.api.workers.client import Client, Demand, Ticket
 from assur.api.workers.pool import Work, Workers
 from assur.api.workers.results import Results
@@ -34,7 +35,7 @@ from assur.api.workers.worker_process import Tell
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
 from assur.scenes.meshes.folder import MeshFolder
-from assur.scenes.requests import Detail, shipped, stated_budgets, with_options
+from assur.scenes.requests import Detail, parse_json, shipped, stated_budgets, with_options
 from assur.scenes.scenario import with_files
 
 SMALL_BYTES = 32768
@@ -46,6 +47,10 @@ SHORT_BYTES = 1 << 20
 """Work without a budget on a body up to this is short. Common plans have a tenth of it."""
 STATED = re.compile(rb'"((?:explain_)?budget_m?s)"\s*:\s*(-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)')
 """A budget in the text of a request. No other field of a request is called so."""
+
+OPTIONS = "options."
+MOST_CELLS = 1024
+"""Cells whose budgets are kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +74,8 @@ class Service:
     mesh_bytes: int = 0
     """Room that files in the folder for meshes took when it was last measured."""
     _turns: Turns = field(default_factory=Turns)
+    _cell_budgets: dict[str, dict[str, Any]] = field(default_factory=dict)
+    """The budgets of cells by their digests, s: what a task has that states none."""
 
     def __post_init__(self) -> None:
         self.meters = Meters()
@@ -111,6 +118,42 @@ class Service:
             return self._scene(name, jobs.options_in(body), certificate, client)
 
         return await (self._beside(client, read) if body else asyncio.to_thread(read))
+
+    async def task_order(self, digest: str, body: bytes, certificate: Detail, parts: Parts, client: Client) -> Order:
+        """What is to be done about the task in `body`, in the cell with this digest. Raises `Problem`."""
+        read = partial(self._task, digest, body, certificate, parts, client)
+        at_once = len(body) <= SMALL_BYTES and digest in self._cell_budgets
+        return read() if at_once else await self._beside(client, read)
+
+    async def task_file_order(self, digest: str, body: bytes, how: dict[str, Any], client: Client) -> Order:
+        """The same for the file of its plan, as `how` asks for it. Raises `Problem`."""
+        order = await self.task_order(digest, body, "full", Parts(), client)
+        work = replace(
+            order.work,
+            job=cell_jobs.plan_task_file,
+            arguments=(digest, body, how, self.settings.max_budget_s),
+            key=digest_of("plan_task_file", order.work.key, json.dumps(how)),
+        )
+        return Order(work, replace(order.demand, wall_s=order.demand.wall_s + self.settings.check_s))
+
+    def _task(self, digest: str, body: bytes, certificate: Detail, parts: Parts, client: Client) -> Order:
+        task, own = jobs.document_in(body, jobs.TASK), self._cell_budgets.get(digest)
+        if own is None:
+            content = None if self.meshes is None else self.meshes.content(digest, "cell")
+            if content is None:
+                raise cell_jobs.unknown(digest)
+            own = self._cell_budgets[digest] = dict(stated_budgets(parse_json(content), self.settings.max_budget_s))
+            while len(self._cell_budgets) > MOST_CELLS:
+                del self._cell_budgets[next(iter(self._cell_budgets))]
+        options: Any = task.get("options")
+        given: Any = task.get("set")
+        stated = with_options({"options": {**own}}, options if isinstance(options, dict) else {})["options"]
+        if isinstance(given, dict):
+            stated |= {path.removeprefix(OPTIONS): value for path, value in given.items() if path.startswith(OPTIONS)}
+        demand = self._demand({"options": stated}, client)
+        arguments = digest, body, certificate, parts, self.settings.max_budget_s
+        key = digest_of("plan_task", digest, body)
+        return Order(Work(cell_jobs.plan_task, arguments, key, in_touch=True, listens=True), demand)
 
     async def quick(self, job: Callable[..., jobs.Reply], client: Client, *question: bytes | str) -> jobs.Answer:
         """The answer of a job without a budget, for its work is bounded by the question. Raises `Problem`."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from assur.api.checked_report import checked_report
 from assur.api.documents import to_json
 from assur.api.workers.jobs import Answer, Reply, bordered, how_planned, request_in
 from assur.api.workers.worker_process import Line
+from assur.planner.model.deadline import Stopwatch
 from assur.scenes.exports.documents import export_document
 from assur.scenes.exports.export import file_bytes
 from assur.scenes.requests import cell_of, plan_document, plan_scenario, shipped
@@ -38,7 +40,7 @@ def plan_file(source: bytes | str, how: dict[str, Any], most_budget_s: float, li
     an export, or {"format": "report"}. Where there is no plan, the answer that says so, with the status 409; a report
     of it is a page like any other."""
     given = how_planned("full", most_budget_s, line)
-    laps, form = given["laps"], how["format"]
+    laps = given["laps"]
 
     def work() -> Answer:
         if isinstance(source, str):
@@ -48,24 +50,37 @@ def plan_file(source: bytes | str, how: dict[str, Any], most_budget_s: float, li
         else:
             request, folder, about = request_in(source), None, ""
             answer = plan_document(request, **given)
-        status, reason = answer["status"], str(answer.get("reason", ""))
-        stated = {"Assur-Status": status, "Assur-Request-Digest": answer["request_digest"]}
-        if form == REPORT:
-            page, verdict = checked_report(cell_of(request, folder=folder), answer, TITLE, about)
-            laps.lap("draw")
-            stated |= {} if verdict is None else {"Assur-Verdict": "right" if verdict["ok"] else "wrong"}
-            return Answer(page.encode(), status, reason, laps.seconds, media_type=MEDIA_TYPES[form], headers=stated)
-        if status != "planned":
-            return Answer(to_json(answer), status, reason, laps.seconds, status=409, headers=stated)
-        made = export_document(request, answer, how, folder=folder)
-        laps.lap("export")
-        stated |= {
-            "Assur-Verdict": "right",  # an export is refused unless the checker accepts its motion
-            "Assur-Duration-S": str(made["duration_s"]),
-            "Assur-Request-Digest": made["request_digest"],
-            "Assur-Certificate-Digest": made["certificate_digest"],
-            "Content-Disposition": f'attachment; filename="plan.{made["ending"]}"',
-        }
-        return Answer(file_bytes(made), status, "", laps.seconds, media_type=MEDIA_TYPES[form], headers=stated)
+        return file_of(request, answer, how, laps, folder, about)
 
     return bordered(work)
+
+
+def file_of(
+    request: dict[str, Any],
+    answer: dict[str, Any],
+    how: dict[str, Any],
+    laps: Stopwatch,
+    folder: Path | None = None,
+    about: str = "",
+) -> Answer:
+    """The file of an answer to a request, as `plan_file`. Raises `InputError`."""
+    form = how["format"]
+    status, reason = answer["status"], str(answer.get("reason", ""))
+    stated = {"Assur-Status": status, "Assur-Request-Digest": answer["request_digest"]}
+    if form == REPORT:
+        page, verdict = checked_report(cell_of(request, folder=folder), answer, TITLE, about)
+        laps.lap("draw")
+        stated |= {} if verdict is None else {"Assur-Verdict": "right" if verdict["ok"] else "wrong"}
+        return Answer(page.encode(), status, reason, laps.seconds, media_type=MEDIA_TYPES[form], headers=stated)
+    if status != "planned":
+        return Answer(to_json(answer), status, reason, laps.seconds, status=409, headers=stated)
+    made = export_document(request, answer, how, folder=folder)
+    laps.lap("export")
+    stated |= {
+        "Assur-Verdict": "right",  # an export is refused unless the checker accepts its motion
+        "Assur-Duration-S": str(made["duration_s"]),
+        "Assur-Request-Digest": made["request_digest"],
+        "Assur-Certificate-Digest": made["certificate_digest"],
+        "Content-Disposition": f'attachment; filename="plan.{made["ending"]}"',
+    }
+    return Answer(file_bytes(made), status, "", laps.seconds, media_type=MEDIA_TYPES[form], headers=stated)

@@ -319,6 +319,14 @@ def request_in(body: bytes) -> dict[str, Any]:
     return _parsed(body, 'a request, or {"scenario": NAME}')
 
 
+TASK = "a task without its cell: an object with start, parts, steps, options and set"
+
+
+def document_in(body: bytes, allowed: str, line: Line | None = None, kind: str = "") -> dict[str, Any]:
+    """The object in `body`, which is `allowed`; `line`, `kind`: as `_parsed`. Raises `Problem`."""
+    return _parsed(body, allowed, line, kind)
+
+
 def options_in(body: bytes) -> dict[str, Any]:
     """The options in `body`, {"options": ...} or nothing, as they are written; they are read once, to see whether they
     can be. Raises `Problem`."""
@@ -367,7 +375,7 @@ def _guarded(work: Callable[[], dict[str, Any] | str], says: str, laps: Stopwatc
         body = to_json(document)
         laps.lap("write")
         reason = document.get("reason", "") if document.get("status") == "not_planned" else ""
-        return Answer(body, _word(document[says]), str(reason), laps.seconds, _repeatable(document))
+        return Answer(body, _word(document[says]), str(reason), laps.seconds, repeatable(document))
 
     return bordered(answered)
 
@@ -377,7 +385,7 @@ def _word(outcome: object) -> str:
     return {True: "right", False: "wrong"}[outcome] if isinstance(outcome, bool) else str(outcome)
 
 
-def _repeatable(document: dict[str, Any]) -> bool:
+def repeatable(document: dict[str, Any]) -> bool:
     """Whether an answer is a plan, or a refusal of one, that no clock had a say in. Changes that would help a refused
     request are searched until their budget is spent: the result is not stated to be repeatable."""
     helped = document.get("explain_budget_spent") or document.get("tried") or document.get("relaxation")

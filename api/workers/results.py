@@ -13,7 +13,7 @@ from typing import Any
 
 from assur.api.documents import digest_of
 from assur.api.telemetry.meters import Meters
-from assur.api.workers import jobs
+from assur.api.workers import cell_jobs, jobs
 
 BESIDE_BYTES = 1024
 """Counted for each answer beside its body."""
@@ -63,7 +63,7 @@ class Results:
             self.bytes -= len(oldest.answer.body) + BESIDE_BYTES
 
     def _wanted(self, job: Callable[..., Any]) -> bool:
-        return self._most > 0 and job in (jobs.plan, jobs.plan_shipped)
+        return self._most > 0 and job in (jobs.plan, jobs.plan_shipped, cell_jobs.plan_task)
 
     def _key(self, job: Callable[..., Any], arguments: tuple[Any, ...]) -> str:
         """The digest of all that the answer depends on: the build, the kind of work, the body and its parameters."""

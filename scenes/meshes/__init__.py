@@ -63,7 +63,7 @@ def _uploaded(digest: str) -> bytes:
     if folder is None:
         allowed = "a mesh as data, asset or file: meshes by digest need a folder, which ASSUR_MESH_FOLDER names"
         raise InputError("mesh.sha256", digest, allowed)
-    content = folder.mesh(digest)
+    content = folder.content(digest)
     if content is None:
         allowed = f"the SHA-256 of a mesh that is known here: send its file with PUT /v1/meshes/{digest} first"
         raise InputError("mesh.sha256", digest, allowed)

@@ -1,7 +1,8 @@
-"""A folder of meshes by the SHA-256 of their files, with the cuts of their covers, shared by processes.
+"""A folder of meshes and cells by the SHA-256 of their files, with the cuts of covers, shared by processes.
 
-It holds `<sha256>.mesh`, the bytes of a file, and `<sha256>-<format>-<unit>.cover`, where a mesh is cut. Both are data
-from outside when they are read: bytes must have the digest, and `assur.scenes.meshes.kept_cuts` checks the cuts.
+It holds `<sha256>.mesh` and `<sha256>.cell`, the bytes of a file, and `<sha256>-<format>-<unit>.cover`, where a mesh is
+cut. All are data from outside when they are read: bytes must have the digest, a cell is read as any document, and
+`assur.scenes.meshes.kept_cuts` checks the cuts.
 Files appear at once and whole (a temporary name, then a rename), one at a time. Names are made of digests alone, links
 are not followed, and nothing else in the folder is read or removed.
 """
@@ -20,12 +21,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 from assur.planner.errors import AssurError, InputError
 from assur.scenes.bounds import MAX_MESH_BYTES
 
+Kind = Literal["mesh", "cell"]
+"""What a file is, the ending of its name."""
 DIGEST = re.compile(r"[0-9a-f]{64}")
-_OURS = re.compile(r"[0-9a-f]{64}(?:\.mesh|-[a-z]{2,4}-[a-z]{1,2}\.cover)")
+_OURS = re.compile(r"[0-9a-f]{64}(?:\.mesh|\.cell|-[a-z]{2,4}-[a-z]{1,2}\.cover)")
 _TEMPORARY = re.compile(r"\.[0-9a-f]{32}\.tmp")
 LEFT_S = 3600.0
 """A temporary file that is older than this was left by a process that died, s."""
@@ -79,25 +83,34 @@ class MeshFolder:
             raise InputError(field, path, f"a folder that can be read and written; {error.strerror}") from error
         return folder
 
-    def known(self, digest: str) -> StoredFile | None:
-        """The mesh with this digest; None if there is none, or no more."""
-        return self._kept(f"{_digest(digest)}.mesh")
+    def known(self, digest: str, kind: Kind = "mesh") -> StoredFile | None:
+        """The mesh or cell with this digest; None if there is none, or no more."""
+        return self._kept(f"{_digest(digest)}.{kind}")
 
-    def mesh(self, digest: str) -> bytes | None:
-        """The bytes of the mesh with this digest; None if there are none. Bytes with another digest are removed."""
-        name = f"{_digest(digest)}.mesh"
+    def content(self, digest: str, kind: Kind = "mesh") -> bytes | None:
+        """The bytes of the mesh or cell with this digest; None if there are none. Bytes with another digest are
+        removed."""
+        name = f"{_digest(digest)}.{kind}"
         content = self._read(name, MAX_MESH_BYTES)
         if content is None or hashlib.sha256(content).hexdigest() == digest:
             return content
         self.remove(name)
         return None
 
-    def put_mesh(self, digest: str, content: bytes) -> bool:
-        """Keeps a mesh, whose digest is right, from now on; whether it is new. Raises `FolderError`."""
-        if self.mesh(digest) is not None:
+    def put(self, digest: str, content: bytes, kind: Kind = "mesh") -> bool:
+        """Keeps a mesh or a cell, whose digest is right, from now on; whether it is new. Raises `FolderError`."""
+        if self.content(digest, kind) is not None:
             return False
-        self._write(f"{digest}.mesh", content)
+        self._write(f"{digest}.{kind}", content)
         return True
+
+    def use(self, digest: str, kind: Kind = "mesh") -> bool:
+        """Notes a use of a mesh or a cell that is not read again; whether it is here."""
+        name = f"{_digest(digest)}.{kind}"
+        kept = self._kept(name)
+        if kept is not None:
+            self._note(name, kept)
+        return kept is not None
 
     def cuts(self, name: str) -> bytes | None:
         """The file of cuts of that name."""
@@ -137,10 +150,13 @@ class MeshFolder:
                 content = file.read(most + 1)
         except OSError:
             return None
+        self._note(name, kept)
+        return content if len(content) <= most else None
+
+    def _note(self, name: str, kept: StoredFile) -> None:
         if kept.left_s < self.kept_s - TOUCHED_S:
             with suppress(OSError):
                 os.utime(self.path / name, follow_symlinks=False)
-        return content if len(content) <= most else None
 
     def _write(self, name: str, content: bytes) -> None:
         if not _OURS.fullmatch(name):

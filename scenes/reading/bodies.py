@@ -18,6 +18,7 @@ from assur.planner.model.deadline import OutOfTimeError
 from assur.planner.model.scene import WORLD, WorldBody
 from assur.scenes.faults import DocumentError, FollowsError, Refused, as_written, choices, dotted, fault, within
 from assur.scenes.reading.frames import Frames, pose_uncertainty
+from assur.scenes.schema.cell_file import SlotsDocument
 from assur.scenes.schema.model import KNOWN
 from assur.scenes.schema.robots import ToolPoseDocument
 from assur.scenes.schema.shapes import AttachedBody, BodyDocument, LinkBody, MeshDocument, PlaceInCell, ShapeDocument
@@ -211,3 +212,13 @@ def resolve(place: Placement, yaw: float, frames: Frames, places: Places) -> tup
     places.steady(place.body)
     frame, carrier = places[place.body]
     return frame, carrier.then(pose)
+
+
+def named(item: TargetDocument | SlotsDocument, frames: Frames, places: Places) -> None:
+    """Raises `Refused` where a pose is in a frame, or relative to a body, that the cell has not."""
+    if item.body is None:
+        frames.placed(WORLD if item.frame is None else item.frame, AT_ORIGIN)
+        return
+    places.hold(item.body)
+    if item.body not in places:
+        raise Refused(f"the name of a body: {choices(places, item.body)}", "body")

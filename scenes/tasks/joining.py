@@ -54,7 +54,7 @@ class CellFile:
         """Raises `DocumentError` whose fields begin with `cell`."""
         with within_document(OF_CELL):
             self.written: Document = plain(document)
-            read(CellDocument, self.written)
+            self.valid: CellDocument = read(CellDocument, self.written)
 
 
 def joined(cell: object, task: object, given: Mapping[str, object] | None = None) -> Joined:

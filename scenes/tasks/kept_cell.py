@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_BODIES
-from assur.scenes.faults import WHOLE, DocumentError, Gathered, Refused, documented
+from assur.scenes.faults import WHOLE, DocumentError, Gathered, Refused, documented, located
 from assur.scenes.requests import plan_document
 from assur.scenes.schema.read import read_fields
 from assur.scenes.schema.request import RequestDocument
@@ -43,6 +43,28 @@ class KeptCellFile:
         self.alone = RequestDocument.of_cell(read_fields(RequestDocument, stated))
         self._around: Kept = {}
         self._last: tuple[Sequence[BodyDocument], Depends, Surroundings] | None = None
+
+    def check(self) -> None:
+        """Reads and builds all that the cell has: names, meshes, kinds, positions and slots. Raises `DocumentError` at
+        the fields of the cell."""
+        from assur.scenes.reading import bodies
+        from assur.scenes.reading.cell import around
+
+        cell, faults = self.file.valid, Gathered()
+        with located(self.file.written):
+            made = around(self.alone, None, faults)
+            for name, kind in cell.kinds.items():
+                with faults.part("kinds", name):
+                    bodies.solid(name, kind.shape)
+            for key, poses in (("positions", cell.positions), ("slots", cell.slots)):
+                for name, pose in poses.items():
+                    with faults.part(key, name):
+                        bodies.named(pose, made.frames, made.places)
+            try:
+                read_fields(RequestDocument, {"options": self.file.written.get("options", {})})
+            except InputError as error:
+                faults.add(error)
+            faults.settle()
 
     def joined(self, task: object) -> Joined:
         """The request of a task. Raises `DocumentError`; fields of the cell begin with `cell`."""

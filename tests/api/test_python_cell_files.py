@@ -20,7 +20,7 @@ Document = dict[str, Any]
 TIMES = ("elapsed_s", "first_s")
 START: Document = {"joints": {"j1_deg": 20, "j2_deg": 60, "j3_mm": 250, "j4_deg": 0}}
 HOME: list[Document] = [{"move": {"to": "home"}}]
-FIRST: Document = {"stop": "first", "budget_s": 60, "max_candidates": 200}
+FIRST: Document = {"stop": "first", "budget_s": 20, "max_candidates": 200}
 HELD = {"holding": {"part": "held", "grasp_mm": [0, 0, 20]}}
 
 

@@ -229,8 +229,8 @@ def test_meshes_by_digest_are_taken_from_the_folder_and_no_other_bytes_are(tmp_p
         (tmp_path / f"{digest}.mesh").write_bytes(FLANGE + b"x")
         with pytest.raises(InputError, match=digest):
             covered(mesh)
-        assert folder.put_mesh(digest, FLANGE)
-        assert not folder.put_mesh(digest, FLANGE)
+        assert folder.put(digest, FLANGE)
+        assert not folder.put(digest, FLANGE)
         inline = MeshDocument(data=base64.b64encode(FLANGE).decode(), format="stl", unit="cm")
         assert covered(mesh) is covered(inline)
         assert process_covers().known(Key(digest, "stl", "cm")) is not None
@@ -242,19 +242,19 @@ def test_the_folder_keeps_its_quota_and_forgets_what_is_not_used(tmp_path: Path)
     folder = folder_at(tmp_path, quota=3 * LEAST_BYTES, kept_s=100.0)
     digests = [hashlib.sha256(bytes([i])).hexdigest() for i in range(4)]
     for i in range(3):
-        assert folder.put_mesh(digests[i], bytes([i]))
+        assert folder.put(digests[i], bytes([i]))
     with pytest.raises(FolderError) as full:
-        folder.put_mesh(digests[3], bytes([3]))
+        folder.put(digests[3], bytes([3]))
     assert full.value.full
     old = time.time() - 101.0
     os.utime(tmp_path / f"{digests[0]}.mesh", (old, old))
     assert folder.known(digests[0]) is None
-    assert folder.mesh(digests[0]) is None
-    assert folder.put_mesh(digests[3], bytes([3]))
+    assert folder.content(digests[0]) is None
+    assert folder.put(digests[3], bytes([3]))
     assert not (tmp_path / f"{digests[0]}.mesh").exists()
     half = time.time() - 70.0
     os.utime(tmp_path / f"{digests[1]}.mesh", (half, half))
-    assert folder.mesh(digests[1]) == bytes([1])
+    assert folder.content(digests[1]) == bytes([1])
     known = folder.known(digests[1])
     assert known is not None
     assert known.left_s > 90.0
@@ -263,7 +263,7 @@ def test_the_folder_keeps_its_quota_and_forgets_what_is_not_used(tmp_path: Path)
 def test_an_upload_is_kept_as_long_as_after_a_use_and_its_file_is_as_old_as_it_is(tmp_path: Path) -> None:
     folder = folder_at(tmp_path, kept_s=100_000.0)
     began = time.time()
-    assert folder.put_mesh(KEY.digest, FLANGE)
+    assert folder.put(KEY.digest, FLANGE)
     file = tmp_path / f"{KEY.digest}.mesh"
     assert began - 1.0 <= file.stat().st_mtime <= time.time() + 1.0
     kept = folder.known(KEY.digest)
@@ -274,16 +274,16 @@ def test_an_upload_is_kept_as_long_as_after_a_use_and_its_file_is_as_old_as_it_i
 @pytest.mark.parametrize("again", ["upload", "request"])
 def test_a_file_that_is_sent_or_used_again_is_kept_from_then_on(tmp_path: Path, again: str) -> None:
     folder = folder_at(tmp_path, kept_s=100_000.0)
-    folder.put_mesh(KEY.digest, FLANGE)
+    folder.put(KEY.digest, FLANGE)
     old = time.time() - 99_990.0
     os.utime(tmp_path / f"{KEY.digest}.mesh", (old, old))
     before = folder.known(KEY.digest)
     assert before is not None
     assert before.left_s < 11.0  # to ask is no use
     if again == "upload":
-        assert not folder.put_mesh(KEY.digest, FLANGE)
+        assert not folder.put(KEY.digest, FLANGE)
     else:
-        assert folder.mesh(KEY.digest) == FLANGE
+        assert folder.content(KEY.digest) == FLANGE
     after = folder.known(KEY.digest)
     assert after is not None
     assert after.left_s > 99_000.0
@@ -295,7 +295,7 @@ def test_no_two_processes_use_the_same_room(tmp_path: Path) -> None:
 
     def put(content: bytes) -> str:
         try:
-            return str(folder.put_mesh(hashlib.sha256(content).hexdigest(), content))
+            return str(folder.put(hashlib.sha256(content).hexdigest(), content))
         except FolderError as error:
             return f"full: {error.full}"
 
@@ -316,14 +316,14 @@ def test_only_files_of_the_folder_are_read_written_and_removed(tmp_path: Path) -
     os.utime(inside / f".{'0' * 32}.tmp", (old, old))
     os.utime(inside / "notes.txt", (old, old))
     assert folder.known(KEY.digest) is None
-    assert folder.mesh(KEY.digest) is None
-    assert folder.put_mesh(KEY.digest, FLANGE)
+    assert folder.content(KEY.digest) is None
+    assert folder.put(KEY.digest, FLANGE)
     assert not (inside / f"{KEY.digest}.mesh").is_symlink()
     assert outside_.read_bytes() == FLANGE
     assert sorted(path.name for path in inside.iterdir()) == sorted([f"{KEY.digest}.mesh", "notes.txt", ".lock"])
     for name in ("../outside", "x" * 64, KEY.digest.upper(), ""):
         with pytest.raises(InputError):
-            folder.mesh(name)
+            folder.content(name)
     with pytest.raises(FolderError):
         folder.put_cuts("../outside", b"")
     with pytest.raises(InputError, match="a folder that can be read and written"):
@@ -336,7 +336,7 @@ def test_a_folder_that_is_gone_is_told_and_covers_are_found_all_the_same(
     folder = folder_at(tmp_path / "gone")
     (tmp_path / "gone").rmdir()
     with pytest.raises(FolderError, match="No such file"):
-        folder.put_mesh(KEY.digest, FLANGE)
+        folder.put(KEY.digest, FLANGE)
     with caplog.at_level(logging.WARNING, "assur.meshes"):
         assert Covers(folder=folder).cover(KEY, FLANGE).pieces
     assert [record.getMessage() for record in caplog.records] == ["the cuts of a cover are not kept"]

@@ -1,0 +1,86 @@
+"""Cells by the SHA-256 of their documents: sent once, and planned with many tasks from then on."""
+
+from __future__ import annotations
+
+import asyncio
+
+from fastapi import Request
+from starlette.responses import Response
+from typing_extensions import TypedDict
+
+from assur.api.documents import json_response
+from assur.api.problems import Problem
+from assur.api.web import plan_files
+from assur.api.web.clients import client_of
+from assur.api.web.mesh_routes import digest_of, folder_of, keep, require_digest, until
+from assur.api.web.request_log import FACTS
+from assur.api.web.routes import certificate_of, once, read_admitted, service_of, unless_gone
+from assur.api.web.settings import PLAN_BODY_BYTES
+from assur.api.web.uploads import Uploads
+from assur.api.workers import cell_jobs
+from assur.api.workers.answer_parts import NAMES, parts_wanted
+from assur.planner.errors import InputError
+from assur.scenes.meshes.folder import StoredFile
+
+
+class StoredCell(TypedDict):
+    """A cell that is known: its size, and until when it is kept if it is not planned."""
+
+    sha256: str
+    bytes: int
+    expires: str
+
+
+async def put_cell(request: Request) -> Response:
+    folder, digest = folder_of(request), digest_of(request)
+    content = await read_admitted(request, PLAN_BODY_BYTES)
+    require_digest(digest, content)
+    uploads: Uploads = request.app.state.uploads
+    client = client_of(request)
+    uploads.add(client.name, len(content))
+    is_new = False
+    try:
+        await service_of(request).quick(cell_jobs.check_cell, client, content)
+        is_new = await asyncio.to_thread(keep, folder, digest, content, "cell")
+    finally:
+        if not is_new:
+            uploads.take_back(client.name, len(content))
+    request.scope[FACTS]["outcome"] = "new" if is_new else "known"
+    return _response(digest, folder.known(digest, "cell"), 201 if is_new else 200)
+
+
+def show_cell(request: Request) -> Response:
+    folder, digest = folder_of(request), digest_of(request)
+    return _response(digest, folder.known(digest, "cell"), 200)
+
+
+async def plan_task(request: Request) -> Response:
+    folder, digest = folder_of(request), digest_of(request)
+    how, client = plan_files.file_wanted(request), client_of(request)
+    if how is None:
+        certificate = certificate_of(request)
+        try:
+            parts = parts_wanted(*map(request.query_params.get, NAMES))
+        except InputError as error:
+            raise Problem.of_input(error) from error
+        body = await read_admitted(request, PLAN_BODY_BYTES, "certificate", *NAMES)
+    else:
+        body = await read_admitted(request, PLAN_BODY_BYTES, *plan_files.NAMES)
+    if not folder.use(digest, "cell"):
+        raise cell_jobs.unknown(digest)
+    service = service_of(request)
+
+    async def planned() -> Response:
+        if how is None:
+            order = await service.task_order(digest, body, certificate, parts, client)
+        else:
+            order = await service.task_file_order(digest, body, how, client)
+        return await unless_gone(request, service.do(order))
+
+    return await once(request, body, planned)
+
+
+def _response(digest: str, kept: StoredFile | None, status: int) -> Response:
+    if kept is None:
+        raise cell_jobs.unknown(digest)
+    return json_response(StoredCell(sha256=digest, bytes=kept.size, expires=until(kept)), status)
