@@ -14,6 +14,7 @@ from assur.scenes.plan_file import FORM
 from assur.scenes.requests import shipped_scenarios
 from assur.scenes.schema.answer import facts_described
 from assur.scenes.schema.view import ViewDocument
+from assur.scenes.tasks.places import Place
 
 TEXT = """\
 Plans jerk-limited motion of SCARA-class robots through moving control points among moving bodies, proved free of
@@ -64,12 +65,13 @@ class Scenes(TypedDict):
 
 class Parsed(TypedDict):
     """What a scenario's text means: why the cell exists, the request, ready to be posted (not for a cell without a
-    task, whose status is `cell`), and, with `draw`, the view of its cell."""
+    task, whose status is `cell`), and, with `draw`, the view of its cell and where what it shows is written."""
 
     status: Literal["parsed", "cell"]
     about: str
     request: NotRequired[dict[str, Any]]
     view: NotRequired[ViewDocument]
+    places: NotRequired[list[Place]]
 
 
 ROBOTS: dict[str, Any] = {

@@ -30,7 +30,7 @@ from assur.api.web.openapi import (
 )
 from assur.api.web.routes import answered_by
 from assur.api.web.settings import PLAN_BODY_BYTES
-from assur.api.workers import jobs
+from assur.api.workers import jobs, text_jobs
 from assur.api.workers.answer_parts import LEAST_DIGITS, MOST_DIGITS
 from assur.scenes.scenarios import scenario_text
 from assur.scenes.schema.answer import Answer, Verdict
@@ -210,7 +210,7 @@ TABLE = (
     Row("POST", "/v1/ik", answered_by(jobs.ik, PLAN_BODY_BYTES), "solve_ik", "kinematics",
         "All joint positions at a pose of the tool, or the pose of the tool at joints", IkAnswer, WORKED,
         body(ref("IkQuestion"), {"a robot of the catalogue": IK_EXAMPLE})),
-    Row("POST", "/v1/scenes/parse", answered_by(jobs.parse, PLAN_BODY_BYTES), "parse_scene", "scenes",
+    Row("POST", "/v1/scenes/parse", answered_by(text_jobs.parse, PLAN_BODY_BYTES), "parse_scene", "scenes",
         "The request that the text of a scenario means, or its faults with their lines", Parsed, WORKED, TEXT),
     Row("GET", "/v1/robots", routes.list_robots, "list_robots", "kinematics", "The robot catalogue",
         responses=component("Robots")),

@@ -37,12 +37,9 @@ from assur.scenes.requests import (
     view_document,
     with_options,
 )
-from assur.scenes.scenario import with_files
-from assur.scenes.scenarios import CELLS, scenario_in
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import OptionsDocument
 from assur.scenes.schema.shapes import MeshDocument
-from assur.scenes.tasks.task_file import scenario_of_texts
 
 FIRST_PLAN: dict[str, Any] = {
     "schema": "assur/1",
@@ -183,7 +180,7 @@ def of_body(
                     document = _unmarked(document, *left_out)
                 laps.lap("read")
                 if fields and document.keys() != set(fields):
-                    raise _not_allowed(document, allowed)
+                    raise not_allowed(document, allowed)
                 return work(document)
 
             return _guarded(answered, says, laps, stage)
@@ -196,9 +193,6 @@ def of_body(
 BOTH = 'an object with the fields "request" and "plan" and no others, or a plan file'
 REPORTED = 'an object with the fields "request" and "plan", and, if it likes, "title" and "about"'
 EXPORTED = 'an object with the fields "request" and "plan" and how to export it'
-TEXT = (
-    'an object with the fields "text", a scenario in YAML, or "cell", a cell in YAML, or both, and, if it likes, "draw"'
-)
 """What bodies are."""
 LONGEST_TEXT = 2000
 """Longest title of a report, characters."""
@@ -222,7 +216,7 @@ def report(document: dict[str, Any]) -> str:
     about."""
     document = {"title": "plan", "about": "", **document}
     if document.keys() != {"request", "plan", "title", "about"}:
-        raise _not_allowed(document, REPORTED)
+        raise not_allowed(document, REPORTED)
     for name in ("title", "about"):
         if not (isinstance(document[name], str) and len(document[name]) <= LONGEST_TEXT):
             raise InputError(name, document[name], f"a text of up to {LONGEST_TEXT} characters")
@@ -249,39 +243,6 @@ def ik(question: dict[str, Any]) -> dict[str, Any]:
     # null is left for the question to refuse
     request = question.pop("request") if question.get("request") is not None else None
     return ik_document(request, question)
-
-
-@of_body(TEXT, "build", "status")
-def parse(document: dict[str, Any]) -> dict[str, Any]:
-    """What the scenario in {"text": YAML} means: why it exists, and its request with what the shipped files hold that
-    it names. With {"cell": YAML} the text is a task of that cell; without a text it is a cell that has no request yet.
-    With {"draw": true} also the view of the cell, where the arm stands at its start. All faults that show without
-    planning are reported now, each with its line."""
-    given = {"text": None, "cell": None, "draw": False, **document}
-    if given.keys() != {"text", "cell", "draw"} or not {"text", "cell"} & document.keys():
-        raise _not_allowed(document, TEXT)
-    for name in ("text", "cell"):
-        if name in document and not isinstance(given[name], str):
-            raise InputError(name, given[name], "a text")
-    if not isinstance(given["draw"], bool):
-        raise InputError("draw", given["draw"], "true or false")
-    text, cell_text = (
-        None if each is None else each.encode("utf-8", "surrogatepass") for each in (given["text"], given["cell"])
-    )
-    path = CELLS / "text"
-    scenario = scenario_in(text or b"", path) if cell_text is None else scenario_of_texts(text, cell_text, path)
-    with scenario.located():
-        cell = cell_of(scenario.request, folder=scenario.folder)
-        request = with_files(scenario.request, scenario.folder)
-    found: dict[str, Any] = {"status": "cell", "about": scenario.about}
-    found |= {} if text is None else {"status": "parsed", "request": request}
-    if given["draw"]:
-        from assur.scenes.view.document import view_of
-
-        found["view"] = view_of(cell, None)
-        if text is None and "name" not in scenario.request["task"][0]["move"]:  # a cell without positions
-            found["view"]["control_points"] = []
-    return found
 
 
 @of_body(EXPORTED, "export", "format", left_out=TEXTS)
@@ -351,13 +312,13 @@ def _parsed(body: bytes, allowed: str, line: Line | None = None, kind: str = "")
     except InputError as error:
         raise Problem.of_input(error, "bad-syntax") from error
     if not isinstance(document, dict):
-        raise _not_allowed(document, allowed)
+        raise not_allowed(document, allowed)
     if line is not None:
         line.means(lambda: f"{kind} {hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()}")
     return document
 
 
-def _not_allowed(document: object, allowed: str) -> Problem:
+def not_allowed(document: object, allowed: str) -> Problem:
     """The problem of a body that is not what is allowed."""
     found = FieldError("body", shown(document), allowed)
     return Problem("bad-input", str(found), (found,))

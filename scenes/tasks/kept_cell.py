@@ -48,11 +48,11 @@ class KeptCellFile:
         """Reads and builds all that the cell has: names, meshes, kinds, positions and slots. Raises `DocumentError` at
         the fields of the cell."""
         from assur.scenes.reading import bodies
-        from assur.scenes.reading.cell import around
+        from assur.scenes.reading.cell import around, start_of_drift
 
         cell, faults = self.file.valid, Gathered()
         with located(self.file.written):
-            made = around(self.alone, None, faults)
+            made = around(self.alone, (None, start_of_drift(self.alone, 0.0)), faults)
             for name, kind in cell.kinds.items():
                 with faults.part("kinds", name):
                     bodies.solid(name, kind.shape)

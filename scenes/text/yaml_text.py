@@ -32,6 +32,9 @@ BOOLEAN_KEY = re.compile(r"(?:on|off|yes|no|y|n|true|false)\Z", re.IGNORECASE)
 Lines = dict[str, int]
 """Dotted path of every value → the line where it begins (its key's line, in a mapping)."""
 
+Spans = dict[str, tuple[int, int]]
+"""Dotted path of every value → where it begins (its key, in a mapping) and ends, in characters of the text."""
+
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 """libyaml where PyYAML has it; the events are the same."""
 
@@ -62,6 +65,8 @@ class _Open:
     def __init__(self, path: Path, value: dict[str, Any] | list[Any]) -> None:
         self.path, self.value = path, value
         self.key: str | None = None
+        self.last = 0
+        """Where its last value ends, in characters."""
 
 
 def parse_yaml(data: bytes, *, limit_bytes: int = MAX_YAML_BYTES) -> tuple[Any, Lines]:
@@ -70,6 +75,14 @@ def parse_yaml(data: bytes, *, limit_bytes: int = MAX_YAML_BYTES) -> tuple[Any, 
     for event in _events(data, limit_bytes):
         reader.take(event)
     return reader.root, reader.lines
+
+
+def spans_in(data: bytes) -> Spans:
+    """Where each value of a document is written. Raises `DocumentError` with field and line."""
+    reader = _Reader()
+    for event in _events(data, MAX_YAML_BYTES):
+        reader.take(event)
+    return {path: (begin, reader.ends[path]) for path, begin in reader.begins.items()}
 
 
 def parse_documents(data: bytes, *, limit_bytes: int = MAX_YAML_BYTES) -> list[tuple[Any, Lines]]:
@@ -159,11 +172,13 @@ class _Reader:
     def __init__(self) -> None:
         self.root: Any = None
         self.lines: Lines = {}
+        self.begins: dict[str, int] = {}
+        self.ends: dict[str, int] = {}
         self.stack: list[_Open] = []
         self.documents = 0
 
     def take(self, event: Any) -> None:
-        line = event.start_mark.line + 1
+        line, index, end = event.start_mark.line + 1, event.start_mark.index, event.end_mark.index
         if isinstance(event, yaml.DocumentStartEvent):
             self.documents += 1
             if self.documents > 1:
@@ -178,17 +193,27 @@ class _Reader:
         if isinstance(event, yaml.ScalarEvent):
             self._scalar(event, line)
         elif isinstance(event, yaml.MappingStartEvent | yaml.SequenceStartEvent):
-            self._begin({} if isinstance(event, yaml.MappingStartEvent) else [], line)
+            self._begin({} if isinstance(event, yaml.MappingStartEvent) else [], line, index)
         elif isinstance(event, yaml.MappingEndEvent | yaml.SequenceEndEvent):
-            self.stack.pop()
+            top = self.stack.pop()
+            # what is in no brackets ends with its last value: its own end is behind the lines that follow
+            self._ends(top.path, end if end > index else top.last)
+
+    def _ends(self, path: Path, end: int) -> None:
+        self.ends[dotted(path)] = end
+        if self.stack:
+            self.stack[-1].last = end
 
     def _scalar(self, event: Any, line: int) -> None:
         top = self.stack[-1] if self.stack else None
         if top is not None and isinstance(top.value, dict) and top.key is None:
             top.key = self._key(event, top, line)
             self.lines[dotted((*top.path, top.key))] = line
+            self.begins[dotted((*top.path, top.key))] = event.start_mark.index
         else:
-            self._put(_core(event.value) if event.implicit[0] else event.value, line)
+            path = self._path()
+            self._put(_core(event.value) if event.implicit[0] else event.value, line, event.start_mark.index)
+            self._ends(path, event.end_mark.index)
 
     def _key(self, event: Any, top: _Open, line: int) -> str:
         key: str = event.value
@@ -204,20 +229,21 @@ class _Reader:
             self._refuse(key, "each key once", line, (*top.path, key))
         return key
 
-    def _begin(self, value: dict[str, Any] | list[Any], line: int) -> None:
+    def _begin(self, value: dict[str, Any] | list[Any], line: int, index: int) -> None:
         if self.stack and isinstance(self.stack[-1].value, dict) and self.stack[-1].key is None:
             self._refuse("a list or a mapping as a key", "keys that are text", line)
         path = self._path()
         if len(path) >= MAX_DEPTH:
             self._refuse("deeper nesting", f"nesting up to {MAX_DEPTH} levels", line, path[:4])
-        self._put(value, line)
+        self._put(value, line, index)
         self.stack.append(_Open(path, value))
 
-    def _put(self, value: Any, line: int) -> None:
+    def _put(self, value: Any, line: int, index: int) -> None:
         path = self._path()
         if isinstance(value, Refused):
             self._refuse(value.shown, value.allowed, line, path)
         self.lines.setdefault(dotted(path), line)
+        self.begins.setdefault(dotted(path), index)
         if not self.stack:
             self.root = value
             return

@@ -107,7 +107,8 @@ def test_the_text_of_a_scenario_that_is_not_shipped_is_not_found(client: httpx.C
 
 def test_a_drawing_shows_the_arm_at_its_start(client: httpx.Client) -> None:
     told = client.post("/v1/scenes/parse", json={"text": TEXT, "draw": True}).json()
-    view = told.pop("view")
+    view, places = told.pop("view"), told.pop("places")
+    assert [each["kind"] for each in places] == ["robot", "tool", "step"]
     assert told == parsed(client, TEXT).json()
     assert (view["status"], view["refusal"], view["moves"], view["curves"]) == ("not_planned", None, False, None)
     at = client.post("/v1/ik", json={"request": told["request"], "joints": told["request"]["start"]["joints"]}).json()

@@ -25,7 +25,7 @@ def test_a_cell_and_a_task_are_one_request(client: httpx.Client) -> None:
 
 def test_a_cell_alone_is_drawn_with_its_positions_and_has_no_request(client: httpx.Client) -> None:
     told = parsed(client, cell=CELL, draw=True).json()
-    assert told.keys() == {"status", "about", "view"}
+    assert told.keys() == {"status", "about", "view", "places"}
     assert told["status"] == "cell"
     assert [point["name"] for point in told["view"]["control_points"]] == ["home"]
     assert {"table"} <= {body["name"] for body in told["view"]["bodies"]}
@@ -61,3 +61,33 @@ def test_a_fault_is_told_in_its_text_and_at_its_line(client: httpx.Client, body:
     assert response.status_code == 422, response.text
     found = [(each["field"], each.get("line")) for each in response.json()["errors"]]
     assert (field, line) in found
+
+
+def test_what_is_drawn_is_where_it_is_written(client: httpx.Client) -> None:
+    emoji = f"# \U0001f600\n{TASK}"  # two units of UTF-16, which JavaScript counts
+    told = parsed(client, text=emoji, cell=CELL, draw=True).json()
+    texts = {"text": emoji.encode("utf-16-le"), "cell": CELL.encode("utf-16-le")}
+    found = {
+        (each["kind"], each["name"]): texts[each["written"]][2 * each["begin"] : 2 * each["end"]].decode("utf-16-le")
+        for each in told["places"]
+    }
+    assert found["body", "table"] == CELL.split("bodies: [")[1].split("]\npositions")[0]
+    assert found["body", "c"] == "{name: c, kind: bracket, slot: {box: 2}}"
+    assert found["robot", ""] == "robot: {model: mitsubishi-rh-6frh5520, tool: {tcp_mm: [0, 0, -100]}}"
+    assert found["tool", ""] == "tool: {tcp_mm: [0, 0, -100]}"
+    assert found["step", "0"] == found["step", "1"] == "transfer: {parts: [a, b], to: box, window_mm: [-300, 250]}"
+    assert found["step", "4"] == "move: {to: home}"
+    alone = parsed(client, cell=CELL, draw=True).json()["places"]
+    (home,) = [each for each in alone if each["kind"] == "step"]
+    assert CELL[home["begin"] : home["end"]] == "home: {at_mm: [350, 0, 150]}"
+
+
+def test_a_block_ends_with_its_last_value(client: httpx.Client) -> None:
+    text = client.get("/v1/scenes/demo/text").text
+    told = parsed(client, text=text, draw=True).json()
+    found = {(each["kind"], each["name"]): text[each["begin"] : each["end"]] for each in told["places"]}
+    assert found["body", "part"].startswith("name: part\n")
+    assert found["body", "part"].endswith("yaw_symmetry: 2")
+    assert found["body", "bar"].startswith("{name: bar,")
+    assert found["step", "0"].startswith("pick:\n")
+    assert found["step", "0"].endswith("depart: {mm: 40}")

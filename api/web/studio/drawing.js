@@ -5,8 +5,8 @@ const find = (id) => document.getElementById(id);
 let player = null; // null: it has not come, or this browser cannot draw
 let drawn = null; // what is drawn, or will be once there is a player: { view, still, alone }
 
-// Loads the player. `framed` is called with its window.
-export async function begin(framed) {
+// Loads the player. `framed` is called with its window, `picked` with a body that is clicked.
+export async function begin(framed, picked) {
   if (find("drawing").querySelector("iframe")) return;
   const frame = document.createElement("iframe");
   frame.title = "The cell at its start";
@@ -16,6 +16,7 @@ export async function begin(framed) {
   await loaded;
   player = frame.contentWindow.assur || null;
   framed(frame.contentWindow);
+  if (player !== null) player.picked = picked;
   if (drawn !== null) show(drawn.view, drawn.still, drawn.alone);
 }
 
@@ -25,6 +26,11 @@ export function show(view, still, alone) {
   find("drawn").textContent = alone ? "without a task: somewhere within its limits" : "at its start, without a plan";
   mark("");
   if (player !== null) player.take(view, still);
+}
+
+// Marks what is written at a place of the text: { kind, name } of the service, nothing for none.
+export function choose(place) {
+  if (player !== null && drawn !== null) player.mark(place);
 }
 
 // Why the cell that is drawn is not that of the text; nothing: it is.

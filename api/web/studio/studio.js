@@ -33,9 +33,13 @@ function number(faults = new Set()) {
 function goTo(line) {
   const before = text.value.split("\n").slice(0, line - 1).join("\n").length + (line > 1 ? 1 : 0);
   const length = (text.value.split("\n")[line - 1] || "").length;
+  select(before, before + length);
+}
+
+function select(begin, end) {
   text.focus();
-  text.setSelectionRange(before, before + length);
-  text.scrollTop = Math.max(0, (line - 6) * 20);
+  text.setSelectionRange(begin, end);
+  text.scrollTop = Math.max(0, (text.value.slice(0, begin).split("\n").length - 6) * 20);
 }
 
 const fault = (error) =>
@@ -97,6 +101,7 @@ const MOMENT_MS = 120;
 const FAULT_MS = 600;
 const after = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 let examined = null; // the promise of what is sent
+let places = []; // where what is drawn is written, of the text that is drawn
 let replaced = true; // whether the text is another one than that of the drawing, and no change of it
 
 async function examine() {
@@ -110,16 +115,45 @@ async function examine() {
     const { kind } = kindOf(text.value);
     if (kind !== "text") return note(`This is a ${kind} in JSON. Plan takes it.`);
     const question = { ...readable(text.value, scenario), draw: true };
-    const { status, view } = await (await ask("v1/scenes/parse", question, { quiet: true })).json();
+    const { status, view, places: written } = await (await ask("v1/scenes/parse", question, { quiet: true })).json();
     if (!latest()) return undefined;
     drawing.show(view, !replaced, status === "cell");
     replaced = false;
+    places = written;
+    chooseAtCaret();
     return answers.settle();
   }, (problem) => {
     if (latest()) drawing.mark("The text has changed since, and has a fault.");
     patient.then(() => latest() && tellFaults(problem));
   });
   await examined;
+}
+
+// ---- what is drawn and where it is written ----------------------------------------------------------------------
+
+const shownAs = () => (partOf(text.value) === "cell" ? "cell" : "text");
+
+// Marks in the drawing what is written at the caret, or else in its line: the innermost.
+function chooseAtCaret() {
+  const at = text.selectionStart;
+  const here = places.filter(({ written }) => written === shownAs());
+  const line = [text.value.lastIndexOf("\n", at - 1) + 1, (text.value + "\n").indexOf("\n", at)];
+  const within = (from, to) => here.filter(({ begin, end }) => begin <= to && end >= from).sort((a, b) => a.end - a.begin - (b.end - b.begin));
+  drawing.choose(within(at, at)[0] || within(...line)[0]);
+}
+
+// Selects the lines of a body that was clicked, in the text that has them.
+function showPlace({ name: body, kind }) {
+  const own = ["robot", "tool"].includes(kind) ? [kind, ""] : ["body", body];
+  const place = places.find((each) => each.kind === own[0] && each.name === own[1]) || places.find((each) => each.kind === kind);
+  if (!place) return;
+  if (place.written !== shownAs()) {
+    const cell = cellOf(text.value);
+    if (cell === null) return;
+    showDraft(cell);
+    listTexts();
+  }
+  select(place.begin, place.end);
 }
 
 // ---- texts that are kept ----------------------------------------------------------------------------------------
@@ -412,7 +446,7 @@ function offerCell() {
 async function connect(quiet = false) {
   if (connected) return;
   const { scenes } = await (await ask("v1/scenes", undefined, { quiet })).json();
-  await Promise.all([answers.offerFormats(), drawing.begin(framed)]);
+  await Promise.all([answers.offerFormats(), drawing.begin(framed, showPlace)]);
   answers.settle();
   find("shipped").replaceChildren(...scenes.map((each) => new Option(each.name, each.name)));
   connected = true;
@@ -442,6 +476,7 @@ text.addEventListener("beforeinput", (event) => { // by a menu of the browser
   step(event.inputType === "historyUndo" ? -1 : 1);
 });
 text.addEventListener("paste", pasted);
+document.addEventListener("selectionchange", () => document.activeElement === text && chooseAtCaret());
 text.addEventListener("scroll", () => (find("lines").scrollTop = text.scrollTop));
 find("plan").addEventListener("click", plan);
 find("cancel").addEventListener("click", () => attempt(cancel)); // the job may have ended meanwhile

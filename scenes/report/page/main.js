@@ -9,6 +9,8 @@ import { Tracks } from "./tracks.js";
 // Frames that take longer than this on average, s, have fewer pixels while the motion plays; so few at the least.
 const SLOW_S = 0.045;
 const LEAST_SHARE = 0.4;
+// A pointer that moves by more than this is no click.
+const CLICK_PX = 4;
 const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2];
 const KINDS = { robot: "robot", tool: "tool", part: "parts", body: "bodies", neighbour: "other robots" };
 const find = (id) => document.getElementById(id);
@@ -90,6 +92,9 @@ class Player {
     this.camera = new Camera();
     this.charts = [];
     steer(this.canvas, this.camera, () => this.draw());
+    this.picked = null; // called with the body that was clicked, by a page that has one to tell
+    this.canvas.addEventListener("pointerdown", ({ clientX, clientY }) => (this.pressed = [clientX, clientY]));
+    this.canvas.addEventListener("click", (event) => this.pick(event));
     this.controls();
     new ResizeObserver(() => this.draw()).observe(this.canvas);
     this.resized = new ResizeObserver(() => this.charts.forEach((chart) => chart.draw(this.t)));
@@ -184,6 +189,25 @@ class Player {
   see(state) {
     Object.assign(this.camera, state, { moved: true });
     this.draw();
+  }
+
+  // Marks bodies by their kind, or one by its name, and a control point by its step; nothing: none.
+  mark({ kind, name } = {}) {
+    const { bodies, control_points: points } = this.view;
+    const is = (body) => (kind === "body" ? body.name === name && !["robot", "tool"].includes(body.kind) : body.kind === kind);
+    this.renderer.chosen = [bodies.findIndex(is), bodies.findLastIndex(is)];
+    find("labels").querySelectorAll(".label:not(.distance)").forEach((label, k) =>
+      label.classList.toggle("chosen", kind === "step" && String(points[k].step) === name),
+    );
+    this.draw();
+  }
+
+  // A click that has not moved the camera.
+  pick({ clientX, clientY }) {
+    if (this.picked === null || Math.hypot(clientX - this.pressed[0], clientY - this.pressed[1]) > CLICK_PX) return;
+    const { left, top } = this.canvas.getBoundingClientRect();
+    const number = this.renderer.bodyAt(clientX - left, clientY - top);
+    if (number >= 0) this.picked(this.view.bodies[number]);
   }
 
   faster(by) {

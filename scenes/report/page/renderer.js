@@ -1,6 +1,6 @@
 // Draws a view at an instant. What is drawn where says tracks.js; how it looks says this file.
 import { batches, FLOATS_PER_VERTEX } from "./geometry.js";
-import { clamp, matrixOf, project, rotate, unit } from "./numbers.js";
+import { clamp, matrixOf, multiply, project, rotate, unit } from "./numbers.js";
 import {
   FLOOR_FRAGMENT, FLOOR_VERTEX, LINE_FRAGMENT, LINE_VERTEX, SOLID_FRAGMENT, SOLID_VERTEX,
 } from "./shaders.js";
@@ -61,6 +61,7 @@ export class Renderer {
       gl.deleteBuffer(buffer);
     }
     this.tracks = tracks;
+    this.chosen = [-1, -1]; // the first and the last of the bodies that are marked
     this.batches = batches(tracks.view).map((batch) => this.uploaded(batch));
     this.path = this.ribbon(pathOf(tracks.toolPath));
     this.pairLine = this.ribbon(new Float32Array(8));
@@ -191,6 +192,8 @@ export class Renderer {
     gl.uniform3fv(u.hotColour, theme.hot);
     gl.uniform2fv(u.hot, this.hot);
     gl.uniform1f(u.hotShare, this.hotShare);
+    gl.uniform2fv(u.chosen, this.chosen);
+    gl.uniform3fv(u.chosenColour, theme.accent);
     gl.uniform3fv(u.focus, this.focus);
     gl.uniform1f(u.hole, 0.6 * camera.box.radius);
     gl.uniform1f(u.seconds, this.t);
@@ -358,6 +361,30 @@ export class Renderer {
     const colour = [...this.theme.accent, 1];
     this.drawLines(this.pairLine, IDENTITY, 6, colour, colour);
     gl.enable(gl.DEPTH_TEST);
+  }
+
+  // The number of the body that is seen at a place of the canvas, in pixels of CSS; -1: there is none.
+  bodyAt(left, top) {
+    const { clientWidth, clientHeight } = this.canvas;
+    const [x, y] = [(2 * left) / clientWidth - 1, 1 - (2 * top) / clientHeight];
+    let [found, nearest] = [-1, Infinity];
+    this.batches.forEach(({ solid, vertices }, k) => {
+      const matrix = multiply(this.matrix, this.poses[k]);
+      for (let at = 0; at < vertices; at += 3) {
+        const [a, b, c] = [0, 1, 2].map((corner) => {
+          const from = (at + corner) * FLOATS_PER_VERTEX;
+          return project(matrix, solid.subarray(from, from + 3));
+        });
+        if (a[3] <= 0 || b[3] <= 0 || c[3] <= 0) continue;
+        const side = (p, q) => (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
+        const [u, v, w] = [side(b, c), side(c, a), side(a, b)];
+        const whole = u + v + w;
+        if (whole === 0 || u / whole < 0 || v / whole < 0 || w / whole < 0) continue;
+        const depth = (u * a[2] + v * b[2] + w * c[2]) / whole;
+        if (depth < nearest) [found, nearest] = [solid[at * FLOATS_PER_VERTEX + 10], depth];
+      }
+    });
+    return found;
   }
 
   // Where a point of the world is on the page, in pixels of CSS from the corner of the canvas.

@@ -34,8 +34,8 @@ export const SOLID_FRAGMENT = `${HEAD}
 in vec3 world, facing;
 flat in float kind, body;
 uniform vec3 colours[5];
-uniform vec3 eye, light, hotColour, tint;
-uniform vec2 hot;
+uniform vec3 eye, light, hotColour, chosenColour, tint;
+uniform vec2 hot, chosen;
 uniform vec3 focus;
 uniform float alpha, tinted, lit, hotShare, hole;
 out vec4 colour;
@@ -50,6 +50,7 @@ void main() {
   if (lit > 0.5 && hides()) discard;
   vec3 base = mix(colours[int(kind + 0.5)], tint, tinted);
   if (abs(body - hot.x) < 0.5 || abs(body - hot.y) < 0.5) base = mix(base, hotColour, hotShare);
+  if (body > chosen.x - 0.5 && body < chosen.y + 0.5) base = mix(base, chosenColour, 0.6);
   if (lit < 0.5) { colour = vec4(base, alpha); return; }
   vec3 n = normalize(facing);
   vec3 toEye = normalize(eye - world);
