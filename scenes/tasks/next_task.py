@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 Document = dict[str, Any]
 PLACES = ("pose", "slot")
 """Fields that say where a part is."""
+BEYOND_SLOTS = ("at_s", "pitch_deg", "pitch_rad", "roll_deg", "roll_rad")
+"""Fields of a pose that no slot has: a part with one of them keeps its pose."""
 SAME = ("robot", "frames", "neighbours")
 """Fields of the request of a plan that the request of the next task has as well: the state of the plan is one of
 them."""
@@ -51,7 +53,7 @@ class EndState:
 
     def body(self, written: Document, slots: Mapping[tuple[object, ...], Document]) -> Document:
         """A body or a part at the end of the plan. `written`: at its start, or without a place. `slots`: that in which
-        a part is at a frame and a position."""
+        a part is at a frame and a pose."""
         name = written["name"]
         placed = {key: value for key, value in written.items() if key not in PLACES}
         if name in self.uncertainty:
@@ -59,11 +61,12 @@ class EndState:
         if name == self.held:
             return placed
         frame, pose = self.places[name]
-        slot = slots.get((frame, pose.x, pose.y, pose.z))
-        if slot is not None:
+        slot = slots.get(_key(frame, pose))
+        own = None if name in self.moved else written.get("pose")
+        if slot is not None and (own is None or not own.keys() & {*BEYOND_SLOTS}):
             return {**placed, "slot": slot}
-        if name not in self.moved and "pose" in written:
-            return {**placed, "pose": written["pose"]}
+        if own is not None:
+            return {**placed, "pose": own}
         return {**placed, "pose": {"frame": frame, "at_m": [pose.x, pose.y, pose.z], "yaw_rad": pose.yaw}}
 
 
@@ -166,12 +169,17 @@ def hold_same(request: RequestDocument, end: EndState) -> None:
 
 
 def _slots(cell: Document, read_cell: Cell) -> dict[tuple[object, ...], Document]:
-    """The slots of a cell by their frame, which has a law, and their position in it."""
+    """The slots of a cell by their frame, which has a law, and their pose in it."""
     from assur.scenes.reading.bodies import resolve
 
     found: dict[tuple[object, ...], Document] = {}
     for grid, number, written in slot_poses(cell.get("slots", {})):
         place: PlaceInCell = read(PlaceInCell, written)
         frame, pose = resolve(place, place.yaw_rad, read_cell.frames, read_cell.places)
-        found[frame, pose.x, pose.y, pose.z] = {grid: number}
+        found[_key(frame, pose)] = {grid: number}
     return found
+
+
+def _key(frame: str, pose: Pose) -> tuple[object, ...]:
+    """What two poses have in common that are the same: a part lies in a slot in its place and with its yaw."""
+    return frame, pose.x, pose.y, pose.z, pose.yaw

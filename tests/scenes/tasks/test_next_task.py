@@ -111,6 +111,17 @@ def test_a_filled_slot_stays_filled_and_a_part_keeps_its_kind() -> None:
         assur.Cell(read(CELL)).request(**again)
 
 
+@pytest.mark.parametrize(
+    "other", [{"yaw_deg": 90}, {"pitch_deg": 90}, {"roll_rad": 0.5}, {"at_s": 0.5}], ids=lambda other: next(iter(other))
+)
+def test_a_part_at_the_point_of_a_slot_that_lies_otherwise_keeps_its_pose(other: Document) -> None:
+    pose = {"frame": "shelf", "at_mm": [0, 0, 0], **other}
+    task = read(TASK) | {"parts": [{"name": "a", "kind": "bracket", "pose": pose}], "steps": [{"move": {"to": "home"}}]}
+    before = assur.Cell(read(CELL)).plan(**fields(task), certificate="digest")
+    assert before.planned, before.sentence
+    assert before.next_task([{"move": {"to": "home"}}])["parts"] == task["parts"]
+
+
 def test_what_a_plan_proves_of_a_part_that_it_put_down_is_how_well_it_is_known() -> None:
     task, before = planned().next_task([{"move": {"to": "home"}}]), planned()
     error = next(each for each in before.arrivals if each["control_point"] == "place-a")["error"]
