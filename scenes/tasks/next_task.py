@@ -152,7 +152,7 @@ def next_task(cell: Document, task: Document, end: EndState, parts: Sequence[Doc
     for part in task.get("parts", ()):
         before = known.pop(part["name"], {})
         if before and not part.keys() & {*PLACES}:
-            part = end.body({key: before[key] for key in PLACES if key in before} | part, slots)
+            part = end.body({key: before[key] for key in (*PLACES, "uncertainty") if key in before} | part, slots)
         listed.append(part)
     listed += [end.body(part, slots) for part in known.values()]
     names = {part["name"] for part in listed}

@@ -247,6 +247,24 @@ def test_a_task_file_continues_a_plan_file(folder: Path) -> None:
     assert place["to"]["at_m"] == [0.075, 0.0, 0.0]
 
 
+def test_a_part_that_is_listed_without_a_place_is_known_no_better_than_before(folder: Path) -> None:
+    task = read(TASK) | {"steps": [{"move": {"to": "home"}}]}
+    far = {"name": "c", "kind": "bracket", "pose": {"at_mm": [330, 60, 60]}, "uncertainty": {"position_mm": 5}}
+    task["parts"].append(far)
+    before = assur.Cell(read(CELL)).plan(**fields(task))
+    assert before.planned, before.sentence
+    before.save(folder / "plan.json")
+    (folder / "next.yaml").write_text(
+        NEXT.replace("steps:", "parts: [{name: c, kind: bracket}]\nsteps:").replace(
+            "{transfer: {parts: [b], to: box}}", "{move: {to: home}}"
+        )
+    )
+    code, output, held = run(folder)
+    assert code == 0, output
+    bodies = {body["name"]: body for body in held["request"]["bodies"]}
+    assert bodies["c"]["uncertainty"] == far["uncertainty"]
+
+
 def test_a_place_that_the_task_states_counts_more_than_that_of_the_plan(folder: Path) -> None:
     seen = "parts: [{name: b, kind: bracket, pose: {frame: belt, at_mm: [-690, 5, 10]}}]\nsteps:"
     (folder / "next.yaml").write_text(NEXT.replace("steps:", seen))
