@@ -38,14 +38,15 @@ class EndState:
     """The state in which the plan for `request` ends, in the `cell` of that; `document`: the request as written.
 
     `start`: the state as the start of what comes next. `uncertainty`: of each body that was handled, or is known less
-    well than at the start of the plan. `moved`: bodies that were put down elsewhere. `places`: frame and pose of every
-    body; of the part that is `held` those from which it was taken.
+    well than at the start of the plan. `handled`: bodies that were gripped. `moved`: bodies that were put down
+    elsewhere. `places`: frame and pose of every body; of the part that is `held` those from which it was taken.
     """
 
     document: Document
     request: RequestDocument
     start: Document
     uncertainty: Mapping[str, Document]
+    handled: frozenset[str]
     moved: frozenset[str]
     places: Mapping[str, tuple[str, Pose]]
     held: str | None
@@ -88,6 +89,7 @@ def end_state(request: Document, answer: object) -> EndState:
             raise DocumentError(f"{PLAN}.arrivals[{i}].error", NOTHING, "how far the tool may be off, or null")
     scene, last = cell.scene, phases(cell.scene, legs, arrivals)[-1]
     uncertainty = {name: asdict(each) for name, each in last.handled.within}
+    handled = frozenset(uncertainty)
     start = _start(answer["trajectory"])
     held = last.attached.held
     if held is not None:
@@ -105,7 +107,9 @@ def end_state(request: Document, answer: object) -> EndState:
         if off_m > 0.0:
             known = uncertainty.get(body.name, vars(body.uncertainty))
             uncertainty[body.name] = {**known, "position_m": known["position_m"] + off_m}
-    return EndState(request, stated, start, uncertainty, moved, places, None if held is None else held.part, cell)
+    return EndState(
+        request, stated, start, uncertainty, handled, moved, places, None if held is None else held.part, cell
+    )
 
 
 def _has_time(body: BodyDocument) -> bool:
@@ -143,6 +147,10 @@ def next_task(cell: Document, task: Document, end: EndState, parts: Sequence[Doc
             raise fault(task, ("start",), "none: the task begins where the plan ends")
     with within_document(OF_CELL):
         read(CellDocument, cell)
+        for i, body in enumerate(cell.get("bodies", ())):
+            if body["name"] in end.handled:
+                allowed = "a body that no step of the plan handles: what steps handle is one of the parts of a task"
+                raise fault(cell, ("bodies", i, "name"), allowed)
         slots = _slots(cell, end.cell)
     if parts is None:
         own = {body["name"] for body in cell.get("bodies", ())}

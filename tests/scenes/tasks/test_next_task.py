@@ -172,6 +172,19 @@ def test_a_part_that_the_gripper_holds_is_held_as_it_was_gripped() -> None:
     assert assur.check(after.request or {}, after)["ok"]
 
 
+@pytest.mark.parametrize("put_down", [True, False])
+def test_a_body_of_the_cell_that_a_plan_moved_is_not_back_at_its_place_in_silence(put_down: bool) -> None:
+    cell = read(CELL)
+    lid = {"name": "lid", "shape": {"box": {"size_mm": [60, 40, 20]}}, "mass_kg": 0.1, "pose": {"at_mm": [330, 60, 60]}}
+    cell["bodies"].append(lid)
+    place = {"part": "lid", "to": {"at_mm": [330, -230, 60], "yaw_deg": 0}, "contact_with": ["table"]}
+    steps = [{"pick": {"part": "lid", "grasp_mm": [0, 0, 10]}}, *([{"place": place}] if put_down else [])]
+    before = assur.Cell(cell).plan(**fields(read(TASK)) | {"parts": [], "steps": steps}, certificate="digest")
+    assert before.planned, before.sentence
+    with pytest.raises(InputError, match=r"cell\.bodies\[2\]\.name: .*no step of the plan handles"):
+        before.next_task([{"move": {"to": "home"}}])
+
+
 def test_after_a_request_comes_a_request() -> None:
     of = planned()
     before = Answer(of.document, of.request)
