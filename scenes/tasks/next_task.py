@@ -74,7 +74,9 @@ class EndState:
 def end_state(request: Document, answer: object) -> EndState:
     """The state in which the plan in an answer to a request ends. The plan is not checked here. Raises `InputError`
     naming the field of the request, or one below `plan`."""
+    from assur.planner.laws.law import PoseUncertainty
     from assur.planner.model.phases import phases
+    from assur.scenes.reading.bodies import drifted
     from assur.scenes.reading.plan import PLAN, motion_of
     from assur.scenes.requests import cell_of, refused, validate
 
@@ -103,10 +105,11 @@ def end_state(request: Document, answer: object) -> EndState:
             del uncertainty[body.name]
         if (held is not None and body.name == held.part) or (_has_time(body) and body.name not in moved):
             continue  # how well the one is known the grip says, and the other the time of its pose
-        off_m = scene.frames[places[body.name][0]].uncertainty.speed_m_s * (trajectory.end - trajectory.start)
+        frame = scene.frames[places[body.name][0]]
+        off_m = frame.uncertainty.speed_m_s * (trajectory.end - trajectory.start)
         if off_m > 0.0:
-            known = uncertainty.get(body.name, vars(body.uncertainty))
-            uncertainty[body.name] = {**known, "position_m": known["position_m"] + off_m}
+            known = PoseUncertainty(**uncertainty.get(body.name, vars(body.uncertainty)))
+            uncertainty[body.name] = asdict(drifted(known, off_m, frame.law))
     return EndState(
         request, stated, start, uncertainty, handled, moved, places, None if held is None else held.part, cell
     )

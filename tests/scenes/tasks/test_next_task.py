@@ -147,6 +147,20 @@ def test_what_rides_on_a_belt_of_uncertain_speed_is_known_less_well_by_the_time_
     assert again["set"]["bodies.mark.uncertainty"]["position_m"] == off_m + 0.002 * second.duration_s
 
 
+def test_what_rides_on_a_lift_of_uncertain_speed_is_known_less_well_up_and_down() -> None:
+    cell = read(CELL)
+    lift = {"at_mm": [0, -500, 0], "velocity_mm_s": [0, 30, 40]}
+    cell["frames"]["lift"] = {"linear": lift, "uncertainty": {"speed_mm_s": 5}}
+    box = {"box": {"size_mm": [60, 40, 20]}}
+    cell["bodies"].append({"name": "load", "shape": box, "pose": {"frame": "lift", "at_mm": [0, 0, 0]}})
+    steps = [{"move": {"to": "home"}}]
+    before = assur.Cell(cell).plan(**fields(read(TASK)) | {"parts": [], "steps": steps}, certificate="digest")
+    assert before.planned, before.sentence
+    known, off_m = before.next_task(steps)["set"]["bodies.load.uncertainty"], 0.005 * before.duration_s
+    assert known["position_m"] == pytest.approx(0.6 * off_m)
+    assert known["vertical_m"] == pytest.approx(0.8 * off_m)
+
+
 def test_of_a_part_with_a_time_the_error_counts_from_that_time_and_not_twice() -> None:
     task = read(TASK)
     task["parts"][1]["pose"] = {"frame": "belt", "at_mm": [-700, 0, 10], "at_s": -1.0}
