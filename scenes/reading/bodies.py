@@ -181,13 +181,13 @@ def world_body(
         drift_m = 0.0 if start_s is None else speed_m_s * abs(start_s - at_s)
         if drift_m > 0.0:
             places.drifting.add(item.name)
-            within_m = _drifted(within_m, drift_m, frames.laws[frame].law)
+            within_m = drifted(within_m, drift_m, frames.laws[frame].law)
     return WorldBody(body, frame, pose, item.mass_kg, item.yaw_symmetry, within_m, at_s)
 
 
-def _drifted(within: PoseUncertainty, drift_m: float, law: Law) -> PoseUncertainty:
-    """How far a body may be from its pose whose frame, from the time of the pose until the start, may have gone by
-    `drift_m` more or less: along its line, or else in every horizontal direction."""
+def drifted(within: PoseUncertainty, drift_m: float, law: Law) -> PoseUncertainty:
+    """How far a body may be from its pose whose frame, since the time of the pose, may have gone by `drift_m` more or
+    less: along its line, or else in every horizontal direction."""
     line = law.line
     level, upright = (1.0, 0.0) if line is None else (math.hypot(line[0], line[1]), abs(float(line[2])))
     return replace(

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 Document = dict[str, Any]
 PLACES = ("pose", "slot")
 """Fields that say where a part is."""
+BEYOND_SLOTS = ("at_s", "pitch_deg", "pitch_rad", "roll_deg", "roll_rad")
+"""Fields of a pose that no slot has: a part with one of them keeps its pose."""
 SAME = ("robot", "frames", "neighbours")
 """Fields of the request of a plan that the request of the next task has as well: the state of the plan is one of
 them."""
@@ -36,14 +38,15 @@ class EndState:
     """The state in which the plan for `request` ends, in the `cell` of that; `document`: the request as written.
 
     `start`: the state as the start of what comes next. `uncertainty`: of each body that was handled, or is known less
-    well than at the start of the plan. `moved`: bodies that were put down elsewhere. `places`: frame and pose of every
-    body; of the part that is `held` those from which it was taken.
+    well than at the start of the plan. `handled`: bodies that were gripped. `moved`: bodies that were put down
+    elsewhere. `places`: frame and pose of every body; of the part that is `held` those from which it was taken.
     """
 
     document: Document
     request: RequestDocument
     start: Document
     uncertainty: Mapping[str, Document]
+    handled: frozenset[str]
     moved: frozenset[str]
     places: Mapping[str, tuple[str, Pose]]
     held: str | None
@@ -51,7 +54,7 @@ class EndState:
 
     def body(self, written: Document, slots: Mapping[tuple[object, ...], Document]) -> Document:
         """A body or a part at the end of the plan. `written`: at its start, or without a place. `slots`: that in which
-        a part is at a frame and a position."""
+        a part is at a frame and a pose."""
         name = written["name"]
         placed = {key: value for key, value in written.items() if key not in PLACES}
         if name in self.uncertainty:
@@ -59,18 +62,21 @@ class EndState:
         if name == self.held:
             return placed
         frame, pose = self.places[name]
-        slot = slots.get((frame, pose.x, pose.y, pose.z))
-        if slot is not None:
+        slot = slots.get(_key(frame, pose))
+        own = None if name in self.moved else written.get("pose")
+        if slot is not None and (own is None or not own.keys() & {*BEYOND_SLOTS}):
             return {**placed, "slot": slot}
-        if name not in self.moved and "pose" in written:
-            return {**placed, "pose": written["pose"]}
+        if own is not None:
+            return {**placed, "pose": own}
         return {**placed, "pose": {"frame": frame, "at_m": [pose.x, pose.y, pose.z], "yaw_rad": pose.yaw}}
 
 
 def end_state(request: Document, answer: object) -> EndState:
     """The state in which the plan in an answer to a request ends. The plan is not checked here. Raises `InputError`
     naming the field of the request, or one below `plan`."""
+    from assur.planner.laws.law import PoseUncertainty
     from assur.planner.model.phases import phases
+    from assur.scenes.reading.bodies import drifted
     from assur.scenes.reading.plan import PLAN, motion_of
     from assur.scenes.requests import cell_of, refused, validate
 
@@ -85,6 +91,7 @@ def end_state(request: Document, answer: object) -> EndState:
             raise DocumentError(f"{PLAN}.arrivals[{i}].error", NOTHING, "how far the tool may be off, or null")
     scene, last = cell.scene, phases(cell.scene, legs, arrivals)[-1]
     uncertainty = {name: asdict(each) for name, each in last.handled.within}
+    handled = frozenset(uncertainty)
     start = _start(answer["trajectory"])
     held = last.attached.held
     if held is not None:
@@ -98,11 +105,14 @@ def end_state(request: Document, answer: object) -> EndState:
             del uncertainty[body.name]
         if (held is not None and body.name == held.part) or (_has_time(body) and body.name not in moved):
             continue  # how well the one is known the grip says, and the other the time of its pose
-        off_m = scene.frames[places[body.name][0]].uncertainty.speed_m_s * (trajectory.end - trajectory.start)
+        frame = scene.frames[places[body.name][0]]
+        off_m = frame.uncertainty.speed_m_s * (trajectory.end - trajectory.start)
         if off_m > 0.0:
-            known = uncertainty.get(body.name, vars(body.uncertainty))
-            uncertainty[body.name] = {**known, "position_m": known["position_m"] + off_m}
-    return EndState(request, stated, start, uncertainty, moved, places, None if held is None else held.part, cell)
+            known = PoseUncertainty(**uncertainty.get(body.name, vars(body.uncertainty)))
+            uncertainty[body.name] = asdict(drifted(known, off_m, frame.law))
+    return EndState(
+        request, stated, start, uncertainty, handled, moved, places, None if held is None else held.part, cell
+    )
 
 
 def _has_time(body: BodyDocument) -> bool:
@@ -140,6 +150,10 @@ def next_task(cell: Document, task: Document, end: EndState, parts: Sequence[Doc
             raise fault(task, ("start",), "none: the task begins where the plan ends")
     with within_document(OF_CELL):
         read(CellDocument, cell)
+        for i, body in enumerate(cell.get("bodies", ())):
+            if body["name"] in end.handled:
+                allowed = "a body that no step of the plan handles: what steps handle is one of the parts of a task"
+                raise fault(cell, ("bodies", i, "name"), allowed)
         slots = _slots(cell, end.cell)
     if parts is None:
         own = {body["name"] for body in cell.get("bodies", ())}
@@ -149,7 +163,7 @@ def next_task(cell: Document, task: Document, end: EndState, parts: Sequence[Doc
     for part in task.get("parts", ()):
         before = known.pop(part["name"], {})
         if before and not part.keys() & {*PLACES}:
-            part = end.body({key: before[key] for key in PLACES if key in before} | part, slots)
+            part = end.body({key: before[key] for key in (*PLACES, "uncertainty") if key in before} | part, slots)
         listed.append(part)
     listed += [end.body(part, slots) for part in known.values()]
     names = {part["name"] for part in listed}
@@ -166,12 +180,17 @@ def hold_same(request: RequestDocument, end: EndState) -> None:
 
 
 def _slots(cell: Document, read_cell: Cell) -> dict[tuple[object, ...], Document]:
-    """The slots of a cell by their frame, which has a law, and their position in it."""
+    """The slots of a cell by their frame, which has a law, and their pose in it."""
     from assur.scenes.reading.bodies import resolve
 
     found: dict[tuple[object, ...], Document] = {}
     for grid, number, written in slot_poses(cell.get("slots", {})):
         place: PlaceInCell = read(PlaceInCell, written)
         frame, pose = resolve(place, place.yaw_rad, read_cell.frames, read_cell.places)
-        found[frame, pose.x, pose.y, pose.z] = {grid: number}
+        found[_key(frame, pose)] = {grid: number}
     return found
+
+
+def _key(frame: str, pose: Pose) -> tuple[object, ...]:
+    """What two poses have in common that are the same: a part lies in a slot in its place and with its yaw."""
+    return frame, pose.x, pose.y, pose.z, pose.yaw

@@ -111,6 +111,17 @@ def test_a_filled_slot_stays_filled_and_a_part_keeps_its_kind() -> None:
         assur.Cell(read(CELL)).request(**again)
 
 
+@pytest.mark.parametrize(
+    "other", [{"yaw_deg": 90}, {"pitch_deg": 90}, {"roll_rad": 0.5}, {"at_s": 0.5}], ids=lambda other: next(iter(other))
+)
+def test_a_part_at_the_point_of_a_slot_that_lies_otherwise_keeps_its_pose(other: Document) -> None:
+    pose = {"frame": "shelf", "at_mm": [0, 0, 0], **other}
+    task = read(TASK) | {"parts": [{"name": "a", "kind": "bracket", "pose": pose}], "steps": [{"move": {"to": "home"}}]}
+    before = assur.Cell(read(CELL)).plan(**fields(task), certificate="digest")
+    assert before.planned, before.sentence
+    assert before.next_task([{"move": {"to": "home"}}])["parts"] == task["parts"]
+
+
 def test_what_a_plan_proves_of_a_part_that_it_put_down_is_how_well_it_is_known() -> None:
     task, before = planned().next_task([{"move": {"to": "home"}}]), planned()
     error = next(each for each in before.arrivals if each["control_point"] == "place-a")["error"]
@@ -136,6 +147,20 @@ def test_what_rides_on_a_belt_of_uncertain_speed_is_known_less_well_by_the_time_
     assert again["set"]["bodies.mark.uncertainty"]["position_m"] == off_m + 0.002 * second.duration_s
 
 
+def test_what_rides_on_a_lift_of_uncertain_speed_is_known_less_well_up_and_down() -> None:
+    cell = read(CELL)
+    lift = {"at_mm": [0, -500, 0], "velocity_mm_s": [0, 30, 40]}
+    cell["frames"]["lift"] = {"linear": lift, "uncertainty": {"speed_mm_s": 5}}
+    box = {"box": {"size_mm": [60, 40, 20]}}
+    cell["bodies"].append({"name": "load", "shape": box, "pose": {"frame": "lift", "at_mm": [0, 0, 0]}})
+    steps = [{"move": {"to": "home"}}]
+    before = assur.Cell(cell).plan(**fields(read(TASK)) | {"parts": [], "steps": steps}, certificate="digest")
+    assert before.planned, before.sentence
+    known, off_m = before.next_task(steps)["set"]["bodies.load.uncertainty"], 0.005 * before.duration_s
+    assert known["position_m"] == pytest.approx(0.6 * off_m)
+    assert known["vertical_m"] == pytest.approx(0.8 * off_m)
+
+
 def test_of_a_part_with_a_time_the_error_counts_from_that_time_and_not_twice() -> None:
     task = read(TASK)
     task["parts"][1]["pose"] = {"frame": "belt", "at_mm": [-700, 0, 10], "at_s": -1.0}
@@ -159,6 +184,19 @@ def test_a_part_that_the_gripper_holds_is_held_as_it_was_gripped() -> None:
     after = then(before, task)
     assert after.planned, after.sentence
     assert assur.check(after.request or {}, after)["ok"]
+
+
+@pytest.mark.parametrize("put_down", [True, False])
+def test_a_body_of_the_cell_that_a_plan_moved_is_not_back_at_its_place_in_silence(put_down: bool) -> None:
+    cell = read(CELL)
+    lid = {"name": "lid", "shape": {"box": {"size_mm": [60, 40, 20]}}, "mass_kg": 0.1, "pose": {"at_mm": [330, 60, 60]}}
+    cell["bodies"].append(lid)
+    place = {"part": "lid", "to": {"at_mm": [330, -230, 60], "yaw_deg": 0}, "contact_with": ["table"]}
+    steps = [{"pick": {"part": "lid", "grasp_mm": [0, 0, 10]}}, *([{"place": place}] if put_down else [])]
+    before = assur.Cell(cell).plan(**fields(read(TASK)) | {"parts": [], "steps": steps}, certificate="digest")
+    assert before.planned, before.sentence
+    with pytest.raises(InputError, match=r"cell\.bodies\[2\]\.name: .*no step of the plan handles"):
+        before.next_task([{"move": {"to": "home"}}])
 
 
 def test_after_a_request_comes_a_request() -> None:
@@ -234,6 +272,24 @@ def test_a_task_file_continues_a_plan_file(folder: Path) -> None:
     assert bodies["b"]["pose"] == {"frame": "belt", "at_mm": [-700, 0, 10]}
     place = held["request"]["task"][1]["place"]
     assert place["to"]["at_m"] == [0.075, 0.0, 0.0]
+
+
+def test_a_part_that_is_listed_without_a_place_is_known_no_better_than_before(folder: Path) -> None:
+    task = read(TASK) | {"steps": [{"move": {"to": "home"}}]}
+    far = {"name": "c", "kind": "bracket", "pose": {"at_mm": [330, 60, 60]}, "uncertainty": {"position_mm": 5}}
+    task["parts"].append(far)
+    before = assur.Cell(read(CELL)).plan(**fields(task))
+    assert before.planned, before.sentence
+    before.save(folder / "plan.json")
+    (folder / "next.yaml").write_text(
+        NEXT.replace("steps:", "parts: [{name: c, kind: bracket}]\nsteps:").replace(
+            "{transfer: {parts: [b], to: box}}", "{move: {to: home}}"
+        )
+    )
+    code, output, held = run(folder)
+    assert code == 0, output
+    bodies = {body["name"]: body for body in held["request"]["bodies"]}
+    assert bodies["c"]["uncertainty"] == far["uncertainty"]
 
 
 def test_a_place_that_the_task_states_counts_more_than_that_of_the_plan(folder: Path) -> None:
