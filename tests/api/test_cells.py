@@ -76,7 +76,8 @@ WHOLE_TASKS: list[tuple[Document, str, str]] = [
         "set.positions.home.frame",
         "one of belt",
     ),
-    ({}, "start", "must be given"),
+    ({}, "steps", "must be given"),
+    ({"steps": HOME}, "start", "must be given"),
 ]
 OF_CELL = [fault for fault in FAULTS if "task" not in fault[0] and "nan" not in str(fault[0])]
 
