@@ -153,7 +153,7 @@ class Answer(Mapping[str, Any]):
         cell, task = self._of
         kept: dict[str, Any] = {key: task[key] for key in ("schema", "options") if key in task}
         end = end_state(request, self._document)
-        fields = next_task(cell, {**kept, **made}, end, task.get("parts", ()))
+        fields = next_task(cell, {**kept, **made}, end, task.get("parts", ()), task.get("set", {}))
         del fields["schema"]
         worse = fields.pop("set")
         changed = {path: value for path, value in task.get("set", {}).items() if path not in worse} | worse

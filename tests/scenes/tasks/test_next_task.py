@@ -122,6 +122,68 @@ def test_a_part_at_the_point_of_a_slot_that_lies_otherwise_keeps_its_pose(other:
     assert before.next_task([{"move": {"to": "home"}}])["parts"] == task["parts"]
 
 
+def test_slots_that_are_set_elsewhere_do_not_take_a_part_along(folder: Path) -> None:
+    """Moved by one step, the first slot is where the second was."""
+    cell, steps = assur.Cell(read(CELL)), [{"move": {"to": "home"}}]
+    before = cell.plan(**fields(read(TASK)), set={"slots.box.at_mm": [75, 0, 0]}, certificate="digest")
+    assert before.planned, before.sentence
+    task = before.next_task(steps)
+    assert task["parts"][0]["slot"] == {"box": 1}
+    assert cell.request(**task)["bodies"][2]["pose"]["at_m"] == [0.075, 0.0, 0.0]
+    (folder / "next.yaml").write_text(NEXT.replace("steps:", "set: {slots.box.at_mm: [0, 100, 0]}\nsteps:"))
+    for given in ((), ("--set", "slots.box.at_mm=[0, 100, 0]")):
+        code, output, held = run(folder, more=given)
+        assert code in (0, 1), output
+        pose = next(body["pose"] for body in held["request"]["bodies"] if body["name"] == "a")
+        assert pose == {"frame": "shelf", "at_m": [0.0, 0.0, 0.0], "yaw_rad": 0.0}
+
+
+def test_slots_on_a_body_that_is_elsewhere_now_do_not_take_a_part_along(folder: Path) -> None:
+    text = CELL.replace(
+        "{frame: shelf, step_mm: [75, 60, 0], at_mm: [0, 0, 0]",
+        "{body: table, step_mm: [75, 60, 0], at_mm: [-60, -30, 15]",
+    )
+    before = assur.Cell(read(text)).plan(**fields(read(TASK)))
+    assert before.planned, before.sentence
+    before.save(folder / "plan.json")
+    home = NEXT.replace("{transfer: {parts: [b], to: box}}", "{move: {to: home}}")
+    (folder / "next.yaml").write_text(home)
+    place = pytest.approx([0.3, -0.23, 0.06])
+    for shift in ("at_mm: [360, -200, 45]", "at_mm: [360, -180, 45]"):
+        (folder / "cell.yaml").write_text(text.replace("at_mm: [360, -200, 45]", shift))
+        code, output, held = run(folder)
+        assert code == 0, output
+        pose = next(body["pose"] for body in held["request"]["bodies"] if body["name"] == "a")
+        if "-200" in shift:
+            assert pose["body"] == "table"
+        else:
+            assert pose["at_m"] == place
+
+
+@pytest.mark.parametrize("of", ["frame: none", "body: none"])
+def test_slots_of_nothing_are_refused_where_they_are_used(folder: Path, of: str) -> None:
+    (folder / "cell.yaml").write_text(CELL.replace("box: {frame: shelf", f"box: {{{of}"))
+    code, output, _ = run(folder)
+    assert code == 2
+    assert f"cell.yaml: slots.box.{of.partition(':')[0]}" in output
+
+
+def test_more_slots_than_may_be_are_refused_at_once(folder: Path) -> None:
+    (folder / "cell.yaml").write_text(CELL.replace("count: [2, 1, 1]", "count: [10000, 10000, 10000]"))
+    code, output, _ = run(folder)
+    assert code == 2
+    assert "cell.yaml: slots.box.count" in output
+    assert "at most 10,000 slots in all" in output
+
+
+@pytest.mark.parametrize(("path", "value"), [("start.joints.j1_deg", "40"), ("start.at_s", "0"), ("parts", "[]")])
+def test_what_is_of_the_plan_is_not_set(folder: Path, path: str, value: str) -> None:
+    code, output, _ = run(folder, more=("--set", f"{path}={value}"))
+    assert code == 2
+    assert f"--set {path}: got {value}" in output
+    assert "it is that of the plan" in output
+
+
 def test_what_a_plan_proves_of_a_part_that_it_put_down_is_how_well_it_is_known() -> None:
     task, before = planned().next_task([{"move": {"to": "home"}}]), planned()
     error = next(each for each in before.arrivals if each["control_point"] == "place-a")["error"]
@@ -228,6 +290,8 @@ def _no_error(answer: Document) -> None:
         (lambda answer: answer.pop("trajectory"), "plan.trajectory"),
         (lambda answer: answer["trajectory"]["position"][-1].append(0.0), "plan.trajectory.position"),
         (_no_error, "plan.arrivals[0].error"),
+        (lambda answer: answer.update(legs=[]), "plan.legs"),
+        (lambda answer: answer["legs"][-1].update(step=9), "plan.legs"),
     ],
 )
 def test_an_answer_without_an_end_is_refused(change: Callable[[Document], object], field: str) -> None:
@@ -250,10 +314,11 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def run(folder: Path, file: str = "next.yaml", plan: str = "plan.json") -> tuple[int, str, Document]:
-    made = CliRunner().invoke(
-        app, ["plan", str(folder / file), "--continue", str(folder / plan), "--out", str(folder / "out.json")]
-    )
+def run(
+    folder: Path, file: str = "next.yaml", plan: str = "plan.json", more: tuple[str, ...] = ()
+) -> tuple[int, str, Document]:
+    files = ["--continue", str(folder / plan), "--out", str(folder / "out.json")]
+    made = CliRunner().invoke(app, ["plan", str(folder / file), *files, *more])
     out = folder / "out.json"
     return made.exit_code, " ".join(made.output.split()), json.loads(out.read_text()) if out.is_file() else {}
 
