@@ -293,6 +293,8 @@ class _Join:
             kind = next(iter(step), "")
             own = step.get(kind)
             if kind == "transfer" and isinstance(own, dict):
+                for key in [key for key in step if key != kind]:
+                    self.faults.add(Refused("none: a step is one thing, and transfer stands alone"), *where, key)
                 steps += self._transfer(own, (*where, kind), len(steps))
                 continue
             at = ("task", len(steps))
@@ -369,6 +371,8 @@ class _Join:
             return None
         ((grid, number),) = slot.items()
         if isinstance(to, dict):
+            for key in [key for key in to if key != "slot"]:
+                self.faults.add(Refused("none: a slot has its own pose"), *place, key)
             place = (*place, "slot")
         pose = self._slot_pose(grid, number, place)
         if pose is None:
