@@ -91,6 +91,19 @@ def test_state_and_clock_of_the_next_plan_are_the_same_to_the_bit() -> None:
         assert first[key][0] == last[key][-1]
 
 
+@pytest.mark.parametrize(
+    ("argument", "field"),
+    [
+        ({"steps": [{"place": {"part": "a", "to": {"slot": {"box": 10**400}}}}]}, "steps[0].place.to.slot.box"),
+        ({"set": {"options.seed": 10**400}}, "set.options.seed"),
+    ],
+)
+def test_a_number_that_no_document_has_is_named_below_its_argument(argument: Document, field: str) -> None:
+    with pytest.raises(InputError) as refused:
+        assur.Cell(read(CELL)).request(**fields(read(TASK)) | argument)
+    assert refused.value.field == field
+
+
 def test_a_filled_slot_stays_filled_and_a_part_keeps_its_kind() -> None:
     """The slots sit in a frame that is fixed in the world, in which the answer has the place."""
     task = planned().next_task([{"transfer": {"parts": ["b"], "to": "box"}}])
