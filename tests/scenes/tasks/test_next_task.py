@@ -16,6 +16,7 @@ import assur
 from assur.api.command_line import app
 from assur.api.python.answer import Answer
 from assur.planner.errors import InputError
+from assur.request import Move, Step, Target
 from assur.scenes.plan_file import PlanFile
 from assur.scenes.requests import cell_of
 from assur.scenes.tasks.next_task import end_state
@@ -102,6 +103,32 @@ def test_a_number_that_no_document_has_is_named_below_its_argument(argument: Doc
     with pytest.raises(InputError) as refused:
         assur.Cell(read(CELL)).request(**fields(read(TASK)) | argument)
     assert refused.value.field == field
+
+
+@pytest.mark.parametrize(
+    ("steps", "parts", "field"),
+    [
+        (None, (), "steps"),
+        ("move", (), "steps"),
+        ({"move": {"to": "home"}}, (), "steps"),
+        ([3], (), "steps[0]"),
+        ([], (), "steps"),
+        ([{"move": {"to": "home"}}], None, "parts"),
+        ([{"move": {"to": "home"}}], ["a"], "parts[0]"),
+        ([{"move": {"to": "home"}}], [{"kind": "bracket"}], "parts[0].name"),
+    ],
+)
+def test_what_is_no_list_of_steps_or_parts_is_refused(steps: Any, parts: Any, field: str) -> None:
+    with pytest.raises(InputError) as refused:
+        planned().next_task(steps, parts=parts)
+    assert refused.value.field == field
+
+
+def test_steps_may_be_built_of_classes() -> None:
+    step = Step(move=Move(to=Target(at_m=[0.3, 0.2, 0.15])))
+    of = planned()
+    for before in (of, Answer(of.document, of.request)):
+        assert then(before, before.next_task([step])).planned
 
 
 def test_a_filled_slot_stays_filled_and_a_part_keeps_its_kind() -> None:
