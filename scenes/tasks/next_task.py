@@ -44,8 +44,8 @@ class EndState:
     """The state in which the plan for `request` ends, in the `cell` of that; `document`: the request as written.
 
     `start`: the state as the start of what comes next. `uncertainty`: of each body that was handled, or is known less
-    well than at the start of the plan. `handled`: bodies that were gripped. `moved`: bodies that were put down
-    elsewhere. `places`: frame and pose of every body; of the part that is `held` those from which it was taken.
+    well than at the start of the plan. `handled`: bodies that were gripped. `places`: frame and pose of every body; of
+    the part that is `held` those from which it was taken.
     """
 
     document: Document
@@ -53,7 +53,6 @@ class EndState:
     start: Document
     uncertainty: Mapping[str, Document]
     handled: frozenset[str]
-    moved: frozenset[str]
     places: Mapping[str, tuple[str, Pose]]
     held: str | None
     cell: Cell
@@ -69,7 +68,7 @@ class EndState:
             return placed
         frame, pose = self.places[name]
         slot = slots.get(_key(frame, pose))
-        own = None if name in self.moved else written.get("pose")
+        own = None if name in self.handled else written.get("pose")
         if slot is not None and (own is None or not own.keys() & {*BEYOND_SLOTS}):
             return {**placed, "slot": slot}
         if own is not None:
@@ -112,20 +111,17 @@ def end_state(request: Document, answer: object) -> EndState:
         at = {"grasp_m": [grasp.x, grasp.y, grasp.z], "grasp_yaw_rad": grasp.yaw}
         start["holding"] = {"part": held.part, **at, "within": uncertainty.pop(held.part)}
     places = {body.body.name: last.attached.pose_of(scene, body.body.name) for body in scene.bodies}
-    moved = frozenset(name for name, _, _ in last.attached.placed)
     for body in stated.bodies:
         if uncertainty.get(body.name) == vars(body.uncertainty):
             del uncertainty[body.name]
-        if (held is not None and body.name == held.part) or (_has_time(body) and body.name not in moved):
+        if (held is not None and body.name == held.part) or (_has_time(body) and body.name not in handled):
             continue  # how well the one is known the grip says, and the other the time of its pose
         frame = scene.frames[places[body.name][0]]
         off_m = frame.uncertainty.speed_m_s * (trajectory.end - trajectory.start)
         if off_m > 0.0:
             known = PoseUncertainty(**uncertainty.get(body.name, vars(body.uncertainty)))
             uncertainty[body.name] = asdict(drifted(known, off_m, frame.law))
-    return EndState(
-        request, stated, start, uncertainty, handled, moved, places, None if held is None else held.part, cell
-    )
+    return EndState(request, stated, start, uncertainty, handled, places, None if held is None else held.part, cell)
 
 
 def _has_time(body: BodyDocument) -> bool:
@@ -223,7 +219,7 @@ def _slots(cell: Document, end: EndState, seen: Collection[str]) -> dict[tuple[o
     def stays(name: str) -> bool:
         if name in own and (name not in before or _pose(own[name]) != _pose(before[name])):
             return False
-        pose = {} if name in end.moved else before.get(name, {}).get("pose", {})
+        pose = {} if name in end.handled else before.get(name, {}).get("pose", {})
         return name not in seen and ("body" not in pose or stays(pose["body"]))
 
     found: dict[tuple[object, ...], Document] = {}

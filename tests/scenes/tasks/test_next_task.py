@@ -273,6 +273,21 @@ def test_of_a_part_with_a_time_the_error_counts_from_that_time_and_not_twice() -
     assert b.uncertainty.position_m == pytest.approx(0.002 * (before.duration_s + 1.0), rel=1e-12)
 
 
+def test_a_part_with_a_time_that_was_put_back_is_known_as_the_plan_proves_and_not_from_its_time() -> None:
+    """Its time is later than the end: from it to the next start the belt may have gone less than in the plan."""
+    task = read(TASK)
+    pose = {"frame": "belt", "at_mm": [0, 0, 10], "at_s": 2.0}
+    task["parts"] = [{"name": "a", "kind": "bracket", "pose": pose}]
+    back = {"frame": "belt", "at_mm": [-300, 0, 10], "yaw_deg": 0}
+    task["steps"] = [{"pick": {"part": "a"}}, {"place": {"part": "a", "to": back}}]
+    before = assur.Cell(read(CELL)).plan(**fields(task), certificate="digest")
+    assert before.planned, before.sentence
+    error, part = before.arrivals[-1]["error"], before.next_task([{"move": {"to": "home"}}])["parts"][0]
+    assert error is not None
+    assert part["pose"] == {"frame": "belt", "at_m": [-0.3, 0.0, 0.01], "yaw_rad": 0.0}
+    assert part["uncertainty"]["position_m"] == error["horizontal_m"] + 0.002 * before.duration_s
+
+
 def test_a_part_that_the_gripper_holds_is_held_as_it_was_gripped() -> None:
     before = planned("[{pick: {part: a}}]")
     task = before.next_task([{"place": {"part": "a", "to": "box"}}])
