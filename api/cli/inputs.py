@@ -26,6 +26,7 @@ from assur.scenes.requests import (
     RobotFile,
     Scenario,
     cell_of,
+    check_cell,
     load_robot,
     load_scenario,
     models,
@@ -180,11 +181,17 @@ def _target(text: str, after: Path | None) -> Target:
 
 
 def _end_of(path: Path) -> EndState:
-    """The state in which the plan in a plan file ends. Raises `InputError` that names --continue, or `OSError`."""
+    """The state in which the plan in a plan file ends; the plan is checked. Raises `InputError` that names --continue,
+    or `OSError`."""
     try:
         held = plan_file_in(json_file(path, "--continue", "a plan file"))
         with in_request():
-            return end_state(held.request, held.plan)
+            end = end_state(held.request, held.plan)
+            verdict = check_cell(end.cell, held.plan)
+        if not verdict["ok"]:
+            said = verdict["findings"][0]["what"]
+            raise InputError("plan", "this plan", f"one that `assur check` accepts; it says: {said}")
+        return end
     except InputError as error:
         if error.field == "--continue":
             raise

@@ -131,9 +131,7 @@ class Answer(Mapping[str, Any]):
         """What of the request is probably not meant, and refuses nothing."""
         return cast("list[written.InputWarning]", self._said("warnings"))
 
-    def next_task(
-        self, steps: Sequence[Mapping[str, Any]], *, parts: Sequence[Mapping[str, Any]] = ()
-    ) -> dict[str, Any]:
+    def next_task(self, steps: Sequence[object], *, parts: Sequence[object] = ()) -> dict[str, Any]:
         """The task with these steps that begins where this plan ends: clock, state of the robot, what the gripper
         holds, and where each part lies, with what the plan proves of how well it is known.
 
@@ -142,10 +140,10 @@ class Answer(Mapping[str, Any]):
         frames count as known at the new start as the cell states it; bodies on a frame whose speed is uncertain are
         known less well, for the time of the plan. Raises `InputError` where there is no plan or no request.
         """
-        from assur.scenes.schema.normal import plain
+        from assur.scenes.tasks.kept_cell import of_task
         from assur.scenes.tasks.next_task import end_state, next_request, next_task
 
-        request, made = self._known_request(), plain({"steps": [*map(dict, steps)], "parts": [*map(dict, parts)]})
+        request, made = self._known_request(), {"steps": _listed("steps", steps), "parts": _listed("parts", parts)}
         if self._of is None:
             if parts:
                 raise InputError("parts", made["parts"], "none: add bodies to the request that is returned")
@@ -153,7 +151,10 @@ class Answer(Mapping[str, Any]):
         cell, task = self._of
         kept: dict[str, Any] = {key: task[key] for key in ("schema", "options") if key in task}
         end = end_state(request, self._document)
-        fields = next_task(cell, {**kept, **made}, end, task.get("parts", ()))
+        try:
+            fields = next_task(cell, {**kept, **made}, end, task.get("parts", ()), task.get("set", {}))
+        except InputError as error:
+            raise of_task(error) from error
         del fields["schema"]
         worse = fields.pop("set")
         changed = {path: value for path, value in task.get("set", {}).items() if path not in worse} | worse
@@ -232,6 +233,21 @@ class Answer(Mapping[str, Any]):
 NOTEBOOKS = ("IPython", "marimo")
 """What a notebook has loaded that shows `_repr_html_`."""
 ELSEWHERE = "answer.report('report.html') writes the same page as a file that every browser opens"
+
+
+def _listed(name: str, values: object) -> list[dict[str, Any]]:
+    """A list of mappings, which may be built of `assur.request`, as plain data. Raises `InputError` below the name of
+    the argument."""
+    from assur.api.python.calls import plain_request
+    from assur.scenes.schema.normal import plain
+
+    if isinstance(values, str | bytes) or not isinstance(values, Sequence):
+        raise InputError(name, values, "a list")
+    found: list[dict[str, Any]] = plain({name: [plain_request(each) for each in values]})[name]
+    for i, each in enumerate(found):
+        if not isinstance(each, dict):
+            raise InputError(f"{name}[{i}]", each, "a mapping of fields")
+    return found
 
 
 class Shown:

@@ -97,7 +97,7 @@ class Cell:
         """The document of the task with these fields."""
         from assur.scenes.schema.cell_file import TASK
 
-        stated = {key: _plain(value) for key, value in given.items() if value is not None}
+        stated = {key: _plain(value, key) for key, value in given.items() if value is not None}
         if "task" in stated:
             raise InputError("task", given["task"], "no task: this is a cell file, whose plans have parts and steps")
         return {"schema": TASK, **stated}
@@ -110,13 +110,14 @@ class Cell:
             if given[key] is not None:
                 allowed = f"no {key}: this is a request, whose plans have a start, a task and values that are set"
                 raise InputError(key, given[key], allowed)
-        parts = {key: _plain(given[key]) for key in ("start", "task") if given[key] is not None}
+        parts = {key: _plain(given[key], key) for key in ("start", "task") if given[key] is not None}
         document = {**self._document, **parts}
-        return document if given["set"] is None else with_values(document, _plain(given["set"]))
+        return document if given["set"] is None else with_values(document, _plain(given["set"], "set"))
 
 
-def _plain(value: object) -> Any:
-    """A value, or a list of values, that may be built of `assur.request`, as plain data."""
+def _plain(value: object, name: str) -> Any:
+    """The argument of that name, or a list of values, that may be built of `assur.request`, as plain data."""
     from assur.scenes.schema.normal import plain
 
-    return plain([plain_request(each) for each in value] if isinstance(value, list | tuple) else plain_request(value))
+    each = [plain_request(item) for item in value] if isinstance(value, list | tuple) else plain_request(value)
+    return plain({name: each})[name]

@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import Any
 
 from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_SLOTS
 from assur.scenes.faults import (
     WHOLE,
     DocumentError,
@@ -70,7 +71,7 @@ def joined(cell: object, task: object, given: Mapping[str, object] | None = None
             asked = plain(task)
         with within_document(OF_CELL):
             written = cell.written if isinstance(cell, CellFile) else plain(cell)
-        of_cell, of_task = _shared(given or {}, written)
+        of_cell, of_task = shared(given or {}, written)
         if of_task and isinstance(asked, dict):
             asked = origins.changed(OF_TASK, asked, of_task, GIVEN)
         with within_document(OF_TASK):
@@ -85,7 +86,7 @@ def joined(cell: object, task: object, given: Mapping[str, object] | None = None
         return _Join(changed, asked, origins).made()
 
 
-def _shared(given: Mapping[str, object], cell: object) -> tuple[Document, Document]:
+def shared(given: Mapping[str, object], cell: object) -> tuple[Document, Document]:
     """The values that are set in the cell, and those that are set in the task."""
     own = cell.get("options") if isinstance(cell, dict) else None
     stated = own if isinstance(own, dict) else {}
@@ -184,6 +185,9 @@ class _Join:
         """The request. Raises `DocumentError`."""
         cell, task = self.cell, self.task
         with located({OF_CELL: cell, OF_TASK: task}):
+            for name, grid in self.grids.items():
+                if math.prod(counts(grid)) > MAX_SLOTS:
+                    self.faults.add(Refused(f"at most {MAX_SLOTS:,} slots in all"), OF_CELL, "slots", name, "count")
             for name in self.positions.keys() & self.grids.keys():
                 self.faults.add(Refused("a name that no position has"), OF_CELL, "slots", name)
             request: Document = {"schema": SCHEMA}
@@ -289,6 +293,8 @@ class _Join:
             kind = next(iter(step), "")
             own = step.get(kind)
             if kind == "transfer" and isinstance(own, dict):
+                for key in [key for key in step if key != kind]:
+                    self.faults.add(Refused("none: a step is one thing, and transfer stands alone"), *where, key)
                 steps += self._transfer(own, (*where, kind), len(steps))
                 continue
             at = ("task", len(steps))
@@ -365,6 +371,8 @@ class _Join:
             return None
         ((grid, number),) = slot.items()
         if isinstance(to, dict):
+            for key in [key for key in to if key != "slot"]:
+                self.faults.add(Refused("none: a slot has its own pose"), *place, key)
             place = (*place, "slot")
         pose = self._slot_pose(grid, number, place)
         if pose is None:

@@ -71,7 +71,7 @@ class KeptCellFile:
         try:
             return joined(self.file, task)
         except InputError as error:
-            raise _of_task(error) from error
+            raise of_task(error) from error
 
     def plan(self, task: object, **how: Any) -> tuple[Joined, dict[str, Any]]:
         """The request of a task, and its answer, the same as that of `plan_document` for that request; `how`: as there.
@@ -82,7 +82,7 @@ class KeptCellFile:
         try:
             return made, plan_document(made.request, task=TaskOfCell(self, made), **how)
         except InputError as error:
-            raise _of_task(made.relocated(error)) from error
+            raise of_task(made.relocated(error)) from error
 
     def around(self, parts: Sequence[BodyDocument], depends: Depends, start_s: float) -> Surroundings | None:
         """Robot and surroundings with these parts; None where something of them has a fault. `start_s`: of the task."""
@@ -108,7 +108,7 @@ class KeptCellFile:
         return made
 
 
-def _of_task(error: InputError) -> DocumentError:
+def of_task(error: InputError) -> DocumentError:
     """A fault as one of the task, where a fault of the task has no first part."""
     return documented(error).relocated(lambda field: field.removeprefix(f"{OF_TASK}."))
 

@@ -7,16 +7,22 @@ when the next task begins: the frame may have been off for all of the plan.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from assur.scenes.faults import NOTHING, DocumentError, fault
+from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_SLOTS
+from assur.scenes.faults import NOTHING, DocumentError, Refused, fault
 from assur.scenes.schema.cell_file import CellDocument, TaskDocument
+from assur.scenes.schema.normal import normal
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
 from assur.scenes.schema.shapes import BodyDocument, PlaceInCell
-from assur.scenes.tasks.grids import slot_poses
+from assur.scenes.set_values import with_values
+from assur.scenes.tasks.grids import counts, slot_poses
 from assur.scenes.tasks.joining import OF_CELL, OF_TASK, within_document
 
 if TYPE_CHECKING:
@@ -38,8 +44,8 @@ class EndState:
     """The state in which the plan for `request` ends, in the `cell` of that; `document`: the request as written.
 
     `start`: the state as the start of what comes next. `uncertainty`: of each body that was handled, or is known less
-    well than at the start of the plan. `handled`: bodies that were gripped. `moved`: bodies that were put down
-    elsewhere. `places`: frame and pose of every body; of the part that is `held` those from which it was taken.
+    well than at the start of the plan. `handled`: bodies that were gripped. `places`: frame and pose of every body; of
+    the part that is `held` those from which it was taken.
     """
 
     document: Document
@@ -47,7 +53,6 @@ class EndState:
     start: Document
     uncertainty: Mapping[str, Document]
     handled: frozenset[str]
-    moved: frozenset[str]
     places: Mapping[str, tuple[str, Pose]]
     held: str | None
     cell: Cell
@@ -63,7 +68,7 @@ class EndState:
             return placed
         frame, pose = self.places[name]
         slot = slots.get(_key(frame, pose))
-        own = None if name in self.moved else written.get("pose")
+        own = None if name in self.handled else written.get("pose")
         if slot is not None and (own is None or not own.keys() & {*BEYOND_SLOTS}):
             return {**placed, "slot": slot}
         if own is not None:
@@ -86,6 +91,13 @@ def end_state(request: Document, answer: object) -> EndState:
     if answer.get("request_digest", stated.digest) != stated.digest:
         raise DocumentError(f"{PLAN}.request_digest", answer["request_digest"], f"{stated.digest}, that of the request")
     trajectory, legs, arrivals = motion_of(answer, cell.conventions)
+    if not legs:
+        raise DocumentError(f"{PLAN}.legs", [], "the parts of the motion: at least one")
+    for i, leg in enumerate(legs):
+        if leg.step >= len(cell.scene.task):
+            raise DocumentError(
+                f"{PLAN}.legs[{i}].step", leg.step, f"a step of the request, 0 to {len(cell.scene.task) - 1}"
+            )
     for i, each in enumerate(answer["arrivals"]):
         if "error" not in each:
             raise DocumentError(f"{PLAN}.arrivals[{i}].error", NOTHING, "how far the tool may be off, or null")
@@ -99,20 +111,17 @@ def end_state(request: Document, answer: object) -> EndState:
         at = {"grasp_m": [grasp.x, grasp.y, grasp.z], "grasp_yaw_rad": grasp.yaw}
         start["holding"] = {"part": held.part, **at, "within": uncertainty.pop(held.part)}
     places = {body.body.name: last.attached.pose_of(scene, body.body.name) for body in scene.bodies}
-    moved = frozenset(name for name, _, _ in last.attached.placed)
     for body in stated.bodies:
         if uncertainty.get(body.name) == vars(body.uncertainty):
             del uncertainty[body.name]
-        if (held is not None and body.name == held.part) or (_has_time(body) and body.name not in moved):
+        if (held is not None and body.name == held.part) or (_has_time(body) and body.name not in handled):
             continue  # how well the one is known the grip says, and the other the time of its pose
         frame = scene.frames[places[body.name][0]]
         off_m = frame.uncertainty.speed_m_s * (trajectory.end - trajectory.start)
         if off_m > 0.0:
             known = PoseUncertainty(**uncertainty.get(body.name, vars(body.uncertainty)))
             uncertainty[body.name] = asdict(drifted(known, off_m, frame.law))
-    return EndState(
-        request, stated, start, uncertainty, handled, moved, places, None if held is None else held.part, cell
-    )
+    return EndState(request, stated, start, uncertainty, handled, places, None if held is None else held.part, cell)
 
 
 def _has_time(body: BodyDocument) -> bool:
@@ -137,10 +146,17 @@ def next_request(request: Document, answer: object, steps: Sequence[Document]) -
     return {**request, "start": end.start, "bodies": bodies, "task": list(steps)}
 
 
-def next_task(cell: Document, task: Document, end: EndState, parts: Sequence[Document] | None = None) -> Document:
+def next_task(
+    cell: Document,
+    task: Document,
+    end: EndState,
+    parts: Sequence[Document] | None = None,
+    given: Mapping[str, object] = MappingProxyType({}),
+) -> Document:
     """A task of a cell that begins where a plan ends. `task` has no start; what else it has counts. `parts`: those of
     the plan, as they were written (None: the bodies of its request that the cell has not). One that `task` has as well,
-    with a place, is there; all others are where the plan left them.
+    with a place, is there; all others are where the plan left them. `given`: values that will be set in the cell
+    besides those of the task.
 
     Raises `DocumentError` whose field begins with `cell` or `task`.
     """
@@ -150,11 +166,16 @@ def next_task(cell: Document, task: Document, end: EndState, parts: Sequence[Doc
             raise fault(task, ("start",), "none: the task begins where the plan ends")
     with within_document(OF_CELL):
         read(CellDocument, cell)
+        shapes = {body["name"]: normal(body["shape"]) for body in end.document.get("bodies", ())}
         for i, body in enumerate(cell.get("bodies", ())):
             if body["name"] in end.handled:
                 allowed = "a body that no step of the plan handles: what steps handle is one of the parts of a task"
                 raise fault(cell, ("bodies", i, "name"), allowed)
-        slots = _slots(cell, end.cell)
+            before = shapes.get(body["name"])
+            if before is not None and before != normal(body["shape"]):
+                raise fault(cell, ("bodies", i, "name"), "a name that no body of another shape has in the plan")
+        seen = {part["name"] for part in task.get("parts", ()) if part.keys() & {*PLACES}}
+        slots = _slots(_with_values(cell, {**task.get("set", {}), **given}), end, seen)
     if parts is None:
         own = {body["name"] for body in cell.get("bodies", ())}
         parts = [body for body in end.document.get("bodies", ()) if body["name"] not in own]
@@ -179,16 +200,49 @@ def hold_same(request: RequestDocument, end: EndState) -> None:
             raise DocumentError(key, f"another {key.rstrip('s')}", "what the request of the plan has there")
 
 
-def _slots(cell: Document, read_cell: Cell) -> dict[tuple[object, ...], Document]:
-    """The slots of a cell by their frame, which has a law, and their pose in it."""
-    from assur.scenes.reading.bodies import resolve
+def _with_values(cell: Document, values: Document) -> Document:
+    """The cell with values that will be set in it. Without those that are refused: they are then, at their paths."""
+    try:
+        changed = with_values(cell, values)
+        read(CellDocument, changed)
+    except InputError:
+        return cell
+    return changed
+
+
+def _slots(cell: Document, end: EndState, seen: Collection[str]) -> dict[tuple[object, ...], Document]:
+    """The slots of a cell by their frame, which has a law, and their pose in it, but for those relative to a body that
+    may be elsewhere now, such as a part that was `seen`. What names no frame or body is refused where it is used."""
+    from assur.scenes.reading.bodies import Places, resolve
+
+    places = Places(end.cell.places)
+    places.update(end.places)
+    own = {body["name"]: body for body in cell.get("bodies", ())}
+    before = {body["name"]: body for body in end.document.get("bodies", ())}
+
+    def stays(name: str) -> bool:
+        if name in own and (name not in before or _pose(own[name]) != _pose(before[name])):
+            return False
+        pose = {} if name in end.handled else before.get(name, {}).get("pose", {})
+        return name not in seen and ("body" not in pose or stays(pose["body"]))
 
     found: dict[tuple[object, ...], Document] = {}
-    for grid, number, written in slot_poses(cell.get("slots", {})):
+    grids = {name: grid for name, grid in cell.get("slots", {}).items() if math.prod(counts(grid)) <= MAX_SLOTS}
+    for grid, number, written in slot_poses(
+        {name: grid for name, grid in grids.items() if "body" not in grid or stays(grid["body"])}
+    ):
         place: PlaceInCell = read(PlaceInCell, written)
-        frame, pose = resolve(place, place.yaw_rad, read_cell.frames, read_cell.places)
+        try:
+            frame, pose = resolve(place, place.yaw_rad, end.cell.frames, places)
+        except Refused:
+            continue
         found[_key(frame, pose)] = {grid: number}
     return found
+
+
+def _pose(body: Document) -> object:
+    """Where a body is, in SI."""
+    return normal(body.get("pose", {}))
 
 
 def _key(frame: str, pose: Pose) -> tuple[object, ...]:

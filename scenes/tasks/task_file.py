@@ -17,7 +17,7 @@ from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
 from assur.scenes.set_values import GIVEN
 from assur.scenes.tasks.cell_alone import cell_alone
-from assur.scenes.tasks.joining import OF_CELL, OF_TASK, Joined, joined, within_document
+from assur.scenes.tasks.joining import OF_CELL, OF_TASK, Joined, joined, shared, within_document
 from assur.scenes.tasks.next_task import EndState, hold_same, next_task
 from assur.scenes.text.yaml_text import Lines, line_of, parse_yaml, with_line
 
@@ -48,7 +48,11 @@ class _Files:
                 return cell_alone(cell)
             if self.after is None:
                 return joined(cell, task, given)
-            made = joined(cell, next_task(cell, task, self.after), given)
+            for path in given or {}:
+                if (key := path.partition(".")[0].partition("[")[0]) == "start" or path == "parts":
+                    raise DocumentError(f"{GIVEN}{path}", given[path], f"no {key}: it is that of the plan")  # type: ignore[index]
+            of_cell, _ = shared(given or {}, cell)
+            made = joined(cell, next_task(cell, task, self.after, given=of_cell), given)
             try:
                 hold_same(read(RequestDocument, made.request), self.after)
             except InputError as error:

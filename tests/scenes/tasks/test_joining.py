@@ -225,6 +225,14 @@ FAULTS: list[tuple[str, str, object, str, str]] = [
     ("task", "steps.1.move", {"to": {"slot": {"box": 9}}}, "task.steps[1].move.to.slot.box", "the number of a slot"),
     ("task", "steps.1.move", {"to": {"slot": 3}}, "task.steps[1].move.to.slot", "the name of slots and a number"),
     ("task", "steps.1.move", {"to": {"slot": {3: 1}}}, "task.steps[1].move.to.slot", "the name of slots and a number"),
+    (
+        "task",
+        "steps.1.move",
+        {"to": {"slot": {"box": 1}, "yaw_deg": 90}},
+        "task.steps[1].move.to.yaw_deg",
+        "none: a slot",
+    ),
+    ("task", "steps.0.move", {"to": "home"}, "task.steps[0].move", "none: a step is one thing"),
     ("cell", "frames.belt.conveyor.speed_mm_s", 2**60, "cell.frames.belt.conveyor.speed_mm_s", "a whole number"),
     ("task", "steps.1", {"mvoe": {}}, "task.steps[1]", "exactly one of move, follow, trace, pick, place"),
     (

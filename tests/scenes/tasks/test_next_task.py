@@ -16,6 +16,7 @@ import assur
 from assur.api.command_line import app
 from assur.api.python.answer import Answer
 from assur.planner.errors import InputError
+from assur.request import Move, Step, Target
 from assur.scenes.plan_file import PlanFile
 from assur.scenes.requests import cell_of
 from assur.scenes.tasks.next_task import end_state
@@ -67,7 +68,7 @@ def planned(steps: str = "") -> Answer:
     task = read(TASK)
     if steps:
         task["steps"] = read(f"steps: {steps}")["steps"]
-    answer = assur.Cell(read(CELL)).plan(**fields(task), certificate="digest")
+    answer = assur.Cell(read(CELL)).plan(**fields(task))
     assert answer.planned, answer.sentence
     return answer
 
@@ -89,6 +90,45 @@ def test_state_and_clock_of_the_next_plan_are_the_same_to_the_bit() -> None:
     assert first["time_s"][0] == last["time_s"][-1]
     for key in ("position", "velocity", "acceleration"):
         assert first[key][0] == last[key][-1]
+
+
+@pytest.mark.parametrize(
+    ("argument", "field"),
+    [
+        ({"steps": [{"place": {"part": "a", "to": {"slot": {"box": 10**400}}}}]}, "steps[0].place.to.slot.box"),
+        ({"set": {"options.seed": 10**400}}, "set.options.seed"),
+    ],
+)
+def test_a_number_that_no_document_has_is_named_below_its_argument(argument: Document, field: str) -> None:
+    with pytest.raises(InputError) as refused:
+        assur.Cell(read(CELL)).request(**fields(read(TASK)) | argument)
+    assert refused.value.field == field
+
+
+@pytest.mark.parametrize(
+    ("steps", "parts", "field"),
+    [
+        (None, (), "steps"),
+        ("move", (), "steps"),
+        ({"move": {"to": "home"}}, (), "steps"),
+        ([3], (), "steps[0]"),
+        ([], (), "steps"),
+        ([{"move": {"to": "home"}}], None, "parts"),
+        ([{"move": {"to": "home"}}], ["a"], "parts[0]"),
+        ([{"move": {"to": "home"}}], [{"kind": "bracket"}], "parts[0].name"),
+    ],
+)
+def test_what_is_no_list_of_steps_or_parts_is_refused(steps: Any, parts: Any, field: str) -> None:
+    with pytest.raises(InputError) as refused:
+        planned().next_task(steps, parts=parts)
+    assert refused.value.field == field
+
+
+def test_steps_may_be_built_of_classes() -> None:
+    step = Step(move=Move(to=Target(at_m=[0.3, 0.2, 0.15])))
+    of = planned()
+    for before in (of, Answer(of.document, of.request)):
+        assert then(before, before.next_task([step])).planned
 
 
 def test_a_filled_slot_stays_filled_and_a_part_keeps_its_kind() -> None:
@@ -120,6 +160,68 @@ def test_a_part_at_the_point_of_a_slot_that_lies_otherwise_keeps_its_pose(other:
     before = assur.Cell(read(CELL)).plan(**fields(task), certificate="digest")
     assert before.planned, before.sentence
     assert before.next_task([{"move": {"to": "home"}}])["parts"] == task["parts"]
+
+
+def test_slots_that_are_set_elsewhere_do_not_take_a_part_along(folder: Path) -> None:
+    """Moved by one step, the first slot is where the second was."""
+    cell, steps = assur.Cell(read(CELL)), [{"move": {"to": "home"}}]
+    before = cell.plan(**fields(read(TASK)), set={"slots.box.at_mm": [75, 0, 0]}, certificate="digest")
+    assert before.planned, before.sentence
+    task = before.next_task(steps)
+    assert task["parts"][0]["slot"] == {"box": 1}
+    assert cell.request(**task)["bodies"][2]["pose"]["at_m"] == [0.075, 0.0, 0.0]
+    (folder / "next.yaml").write_text(NEXT.replace("steps:", "set: {slots.box.at_mm: [0, 100, 0]}\nsteps:"))
+    for given in ((), ("--set", "slots.box.at_mm=[0, 100, 0]")):
+        code, output, held = run(folder, more=given)
+        assert code in (0, 1), output
+        pose = next(body["pose"] for body in held["request"]["bodies"] if body["name"] == "a")
+        assert pose == {"frame": "shelf", "at_m": [0.0, 0.0, 0.0], "yaw_rad": 0.0}
+
+
+def test_slots_on_a_body_that_is_elsewhere_now_do_not_take_a_part_along(folder: Path) -> None:
+    text = CELL.replace(
+        "{frame: shelf, step_mm: [75, 60, 0], at_mm: [0, 0, 0]",
+        "{body: table, step_mm: [75, 60, 0], at_mm: [-60, -30, 15]",
+    )
+    before = assur.Cell(read(text)).plan(**fields(read(TASK)))
+    assert before.planned, before.sentence
+    before.save(folder / "plan.json")
+    home = NEXT.replace("{transfer: {parts: [b], to: box}}", "{move: {to: home}}")
+    (folder / "next.yaml").write_text(home)
+    place = pytest.approx([0.3, -0.23, 0.06])
+    for shift in ("at_mm: [360, -200, 45]", "at_mm: [360, -180, 45]"):
+        (folder / "cell.yaml").write_text(text.replace("at_mm: [360, -200, 45]", shift))
+        code, output, held = run(folder)
+        assert code == 0, output
+        pose = next(body["pose"] for body in held["request"]["bodies"] if body["name"] == "a")
+        if "-200" in shift:
+            assert pose["body"] == "table"
+        else:
+            assert pose["at_m"] == place
+
+
+@pytest.mark.parametrize("of", ["frame: none", "body: none"])
+def test_slots_of_nothing_are_refused_where_they_are_used(folder: Path, of: str) -> None:
+    (folder / "cell.yaml").write_text(CELL.replace("box: {frame: shelf", f"box: {{{of}"))
+    code, output, _ = run(folder)
+    assert code == 2
+    assert f"cell.yaml: slots.box.{of.partition(':')[0]}" in output
+
+
+def test_more_slots_than_may_be_are_refused_at_once(folder: Path) -> None:
+    (folder / "cell.yaml").write_text(CELL.replace("count: [2, 1, 1]", "count: [10000, 10000, 10000]"))
+    code, output, _ = run(folder)
+    assert code == 2
+    assert "cell.yaml: slots.box.count" in output
+    assert "at most 10,000 slots in all" in output
+
+
+@pytest.mark.parametrize(("path", "value"), [("start.joints.j1_deg", "40"), ("start.at_s", "0"), ("parts", "[]")])
+def test_what_is_of_the_plan_is_not_set(folder: Path, path: str, value: str) -> None:
+    code, output, _ = run(folder, more=("--set", f"{path}={value}"))
+    assert code == 2
+    assert f"--set {path}: got {value}" in output
+    assert "it is that of the plan" in output
 
 
 def test_what_a_plan_proves_of_a_part_that_it_put_down_is_how_well_it_is_known() -> None:
@@ -169,6 +271,21 @@ def test_of_a_part_with_a_time_the_error_counts_from_that_time_and_not_twice() -
     assert after["parts"][1] == task["parts"][1]
     b = next(body for body in cell_of(assur.Cell(read(CELL)).request(**after)).scene.bodies if body.name == "b")
     assert b.uncertainty.position_m == pytest.approx(0.002 * (before.duration_s + 1.0), rel=1e-12)
+
+
+def test_a_part_with_a_time_that_was_put_back_is_known_as_the_plan_proves_and_not_from_its_time() -> None:
+    """Its time is later than the end: from it to the next start the belt may have gone less than in the plan."""
+    task = read(TASK)
+    pose = {"frame": "belt", "at_mm": [0, 0, 10], "at_s": 2.0}
+    task["parts"] = [{"name": "a", "kind": "bracket", "pose": pose}]
+    back = {"frame": "belt", "at_mm": [-300, 0, 10], "yaw_deg": 0}
+    task["steps"] = [{"pick": {"part": "a"}}, {"place": {"part": "a", "to": back}}]
+    before = assur.Cell(read(CELL)).plan(**fields(task), certificate="digest")
+    assert before.planned, before.sentence
+    error, part = before.arrivals[-1]["error"], before.next_task([{"move": {"to": "home"}}])["parts"][0]
+    assert error is not None
+    assert part["pose"] == {"frame": "belt", "at_m": [-0.3, 0.0, 0.01], "yaw_rad": 0.0}
+    assert part["uncertainty"]["position_m"] == error["horizontal_m"] + 0.002 * before.duration_s
 
 
 def test_a_part_that_the_gripper_holds_is_held_as_it_was_gripped() -> None:
@@ -228,6 +345,8 @@ def _no_error(answer: Document) -> None:
         (lambda answer: answer.pop("trajectory"), "plan.trajectory"),
         (lambda answer: answer["trajectory"]["position"][-1].append(0.0), "plan.trajectory.position"),
         (_no_error, "plan.arrivals[0].error"),
+        (lambda answer: answer.update(legs=[]), "plan.legs"),
+        (lambda answer: answer["legs"][-1].update(step=9), "plan.legs"),
     ],
 )
 def test_an_answer_without_an_end_is_refused(change: Callable[[Document], object], field: str) -> None:
@@ -250,10 +369,11 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def run(folder: Path, file: str = "next.yaml", plan: str = "plan.json") -> tuple[int, str, Document]:
-    made = CliRunner().invoke(
-        app, ["plan", str(folder / file), "--continue", str(folder / plan), "--out", str(folder / "out.json")]
-    )
+def run(
+    folder: Path, file: str = "next.yaml", plan: str = "plan.json", more: tuple[str, ...] = ()
+) -> tuple[int, str, Document]:
+    files = ["--continue", str(folder / plan), "--out", str(folder / "out.json")]
+    made = CliRunner().invoke(app, ["plan", str(folder / file), *files, *more])
     out = folder / "out.json"
     return made.exit_code, " ".join(made.output.split()), json.loads(out.read_text()) if out.is_file() else {}
 
@@ -320,6 +440,30 @@ def test_what_cannot_continue_is_refused_with_its_place(folder: Path, file: str,
     assert code == 2
     assert message in output
     assert not held
+
+
+def test_a_plan_that_the_checker_refuses_is_not_continued(folder: Path) -> None:
+    held = json.loads((folder / "plan.json").read_text())
+    held["plan"]["trajectory"]["position"][-1][0] += 1e-3
+    (folder / "plan.json").write_text(json.dumps(held))
+    code, output, made = run(folder)
+    assert code == 2
+    assert "--continue: plan: got" in output
+    assert "assur check" in output
+    assert not made
+    held["plan"]["certificate"] = {key: held["plan"]["certificate"][key] for key in ("digest", "rows", "covers")}
+    (folder / "plan.json").write_text(json.dumps(held))
+    code, output, _ = run(folder)
+    assert code == 2
+    assert "--continue: plan.certificate" in output
+
+
+def test_a_body_of_the_cell_does_not_take_the_place_of_a_part_of_the_plan(folder: Path) -> None:
+    (folder / "cell.yaml").write_text(CELL.replace("name: mark", "name: b"))
+    code, output, made = run(folder)
+    assert code == 2
+    assert 'cell.yaml: bodies[1].name: got "b"; allowed: a name that no body of another shape has in the plan' in output
+    assert not made
 
 
 def test_a_task_without_a_start_begins_where_a_plan_ends_or_is_refused(folder: Path) -> None:
