@@ -156,7 +156,7 @@ def test_what_would_help_is_tried_where_a_request_says_nothing_of_it(tmp_path: P
 
 
 def test_an_answer_that_is_not_what_the_scenario_expects_is_told_so(tmp_path: Path) -> None:
-    shipped = (ROOT / "scenes" / "cells" / "behind-the-base-keep.yaml").read_text(encoding="utf-8")
+    shipped = (ROOT / "scenes" / "cells" / "bead-beyond-reach.yaml").read_text(encoding="utf-8")
     file = tmp_path / "cell.yaml"
     file.write_text(shipped.replace("status: not_planned", "status: planned"), encoding="utf-8")
     for form in ((), ("--json",)):
