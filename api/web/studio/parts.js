@@ -12,12 +12,17 @@ export const partOf = (text) => (SCHEMA.exec(text) || [null, "scenario"])[1];
 // The name of the file of a text.
 export const fileOf = ({ text, file }) => file || `${fileName(nameOf(text, file))}.yaml`;
 
-// The kept text that is the cell of a task; null: there is none, or the text is no task.
-export function cellOf(text) {
+// The name of the file that a task calls its cell; null: it calls none, or the text is no task.
+export function cellNameOf(text) {
   if (partOf(text) !== "task") return null;
   const [, ...named] = FILE.exec(text) || [];
-  const wanted = (named.find(Boolean) || "").split("/").pop();
-  return drafts.all().find((draft) => partOf(draft.text) === "cell" && fileOf(draft) === wanted) || null;
+  return (named.find(Boolean) || "").split("/").pop() || null;
+}
+
+// The kept text that is the cell of a task; null: there is none, or the text is no task.
+export function cellOf(text) {
+  const wanted = cellNameOf(text);
+  return wanted === null ? null : drafts.all().find((draft) => partOf(draft.text) === "cell" && fileOf(draft) === wanted) || null;
 }
 
 // What the service is to read for a text. `shipped`: its cell may be one of the service's own files. Raises `Refused`

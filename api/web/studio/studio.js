@@ -5,6 +5,7 @@ import * as drafts from "./drafts.js";
 import * as drawing from "./drawing.js";
 import { History } from "./history.js";
 import { cancel, searched, searching, tellProgress } from "./jobs.js";
+import { heldBy, isLink, linkTo } from "./links.js";
 import { cellOf, fileOf, partOf, readable } from "./parts.js";
 import { ask, enterKey, Refused } from "./service.js";
 
@@ -251,15 +252,15 @@ async function showScenario(chosen) {
   tellText();
 }
 
-// Shows a text that comes from a file or the clipboard, and keeps it.
+// Shows a text that comes from a file, a link or the clipboard, and keeps it.
 function showOwn(content, file) {
   const lines = content.replace(/\r\n?/g, "\n");
   const crlf = lines.length < content.length && !/(^|[^\r])\n/.test(content);
   put(lines);
-  const same = drafts.all().find((each) => each.text === text.value);
+  const same = drafts.all().find((each) => each.text === text.value && [null, each.file || file].includes(file));
   drafts.open(same ? same.id : null);
   scenario = null;
-  keepText({ file, crlf });
+  keepText(same && file === null ? same : { file, crlf });
   tellText();
 }
 
@@ -413,6 +414,7 @@ async function save() {
   note("");
   await attempt(async () => {
     const cell = cellOf(text.value);
+    if (value === "link") return offerLink(await linkTo(text.value, cell && cell.text));
     const own = { text: textFile, cell: () => [crlfOf(cell)(cell.text), fileOf(cell)] };
     const [content, file] = value in own ? own[value]() : await answers.saved(value);
     const link = document.createElement("a");
@@ -421,8 +423,35 @@ async function save() {
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), SAVED_MS);
     if (value === "text") kept = true;
+    return undefined;
   }, (problem) => note((problem.errors || []).map(fault).join(" ") || problem.detail || problem.title, true));
   find("save").disabled = false;
+}
+
+// Copies a link, or shows it where the browser does not let a page copy: where it is not served over HTTPS.
+async function offerLink(link) {
+  try {
+    await navigator.clipboard.writeText(link);
+    note(`The link is copied. It has ${link.length} characters and holds the text as it is now.`);
+  } catch {
+    find("link").value = link;
+    find("link-dialog").showModal();
+    find("link").select();
+  }
+}
+
+// Shows what the link in the address holds, as if it were opened from files, and takes it out of the address. Whether it
+// was a link that could be shown. A link that cannot is named by `refuse`.
+async function openLink(refuse) {
+  const { hash } = location;
+  if (!isLink(hash)) return false;
+  window.history.replaceState(null, "", location.pathname + location.search);
+  return attempt(async () => {
+    const { text: content, cell, file } = await heldBy(hash);
+    if (cell !== null) showOwn(cell, file);
+    showOwn(content, null);
+    return true;
+  }, (problem) => (refuse(problem.detail), false));
 }
 
 // The text as it is seen, and the name of its file.
@@ -435,7 +464,7 @@ const crlfOf = ({ crlf = false }) => (content) => (crlf ? content.replaceAll("\n
 
 // A task is saved, and so is its cell.
 function offerCell() {
-  const [, offered] = find("of-text").children;
+  const offered = find("of-text").querySelector("[value=cell]");
   if (offered) offered.remove();
   if (cellOf(text.value) !== null) find("of-text").append(new Option("cell (YAML)", "cell"));
 }
@@ -453,10 +482,10 @@ async function connect(quiet = false) {
   listTexts();
 }
 
-// The scenario in the address; else the text that was written here last; else the demo.
-async function begin() {
-  const wanted = new URLSearchParams(location.search).get("scenario");
-  const draft = wanted === null ? drafts.begin() : null;
+// A text that is there already; else the scenario in the address; else the text that was written here last; else the demo.
+async function begin(there = text.value !== "") {
+  const wanted = there ? null : new URLSearchParams(location.search).get("scenario");
+  const draft = there || wanted !== null ? null : drafts.begin();
   if (draft) {
     put(draft.text);
     tellText();
@@ -490,7 +519,7 @@ find("open").addEventListener("click", () => find("file").click());
 find("file").addEventListener("change", () => openFiles([...find("file").files]));
 find("delete").addEventListener("click", remove);
 find("undo").addEventListener("click", () => step(-1));
-find("enter").addEventListener("click", async () => (await enterKey()) && attempt(connected ? () => {} : begin));
+find("enter").addEventListener("click", async () => (await enterKey()) && attempt(connected ? () => {} : () => begin()));
 receiveFiles(window);
 document.addEventListener("keydown", (event) => {
   if (!(event.ctrlKey || event.metaKey) || event.target.tagName === "INPUT") return;
@@ -503,7 +532,11 @@ document.addEventListener("keydown", (event) => {
 addEventListener("beforeunload", (event) => kept || event.preventDefault());
 drafts.watch(() => keepText(), listTexts);
 
-await attempt(begin);
+let broken = "";
+const opened = await openLink((why) => (broken = why));
+await attempt(() => begin(opened));
+if (broken) note(broken, true);
+addEventListener("hashchange", () => openLink((why) => note(why, true)).then(listTexts));
 listTexts();
 number();
 answers.follow();
