@@ -72,6 +72,44 @@ def test_two_plans_are_compared_with_one_clock_and_one_camera(studio: Studio) ->
     assert not studio.ask(ONE_VIEW)
 
 
+def test_a_table_shows_what_differs_between_two_answers(studio: Studio) -> None:
+    page, table = studio.page, studio.page.locator("#differences")
+    studio.choose("demo")
+    studio.planned()
+    studio.player()
+    page.click("#keep")
+    assert not table.is_visible()
+    old = next(line for line in studio.text.splitlines() if "limits:" in line)
+    studio.write(old, old.replace("0.6", "0.3"))
+    studio.planned()
+    studio.player(1)
+    cells = [[cell.inner_text() for cell in row.locator("th, td").all()] for row in table.locator("tr").all()]
+    rows = {what: (first, second) for what, first, second in cells}
+    assert rows["text"] == (old, old.replace("0.6", "0.3"))
+    assert rows["result"] == ("planned", "planned")
+    first_s, second_s = (float(text.removesuffix(" s")) for text in rows["duration"])
+    assert first_s < second_s
+    assert all(" mm, " in text for text in rows["smallest clearance"])
+    assert all(" of j" in text for text in rows["what binds"])
+    assert table.locator(".same th").all_inner_texts() == [what for what, (a, b) in rows.items() if a == b]
+    page.locator("#answers figcaption button").first.click()
+    assert not table.is_visible()
+
+
+def test_changed_lines_are_those_that_one_text_has_alone(studio: Studio) -> None:
+    lines = "const { changedLines } = await import('./studio/differences.js'); return changedLines(%s, %s)"
+
+    def changed(first: str, second: str) -> list[list[str]]:
+        found: list[list[str]] = studio.ask(f"(async () => {{ {lines % (json.dumps(first), json.dumps(second))} }})()")
+        return found
+
+    assert changed("a\nb\nc\nd", "a\nx\nc\ny\nd") == [["b"], ["x", "y"]]
+    assert changed("a", "a") == [[], []]
+    both = [json.dumps(["task", cell]) for cell in ("one\ntwo", "one\nthree")]
+    assert changed(*both) == [["two"], ["three"]]
+    assert changed("x\n" * 3000, "y\n" * 3000) == [["x"] * 3000, ["y"] * 3000]
+
+
 def test_a_refusal_is_shown_with_its_reason(studio: Studio) -> None:
     page = studio.page
     studio.choose("bead-beyond-reach")

@@ -1,10 +1,12 @@
 // The answers that are shown: one, or two that are compared and have one clock and one camera. What of them is saved.
+import * as differences from "./differences.js";
 import { fileName } from "./documents.js";
 import * as drawing from "./drawing.js";
 import { ask } from "./service.js";
 
 const find = (id) => document.getElementById(id);
 let shown = null; // the answer that was shown last: { name, request, answer, about, page, text, figure, stale, kept }
+let other = null; // the answer that is kept beside it
 let count = 0;
 
 function element(kind, text, className = "") {
@@ -29,6 +31,7 @@ export function show(made, framed) {
   close.addEventListener("click", () => {
     figure.remove();
     if (shown !== null && shown.figure === figure) shown = null;
+    if (other !== null && other.figure === figure) other = null;
     settle();
   });
   caption.append(element("strong", made.name), element("span", `answer ${count}: ${what}`), stale, element("span", "", "space"), close);
@@ -56,6 +59,8 @@ export function settle() {
   find("of-answer").disabled = shown === null;
   find("formats").disabled = shown === null || shown.answer.status !== "planned";
   document.querySelector(".together").hidden = find("answers").children.length < 2;
+  find("differences").hidden = other === null || shown === null || shown === other;
+  if (!find("differences").hidden) differences.fill(find("differences"), other, shown);
   drawing.settle(shown !== null && shown.stale.hidden);
   find("hint").hidden = !find("drawing").hidden || find("answers").children.length > 0 || !find("progress").hidden;
 }
@@ -63,6 +68,7 @@ export function settle() {
 export function keep() {
   for (const figure of [...find("answers").children]) if (figure !== shown.figure) figure.remove();
   shown.kept = true;
+  other = shown;
   settle();
 }
 
