@@ -213,11 +213,11 @@ def test_everything_that_save_offers_is_a_file(studio: Studio, service: httpx.Cl
     described = service.get("/openapi.json").json()["components"]["schemas"]["ExportQuestion"]
     formats = described["properties"]["format"]["enum"]
     assert offered[0] == ""
-    assert offered[1:6] == ["text", "report", "plan", "answer", "request"]
-    assert offered[6:] == [f"export:{form}" for form in formats]
+    assert offered[1:7] == ["text", "link", "report", "plan", "answer", "request"]
+    assert offered[7:] == [f"export:{form}" for form in formats]
     assert {"csv", "ros2", "ros2-json", "spel", "melfa"} <= set(formats)
     saved = dict[str, bytes]()
-    for what in offered[1:]:
+    for what in (each for each in offered[1:] if each != "link"):
         name, saved[what] = studio.saved(what)
         part, ending = FILES[what]
         assert name == f"transfer{part}.{ending}"
