@@ -115,8 +115,9 @@ class TimedProtocol(H11Protocol):
 
     @property
     def waiting(self) -> bool:
-        """Whether only its client keeps it: it is idle, its body is not complete, or its answer is being sent."""
-        return self.idle or self.cycle.more_body or self.cycle.response_started
+        """Whether only its client keeps it: it is idle, its body is not complete, its answer is being sent, or the
+        answer before, which its client has not taken, holds up the next one."""
+        return self.idle or self.cycle.more_body or self.cycle.response_started or self.flow.write_paused
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)

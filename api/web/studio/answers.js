@@ -6,7 +6,7 @@ import { ask } from "./service.js";
 
 const find = (id) => document.getElementById(id);
 let shown = null; // the answer that was shown last: { name, request, answer, about, page, text, figure, stale, kept }
-let other = null; // the answer that is kept beside it
+let other = null; // the answer that is kept, with which it is compared
 let count = 0;
 
 function element(kind, text, className = "") {
