@@ -11,8 +11,9 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Motion, Pose
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import AT_START, Phase, pair
+from assur.planner.model.phases import Phase, pair
 from assur.planner.model.refusal import Bodies, Enclosed, Reason, Refusal, Separation, Stage
 from assur.planner.model.scene import Scene, check_tool_point
 from assur.planner.robots.facts import Code

@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.judge.cell import Cell
 from benchmarks.judge.poses import Document, Floats, Poses
 from benchmarks.judge.spline import Spline
-from benchmarks.judge.stages import Pair, Stage, stages
+from benchmarks.judge.stages import Pair, Stage, gone, stages
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +90,7 @@ class Motion:
         legs: list[Document | None] = [*self.answer["legs"], None]
         last: Stage | None = None
         for stage, leg in zip(stages(self.cell, self.answer, self.spline), legs, strict=False):
+            seated = {name: there for name, there in seated.items() if name not in stage.gone}
             part = next(iter(held), None)
             pairs = self.cell.pairs(stage, part, {name: frame for name, (frame, _) in seated.items()})
             yield Phase(stage, "REST" if leg is None else leg["kind"], leg, tuple(pairs), {**own, **held}, dict(seated))
@@ -109,7 +110,10 @@ class Motion:
         late = float(self.request.get("execution", {}).get("start_tolerance_s", 0.0))
         if last is not None and last.placed and late > 0.0:
             # parts that were put down are kept clear for as long as the robot may be late
-            stage = Stage(last.t1, last.t1 + late, False, placed=last.placed)
+            away = gone(self.request, self.answer, len(self.request["task"]), last.t1)
+            there = {part: supports for part, supports in last.placed.items() if part not in away}
+            seated = {name: seat for name, seat in seated.items() if name not in away}
+            stage = Stage(last.t1, last.t1 + late, False, placed=there, gone=away)
             pairs = self.cell.pairs(stage, None, {name: frame for name, (frame, _) in seated.items()})
-            kept = tuple(pair for pair in pairs if pair.first in last.placed)
+            kept = tuple(pair for pair in pairs if pair.first in there)
             yield Phase(stage, "REST", None, kept, own, dict(seated))

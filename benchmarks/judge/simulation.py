@@ -155,6 +155,8 @@ class Run:
         """Everything, from the start to the end of the standstill."""
         found = Outcome()
         for stage in stages(self.cell, self.answer, self.spline):
+            for part in stage.gone & self.seats.keys():
+                del self.seats[part]
             self._look(stage, found)
             for number in stage.arrivals:
                 self._arrive(self.answer["arrivals"][number], found)

@@ -33,7 +33,8 @@ class Pair:
 @dataclass(frozen=True, eq=False)
 class Stage:
     """A leg, or the standstill behind the last one: when, which pairs may touch and how deep, which arrivals are over
-    in it, which step's part is gripped or released at its end, and the supports of each part that was put down."""
+    in it, which step's part is gripped or released at its end, the supports of each part that was put down, and the
+    parts that are taken away by then."""
 
     t0: float
     t1: float
@@ -43,6 +44,7 @@ class Stage:
     arrivals: tuple[int, ...] = ()
     handed_over: int | None = None
     placed: dict[str, frozenset[str]] = field(default_factory=dict)
+    gone: frozenset[str] = frozenset()
 
 
 def stages(cell: Cell, answer: Document, spline: Spline) -> list[Stage]:
@@ -56,6 +58,9 @@ def stages(cell: Cell, answer: Document, spline: Spline) -> list[Stage]:
     stands: dict[int, frozenset[str]] = {}
     for leg in answer["legs"]:
         number = leg["step"]
+        away = gone(cell.request, answer, number, leg["from_s"])
+        for part in away & seats.keys():
+            del placed[part], seats[part]
         ((kind, given),) = cell.request["task"][number].items()
         arrivals = tuple(
             k
@@ -80,7 +85,7 @@ def stages(cell: Cell, answer: Document, spline: Spline) -> list[Stage]:
             deep += float(given.get("contact_tolerance_m", 0.0))
             if leg["kind"] == "FOLLOW":
                 handed = number
-        found.append(Stage(leg["from_s"], leg["to_s"], tracking, contacts, deep, arrivals, handed, dict(placed)))
+        found.append(Stage(leg["from_s"], leg["to_s"], tracking, contacts, deep, arrivals, handed, dict(placed), away))
         if handed is not None:
             released.add(number)
             if kind == "place":
@@ -92,8 +97,24 @@ def stages(cell: Cell, answer: Document, spline: Spline) -> list[Stage]:
     options = cell.request.get("options", {})
     stay, end = float(options.get("stay_safe_s", 0.0)), float(spline.time[-1])
     if options.get("end", "rest") == "rest" and stay > 0.0:
-        found.append(Stage(end, end + stay, False, placed=dict(placed)))
+        away = gone(cell.request, answer, len(cell.request["task"]), end)
+        there = {part: supports for part, supports in placed.items() if part not in away}
+        found.append(Stage(end, end + stay, False, placed=there, gone=away))
     return found
+
+
+def gone(request: Document, answer: Document, number: int, time: float) -> frozenset[str]:
+    """The parts that are taken away by a time, of those that steps before step `number` put down. Who takes a part away
+    comes so long after it was put down, and a robot may be late."""
+    late = float(request.get("execution", {}).get("start_tolerance_s", 0.0))
+    found = set()
+    for arrival in answer["arrivals"]:
+        given = request["task"][arrival["step"]].get("place", {})
+        if arrival["step"] >= number or "gone_after_s" not in given:
+            continue
+        if arrival["until_s"] + float(given["gone_after_s"]) + late <= time:
+            found.add(given["part"])
+    return frozenset(found)
 
 
 def clearance(request: Document, near: bool, first: str, second: str) -> float:

@@ -21,7 +21,7 @@ from assur.planner.legs.limits import beyond_limits
 from assur.planner.legs.state import Knots
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.outcome import Arrival, Course, Leg, LegKind, Missed, Route
-from assur.planner.model.phases import phases
+from assur.planner.model.phases import cleared, phases
 from assur.planner.model.refusal import (
     Carrying,
     JointName,
@@ -110,14 +110,18 @@ def _extended(scene: Scene, partial: PartialPlan, run: Run, pace: float) -> Exte
     if refused is not None:
         return refused
     times = run.times(begin, law)
+    arrivals = partial.arrivals + _arrivals(scene, partial, run, law, times, trajectory)
+    attached, handled = cleared(scene, partial.attached, partial.handled, arrivals, knots.end)
     legs = _legs(partial, run, [begin, *times[:-1], knots.end])
     after = replace(
         partial,
         step=partial.step + len(run.stations),
         state=knots.last,
         mode=run.branch.mode,
+        attached=attached,
+        handled=handled,
         legs=partial.legs + legs,
-        arrivals=partial.arrivals + _arrivals(scene, partial, run, law, times, trajectory),
+        arrivals=arrivals,
         knots=knots if partial.knots is None else Knots(joined(partial.knots.table, knots.table)),
     )
     ours = phases(scene, after.legs, after.arrivals)[len(partial.legs) :]

@@ -16,7 +16,8 @@ from assur.planner.bound.guided import RATES
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.kernels import law_columns as c
 from assur.planner.laws import Law
-from assur.planner.model.phases import at_start, yaw_offsets
+from assur.planner.model.attachments import at_start
+from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.scene import Move, Pick, Place, Scene, Step, Trace
 from assur.planner.robots.facts import Code
 from assur.planner.robots.robot import Robot

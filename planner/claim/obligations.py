@@ -13,7 +13,8 @@ from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
 from assur.planner.claim.frames import EMPTY, table_of
 from assur.planner.geometry.shapes import Body, Pieces
-from assur.planner.model.phases import Attachments, Phase, at_start, contact_gap
+from assur.planner.model.attachments import Attachments, at_start
+from assur.planner.model.phases import Phase, contact_gap
 from assur.planner.model.scene import Scene, bodies_in
 
 

@@ -16,9 +16,10 @@ from assur.planner.claim import columns as c
 from assur.planner.claim.lifts import arch_top, between_jumps
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
+from assur.planner.model.attachments import at_start
 from assur.planner.model.outcome import TRACKING, Arrival, LegKind, Plan
 from assur.planner.model.path import TANGENT_RAD, PathCurve
-from assur.planner.model.phases import Phase, at_start
+from assur.planner.model.phases import Phase
 from assur.planner.model.scene import WORLD, Move, Scene, Step, Trace
 from assur.planner.trajectory import Trajectory
 

@@ -48,7 +48,8 @@ from assur.planner.kernels.uncertainty import (
     Errors,
 )
 from assur.planner.kernels.units import seat_bodies, write_units
-from assur.planner.model.phases import Attachments, Phase, at_start
+from assur.planner.model.attachments import Attachments, at_start
+from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import Rule
 from assur.planner.model.scene import Scene, bodies_in
 

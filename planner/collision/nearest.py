@@ -32,9 +32,10 @@ from assur.planner.kernels.screening import (
     sample_distance,
 )
 from assur.planner.kernels.solids import BALL, DISC, FIRST, HALF, PAIR_COLUMNS, REQUIRED, SECOND, SET, VERTEX, VERTICES
+from assur.planner.model.attachments import Attachments
 from assur.planner.model.deadline import out_of_time, raise_if_late
 from assur.planner.model.outcome import Nearest
-from assur.planner.model.phases import Attachments, Contacts, Phase, pair
+from assur.planner.model.phases import Contacts, Phase, pair
 from assur.planner.model.refusal import Enclosed, Separation
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory

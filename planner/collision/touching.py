@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 
 from assur.planner.collision.nearest import nearest_at, pairs_of_pieces
 from assur.planner.collision.proof import Prover
+from assur.planner.model.attachments import Attachments
 from assur.planner.model.outcome import Arrival
-from assur.planner.model.phases import Attachments, contacts_of
+from assur.planner.model.phases import contacts_of
 from assur.planner.model.refusal import Bodies, NotTouching, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Step
 

@@ -25,9 +25,10 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Piece
 from assur.planner.kernels.dyads import ASSEMBLED, FOLDED, STRETCHED
 from assur.planner.legs.tilt import tilts
+from assur.planner.model.attachments import AT_START, Attachments, at_start
 from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.outcome import TRACKING, LegKind
-from assur.planner.model.phases import AT_START, Attachments, Phase, at_start
+from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Separation, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Step
 from assur.planner.model.witness import Meeting

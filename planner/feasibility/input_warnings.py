@@ -19,10 +19,11 @@ from assur.planner.collision.touching import apart, grip
 from assur.planner.feasibility.hits import AtStart, always, posed, touch
 from assur.planner.geometry.shapes import Body, support
 from assur.planner.model.arrival_error import Cause
+from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.deadline import raise_if_late
 from assur.planner.model.input_warning import InputWarning, WarningKind
 from assur.planner.model.outcome import Arrival
-from assur.planner.model.phases import CONTACT_M, Attachments, at_start, resting_on, yaw_offsets
+from assur.planner.model.phases import CONTACT_M, resting_on, yaw_offsets
 from assur.planner.model.scene import Pick, Place, Scene
 
 MOUNT_M = 0.03

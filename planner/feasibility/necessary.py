@@ -31,8 +31,8 @@ from assur.planner.kernels.dyads import OUT_OF_REACH
 from assur.planner.legs.control_point import control_point, span_of
 from assur.planner.legs.missed import never_in_window
 from assur.planner.legs.tilt import pitch_free, tilts
+from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.deadline import raise_if_late
-from assur.planner.model.phases import Attachments, at_start
 from assur.planner.model.refusal import OutOfReach, Reason, Refusal, Stage, out_of_reach
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import RANGE_SLACK

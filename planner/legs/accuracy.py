@@ -19,7 +19,8 @@ from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion, Pose, Sweep
 from assur.planner.laws.law import EXACT, PoseUncertainty
 from assur.planner.model.arrival_error import ArrivalError, Cause, Share
-from assur.planner.model.phases import Attachments, GraspUncertainty, on_way
+from assur.planner.model.attachments import Attachments
+from assur.planner.model.phases import GraspUncertainty, on_way
 from assur.planner.model.refusal import Inaccurate, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Trace
 

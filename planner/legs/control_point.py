@@ -12,7 +12,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion, Pose, Tilt
 from assur.planner.laws.belt_window import outside_for_good, times_inside, travelled
-from assur.planner.model.phases import Attachments
+from assur.planner.model.attachments import Attachments
 from assur.planner.model.scene import Scene, Step, Trace, Window
 from assur.planner.robots.facts import Limits
 from assur.planner.trajectory import Trajectory

@@ -1,118 +1,25 @@
 """Which bodies are the robot's, where each part sits and which contacts are allowed, in each leg of a plan.
 
 All of it follows from the request and the legs alone: a pick attaches its part at the end of its follow, a place
-detaches it, so it changes at the ends of legs and nowhere else. Planner and checker both derive it here; the tests hold
+detaches it, so it changes at the ends of legs and nowhere else. A part that is taken away after its place is gone in
+the legs of later steps that begin then or later. Planner and checker both derive it here; the tests hold
 this module to a second implementation.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 
 import numpy as np
 
-from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.laws.law import EXACT, PoseUncertainty
+from assur.planner.model.attachments import AT_START, Attachments, at_start
 from assur.planner.model.outcome import TRACKING, Arrival, Leg, LegKind
-from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step, Trace
-from assur.planner.robots.facts import Limits
-
-# What the gripper holds and where each part sits, after any number of steps of a task: one value, one rule.
-
-
-@dataclass(frozen=True, slots=True)
-class Held:
-    """The part in the gripper and the pose of its frame in the flange frame."""
-
-    part: str
-    in_flange: Pose
-
-
-@dataclass(frozen=True, slots=True)
-class Attachments:
-    """`held`: the part in the gripper. `placed`: the parts that do not sit where they did at the start, by name, with
-    the frame and the pose in which they sit now. A held part counts as sitting where it was taken from."""
-
-    held: Held | None = None
-    placed: tuple[tuple[str, str, Pose], ...] = ()
-
-    @property
-    def part(self) -> str | None:
-        """The name of the part in the gripper."""
-        return None if self.held is None else self.held.part
-
-    def limits(self, scene: Scene) -> Limits:
-        """The joints' limits with what the gripper holds."""
-        return scene.limits_with(self.part)
-
-    def pose_of(self, scene: Scene, name: str) -> tuple[str, Pose]:
-        """Frame of a body of the surroundings, and its pose in it."""
-        for part, frame, pose in self.placed:
-            if part == name:
-                return frame, pose
-        body = scene.index[name]
-        return body.frame, body.pose
-
-    def frame(self, scene: Scene, step: Step) -> str:
-        """The frame in which the control point of a step is."""
-        return self.pose_of(scene, step.part)[0] if isinstance(step, Pick) else step.target.frame
-
-    def point(self, scene: Scene, step: Step) -> tuple[str, Pose]:
-        """Frame and pose of what a step is about: of the part, for a pick or a place, else of the target."""
-        return self.pose_of(scene, step.part) if isinstance(step, Pick) else (step.target.frame, step.target.pose)
-
-    def flange(self, scene: Scene, step: Step, yaw_offset: float = 0.0) -> tuple[str, Pose]:
-        """Frame, and pose in it, that the flange takes when the control point of `step` is met, the tool being turned
-        by `yaw_offset` about the vertical axis of the part or of the target.
-
-        Raises `InputError` for a place of a part that is not held.
-        """
-        frame, pose = self.point(scene, step)
-        to_flange = scene.tool.tcp.inverse()
-        if isinstance(step, Pick):
-            return frame, pose.then(_grasp(step, yaw_offset)).then(to_flange)
-        if isinstance(step, Place):
-            if self.held is None or self.part != step.part:
-                raise InputError("task", step.part, "a place only of the part that an earlier pick holds")
-            return frame, pose.then(self.held.in_flange.inverse())
-        return frame, Pose(pose.x, pose.y, pose.z, pose.yaw + yaw_offset).then(to_flange)
-
-    def after(self, scene: Scene, step: Step, yaw_offset: float = 0.0) -> Attachments:
-        """The attachments once `step` was done, the tool having been turned by `yaw_offset` at its control point."""
-        match step:
-            case Pick():
-                in_flange = scene.tool.tcp.then(_grasp(step, yaw_offset).inverse())
-                return Attachments(Held(step.part, in_flange), self.placed)
-            case Place():
-                here, start = (step.to.frame, step.to.pose), scene.index[step.part]
-                others = [each for each in self.placed if each[0] != step.part]
-                back = here == (start.frame, start.pose)
-                return Attachments(
-                    None, tuple(sorted(others if back else [*others, (step.part, *here)], key=itemgetter(0)))
-                )
-            case Move() | Follow() | Trace():
-                return self
-
-
-AT_START = Attachments()
-"""An empty gripper, every part where it was."""
-
-
-def at_start(scene: Scene) -> Attachments:
-    """What the gripper holds when the plan begins, every other part where it is."""
-    holding = scene.start.holding
-    if holding is None:
-        return AT_START
-    return Attachments(Held(holding.part, scene.tool.tcp.then(holding.grasp.inverse())))
-
-
-def _grasp(step: Pick, yaw_offset: float) -> Pose:
-    """Tool point in the part's frame when the part is taken turned by `yaw_offset` about its own vertical axis."""
-    return Pose(yaw=yaw_offset).then(step.grasp)
-
+from assur.planner.model.scene import Pick, Place, Scene, Step
 
 CONTACT_M = 1e-4
 """Bodies in an allowed contact may overlap by this much, m: rounding of poses and a part that is not quite flat."""
@@ -139,7 +46,15 @@ class GraspUncertainty:
         kept = frozenset(each for each in self.supports if part not in each)
         return GraspUncertainty(tuple(sorted([*others, (part, within)], key=itemgetter(0))), kept | supports)
 
+    def without(self, part: str) -> GraspUncertainty:
+        """The same without a part that was taken away: nothing must keep clear of it."""
+        return GraspUncertainty(
+            tuple([each for each in self.within if each[0] != part]),
+            frozenset([each for each in self.supports if part not in each]),
+        )
 
+
+NOBODY = frozenset[str]()
 NOTHING_HANDLED = GraspUncertainty()
 
 
@@ -191,17 +106,25 @@ def pair(first: str, second: str) -> tuple[str, str]:
 
 def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -> tuple[Phase, ...]:
     """The phases of a plan with these legs, with the standstill for `stay_safe_s` behind the last one."""
-    of_step = {arrival.step: arrival for arrival in arrivals}
+    found, attached, handled = leg_phases(scene, legs, arrivals)
+    return tuple(found + stay_phases(scene, legs[-1].t1, attached, handled, arrivals)) if legs else ()
+
+
+def leg_phases(
+    scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]
+) -> tuple[list[Phase], Attachments, GraspUncertainty]:
+    """The phases of these legs; and what the gripper holds, where parts are and how well they are known, behind the
+    last one."""
     attached, handled, first = at_start(scene), handled_at_start(scene), 0
     found = list[Phase]()
     while first < len(legs):
         number, last = legs[first].step, first
         while last < len(legs) and legs[last].step == number:
             last += 1
-        here, attached, handled = step_phases(scene, attached, handled, legs[first:last], of_step.get(number))
+        here, attached, handled = step_phases(scene, attached, handled, legs[first:last], arrivals)
         found += here
         first = last
-    return tuple(found + stay_phases(scene, legs[-1].t1, attached, handled)) if legs else ()
+    return found, attached, handled
 
 
 def handled_at_start(scene: Scene) -> GraspUncertainty:
@@ -210,14 +133,43 @@ def handled_at_start(scene: Scene) -> GraspUncertainty:
     return NOTHING_HANDLED if holding is None else GraspUncertainty(((holding.part, holding.within),))
 
 
-def stay_phases(scene: Scene, end: float, attached: Attachments, handled: GraspUncertainty) -> list[Phase]:
+def gone_from(scene: Scene, step: Step, until: float) -> float:
+    """From when on, s, the part of a step that ended at `until` is gone: after its time, and after that by which the
+    robot may be late, for it is then put down so much later. Infinite: nobody takes it away."""
+    after = step.gone_after_s if isinstance(step, Place) else None
+    return math.inf if after is None else until + after + scene.execution.start_tolerance_s
+
+
+def cleared(
+    scene: Scene, attached: Attachments, handled: GraspUncertainty, arrivals: Sequence[Arrival], time: float
+) -> tuple[Attachments, GraspUncertainty]:
+    """Both without the parts that are gone at `time`, s, after these arrivals; the same objects if none is."""
+    for part in sorted(parts_gone(scene, arrivals, time)):
+        if handled.of(part) is not None:
+            attached, handled = attached.without(scene, part), handled.without(part)
+    return attached, handled
+
+
+def parts_gone(scene: Scene, arrivals: Sequence[Arrival], time: float) -> frozenset[str]:
+    """The parts that are gone at `time`, s, after these arrivals."""
+    if not scene.clears:
+        return NOBODY
+    met = [(each, scene.task[each.step]) for each in arrivals]
+    return frozenset([str(step.part) for each, step in met if gone_from(scene, step, each.until) <= time])
+
+
+def stay_phases(
+    scene: Scene, end: float, attached: Attachments, handled: GraspUncertainty, arrivals: Sequence[Arrival]
+) -> list[Phase]:
     """What follows a motion that ends at `end`, s: the standstill for `stay_safe_s`, if one is required; and for parts
     that were put down the time by which the robot may be late, until when they must be kept clear, too."""
     stay, corrected = scene.options.stay_safe_s, on_way(scene, len(scene.task))
     found = list[Phase]()
+    attached, handled = cleared(scene, attached, handled, arrivals, end)
     if scene.options.end == "rest" and stay > 0:
         found.append(Phase(end, end + stay, LegKind.WAIT, -1, attached, corrected=corrected, handled=handled))
         end += stay
+        attached, handled = cleared(scene, attached, handled, arrivals, end)
     late = scene.execution.start_tolerance_s
     if late > 0.0 and any(name != attached.part for name, _ in handled.within):
         found.append(Phase(end, end + late, LegKind.WAIT, -1, attached, handled=handled, robot=False))
@@ -225,15 +177,23 @@ def stay_phases(scene: Scene, end: float, attached: Attachments, handled: GraspU
 
 
 def step_phases(
-    scene: Scene, attached: Attachments, handled: GraspUncertainty, legs: tuple[Leg, ...], arrival: Arrival | None
+    scene: Scene,
+    attached: Attachments,
+    handled: GraspUncertainty,
+    legs: tuple[Leg, ...],
+    arrivals: Sequence[Arrival],
 ) -> tuple[list[Phase], Attachments, GraspUncertainty]:
-    """The phases of the legs of one step, which begins with `attached` and `handled`; and both behind them."""
+    """The phases of the legs of one step, which begins with `attached` and `handled`; and both behind them.
+    `arrivals`: at least those up to this step."""
     number = legs[0].step
-    step = scene.task[number]
+    step, arrival = scene.task[number], next((each for each in arrivals if each.step == number), None)
+    earlier = [each for each in arrivals if each.step < number]
+    attached, handled = cleared(scene, attached, handled, earlier, legs[0].t0)
     frame = attached.frame(scene, step) if step.tracks else None
     before, after = contacts_of(scene, step, attached, None if arrival is None else arrival.until)
     found, tracked, deep = list[Phase](), 0, step.contact_tolerance_m
     for leg in legs:
+        attached, handled = cleared(scene, attached, handled, earlier, leg.t0)
         if frame is None or leg.kind not in TRACKING:
             # a leg to rest behind the tracking counts as on its way to the next step
             on_the_way = on_way(scene, number + min(tracked, 1))

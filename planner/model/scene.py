@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -13,13 +12,14 @@ from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Pieces, pieces
-from assur.planner.laws.law import EXACT, Frame, PoseUncertainty, Uncertainty, check_rounding, law_tables
+from assur.planner.laws.law import EXACT, Frame, PoseUncertainty, Uncertainty, all_stand, check_rounding, law_tables
 from assur.planner.model.execution import AS_PLANNED, Execution, check_execution
 from assur.planner.model.forbidden_yaw import YawRange, check_ranges
 from assur.planner.model.kept import NOTHING_KEPT, KeptCell
 from assur.planner.model.load import UNKNOWN, Load, LoadLimits, Tool, greatest_inertia
 from assur.planner.model.options import DEFAULTS, Clearance, ClearanceException, Options, check_timing
 from assur.planner.model.refusal import BeyondRange
+from assur.planner.model.step_faults import wrong
 from assur.planner.model.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Trace, Window
 from assur.planner.robots.facts import Limits, lowered
 from assur.planner.robots.robot import Robot
@@ -169,11 +169,13 @@ class Scene:
         holding = self.start.holding
         if holding is not None and holding.part not in self.index:
             raise InputError("start.holding.part", holding.part, f"one of {sorted(self.index)}")
-        held = None if holding is None else holding.part
+        held, gone = None if holding is None else holding.part, set[str]()
         for i, step in enumerate(self.task):
-            for where, value, allowed in self._wrong(step, held):
+            for where, value, allowed in wrong(self, step, held, gone):
                 raise InputError(f"task[{i}].{type(step).__name__.lower()}{where}", value, allowed)
             held = step.part if isinstance(step, Pick) else None if isinstance(step, Place) else held
+            if isinstance(step, Place) and step.gone_after_s is not None:
+                gone.add(step.part)
         check_execution(self.execution, self.robot, self._tracked() if self.execution.belt_correction else [])
         self._check_rounding()
         check_ranges(self.robot, self.forbidden_yaw, self.execution.lag)
@@ -209,6 +211,16 @@ class Scene:
         bearing += [step.to.frame for step in self.task if isinstance(step, Place)]
         valid = {name: self.frames[name].law.valid for name in dict.fromkeys(bearing)}
         return tuple((name, span) for name, span in valid.items() if span[1] != math.inf)
+
+    @cached_property
+    def clears(self) -> bool:
+        """Whether a part is taken away after it was put down."""
+        return any(isinstance(step, Place) and step.gone_after_s is not None for step in self.task)
+
+    @cached_property
+    def stands(self) -> bool:
+        """Whether nothing changes while the arm stands: no frame moves, and no part is taken away."""
+        return all_stand(self.frames.values()) and not self.clears
 
     def straight(self, step: Step) -> tuple[float, float]:
         """Lengths of the straight parts of a step's approach and depart, m: as required, but long enough for what
@@ -283,66 +295,6 @@ class Scene:
         names = [step.target.frame for step in self.task if step.target is not None]
         names += [self.index[step.part].frame for step in self.task if step.part is not None]
         return [self.frames[name] for name in dict.fromkeys(names)]
-
-    def _wrong(self, step: Step, held: str | None) -> Iterator[tuple[str, object, str]]:
-        """What of a step cannot be where the gripper holds the part `held` (None: none): the field, its value, and what
-        is allowed. One part at a time: a pick needs an empty gripper, a place the part that was picked."""
-        robot, target = self.robot, step.target
-        if target is not None:
-            yield from self._wrong_target(step, target)
-        if step.arch is not None and robot.lift is None:
-            yield (
-                ".arch",
-                step.arch.top_m,
-                f"no arch: {robot.name} has no joint that lifts (cartesian legs go up and over)",
-            )
-        if not isinstance(step, Pick | Place):
-            return
-        if step.part not in self.index:
-            yield ".part", step.part, f"one of {sorted(self.index)}"
-        for name in step.contact_with or ():
-            if name not in self.index:
-                yield ".contact_with", name, f"one of {sorted(self.index)}"
-        frame = self.index[step.part].frame if target is None else target.frame
-        if step.match == "position" and not self.frames[frame].law.is_fixed:
-            yield (
-                ".match",
-                step.match,
-                "velocity: a part is picked from, and placed on, a moving frame with its velocity",
-            )
-        if isinstance(step, Pick) and math.isfinite(step.grip_within_m) and not self.tool.bodies:
-            yield ".grip_within_m", step.grip_within_m, "none: the tool has no bodies from which it could be measured"
-        if isinstance(step, Pick) and held is not None:
-            yield "", step.part, f"an empty gripper; it still holds {held}"
-        if isinstance(step, Place) and held != step.part:
-            yield ".part", step.part, f"the part in the gripper ({held or 'none'})"
-        if "pitch" in robot.coordinates:
-            yield (
-                "",
-                step.name,
-                f"move and follow: {robot.name} turns and tilts its tool as it goes, and a part with it",
-            )
-        elif "yaw" not in robot.coordinates:
-            # an arm that cannot turn its tool at will cannot lay down a part as it should lie
-            yield "", step.name, f"move and follow: {robot.name} has no wrist, so parts would turn as the arm goes"
-
-    def _wrong_target(self, step: Step, target: Target) -> Iterator[tuple[str, object, str]]:
-        """What of a step's target cannot be. A yaw that is kept has to be one in the frame, whenever it is met; pitch
-        and roll are for arms that have them."""
-        if target.frame not in self.frames:
-            yield ".frame", target.frame, f"one of {sorted(self.frames)}"
-        frame, robot = self.frames[target.frame], self.robot
-        for name, value in (("pitch", target.pitch), ("roll", target.roll)):
-            if value is not None and name not in robot.coordinates:
-                yield f".{name}", value, f"no {name}: {robot.name} cannot tilt its tool at will"
-            if value is not None and not math.isfinite(value):
-                yield f".{name}", value, "a finite angle"
-        if step.leg == "cartesian" and step.match == "position" and not frame.law.is_fixed:
-            yield ".match", "position", "velocity: a straight leg meets a moving frame with its velocity"
-        if target.yaw_keep and not isinstance(step, Place) and frame.law.yaw is None:
-            allowed = f"false, with yaw_free: true or a yaw_deg: {frame.name} turns, so the yaw there depends"
-            allowed += " on when it is met"
-            yield f".{'start' if isinstance(step, Trace) else 'to'}.yaw_keep", True, allowed
 
 
 def bodies_in(scene: Scene | KeptCell) -> tuple[Body, ...]:

@@ -219,7 +219,7 @@ class Pick:
 class Place:
     """Bring the held part's frame to `to`, track it, detach at the end of `dwell_s`, depart; the part then sits in
     `to.frame`. `support_within_m`: how far, m, the part may be from the nearest body of `contact_with` when it is
-    detached."""
+    detached. `gone_after_s`: so long after that, s, somebody has taken the part away (None: nobody does)."""
 
     name: str
     part: str
@@ -236,6 +236,7 @@ class Place:
     depart_stop: bool = False
     arch: Arch | None = None
     support_within_m: float = math.inf
+    gone_after_s: float | None = None
 
     tracks: ClassVar[bool] = True
     via: ClassVar[bool] = False
@@ -245,6 +246,8 @@ class Place:
         if math.isfinite(self.support_within_m) and not self.contact_with:
             allowed = "none without contact_with, which names what the part rests on"
             raise InputError("support_within_m", self.support_within_m, allowed)
+        if self.gone_after_s is not None and not 0.0 <= self.gone_after_s < math.inf:
+            raise InputError("gone_after_s", self.gone_after_s, "a finite time of at least 0")
 
     @property
     def target(self) -> Target:

@@ -34,8 +34,10 @@ from assur.planner.search.partial_plan import (
     RefusedMotion,
     TimedCandidate,
     TimedMotion,
+    departures,
     initial,
     prepared,
+    standing,
 )
 from assur.planner.search.rough_score import CoarseScore, score_of
 from assur.planner.search.tuning import (
@@ -130,11 +132,11 @@ class Search:
 
     def _beam(self, length: int, width: int) -> list[PartialPlan]:
         """The partial plans of this length to be continued: the earliest, and the earliest of each other mode, and
-        of those that were to stop."""
+        of those that were to stop, or have waited."""
         every = sorted(self.pool[length], key=lambda partial: partial.state.time)
-        of_kind: dict[tuple[int, bool], PartialPlan] = {}
+        of_kind: dict[tuple[int, bool, bool], PartialPlan] = {}
         for partial in every:
-            of_kind.setdefault((partial.mode, partial.stops), partial)
+            of_kind.setdefault((partial.mode, partial.stops, partial.waited), partial)
         first = list(of_kind.values())
         return (first + [partial for partial in every if partial not in first])[: min(width, BEAM)]
 
@@ -369,8 +371,15 @@ class Search:
             self.found.soonest = min(self.found.soonest, partial.state.time)
         pool = self.pool[partial.step]
         pool.append(partial)
+        for until in departures(self.scene, partial):
+            after, motion, phase = standing(self.scene, partial, until)
+            rows = self.prover.prove(phase, motion)
+            if not isinstance(rows, ProofFailure):
+                pool.append(replace(after, proofs=(*partial.proofs, rows)))
         pool.sort(key=lambda each: each.state.time)
-        del pool[KEPT_PLANS:]
+        for waited in (False, True):
+            for late in [each for each in pool if each.waited is waited][KEPT_PLANS:]:
+                pool.remove(late)
         self.found.deepest = max(self.found.deepest, partial.step)
         if self.found.longest is None or partial.step > self.found.longest.step:
             self.found.longest = partial

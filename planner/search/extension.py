@@ -25,7 +25,7 @@ from assur.planner.legs.tool_motion import RESERVE, carrying_peak
 from assur.planner.legs.tracking import track
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.outcome import TRACKING, Arrival, Course, Leg, LegKind, Route
-from assur.planner.model.phases import Phase, stay_phases, step_phases
+from assur.planner.model.phases import Phase, cleared, stay_phases, step_phases
 from assur.planner.model.refusal import (
     Carrying,
     Obstacle,
@@ -247,9 +247,11 @@ def _continued(
     inaccurate = too_far(scene, partial.step, met.error)
     if inaccurate is not None:
         return inaccurate
-    ours, attached, handled = step_phases(scene, partial.attached, partial.handled, made, met)
+    arrivals = (*partial.arrivals, met)
+    ours, attached, handled = step_phases(scene, partial.attached, partial.handled, made, arrivals)
     if final:
-        ours += stay_phases(scene, trajectory.end, attached, handled)
+        ours += stay_phases(scene, trajectory.end, attached, handled, arrivals)
+    attached, handled = cleared(scene, attached, handled, arrivals, knots.end)
     unknown = tracked_too_long(scene, partial.step, ours)
     if unknown is not None:
         return unknown
@@ -266,7 +268,7 @@ def _continued(
         attached=attached,
         handled=handled,
         legs=partial.legs + made,
-        arrivals=(*partial.arrivals, met),
+        arrivals=arrivals,
         knots=knots if partial.knots is None else partial.knots.then(knots),
         trajectory=trajectory if partial.knots is None else None,
         proofs=partial.proofs,

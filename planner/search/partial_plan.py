@@ -19,16 +19,17 @@ from assur.planner.legs.path_leg import lead as lead_of_trace
 from assur.planner.legs.state import Branch, Knots, State, TimedLeg
 from assur.planner.legs.tool_motion import lift_most
 from assur.planner.legs.tracking import lead_time
+from assur.planner.model.attachments import AT_START, Attachments, at_start
 from assur.planner.model.outcome import Arrival, BestCandidate, Course, Leg, LegKind, Route
 from assur.planner.model.phases import (
-    AT_START,
     NOTHING_HANDLED,
-    Attachments,
     GraspUncertainty,
     Phase,
-    at_start,
+    cleared,
+    gone_from,
     handled_at_start,
     on_way,
+    step_phases,
 )
 from assur.planner.model.refusal import Refusal, Separation, Stage
 from assur.planner.model.scene import Scene, Trace
@@ -57,6 +58,8 @@ class PartialPlan:
     """How far, m, the lift goes on before it could stop, behind a depart that it did not stop at."""
     stops: bool = False
     """Whether the candidate that led here was to stop (`Candidate.stops`)."""
+    waited: bool = False
+    """Whether the arm has waited here until a part was gone."""
     tracked: ControlPoint | None = None
     """The control point above which a tracking leg ended: the arm still moves with its frame."""
     scaled: dict[tuple[float, float, Limits, float | None, bool], ScaledLimits] = field(default_factory=dict)
@@ -148,10 +151,43 @@ def initial(scene: Scene) -> PartialPlan:
 
 def can_wait(scene: Scene, partial: PartialPlan) -> bool:
     """Whether the arm stands and may stand on: where a via is flown by it may not, even if it rests there for an
-    instant as all its joints turn round."""
+    instant as all its joints turn round. It waits once between two steps."""
     before = scene.task[partial.step - 1] if partial.step > 0 else None
     flown_by = before is not None and before.via and before.leg == "joint"
-    return partial.state.resting and not flown_by
+    return partial.state.resting and not flown_by and not partial.waited
+
+
+AFTER_S = 1e-3
+"""So long after a part is gone the arm goes on, s: it still is gone then where times are rounded."""
+
+
+def departures(scene: Scene, partial: PartialPlan) -> list[float]:
+    """When parts that were put down will be gone, s, after the end of a partial plan at which the arm can wait."""
+    if not scene.clears or partial.step == len(scene.task) or not can_wait(scene, partial):
+        return []
+    times = {gone_from(scene, scene.task[each.step], each.until) for each in partial.arrivals}
+    return sorted([time + AFTER_S for time in times if partial.state.time < time < math.inf])
+
+
+def standing(scene: Scene, partial: PartialPlan, until: float) -> tuple[PartialPlan, Trajectory, Phase]:
+    """The partial plan behind a wait until a part is gone, without its proof; the motion of the wait and its phase."""
+    knots = Knots.standing(partial.state, until)
+    leg = Leg(LegKind.WAIT, partial.step, partial.state.time, until, Route(Course.FOR_BODIES))
+    given = (scene, partial.attached, partial.handled)
+    (phase,), *_ = step_phases(*given, (leg,), partial.arrivals)
+    attached, handled = cleared(*given, partial.arrivals, until)
+    after = replace(
+        partial,
+        state=knots.last,
+        attached=attached,
+        handled=handled,
+        legs=(*partial.legs, leg),
+        knots=knots if partial.knots is None else partial.knots.then(knots),
+        trajectory=None,
+        waited=True,
+        lines={},
+    )
+    return after, Trajectory.of_knots(knots.table), phase
 
 
 def prepared(

@@ -260,7 +260,8 @@ def _stays(body: ShownBody) -> list[tuple[ShownSeat, float, float]]:
     """Each seat of a body with the times since the start from which and until which it is taken, s; seats that last no
     time as numbers of 32 bits are left out."""
     begins = [float(np.float32(max(seat["from_s"], 0.0))) for seat in body["seats"]]
-    ends = [*begins[1:], float("inf")]
+    gone_s = body["gone_s"]
+    ends = [*begins[1:], float("inf") if gone_s is None else float(np.float32(gone_s))]
     return [each for each in zip(body["seats"], begins, ends, strict=True) if each[1] < each[2]]
 
 

@@ -149,7 +149,8 @@ def _switch(ran: Trajectory, start: float) -> int:
 
 def _same_load(ran_cell: Cell, ran: Plan, cell: Cell, at: float) -> None:
     """Whether something is held is the same for both plans at the switch."""
-    from assur.planner.model.phases import at_start, phases
+    from assur.planner.model.attachments import at_start
+    from assur.planner.model.phases import phases
 
     held = at_start(cell.scene).held
     of_plan = phases(ran_cell.scene, ran.legs, ran.arrivals)

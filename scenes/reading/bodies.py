@@ -16,6 +16,7 @@ from assur.planner.geometry.shapes import AXES, ORIGIN, Body, Piece, box, capsul
 from assur.planner.laws.law import EXACT, Law, PoseUncertainty
 from assur.planner.model.deadline import OutOfTimeError
 from assur.planner.model.scene import WORLD, WorldBody
+from assur.planner.model.step_faults import TAKEN
 from assur.scenes.faults import DocumentError, FollowsError, Refused, as_written, choices, dotted, fault, within
 from assur.scenes.reading.frames import Frames, pose_uncertainty
 from assur.scenes.schema.cell_file import SlotsDocument
@@ -124,9 +125,14 @@ class Places(dict[str, tuple[str, Pose]]):
         self.unread: set[str] = set(places.unread) if isinstance(places, Places) else set()
         self.drifting: set[str] = set(places.drifting) if isinstance(places, Places) else set()
         """Bodies with a time in their pose, in frames whose speed is uncertain."""
+        self.gone: set[str] = set(places.gone) if isinstance(places, Places) else set()
+        """Parts that were taken away."""
 
-    def hold(self, name: str) -> None:
-        """Raises `FollowsError` for the name of a body that has a fault, or that is one of a neighbour's that has."""
+    def hold(self, name: str, *keys: str) -> None:
+        """Raises `FollowsError` for the name of a body that has a fault, or that is one of a neighbour's that has, and
+        `Refused`, at `keys`, for a part that was taken away."""
+        if name in self.gone:
+            raise Refused(TAKEN, *keys)
         if name.partition("/")[0] in self.unread:
             raise FollowsError
 
@@ -206,7 +212,7 @@ def resolve(place: Placement, yaw: float, frames: Frames, places: Places) -> tup
     pose = Pose(x, y, z, yaw)
     if place.body is None:
         return frames.placed(WORLD if place.frame is None else place.frame, pose)
-    places.hold(place.body)
+    places.hold(place.body, "body")
     if place.body not in places:
         raise Refused(f"a body that is named before: {choices(places, place.body)}", "body")
     places.steady(place.body)
@@ -219,6 +225,6 @@ def named(item: TargetDocument | SlotsDocument, frames: Frames, places: Places) 
     if item.body is None:
         frames.placed(WORLD if item.frame is None else item.frame, AT_ORIGIN)
         return
-    places.hold(item.body)
+    places.hold(item.body, "body")
     if item.body not in places:
         raise Refused(f"the name of a body: {choices(places, item.body)}", "body")

@@ -165,6 +165,7 @@ def _cell_of(document: object, request: RequestDocument, own: Kept) -> Cell:
             *robots.assumptions_of(document, request.robot),
             *moved,
             *frames.assumptions_of(request.frames),
+            *task.assumptions_of(steps),
             *_left_out(robot, request),
             *loads.assumptions_of(
                 robot, given.load, tool, [body for body in surroundings.bodies if body.body.name in taken_up]

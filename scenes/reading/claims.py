@@ -11,10 +11,11 @@ from collections.abc import Sequence
 from typing import Any, TypeVar
 
 from assur.planner.checker.verdict import Code, Finding
+from assur.planner.model.attachments import at_start
 from assur.planner.model.claims import Claims
 from assur.planner.model.load import Carried
 from assur.planner.model.outcome import Arrival, Contact, JointPeak, Nearest, Plan, ToolPeaks
-from assur.planner.model.phases import Phase, at_start
+from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.scenes.answer_facts import fact_of
 from assur.scenes.reading.plan import PLAN

@@ -202,9 +202,12 @@ class _Task:
         self.held, self.lost = None, False
         self.places[item.part] = (target.frame, target.pose)
         self.places.drifting.discard(item.part)
+        if item.gone_after_s is not None:
+            del self.places[item.part]
+            self.places.gone.add(item.part)
         within_m = math.inf if item.support_within_m is None else item.support_within_m
         handling = self._handling(item, target.frame, contacts)
-        return Place(name, item.part, target, **handling, support_within_m=within_m)
+        return Place(name, item.part, target, **handling, support_within_m=within_m, gone_after_s=item.gone_after_s)
 
     def _handling(
         self, item: PickDocument | PlaceDocument, frame: str, contacts: tuple[str, ...] | None
@@ -320,6 +323,15 @@ def _reversed(_: str, ends: object) -> str:
     """What is allowed in place of two ends as they were written."""
     order = f"; {ends[0]} is not below {ends[1]}" if isinstance(ends, list) and len(ends) == 2 else ""
     return "two ends, the first below the second" + order
+
+
+def assumptions_of(steps: Sequence[Step]) -> tuple[str, ...]:
+    """What an answer says of parts that are taken away."""
+    return tuple(
+        f"{step.part}: somebody has taken it away {1e3 * step.gone_after_s:g} ms after {step.name} put it down"
+        for step in steps
+        if isinstance(step, Place) and step.gone_after_s is not None
+    )
 
 
 def steps_of(

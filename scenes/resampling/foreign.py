@@ -18,8 +18,9 @@ from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import ProofFailure, Rows, written
 from assur.planner.kernels.limits import NONE, first_limit_broken
 from assur.planner.kernels.proof import ROW_COLUMNS
+from assur.planner.model.attachments import at_start
 from assur.planner.model.outcome import Arrival, Leg, LegKind, Nearest, Plan
-from assur.planner.model.phases import Phase, at_start, handled_at_start, phases, stay_phases
+from assur.planner.model.phases import Phase, handled_at_start, phases, stay_phases
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import Limits
 from assur.planner.trajectory import Trajectory, accepted_bands
@@ -77,7 +78,7 @@ def travel(scene: Scene, trajectory: Trajectory) -> tuple[Phase, ...]:
     the motion ends at rest."""
     attached, handled = at_start(scene), handled_at_start(scene)
     one = Phase(trajectory.start, trajectory.end, LegKind.MOVE, 0, attached, handled=handled)
-    rest = stay_phases(scene, trajectory.end, attached, handled) if ends_at_rest(trajectory) else []
+    rest = stay_phases(scene, trajectory.end, attached, handled, ()) if ends_at_rest(trajectory) else []
     return (one, *(phase for phase in rest if phase.robot))
 
 

@@ -112,6 +112,7 @@ class TransferDocument(Document):
     to: Name
     window_s: Interval | None = None
     window_m: Stretch | None = None
+    gone_after_s: Duration | None = None
 
 
 class CellReference(Document):

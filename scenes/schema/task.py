@@ -171,6 +171,7 @@ class PlaceDocument(_Handling):
 
     to: TargetDocument
     support_within_m: Distance | None = None
+    gone_after_s: Duration | None = None
 
 
 class StepDocument(Document):

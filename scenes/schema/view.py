@@ -82,12 +82,14 @@ class Unknown(TypedDict):
 
 @with_config(CLOSED)
 class ShownBody(TypedDict):
-    """A body: what it is, the number of its mesh, where it is from when on, and what is not known of that."""
+    """A body: what it is, the number of its mesh, where it is from when on, when it is taken away, and what is
+    unknown of its place."""
 
     name: Name
     kind: BodyKind
     mesh: Index
     seats: Annotated[list[ShownSeat], Field(min_length=1)]
+    gone_s: Number | None
     unknown: Unknown | None
 
 

@@ -315,13 +315,14 @@ class _Join:
                 self.faults.add(Refused(allowed), *where, "parts", k)
                 continue
             window = {key: own[key] for key in own if key.startswith("window_")}
+            gone = {key: own[key] for key in own if key.startswith("gone_after_")}
             pick = {"part": part, "name": f"pick-{part}", **window}
-            place = {"part": part, "name": f"place-{part}", "to": stated.to}
-            for kind, given in (("pick", pick), ("place", place)):
+            place = {"part": part, "name": f"place-{part}", "to": stated.to, **gone}
+            for kind, given, more in (("pick", pick, window), ("place", place, gone)):
                 at = ("task", count + len(steps))
                 self.origins[at] = self.origins[(*at, kind)] = where
                 self.origins[(*at, kind, "part")] = self.origins[(*at, kind, "name")] = (*where, "parts", k)
-                self.origins |= {(*at, kind, key): (*where, key) for key in window if kind == "pick"}
+                self.origins |= {(*at, kind, key): (*where, key) for key in more}
                 steps.append({kind: self._step(kind, given, where, (*at, kind))})
         return steps
 
@@ -381,7 +382,8 @@ class _Join:
             taken = self._taken(grid)
             if number in taken:
                 self.faults.add(Refused(f"a slot that is free: {taken[number]} is in it"), *place)
-            self.slot_of[part] = grid, number
+            if written_key(made, "gone_after_s") is None:
+                self.slot_of[part] = grid, number
         made[end] = pose
         self.origins[(*at, end)] = OF_CELL, "slots", grid
         return str(grid)

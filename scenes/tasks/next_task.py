@@ -44,8 +44,8 @@ class EndState:
     """The state in which the plan for `request` ends, in the `cell` of that; `document`: the request as written.
 
     `start`: the state as the start of what comes next. `uncertainty`: of each body that was handled, or is known less
-    well than at the start of the plan. `handled`: bodies that were gripped. `places`: frame and pose of every body; of
-    the part that is `held` those from which it was taken.
+    well than at the start of the plan. `handled`: bodies that were gripped. `gone`: parts that were taken away.
+    `places`: frame and pose of every other body; of the part that is `held` those from which it was taken.
     """
 
     document: Document
@@ -53,6 +53,7 @@ class EndState:
     start: Document
     uncertainty: Mapping[str, Document]
     handled: frozenset[str]
+    gone: frozenset[str]
     places: Mapping[str, tuple[str, Pose]]
     held: str | None
     cell: Cell
@@ -80,7 +81,7 @@ def end_state(request: Document, answer: object) -> EndState:
     """The state in which the plan in an answer to a request ends. The plan is not checked here. Raises `InputError`
     naming the field of the request, or one below `plan`."""
     from assur.planner.laws.law import PoseUncertainty
-    from assur.planner.model.phases import phases
+    from assur.planner.model.phases import leg_phases, parts_gone
     from assur.scenes.reading.bodies import drifted
     from assur.scenes.reading.plan import PLAN, motion_of
     from assur.scenes.requests import cell_of, refused, validate
@@ -101,17 +102,19 @@ def end_state(request: Document, answer: object) -> EndState:
     for i, each in enumerate(answer["arrivals"]):
         if "error" not in each:
             raise DocumentError(f"{PLAN}.arrivals[{i}].error", NOTHING, "how far the tool may be off, or null")
-    scene, last = cell.scene, phases(cell.scene, legs, arrivals)[-1]
-    uncertainty = {name: asdict(each) for name, each in last.handled.within}
-    handled = frozenset(uncertainty)
+    scene = cell.scene
+    _, attached, known = leg_phases(scene, legs, arrivals)
+    gone = parts_gone(scene, arrivals, trajectory.end)
+    uncertainty = {name: asdict(each) for name, each in known.within if name not in gone}
+    handled = gone.union(uncertainty)
     start = _start(answer["trajectory"])
-    held = last.attached.held
+    held = attached.held
     if held is not None:
         grasp = held.in_flange.inverse().then(scene.tool.tcp)
         at = {"grasp_m": [grasp.x, grasp.y, grasp.z], "grasp_yaw_rad": grasp.yaw}
         start["holding"] = {"part": held.part, **at, "within": uncertainty.pop(held.part)}
-    places = {body.body.name: last.attached.pose_of(scene, body.body.name) for body in scene.bodies}
-    for body in stated.bodies:
+    places = {body.name: attached.pose_of(scene, body.name) for body in scene.bodies if body.name not in gone}
+    for body in [body for body in stated.bodies if body.name not in gone]:
         if uncertainty.get(body.name) == vars(body.uncertainty):
             del uncertainty[body.name]
         if (held is not None and body.name == held.part) or (_has_time(body) and body.name not in handled):
@@ -119,9 +122,11 @@ def end_state(request: Document, answer: object) -> EndState:
         frame = scene.frames[places[body.name][0]]
         off_m = frame.uncertainty.speed_m_s * (trajectory.end - trajectory.start)
         if off_m > 0.0:
-            known = PoseUncertainty(**uncertainty.get(body.name, vars(body.uncertainty)))
-            uncertainty[body.name] = asdict(drifted(known, off_m, frame.law))
-    return EndState(request, stated, start, uncertainty, handled, places, None if held is None else held.part, cell)
+            before = PoseUncertainty(**uncertainty.get(body.name, vars(body.uncertainty)))
+            uncertainty[body.name] = asdict(drifted(before, off_m, frame.law))
+    return EndState(
+        request, stated, start, uncertainty, handled, gone, places, None if held is None else held.part, cell
+    )
 
 
 def _has_time(body: BodyDocument) -> bool:
@@ -142,7 +147,7 @@ def _start(trajectory: Mapping[str, Any]) -> Document:
 def next_request(request: Document, answer: object, steps: Sequence[Document]) -> Document:
     """The request with these steps that begins where the plan in an answer to `request` ends. Raises as `end_state`."""
     end = end_state(request, answer)
-    bodies = [end.body(body, {}) for body in request.get("bodies", ())]
+    bodies = [end.body(body, {}) for body in request.get("bodies", ()) if body["name"] not in end.gone]
     return {**request, "start": end.start, "bodies": bodies, "task": list(steps)}
 
 
@@ -179,7 +184,7 @@ def next_task(
     if parts is None:
         own = {body["name"] for body in cell.get("bodies", ())}
         parts = [body for body in end.document.get("bodies", ()) if body["name"] not in own]
-    known = {part["name"]: part for part in parts}
+    known = {part["name"]: part for part in parts if part["name"] not in end.gone}
     listed = []
     for part in task.get("parts", ()):
         before = known.pop(part["name"], {})

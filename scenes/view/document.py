@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.model.attachments import Attachments
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import Attachments, Phase, phases
+from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 from assur.scenes.answer import NOTICE

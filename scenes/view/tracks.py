@@ -12,8 +12,9 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body
+from assur.planner.model.attachments import at_start
 from assur.planner.model.outcome import Arrival
-from assur.planner.model.phases import Phase, at_start
+from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step, Trace, WorldBody
 from assur.planner.trajectory import Trajectory
 from assur.scenes.schema import view as document
@@ -106,21 +107,23 @@ def _bodies(
     scene: Scene, phases: tuple[Phase, ...], start: float, flange: int
 ) -> tuple[tuple[Mesh, ...], list[document.ShownBody]]:
     """All meshes, and all bodies: bodies of the same shape share a mesh."""
-    shown: list[tuple[Body, document.BodyKind, list[document.ShownSeat], document.Unknown | None]] = []
+    shown: list[tuple[Body, document.BodyKind, _Stays, document.Unknown | None]] = []
     own: list[tuple[Body, int, document.BodyKind]] = [(each.body, each.link, "robot") for each in scene.robot.bodies]
     own += [(body, flange, "tool") for body in scene.tool.bodies]
-    shown += [(body, kind, [_seat(0.0, link, Pose())], None) for body, link, kind in own]
+    shown += [(body, kind, ([_seat(0.0, link, Pose())], None), None) for body, link, kind in own]
     kinds = _kinds(scene)
     for world in scene.bodies:
-        seats = _seats(scene, phases, world.name, start, flange)
-        shown.append((world.body, kinds[world.name], seats, _unknown(scene, world)))
+        stays = _seats(scene, phases, world.name, start, flange)
+        shown.append((world.body, kinds[world.name], stays, _unknown(scene, world)))
     meshes, known, bodies = list[Mesh](), dict[tuple[bytes, bytes], int](), list[document.ShownBody]()
-    for body, kind, seats, unknown in shown:
+    for body, kind, (seats, gone_s), unknown in shown:
         mesh = mesh_of(body)
         number = known.setdefault((mesh.vertices.tobytes(), mesh.faces.tobytes()), len(meshes))
         if number == len(meshes):
             meshes.append(mesh)
-        bodies.append({"name": body.name, "kind": kind, "mesh": number, "seats": seats, "unknown": unknown})
+        bodies.append(
+            document.ShownBody(name=body.name, kind=kind, mesh=number, seats=seats, gone_s=gone_s, unknown=unknown)
+        )
     return tuple(meshes), bodies
 
 
@@ -136,10 +139,16 @@ def _kinds(scene: Scene) -> dict[str, document.BodyKind]:
     return kinds
 
 
-def _seats(scene: Scene, phases: tuple[Phase, ...], name: str, start: float, flange: int) -> list[document.ShownSeat]:
-    """The seats of a body of the surroundings, in the order of time."""
+_Stays = tuple[list[document.ShownSeat], float | None]
+"""The seats of a body in the order of time, and when it is taken away, s since the start; None: it is not."""
+
+
+def _seats(scene: Scene, phases: tuple[Phase, ...], name: str, start: float, flange: int) -> _Stays:
+    """Where a body of the surroundings is."""
     carriers, seats = _frame_carriers(scene), list[tuple[float, int, Pose]]()
     for time, attached in [(start, at_start(scene)), *((phase.t0, phase.attached) for phase in phases)]:
+        if attached.has_gone(scene, name):
+            return [_seat(since - start, carrier, pose) for since, carrier, pose in seats], time - start
         held = attached.held
         if held is not None and held.part == name:
             carrier, pose = flange, held.in_flange
@@ -150,7 +159,7 @@ def _seats(scene: Scene, phases: tuple[Phase, ...], name: str, start: float, fla
             seats.pop()
         if not seats or seats[-1][1:] != (carrier, pose):
             seats.append((time, carrier, pose))
-    return [_seat(time - start, carrier, pose) for time, carrier, pose in seats]
+    return [_seat(time - start, carrier, pose) for time, carrier, pose in seats], None
 
 
 def _seat(since: float, carrier: int, pose: Pose) -> document.ShownSeat:

@@ -15,7 +15,7 @@ from assur.planner.collision.bodies import Bodies
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere
 from assur.planner.laws import Frame, Law, Uncertainty, conveyor, fixed, linear, swing, turntable
-from assur.planner.model.phases import AT_START
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import (
     Clearance,

@@ -12,7 +12,7 @@ from assur.planner.legs.control_point import control_point
 from assur.planner.legs.joint import Shape, Via
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.missed import ArchForm
-from assur.planner.model.phases import AT_START, Attachments
+from assur.planner.model.attachments import AT_START, Attachments
 from assur.planner.model.scene import Scene
 from assur.planner.search.extension import extended, straight_extension, timed
 from assur.planner.search.partial_plan import (

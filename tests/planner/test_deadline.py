@@ -23,10 +23,10 @@ from assur.planner.feasibility.input_warnings import smallest_extent, unusual_pl
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry import containment
 from assur.planner.geometry.containment import inside, winding_number
+from assur.planner.model.attachments import at_start
 from assur.planner.model.claims import NOTHING
 from assur.planner.model.deadline import Deadline, OutOfTimeError, out_of_time, raise_if_late
 from assur.planner.model.outcome import NotPlanned, Plan, Planned
-from assur.planner.model.phases import at_start
 from assur.planner.model.scene import Scene
 from assur.planner.pipeline import plan
 from assur.planner.search import census

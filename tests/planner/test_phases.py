@@ -13,8 +13,9 @@ from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece, box, cylinder
 from assur.planner.laws import Frame, conveyor, fixed, linear, turntable
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import Leg, LegKind
-from assur.planner.model.phases import AT_START, phases, resting_on, yaw_offsets
+from assur.planner.model.phases import phases, resting_on, yaw_offsets
 from assur.planner.model.scene import Execution, Follow, Move, Options, Pick, Place, Scene, Step, Target, WorldBody
 from tests.planner.checker.hand_made import TOOL, arm, solid, start_at
 

@@ -8,7 +8,7 @@ import pytest
 from assur.planner.collision.bodies import COVER, Bodies
 from assur.planner.geometry.shapes import Hull, Primitive, box, cylinder, pieces, sphere
 from assur.planner.kernels.solids import HALF
-from assur.planner.model.phases import AT_START
+from assur.planner.model.attachments import AT_START
 from tests.planner.cells import CUP, Around, arm, block, cell, go, mesh_box, solid, stands
 
 

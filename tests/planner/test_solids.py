@@ -16,8 +16,9 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece, box, cylinder, support
 from assur.planner.kernels.solids import CENTRE, FIRST, HALF, REQUIRED, ROTATION, SECOND
 from assur.planner.laws import turntable
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import AT_START, Phase
+from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from tests.planner.cells import CUP, Around, arm, block, cell, frame, go, mesh_box, solid, stands
 from tests.planner.convex import anywhere, grid_aligned

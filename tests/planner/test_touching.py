@@ -20,9 +20,10 @@ from assur.planner.feasibility.input_warnings import OFF_M, unusual_supports
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder, sphere
 from assur.planner.laws import conveyor
+from assur.planner.model.attachments import AT_START, at_start
 from assur.planner.model.input_warning import WarningKind
 from assur.planner.model.outcome import NotPlanned, Planned
-from assur.planner.model.phases import AT_START, at_start, yaw_offsets
+from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.refusal import NotTouching, Reason, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Tool
 from assur.planner.pipeline import plan

@@ -29,8 +29,9 @@ from assur.planner.checker.statement.distances import required_between
 from assur.planner.checker.statement.solids import bodies_of
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Hull, Piece
+from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.outcome import TRACKING, LegKind
-from assur.planner.model.phases import Attachments, at_start, pair
+from assur.planner.model.phases import pair
 from assur.planner.model.refusal import (
     Bodies,
     Enclosed,

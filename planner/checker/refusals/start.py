@@ -11,7 +11,8 @@ from assur.planner.checker.refusals.stated import Proof, exceeded, law_ends
 from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.differences import inverse_pose, numbers, then
 from assur.planner.checker.statement.limits import integrals, part_inertia, share_with_load, tool_inertia
-from assur.planner.model.phases import at_start, yaw_offsets
+from assur.planner.model.attachments import at_start
+from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.refusal import (
     RATES,
     Bodies,

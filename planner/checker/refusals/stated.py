@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass, fields
 from typing import Literal, NamedTuple
 
+from assur.planner.model.attachments import Attachments
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import Attachments, Contacts, contacts_of
+from assur.planner.model.phases import Contacts, contacts_of
 from assur.planner.model.refusal import (
     Facts,
     FrameName,

@@ -15,7 +15,8 @@ import numpy as np
 from assur.planner.checker.refusals.postures import Goal, allowed_mode_names, still
 from assur.planner.checker.refusals.spans import ANY, around
 from assur.planner.frames.motion import Pose
-from assur.planner.model.phases import Attachments, at_start, yaw_offsets
+from assur.planner.model.attachments import Attachments, at_start
+from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.refusal import Spot
 from assur.planner.model.scene import Pick, Place, Scene, Step, Trace
 from assur.planner.model.witness import Meeting, Obstruction
@@ -88,6 +89,8 @@ def ways(scene: Scene, number: int) -> tuple[GraspOption, ...]:
         elif isinstance(earlier, Place):
             held = state if picked is None else state.after(scene, picked)
             state, picked, turns = held.after(scene, earlier), None, NOT_TURNED
+            if earlier.gone_after_s is not None:
+                state = state.without(scene, earlier.part)  # it may be gone by then
     if isinstance(step, Pick):
         turns = yaw_offsets(scene, step) or ANY_TURN
     free, found = not hands and yaw_offsets(scene, step) is None, []

@@ -22,7 +22,7 @@ from assur.planner.checker.statement import laws
 from assur.planner.checker.statement.differences import SAME, Four, numbers, then
 from assur.planner.checker.statement.limits import SHARES, share_with_load
 from assur.planner.laws import Law
-from assur.planner.model.phases import at_start
+from assur.planner.model.attachments import at_start
 from assur.planner.model.refusal import LawEnds, Overshoot, Quantity, Reason, Refusal
 from assur.planner.model.scene import Place, Scene
 from assur.planner.model.window_missed import Miss, WindowMissed

@@ -22,11 +22,14 @@ from assur.planner.errors import FaultError
 from assur.planner.geometry.shapes import Body, Hull, Piece
 from assur.planner.laws.law import EXACT, PoseUncertainty, Uncertainty
 from assur.planner.model.outcome import TRACKING, Leg, LegKind, Plan
-from assur.planner.model.scene import Pick, Place, Scene
+from assur.planner.model.scene import WORLD, Pick, Place, Scene
 
 CONTACT_M = 1e-4
 """How deep bodies that may touch may overlap, m, besides what the step allows; and how far apart in height what a part
 rests on may be from its bottom."""
+FAR_M = 100.0
+"""How far below the origin of the world, or above it for a robot that is below, what was taken away is stated to be,
+m."""
 CERTAIN = Uncertainty()
 Where = tuple[str | None, Four]
 """The frame to which a body is fixed (None: the flange), and its pose there."""
@@ -37,7 +40,8 @@ class Stage:
     """A leg, or what comes behind the last one: what has to hold in it.
 
     `near`: whether the distance near a control point counts. `robot`: whether the robot has to keep clear. `handed`:
-    the steps whose part has changed hands; `held`: the part in the gripper. `touching`, `depth`: the pairs that may
+    the steps whose part has changed hands; `held`: the part in the gripper; `gone`: parts that were taken away since
+    they were put down. `touching`, `depth`: the pairs that may
     touch, and how deep, m. `supports`: by the parts that were put down, what they may touch. `shares`: those of the
     tool in errors of frames.
     """
@@ -45,6 +49,7 @@ class Stage:
     when: Interval
     handed: list[int]
     held: str | None
+    gone: frozenset[str] = frozenset()
     near: bool = False
     robot: bool = True
     touching: set[frozenset[str]] = field(default_factory=set)
@@ -125,10 +130,11 @@ class Handling(Requirements):
         """The stage of a leg, or of what comes behind the last one."""
         task, legs = self.scene.task, self.plan.legs
         handed = [leg.step for leg in legs[:number] if leg.kind is LegKind.FOLLOW and task[leg.step].part is not None]
-        stage = Stage(when, handed, self.held(handed), shares=self._shares(number))
+        of_step = legs[number].step if number < len(legs) else len(task)
+        stage = Stage(when, handed, self.held(handed), self.gone(of_step, when[0]), shares=self._shares(number))
         for k, own in enumerate(handed):
             part = task[own].part
-            if part is not None and part != stage.held:
+            if part is not None and part != stage.held and part not in stage.gone:
                 # the last step that handled it counts; parts that were taken since do not support it
                 stage.supports[part] = self.supports(own) - {task[k].part or "" for k in handed[k + 1 :]}
         if number < len(legs) and legs[number].kind in TRACKING:
@@ -167,8 +173,20 @@ class Handling(Requirements):
         last = self.scene.task[handed[-1]]
         return last.part if isinstance(last, Pick) else None
 
-    def place(self, name: str, handed: Sequence[int]) -> Where:
-        """Where a body of the surroundings is after some steps."""
+    def gone(self, number: int, time: float) -> frozenset[str]:
+        """The parts that steps before a step put down, and that are taken away by a time. Of a robot that is late they
+        are put down so much later."""
+        found, late = set(), self.scene.execution.start_tolerance_s
+        for k, step in enumerate(self.scene.task[:number]) if self.scene.clears else ():
+            after = step.gone_after_s if isinstance(step, Place) else None
+            if after is not None and self.arrivals[k].until + after + late <= time:
+                found.add(step.part or "")
+        return frozenset(found)
+
+    def place(self, name: str, handed: Sequence[int], gone: frozenset[str] = frozenset()) -> Where:
+        """Where a body of the surroundings is after some steps; what is gone is far from the robot."""
+        if name in gone:
+            return WORLD, (0.0, 0.0, -FAR_M if self.scene.robot.base.z >= 0.0 else FAR_M, 0.0)
         for number in reversed(handed):
             step = self.scene.task[number]
             if step.part == name and isinstance(step, Pick):
@@ -221,13 +239,14 @@ class Handling(Requirements):
         if step.contact_with is not None:
             return set(step.contact_with)
         time, handed = self.arrivals[number].until, self.handed_before(number)
+        gone = self.gone(number, self.legs(number)[0].t0)
         there = self.in_world(self.point(number), time)
         bottom = there[2] - _reach(self.scene.index[step.part].body, -1.0)
         found = set()
         for body in self.scene.bodies:
             if body.name == step.part:
                 continue
-            here = self.in_world(self.place(body.name, handed), time)
+            here = self.in_world(self.place(body.name, handed, gone), time)
             near = math.dist(here[:2], there[:2]) <= self.radius(body.name) + self.radius(step.part) + SAME
             if near and abs(here[2] + _reach(body.body, 1.0) - bottom) <= CONTACT_M + SAME:
                 found.add(body.name)
@@ -275,18 +294,19 @@ class Handling(Requirements):
             self._tools[time] = then(flange, self.tcp)
         return self._tools[time]
 
-    def uncertainty(self, name: str, handed: Sequence[int]) -> PoseUncertainty:
+    def uncertainty(self, name: str, handed: Sequence[int], gone: frozenset[str] = frozenset()) -> PoseUncertainty:
         """How uncertain the pose of a body of the surroundings is after some steps.
 
-        Of a part that a step has handled it is the error of the arrival, or what the step states of the grip.
+        Of a part that a step has handled it is the error of the arrival, or what the step states of the grip. What is
+        gone has that of its body.
         """
-        for number in reversed(handed):
+        for number in () if name in gone else reversed(handed):
             step, error = self.scene.task[number], self.arrivals[number].error
             if step.part == name:
                 stated = step.held_within if isinstance(step, Pick) else None
                 return stated or (EXACT if error is None else error.within)
         holding = self.scene.start.holding
-        if holding is not None and holding.part == name:
+        if holding is not None and holding.part == name and name not in gone:
             return holding.within
         return self.scene.index[name].uncertainty
 

@@ -74,9 +74,11 @@ def _required_seats(statement: Statement) -> tuple[FloatArray, FloatArray]:
     for part in parts:
         k, body = statement.bodies[part], scene.index[part].body
         for p, stage in enumerate(stages):
-            frame, at = statement.place(part, stage.handed)
+            frame, at = statement.place(part, stage.handed, stage.gone)
             all_seats[p, k] = (k, flange, -1.0, *at) if frame is None else (k, -1.0, statement.frames[frame], *at)
-            all_off[p, k :: len(statement.bodies)] = displaced(statement.uncertainty(part, stage.handed), body)
+            all_off[p, k :: len(statement.bodies)] = displaced(
+                statement.uncertainty(part, stage.handed, stage.gone), body
+            )
     return all_seats, all_off
 
 

@@ -8,6 +8,7 @@ import {
 
 const LIGHT = unit([0.35, -0.55, 0.9]);
 const IDENTITY = matrixOf({ p: [0, 0, 0], q: [0, 0, 0, 1] });
+const NOWHERE = new Float32Array(16); // of what was taken away: no triangle has an area
 
 function colourOf(name) {
   const text = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -137,9 +138,10 @@ export class Renderer {
     this.stats = { drawCalls: 0, triangles: 0 };
     const matrix = camera.matrix();
     const carriers = this.tracks.carrierPoses(t);
-    const poses = this.batches.map((batch) =>
-      matrixOf(batch.body ? this.tracks.bodyPose(batch.body, t, carriers) : carriers[batch.carrier]),
-    );
+    const poses = this.batches.map(({ body, carrier }) => {
+      if (body && body.gone_s !== null && t >= body.gone_s) return NOWHERE;
+      return matrixOf(body ? this.tracks.bodyPose(body, t, carriers) : carriers[carrier]);
+    });
     const hot = show.pair && pair ? pair.bodies : this.met.length ? this.met : [-1, -1];
     this.focus = this.tracks.toolPose(t, carriers).p;
     // what is too near is red; what is merely nearest has a touch of it, for a table may be large

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from assur.planner.bound.duration import least_duration
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import conveyor, keyframes, turntable
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import Planned
-from assur.planner.model.phases import AT_START
 from assur.planner.model.scene import Follow, Pick, Place, Scene, Target, Tool, Window
 from assur.planner.pipeline import plan
 from assur.planner.robots.facts import Limits

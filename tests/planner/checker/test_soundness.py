@@ -22,10 +22,11 @@ from assur.planner.geometry.shapes import Primitive, sphere
 from assur.planner.laws import Law, Pose, linear, swing, turntable
 from assur.planner.laws.law import Uncertainty
 from assur.planner.legs.accuracy import arrival_error
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import (
     Plan,
 )
-from assur.planner.model.phases import AT_START, GraspUncertainty
+from assur.planner.model.phases import GraspUncertainty
 from assur.planner.model.scene import Execution, Move, Options, Scene, Target, WorldBody
 from tests.planner.checker.hand_made import (
     TOOL,

@@ -15,7 +15,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.laws import Change, Law, conveyor, fixed, linear, turntable
 from assur.planner.laws.belt_window import HORIZON_S, times_inside, travelled
 from assur.planner.legs.control_point import ControlPoint, control_point
-from assur.planner.model.phases import AT_START
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.scene import Follow, Window
 from tests.planner.cells import at, cell, frame
 

@@ -18,8 +18,8 @@ from assur.planner.legs.joint import JointMotion, Shape, Via
 from assur.planner.legs.meeting import meetings
 from assur.planner.legs.missed import ArchForm
 from assur.planner.legs.state import Branch, Knots, State
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import LegKind, Planned
-from assur.planner.model.phases import AT_START
 from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.model.scene import Scene, Window
 from assur.planner.pipeline import plan

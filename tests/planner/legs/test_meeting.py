@@ -17,8 +17,8 @@ from assur.planner.laws.belt_window import HORIZON_S
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.meeting import LOOK_AHEAD_S, Meetings, meeting_times, meetings
 from assur.planner.legs.missed import holds_for_all_times
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import NotPlanned
-from assur.planner.model.phases import AT_START
 from assur.planner.model.refusal import BeyondRange, LawEnds, Reason, Stage
 from assur.planner.model.scene import Follow, Pick, Scene, Step, Window
 from assur.planner.model.scene import WorldBody as Around

@@ -11,7 +11,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.legs.control_point import MovingEnd, control_point
 from assur.planner.legs.meeting import FARTHER, RANGE_M, entering, leaving, may_stop
-from assur.planner.model.phases import AT_START
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.scene import Arch, Move, Pick, Place, Scene, Step, Target
 from assur.planner.robots.robot import Robot
 from assur.planner.timing import TimingRefusal

@@ -18,8 +18,8 @@ from assur.planner.laws import Law, conveyor, indexer, linear, swing, turntable
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.state import State
 from assur.planner.legs.tracking import TrackingLegs, lead_time, track
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import LegKind, Planned
-from assur.planner.model.phases import AT_START
 from assur.planner.model.refusal import MotionLimit, Obstacle, Reason, Refusal
 from assur.planner.model.scene import Follow, Pick, Scene, Start, Target, Tool
 from assur.planner.pipeline import plan

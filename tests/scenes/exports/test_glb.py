@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from assur.planner.model.phases import Attachments, phases
+from assur.planner.model.attachments import Attachments
+from assur.planner.model.phases import phases
 from assur.planner.trajectory import Trajectory
 from assur.scenes.exports import glb
 from assur.scenes.exports.documents import export_document

@@ -5,8 +5,9 @@ from __future__ import annotations
 from itertools import product
 
 from assur.planner.checker.statement.distances import required_between
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import AT_START, Phase
+from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Clearance, ClearanceException
 from tests.planner.cells import table_to_table
 

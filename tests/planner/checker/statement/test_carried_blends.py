@@ -15,8 +15,9 @@ from assur.planner.claim import columns as c
 from assur.planner.claim.frames import knots_of
 from assur.planner.claim.points import rates_of
 from assur.planner.legs.tool_motion import tool_accelerations
+from assur.planner.model.attachments import at_start
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import Phase, at_start
+from assur.planner.model.phases import Phase
 from assur.planner.trajectory import Trajectory
 from tests.planner.checker.statement.cases import Case, Document, copied, differences, planned
 

@@ -21,7 +21,7 @@ from assur.planner.claim import filling, obligations
 from assur.planner.geometry import shapes
 from assur.planner.laws import kinds, ramps
 from assur.planner.laws.law import EXACT
-from assur.planner.model import phases
+from assur.planner.model import attachments, phases
 from assur.planner.model import scene as scenes
 from assur.scenes.reading.cell import _kept
 from assur.scenes.requests import cell_of
@@ -30,7 +30,7 @@ from tests.planner.checker.statement.cases import case_of, claim_of, differences
 DEMO, FLOW, LAWS = "demo, more uncertain", "dense-flow, more uncertain", "demo, all laws"
 STACKED = "demo, supports not named"
 
-contacts_of, after, ramp = phases.contacts_of, phases.Attachments.after, ramps.Change.phases
+contacts_of, after, ramp = phases.contacts_of, attachments.Attachments.after, ramps.Change.phases
 spline = scipy.interpolate.CubicSpline
 changed, phases_of = phases.GraspUncertainty.changed, phases.phases
 
@@ -82,7 +82,7 @@ SHARED = (
     Fault(
         "a turned grasp is not turned",
         DEMO,
-        phases.Attachments,
+        attachments.Attachments,
         "after",
         lambda self, scene, step, turn=0.0: after(self, scene, step, 0.0 * turn),
     ),
