@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
 
 import numpy as np
@@ -90,6 +91,21 @@ def _mesh_part(draft: Draft) -> None:
     place["place"]["to"]["at_m"][2] = half
 
 
+def _taken_away(draft: Draft) -> None:
+    """A second part goes to the same place, from which somebody takes each part; most robots may be late."""
+    task, bodies = draft.request["task"], draft.request["bodies"]
+    (part,) = [body for body in bodies if body["name"] == "part"]
+    bodies.append(copy.deepcopy(part) | {"name": "part-2"})
+    bodies[-1]["pose"]["at_m"][0] -= draft.between(3.0, 5.0) * draft.half[0]
+    task[1]["place"]["gone_after_s"] = draft.one_of(0.0, draft.between(0.0, 2.0))
+    for given in copy.deepcopy(task[:2]):
+        ((_, step),) = given.items()
+        step["part"] = "part-2"
+        task.append(given)
+    if draft.chance(0.5):
+        draft.request["options"]["stay_safe_s"] = draft.between(0.1, 2.5)
+
+
 OWN: dict[str, Callable[[np.random.Generator], Draft]] = {
     "points, SCARA": through_points((*SCARAS, THREE_AXES)),
     "points, five-bar": through_points((FIVE_BAR,)),
@@ -110,5 +126,7 @@ OWN: dict[str, Callable[[np.random.Generator], Draft]] = {
     "windows": _changed("belt to table", _late),
     "mesh parts": _changed("table to table", _mesh_part),
     "mesh parts, belt": _changed("belt to dial", _mesh_part),
+    "taken away": _changed("table to table", _taken_away),
+    "taken away, belt": _changed("belt to dial", _taken_away),
 }
 KINDS = (*random_cells.KINDS, *OWN)

@@ -12,7 +12,7 @@ from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Pieces, pieces
-from assur.planner.laws.law import EXACT, Frame, PoseUncertainty, Uncertainty, all_stand, check_rounding, law_tables
+from assur.planner.laws.law import EXACT, Frame, PoseUncertainty, Uncertainty, check_rounding, law_tables
 from assur.planner.model.execution import AS_PLANNED, Execution, check_execution
 from assur.planner.model.forbidden_yaw import YawRange, check_ranges
 from assur.planner.model.kept import NOTHING_KEPT, KeptCell
@@ -216,11 +216,6 @@ class Scene:
     def clears(self) -> bool:
         """Whether a part is taken away after it was put down."""
         return any(isinstance(step, Place) and step.gone_after_s is not None for step in self.task)
-
-    @cached_property
-    def stands(self) -> bool:
-        """Whether nothing changes while the arm stands: no frame moves, and no part is taken away."""
-        return all_stand(self.frames.values()) and not self.clears
 
     def straight(self, step: Step) -> tuple[float, float]:
         """Lengths of the straight parts of a step's approach and depart, m: as required, but long enough for what

@@ -34,15 +34,13 @@ from assur.planner.search.partial_plan import (
     RefusedMotion,
     TimedCandidate,
     TimedMotion,
-    departures,
     initial,
     prepared,
-    standing,
 )
+from assur.planner.search.pool import Pool
 from assur.planner.search.rough_score import CoarseScore, score_of
 from assur.planner.search.tuning import (
     BEAM,
-    KEPT_PLANS,
     MOST_OPTIONS,
     PROVED_A_BATCH,
     ROUNDING_S,
@@ -86,7 +84,7 @@ class Search:
         self.scene, self.prover, self.watch = scene, prover, watch
         self.started, self.deadline = started, Deadline(started, scene.options.budget_s)
         self.rng = np.random.default_rng(scene.options.seed)
-        self.pool: list[list[PartialPlan]] = [[] for _ in range(len(scene.task) + 1)]
+        self.pool = Pool(scene, prover)
         self.samplers: dict[PartialPlan, Sampler] = {}
         self.until_first = scene.options.stop == "first"
         """Whether the first plan ends the search. It says nothing about how that one is found."""
@@ -106,12 +104,12 @@ class Search:
                 return self.found
 
     def _rounds(self) -> SearchResult:
-        self.pool[0].append(initial(self.scene))
+        self.pool.add(initial(self.scene))
         round_number = 0
         while True:
             explored = False
             for length in range(len(self.scene.task)):
-                for partial in self._beam(length, 1 + round_number // 2):
+                for partial in self.pool.continued(length, 1 + round_number // 2):
                     explored |= self._explore(partial)
                     over = self._over()
                     if over and round_number == 0:
@@ -129,16 +127,6 @@ class Search:
         allowed a refusal may be proved."""
         if self.found.best is None and not self.found.cut_by_clock:
             self.found.never = points_impossible(self.scene, self.prover, start_is_free=self.start_is_free)
-
-    def _beam(self, length: int, width: int) -> list[PartialPlan]:
-        """The partial plans of this length to be continued: the earliest, and the earliest of each other mode, and
-        of those that were to stop, or have waited."""
-        every = sorted(self.pool[length], key=lambda partial: partial.state.time)
-        of_kind: dict[tuple[int, bool, bool], PartialPlan] = {}
-        for partial in every:
-            of_kind.setdefault((partial.mode, partial.stops, partial.waited), partial)
-        first = list(of_kind.values())
-        return (first + [partial for partial in every if partial not in first])[: min(width, BEAM)]
 
     def _over(self) -> bool:
         if self.watch is not None:
@@ -178,7 +166,7 @@ class Search:
         last = partial.step + 1 == len(self.scene.task)
         batch = sampler.batch(self._before() if last else self.found.soonest)
         batch = batch[: int(min(len(batch), self._left()))]
-        enough = self._enough()
+        enough, leaving = self._enough(), set(self.pool.leaving[partial.step])
         for motion in self._in_order(partial, sampler, batch):
             screened, proved = self._tried(motion)
             refusal = screened.refusal
@@ -190,7 +178,7 @@ class Search:
             if proved is False and refusal is None:
                 sampler.learn(motion.candidate, 1.0)
             enough -= proved is True
-            if enough <= 0 or self._late():
+            if enough <= 0 or self._late() or self.pool.leaving[partial.step] != leaving:
                 break
         return bool(batch)
 
@@ -268,7 +256,7 @@ class Search:
 
     def _of_use(self, motion: TimedMotion) -> bool:
         """Whether the partial plan that a motion leads to would be continued, or be the best plan."""
-        earlier = [other for other in self.pool[motion.before.step + 1] if other.state.time <= motion.end]
+        earlier = [other for other in self.pool.plans[motion.before.step + 1] if other.state.time <= motion.end]
         kind = motion.candidate.branch.mode, motion.candidate.stops
         of_kind = any((other.mode, other.stops) == kind for other in earlier)
         return self._may_win(motion) and (len(earlier) < BEAM or not of_kind)
@@ -319,16 +307,22 @@ class Search:
         """
         screened = screen(self.prover, motion)
         if screened.encounters:
-            self.found.census.add_all(self.found.refused(motion, screened.encounters))
+            self._refused(motion.before, self.found.refused(motion, screened.encounters))
             return screened, False
         if not self._of_use(motion):
             return screened, None
         partial = self._proved(motion)
         if not isinstance(partial, PartialPlan):
-            self.found.census.add_all(partial)
+            self._refused(motion.before, partial)
             return screened, False
         self._add(partial)
         return screened, True
+
+    def _refused(self, before: PartialPlan, encounters: tuple[Encounter, ...]) -> None:
+        """Counts why a motion was refused, and remembers parts in its way that will be gone."""
+        self.found.census.add_all(encounters)
+        if self.scene.clears:
+            self.pool.note(before, {name for each in encounters for name in each.refusal.bodies})
 
     def _proved(self, motion: TimedMotion) -> PartialPlan | tuple[Encounter, ...]:
         """The partial plan that a motion leads to, with the proofs of all its phases; or why there is none."""
@@ -369,17 +363,7 @@ class Search:
                 self.found.first_s = time.perf_counter() - self.started
             self.found.best, self.found.plan = partial, whole
             self.found.soonest = min(self.found.soonest, partial.state.time)
-        pool = self.pool[partial.step]
-        pool.append(partial)
-        for until in departures(self.scene, partial):
-            after, motion, phase = standing(self.scene, partial, until)
-            rows = self.prover.prove(phase, motion)
-            if not isinstance(rows, ProofFailure):
-                pool.append(replace(after, proofs=(*partial.proofs, rows)))
-        pool.sort(key=lambda each: each.state.time)
-        for waited in (False, True):
-            for late in [each for each in pool if each.waited is waited][KEPT_PLANS:]:
-                pool.remove(late)
+        self.pool.add(partial)
         self.found.deepest = max(self.found.deepest, partial.step)
         if self.found.longest is None or partial.step > self.found.longest.step:
             self.found.longest = partial

@@ -234,7 +234,7 @@ class Sampler:
 
     def _stops(self) -> tuple[bool, ...]:
         """Whether the first candidates stop behind the depart: those, too, where the arm may have to wait there."""
-        return (False, True) if self.may_stop and not self.scene.stands else (False,)
+        return (False, True) if self.may_stop and not all_stand(self.scene.frames.values()) else (False,)
 
     def _first_of_modes(self) -> list[Option]:
         found: dict[int, Option] = {}

@@ -213,7 +213,7 @@ def _continued(
     if missed is not None:
         return missed
     if final and scene.options.end == "rest" and not legs[-1].knots.last.resting:
-        stopped = _at_rest(partial.step, legs, candidate.stop_pace, point.limits_after)
+        stopped = at_rest(partial.step, legs, candidate.stop_pace, point.limits_after)
         if isinstance(stopped, Refusal):
             return stopped
         legs = stopped
@@ -316,7 +316,7 @@ def _window_refusal(point: ControlPoint, begin: float) -> Refusal | None:
     return window_missed(Stage.WINDOW, point.step, facts, amount=Quantity.of(off, "s"), interval=spans[0])
 
 
-def _at_rest(step: int, legs: list[TimedLeg], pace: float, limits: Limits) -> list[TimedLeg] | Refusal:
+def at_rest(step: int, legs: list[TimedLeg], pace: float, limits: Limits) -> list[TimedLeg] | Refusal:
     """The legs, at rest in the end: to the bit where only rounding keeps them from it, else by a leg of its own, for
     what tracks a moving frame; that ends near where braking alone would."""
     last = legs[-1].knots.last

@@ -25,11 +25,8 @@ from assur.planner.model.phases import (
     NOTHING_HANDLED,
     GraspUncertainty,
     Phase,
-    cleared,
-    gone_from,
     handled_at_start,
     on_way,
-    step_phases,
 )
 from assur.planner.model.refusal import Refusal, Separation, Stage
 from assur.planner.model.scene import Scene, Trace
@@ -152,42 +149,13 @@ def initial(scene: Scene) -> PartialPlan:
 def can_wait(scene: Scene, partial: PartialPlan) -> bool:
     """Whether the arm stands and may stand on: where a via is flown by it may not, even if it rests there for an
     instant as all its joints turn round. It waits once between two steps."""
+    return partial.state.resting and not flown_by(scene, partial) and not partial.waited
+
+
+def flown_by(scene: Scene, partial: PartialPlan) -> bool:
+    """Whether a partial plan ends at a via that is flown by."""
     before = scene.task[partial.step - 1] if partial.step > 0 else None
-    flown_by = before is not None and before.via and before.leg == "joint"
-    return partial.state.resting and not flown_by and not partial.waited
-
-
-AFTER_S = 1e-3
-"""So long after a part is gone the arm goes on, s: it still is gone then where times are rounded."""
-
-
-def departures(scene: Scene, partial: PartialPlan) -> list[float]:
-    """When parts that were put down will be gone, s, after the end of a partial plan at which the arm can wait."""
-    if not scene.clears or partial.step == len(scene.task) or not can_wait(scene, partial):
-        return []
-    times = {gone_from(scene, scene.task[each.step], each.until) for each in partial.arrivals}
-    return sorted([time + AFTER_S for time in times if partial.state.time < time < math.inf])
-
-
-def standing(scene: Scene, partial: PartialPlan, until: float) -> tuple[PartialPlan, Trajectory, Phase]:
-    """The partial plan behind a wait until a part is gone, without its proof; the motion of the wait and its phase."""
-    knots = Knots.standing(partial.state, until)
-    leg = Leg(LegKind.WAIT, partial.step, partial.state.time, until, Route(Course.FOR_BODIES))
-    given = (scene, partial.attached, partial.handled)
-    (phase,), *_ = step_phases(*given, (leg,), partial.arrivals)
-    attached, handled = cleared(*given, partial.arrivals, until)
-    after = replace(
-        partial,
-        state=knots.last,
-        attached=attached,
-        handled=handled,
-        legs=(*partial.legs, leg),
-        knots=knots if partial.knots is None else partial.knots.then(knots),
-        trajectory=None,
-        waited=True,
-        lines={},
-    )
-    return after, Trajectory.of_knots(knots.table), phase
+    return before is not None and before.via and before.leg == "joint"
 
 
 def prepared(

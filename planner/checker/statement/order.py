@@ -67,7 +67,8 @@ def require_order(handling: Handling) -> None:
 
 def _pattern(step: Step) -> str:
     """The legs that a step may have, as a regular expression of `LETTERS`."""
-    way = "W?[MA]+" if step.arch is None else "W?[MA]*A[MA]*"
+    # an arm in motion stops before it waits
+    way = "(M?W)?[MA]+" if step.arch is None else "(M?W)?[MA]*A[MA]*"
     if isinstance(step, Move):
         return way
     if isinstance(step, Trace):

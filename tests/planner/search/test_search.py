@@ -215,12 +215,12 @@ def test_a_way_is_of_use_if_its_partial_plan_would_be_continued_or_be_the_best_p
     assert search._of_use(way)
     state = replace(partial.state, time=min(way.end, second.end) - 0.01)
     early = [replace(partial, step=1, state=state, mode=0) for _ in range(BEAM)]
-    search.pool[1] = early[1:]
+    search.pool.plans[1] = early[1:]
     assert search._of_use(way)
-    search.pool[1] = early
+    search.pool.plans[1] = early
     assert not search._of_use(way)
     assert search._of_use(second)  # the earliest of its mode is always continued
-    search.pool[1] = [replace(each, state=replace(state, time=way.end + 0.01)) for each in early]
+    search.pool.plans[1] = [replace(each, state=replace(state, time=way.end + 0.01)) for each in early]
     assert search._of_use(way)
     search.found.best = replace(partial, state=replace(state, time=way.end))
     assert not search._of_use(way)
