@@ -13,9 +13,12 @@ from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
 from assur.scenes.conventions import converted
+from assur.scenes.report.report import report_of
+from assur.scenes.requests import cell_of, plan_cell
 from assur.scenes.scenarios import shipped_scenarios
 from tests.browser.conftest import report
 from tests.scenes.cells.answers import answer
+from tests.scenes.test_parts_taken_away import nest
 from tests.scenes.view.shown import cell, scene, view
 
 pytestmark = pytest.mark.slow
@@ -221,6 +224,25 @@ def test_a_refusal_shows_its_sentence_and_its_census(opened: Any) -> None:
     assert [int(text) for text in counts] == [line["count"] for line in answer("shut-gate")["census"]["lines"]]
     widths = [box["width"] for box in (bar.bounding_box() for bar in shown.page.locator(".census .filled").all())]
     assert widths == sorted(widths, reverse=True)
+
+
+def test_a_part_that_was_taken_away_is_seen_no_longer(opened: Any) -> None:
+    request = nest(2000)
+    found = plan_cell(cell_of(request), unstated={"report": "full"})
+    page = report_of(cell_of(request), found, title="nest", about="", verdict={"ok": True, "findings": []}, version="0")
+    shown = opened("nest", page)
+    number = shown.ask("assur.view.bodies.findIndex((body) => body.name === 'a')")
+    gone_s = shown.ask(f"assur.view.bodies[{number}].gone_s")
+    shown.ask("assur.look('top')")
+    seen = f"""((t) => {{
+        assur.seek(t);
+        assur.draw();
+        const at = assur.renderer.onPage(assur.tracks.bodyPose(assur.view.bodies[{number}], t).p);
+        return assur.renderer.bodyAt(at.x, at.y);
+    }})"""
+    assert shown.ask(f"{seen}({gone_s} - 0.001)") == number
+    assert shown.ask(f"{seen}({gone_s} + 0.001)") not in (number, -1)
+    assert shown.said == []
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
