@@ -7,6 +7,7 @@ the request is a fault at the place in the cell or the task from which the value
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 from typing import Any
@@ -177,6 +178,7 @@ class _Join:
         self.kinds: Document = cell.get("kinds", {})
         self.positions: Document = cell.get("positions", {})
         self.grids: Document = cell.get("slots", {})
+        self.transfers = Counter[str]()
         self.parts: dict[str, Document] = {}
         self.slot_of: dict[str, tuple[str, int]] = {}
         """The slot in which a part lies, while the steps are read in order."""
@@ -316,13 +318,14 @@ class _Join:
                 continue
             window = {key: own[key] for key in own if key.startswith("window_")}
             gone = {key: own[key] for key in own if key.startswith("gone_after_")}
-            pick = {"part": part, "name": f"pick-{part}", **window}
-            place = {"part": part, "name": f"place-{part}", "to": stated.to, **gone}
-            for kind, given, more in (("pick", pick, window), ("place", place, gone)):
+            self.transfers[part] += 1
+            name = part if self.transfers[part] == 1 else f"{part}-{self.transfers[part]}"
+            for kind, more in (("pick", window), ("place", {"to": stated.to, **gone})):
+                given = {"part": part, "name": f"{kind}-{name}", **more}
                 at = ("task", count + len(steps))
                 self.origins[at] = self.origins[(*at, kind)] = where
                 self.origins[(*at, kind, "part")] = self.origins[(*at, kind, "name")] = (*where, "parts", k)
-                self.origins |= {(*at, kind, key): (*where, key) for key in more}
+                self.origins |= {(*at, kind, key): (*where, key) for key in more if key != "to"}
                 steps.append({kind: self._step(kind, given, where, (*at, kind))})
         return steps
 

@@ -349,3 +349,18 @@ def test_files_that_a_cell_names_are_below_its_own_folder(tmp_path: Path) -> Non
     task = tmp_path / "task.yaml"
     task.write_text(TASK.replace("cell.yaml", "cells/cell.yaml"), encoding="utf-8")
     assert "elbow_arm" in load_scenario(task).request["robot"]
+
+
+def test_a_part_that_is_transferred_again_has_steps_of_other_names() -> None:
+    cell, task = documents()
+    task["steps"] = [{"transfer": {"parts": ["a"], "to": "box"}}] * 2
+    steps = joined(cell, task).request["task"]
+    names = [next(iter(step.values()))["name"] for step in steps]
+    assert names == ["pick-a", "place-a", "pick-a-2", "place-a-2"]
+    assert cell_of(joined(cell, task).request).scene.task[3].name == "place-a-2"
+
+
+def test_of_a_document_of_another_kind_nothing_else_is_said() -> None:
+    with pytest.raises(InputError) as refusal:
+        joined(documents()[1], documents()[1])
+    assert str(refusal.value) == "cell.schema: got 'assur-task/1'; allowed: 'assur-cell/1'"
