@@ -28,10 +28,10 @@ from assur.api.web.uploads import Turns
 from assur.api.workers import cell_jobs, file_jobs, jobs
 from assur.api.workers.answer_parts import Parts
 from assur.api.workers.client import Client, Demand, Ticket
+from assur.api.workers.end import Tell
 from assur.api.workers.pool import Work, Workers
 from assur.api.workers.results import Results
 from assur.api.workers.traced import Traced, warm
-from assur.api.workers.worker_process import Tell
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
 from assur.scenes.meshes.folder import MeshFolder
