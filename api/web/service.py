@@ -137,7 +137,8 @@ class Service:
         return Order(work, replace(order.demand, wall_s=order.demand.wall_s + self.settings.check_s))
 
     def _task(self, digest: str, body: bytes, certificate: Detail, parts: Parts, client: Client) -> Order:
-        task, own = jobs.document_in(body, jobs.TASK), self._cell_budgets.get(digest)
+        task = None if b'"set"' in body else self._budgets(body)
+        task, own = task or jobs.document_in(body, jobs.TASK), self._cell_budgets.get(digest)
         if own is None:
             content = None if self.meshes is None else self.meshes.content(digest, "cell")
             if content is None:

@@ -181,10 +181,12 @@ class Workers:
 
     async def _number(self, ticket: Ticket) -> int:
         """The number of the worker that is given to a ticket. It is given back when the ticket is given up."""
-        late_s = self._settings.queue_wait_s
+        late_s, given = self._settings.queue_wait_s, self._given[ticket]
+        if given.done():
+            return given.result()
         try:
             async with asyncio.timeout(late_s):
-                return await asyncio.shield(self._given[ticket])
+                return await asyncio.shield(given)
         except TimeoutError as late:
             if not self.ready:
                 raise Problem("not-ready", f"No worker was ready within {late_s:g} s.", again_s=5) from late
