@@ -24,7 +24,7 @@ from dataclasses import dataclass
 from multiprocessing.context import ForkServerContext, ForkServerProcess
 from typing import Any
 
-from assur.api.workers.end import CALL_OFF, JOB, LENGTH, MESSAGE, RESULT, End, Tell
+from assur.api.workers.end import CALL_OFF, JOB, LENGTH, MESSAGE, RESULT, End, Tell, unpickled
 from assur.api.workers.memory import FreedMemory, limit_memory
 from assur.api.workers.quarantine import quarantined
 
@@ -134,7 +134,7 @@ def serve_jobs(end: socket.socket, memory_mib: int) -> None:
 
 
 def _serve_job(end: socket.socket) -> None:
-    job, arguments, about = pickle.loads(_received_pickle(end))  # noqa: S301 - from our own web process
+    job, arguments, about = unpickled(_received_pickle(end))
     _send(end, RESULT, _result(job, arguments if about is None else (*arguments, Line(end, about))))
 
 
