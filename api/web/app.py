@@ -63,7 +63,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.keys = Idempotency(service.meters)
     app.state.uploads = Uploads(service.settings.mesh_quota_mib << 20)
     app.state.connections = Connections(service.settings)
-    app.include_router(router)
+    app.router.routes.extend(router.routes)  # included, they would be matched twice for each request
     app.add_middleware(Representation)
     app.add_middleware(KnowsClients, clients=clients, routes=router.routes)
     app.add_middleware(Gate, connections=app.state.connections)

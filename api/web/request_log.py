@@ -30,7 +30,7 @@ FACTS = "assur.facts"
 CLIENT_GONE = 499
 """Logged, never seen: who would have read it has closed the connection."""
 QUIET = frozenset({"/livez", "/readyz", "/metrics"})
-"""Routes that are called every few seconds: logged at debug level only."""
+"""Routes that are called every few seconds: logged at debug level only, but for requests that are wrong."""
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 """Methods that are logged by their name. Any other is a word of the caller."""
 
@@ -77,7 +77,7 @@ class RequestLog:
             self._count(route, method, status, trace, time.monotonic() - began)
             event(
                 "request",
-                logging.DEBUG if route in QUIET else logging.INFO,
+                logging.DEBUG if route in QUIET and not 400 <= status < 500 else logging.INFO,
                 **trace.carried(),
                 method=method,
                 route=route,

@@ -33,18 +33,19 @@ def service_of(request: Request) -> Service:
 
 async def unless_gone(request: Request, work: Awaitable[jobs.Answer]) -> Response:
     """The response to `work`, which is cancelled as soon as the client closes the connection."""
-    working = asyncio.ensure_future(work)
-    leaving = asyncio.ensure_future(_gone(request))
-    leaving.add_done_callback(lambda _: working.cancel())
+    working, leaving = asyncio.current_task(), asyncio.ensure_future(_gone(request))
+    assert working is not None  # noqa: S101 - a coroutine runs in a task
+    ended = False
+    leaving.add_done_callback(lambda _: ended or working.cancel())
     try:
-        answer = await working
+        answer = await work
     except asyncio.CancelledError:
-        if not leaving.done():
+        if not leaving.done() or working.uncancel():
             raise
         return Response(status_code=CLIENT_GONE)
     finally:
+        ended = True
         leaving.cancel()
-        working.cancel()
     return Response(answer.body, answer.status, answer.headers, answer.media_type)
 
 

@@ -28,10 +28,10 @@ from assur.api.web.uploads import Turns
 from assur.api.workers import cell_jobs, file_jobs, jobs
 from assur.api.workers.answer_parts import Parts
 from assur.api.workers.client import Client, Demand, Ticket
+from assur.api.workers.end import Tell
 from assur.api.workers.pool import Work, Workers
 from assur.api.workers.results import Results
 from assur.api.workers.traced import Traced, warm
-from assur.api.workers.worker_process import Tell
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
 from assur.scenes.meshes.folder import MeshFolder
@@ -137,7 +137,8 @@ class Service:
         return Order(work, replace(order.demand, wall_s=order.demand.wall_s + self.settings.check_s))
 
     def _task(self, digest: str, body: bytes, certificate: Detail, parts: Parts, client: Client) -> Order:
-        task, own = jobs.document_in(body, jobs.TASK), self._cell_budgets.get(digest)
+        task = None if b'"set"' in body else self._budgets(body)
+        task, own = task or jobs.document_in(body, jobs.TASK), self._cell_budgets.get(digest)
         if own is None:
             content = None if self.meshes is None else self.meshes.content(digest, "cell")
             if content is None:

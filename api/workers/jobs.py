@@ -17,7 +17,8 @@ from assur.api.checked_report import checked_report
 from assur.api.documents import to_json
 from assur.api.logs import where
 from assur.api.problems import FieldError, Problem, shown
-from assur.api.workers.worker_process import CalledOffError, Line, Tell
+from assur.api.workers.end import Tell
+from assur.api.workers.worker_process import CalledOffError, Line
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.deadline import Progress, Stopwatch
 from assur.scenes.exports.documents import check_trajectory_document, export_document

@@ -21,6 +21,7 @@ from assur.api.telemetry.trace import current
 from assur.api.web.settings import Settings
 from assur.api.workers.admission import Admission, Places
 from assur.api.workers.client import Client, Demand, Ticket
+from assur.api.workers.end import Tell
 from assur.api.workers.quarantine import Quarantine
 from assur.api.workers.worker_process import (
     NO_MEMORY,
@@ -29,7 +30,6 @@ from assur.api.workers.worker_process import (
     KilledError,
     Meaning,
     NotBegunError,
-    Tell,
     WorkerProcess,
 )
 
@@ -181,10 +181,12 @@ class Workers:
 
     async def _number(self, ticket: Ticket) -> int:
         """The number of the worker that is given to a ticket. It is given back when the ticket is given up."""
-        late_s = self._settings.queue_wait_s
+        late_s, given = self._settings.queue_wait_s, self._given[ticket]
+        if given.done():
+            return given.result()
         try:
             async with asyncio.timeout(late_s):
-                return await asyncio.shield(self._given[ticket])
+                return await asyncio.shield(given)
         except TimeoutError as late:
             if not self.ready:
                 raise Problem("not-ready", f"No worker was ready within {late_s:g} s.", again_s=5) from late
@@ -212,7 +214,8 @@ class Workers:
                 raise RecalledError
             if not self._processes[number].open:
                 await self._renewed(number)
-            about = About(self.quarantine.left_s(), suspect=deaths > 0) if work.in_touch else None
+            left_s = self.quarantine.left_s()
+            about = About(left_s, suspect=deaths > 0, reported=report is not None) if work.in_touch else None
             try:
                 wall_s = ticket.demand.wall_s
                 running = self._processes[number].run(

@@ -1,10 +1,8 @@
 """One worker process, reached by a socket pair: what happens to it happens to one request.
 
 The process is forked from a template that has loaded the libraries (`assur.api.workers.template`), plans once, and then
-answers one job at a time. A message is a byte that says what it is, and, where there is something to say, a length and
-a pickle. In: a job; that the job is called off. Out: that the job has begun; what it means and how far it has come; its
-result. A process that crashed or did not end in time is killed and never used again, as is one whose job listens, was
-called off, and did not end soon.
+answers one job at a time. A process that crashed or did not end in time is killed and never used again, as is one whose
+job listens, was called off, and did not end soon.
 """
 
 from __future__ import annotations
@@ -19,7 +17,6 @@ import resource
 import select
 import signal
 import socket
-import struct
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
@@ -27,15 +24,10 @@ from dataclasses import dataclass
 from multiprocessing.context import ForkServerContext, ForkServerProcess
 from typing import Any
 
+from assur.api.workers.end import CALL_OFF, JOB, LENGTH, MESSAGE, RESULT, End, Tell, unpickled
 from assur.api.workers.memory import FreedMemory, limit_memory
 from assur.api.workers.quarantine import quarantined
 
-JOB, CALL_OFF = b"J", b"C"
-"""What the web process writes: a job, and that the result of the job that runs is not wanted any more."""
-BEGUN, MESSAGE, RESULT = b"B", b"T", b"R"
-"""What a worker writes. `BEGUN`: it has read a job, which from then on may have had effects."""
-LENGTH = struct.Struct("!Q")
-"""Stands before each pickle: its length in bytes."""
 ENDS_S = 2.0
 """A job that listens and is not wanted any more has so long to end, s, before its worker is killed: a search asks each
 round. Any other has the rest of its time, so that a client that leaves costs nobody a worker."""
@@ -43,8 +35,6 @@ round. Any other has the rest of its time, so that a client that leaves costs no
 NO_MEMORY = "ended for want of memory"
 """How a worker died that had no memory left."""
 
-Tell = Callable[[Any], None]
-"""Takes how far a job has come; None: nothing to say, but the job may have been called off."""
 TEMPLATE = ("assur.api.workers.template", "assur.api.command_line")
 """The module that makes a process the template from which workers are forked; and what runs `assur serve`, for each
 process of multiprocessing imports the program that has started it."""
@@ -70,10 +60,11 @@ class Meaning:
 @dataclass(frozen=True, slots=True)
 class About:
     """What a job in touch gets. `banned`: the keys of requests in quarantine, and for how long they are, s;
-    `suspect`: a worker has died under this very request."""
+    `suspect`: a worker has died under this very request; `reported`: somebody takes how far it has come."""
 
     banned: dict[str, float]
     suspect: bool
+    reported: bool = True
 
 
 class Line:
@@ -98,7 +89,7 @@ class Line:
         if readable:
             _received(self._end, len(CALL_OFF))  # nothing else is sent while a job runs; or the other end is closed
             raise CalledOffError
-        if value is not None:
+        if value is not None and self._about.reported:
             _send(self._end, MESSAGE, value)
 
 
@@ -143,8 +134,7 @@ def serve_jobs(end: socket.socket, memory_mib: int) -> None:
 
 
 def _serve_job(end: socket.socket) -> None:
-    job, arguments, about = pickle.loads(_received_pickle(end))  # noqa: S301 - from our own web process
-    end.sendall(BEGUN)
+    job, arguments, about = unpickled(_received_pickle(end))
     _send(end, RESULT, _result(job, arguments if about is None else (*arguments, Line(end, about))))
 
 
@@ -206,7 +196,7 @@ class WorkerProcess:
         self._warm = warm
         self._warm_s = warm_s
         self._process: ForkServerProcess | None = None
-        self._streams: tuple[asyncio.StreamReader, asyncio.StreamWriter] | None = None
+        self._end: End | None = None
         self._spoilt = False
         self._ended_early = False
         self.jobs = 0
@@ -215,7 +205,7 @@ class WorkerProcess:
     @property
     def open(self) -> bool:
         """Whether a job may be given to it: its process is there, has planned once, and nothing went wrong."""
-        return self._streams is not None and not self._spoilt and not self._streams[0].at_eof()
+        return self._end is not None and not self._spoilt and not self._end.closed
 
     @property
     def pid(self) -> int | None:
@@ -242,16 +232,16 @@ class WorkerProcess:
             raise
         finally:
             theirs.close()
-        streams = await asyncio.open_connection(sock=ours)
+        _, end = await asyncio.get_running_loop().create_connection(End, sock=ours)
         try:
-            succeeded, value = await self._in_time(streams, (self._warm, (), None), self._warm_s)
+            succeeded, value = await self._in_time(end, (self._warm, (), None), self._warm_s)
             if not succeeded:
                 raise CrashedError(f"its first plan raised {type(value).__name__}") from value
         except BaseException:
-            streams[1].close()
+            end.close()
             await self.stop()
             raise
-        self._streams, self._spoilt, self.jobs = streams, False, 0
+        self._end, self._spoilt, self.jobs = end, False, 0
 
     async def run(
         self,
@@ -273,14 +263,12 @@ class WorkerProcess:
         Raises `CrashedError` when the worker dies and `KilledError` when it is killed after `wall_s`. A process that
         died or was killed is closed until `start` is called again.
         """
-        if self._streams is None:
+        if self._end is None:
             raise NotBegunError("was not started")
         self.jobs += 1
         try:
             ends_s = ENDS_S if listens else wall_s
-            succeeded, value = await self._in_time(
-                self._streams, (job, arguments, about), wall_s, report, ends_s=ends_s
-            )
+            succeeded, value = await self._in_time(self._end, (job, arguments, about), wall_s, report, ends_s=ends_s)
         except BaseException:
             if not self._ended_early:
                 self._spoilt = True
@@ -293,70 +281,39 @@ class WorkerProcess:
 
     async def stop(self) -> None:
         """Ends the worker, at once and whatever it does."""
-        streams, self._streams = self._streams, None
+        end, self._end = self._end, None
         process, self._process = self._process, None
-        if streams is not None:
-            streams[1].close()
+        if end is not None:
+            end.close()
         if process is not None:
             process.kill()
             await asyncio.shield(asyncio.to_thread(process.join))
             atexit.unregister(process.kill)
 
     async def _in_time(
-        self,
-        streams: tuple[asyncio.StreamReader, asyncio.StreamWriter],
-        job: tuple[Callable[..., Any], tuple[Any, ...], About | None],
-        wall_s: float,
-        report: Tell | None = None,
-        *,
-        ends_s: float = 0.0,
+        self, end: End, job: tuple[Any, ...], wall_s: float, report: Tell | None = None, *, ends_s: float = 0.0
     ) -> tuple[bool, Any]:
-        """The exchange of a job, within a time. A task of its own: cancelled, it would lose its place in the stream.
-
-        `ends_s`: how long the job may go on when this is cancelled, at most to the end of `wall_s`.
-        """
+        """What `end` gives, within a time. `ends_s`: how long the job may go on when this is cancelled, at most to the
+        end of `wall_s`."""
         self._ended_early = False
         end_s = asyncio.get_running_loop().time() + wall_s
-        exchange = asyncio.ensure_future(self._exchange(streams, job, report))
+        reply = end.give(job, report)
         try:
             async with asyncio.timeout(wall_s):
-                return await asyncio.shield(exchange)
+                return await asyncio.shield(reply)
         except TimeoutError as late:
             raise KilledError(f"no result after {wall_s:g} s") from late
         except asyncio.CancelledError:
             if ends_s > 0.0:
                 left_s = end_s - asyncio.get_running_loop().time()
-                self._ended_early = await _ends_when_called_off(streams[1], exchange, min(ends_s, left_s))
+                self._ended_early = await _ends_when_called_off(end, reply, min(ends_s, left_s))
             raise
-        finally:
-            exchange.cancel()
-
-    async def _exchange(
-        self,
-        streams: tuple[asyncio.StreamReader, asyncio.StreamWriter],
-        job: tuple[Callable[..., Any], tuple[Any, ...], About | None],
-        report: Tell | None,
-    ) -> tuple[bool, Any]:
-        reader, writer = streams
-        data = pickle.dumps(job)
-        try:
-            try:
-                writer.write(JOB + LENGTH.pack(len(data)) + data)
-                await writer.drain()
-                await reader.readexactly(len(BEGUN))
-            except (asyncio.IncompleteReadError, ConnectionError) as gone:
-                raise NotBegunError("was dead before it began") from gone
-            while True:
-                kind = await reader.readexactly(len(RESULT))
-                (length,) = LENGTH.unpack(await reader.readexactly(LENGTH.size))
-                value = pickle.loads(await reader.readexactly(length))  # noqa: S301 - from our own worker
-                if kind == RESULT:
-                    reply: tuple[bool, Any] = value
-                    return reply
-                if report is not None:
-                    report(value)
-        except (asyncio.IncompleteReadError, ConnectionError) as gone:
+        except ConnectionError as gone:
+            raise NotBegunError("was dead before it began") from gone
+        except EOFError as gone:
             raise CrashedError(_how(await self._exit_code())) from gone
+        finally:
+            reply.cancel()
 
     async def _exit_code(self) -> int | None:
         """The exit code of a process whose end of the pair is closed."""
@@ -367,13 +324,13 @@ class WorkerProcess:
         return process.exitcode
 
 
-async def _ends_when_called_off(writer: asyncio.StreamWriter, exchange: asyncio.Future[Any], within_s: float) -> bool:
+async def _ends_when_called_off(end: End, reply: asyncio.Future[Any], within_s: float) -> bool:
     """Tells a worker that its job is called off; whether it then ends in time and can be given another. A job that does
     not listen leaves that for the worker, which skips it."""
     try:
-        writer.write(CALL_OFF)
+        end.call_off()
         async with asyncio.timeout(within_s):
-            await asyncio.shield(exchange)
-    except (TimeoutError, CrashedError, ConnectionError, asyncio.CancelledError):
+            await asyncio.shield(reply)
+    except (TimeoutError, EOFError, ConnectionError, asyncio.CancelledError):
         return False
     return True

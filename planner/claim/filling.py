@@ -24,7 +24,7 @@ from assur.planner.claim.obligations import (
     limits_of,
     phases_of,
     seats_of,
-    solids_of,
+    solids_in,
 )
 from assur.planner.claim.points import Rows as NamedRows
 from assur.planner.claim.points import axes_of, guides_of, points_of, rates_of
@@ -73,7 +73,7 @@ def cell_of(scene: Scene) -> CellClaim:
     """The part of a scene's claim that depends on its cell alone. Raises `InputError` for what cannot be stated."""
     bodies, early = bodies_in(scene), early_of(scene)
     frames, others = frames_of(scene, early)
-    tables = {**EMPTY, **frames, **solids_of(bodies, scene.pieces), **distances_of(scene)}
+    tables = {**EMPTY, **frames, **solids_in(scene), **distances_of(scene)}
     return CellClaim(bodies, carriers_of(scene), early, others, tables)
 
 

@@ -12,8 +12,9 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.claim import columns as c
 from assur.planner.claim.frames import EMPTY, table_of
-from assur.planner.geometry.shapes import Body, Pieces
+from assur.planner.geometry.shapes import Body, Pieces, pieces
 from assur.planner.model.attachments import Attachments, at_start
+from assur.planner.model.kept import KeptCell
 from assur.planner.model.phases import Phase, contact_gap
 from assur.planner.model.scene import Scene, bodies_in
 
@@ -178,6 +179,25 @@ def _distances(scene: Scene) -> dict[str, FloatArray]:
 
 
 # Bodies as convex pieces, in their own axes; and the surfaces of those that are meshes.
+
+
+def solids_in(scene: Scene) -> dict[str, FloatArray]:
+    """Those of the bodies of a scene (`solids_of`), kept with its cell."""
+    return scene.kept.of(_solids, scene)
+
+
+def _solids(scene: Scene | KeptCell) -> dict[str, FloatArray]:
+    before, bodies = scene.kept.before, bodies_in(scene)
+    if before is None:
+        return solids_of(bodies, scene.pieces if isinstance(scene, Scene) else pieces(bodies))
+    known, bodies = before.of(_solids, before), bodies[len(bodies_in(before)) :]
+    own = solids_of(bodies, pieces(bodies))
+    own["bodies"][:, c.BODY_PIECE] += len(known["pieces"])
+    own["bodies"][:, c.BODY_TRIANGLE] += len(known["triangles"])
+    own["pieces"][:, c.PIECE_VERTEX] += len(known["vertices"])
+    own["triangles"] = own["triangles"] + float(len(known["pieces"]))
+    own["triangles"][:, c.TRIANGLE_VERTEX : c.TRIANGLE_PIECE] += len(known["vertices"]) - len(known["pieces"])
+    return {name: np.concatenate((table, own[name])) for name, table in known.items()}
 
 
 def solids_of(bodies: Sequence[Body], solids: Pieces) -> dict[str, FloatArray]:

@@ -48,6 +48,8 @@ INSTANTS = 16
 NEARBY_M = 0.05
 """In a cell of many bodies those within this distance, m, of what the arm sweeps come first; if that is less than the
 smallest clearance, those within several times as much."""
+ROUNDED_M = 1e-9
+"""More than a distance of two points is rounded by, m."""
 MOST_CALLS = 50
 """Calls of the kernel for one phase: a search that is not over by then, or when the deadline in force passes, has no
 lower value but 0."""
@@ -336,15 +338,21 @@ def enclosed(
         (mine, _reference_points(prover, arrangement, q, t, mine))
         for mine in np.flatnonzero(arrangement.of_robot).tolist()
     ]
-    for name, surface in prover.arrangement.hollow.items():
-        number = arrangement.number[name]
-        if arrangement.of_robot[number] or not (among is None or among[number]):
-            continue  # it is in the gripper, or does not count
+    counted = ~arrangement.of_robot if among is None else ~arrangement.of_robot & among  # else it is in the gripper
+    names = [name for name in prover.arrangement.hollow if counted[arrangement.number[name]]]
+    if not names:
+        return None
+    raise_if_late()
+    poses = [attached.pose_of(scene, name)[1] for name in names]
+    boxes = [prover.box(prover.arrangement.hollow[name][0]) for name in names]
+    on = carriers[arrangement.carrier[arrangement.roots[[arrangement.number[name] for name in names]]]]
+    at = on[:, :3] + (on[:, 3:].reshape(-1, 3, 3) @ np.array([pose.position for pose in poses])[:, :, None])[:, :, 0]
+    reach = np.linalg.norm(np.abs(np.array(boxes)).max(1), axis=1) + ROUNDED_M
+    apart = np.linalg.norm(at[:, None] - np.concatenate([here for _, here in points]), axis=2)
+    for k in np.flatnonzero(~(apart > reach[:, None]).all(1)).tolist():  # NaN is not outside
         raise_if_late()
-        low, high = prover.box(surface[0])
-        carrier = carriers[int(arrangement.carrier[arrangement.roots[number]])]
-        origin, turn = carrier[:3], carrier[3:].reshape(3, 3)
-        pose = attached.pose_of(scene, name)[1]
+        name, pose, (low, high) = names[k], poses[k], boxes[k]
+        surface, origin, turn = prover.arrangement.hollow[name], on[k, :3], on[k, 3:].reshape(3, 3)
         c, s = math.cos(pose.yaw), math.sin(pose.yaw)
         yaw = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         for mine, here in points:

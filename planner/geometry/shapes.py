@@ -154,6 +154,13 @@ class Piece:
             raise InputError("piece.rotation", rotation.tolist(), "an orthonormal, right-handed matrix")
         object.__setattr__(self, "rotation", rotation)
 
+    @cached_property
+    def row(self) -> tuple[float, ...]:
+        """Its row of the table of `pieces`: the bodies of one mesh share their pieces."""
+        shape = self.shape
+        support = (0.0,) * 5 if isinstance(shape, Hull) else (*shape.half, shape.disc, shape.ball)
+        return (*self.position.tolist(), *self.rotation.ravel().tolist(), *support)
+
 
 @dataclass(frozen=True, eq=False)
 class Body:
@@ -270,16 +277,12 @@ def pieces(bodies: Sequence[Body], before: Pieces | None = None) -> Pieces:
     hull, numbers = list[int](), list[float]()
     hulls, shapes = ([], ()) if before is None else ([*before.hulls], before.shapes)
     for piece in every:
-        numbers += piece.position.tolist()
-        numbers += piece.rotation.ravel().tolist()
-        shape = piece.shape
-        if isinstance(shape, Hull):
+        numbers += piece.row
+        if isinstance(piece.shape, Hull):
             hull.append(len(hulls))
-            hulls.append(shape)
-            numbers += (0.0,) * 5
+            hulls.append(piece.shape)
         else:
             hull.append(-1)
-            numbers += (*shape.half, shape.disc, shape.ball)
     table, count = np.array(numbers).reshape(-1, 17), np.array([len(body.pieces) for body in bodies], dtype=np.int64)
     number = np.array(hull, dtype=np.int64)
     if before is not None:

@@ -23,7 +23,7 @@ from assur.api.web.settings import Settings
 from assur.api.workers import quarantine, worker_process
 from assur.api.workers.client import Client, Demand
 from assur.api.workers.pool import Work, Workers
-from assur.api.workers.worker_process import NAME, WorkerProcess
+from assur.api.workers.worker_process import NAME, CrashedError, NotBegunError, WorkerProcess
 from tests.api.test_metrics import value
 from tests.api.watched_jobs import all_but_the_last, counting, deaf, dies_unless, recalled_once, until_called_off
 
@@ -398,6 +398,26 @@ async def test_a_worker_that_dies_while_idle_is_replaced_and_the_next_request_is
         await until(lambda: not is_ready(workers))
         await until(lambda: workers.ready)
     assert await pid_of(workers) not in (0, pid)
+
+
+@pytest.mark.parametrize(("begins", "error"), [(True, CrashedError), (False, NotBegunError)])
+async def test_a_worker_that_is_gone_is_known_to_have_begun_its_job_or_not(
+    held: Held, begins: bool, error: type[CrashedError]
+) -> None:
+    process = WorkerProcess(512, os.getpid, 60.0)
+    await process.start()
+    try:
+        if not begins:
+            psutil.Process(process.pid).suspend()
+        running = asyncio.create_task(process.run(Path.read_bytes, (held.pipe,), 60.0))
+        await (held.begun() if begins else asyncio.sleep(0.1))
+        psutil.Process(process.pid).kill()
+        with pytest.raises(CrashedError) as raised:
+            await running
+        assert type(raised.value) is error
+        assert not process.open
+    finally:
+        await process.stop()
 
 
 @with_workers(Settings(workers=1, max_tasks=2))

@@ -13,12 +13,14 @@ from assur.planner.claim import columns as c
 from assur.planner.claim.columns import Claim
 from assur.planner.claim.filling import claim_of, with_plan
 from assur.planner.claim.frames import arms_of, knots_at_rest, knots_of, law_of
-from assur.planner.claim.obligations import distances_of
+from assur.planner.claim.obligations import distances_of, solids_in, solids_of
 from assur.planner.errors import InputError
+from assur.planner.geometry.shapes import sphere
 from assur.planner.laws import Change, Pose, conveyor, indexer, keyframes
 from assur.planner.model.phases import phases
-from assur.planner.model.scene import ClearanceException
+from assur.planner.model.scene import ClearanceException, bodies_in
 from assur.planner.trajectory import Trajectory
+from tests.planner.cells import CUP, Around, arm, block, cell, go, mesh_box, solid
 from tests.prover.bundles import planned
 
 NAME = "standard-cycle"
@@ -44,6 +46,24 @@ def test_plans_share_the_tables_of_their_scene_and_none_is_written_to() -> None:
         assert np.array_equal(table, before[name]), name
     # a second scene with the same cell needs the cell's tables only once
     assert claim_of(replace(scene, start=replace(scene.start, time=0.5)), base.cell).cell is base.cell
+
+
+@pytest.mark.parametrize("first", [0, 1, 2, 3])
+def test_solids_behind_those_of_a_kept_cell_are_as_if_all_were_new(first: int) -> None:
+    post, wedge = solid("post", sphere(0.02)), solid("wedge", block(0.1, 0.05, 0.05, (0.05, 0.0, 0.0)))
+    around = [
+        Around(mesh_box("bin", 0.2, 0.2, 0.1)),
+        Around(post),
+        Around(wedge),
+        Around(mesh_box("tray", 0.1, 0.1, 0.1)),
+    ]
+    of_cell = cell(go(0.3, 0.0), bodies=tuple(around[:first]), robot=arm(column=0.05), tool=CUP)
+    scene = replace(of_cell, bodies=(*of_cell.bodies, *around[first:]))
+    assert scene.kept.before is of_cell.kept
+    found, whole = solids_in(scene), solids_of(bodies_in(scene), scene.pieces)
+    for name, table in whole.items():
+        assert np.array_equal(found[name], table), name
+        assert found[name].dtype == table.dtype
 
 
 def test_an_arm_has_no_more_joints_than_the_tables_have_columns_for() -> None:
