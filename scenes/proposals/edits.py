@@ -8,13 +8,14 @@ from typing import Any
 
 from assur.planner.errors import InputError
 from assur.scenes.faults import WHOLE
-from assur.scenes.proposals.values import SIMPLE, si_number, written_number
+from assur.scenes.proposals.values import si_number, written_number
 from assur.scenes.text.yaml_text import BOOLEAN_KEY, parse_yaml, spans_in
 from assur.scenes.units import si_key, twin_of
 
 KEY = re.compile(r"""(?:"(?:[^"\\]|\\.)*"|'[^']*'|[^\s:"'][^:\n]*?)\s*:\s*""")
 """A key at the begin of what is written, and the colon."""
 NEXT = re.compile(r"\[(\d+)\]|\.?((?:[^.\[\]])+)")
+WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_.-]*\Z")
 NULLS = ("null", "true", "false")
 
 
@@ -98,7 +99,7 @@ class Text:
     def _with_key(self, field: str, key: str, value: object) -> str:
         """The text with a key that the mapping at `field` has not."""
         inside = [span for path, span in self.spans.items() if path not in (WHOLE, field) and _begins(path, field)]
-        written = f"{json.dumps(key) if self.quoted else key}: {self._flow(value)}"
+        written = f"{self._key(key)}: {self._flow(value)}"
         if not inside:
             end = self.spans[field or WHOLE][1]
             if not self.content[:end].endswith("}"):
@@ -117,12 +118,16 @@ class Text:
     def _flow(self, value: object) -> str:
         """A value in one line."""
         if isinstance(value, dict):
-            pairs = (f"{json.dumps(key) if self.quoted else key}: {self._flow(each)}" for key, each in value.items())
+            pairs = (f"{self._key(key)}: {self._flow(each)}" for key, each in value.items())
             return f"{{{', '.join(pairs)}}}"
         if isinstance(value, list):
             return f"[{', '.join(map(self._flow, value))}]"
-        plain = isinstance(value, str) and SIMPLE.match(value) and value not in NULLS and not BOOLEAN_KEY.match(value)
-        return str(value) if plain and not self.quoted else json.dumps(value)
+        return self._key(value) if isinstance(value, str) else json.dumps(value)
+
+    def _key(self, word: str) -> str:
+        """A word, in quotes where it could be read as something else."""
+        plain = WORD.match(word) and word not in NULLS and not BOOLEAN_KEY.match(word)
+        return word if plain and not self.quoted else json.dumps(word)
 
 
 def other_unit(key: str) -> str:

@@ -40,6 +40,8 @@ SMALL_M = 1e-9
 def with_request_values(scenario: Scenario, texts: Texts, values: Mapping[str, object], again: Again) -> Texts:
     """The texts with `values` of their request, by their paths. They mean the request with these values, and no other.
     Raises `InputError` where no change of the texts does that."""
+    if isinstance(values, dict) and len(values) > bounds.MAX_STEPS:
+        raise InputError("set", f"{len(values)} values", f"at most {bounds.MAX_STEPS} values")
     changed = Changed(scenario.request, values, "set.")
     with changed.located():
         wanted = normal(changed.document)
@@ -80,6 +82,8 @@ def with_shift(scenario: Scenario, texts: Texts, cell: Cell, shift: object, agai
     base = pose.yaw - _yaw(own)
     key = written_key(own, "at_m") or "at_mm"
     name, at = _origin(scenario, f"{field}.{key}")
+    if name not in texts:
+        raise _not_moved(stated, "a thing of this text: this one is written in the file of the cell, which is not here")
     text = Text(texts[name])
     found, rest = text.known(at)
     point = [0, 0, 0] if rest in (".at_m", ".at_mm") else None if rest else value_at(text.document, found)
