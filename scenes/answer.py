@@ -19,6 +19,7 @@ from assur.planner.model.outcome import (
     Outcome,
     Plan,
     Planned,
+    Relaxation,
 )
 from assur.planner.model.refusal import Reason
 from assur.planner.model.scene import Scene
@@ -26,6 +27,7 @@ from assur.planner.report.notes import note, warned
 from assur.planner.report.straight_parts import assumed
 from assur.scenes.answer_facts import document_of, refusal_document, refused_document, written
 from assur.scenes.numbers import number, optional
+from assur.scenes.proposals.values import values_of
 from assur.scenes.reading.cell import Cell
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.request import RequestDocument
@@ -52,6 +54,7 @@ def answer_of(
         _census(cell.scene, outcome.census),
         None if outcome.refusal is None else refusal_document(cell.scene, outcome.refusal, outcome.witness),
         None if outcome.best is None else _best(cell, outcome.best),
+        None if outcome.relaxation is None else _relaxation(cell, outcome.relaxation),
     )
 
 
@@ -108,6 +111,7 @@ def _not_planned(
     census: document.Census,
     refusal: document.Refusal | None = None,
     best: document.BestCandidate | None = None,
+    relaxation: document.Relaxation | None = None,
 ) -> document.NotPlannedAnswer:
     return cast(
         document.NotPlannedAnswer,
@@ -118,7 +122,7 @@ def _not_planned(
             "proved": bool(outcome.proved),
             "sentence": outcome.sentence,
             "refusal": refusal,
-            "relaxation": written(outcome.relaxation),
+            "relaxation": relaxation,
             "tried": list(outcome.tried),
             "best_candidate": best,
             "explain_budget_spent": bool(outcome.explain_budget_spent),
@@ -163,6 +167,10 @@ def unbuilt(request: RequestDocument, budget_s: float, elapsed_s: float, during:
     )
     none: document.Census = {"candidates": 0, "refused": 0, "lines": []}
     return _not_planned(outcome, _common(outcome, request.digest, full=request.options.report == "full"), none)
+
+
+def _relaxation(cell: Cell, relaxation: Relaxation) -> document.Relaxation:
+    return cast(document.Relaxation, document_of(relaxation, set=values_of(cell, relaxation.scene)))
 
 
 def _best(cell: Cell, best: BestCandidate) -> document.BestCandidate:

@@ -240,7 +240,7 @@ def plan_scenario(
 ) -> dict[str, Any]:
     """The answer to a scenario's request; as `plan_document`. Raises `InputError` with the line in the file."""
     with scenario.located():
-        return plan_document(
+        answer = plan_document(
             scenario.request,
             folder=scenario.folder,
             certificate=certificate,
@@ -250,6 +250,7 @@ def plan_scenario(
             valid=valid,
             laps=laps,
         )
+    return scenario.answered(answer)
 
 
 def with_options(request: dict[str, Any], options: dict[str, Any]) -> dict[str, Any]:

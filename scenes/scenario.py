@@ -59,6 +59,11 @@ class Scenario:
         changed = Changed(self.request, given, GIVEN)
         return replace(self, request=changed.document, changed=changed)
 
+    def answered(self, answer: dict[str, Any]) -> dict[str, Any]:
+        """The answer to the request, as one to the file: the paths of the change that it proposes are those that
+        `with_values` takes."""
+        return answer
+
 
 def with_files(request: Any, folder: Path) -> Any:
     """The request with the content of each file (of a robot, a plan, a mesh) in place of its name; the files must be

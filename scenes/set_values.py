@@ -63,6 +63,11 @@ class Changed:
             self._whole[field] = path
             self._made |= {dotted(each): path for each in made[:-1]}
 
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """The fields that were set."""
+        return tuple(self._whole)
+
     @contextmanager
     def located(self) -> Iterator[None]:
         """A fault of the document inside is at the place where the value was set."""

@@ -5,7 +5,9 @@ Lengths in millimetres, times in seconds. Texts that came from a request are pri
 
 from __future__ import annotations
 
+import json
 import math
+import shlex
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -220,6 +222,9 @@ def not_planned(answer: dict[str, Any]) -> Iterator[Table | str]:
             f"what would help     {relaxation['what']}: {relaxation['value']} "
             f"(then {relaxation['duration_s']:.3f} s; tried)"
         )
+        if relaxation.get("set"):
+            values = (f"{path}={json.dumps(value)}" for path, value in relaxation["set"].items())
+            yield "try                 " + " ".join(f"--set {shlex.quote(printable(each))}" for each in values)
     elif answer["tried"]:
         yield "what would not help, each tried by itself:"
         yield from _in_vain(answer["tried"])

@@ -107,7 +107,8 @@ class Target:
         """The answer, with its certificate in full. Raises `InputError`, with the line in a scenario's file."""
         cell = self.cell
         with self._located():
-            return plan_cell(cell, unstated=UNSTATED)
+            answer = plan_cell(cell, unstated=UNSTATED)
+        return answer if self.scenario is None else self.scenario.answered(answer)
 
     def _located(self) -> AbstractContextManager[None]:
         if self.changed is not None:

@@ -28,15 +28,25 @@ def load(name: str | Path) -> dict[str, Any]:
     return read(name)
 
 
-def plan(request: Mapping[str, Any] | Request, *, certificate: Literal["full", "digest"] = "full") -> Answer:
+def plan(
+    request: Mapping[str, Any] | Request,
+    *,
+    set: Mapping[str, object] | None = None,  # noqa: A002 as on the command line
+    certificate: Literal["full", "digest"] = "full",
+) -> Answer:
     """The answer to a request: ``answer.planned``, or not, and then ``answer.sentence`` says why.
 
+    `set`: values of the request by their paths, as `assur.Cell` takes them; ``answer["relaxation"]["set"]`` is such.
     `certificate`: the whole table of the proof, which `check` needs, or its digest and size.
     Raises `InputError` naming the field that is not right; its `errors` are all fields that are not.
     """
     from assur.scenes.requests import plan_document
+    from assur.scenes.schema.normal import plain
+    from assur.scenes.set_values import with_values
 
     document = plain_request(request)
+    if set is not None and isinstance(document, dict):
+        document = with_values(document, plain(plain_request(set)))
     return Answer.made(plan_document(document, certificate=certificate), known(document))
 
 

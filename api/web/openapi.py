@@ -65,13 +65,16 @@ class Scenes(TypedDict):
 
 class Parsed(TypedDict):
     """What a scenario's text means: why the cell exists, the request, ready to be posted (not for a cell without a
-    task, whose status is `cell`), and, with `draw`, the view of its cell and where what it shows is written."""
+    task, whose status is `cell`), and, with `draw`, the view of its cell and where what it shows is written. With `set`
+    or `move` the texts that were changed."""
 
     status: Literal["parsed", "cell"]
     about: str
     request: NotRequired[dict[str, Any]]
     view: NotRequired[ViewDocument]
     places: NotRequired[list[Place]]
+    text: NotRequired[str]
+    cell: NotRequired[str]
 
 
 ROBOTS: dict[str, Any] = {

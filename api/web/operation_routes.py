@@ -62,8 +62,8 @@ def watch(service: Service, jobs: JobStore, clients: Clients) -> Meters:
 
 FILES = Path(__file__).parent / "studio"
 SCRIPTS = (
-    *("answers", "differences", "documents", "drafts", "drawing", "history", "jobs", "links", "parts"),
-    *("service", "storage", "studio"),
+    *("answers", "differences", "documents", "drafts", "drawing", "editor", "faults", "files", "history", "jobs"),
+    *("links", "parts", "selection", "service", "storage", "studio"),
 )
 KINDS = {"studio.css": "text/css"} | {f"{name}.js": "text/javascript" for name in SCRIPTS}
 """The files of the page, and what they are."""

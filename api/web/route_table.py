@@ -130,6 +130,8 @@ TEXT = body(
         text={"type": "string", "description": "a scenario in YAML; beside a cell, one of its tasks"},
         cell={"type": "string", "description": "the text of a cell, in YAML; without a text, the cell alone"},
         draw={"type": "boolean", "default": False, "description": "give a view of the cell at its start, too"},
+        set={"type": "object", "description": "values of the request, by their paths, that are written into the texts"},
+        move={"type": "object", "description": "a body, or a step by its number, whose place in the texts is moved"},
     ),
     {"a scenario": {"text": scenario_text("transfer")}},
 )

@@ -6,9 +6,9 @@ Facts only. Times are absolute seconds of the scene's clock, everything else is 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from assur.planner.model.load import Carried
 from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.model.witness import Witness
 from assur.planner.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from assur.planner.model.scene import Scene
 
 
 class LegKind(StrEnum):
@@ -417,11 +420,13 @@ class Planned:
 
 @dataclass(frozen=True, slots=True)
 class Relaxation:
-    """The first change of the request that was tried and works."""
+    """The first change of the request that was tried and works: its kind, its value in words, how long the plan then
+    lasts, and the `scene` with the change."""
 
     what: str
     value: str
     duration_s: float
+    scene: Scene = field(repr=False, compare=False)
 
 
 @dataclass(frozen=True, eq=False)

@@ -266,8 +266,8 @@ def _softer(step: Pick | Place, deep: float) -> Pick | Place:
 
 MORE = 4
 """How much more the change of the budget allows."""
-FAR = 1e6
-"""An end of a window, s or m, that is as good as none."""
+LAST_S, LAST_M = 1e5, 100.0
+"""Ends of windows that are as good as none: the last that a request can state."""
 SPEEDS = (0.8, 0.5, 0.2, 0.1)
 """Shares of a process speed, from the weakest change to the strongest."""
 BLENDS = (1.5, 2.0, 4.0)
@@ -294,7 +294,7 @@ def _listed(scene: Scene, step: int, blocker: str | None, refusal: Refusal | Non
     on_step, option = partial(of_step, scene, step), partial(of_options, scene)
     if what.window != Window():
         span, along = what.window.time, what.window.along
-        later = Window(None if span is None else (span[0], FAR), None if along is None else (along[0], FAR))
+        later = Window(None if span is None else (span[0], LAST_S), None if along is None else (along[0], LAST_M))
         yield on_step("window", "without its end", window=later)
         yield on_step("window", "removed", window=Window())
     if options.latest_end_s is not None:

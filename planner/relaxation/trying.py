@@ -81,8 +81,8 @@ def relax(
             # what was opened altogether is closed again behind the plan, and that is tried, too
             narrower, spent = _first(_narrowed(scene, step, *works), deadline, attempt)
             works = narrower or works
-        (_, value, _), made = works
-        return Relaxation(what, value, made.trajectory.end - scene.start.time), tuple(tried), spent
+        (_, value, changed), made = works
+        return Relaxation(what, value, made.trajectory.end - scene.start.time, changed), tuple(tried), spent
     return None, tuple(tried), False
 
 

@@ -90,13 +90,15 @@ Kept = dict[Depends, Surroundings]
 
 @dataclass(frozen=True, eq=False)
 class Cell:
-    """A scene, what it was made of (the robot, its frames, where its bodies sit), and the request as it was written."""
+    """A scene, what it was made of (the robot, its frames, where its bodies sit), and the request: as it was written,
+    and in SI."""
 
     scene: Scene
     given: robots.RobotWithTool
     frames: Frames
     places: Places
     document: object
+    request: RequestDocument
 
     @property
     def conventions(self) -> Conventions:
@@ -178,7 +180,7 @@ def _cell_of(document: object, request: RequestDocument, own: Kept) -> Cell:
     )
     surroundings.kept = scene.kept
     check_loaded(scene, given.conventions)
-    return Cell(scene, given, known, places, document)
+    return Cell(scene, given, known, places, document, request)
 
 
 def _robot(request: RequestDocument, faults: Gathered) -> robots.RobotWithTool | None:

@@ -327,11 +327,13 @@ class Refusal(Refused):
 
 @with_config(CLOSED)
 class Relaxation(TypedDict):
-    """The first change of the request that was tried and works."""
+    """The first change of the request that was tried and works; `set`: the same as values by their paths (null: no
+    values are that change)."""
 
     what: Text
     value: Text
     duration_s: Number | None
+    set: NotRequired[dict[Text, Any] | None]
 
 
 @with_config(CLOSED)

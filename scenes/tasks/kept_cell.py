@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_BODIES
 from assur.scenes.faults import WHOLE, DocumentError, Gathered, Refused, documented, located
+from assur.scenes.proposals.files import answer_to_task
 from assur.scenes.requests import plan_document
 from assur.scenes.schema.read import read_fields
 from assur.scenes.schema.request import RequestDocument
@@ -80,9 +81,10 @@ class KeptCellFile:
         """
         made = self.joined(task)
         try:
-            return made, plan_document(made.request, task=TaskOfCell(self, made), **how)
+            answer = plan_document(made.request, task=TaskOfCell(self, made), **how)
         except InputError as error:
             raise of_task(made.relocated(error)) from error
+        return made, answer_to_task(answer, made, lambda values: joined(self.file, task, values))
 
     def around(self, parts: Sequence[BodyDocument], depends: Depends, start_s: float) -> Surroundings | None:
         """Robot and surroundings with these parts; None where something of them has a fault. `start_s`: of the task."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_YAML_BYTES
 from assur.scenes.faults import NOTHING, DocumentError, documented, fault
 from assur.scenes.files import below, empty
+from assur.scenes.proposals.files import answer_to_task
 from assur.scenes.scenario import Scenario, with_files
 from assur.scenes.schema.cell_file import CELL, TASK, CellDocument
 from assur.scenes.schema.read import read
@@ -80,13 +81,18 @@ class TaskScenario(Scenario):
 
     joined: Joined
     files: _Files
+    given: Mapping[str, object] = field(default_factory=dict)
+    """Values that were set in it, by their paths."""
 
     def placed(self, error: InputError) -> DocumentError:
         return self.files.placed(self.joined.relocated(error))
 
     def with_values(self, given: Mapping[str, object]) -> TaskScenario:
         made = self.files.joined(given)
-        return replace(self, request=made.request, joined=made)
+        return replace(self, request=made.request, joined=made, given=given)
+
+    def answered(self, answer: dict[str, Any]) -> dict[str, Any]:
+        return answer_to_task(answer, self.joined, lambda values: self.files.joined({**self.given, **values}))
 
 
 def is_task(document: object) -> bool:

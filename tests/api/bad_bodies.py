@@ -12,6 +12,9 @@ from typing import Any
 from assur.api.web.settings import PLAN_BODY_BYTES
 from assur.api.workers.jobs import FIRST_PLAN
 
+SHORT_TEXT = f"{{about: A short text., request: {json.dumps(FIRST_PLAN)}}}"
+"""A scenario."""
+
 
 @dataclass(frozen=True)
 class BadBody:
@@ -155,5 +158,10 @@ BAD_CALLS: tuple[tuple[str, Any, str], ...] = (
     ("/v1/scenes/parse", {"text": 1}, "text"),
     ("/v1/scenes/parse", {"text": "", "file": "x"}, "body"),
     ("/v1/scenes/parse", {"text": "", "draw": 1}, "draw"),
+    ("/v1/scenes/parse", {"text": SHORT_TEXT, "set": []}, "set"),
+    ("/v1/scenes/parse", {"text": SHORT_TEXT, "set": {"options.seeds": 1}}, "set"),
+    ("/v1/scenes/parse", {"text": SHORT_TEXT, "set": {"task.nowhere.move": 1}}, "set.task.nowhere.move"),
+    ("/v1/scenes/parse", {"text": SHORT_TEXT, "move": {"kind": "body", "name": "a", "by_mm": [1, 1]}}, "move.name"),
+    ("/v1/scenes/parse", {"text": SHORT_TEXT, "move": {"kind": "body", "name": 3, "by_mm": [1, 1]}}, "move.name"),
 )
 """Calls of the service that are refused: address, body, and the field that the problem must name."""

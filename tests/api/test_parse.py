@@ -114,3 +114,16 @@ def test_a_drawing_shows_the_arm_at_its_start(client: httpx.Client) -> None:
     at = client.post("/v1/ik", json={"request": told["request"], "joints": told["request"]["start"]["joints"]}).json()
     tool = np.frombuffer(base64.b64decode(view["tool"]["path_m"]["float32"]), "<f4")[:3]
     assert np.abs(tool - at["tool"]["world"]["at_m"]).max() < 1e-6
+
+
+def test_values_and_moves_are_written_into_the_texts(client: httpx.Client) -> None:
+    text = TEXT.replace(
+        "  task:", "  bodies: [{name: post, shape: {sphere: {radius_mm: 9}}, pose: {at_mm: [1, 2, 3]}}]\n  task:"
+    )
+    move = {"kind": "body", "name": "post", "by_mm": [300, 0.2]}
+    question = {"text": text, "set": {"task.0.move.to.yaw_deg": 30}, "move": move, "draw": True}
+    told = client.post("/v1/scenes/parse", json=question).json()
+    assert told["text"] == text.replace("yaw_deg: 0", "yaw_deg: 30").replace("[1, 2, 3]", "[301, 2, 3]")
+    assert "cell" not in told
+    again = client.post("/v1/scenes/parse", json={"text": told["text"], "draw": True}).json()
+    assert {key: value for key, value in told.items() if key != "text"} == again

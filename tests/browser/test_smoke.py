@@ -29,3 +29,13 @@ def test_the_studio_plans_refuses_keeps_and_saves(studio: Studio) -> None:
     assert studio.saved("text")[1].decode() == written
     studio.reload()
     assert studio.text == written
+
+
+def test_a_button_applies_the_change_that_helps(studio: Studio) -> None:
+    studio.choose("fast-belt-long-follow")
+    text = studio.text
+    studio.planned()
+    studio.page.locator("#answers .proposal button").click()
+    studio.until("document.querySelector('#answers figcaption').textContent.includes(': planned,')")
+    assert studio.text == text.replace("duration_ms: 500", "duration_ms: 300")
+    assert studio.said == []

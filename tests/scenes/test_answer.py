@@ -123,7 +123,7 @@ def _refused() -> NotPlanned:
         sentence="the part passes 34 ms too early",
         refusal=late,
         census=Census(9, 9, (CensusLine(near, 9, 0.02), CensusLine(fast, 1), CensusLine(over, 1))),
-        relaxation=Relaxation("window", "+20 mm", 1.25),
+        relaxation=Relaxation("window", "+20 mm", 1.25, good()[0].scene),
         tried=("window",),
         assumptions=("x: y",),
         seed=3,
@@ -256,7 +256,7 @@ def test_a_refusal_says_all_that_is_promised_and_its_missing_numbers_are_null() 
     answer = through_json(answer_of(cell, refused))
     assert (answer["status"], answer["reason"], answer["proved"]) == ("not_planned", "WINDOW_MISSED", True)
     assert (answer["explain_budget_spent"], answer["warnings"][0]["kind"]) == (True, "PART_FLOATS")
-    assert answer["relaxation"] == {"what": "window", "value": "+20 mm", "duration_s": 1.25}
+    assert answer["relaxation"] == {"what": "window", "value": "+20 mm", "duration_s": 1.25, "set": None}
     assert (answer["refusal"]["amount"], answer["refusal"]["unit"]) == (0.034, "s")
     facts = {key: value for key, value in answer["refusal"]["facts"].items() if value is not None}
     assert facts == {"kind": "window", "miss": "too short", "open_s": 0.1, "needed_s": 0.134}

@@ -5,7 +5,7 @@ import * as drawing from "./drawing.js";
 import { ask } from "./service.js";
 
 const find = (id) => document.getElementById(id);
-let shown = null; // the answer that was shown last: { name, request, answer, about, page, text, figure, stale, kept }
+let shown = null; // the answer that was shown last: { name, request, answer, about, page, text, figure, stale, proposal, kept }
 let other = null; // the answer that is kept, with which it is compared
 let count = 0;
 
@@ -17,8 +17,8 @@ function element(kind, text, className = "") {
 }
 
 // Shows an answer: { name, request, answer, about, page, text }. `text` is the scenario that it is the answer to.
-// `framed` is called with the window of the player.
-export function show(made, framed) {
+// `framed` is called with the window of the player, `apply` with the values of a change that would help.
+export function show(made, framed, apply) {
   if (shown && !shown.kept) shown.figure.remove();
   count += 1;
   const { answer } = made;
@@ -39,10 +39,25 @@ export function show(made, framed) {
   frame.title = `Answer to ${made.name}`;
   frame.srcdoc = made.page;
   frame.addEventListener("load", () => framed(frame.contentWindow));
-  figure.append(caption, frame);
+  const proposal = proposed(answer, apply);
+  figure.append(caption, ...(proposal ? [proposal] : []), frame);
   find("answers").append(figure);
-  shown = { ...made, figure, stale, kept: false };
+  shown = { ...made, figure, stale, proposal, kept: false };
   settle();
+}
+
+// The change that was tried and works, and a button that writes it into the text; null: there is none.
+function proposed({ relaxation }, apply) {
+  if (!relaxation) return null;
+  const row = element("p", "", "proposal");
+  row.append(element("span", `This change was tried and works: ${relaxation.what}: ${relaxation.value}.`));
+  if (relaxation.set) {
+    const button = element("button", "Apply");
+    button.title = Object.entries(relaxation.set).map(([path, value]) => `${path} = ${JSON.stringify(value)}`).join("\n");
+    button.addEventListener("click", () => apply(relaxation.set));
+    row.append(button);
+  }
+  return row;
 }
 
 // Whether the answer that is shown is that of `text`.
@@ -61,6 +76,8 @@ export function settle() {
   document.querySelector(".together").hidden = find("answers").children.length < 2;
   find("differences").hidden = other === null || shown === null || shown === other;
   if (!find("differences").hidden) differences.fill(find("differences"), other, shown);
+  const button = shown && shown.proposal && shown.proposal.querySelector("button");
+  if (button) button.disabled = !shown.stale.hidden || find("plan").disabled; // of another text it says nothing
   drawing.settle(shown !== null && shown.stale.hidden);
   find("hint").hidden = !find("drawing").hidden || find("answers").children.length > 0 || !find("progress").hidden;
 }
@@ -97,10 +114,12 @@ const FORMATS = { // words for the formats of exports; one that is not here goes
   spel: "SPEL+ (recipe)", melfa: "MELFA-BASIC (recipe)",
 };
 
+// Lists the formats. The longest time, s, that the service gives to look for a change that would help.
 export async function offerFormats() {
   const { components } = await (await ask("openapi.json")).json();
   const formats = components.schemas.ExportQuestion.properties.format.enum;
   find("formats").replaceChildren(...formats.map((format) => new Option(FORMATS[format] || format, `export:${format}`)));
+  return components.schemas.OptionsDocument.properties.explain_budget_s.maximum;
 }
 
 async function exported(made, format) {

@@ -5,8 +5,8 @@ const find = (id) => document.getElementById(id);
 let player = null; // null: it has not come, or this browser cannot draw
 let drawn = null; // what is drawn, or will be once there is a player: { view, still, alone }
 
-// Loads the player. `framed` is called with its window, `picked` with a body that is clicked.
-export async function begin(framed, picked) {
+// Loads the player. `framed` is called with its window, `picked` with a body that is clicked, `moved` with what is dragged.
+export async function begin(framed, picked, moved) {
   if (find("drawing").querySelector("iframe")) return;
   const frame = document.createElement("iframe");
   frame.title = "The cell at its start";
@@ -16,7 +16,7 @@ export async function begin(framed, picked) {
   await loaded;
   player = frame.contentWindow.assur || null;
   framed(frame.contentWindow);
-  if (player !== null) player.picked = picked;
+  if (player !== null) Object.assign(player, { picked, moved });
   if (drawn !== null) show(drawn.view, drawn.still, drawn.alone);
 }
 

@@ -6,6 +6,8 @@ import { Refused } from "./service.js";
 const SCHEMA = /^\{?\s*["']?schema["']?\s*:\s*["']?assur-(cell|task)\/1\b/m;
 const FILE = /^\s*["']?cell["']?\s*:\s*\{?\s*["']?file["']?\s*:\s*(?:"([^"\n]*)"|'([^'\n]*)'|([^\s,}#]+))/m;
 
+const OF_SERVICE = /^shared\//; // files of shipped cells, as the tasks that are shipped name them
+
 // "cell" or "task"; "scenario": the text is whole.
 export const partOf = (text) => (SCHEMA.exec(text) || [null, "scenario"])[1];
 
@@ -25,15 +27,15 @@ export function cellOf(text) {
   return wanted === null ? null : drafts.all().find((draft) => partOf(draft.text) === "cell" && fileOf(draft) === wanted) || null;
 }
 
-// What the service is to read for a text. `shipped`: its cell may be one of the service's own files. Raises `Refused`
+// What the service is to read for a text. `shipped`: it is one of the service's own. Raises `Refused`
 // for a task whose cell is not here.
 export function readable(text, shipped) {
   if (partOf(text) === "cell") return { cell: text };
   const cell = cellOf(text);
   if (cell !== null) return { text, cell: cell.text };
   const named = FILE.exec(text);
-  if (shipped || partOf(text) !== "task" || named === null) return { text };
+  const value = named && named.slice(1).find(Boolean);
+  if (shipped || partOf(text) !== "task" || named === null || OF_SERVICE.test(value)) return { text };
   const line = text.slice(0, named.index + named[0].length).split("\n").length;
-  const value = named.slice(1).find(Boolean);
   throw new Refused({ errors: [{ field: "cell.file", value, allowed: "the file of a cell that is open here: open it, too", line }] });
 }

@@ -3,14 +3,17 @@ import * as answers from "./answers.js";
 import { contentOf, fileName, kindOf, LONGEST_TEXT, nameOf, scenarioOf } from "./documents.js";
 import * as drafts from "./drafts.js";
 import * as drawing from "./drawing.js";
+import { number, replace, select, text } from "./editor.js";
+import { fault, showFaults } from "./faults.js";
+import { download, isDocument, offerLink, receiveFiles } from "./files.js";
 import { History } from "./history.js";
 import { cancel, searched, searching, tellProgress } from "./jobs.js";
 import { heldBy, isLink, linkTo } from "./links.js";
 import { cellOf, fileOf, partOf, readable } from "./parts.js";
+import { chooseAtCaret, know, placeOf, shownAs } from "./selection.js";
 import { ask, enterKey, Refused } from "./service.js";
 
 const find = (id) => document.getElementById(id);
-const text = find("text");
 let scenario = null; // the name of the shipped scenario that is shown unchanged
 let changes = 0; // counts those of the text
 let connected = false; // whether the service has sent its scenarios and formats
@@ -20,59 +23,7 @@ const history = new History();
 
 // ---- the editor -------------------------------------------------------------------------------------------------
 
-function number(faults = new Set()) {
-  const count = text.value.split("\n").length;
-  find("lines").replaceChildren(...Array.from({ length: count }, (_, k) => {
-    const line = document.createElement("span");
-    line.textContent = String(k + 1);
-    line.classList.toggle("fault", faults.has(k + 1));
-    return line;
-  }));
-  find("lines").scrollTop = text.scrollTop;
-}
-
-function goTo(line) {
-  const before = text.value.split("\n").slice(0, line - 1).join("\n").length + (line > 1 ? 1 : 0);
-  const length = (text.value.split("\n")[line - 1] || "").length;
-  select(before, before + length);
-}
-
-function select(begin, end) {
-  text.focus();
-  text.setSelectionRange(begin, end);
-  text.scrollTop = Math.max(0, (text.value.slice(0, begin).split("\n").length - 6) * 20);
-}
-
-const fault = (error) =>
-  `${error.field}${error.value === undefined ? "" : `: got ${JSON.stringify(error.value)}`}; allowed: ${error.allowed}`;
-
-// Whether a fault is one of the cell of the task that is shown.
-const elsewhere = ({ field }) => field.startsWith("cell: ") && cellOf(text.value) !== null;
-
-function tellFaults(problem) {
-  const errors = problem.errors || [];
-  const paragraphs = errors.map((error) => {
-    const paragraph = document.createElement("p");
-    if (error.line) {
-      const go = document.createElement("button");
-      go.textContent = elsewhere(error) ? `${fileOf(cellOf(text.value))}, line ${error.line}` : `line ${error.line}`;
-      go.addEventListener("click", () => {
-        if (elsewhere(error)) showDraft(cellOf(text.value));
-        goTo(error.line);
-      });
-      paragraph.append(go);
-    }
-    paragraph.append(fault(error));
-    return paragraph;
-  });
-  if (!errors.length) {
-    const paragraph = document.createElement("p");
-    paragraph.textContent = problem.detail || problem.title;
-    paragraphs.push(paragraph);
-  }
-  find("faults").replaceChildren(...paragraphs);
-  number(new Set(errors.filter((error) => !elsewhere(error)).map((error) => error.line)));
-}
+const tellFaults = (problem) => showFaults(problem, cellOf(text.value), showDraft);
 
 // The messages about the answer and its files; faults of the text are not touched.
 function note(sentence, bad = false) {
@@ -102,7 +53,6 @@ const MOMENT_MS = 120;
 const FAULT_MS = 600;
 const after = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 let examined = null; // the promise of what is sent
-let places = []; // where what is drawn is written, of the text that is drawn
 let replaced = true; // whether the text is another one than that of the drawing, and no change of it
 
 async function examine() {
@@ -120,8 +70,7 @@ async function examine() {
     if (!latest()) return undefined;
     drawing.show(view, !replaced, status === "cell");
     replaced = false;
-    places = written;
-    chooseAtCaret();
+    know(written);
     return answers.settle();
   }, (problem) => {
     if (latest()) drawing.mark("The text has changed since, and has a fault.");
@@ -132,21 +81,9 @@ async function examine() {
 
 // ---- what is drawn and where it is written ----------------------------------------------------------------------
 
-const shownAs = () => (partOf(text.value) === "cell" ? "cell" : "text");
-
-// Marks in the drawing what is written at the caret, or else in its line: the innermost.
-function chooseAtCaret() {
-  const at = text.selectionStart;
-  const here = places.filter(({ written }) => written === shownAs());
-  const line = [text.value.lastIndexOf("\n", at - 1) + 1, (text.value + "\n").indexOf("\n", at)];
-  const within = (from, to) => here.filter(({ begin, end }) => begin <= to && end >= from).sort((a, b) => a.end - a.begin - (b.end - b.begin));
-  drawing.choose(within(at, at)[0] || within(...line)[0]);
-}
-
 // Selects the lines of a body that was clicked, in the text that has them.
-function showPlace({ name: body, kind }) {
-  const own = ["robot", "tool"].includes(kind) ? [kind, ""] : ["body", body];
-  const place = places.find((each) => each.kind === own[0] && each.name === own[1]) || places.find((each) => each.kind === kind);
+function showPlace(body) {
+  const place = placeOf(body);
   if (!place) return;
   if (place.written !== shownAs()) {
     const cell = cellOf(text.value);
@@ -156,6 +93,47 @@ function showPlace({ name: body, kind }) {
   }
   select(place.begin, place.end);
 }
+
+// ---- changes that are not typed ---------------------------------------------------------------------------------
+
+// Has the service write a change into the texts: { set }, values of the request, or { move }, a thing of the drawing.
+// True if it is written. A note states why it is not.
+async function write(change) {
+  const given = text.value;
+  return attempt(async () => {
+    const made = await (await ask("v1/scenes/parse", { ...readable(given, scenario), ...change })).json();
+    if (text.value !== given) throw new Refused({ detail: "The text has changed meanwhile. Nothing else is changed." });
+    const [own, cell] = [drafts.current(), cellOf(given)];
+    if (shownAs() === "text" && cell !== null && made.cell !== cell.text) {
+      showDraft(cell);
+      rewrite(made.cell);
+      if (own) showDraft(own);
+      listTexts();
+    }
+    if (made[shownAs()] !== text.value) rewrite(made[shownAs()]);
+    note("");
+    return true;
+  }, noteProblem);
+}
+
+function rewrite(content) {
+  replace(content);
+  history.add(content, text.selectionEnd);
+  changed();
+}
+
+// Changes are written in the order in which they are made.
+let writing = Promise.resolve();
+function moved(move) {
+  writing = writing.catch(() => {}).then(() => write({ move })).then(() => examined);
+  return writing;
+}
+
+async function apply(set) {
+  if (await write({ set })) await plan();
+}
+
+const noteProblem = (problem) => note((problem.errors || []).map(fault).join(" ") || problem.detail || problem.title, true);
 
 // ---- texts that are kept ----------------------------------------------------------------------------------------
 
@@ -293,13 +271,17 @@ async function remove() {
 
 // ---- planning ---------------------------------------------------------------------------------------------------
 
-const framed = (frame) => receiveFiles(frame);
+const framed = (frame) => receiveFiles(frame, openFiles);
 const drawn = async (body) => (await ask("v1/plans/report", body)).text();
 
-// The request with a full report, where it states none. Wrong options stay for the service to refuse.
+// The request with a full report and time to look for a change that would help, where it states none. Wrong options stay
+// for the service to refuse.
+let explainS = 1;
 function reported(request) {
   const { options = {} } = request;
-  return options?.constructor === Object ? { ...request, options: { report: "full", ...options } } : request;
+  if (options?.constructor !== Object) return request;
+  const explain = "explain_budget_ms" in options ? {} : { explain_budget_s: explainS };
+  return { ...request, options: { report: "full", ...explain, ...options } };
 }
 
 async function plan() {
@@ -325,7 +307,7 @@ async function plan() {
     }
     tellProgress("Drawing", null, []);
     const page = await drawn({ request, plan: answer, title, about });
-    answers.show({ name: title, about, request, answer, page, text: given }, framed);
+    answers.show({ name: title, about, request, answer, page, text: given }, framed, apply);
     answers.compareText(meant());
   });
   busy(false);
@@ -356,7 +338,7 @@ async function take(content, file = null) {
     if (page === null) return false;
     const { request, plan: answer, about, title } = found;
     const of = made.length <= LONGEST_TEXT ? meant() : made;
-    answers.show({ name: title || nameOf(made, file), about, request, answer, page, text: of }, framed);
+    answers.show({ name: title || nameOf(made, file), about, request, answer, page, text: of }, framed, apply);
     answers.compareText(meant());
     if (made.length > LONGEST_TEXT) note("The plan is shown. Its request is too long for the editor: it has meshes or other long parts.");
     return true;
@@ -375,36 +357,13 @@ async function openFiles(files) {
   find("file").value = "";
 }
 
-function receiveFiles(place) {
-  const withFiles = (act) => (event) => {
-    if (!event.dataTransfer.types.includes("Files")) return;
-    event.preventDefault();
-    act([...event.dataTransfer.files]);
-  };
-  place.addEventListener("dragover", withFiles(() => {}));
-  place.addEventListener("drop", withFiles(openFiles));
-}
-
-// A document that is pasted is taken as one, but where it is the value of a key or an item of a list.
 function pasted(event) {
   const [content, files] = [event.clipboardData.getData("text/plain"), event.clipboardData.files];
-  const whole = text.selectionEnd - text.selectionStart === text.value.length;
-  const value = !whole && /[:,[{-]\s*$/.test(text.value.slice(0, text.selectionStart));
-  let found = { kind: "text" };
-  try {
-    found = content && !value ? kindOf(content) : found;
-  } catch {
-    if (!whole) return; // it is part of another text
-    found = { kind: "refused" };
-  }
-  if (found.kind === "text" && (content || !files.length)) return;
+  if (!isDocument(content, files, text)) return;
   event.preventDefault();
   if (content) attempt(() => take(content));
   else openFiles([...files]);
 }
-
-// A busy browser reads what is saved after the click: only then may its address be forgotten.
-const SAVED_MS = 60_000;
 
 async function save() {
   const { value } = find("save");
@@ -414,30 +373,14 @@ async function save() {
   note("");
   await attempt(async () => {
     const cell = cellOf(text.value);
-    if (value === "link") return offerLink(await linkTo(text.value, cell && cell.text));
+    if (value === "link") return note(await offerLink(await linkTo(text.value, cell && cell.text)));
     const own = { text: textFile, cell: () => [crlfOf(cell)(cell.text), fileOf(cell)] };
     const [content, file] = value in own ? own[value]() : await answers.saved(value);
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([content], { type: "application/octet-stream" }));
-    link.download = file;
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), SAVED_MS);
+    download(content, file);
     if (value === "text") kept = true;
     return undefined;
-  }, (problem) => note((problem.errors || []).map(fault).join(" ") || problem.detail || problem.title, true));
+  }, noteProblem);
   find("save").disabled = false;
-}
-
-// Copies a link, or shows it where the browser does not let a page copy: where it is not served over HTTPS.
-async function offerLink(link) {
-  try {
-    await navigator.clipboard.writeText(link);
-    note(`The link is copied. It has ${link.length} characters and holds the text as it is now.`);
-  } catch {
-    find("link").value = link;
-    find("link-dialog").showModal();
-    find("link").select();
-  }
 }
 
 // Shows what the link in the address holds, as if it were opened from files, and takes it out of the address. Whether it
@@ -475,7 +418,8 @@ function offerCell() {
 async function connect(quiet = false) {
   if (connected) return;
   const { scenes } = await (await ask("v1/scenes", undefined, { quiet })).json();
-  await Promise.all([answers.offerFormats(), drawing.begin(framed, showPlace)]);
+  const [mostS] = await Promise.all([answers.offerFormats(), drawing.begin(framed, showPlace, moved)]);
+  explainS = Math.min(explainS, mostS);
   answers.settle();
   find("shipped").replaceChildren(...scenes.map((each) => new Option(each.name, each.name)));
   connected = true;
@@ -520,7 +464,7 @@ find("file").addEventListener("change", () => openFiles([...find("file").files])
 find("delete").addEventListener("click", remove);
 find("undo").addEventListener("click", () => step(-1));
 find("enter").addEventListener("click", async () => (await enterKey()) && attempt(connected ? () => {} : () => begin()));
-receiveFiles(window);
+receiveFiles(window, openFiles);
 document.addEventListener("keydown", (event) => {
   if (!(event.ctrlKey || event.metaKey) || event.target.tagName === "INPUT") return;
   const key = event.key.toLowerCase();

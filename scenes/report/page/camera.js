@@ -80,6 +80,18 @@ export class Camera {
     return multiply(lens, lookAt(eye, this.target, unit(up)));
   }
 
+  // Whether it looks straight down, without perspective.
+  get above() {
+    return this.flat && this.elevation === VIEWS.top.elevation;
+  }
+
+  // How far, m, what is seen at shares of the height of the picture is from one another.
+  across(dx, dy) {
+    const { right, up } = this.axes();
+    const whole = 2 * this.distance * Math.tan(ANGLE / 2);
+    return add(add([0, 0, 0], right, dx * whole), up, -dy * whole);
+  }
+
   orbit(dx, dy) {
     this.flat = false;
     this.azimuth -= dx;
@@ -88,9 +100,7 @@ export class Camera {
 
   // By shares of the height of the picture.
   pan(dx, dy) {
-    const { right, up } = this.axes();
-    const whole = 2 * this.distance * Math.tan(ANGLE / 2);
-    this.target = add(add(this.target, right, -dx * whole), up, dy * whole);
+    this.target = subtract(this.target, this.across(dx, dy));
   }
 
   zoom(factor) {
@@ -98,8 +108,8 @@ export class Camera {
   }
 }
 
-// Lets pointers and keys move a camera; `drawn` is called after each move.
-export function steer(canvas, camera, drawn) {
+// Lets pointers and keys move a camera, but for those that `grip` takes; `drawn` is called after each move.
+export function steer(canvas, camera, drawn, grip) {
   const changed = () => {
     camera.moved = true;
     drawn();
@@ -114,9 +124,11 @@ export function steer(canvas, camera, drawn) {
   canvas.addEventListener("pointerdown", (event) => {
     pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     canvas.setPointerCapture(event.pointerId);
+    if (pointers.size > 1 || event.button !== 0) grip.leave();
+    else grip.take(event);
   });
   canvas.addEventListener("pointermove", (event) => {
-    if (!pointers.has(event.pointerId)) return;
+    if (!pointers.has(event.pointerId) || grip.drag(event)) return;
     const before = middle();
     pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     const after = middle();
@@ -130,8 +142,14 @@ export function steer(canvas, camera, drawn) {
     changed();
   });
   const leave = (event) => pointers.delete(event.pointerId);
-  canvas.addEventListener("pointerup", leave);
-  canvas.addEventListener("pointercancel", leave);
+  canvas.addEventListener("pointerup", (event) => {
+    grip.drop();
+    leave(event);
+  });
+  canvas.addEventListener("pointercancel", (event) => {
+    grip.leave();
+    leave(event);
+  });
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener(
     "wheel",
@@ -146,6 +164,11 @@ export function steer(canvas, camera, drawn) {
   canvas.addEventListener("keydown", (event) => {
     if (keys[event.key]) {
       const [x, y] = keys[event.key];
+      if (grip.nudge(-x, y, event.shiftKey)) {
+        event.preventDefault();
+        event.stopPropagation();
+        return;
+      }
       if (event.shiftKey) camera.pan(0.05 * x, 0.05 * y);
       else camera.orbit(0.1 * x, 0.1 * y);
     } else if (event.key === "+" || event.key === "=") camera.zoom(0.9);

@@ -1,6 +1,7 @@
 // The page: one clock, and all that follows it.
 import { Camera, steer } from "./camera.js";
 import { charts } from "./charts.js";
+import { Grip } from "./grip.js";
 import { clamp } from "./numbers.js";
 import { Renderer } from "./renderer.js";
 import { census, Timeline } from "./timeline.js";
@@ -91,7 +92,9 @@ class Player {
     this.renderer = new Renderer(this.canvas);
     this.camera = new Camera();
     this.charts = [];
-    steer(this.canvas, this.camera, () => this.draw());
+    this.moved = null; // called with what was moved in the view from above, by a page that can write it
+    this.grip = new Grip(this);
+    steer(this.canvas, this.camera, () => this.draw(), this.grip);
     this.picked = null; // called with the body that was clicked, by a page that has one to tell
     this.canvas.addEventListener("pointerdown", ({ clientX, clientY }) => (this.pressed = [clientX, clientY]));
     this.canvas.addEventListener("click", (event) => this.pick(event));
@@ -104,6 +107,7 @@ class Player {
   // Plays a view from now on. `still`: the camera stays where it is, if there is one, and so does the clock.
   take(view, still = false) {
     this.pause();
+    this.grip.leave();
     const known = this.view !== null && still;
     this.view = view;
     this.tracks = new Tracks(view);
@@ -194,6 +198,7 @@ class Player {
   // Marks bodies by their kind, or one by its name, and a control point by its step; nothing: none.
   mark({ kind, name } = {}) {
     const { bodies, control_points: points } = this.view;
+    this.grip.chosen = kind ? { kind, name } : null;
     const is = (body) => (kind === "body" ? body.name === name && !["robot", "tool"].includes(body.kind) : body.kind === kind);
     this.renderer.chosen = [bodies.findIndex(is), bodies.findLastIndex(is)];
     find("labels").querySelectorAll(".label:not(.distance)").forEach((label, k) =>
