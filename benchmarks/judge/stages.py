@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -76,7 +77,9 @@ def stages(cell: Cell, answer: Document, spline: Spline) -> list[Stage]:
                 until = next(each["until_s"] for each in answer["arrivals"] if each["step"] == number)
                 frame, pose = (seats[part], poses[part]) if kind == "pick" else cell.seat(given["to"])
                 named = cell.resting_on(part, frame, pose, given.get("contact_with"), until, seats, poses)
-                stands[number] = frozenset(named)
+                # nothing is put on what will be taken away
+                leaves = gone(cell.request, answer, number, math.inf) if "contact_with" not in given else frozenset()
+                stands[number] = frozenset(named) - leaves
             grip = frozenset(frozenset((body, part)) for body in cell.tool_bodies)
             rest = frozenset(frozenset((body, part)) for body in stands[number])
             contacts = (

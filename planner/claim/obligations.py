@@ -105,7 +105,7 @@ def phases_of(scene: Scene, carriers: Carriers, seats: Seats, phases: Sequence[P
             off[p, many + k] = within.vertical_m
             if name != attached.part:
                 put_down.append((p, k))
-                others = [number[x] for pair in phase.handled.supports if name in pair for x in pair if x != name]
+                others = [number[below] for part, below in phase.handled.supports if part == name]
                 supports.append(_chosen(others, many))
         for one, other in sorted(phase.contacts):
             if one in number and other in number:

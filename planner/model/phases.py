@@ -20,6 +20,7 @@ from assur.planner.laws.law import EXACT, PoseUncertainty
 from assur.planner.model.attachments import AT_START, Attachments, at_start
 from assur.planner.model.outcome import TRACKING, Arrival, Leg, LegKind
 from assur.planner.model.scene import Pick, Place, Scene, Step
+from assur.planner.model.task import is_taken_away
 
 CONTACT_M = 1e-4
 """Bodies in an allowed contact may overlap by this much, m: rounding of poses and a part that is not quite flat."""
@@ -31,19 +32,20 @@ Contacts = frozenset[tuple[str, str]]
 @dataclass(frozen=True, slots=True)
 class GraspUncertainty:
     """What is known of the parts that were gripped: how well each is known, in the gripper that holds it or in the
-    frame where it was put down, sorted by name; and with what a part that was put down may stay in contact."""
+    frame where it was put down, sorted by name; and pairs of a part that was put down and a body on which it rests."""
 
     within: tuple[tuple[str, PoseUncertainty], ...] = ()
-    supports: Contacts = frozenset()
+    supports: frozenset[tuple[str, str]] = frozenset()
 
     def of(self, part: str) -> PoseUncertainty | None:
         """How well a part is known; None: it was not gripped."""
         return dict(self.within).get(part)
 
-    def changed(self, part: str, within: PoseUncertainty, supports: Contacts) -> GraspUncertainty:
-        """The same after a part was gripped (no supports) or put down."""
+    def changed(self, part: str, within: PoseUncertainty, rest: Contacts) -> GraspUncertainty:
+        """The same after a part was gripped (`rest`: none) or put down, in contact with what it rests on."""
         others = [each for each in self.within if each[0] != part]
         kept = frozenset(each for each in self.supports if part not in each)
+        supports = frozenset((part, name) for each in rest for name in each if name != part)
         return GraspUncertainty(tuple(sorted([*others, (part, within)], key=itemgetter(0))), kept | supports)
 
     def without(self, part: str) -> GraspUncertainty:
@@ -190,7 +192,8 @@ def step_phases(
     earlier = [each for each in arrivals if each.step < number]
     attached, handled = cleared(scene, attached, handled, earlier, legs[0].t0)
     frame = attached.frame(scene, step) if step.tracks else None
-    before, after = contacts_of(scene, step, attached, None if arrival is None else arrival.until)
+    leaving = frozenset([put.part for put in scene.task[:number] if is_taken_away(put)]) if scene.clears else NOBODY
+    before, after = contacts_of(scene, step, attached, None if arrival is None else arrival.until, leaving)
     found, tracked, deep = list[Phase](), 0, step.contact_tolerance_m
     for leg in legs:
         attached, handled = cleared(scene, attached, handled, earlier, leg.t0)
@@ -217,16 +220,19 @@ def gripped_within(step: Step, arrival: Arrival | None) -> PoseUncertainty:
     return EXACT if error is None else error.within
 
 
-def contacts_of(scene: Scene, step: Step, attached: Attachments, time: float | None) -> tuple[Contacts, Contacts]:
+def contacts_of(
+    scene: Scene, step: Step, attached: Attachments, time: float | None, leaving: frozenset[str] = NOBODY
+) -> tuple[Contacts, Contacts]:
     """The pairs that may touch while a step is tracked: until its part is taken or put down, and from then on.
 
     A gripper touches the part that it takes or has put down, a held part what it stands on at `time` (None: the start).
+    Nothing is put on what will be taken away (`leaving`).
     """
     if step.part is None:
         return frozenset(), frozenset()
     grip = frozenset(pair(body.name, step.part) for body in scene.tool.bodies)
     names = resting_on(scene, step.part, *attached.point(scene, step), step.contact_with, attached, time)
-    rest = frozenset(pair(name, step.part) for name in names)
+    rest = frozenset(pair(name, step.part) for name in names - leaving)
     return (grip, rest) if isinstance(step, Pick) else (rest, grip)
 
 

@@ -20,7 +20,7 @@ from assur.planner.model.load import UNKNOWN, Load, LoadLimits, Tool, greatest_i
 from assur.planner.model.options import DEFAULTS, Clearance, ClearanceException, Options, check_timing
 from assur.planner.model.refusal import BeyondRange
 from assur.planner.model.step_faults import wrong
-from assur.planner.model.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Trace, Window
+from assur.planner.model.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Trace, Window, is_taken_away
 from assur.planner.robots.facts import Limits, lowered
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.turns import nearest_turns
@@ -174,7 +174,7 @@ class Scene:
             for where, value, allowed in wrong(self, step, held, gone):
                 raise InputError(f"task[{i}].{type(step).__name__.lower()}{where}", value, allowed)
             held = step.part if isinstance(step, Pick) else None if isinstance(step, Place) else held
-            if isinstance(step, Place) and step.gone_after_s is not None:
+            if is_taken_away(step):
                 gone.add(step.part)
         check_execution(self.execution, self.robot, self._tracked() if self.execution.belt_correction else [])
         self._check_rounding()
@@ -215,7 +215,7 @@ class Scene:
     @cached_property
     def clears(self) -> bool:
         """Whether a part is taken away after it was put down."""
-        return any(isinstance(step, Place) and step.gone_after_s is not None for step in self.task)
+        return any(is_taken_away(step) for step in self.task)
 
     def straight(self, step: Step) -> tuple[float, float]:
         """Lengths of the straight parts of a step's approach and depart, m: as required, but long enough for what

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, TypeGuard
 
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
@@ -253,6 +253,11 @@ class Place:
     def target(self) -> Target:
         """Where the part is put: its own pose, not that of the tool."""
         return self.to
+
+
+def is_taken_away(step: Step) -> TypeGuard[Place]:
+    """Whether a step is a place whose part is taken away."""
+    return isinstance(step, Place) and step.gone_after_s is not None
 
 
 Step = Move | Follow | Trace | Pick | Place

@@ -283,3 +283,35 @@ def test_a_slot_is_taken_where_the_part_stays() -> None:
     }
     with pytest.raises(InputError, match="all 1 are taken"):
         joined(CELL, task)
+
+
+# stacks
+
+
+def stack(gone_after_ms: int | None) -> Document:
+    """The second part is put where the first one is, on top of it."""
+    request = nest(100)
+    for step, height in ((1, 15), (3, 45)):
+        request["task"][step]["place"] |= {"to": {"frame": "bench", "at_mm": [350, -200, height], "yaw_deg": 0}}
+        del request["task"][step]["place"]["gone_after_ms"]
+    if gone_after_ms is not None:
+        request["task"][1]["place"]["gone_after_ms"] = gone_after_ms
+    return request
+
+
+def test_a_part_is_put_on_one_that_stays() -> None:
+    of = planned(stack(None))
+    assert of is not None
+    on_top = [phase for phase in phases(of.scene, of.plan.legs, of.plan.arrivals) if phase.step == 4]
+    assert {pair for phase in on_top for pair in phase.handled.supports} == {("a", "table"), ("b", "a")}
+    assert all(leg.kind is not LegKind.WAIT for leg in of.plan.legs)
+    assert differences(of) == []
+    assert broken_promises(as_si(of.request), dict(assur.plan(of.request))) == []
+
+
+def test_no_part_is_put_on_one_that_will_be_taken_away() -> None:
+    of = planned(stack(1500))
+    assert of is not None
+    assert wait_of(of).step == 3
+    assert wait_of(of).t1 >= of.plan.arrivals[1].until + 1.5
+    assert broken_promises(as_si(of.request), dict(assur.plan(of.request))) == []

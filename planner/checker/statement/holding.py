@@ -240,11 +240,13 @@ class Handling(Requirements):
             return set(step.contact_with)
         time, handed = self.arrivals[number].until, self.handed_before(number)
         gone = self.gone(number, self.legs(number)[0].t0)
+        # nothing is put on what will be taken away
+        leaving = self.gone(number, math.inf)
         there = self.in_world(self.point(number), time)
         bottom = there[2] - _reach(self.scene.index[step.part].body, -1.0)
         found = set()
         for body in self.scene.bodies:
-            if body.name == step.part:
+            if body.name == step.part or body.name in leaving:
                 continue
             here = self.in_world(self.place(body.name, handed, gone), time)
             near = math.dist(here[:2], there[:2]) <= self.radius(body.name) + self.radius(step.part) + SAME
