@@ -13,7 +13,7 @@ from assur.scenes.bounds import MAX_TEXT, MAX_YAML_BYTES
 from assur.scenes.faults import NOTHING, DocumentError, fault, likeliest
 from assur.scenes.files import empty
 from assur.scenes.scenario import Scenario
-from assur.scenes.schema.cell_file import TASK
+from assur.scenes.schema.cell_file import CELL, TASK
 from assur.scenes.schema.expect import ExpectDocument
 from assur.scenes.schema.model import Document
 from assur.scenes.schema.read import read
@@ -67,6 +67,9 @@ def _scenario(document: Any, lines: Lines, path: Path, after: EndState | None = 
         raise with_line(
             fault(document, ("schema",), f"{TASK}: this is a cell; a task file that names it is planned"), lines
         )
+    schema = document.get("schema") if isinstance(document, dict) else None
+    if isinstance(schema, str) and schema.startswith("assur-"):
+        raise with_line(fault(document, ("schema",), f"{TASK} or {CELL}; a scenario has none"), lines)
     if document is None:
         raise empty(path, "a scenario: YAML with about, request and, if something is expected of the answer, expect")
     if isinstance(document, dict) and "request" not in document and {"robot", "task"} & document.keys():

@@ -193,6 +193,8 @@ def _distances(travel: float, near: float) -> str:
 
 TIMES = (1, 2, 5)
 """So many times what is missing is tried as a contact tolerance: another pick or place may need more."""
+SOFTEST_M = 2e-3
+"""No gripper and no part gives way by more, m."""
 
 
 def heights(scene: Scene, step: int, what: Step) -> Iterator[Change]:
@@ -252,6 +254,8 @@ def contact_tolerances(scene: Scene, step: int, facts: Separation) -> Iterator[C
     if facts.gap_m is None or facts.required_m is None:
         return
     short = facts.required_m - facts.gap_m + 0.1 * SHOWN_M
+    if short > SOFTEST_M:
+        return  # the point is wrong
     least = up(what.contact_tolerance_m + short, SHOWN_M)
     yield "contact tolerance", f"{1e3 * least:g} mm at {what.name}", with_step(scene, step, _softer(what, least))
     for times in TIMES:

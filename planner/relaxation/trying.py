@@ -117,12 +117,14 @@ def _attempt(
     else:
         # the first is what the cause asks for
         longest = min(ATTEMPT_S, (SHARE if tried else FIRST_SHARE) * left, options.budget_s)
-    tried.append(f"{what}: {value}")
     changed = replace(scene, options=replace(options, budget_s=longest))
     reporting: Watch | None = None if watch is None else lambda progress: watch(replace(progress, stage="relaxation"))
     first = search(changed, Prover(changed), time.perf_counter(), watch=reporting)
     first.until_first = True
-    return first.run().plan
+    found = first.run()
+    if found.plan is not None or not found.cut_by_clock:
+        tried.append(f"{what}: {value}")  # of what the clock ended nobody knows whether it helps
+    return found.plan
 
 
 def _narrowed(scene: Scene, step: int, change: Change, made: Plan) -> list[Change]:

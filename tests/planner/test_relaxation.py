@@ -19,7 +19,7 @@ from assur.planner.laws import conveyor, fixed, turntable
 from assur.planner.laws.law import PoseUncertainty
 from assur.planner.model.outcome import NotPlanned, Planned
 from assur.planner.model.path import LineTo, Path
-from assur.planner.model.refusal import Enclosed, Reason, Refusal, Stage, law_ends
+from assur.planner.model.refusal import Enclosed, Reason, Refusal, Separation, Stage, law_ends
 from assur.planner.model.scene import (
     Clearance,
     ClearanceException,
@@ -34,7 +34,7 @@ from assur.planner.model.scene import (
     Window,
 )
 from assur.planner.pipeline import plan
-from assur.planner.relaxation.changes import changes, worth_trying
+from assur.planner.relaxation.changes import changes, contact_tolerances, worth_trying
 from assur.planner.relaxation.trying import _attempt, relax
 from assur.planner.search.beam import Search
 from tests.docs.pages import ROOT
@@ -336,6 +336,13 @@ def test_what_the_refusal_is_about_comes_first() -> None:
         ]
         assert listed[0] == first
         assert sorted(listed) == sorted(what for what, _, _ in changes(scene, 0, "belt-bed"))
+
+
+@pytest.mark.parametrize(("gap_m", "proposed"), [(-0.0019, True), (-0.0021, False)])
+def test_no_contact_is_proposed_that_is_deeper_than_a_gripper_gives_way(gap_m: float, proposed: bool) -> None:
+    facts = Separation(touching=True, gap_m=gap_m, required_m=-1e-4, rule="contact", clearance_m=-1e-4)
+    found = list(contact_tolerances(table(), 0, replace(facts, required_m=0.0)))
+    assert bool(found) is proposed
 
 
 def test_a_search_that_could_only_repeat_what_failed_is_not_tried() -> None:

@@ -208,3 +208,10 @@ def test_what_is_expected_may_be_left_out_but_not_half_said(tmp_path: Path) -> N
         load_scenario(file)
     assert caught.value.field == "expect.status"
     assert caught.value.allowed == "one of planned, not_planned, which must be given"
+
+
+@pytest.mark.parametrize("schema", ["assur-task/2", "assur-cell", "assur-cells/1"])
+def test_a_schema_that_no_file_has_is_named(schema: str, tmp_path: Path) -> None:
+    (tmp_path / "a.yaml").write_text(f"schema: {schema}\nsteps: []\n")
+    with refused_at("schema", "assur-task/1 or assur-cell/1", line=1, value=schema):
+        load_scenario(tmp_path / "a.yaml")
