@@ -91,7 +91,7 @@ def _validated(
             for fault in error.errors(include_url=False, include_input=False)
             if (location := _location(model, document, fault["loc"])) is not None
         ]
-        # of a document of another kind nothing else can be said
+        # the other fields of a document of another kind are not compared
         faults = [fault for fault in faults if fault[:2] == (("schema",), "literal_error")] or faults
         faults.sort(key=lambda fault: 0 if fault[1] == "extra_forbidden" else 1)
         errors = [

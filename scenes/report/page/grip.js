@@ -8,7 +8,6 @@ const CLICK_PX = 4; // a pointer that moves by no more has not moved a thing
 const PAUSE_MS = 300; // keys that follow sooner are one move
 const GRID_MM = 1;
 const FINE_MM = 0.1;
-const SVG = "http://www.w3.org/2000/svg";
 
 export class Grip {
   constructor(player) {
@@ -16,8 +15,11 @@ export class Grip {
     this.chosen = null; // what is marked: { kind, name } of the service
     this.held = null; // what is moved: { thing, from, by (m, in the world), fine, begun }
     this.waiting = null; // the timer of the keys
-    this.picture = document.createElementNS(SVG, "svg");
-    this.picture.id = "moved";
+    const drawn = document.createElement("template");
+    drawn.innerHTML = '<svg id="moved"><polygon></polygon></svg>';
+    this.picture = drawn.content.firstElementChild;
+    this.outline = this.picture.firstElementChild;
+    this.picture.replaceChildren();
     this.words = document.createElement("span");
     this.words.className = "label moved";
     this.words.hidden = true;
@@ -129,9 +131,8 @@ export class Grip {
       const { x, y } = player.renderer.onPage(p);
       return `${x.toFixed(1)},${y.toFixed(1)}`;
     });
-    const shape = document.createElementNS(SVG, "polygon");
-    shape.setAttribute("points", outline.join(" "));
-    this.picture.replaceChildren(shape);
+    this.outline.setAttribute("points", outline.join(" "));
+    this.picture.replaceChildren(this.outline);
     const mm = (value) => {
       const digits = held.fine ? 1 : 0;
       return `${value < 0 ? "−" : "+"}${Math.abs(1000 * value).toFixed(digits)}`;
