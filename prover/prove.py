@@ -400,9 +400,8 @@ class World:
         self.bundle, self.work, self.kept, self.failures = bundle, WORK, dict[Any, Any](), list[str]()
         self.splines = [spline(arm) for arm in bundle["arms"]]
         self.laws = [law(frame) if frame["edges"] or frame["period"] else None for frame in bundle["frames"]]
-        self.frames, self.bodies, self.phases, self.must = (
-            bundle[x] for x in ("frames", "bodies", "phases", "required")
-        )
+        self.frames, self.bodies = bundle["frames"], bundle["bodies"]
+        self.phases, self.must = bundle["phases"], bundle["required"]
         self.seats = [[nth(bundle["seats"], k, "seat") for k in phase["seats"]] for phase in self.phases]
         self.surfaces = [surface(body) for body in self.bodies]
         if any([seat["body"] for seat in seats] != list(range(len(self.bodies))) for seats in self.seats):
@@ -468,6 +467,8 @@ class World:
         if key not in self.kept:
             pieces = self.bodies[seat["body"]]["pieces"]
             self.kept[key] = Solid(box(pieces) if piece < 0 else nth(pieces, piece, "piece"), seat["pose"])
+            if piece < 0:  # what it holds turns with a frame, and not the box
+                self.kept[key].reach = largest(self.solid(seat, k).reach for k in range(len(pieces)))
         return self.kept[key]  # type: ignore[no-any-return]
 
     def ahead(self, f: int, late: float) -> tuple[Fraction, Fraction]:
@@ -680,9 +681,8 @@ class World:
             for q, low, high, off in zip(joints, span["lower"], span["upper"], more, strict=True):
                 half = (arb(high) - low) / 2
                 kept.append(abs(q[0] - (arb(high) + low) / 2) + off <= half * (1 + arb(span["shares"][0])))
-            for q, *most in zip(
-                joints, *(span[x] for x in ("velocity", "acceleration", "jerk") if span[x]), strict=True
-            ):
+            given = [span[x] for x in ("velocity", "acceleration", "jerk") if span[x]]
+            for q, *most in zip(joints, *given, strict=True):
                 for k, (x, share) in enumerate(zip(most, span["shares"][1:], strict=False), start=1):
                     kept.append(abs(q[k]) * math.factorial(k) <= x * (1 + arb(share)))
             return SHOWN if all(kept) else IN_TIME

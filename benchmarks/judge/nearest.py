@@ -65,7 +65,7 @@ def _in_phase(motion: Motion, phase: Phase, beyond_m: float) -> list[NearPair]:
         values[near] = gap.among(places[pair.first], places[pair.second], near)
         best_k = int(np.argmin(values))
         best, when = float(values[best_k]), float(grid[best_k])
-        for k in _dips(values, slack, best):
+        for k in dips(values, slack, best):
             if values[k] - slack[k] > best - FOUND_M:
                 continue
             low, high = grid[max(k - 1, 0)], grid[min(k + 1, len(grid) - 1)]
@@ -85,16 +85,18 @@ def _way(place: Poses, centre: Floats, radius: float) -> Floats:
     return np.asarray(np.maximum(np.append(step, 0.0), np.append(0.0, step)))
 
 
-def _dips(values: Floats, slack: Floats, best: float) -> list[int]:
-    """Instants whose gap is no larger than at those beside, and beside which it may be below `best`; the ones that may
-    be lowest first. Beside an instant a gap falls no more than twice what it changes by to the next ones."""
-    before, after = np.append(np.inf, values[:-1]), np.append(values[1:], np.inf)
+def dips(values: Floats, slack: Floats, best: float) -> list[int]:
+    """Instants beside which a gap may be below `best`; the ones that may be lowest first. Beside an instant whose gap
+    is no larger than at the next ones, it falls no more than twice what it changes by to them. Beside any other it
+    falls no more than half of that: there is a second dip then."""
+    before, after = np.append(values[:1], values[:-1]), np.append(values[1:], values[-1:])
     known = np.isfinite(values)
     values = np.where(known, values, FAR_M)
     change = np.maximum(np.where(known, np.minimum(before, FAR_M) - values, 0.0), np.minimum(after, FAR_M) - values)
-    lowest = values - np.minimum(slack, 2.0 * change)
-    dips = np.flatnonzero((values <= before) & (values <= after) & known & (lowest < best - FOUND_M))
-    return [int(k) for k in dips[np.argsort(lowest[dips])]]
+    share = np.where((values <= before) & (values <= after), 2.0, 0.5)
+    lowest = values - np.minimum(slack, share * change)
+    found = np.flatnonzero(known & (lowest < best - FOUND_M))
+    return [int(k) for k in found[np.argsort(lowest[found])]]
 
 
 def _finer(

@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.judge.faults import beyond
 from benchmarks.judge.motion import Motion
-from benchmarks.judge.nearest import nearest_of
+from benchmarks.judge.nearest import dips, nearest_of
 from benchmarks.judge.poses import Document
 from benchmarks.judge.product import as_si, planned
 from benchmarks.judge.promises import broken_promises
@@ -277,3 +277,12 @@ def test_a_true_proof_is_not_contradicted(name: str) -> None:
 def test_a_reason_that_is_not_judged_is_not_right_either() -> None:
     assert "MOTION_LIMIT" not in JUDGES
     assert contradiction(as_si(wanted()), forged("MOTION_LIMIT")) is None
+
+
+def test_a_second_dip_between_two_instants_is_searched() -> None:
+    # of a part that passes a swinging bar: 19.50 mm are between the third and the fourth, and the search beside the
+    # second finds 19.62 mm
+    gaps, slack = np.array([0.0257, 0.01967, 0.01973, 0.02041, 0.0297, 0.0401]), np.full(6, 0.05)
+    assert dips(gaps, slack, 0.01962) == [1, 3, 2]
+    assert dips(gaps, slack, 0.015) == [1]
+    assert dips(gaps, slack, 0.007) == []

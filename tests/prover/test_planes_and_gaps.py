@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
@@ -95,6 +96,25 @@ def nearest(least: float, *rows: Document) -> Document:
     document = sliding(body("wall", ball(0.9)), rows=[row(0, 1)], speed=2.0)
     document["required"]["nearest"], document["gap_rows"] = least, list(rows)
     return document
+
+
+SLAB = {**ball(2.0, 0.0), "edges": [[0.4, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.2]]}
+BALLS = ball(2.0), {**ball(2.0), "centre": [2.0, 1.0, 0.0]}
+
+
+@pytest.mark.parametrize(
+    ("pieces", "number", "gap", "reach"),
+    [((SLAB,), 0, 1.5, math.hypot(2.4, 0.5)), ((SLAB,), -1, 1.5, math.hypot(2.4, 0.5)),
+     (BALLS, -1, 1.8, math.hypot(2.0, 1.0) + 0.1)],
+    ids=["corner of a box", "box of a box", "box of two balls"],
+)  # fmt: skip
+def test_what_turns_with_its_frame_is_nearer_by_the_way_of_its_farthest_point(
+    pieces: tuple[Document, ...], number: int, gap: float, reach: float
+) -> None:
+    for least, right in ((gap - 0.1 * reach - LITTLE, True), (gap - 0.1 * reach + LITTLE, False)):
+        document = sliding(body("wall", *pieces), rows=[row(0, 1, 0, number)], least=least)
+        document["frames"][0].update(yaw=0.1)
+        assert agreed(document)[0] is right
 
 
 def test_a_second_distance_is_kept_if_nothing_is_unknown() -> None:

@@ -88,6 +88,20 @@ def turn_vector(cosine: float, sine: float, given: FloatArray, at: int, result: 
     result[to], result[to + 1], result[to + 2] = cosine * x - sine * y, sine * x + cosine * y, given[at + 2]
 
 
+@kernel(f8(F1, f8, f8))
+def farthest_corner(own: FloatArray, x: float, y: float) -> float:
+    """How far the corners of a solid are from the vertical axis of its carrier at most, m, without its disc and ball:
+    the points (x, y) with each of its edges added or taken away."""
+    most, many = 0.0, int(own[tb.SOLID_EDGES])
+    for signs in range(1 << many):
+        u, v = x, y
+        for e in range(many):
+            sign = 1.0 if signs >> e & 1 else -1.0
+            u, v = u + sign * own[tb.SOLID_EDGE + 3 * e], v + sign * own[tb.SOLID_EDGE + 3 * e + 1]
+        most = max(most, math.sqrt(u**2 + v**2))
+    return most
+
+
 @kernel(types.void(tb.CLAIM, tb.GEOMETRY, i8, i8, i8, i8))
 def place_piece(k: Claim, g: tb.Geometry, seat: int, i: int, at: int, vertex: int) -> None:
     """Writes piece i of a seated body to row `at` of the solids, its vertices from row `vertex` on."""
@@ -100,19 +114,22 @@ def place_piece(k: Claim, g: tb.Geometry, seat: int, i: int, at: int, vertex: in
     for m in range(3):
         own[tb.SOLID_CENTRE + m] += pose[m]
         own[tb.SOLID_AXIS + m] /= max(size, 1e-6)
-    far, tall, own[tb.SOLID_VERTEX] = math.sqrt(own[0] ** 2 + own[1] ** 2), abs(own[2]), vertex
-    for m in range(int(piece[c.PIECE_VERTICES])):
+    wide, tall, own[tb.SOLID_VERTEX] = math.sqrt(own[0] ** 2 + own[1] ** 2), abs(own[2]), vertex
+    for e in range(0, 3 * int(piece[c.PIECE_EDGES]), 3):
+        turn_vector(cosine, sine, piece, c.PIECE_EDGE + e, own, tb.SOLID_EDGE + e)
+    many = int(piece[c.PIECE_VERTICES])
+    far = 0.0 if many > 0 else farthest_corner(own, own[0], own[1])
+    for m in range(many):
         to = g.vertices[vertex + m]
         turn_vector(cosine, sine, k.vertices[int(piece[c.PIECE_VERTEX]) + m], 0, to, 0)
         for axis in range(3):
             to[axis] += pose[axis]
-        far, tall = max(far, math.sqrt(to[0] ** 2 + to[1] ** 2)), max(tall, abs(to[2]))
-    for e in range(0, 3 * int(piece[c.PIECE_EDGES]), 3):
-        turn_vector(cosine, sine, piece, c.PIECE_EDGE + e, own, tb.SOLID_EDGE + e)
-        far += math.sqrt(own[tb.SOLID_EDGE + e] ** 2 + own[tb.SOLID_EDGE + e + 1] ** 2)
-        tall += abs(own[tb.SOLID_EDGE + e + 2])
+        far = max(far, farthest_corner(own, to[0], to[1]))
+        wide, tall = max(wide, math.sqrt(to[0] ** 2 + to[1] ** 2)), max(tall, abs(to[2]))
     own[tb.SOLID_REACH] = far + own[tb.SOLID_DISC] + own[tb.SOLID_BALL]
-    own[tb.SOLID_SIZE] = own[tb.SOLID_REACH] + tall + own[tb.SOLID_DISC] + own[tb.SOLID_BALL]
+    own[tb.SOLID_SIZE] = wide + tall + 2.0 * (own[tb.SOLID_DISC] + own[tb.SOLID_BALL])
+    for e in range(tb.SOLID_EDGE, tb.SOLID_EDGE + 3 * int(own[tb.SOLID_EDGES]), 3):
+        own[tb.SOLID_SIZE] += math.sqrt(own[e] ** 2 + own[e + 1] ** 2) + abs(own[e + 2])
 
 
 @kernel(types.void(tb.CLAIM, tb.GEOMETRY))
@@ -126,7 +143,7 @@ def place_solids(k: Claim, g: tb.Geometry) -> None:
         for i in range(int(body[c.BODY_PIECE]), int(body[c.BODY_PIECE] + body[c.BODY_PIECES])):
             place_piece(k, g, s, i, at, vertex)
             at, vertex = at + 1, vertex + int(k.pieces[i, c.PIECE_VERTICES])
-        box, wide, tall = g.solids[at], 0.0, 0.0
+        box, size = g.solids[at], 0.0
         cosine, sine = math.cos(k.seats[s, c.SEAT_POSE + 3]), math.sin(k.seats[s, c.SEAT_POSE + 3])
         for axis in range(3):
             u, v, w = (cosine, sine, 0.0) if axis == 0 else (-sine, cosine, 0.0) if axis == 1 else (0.0, 0.0, 1.0)
@@ -136,9 +153,10 @@ def place_solids(k: Claim, g: tb.Geometry) -> None:
             middle, half = 0.5 * (low + high), 0.5 * (high - low)
             box[0], box[1], box[2] = box[0] + middle * u, box[1] + middle * v, box[2] + middle * w
             box[e], box[e + 1], box[e + 2] = half * u, half * v, half * w
-            wide, tall = wide + (half if axis < 2 else 0.0), abs(middle) + half
-        box[tb.SOLID_EDGES], box[tb.SOLID_REACH], at = 3.0, math.sqrt(box[0] ** 2 + box[1] ** 2) + wide, at + 1
-        box[tb.SOLID_SIZE] = box[tb.SOLID_REACH] + tall
+            size += abs(middle) + half
+        for i in range(first, at):  # what it holds turns with its carrier, and not the box
+            box[tb.SOLID_REACH] = max(box[tb.SOLID_REACH], g.solids[i, tb.SOLID_REACH])
+        box[tb.SOLID_EDGES], box[tb.SOLID_SIZE], at = 3.0, size, at + 1
 
 
 # Jets: bounds of a quantity, of its rate and of its second derivative over a time interval.
