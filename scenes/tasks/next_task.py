@@ -23,7 +23,7 @@ from assur.scenes.schema.request import RequestDocument
 from assur.scenes.schema.shapes import BodyDocument, PlaceInCell
 from assur.scenes.set_values import with_values
 from assur.scenes.tasks.grids import counts, slot_poses
-from assur.scenes.tasks.joining import OF_CELL, OF_TASK, within_document
+from assur.scenes.tasks.origins import OF_CELL, OF_TASK, within_document
 
 if TYPE_CHECKING:
     from assur.planner.frames.motion import Pose

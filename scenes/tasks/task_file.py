@@ -13,13 +13,14 @@ from assur.scenes.faults import NOTHING, DocumentError, documented, fault
 from assur.scenes.files import below, empty
 from assur.scenes.proposals.files import answer_to_task
 from assur.scenes.scenario import Scenario, with_files
-from assur.scenes.schema.cell_file import CELL, TASK, CellDocument
+from assur.scenes.schema.cell_file import CELL, TASK
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
 from assur.scenes.set_values import GIVEN
 from assur.scenes.tasks.cell_alone import cell_alone
-from assur.scenes.tasks.joining import OF_CELL, OF_TASK, Joined, joined, shared, within_document
+from assur.scenes.tasks.joining import joined, shared, valid_cell
 from assur.scenes.tasks.next_task import EndState, hold_same, next_task
+from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Joined, within_document
 from assur.scenes.text.yaml_text import Lines, line_of, parse_yaml, with_line
 
 ENDINGS = (".yaml", ".yml")
@@ -110,7 +111,7 @@ def cell_document(document: dict[str, Any], lines: Lines, folder: Path) -> dict[
     with the line."""
     try:
         found: dict[str, Any] = with_files(document, folder)
-        read(CellDocument, found)
+        valid_cell(found)
     except InputError as error:
         raise with_line(error, lines) from error
     return found

@@ -81,6 +81,15 @@ def test_faults_are_reported_together_where_they_are(name: str) -> None:
         {"task[0].pick.part": "prat", "task[1].place.to.frame": "dail", "task[2].move.to.frame": "wrold"},
         {"task[1].place.part": "prat", "task[1].place.to.frame": "dail", "options.elbow": "keeep"},
         {"start.joints.j1_deg": 500, "start.joints.j3_mm": -3},
+        # of form, and beside them names, joints and options without a meaning
+        {"options.budget_s": 0, "task[0].pick.part": "prat", "start.joints.j1_deg": 500},
+        {"frames.belt.conveyor.speed_mm_s": "fast", "bodies[1].pose.frame": "blet", "options.elbow": "keeep"},
+        {"bodies[0].mass_kg": -1, "robot.model": "nobody", "task[1].place.contact_with[0]": "plat"},
+        {"robot.tool.tcp_mm": [0, 0], "task[2].move.to.frame": "wrold"},
+        {"start.joints.j1_deg": "17", "bodies[2].pose.frame": "gaet"},
+        # what is in the gripper after a step with a fault is not known
+        {"task[0].pick.dwell_ms": -1, "task[2].move.to.frame": "wrold"},
+        {"task[1].place.dwell_ms": -1, "task[2].move.to.frame": "wrold"},
         # what only follows from a fault is none: a body of a wrong frame is there for those who name it
         {"bodies[1].pose.frame": "blet"},
         # what is on a frame that has a fault cannot be read, and has none of its own
@@ -122,7 +131,7 @@ def test_their_number_is_bounded_and_those_left_out_are_counted(too_many: int) -
     many = MOST_FAULTS + too_many
     exceptions = [{"between": [f"no{i}"], "clearance_mm": {"travel": 0, "near": 0}} for i in range(many)]
     bodies = [{**GOOD_REQUEST["bodies"][0], "name": f"body-{i}", "mass_kg": str(i)} for i in range(many)]
-    for change in ({"options.clearance_exceptions": exceptions}, {"bodies": bodies}):
+    for change in ({"options.clearance_exceptions": exceptions}, {"bodies": GOOD_REQUEST["bodies"] + bodies}):
         with pytest.raises(DocumentError) as caught:
             cell_of(changed(GOOD_REQUEST, change))
         assert (len(caught.value.errors), caught.value.left_out) == (MOST_FAULTS, too_many)
@@ -173,6 +182,7 @@ def test_the_command_line_reports_them_all_with_their_lines(tmp_path: Path) -> N
     assert result.stderr.count("nmae") == 2
     assert 'speed_mm_s: got "fast"' in result.stderr
     cut = [{**GOOD_REQUEST["bodies"][0], "name": f"body-{i}", "mass_kg": str(i)} for i in range(MOST_FAULTS + 7)]
-    told = CliRunner().invoke(app, ["plan", str(written(path, {"bodies": cut}))]).stderr.splitlines()
+    many = written(path, {"bodies": GOOD_REQUEST["bodies"] + cut})
+    told = CliRunner().invoke(app, ["plan", str(many)]).stderr.splitlines()
     assert len(told) == MOST_FAULTS + 1
     assert told[-1].startswith("assur: and 7 more faults")
