@@ -26,7 +26,6 @@ from assur.scenes.requests import (
     RobotFile,
     Scenario,
     cell_of,
-    check_cell,
     load_robot,
     load_scenario,
     models,
@@ -39,7 +38,7 @@ from assur.scenes.requests import (
 )
 from assur.scenes.scenario import with_files
 from assur.scenes.set_values import GIVEN, Changed
-from assur.scenes.tasks.next_task import EndState, end_state
+from assur.scenes.tasks.next_task import EndState, checked_end
 from assur.scenes.units import si_key, twin_of
 
 if TYPE_CHECKING:
@@ -187,12 +186,7 @@ def _end_of(path: Path) -> EndState:
     try:
         held = plan_file_in(json_file(path, "--continue", "a plan file"))
         with in_request():
-            end = end_state(held.request, held.plan)
-            verdict = check_cell(end.cell, held.plan)
-        if not verdict["ok"]:
-            said = verdict["findings"][0]["what"]
-            raise InputError("plan", "this plan", f"one that `assur check` accepts; it says: {said}")
-        return end
+            return checked_end(held.request, held.plan)
     except InputError as error:
         if error.field == "--continue":
             raise
