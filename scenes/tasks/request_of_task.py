@@ -8,11 +8,11 @@ from collections.abc import Collection, Sequence
 
 from assur.scenes.bounds import MAX_SLOTS
 from assur.scenes.faults import DocumentError, Gathered, Refused, choices, dotted, located, written_key
-from assur.scenes.schema.cell_file import TransferDocument
 from assur.scenes.schema.in_parts import Unread
 from assur.scenes.schema.normal import normal
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import SCHEMA
+from assur.scenes.schema.task_steps import TransferDocument
 from assur.scenes.tasks.grids import counts, pose_of_slot
 from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Document, Joined, Origins, Path, within_document
 from assur.scenes.units import si_key
