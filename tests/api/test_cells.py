@@ -256,3 +256,16 @@ def test_a_service_without_a_folder_keeps_no_cells() -> None:
     with running(PATIENT) as client:
         for response in (client.put(ADDRESS, content=BODY, headers=JSON), client.post(f"{ADDRESS}/plans", json={})):
             assert response.json()["type"] == "urn:assur:problem:no-mesh-folder"
+
+
+def test_the_description_has_the_fields_of_cells_and_of_tasks_without_their_cell(
+    service: tuple[httpx.Client, Path],
+) -> None:
+    described = service[0].get("openapi.json").json()
+    found, address = described["components"]["schemas"], described["paths"]["/v1/cells/{sha256}/plans"]["post"]
+    body = address["requestBody"]["content"]["application/json"]["schema"]
+    assert body == {"$ref": "#/components/schemas/Task"}
+    assert found["Task"]["properties"]["steps"]["items"] == {"$ref": "#/components/schemas/StepInTask"}
+    assert found["StepInTask"]["properties"].keys() == {*found["StepDocument"]["properties"], "transfer"}
+    assert "cell" not in found["Task"]["properties"]
+    assert found["Cell"]["properties"]["kinds"]["additionalProperties"] == {"$ref": "#/components/schemas/KindDocument"}
