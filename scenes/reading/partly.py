@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from assur.planner.errors import InputError
-from assur.planner.model.deadline import OutOfTimeError
+from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.scenes.faults import DocumentError, documented
 from assur.scenes.not_requests import refuse_other
 from assur.scenes.schema.frames import FrameDocument
@@ -19,6 +20,9 @@ from assur.scenes.schema.robots import NeighbourDocument, RobotDocument, StartDo
 from assur.scenes.schema.shapes import BodyDocument
 from assur.scenes.schema.sizes import check_sizes
 from assur.scenes.schema.task import StepDocument
+
+LONGEST_S = 1.0
+"""Longest time for which more faults are searched in a request that is refused anyway, s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +71,7 @@ def _partly_read(document: dict[str, Any]) -> PartlyRead | None:
 def other_faults(document: object, folder: Path | None = None) -> list[DocumentError]:
     """What has no meaning (names, places, joints) in those parts of a request whose form has no fault, for one that has
     faults of form. `folder`: below which it may name files; where a file has a fault, that is the only one. None where
-    the deadline in force has passed."""
+    reading takes more than `LONGEST_S`, as some meshes do."""
     from assur.scenes.reading.cell import look_up
     from assur.scenes.scenario import with_files
 
@@ -79,7 +83,8 @@ def other_faults(document: object, folder: Path | None = None) -> list[DocumentE
         check_sizes(RequestDocument, whole)
         request = _partly_read(whole)
         if request is not None:
-            look_up(document, request)
+            with Deadline(time.perf_counter(), LONGEST_S):
+                look_up(document, request)
     except InputError as error:
         return [documented(error)]
     except OutOfTimeError:  # the faults of form are reported without the others

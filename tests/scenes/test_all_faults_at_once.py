@@ -16,6 +16,7 @@ from assur.api.cli.border import BAD_INPUT
 from assur.api.command_line import app
 from assur.api.problems import Problem
 from assur.scenes.faults import MOST_FAULTS, NOTHING, DocumentError
+from assur.scenes.reading import partly
 from assur.scenes.requests import cell_of
 from assur.scenes.scenarios import load_scenario
 from tests.changed import GONE, changed
@@ -138,6 +139,13 @@ def test_their_number_is_bounded_and_those_left_out_are_counted(too_many: int) -
     assert Problem.of_input(caught.value).document()["errors_left_out"] == too_many
     again = pickle.loads(pickle.dumps(caught.value))
     assert (again.errors, again.left_out) == (caught.value.errors, too_many)
+
+
+def test_a_request_that_is_refused_anyway_is_read_for_a_bounded_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    wrong = {"options.budget_s": 0, "task[2].move.to.frame": "wrold"}
+    assert faults_of(wrong) == wrong
+    monkeypatch.setattr(partly, "LONGEST_S", 0.0)
+    assert faults_of(wrong) == {"options.budget_s": 0}
 
 
 def test_python_shows_all_of_them_and_has_them_as_a_list() -> None:
