@@ -98,10 +98,9 @@ MESH: dict[str, Any] = {
         ),
     ],
 }
-OBJECT: dict[str, Any] = {"type": "object", "additionalProperties": True}
-CELL: dict[str, Any] = body(OBJECT | {"description": "a cell, `schema: assur-cell/1`"}, {}, SHA256)
+CELL: dict[str, Any] = body(ref("Cell"), {}, SHA256)
 TASK: dict[str, Any] = body(
-    OBJECT | {"description": "a task without its cell: `start`, `parts`, `steps`, `options`, `set`"},
+    ref("Task"),
     {},
     SHA256,
     CERTIFICATE,

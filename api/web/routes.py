@@ -126,7 +126,7 @@ async def plan(request: Request) -> Response:
         body = await read_admitted(request, PLAN_BODY_BYTES, *plan_files.NAMES)
         return await once(request, body, lambda: unless_gone(request, service_of(request).plan_file(body, how, client)))
     certificate = certificate_of(request)
-    body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
+    body = await read_admitted(request, PLAN_BODY_BYTES, "certificate", *plan_files.NAMES)
     return await once(request, body, lambda: unless_gone(request, service_of(request).plan(body, certificate, client)))
 
 
