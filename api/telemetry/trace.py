@@ -7,10 +7,10 @@ taken, and that is hexadecimal digits.
 from __future__ import annotations
 
 import re
-import secrets
 from collections.abc import Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass, field
+from os import urandom
 from typing import Any
 
 PARENT = re.compile(r"([0-9a-f]{2})-([0-9a-f]{32})-([0-9a-f]{16})-([0-9a-f]{2})(-.*)?")
@@ -87,11 +87,11 @@ def current() -> Trace:
 def new_traceparent(given: Sequence[str]) -> str:
     """The `traceparent` of a new span: in the trace that the headers `given` name, if there is one and it is valid;
     else in a trace of its own."""
-    trace, flags = secrets.token_hex(16), 0
+    trace, flags = urandom(16).hex(), 0
     found = PARENT.fullmatch(given[0].strip()) if len(given) == 1 else None
     if found is not None and _valid(*found.groups()):
         trace, flags = found[2], int(found[4], 16) & SAMPLED
-    return f"00-{trace}-{secrets.token_hex(8)}-{flags:02x}"
+    return f"00-{trace}-{urandom(8).hex()}-{flags:02x}"
 
 
 def _valid(version: str, trace: str, span: str, _: str, more: str | None) -> bool:

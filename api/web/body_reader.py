@@ -6,7 +6,7 @@ import asyncio
 import re
 from collections import Counter
 
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 
 from assur.api.problems import FieldError, Problem, shown
 from assur.api.web.addresses import network
@@ -84,11 +84,17 @@ async def read_body(request: Request, limit: int, within_s: float, reading: Read
     body = bytearray()
     try:
         async with asyncio.timeout(min(within_s, FIRST_S)) as clock:
-            async for chunk in request.stream():
+            while True:
+                message = await request.receive()
+                if message["type"] != "http.request":
+                    raise ClientDisconnect
+                chunk = message.get("body", b"")
                 reading.take(address, len(chunk))
                 body += chunk
                 if len(body) > limit:
                     raise _too_large(limit)
+                if not message.get("more_body"):
+                    break
                 clock.reschedule(began + min(within_s, FIRST_S + len(body) / LEAST_BYTES_S))
     except TimeoutError as late:
         raise Problem("too-slow", f"The body was not complete after {loop.time() - began:.1f} s.") from late

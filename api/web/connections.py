@@ -172,7 +172,7 @@ class Gate:
                 message["headers"] = [*others, (b"connection", b"close")]
             await send(message)
 
-        if scope["type"] == "http" and _wants_websocket(Headers(scope=scope)):
+        if scope["type"] == "http" and b"upgrade" in dict(scope["headers"]) and _wants_websocket(Headers(scope=scope)):
             problem = Problem(
                 "no-websockets",
                 "Send requests of HTTP. GET /v1/jobs/{name}/events sends the progress of a job as server-sent events.",

@@ -1,5 +1,5 @@
 """What answers at the addresses of plans, robots, scenarios and health (`assur.api.web.route_table`); the work is in
-`assur.api.web.service`. What reads files is a plain function: FastAPI calls those beside the event loop."""
+`assur.api.web.service`. What reads files is a plain function: those are called beside the event loop."""
 
 from __future__ import annotations
 
@@ -24,6 +24,8 @@ from assur.api.workers import jobs
 from assur.planner.errors import InputError
 from assur.scenes.requests import Detail, request_schema, robots, shipped_scenarios
 from assur.scenes.scenarios import scenario_text
+
+DETAILS = get_args(Detail)
 
 
 def service_of(request: Request) -> Service:
@@ -87,8 +89,8 @@ def admit(request: Request, *parameters: str) -> None:
 def certificate_of(request: Request) -> Detail:
     """How much of the certificate is wanted. Raises `Problem`."""
     certificate = request.query_params.get("certificate", "full")
-    if certificate not in get_args(Detail):
-        raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(Detail))))
+    if certificate not in DETAILS:
+        raise Problem.of_input(InputError("certificate", certificate, " or ".join(DETAILS)))
     return cast(Detail, certificate)
 
 
@@ -136,16 +138,17 @@ async def plan_scene(request: Request) -> Response:
     return await once(request, key, lambda: unless_gone(request, service_of(request).do(order)))
 
 
-def list_robots() -> Response:
+def list_robots(_: Request) -> Response:
     return json_response({"robots": robots()})
 
 
-def list_scenes() -> Response:
+def list_scenes(_: Request) -> Response:
     scenes = [{"name": name, "about": about} for name, about in shipped_scenarios().items()]
     return json_response({"scenes": scenes})
 
 
-def show_scene(request: Request, name: str) -> Response:
+def show_scene(request: Request) -> Response:
+    name = request.path_params["name"]
     if name == "parse":  # no scenario, but an address that takes a POST
         raise Problem("method-not-allowed", "Allowed here: POST.", headers={"Allow": "POST"})
     try:
@@ -154,14 +157,14 @@ def show_scene(request: Request, name: str) -> Response:
         raise Problem.of_input(error, "not-found") from error
 
 
-def show_scene_text(name: str) -> Response:
+def show_scene_text(request: Request) -> Response:
     try:
-        return Response(scenario_text(name), media_type="application/yaml")
+        return Response(scenario_text(request.path_params["name"]), media_type="application/yaml")
     except InputError as error:
         raise Problem.of_input(error, "not-found") from error
 
 
-def schema() -> Response:
+def schema(_: Request) -> Response:
     return json_response(_schema())
 
 
@@ -170,7 +173,7 @@ def _schema() -> bytes:
     return to_json(request_schema())
 
 
-async def live() -> Response:
+async def live(_: Request) -> Response:
     return json_response({"live": True})
 
 

@@ -11,7 +11,7 @@ from assur.api.workers import jobs
 from assur.scenes.meshes.folder import MeshFolder
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)  # with slots, Python code would pickle it
 class Traced:
     """A job, and the request that it is of. It is pickled and called in a worker."""
 
