@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Iterable, Mapping
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -45,35 +45,28 @@ class Meters:
         # a series more for each series, with nothing but the time at which it began
         disable_created_metrics()  # type: ignore[no-untyped-call]
         self.registry = CollectorRegistry()
-
-        def count(name: str, about: str, labels: tuple[str, ...]) -> Callable[..., Counter]:
-            return cache(Counter(name, about, labels, registry=self.registry).labels)
-
-        def measure(name: str, about: str, label: str) -> Callable[[str], Histogram]:
-            return cache(Histogram(name, about, (label,), registry=self.registry, buckets=SECONDS).labels)
-
+        count = partial(Counter, registry=self.registry)
+        measure = partial(Histogram, registry=self.registry, buckets=SECONDS)
         of_answer = ("route", "method", "status", "outcome", "problem")
-        self._requests = count("assur_requests", "Requests that were answered.", of_answer)
+        self._requests = cache(count("assur_requests", "Requests that were answered.", of_answer).labels)
         about = "Time from the first byte of a request's head to the last of its answer, s."
-        self._times = measure("assur_request_seconds", about, "route")
+        self._times = cache(measure("assur_request_seconds", about, ("route",)).labels)
         about = "Time of each stage of a request that a worker answered, s."
-        self._stages = measure("assur_stage_seconds", about, "stage")
+        self._stages = cache(measure("assur_stage_seconds", about, ("stage",)).labels)
         about = "Answers of workers, those to jobs, too, by what they say."
-        self._answers = count("assur_answers", about, ("work", "outcome", "reason"))
+        self._answers = cache(count("assur_answers", about, ("work", "outcome", "reason")).labels)
         self._restarts = count("assur_worker_restarts", "Workers that were replaced, by cause.", ("cause",))
         self._turned_away = count(
             "assur_client_refusals", "Requests refused with 429, by kind of problem.", ("problem",)
         )
         about = "Requests for a plan, by whether its answer was kept from before."
         self.results = count("assur_result_cache", about, ("result",))
-        about = "Faults of the service, and of its workers, that were met."
-        self.faults = Counter("assur_faults", about, registry=self.registry)
+        self.faults = count("assur_faults", "Faults of the service, and of its workers, that were met.")
         for cause in CAUSES:
-            self._restarts(cause)  # there from the start, so that the first one is seen as a rise
+            self._restarts.labels(cause)  # there from the start, so that the first one is seen as a rise
         for stage in STAGES:
             self._stages(stage)
         self.build = Info("assur_build", "Which build this is.", registry=self.registry)
-        self.bodies = Gauge("assur_bodies_being_read", "Bodies that arrive.", registry=self.registry)
         ProcessCollector(registry=self.registry)  # the web process: its memory, processor time, descriptors
 
     def answered(self, route: str, method: str, status: int, outcome: str, problem: str, seconds: float) -> None:
@@ -81,7 +74,7 @@ class Meters:
         self._requests(route, method, str(status), outcome, problem).inc()
         self._times(route).observe(seconds)
         if status == 429:
-            self._turned_away(problem).inc()
+            self._turned_away.labels(problem).inc()
 
     def queued(self, seconds: float) -> None:
         """A request has waited so long for its worker, s."""
@@ -96,7 +89,7 @@ class Meters:
 
     def restarted(self, cause: Cause) -> None:
         """A worker is replaced, or did not start and is started again."""
-        self._restarts(cause).inc()
+        self._restarts.labels(cause).inc()
 
     def gauge(self, name: str, about: str, read: Callable[[], float]) -> None:
         """A number that is read each time the metrics are read."""

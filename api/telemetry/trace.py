@@ -68,7 +68,8 @@ class Trace:
     def server_timing(self) -> str:
         """The times as the header `Server-Timing` has them, in ms; empty where no worker was needed."""
         stages = {} if self.queued_s is None else {"queue": self.queued_s}
-        return ", ".join(f"{stage};dur={_ms(seconds)}" for stage, seconds in {**stages, **self.stages}.items())
+        each = [f"{stage};dur={round(1e3 * seconds, 1)}" for stage, seconds in {**stages, **self.stages}.items()]
+        return ", ".join(each)
 
 
 def _ms(seconds: float) -> float:

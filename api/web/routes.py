@@ -69,21 +69,21 @@ async def _gone(request: Request) -> None:
 
 async def read_admitted(request: Request, limit: int, *parameters: str, json: bool = True) -> bytes:
     """The body of a request that is admitted. `json`: as `read_body`. Raises `Problem`."""
-    admit(request, *parameters)
-    service = service_of(request)
-    with service.meters.bodies.track_inprogress():
-        return await read_body(request, limit, service.settings.body_s, service.reading, json=json)
+    service = admit(request, *parameters)
+    return await read_body(request, limit, service.settings.body_s, service.reading, json=json)
 
 
-def admit(request: Request, *parameters: str) -> None:
-    """Raises the `Problem` of a request that is turned away unread: for a parameter of the address that is not one of
-    `parameters` or is there twice, and when the queue is full."""
-    for name in request.query_params:
+def admit(request: Request, *parameters: str) -> Service:
+    """The service, for a request that is not turned away unread. Raises the `Problem` of one that is: for a parameter
+    of the address that is not one of `parameters` or is there twice, and when the queue is full."""
+    given, service = request.query_params, service_of(request)
+    for name in given:
         if name not in parameters:
-            raise Problem.of_input(InputError(name, request.query_params[name], _known(parameters)))
-        if len(values := request.query_params.getlist(name)) > 1:
+            raise Problem.of_input(InputError(name, given[name], _known(parameters)))
+        if len(values := given.getlist(name)) > 1:
             raise Problem.of_input(InputError(name, ", ".join(values), f"{name} once"))
-    service_of(request).workers.require_room(client_of(request))
+    service.workers.require_room(client_of(request))
+    return service
 
 
 def certificate_of(request: Request) -> Detail:

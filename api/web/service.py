@@ -84,6 +84,7 @@ class Service:
         self.results = Results(self.settings.results_mib << 20, build, self.meters)
         self.workers = Workers(self.settings, partial(warm, self.settings.log_level, self.meshes), self.meters)
         self.reading = Reading()
+        self.meters.gauge("assur_bodies_being_read", "Bodies that arrive.", lambda: self.reading.bodies)
 
     async def plan(self, body: bytes, certificate: Detail, client: Client) -> jobs.Answer:
         """The answer to the request in `body`, or to the shipped scenario that it names. Raises `Problem`."""

@@ -42,7 +42,7 @@ class Results:
         if not self._wanted(job):
             return None
         kept = self._kept.get(key := self._key(job, arguments))
-        self._meters.results("miss" if kept is None else "hit").inc()
+        self._meters.results.labels("miss" if kept is None else "hit").inc()
         if kept is None:
             return None
         self._kept.move_to_end(key)

@@ -19,8 +19,11 @@ class Traced:
     request: Mapping[str, str]
 
     def __call__(self, *arguments: Any) -> Any:
-        with logs.about(self.request):
+        token = logs.ABOUT.set(self.request)
+        try:
             return self.job(*arguments)
+        finally:
+            logs.ABOUT.reset(token)
 
 
 def warm(level: str, meshes: MeshFolder | None = None) -> str:

@@ -45,7 +45,7 @@ def all_metrics() -> dict[str, tuple[str, frozenset[str]]]:
     meters.worked("plan", "not_planned", "OUT_OF_REACH", {"search": 0.1})
     meters.queued(0.1)
     meters.restarted("crash")
-    meters.results("hit").inc()
+    meters.results.labels("hit").inc()
     return metrics(meters.text().decode())
 
 
