@@ -16,6 +16,7 @@ from assur.api.problems import Problem
 from assur.api.web import plan_files
 from assur.api.web.body_reader import read_body
 from assur.api.web.clients import client_of
+from assur.api.web.connections import LEAVES
 from assur.api.web.idempotency import Idempotency
 from assur.api.web.request_log import CLIENT_GONE
 from assur.api.web.service import Order, Service
@@ -35,19 +36,23 @@ def service_of(request: Request) -> Service:
 
 async def unless_gone(request: Request, work: Awaitable[jobs.Answer]) -> Response:
     """The response to `work`, which is cancelled as soon as the client closes the connection."""
-    working, leaving = asyncio.current_task(), asyncio.ensure_future(_gone(request))
+    working, gone = asyncio.current_task(), False
     assert working is not None  # noqa: S101 - a coroutine runs in a task
-    ended = False
-    leaving.add_done_callback(lambda _: ended or working.cancel())
+
+    def leave() -> None:
+        nonlocal gone
+        gone = working.cancel()
+
+    if request.scope.setdefault(LEAVES, leave) is None:
+        leave()
     try:
         answer = await work
     except asyncio.CancelledError:
-        if not leaving.done() or working.uncancel():
+        if not gone or working.uncancel():
             raise
         return Response(status_code=CLIENT_GONE)
     finally:
-        ended = True
-        leaving.cancel()
+        del request.scope[LEAVES]
     return Response(answer.body, answer.status, answer.headers, answer.media_type)
 
 
@@ -59,12 +64,6 @@ async def once(request: Request, body: bytes, work: Callable[[], Awaitable[Respo
 
 def _known(parameters: tuple[str, ...]) -> str:
     return "a known parameter: " + ", ".join(parameters) if parameters else "no parameter at all"
-
-
-async def _gone(request: Request) -> None:
-    """Returns when the client has closed the connection; its body has been read before."""
-    while (await request.receive())["type"] != "http.disconnect":
-        pass
 
 
 async def read_admitted(request: Request, limit: int, *parameters: str, json: bool = True) -> bytes:
