@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from assur.planner.errors import InputError
-from assur.scenes.proposals.edits import value_at
+from assur.scenes.proposals.edits import in_unit, is_written, other_unit, value_at
 from assur.scenes.schema.normal import normal
 from assur.scenes.set_values import GIVEN, Changed
-from assur.scenes.tasks.joining import Joined
+from assur.scenes.tasks.joining import OF_CELL, Joined
 
 Origin = tuple[str, str, object]
 """The document that has a value (`OF_CELL`, `OF_TASK` or `GIVEN`), its field there, and the value."""
@@ -22,6 +22,8 @@ OF_PART = ("pick", "place")
 """The steps of a request for each part of a transfer."""
 SET = "set."
 """What the fields of a task begin with that are values of its cell."""
+KEYS = re.compile(r"\w+(?=[.\[]|\Z)")
+"""The keys of a field."""
 NUMBER = re.compile(r"\[(\d+)\]")
 
 
@@ -63,13 +65,24 @@ def values_of_task(
     changed = Changed(made.request, values, "")
     wanted = normal(changed.document)
     for origins in origins_of(made, changed):
-        found = {NUMBER.sub(r".\1", field.removeprefix(SET)): value for _, field, value in origins}
+        given = (_in_unit_of_cell(made.cell, *each) for each in origins)
+        found = {NUMBER.sub(r".\1", field.removeprefix(SET)): value for field, value in given}
         try:
             if normal(again(found).request) == wanted:
                 return found
         except InputError:
             continue
     return None
+
+
+def _in_unit_of_cell(cell: dict[str, Any], document: str, field: str, value: object) -> tuple[str, object]:
+    """A value at a field, under the key in the other unit where the cell is written so."""
+    if document == OF_CELL:
+        for key in KEYS.findall(field):
+            other = field.replace(f".{key}", f".{other_unit(key)}")
+            if other_unit(key) and is_written(cell, other) and not is_written(cell, field):
+                return other, in_unit(value, key, other_unit(key))
+    return field, value
 
 
 def origins_of(made: Joined, changed: Changed) -> Iterator[list[Origin]]:

@@ -311,7 +311,8 @@ class Player {
     find("now").textContent = (this.view.start_s + t).toFixed(3);
     const leg = this.tracks.leg(t);
     const point = leg && this.view.control_points[leg.step];
-    find("leg").textContent = leg ? `${leg.kind}${point ? `, ${point.name}` : ""}` : "the arm stands";
+    const why = leg && leg.kind === "WAIT" && leg.note ? `: ${leg.note}` : "";
+    find("leg").textContent = leg ? `${leg.kind}${point ? `, ${point.name}` : ""}${why}` : "the arm stands";
   }
 }
 

@@ -61,3 +61,33 @@ def test_a_transfer_of_one_part_is_named_by_its_step_alone() -> None:
 def test_the_second_transfer_is_the_second_step() -> None:
     moved = EXPLAINED.replace("steps:\n", "steps:\n  - move: {to: {at_mm: [350, 0, 180]}, via: true}\n")
     assert ", for the pick of b in step 2, transfer;" in plan_scenario(scenario(moved))["relaxation"]["value"]
+
+
+LOW = APART.replace("[300, -250, 60]", "[300, -250, 55]")
+EARLY = EXPLAINED.replace("[-320, 60, 10]", "[-620, 0, 10]").replace("[-280, -100]", "[-300, 250]")
+ALONE = EARLY.replace("  - {name: c, kind: bracket, slot: {box: 2}}\n", "")
+
+
+@pytest.mark.parametrize(("parts", "what"), [("[a]", "point height"), ("[a, b]", "place heights")])
+def test_slots_that_are_too_low_are_proposed_higher(parts: str, what: str) -> None:
+    """Slots 5 mm in the table, on which the parts are to rest. The values that are proposed are those of the cell."""
+    task = ALONE.replace("[a, b]", parts)
+    made = scenario(task, LOW)
+    answer = plan_scenario(made)
+    assert "would be pressed 5 mm into table" in answer["sentence"]
+    proposed = answer["relaxation"]
+    assert (proposed["what"], proposed["set"]) == (what, {"slots.box.at_mm.2": 60})
+    assert proposed["value"].startswith("5 mm higher")
+    assert "--set slots.box.at_mm.2=60" in printed(answer)
+    assert plan_scenario(scenario(task, APART))["duration_s"] == pytest.approx(proposed["duration_s"])
+    of_request = plan_document(made.request)["relaxation"]["set"]
+    texts = with_request_values(
+        made, {"text": task, "cell": LOW}, of_request, lambda given: scenario(given["text"], given["cell"])
+    )
+    assert texts == {"text": task, "cell": APART}
+
+
+def test_slots_in_which_a_part_lies_are_raised_by_no_values() -> None:
+    """The part that lies there would be elsewhere, which was not tried."""
+    proposed = plan_scenario(scenario(EARLY, LOW))["relaxation"]
+    assert (proposed["what"], proposed["set"]) == ("place heights", None)
