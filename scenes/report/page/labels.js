@@ -3,7 +3,7 @@ import { away } from "./camera.js";
 
 const NEAR_PX = 10; // a pointer that is nearer than this to a control point is at it
 const [BESIDE, LINE] = [9, 22]; // from a point to its label, and from one line of labels to the next, px
-const MARK = 3; // so far around a control point there is no label, px
+const MARK = 8; // so far around a control point there is no label of another one, px
 const SPACE = 1; // between two labels, px
 
 // Where a label of a width may be from its point: to the right or left, above or below, then a line farther.
@@ -53,7 +53,8 @@ export class Labels {
       return { number, at, far: away(this.camera, p), first: number === this.chosen ? 2 : Number(hovered) };
     });
     found.sort((a, b) => b.first - a.first || a.far - b.far || a.number - b.number);
-    if (show.points) taken.push(...found.map(({ at: { x, y } }) => ({ x: x - MARK, y: y - MARK, width: 2 * MARK, height: 2 * MARK })));
+    if (show.points) for (const { number, at: { x, y } } of found)
+      taken.push({ of: this.points[number], x: x - MARK, y: y - MARK, width: 2 * MARK, height: 2 * MARK });
     for (const { number, at, first } of found) {
       if (show.points) this.put(this.points[number], at, taken, null, first > 0);
       else this.points[number].element.hidden = true;
@@ -69,7 +70,7 @@ export class Labels {
     const [width, height] = label.size || [0, 0]; // a page that is not shown has no sizes
     const offered = own || places(width);
     const rectangle = ([x, y]) => ({ x: at.x + x, y: at.y + y, width, height });
-    const free = (number) => taken.every((other) => apart(rectangle(offered[number]), other));
+    const free = (number) => taken.every((other) => other.of === label || apart(rectangle(offered[number]), other));
     const number = [own ? 0 : label.last, ...offered.keys()].find(free);
     if (number === undefined && !always) {
       element.hidden = true;

@@ -190,7 +190,7 @@ class Player {
     if (this.view === null) return;
     const { left, top } = this.canvas.getBoundingClientRect();
     this.labels.pointer = type === "pointerleave" ? null : [clientX - left, clientY - top];
-    this.labels.draw(this.t, this.show, this.tracks.nearest(this.t), true);
+    this.labels.draw(this.t, this.show, this.tracks.nearest(this.t), this.playing);
   }
 
   faster(by) {
