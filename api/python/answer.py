@@ -148,13 +148,14 @@ class Answer(Mapping[str, Any]):
         Raises `InputError` where there is no plan or no request, for a plan that `assur check` does not accept, or
         whose certificate is not in full, and for another cell, at the field that differs.
         """
+        from assur.api.python.calls import document_of
         from assur.scenes.tasks.kept_cell import of_task
         from assur.scenes.tasks.next_task import checked_end, next_fields, next_request, next_values
 
         request, made = self._known_request(), {"steps": _listed("steps", steps), "parts": _listed("parts", parts)}
         document, task = (None, None) if self._of is None else self._of
         if cell is not None:
-            document = dict(cell if isinstance(cell, Mapping) else cell.document)
+            document = document_of(cell)
         end = checked_end(request, self._document)
         if document is not None and "task" not in document:
             try:
@@ -215,8 +216,8 @@ class Answer(Mapping[str, Any]):
     def _said(self, key: str) -> Any:
         if key not in self._document:
             allowed = (
-                "what an answer with `report: full` in its options states; of a plan file that an export wrote, what "
-                "the exported answer states"
+                "what the answer states: with `fields`, what they list; with `report: full` in the options, all of it; "
+                "of a plan file that an export wrote, what the exported answer states"
             )
             raise InputError(f"answer.{key}", "nothing", allowed)
         return self._document[key]
@@ -231,10 +232,13 @@ class Answer(Mapping[str, Any]):
         return len(self._document)
 
     def __repr__(self) -> str:
+        stated = self._document  # with `fields`, an answer may have none of these
         if not self.planned:
-            return f"<Answer: not planned. {self.sentence}>"
-        many = len(self.arrivals)
-        return f"<Answer: planned, {self.duration_s:.3f} s, {many} arrival{'' if many == 1 else 's'}>"
+            return f"<Answer: not planned. {stated.get('sentence', '')}".rstrip() + ">"
+        lasts = f", {stated['duration_s']:.3f} s" if "duration_s" in stated else ""
+        many = len(stated["arrivals"]) if "arrivals" in stated else None
+        arrivals = "" if many is None else f", {many} arrival{'' if many == 1 else 's'}"
+        return f"<Answer: planned{lasts}{arrivals}>"
 
 
 NOTEBOOKS = ("IPython", "marimo")

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 from assur.api.python.answer import Answer
+from assur.planner.errors import InputError
 
 if TYPE_CHECKING:
     from assur.request import Request
@@ -103,6 +104,14 @@ def plain_request(request: object) -> object:
     if callable(document):
         return document()
     return dict(request) if isinstance(request, Mapping) and not isinstance(request, dict) else request
+
+
+def document_of(cell: object) -> dict[str, Any]:
+    """The document of a cell, which is an `assur.Cell` or that document. Raises `InputError`."""
+    found = cell if isinstance(cell, Mapping) else getattr(cell, "document", None)
+    if not isinstance(found, Mapping):
+        raise InputError("cell", cell, "an assur.Cell, or the document of a cell")
+    return dict(found)
 
 
 def known(document: object) -> dict[str, Any] | None:

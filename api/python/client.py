@@ -27,6 +27,7 @@ except ModuleNotFoundError as missing:
     ) from None
 
 if TYPE_CHECKING:
+    from assur.api.python.cell import Cell
     from assur.request import Request
     from assur.scenes.schema.answer import Verdict
     from assur.scenes.schema.ik import IkAnswer
@@ -130,12 +131,12 @@ class Client(_Endpoint):
         certificate: Literal["full", "digest"] = "full",
         fields: Sequence[str] | None = None,
         digits: int | None = None,
-        cell: Mapping[str, Any] | None = None,
+        cell: Cell | Mapping[str, Any] | None = None,
     ) -> Answer:
         """The answer to a task in the cell with this digest; as `plan` of `assur.Cell`.
 
         `fields`: names of the fields of the answer that are wanted, or paths such as ``trajectory.position``; `digits`:
-        significant digits of its numbers (None: all). `cell`: the document of the cell, from which the answer knows its
+        significant digits of its numbers (None: all). `cell`: the cell or its document, from which the answer knows its
         request; it may be left out where this client has sent it (`put_cell`). Otherwise ``answer.request`` is None.
         """
         task: dict[str, object] = {"start": start, "steps": steps, "parts": parts, "options": options, "set": set}
@@ -225,12 +226,12 @@ class AsyncClient(_Endpoint):
         certificate: Literal["full", "digest"] = "full",
         fields: Sequence[str] | None = None,
         digits: int | None = None,
-        cell: Mapping[str, Any] | None = None,
+        cell: Cell | Mapping[str, Any] | None = None,
     ) -> Answer:
         """The answer to a task in the cell with this digest; as `plan` of `assur.Cell`.
 
         `fields`: names of the fields of the answer that are wanted, or paths such as ``trajectory.position``; `digits`:
-        significant digits of its numbers (None: all). `cell`: the document of the cell, from which the answer knows its
+        significant digits of its numbers (None: all). `cell`: the cell or its document, from which the answer knows its
         request; it may be left out where this client has sent it (`put_cell`). Otherwise ``answer.request`` is None.
         """
         task: dict[str, object] = {"start": start, "steps": steps, "parts": parts, "options": options, "set": set}

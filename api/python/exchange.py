@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, cast
 
 from assur.api.python.answer import Answer
-from assur.api.python.calls import known, plain_answer, plain_parts, plain_request
+from assur.api.python.calls import document_of, known, plain_answer, plain_parts, plain_request
 from assur.api.python.service_errors import KIND, ProblemError, RemoteInputError, ServiceError
 from assur.planner.errors import InputError
 from assur.scenes.faults import dotted
@@ -129,7 +129,7 @@ def planning_task(
     certificate: str,
     fields: Sequence[str] | None,
     digits: int | None,
-    cell: Mapping[str, Any] | None,
+    cell: object,
 ) -> Exchange[Answer]:
     """A task is planned; the answer knows its request where the document of the `cell` is known."""
     body = _json({key: value for key, value in plain_parts(task).items() if value is not None})
@@ -141,13 +141,15 @@ def planning_task(
     if digits is not None:
         how.append(("digits", str(digits)))
 
+    document = None if cell is None else plain(document_of(cell))
+
     def made(answer: Any) -> Answer:
-        if cell is None:
+        if document is None:
             return Answer(answer)
         from assur.scenes.schema.cell_file import TASK
         from assur.scenes.tasks.joining import joined
 
-        document, stated = plain(dict(cell)), {"schema": TASK, **json.loads(body)}
+        stated = {"schema": TASK, **json.loads(body)}
         return Answer.made(answer, joined(document, stated).request, (document, stated))
 
     return Exchange("POST", f"v1/cells/{digest}/plans", made, body, tuple(how))

@@ -54,7 +54,7 @@ def _partly_read(document: dict[str, Any]) -> PartlyRead | None:
     if isinstance(found["options"], Unread):
         found["options"] = right_options(found["options"].written)
     start, robot = found["start"], found["robot"]
-    holds = isinstance(start, Unread) and start.get("holding") is not None and not start.text("holding", "part")
+    holds = isinstance(start, Unread) and not start.text("holding", "part")
 
     def looked_up(body: BodyDocument | Unread) -> BodyDocument | Unread:
         """A body whose place, and whose files, are in the request."""
@@ -99,5 +99,12 @@ def faults_of(document: dict[str, Any]) -> list[DocumentError]:
         read(RequestDocument, document)
     except DocumentError as error:
         found.insert(0, error)
-    every = [each for error in found for each in (error, *error.more) if not isinstance(each.value, Unread)]
+    every = [each for error in found for each in (error, *error.more) if not _is_unread(each.value)]
     return [DocumentError(each.field, each.value, each.allowed) for each in every]
+
+
+def _is_unread(value: object) -> bool:
+    """Whether a value is `Unread`, or something in it is."""
+    if isinstance(value, dict | list):
+        return any(map(_is_unread, value.values() if isinstance(value, dict) else value))
+    return isinstance(value, Unread)

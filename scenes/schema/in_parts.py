@@ -46,9 +46,12 @@ class Unread(Unreadable):
 def in_parts(model: type[BaseModel], document: dict[str, Any], *, as_written: bool = False) -> dict[str, Any] | None:
     """The fields of a document by their names, as `model` reads them, or `as_written`: every entry of a list and of a
     mapping of names alone, and every other field as a whole. `Unread` is in place of what has a fault. None where a
-    list or a mapping of names is something else: then nothing more is read.
+    list or a mapping of names is something else, and where there is a key that is no field, which may be meant for one:
+    then nothing more is read.
     """
     found: dict[str, Any] = {}
+    if document.keys() - {field.alias or name for name, field in model.model_fields.items()}:
+        return None
     for name, field in model.model_fields.items():
         key, of = field.alias or name, options_of(field.rebuild_annotation())[0]
         if key not in document:
@@ -59,7 +62,7 @@ def in_parts(model: type[BaseModel], document: dict[str, Any], *, as_written: bo
             continue
         value = document[key]
         if get_origin(of) not in (list, dict) or get_args(of)[-1] is Any:
-            found[name] = _part(adapter(of), value, value, as_written=as_written)
+            found[name] = _part(adapter(field.rebuild_annotation()), value, value, as_written=as_written)
             continue
         if type(value) is not get_origin(of):
             return None

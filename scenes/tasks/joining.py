@@ -13,6 +13,7 @@ from assur.scenes.schema.cell_file import TASK, CellDocument, TaskDocument
 from assur.scenes.schema.in_parts import Unread, in_parts
 from assur.scenes.schema.normal import plain
 from assur.scenes.schema.read import read
+from assur.scenes.schema.sizes import check_sizes
 from assur.scenes.set_values import GIVEN
 from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Document, Joined, Origins, within_document
 from assur.scenes.tasks.request_of_task import RequestOfTask
@@ -85,8 +86,12 @@ def _right(name: str, model: type[CellDocument | TaskDocument], document: object
         with within_document(name):
             read(model, document)
     except DocumentError as error:
-        right = in_parts(model, document, as_written=True) if isinstance(document, dict) else None
         faults.add(error)
+        try:
+            check_sizes(model, document)
+        except DocumentError:  # what is too long is not looked through
+            faults.settle()
+        right = in_parts(model, document, as_written=True) if isinstance(document, dict) else None
         if right is None or error.field == f"{name}.schema":
             faults.settle()
         return right or {}

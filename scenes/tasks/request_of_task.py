@@ -19,6 +19,10 @@ from assur.scenes.units import si_key
 
 AROUND = ("robot", "frames", "neighbours", "execution", "carry")
 """Fields of a cell that are fields of a request."""
+MADE = ("bodies", "task")
+"""Lists of a request that are made of those of a cell and a task."""
+SHOWN = 3
+"""Parts that are named in a message, at most."""
 ENDS = {"move": "to", "follow": "to", "place": "to", "trace": "start"}
 """Key of the pose of each step that has one: a position's name may be in its place."""
 HANDLING = {"approach": {"m": 0.03}, "dwell_s": 0.1, "depart": {"m": 0.03}}
@@ -65,7 +69,8 @@ class RequestOfTask:
                 from assur.scenes.reading.partly import faults_of
 
                 for error in faults_of(request):
-                    self.faults.add(made.relocated(error))
+                    if error.field not in MADE:  # their lists have faults of their own, or are right when others are
+                        self.faults.add(made.relocated(error))
                 self.faults.settle()
         return made
 
@@ -281,5 +286,7 @@ class RequestOfTask:
         taken, many = self._taken(grid), math.prod(counts(self.grids[grid]))
         free = next((number for number in range(1, many + 1) if number not in taken), None)
         if free is None:
-            self.faults.add(Refused(f"slots with one that is free: all {many} are taken"), *where)
+            by = ", ".join([*list(taken.values())[:SHOWN], *(["…"] if len(taken) > SHOWN else [])])
+            free_by = "a part that is taken away (`gone_after_ms`) leaves its slot"
+            self.faults.add(Refused(f"slots with one that is free: all {many} are taken, by {by}; {free_by}"), *where)
         return {grid: free or 1}

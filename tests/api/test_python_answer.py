@@ -86,6 +86,18 @@ def test_attributes_hold_what_the_document_holds(answer: assur.Answer) -> None:
     assert f"planned, {answer.duration_s:.3f} s" in repr(answer)
 
 
+def test_an_answer_with_some_fields_is_shown_and_names_the_others(answer: assur.Answer, refused: assur.Answer) -> None:
+    whole = repr(answer)
+    assert repr(assur.Answer({key: answer[key] for key in ("status", "duration_s", "arrivals")})) == whole
+    assert repr(assur.Answer({key: answer[key] for key in ("status", "duration_s")})) == f"{whole.rsplit(',', 1)[0]}>"
+    some = assur.Answer({"status": "planned"})
+    assert repr(some) == "<Answer: planned>"
+    assert repr(assur.Answer({"status": "not_planned"})) == "<Answer: not planned.>"
+    assert repr(assur.Answer(dict(refused))) == repr(refused)
+    with pytest.raises(assur.InputError, match=r"answer\.arrivals: got 'nothing'.*`fields`"):
+        _ = some.arrivals
+
+
 def test_a_refusal_says_why_and_has_no_plan(refused: assur.Answer) -> None:
     assert not refused.planned
     assert refused.sentence == refused["sentence"] != ""

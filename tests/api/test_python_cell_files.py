@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 import assur
+from assur.api.python.exchange import planning_task
 from assur.scenes.reading import bodies
 from assur.scenes.requests import cell_of, validate
 from assur.scenes.tasks.kept_cell import KeptCellFile, TaskOfCell
@@ -244,3 +245,13 @@ def test_threads_share_a_cell(document: Document) -> None:
         names = list(TASKS) * 3
         for name, answer in zip(names, pool.map(lambda name: cell.plan(**TASKS[name]), names), strict=True):
             assert timeless(answer) == alone[name], name
+
+
+@pytest.mark.parametrize("cell", [3, "cell.yaml", []])
+def test_what_is_no_cell_is_refused(document: Document, cell: Any) -> None:
+    answer = assur.plan(assur.load("demo"))
+    with pytest.raises(assur.InputError, match=r"^cell: got .*an assur\.Cell, or the document of a cell"):
+        answer.next_task([], cell=cell)
+    with pytest.raises(assur.InputError, match=r"^cell: got .*an assur\.Cell, or the document of a cell"):
+        planning_task("0" * 64, {"steps": []}, "full", None, None, cell)
+    assert planning_task("0" * 64, {"steps": []}, "full", None, None, assur.Cell(document)).method == "POST"

@@ -194,3 +194,19 @@ def test_the_command_line_reports_them_all_with_their_lines(tmp_path: Path) -> N
     told = CliRunner().invoke(app, ["plan", str(many)]).stderr.splitlines()
     assert len(told) == MOST_FAULTS + 1
     assert told[-1].startswith("assur: and 7 more faults")
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("demo", {"frames": GONE, "framse": {}}),
+        ("demo", {"bodies": GONE, "bodeis": []}),
+        ("round-the-base", {"start": "home"}),
+        ("round-the-base", {"start.holding": GONE, "start.holdng": {"part": "box"}}),
+    ],
+)
+def test_of_a_key_that_is_no_field_nothing_else_follows(name: str, changes: dict[str, Any]) -> None:
+    request = changed(assur.load(name), changes)
+    with pytest.raises(assur.InputError) as caught:
+        assur.plan(request)
+    assert [each["field"] for each in caught.value.errors] == [list(changes)[-1]]

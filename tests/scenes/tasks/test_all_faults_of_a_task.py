@@ -122,3 +122,24 @@ def test_in_files_each_fault_has_its_line(tmp_path: Path) -> None:
         ("cell.yaml: frames.belt.conveyor.speed_mm_s", 4),
         ("steps[1].move.to", 11),
     }
+
+
+MANY = {f"options.zz{i}": i for i in range(3000)}
+ALONE: dict[str, tuple[Document, Document, list[str]]] = {
+    "values that are set, too many": ({}, {"set": MANY}, ["task.set"]),
+    "parts, too many": ({}, {"parts": [{"name": f"p{i}", "slot": {"box": 1}} for i in range(1001)]}, ["task.parts"]),
+    "no steps": ({}, {"steps": []}, ["task.steps"]),
+    "steps that are none, too many": ({}, {"steps": [3] * 66}, ["task.steps"]),
+    "steps that are none": ({}, {"steps": [3, 3]}, ["task.steps[0]", "task.steps[1]"]),
+    "a key that may be meant for frames": ({"frames": GONE, "framse": {}}, {}, ["cell.framse"]),
+}
+
+
+@pytest.mark.parametrize("name", ALONE)
+def test_what_only_follows_from_a_fault_is_not_reported(name: str) -> None:
+    of_cell, of_task = documents()
+    cell, task, fields = ALONE[name]
+    with pytest.raises(DocumentError) as caught:
+        joined(changed(of_cell, cell), changed(of_task, task))
+    assert [each["field"] for each in caught.value.errors] == fields
+    assert "Unread" not in str(caught.value.errors)
