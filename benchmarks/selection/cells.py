@@ -13,7 +13,7 @@ from assur.planner.laws.kinds import conveyor, fixed
 from assur.planner.robots.robot import Robot
 from assur.planner.selection import columns as c
 from assur.planner.selection.columns import Times
-from assur.planner.selection.times import Handling, Lane, Place, times_of
+from assur.planner.selection.times import CycleTerms, Lane, Place, times_of
 from assur.scenes.requests import cell_of
 
 BELT_M, PART_M = 0.05, 0.01
@@ -116,7 +116,7 @@ def tables(cell: Cell) -> Times:
         at = Pose(*cell.places[0], BELT_M)
         places = [Place(conveyor(at, speed), point, pitch / speed, _time(window, speed))]
     tcp = Pose(0.0, 0.0, TCP_M)
-    handling = Handling(tcp, STRAIGHT_M, 2 * STRAIGHT_S + DWELL_PICK_S, 2 * STRAIGHT_S + DWELL_PLACE_S)
+    handling = CycleTerms(tcp, STRAIGHT_M, 2 * STRAIGHT_S + DWELL_PICK_S, 2 * STRAIGHT_S + DWELL_PLACE_S)
     both = [times_of(arm(), (mode,), lanes, places, handling, cell.weights) for mode in (0, 1)]
     return min(both, key=lambda times: float(times.rides[0, c.NOMINAL]))
 

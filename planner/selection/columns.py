@@ -24,7 +24,7 @@ PART_LANE, PART_PASSED, PART_PLACE, PART = range(4)
 """A part: its lane, when it passes the lane's mark, s, and the place that it is for. Parts are in the order in which
 they were seen."""
 UNREACHED = 1e9
-"""In place of a time between two states of which one is out of reach, s."""
+"""In place of a time to or from a state that is out of reach, s."""
 
 
 class Times(NamedTuple):

@@ -46,7 +46,7 @@ class Place:
 
 
 @dataclass(frozen=True, eq=False)
-class Handling:
+class CycleTerms:
     """What all cycles have in common. `tcp`: the tool's point in the flange's frame; `above`: how far above their
     points travels end, m; `ride_pick`, `ride_place`: from there until the tool is as high again, s; `margin`: the
     singularity margin of a meeting, no unit."""
@@ -63,13 +63,13 @@ def times_of(
     modes: Sequence[int],
     lanes: Sequence[Lane],
     places: Sequence[Place],
-    handling: Handling,
+    handling: CycleTerms,
     shares: FloatArray | None = None,
 ) -> Times:
     """The tables of a cell, for an arm that uses these working modes. The time between two states is that of the
     fastest jerk-limited motion of the joints that carry the tool: the lift moves during the ride, and the tool turns
     meanwhile. Lanes and places move steadily. `shares` (L, P): of the parts that come on each lane for each place, for
-    the mean cycle; None: equal ones. Raises `InputError` for a lane of which less than two points are in reach."""
+    the mean cycle; None: equal ones. Raises `InputError` for a lane with less than two points in reach."""
     arm = _Arm(robot, tuple(modes), handling)
     long = max(len(_grid(lane.law, lane.grasp, lane.window)) for lane in lanes)
     wide = max(len(_grid(x.law, x.slots[0], x.window)) if x.period else len(x.slots) for x in places)
@@ -121,7 +121,7 @@ class _Stop:
 class _Arm:
     """A robot in some of its working modes, and the joints of it that are timed."""
 
-    def __init__(self, robot: Robot, modes: tuple[int, ...], handling: Handling) -> None:
+    def __init__(self, robot: Robot, modes: tuple[int, ...], handling: CycleTerms) -> None:
         self.robot, self.modes, self.handling = robot, modes, handling
         turns = len(robot.joints) - 1 if robot.turns_load else None
         self.joints = [k for k in range(len(robot.joints)) if k not in (robot.lift, turns)]
@@ -140,7 +140,7 @@ class _Arm:
         edges = np.flatnonzero(np.diff(known.astype(np.int64), prepend=0, append=0))
         k = int(np.argmax(edges[1::2] - edges[::2])) if len(edges) else 0
         if not len(edges) or edges[2 * k + 1] - edges[2 * k] < 2:
-            raise InputError("lane", lane.window, "a window of which the arm reaches two points")
+            raise InputError("lane", lane.window, "a window with two points that the arm reaches")
         first, last = t[edges[2 * k]], t[edges[2 * k + 1] - 1]
         return _Stop(states, np.array([t[0], t[1] - t[0], first, last - self.handling.ride_pick]), motion.p[:, :2].T)
 

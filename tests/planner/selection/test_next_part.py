@@ -17,7 +17,7 @@ from assur.planner.selection.columns import Times
 from assur.planner.selection.cycles import cycle
 from assur.planner.selection.next_part import FreeArm, KnownPart, next_part, scored
 from assur.planner.selection.rules import FREE, LEAVES, MEETS, RULES, SCORE
-from assur.planner.selection.times import Handling, Lane, Place, times_of
+from assur.planner.selection.times import CycleTerms, Lane, Place, times_of
 from benchmarks.selection.cells import CELLS, arm, stream, tables
 from benchmarks.selection.running import run
 
@@ -142,7 +142,7 @@ def test_slots_that_pass_are_filled_in_their_order_and_those_that_rest_one_after
     assert before > 5
     box = Place(fixed(Pose(0.3, -0.23, 0.05)), (Pose(0.0, 0.0, 0.0), Pose(0.06, 0.0, 0.0), Pose(0.0, -0.06, 0.0)))
     lane = Lane(conveyor(Pose(0.0, 0.35, 0.05), 0.2), Pose(0.0, 0.0, 0.01), (-1.25, 1.25))
-    times = times_of(arm(), (0,), [lane], [box], Handling(Pose(0.0, 0.0, -0.1), 0.03, 0.2, 0.2))
+    times = times_of(arm(), (0,), [lane], [box], CycleTerms(Pose(0.0, 0.0, -0.1), 0.03, 0.2, 0.2))
     row, ways = freed(times), list[float]()
     for k in range(5):
         cycle(times, row, np.array([0.0, 3.0 * k, 0.0]), ends, tried)
@@ -155,7 +155,7 @@ def test_slots_that_pass_are_filled_in_their_order_and_those_that_rest_one_after
 def test_a_lane_out_of_reach_is_refused() -> None:
     lane = Lane(conveyor(Pose(0.0, 3.0, 0.05), 0.2), Pose(0.0, 0.0, 0.01), (-1.0, 1.0))
     place = Place(fixed(Pose(0.3, -0.23, 0.05)), (Pose(0.0, 0.0, 0.0),))
-    handling = Handling(Pose(0.0, 0.0, -0.1), 0.03, 0.2, 0.2)
+    handling = CycleTerms(Pose(0.0, 0.0, -0.1), 0.03, 0.2, 0.2)
     with pytest.raises(InputError, match="two points"):
         times_of(arm(), (0,), [lane], [place], handling)
 
