@@ -161,16 +161,6 @@ class Printed(io.TextIOBase):
         return again
 
 
-@contextmanager
-def about(request: Mapping[str, str]) -> Iterator[None]:
-    """Within it each line says which request it is about."""
-    token = ABOUT.set(request)
-    try:
-        yield
-    finally:
-        ABOUT.reset(token)
-
-
 def event(message: str, level: int = logging.INFO, **facts: object) -> None:
     """Logs `message`, a sentence of our own, with `facts`."""
     LOGGER.log(level, message, extra={"facts": facts})

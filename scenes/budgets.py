@@ -10,6 +10,7 @@ from assur.scenes.units import twin_of
 
 BUDGETS = ("budget_s", "explain_budget_s")
 """Options that say for how long a request may be worked on."""
+_DEFAULTS_S: dict[str, float] = {name: OptionsDocument.model_fields[name].default for name in BUDGETS}
 
 
 def stated_budgets(document: dict[str, Any], most_s: float = math.inf) -> dict[str, float]:
@@ -19,7 +20,7 @@ def stated_budgets(document: dict[str, Any], most_s: float = math.inf) -> dict[s
     given = options if isinstance(options, dict) else {}
     found: dict[str, float] = {}
     for name in BUDGETS:
-        found[name] = min(OptionsDocument.model_fields[name].default, most_s)
+        found[name] = min(_DEFAULTS_S[name], most_s)
         for key, per_second in ((name, 1), (twin_of(name), 1000)):
             value = given.get(key)
             if isinstance(value, int | float) and not value < 0:

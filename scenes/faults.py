@@ -29,6 +29,15 @@ class _Nothing:
 
 
 NOTHING = _Nothing()
+
+
+class Unreadable:
+    """In place of a part of a document that has a fault: `written`."""
+
+    def __init__(self, written: object = NOTHING) -> None:
+        self.written: object = written.written if isinstance(written, Unreadable) else written
+
+
 SILENT = ("match",)
 """Fields that a document may leave out, although a missing one can be the fault: a message may name them."""
 
@@ -74,13 +83,13 @@ class DocumentError(InputError):
         self, field: Callable[[str], str], line: Callable[[str], int | None] = lambda _: None
     ) -> DocumentError:
         """The same faults where the document is a part of another: each with the `field` and the `line` that it has
-        there. A line that is known stays."""
+        there. A line that is known stays. Of two that have one field there, the first is kept."""
 
         def one(each: InputError) -> DocumentError:
             known, name = getattr(each, "line", None), field(each.field)
             return DocumentError(name, each.value, each.allowed, line(name) if known is None else known)
 
-        return _joined([one(each) for each in (self, *self.more)], self.left_out)
+        return together([one(each) for each in (self, *self.more)], self.left_out)
 
 
 def documented(error: InputError) -> DocumentError:
@@ -94,12 +103,12 @@ def _as_mapping(error: InputError) -> dict[str, Any]:
     return {"field": error.field, **value, "allowed": error.allowed} | ({} if line is None else {"line": line})
 
 
-def together(faults: Sequence[DocumentError]) -> DocumentError:
+def together(faults: Sequence[DocumentError], left_out: int = 0) -> DocumentError:
     """Several faults of one document as one error: the first fault, with the others in `more`. Of two at one field the
-    first is kept, for the second follows from it."""
+    first is kept, for the second follows from it. `left_out`: the number of further ones."""
     every = {each.field: each for fault in reversed(faults) for each in reversed((fault, *fault.more))}
     order = dict.fromkeys(each.field for fault in faults for each in (fault, *fault.more))
-    return _joined([every[name] for name in order], sum(fault.left_out for fault in faults))
+    return _joined([every[name] for name in order], left_out + sum(fault.left_out for fault in faults))
 
 
 def _joined(faults: Sequence[InputError], left_out: int) -> DocumentError:
@@ -132,6 +141,7 @@ def as_written(document: object, path: Sequence[str | int]) -> tuple[Path, objec
     """The path with the keys as written, and the value there (NOTHING where the document has none)."""
     found: list[str | int] = []
     for part in path:
+        document = document.written if isinstance(document, Unreadable) else document
         if hasattr(document, "tolist"):  # an array of NumPy
             document = document.tolist()
         if isinstance(document, dict):

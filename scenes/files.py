@@ -72,13 +72,18 @@ def below(folder: Path, name: str, field: str, endings: Collection[str], most_by
     to `most_bytes` below `folder`, with one of `endings`."""
     folder = folder.resolve()
     allowed = f"a file below the folder of the file that names it, ending in {', '.join(endings)}"
-    if "\0" in name or Path(name).is_absolute() or Path(name).suffix.lower() not in endings:
+    if "\0" not in name and Path(name).is_absolute():
+        relative = f"; its path is relative to that folder, as in {Path(name).name}, and an absolute one is refused"
+        raise DocumentError(field, name, allowed + relative)
+    if "\0" in name or Path(name).suffix.lower() not in endings:
         raise DocumentError(field, name, allowed)
     found = Path(os.path.normpath(folder / name))
+    if not found.is_relative_to(folder):
+        raise DocumentError(field, name, f"{allowed}; a path that leads out of that folder is refused")
     # Links are refused, not followed: what a name leads to must be seen from the name.
-    if found.is_relative_to(folder) and not os.path.lexists(found):
+    if not os.path.lexists(found):
         raise DocumentError(field, name, f"{allowed}; this one does not exist")
-    if not found.is_relative_to(folder) or found.resolve() != found or not found.is_file():
+    if found.resolve() != found or not found.is_file():
         raise DocumentError(field, name, f"{allowed}, and no link")
     if found.stat().st_size > most_bytes:
         raise DocumentError(field, name, f"a file of up to {most_bytes} bytes")

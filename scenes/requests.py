@@ -18,7 +18,7 @@ from assur.planner.errors import InputError
 from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.scenes.budgets import BUDGETS, silent, stated_budgets
 from assur.scenes.catalogue import RobotFile, load_robot, models, robots, shipped_robot, with_robots
-from assur.scenes.faults import located, written_key
+from assur.scenes.faults import DocumentError, located, together, written_key
 from assur.scenes.files import with_meshes, with_plans
 from assur.scenes.json_schemas import KINDS, Kind, ik_schema, request_schema, schema_of
 from assur.scenes.not_requests import refuse_other
@@ -131,11 +131,16 @@ def _accepted(
     document: object, folder: Path | None, valid: Valid | None, laps: Stopwatch | None, task: TaskOfCell | None
 ) -> tuple[object, RequestDocument]:
     """A request as it was written, with the files that it names in place of their names, and the same in SI."""
+    from assur.scenes.reading.partly import other_faults
+
     # Errors quote the document as it was written: a mesh's file, not the bytes that took its place.
     written = document if folder is None else with_plans(with_robots(document, folder), folder)
     request = None if task is None else task.read()
     if request is None:
-        request = validate(written if folder is None else with_meshes(written, folder))
+        try:
+            request = validate(written if folder is None else with_meshes(written, folder))
+        except DocumentError as error:
+            raise together([error, *other_faults(written, folder)]) from error
     if laps is not None:
         laps.lap("read")
     if valid is not None:

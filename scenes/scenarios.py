@@ -10,9 +10,9 @@ from pydantic import Field
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_TEXT, MAX_YAML_BYTES
-from assur.scenes.faults import NOTHING, DocumentError, fault, likeliest
+from assur.scenes.faults import NOTHING, DocumentError, fault, likeliest, together
 from assur.scenes.files import empty
-from assur.scenes.scenario import Scenario
+from assur.scenes.scenario import OF_REQUEST, Scenario
 from assur.scenes.schema.cell_file import CELL, TASK
 from assur.scenes.schema.expect import ExpectDocument
 from assur.scenes.schema.model import Document
@@ -76,8 +76,15 @@ def _scenario(document: Any, lines: Lines, path: Path, after: EndState | None = 
         raise DocumentError("request", NOTHING, "a request; this file is one without it: put it under request:", 1)
     try:
         read(ScenarioDocument, document)
-    except InputError as error:
-        raise with_line(error, lines) from error
+    except DocumentError as error:
+        from assur.scenes.reading.partly import other_faults
+
+        request = document.get("request") if isinstance(document, dict) else None
+        others = [
+            each if each.line is not None else each.relocated(OF_REQUEST.__add__)
+            for each in other_faults(request, path.parent)
+        ]
+        raise with_line(together([error, *others]), lines) from error
     about = " ".join(document["about"].split())
     return Scenario(path.stem, about, document["request"], document.get("expect", {}), path.parent, lines)
 

@@ -148,9 +148,13 @@ def _entry(entries: list[Any], keys: Keys, above: Path) -> tuple[int, Keys]:
         return names.index(found[0]), found[1]
     if keys[0].isdecimal() and int(keys[0]) < len(entries):
         return int(keys[0]), keys[1:]
-    named = choices([name for name in names if isinstance(name, str)], keys[0])
-    numbers = f"a number from 0 to {len(entries) - 1}" if entries else "none: the list is empty"
-    raise DocumentError(dotted((*above, keys[0])), keys[0], f"{numbers}, or the name of an entry: {named}")
+    named = [name for name in names if isinstance(name, str)]
+    allowed = f"a number from 0 to {len(entries) - 1}" if entries else "none: the list is empty"
+    if named:
+        allowed += f", or the name of an entry: {choices(named, keys[0])}"
+    if above == ("steps",):
+        allowed += "; a transfer is one step of the task, and its picks and places are steps of the request alone"
+    raise DocumentError(dotted((*above, keys[0])), keys[0], allowed)
 
 
 def _name_of(entry: object) -> object:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 from collections.abc import Iterator, Mapping
@@ -26,7 +27,6 @@ from assur.scenes.requests import (
     RobotFile,
     Scenario,
     cell_of,
-    check_cell,
     load_robot,
     load_scenario,
     models,
@@ -39,7 +39,7 @@ from assur.scenes.requests import (
 )
 from assur.scenes.scenario import with_files
 from assur.scenes.set_values import GIVEN, Changed
-from assur.scenes.tasks.next_task import EndState, end_state
+from assur.scenes.tasks.next_task import EndState, checked_end
 from assur.scenes.units import si_key, twin_of
 
 if TYPE_CHECKING:
@@ -155,12 +155,29 @@ def set_values(texts: list[str] | None) -> dict[str, object]:
         try:
             read = parse_json(value.encode("utf-8", "surrogatepass"))
         except InputError as error:
-            quoted = f"{path}={json.dumps(value)}"
-            allowed = f"JSON, such as 3, [1, 2] or true; text in double quotes, as in --set '{quoted}'"
+            allowed = f"JSON, such as 3, [1, 2] or true; {_meant(path, value)}"
             raise InputError(f"{GIVEN}{path}", value, allowed) from error
         found.pop(path, None)
         found[path] = read
     return found
+
+
+def _meant(path: str, value: str) -> str:
+    """What was probably meant by a value that is no JSON, as it has to be written."""
+    if value.startswith("{"):
+        return f"""keys are in double quotes, as in --set '{path}={{"mm": 30}}'"""
+    if value.lower() in ("true", "false"):
+        return f"write --set {path}={value.lower()}"
+    parts = [part.strip() for part in value.strip("()[] ").split(",")]
+    try:
+        numbers = [f"{float(part):.12g}" for part in parts]
+    except ValueError:
+        return f"text in double quotes, as in --set '{path}={json.dumps(value)}'"
+    if not all(math.isfinite(float(number)) for number in numbers):
+        return "every number must be finite"
+    if len(numbers) == 1:
+        return f"write --set {path}={numbers[0]}"
+    return f"a list is in brackets, as in --set '{path}=[{', '.join(numbers)}]'"
 
 
 def _target(text: str, after: Path | None) -> Target:
@@ -187,12 +204,7 @@ def _end_of(path: Path) -> EndState:
     try:
         held = plan_file_in(json_file(path, "--continue", "a plan file"))
         with in_request():
-            end = end_state(held.request, held.plan)
-            verdict = check_cell(end.cell, held.plan)
-        if not verdict["ok"]:
-            said = verdict["findings"][0]["what"]
-            raise InputError("plan", "this plan", f"one that `assur check` accepts; it says: {said}")
-        return end
+            return checked_end(held.request, held.plan)
     except InputError as error:
         if error.field == "--continue":
             raise

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 from assur.planner.errors import AssurError, InputError
 
 if TYPE_CHECKING:
+    from assur.api.python.cell import Cell
     from assur.api.python.motion import Trajectory
     from assur.scenes.schema import answer as written
 
@@ -131,34 +132,40 @@ class Answer(Mapping[str, Any]):
         """What of the request is probably not meant, and refuses nothing."""
         return cast("list[written.InputWarning]", self._said("warnings"))
 
-    def next_task(self, steps: Sequence[object], *, parts: Sequence[object] = ()) -> dict[str, Any]:
+    def next_task(
+        self, steps: Sequence[object], *, parts: Sequence[object] = (), cell: Cell | Mapping[str, Any] | None = None
+    ) -> dict[str, Any]:
         """The task with these steps that begins where this plan ends: clock, state of the robot, what the gripper
         holds, and where each part lies, with what the plan proves of how well it is known.
 
-        Of an answer of `assur.Cell` of a cell file these are the fields of a task, ``cell.plan(**fields)``; `parts` are
-        added. Of an answer to a request it is a request, whose bodies have all parts. Everything else is as it was. The
-        frames count as known at the new start as the cell states it; bodies on a frame whose speed is uncertain are
-        known less well, for the time of the plan. Raises `InputError` where there is no plan or no request.
+        `cell`: the cell in which it is planned; `cell.plan(**fields)` takes what is returned, for an `assur.Cell` of a
+        cell file or of a request. Robot, frames and neighbours of the cell must be those of the plan. None: the cell of
+        an answer of `assur.Cell` of a cell file; of any other answer, what is returned is a request, whose bodies have
+        all parts. `parts` are added, but to a request. Everything else is as it was. The frames count as known at the
+        new start as the cell states it; bodies on a frame whose speed is uncertain are known less well, for the time of
+        the plan.
+
+        Raises `InputError` where there is no plan or no request, for a plan that `assur check` does not accept, or
+        whose certificate is not in full, and for another cell, at the field that differs.
         """
         from assur.scenes.tasks.kept_cell import of_task
-        from assur.scenes.tasks.next_task import end_state, next_request, next_task
+        from assur.scenes.tasks.next_task import checked_end, next_fields, next_request, next_values
 
         request, made = self._known_request(), {"steps": _listed("steps", steps), "parts": _listed("parts", parts)}
-        if self._of is None:
-            if parts:
-                raise InputError("parts", made["parts"], "none: add bodies to the request that is returned")
-            return next_request(request, self._document, made["steps"])
-        cell, task = self._of
-        kept: dict[str, Any] = {key: task[key] for key in ("schema", "options") if key in task}
-        end = end_state(request, self._document)
-        try:
-            fields = next_task(cell, {**kept, **made}, end, task.get("parts", ()), task.get("set", {}))
-        except InputError as error:
-            raise of_task(error) from error
-        del fields["schema"]
-        worse = fields.pop("set")
-        changed = {path: value for path, value in task.get("set", {}).items() if path not in worse} | worse
-        return {**fields, "set": changed} if changed else fields
+        document, task = (None, None) if self._of is None else self._of
+        if cell is not None:
+            document = dict(cell if isinstance(cell, Mapping) else cell.document)
+        end = checked_end(request, self._document)
+        if document is not None and "task" not in document:
+            try:
+                return next_fields(document, made, end, task)
+            except InputError as error:
+                raise of_task(error) from error
+        if parts:
+            allowed = "none: the parts of a request are bodies; add them to those that are returned"
+            raise InputError("parts", made["parts"], allowed)
+        follows = next_request(end, made["steps"])
+        return follows if document is None else next_values(document, follows, end)
 
     def save(self, path: str | Path, *, title: str = "", about: str = "") -> Path:
         """Writes request and answer into one file, which `assur.load_answer` reads, and `assur check`, `assur report`

@@ -43,6 +43,11 @@ class Cell:
             self._valid = validate(document)
         self._document: dict[str, Any] = document
 
+    @property
+    def document(self) -> dict[str, Any]:
+        """The document of the cell, or the request, as it is planned. Change a copy, not this."""
+        return self._document
+
     def plan(
         self,
         *,

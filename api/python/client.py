@@ -5,7 +5,8 @@ Both are thin: `assur.api.python.exchange` says what is sent and what is made of
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
 
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
+MOST_CELLS = 16
+"""Cells whose documents a client keeps."""
 TIMEOUT_S = 120.0
 """Longest wait for an answer, if the caller names none: a service gives a plan up to twice 60 s by its own defaults."""
 
@@ -63,7 +66,16 @@ class _Endpoint:
         own = {} if key is None else {"Authorization": f"Bearer {key}"}
         self.url = url
         self._timeout = timeout
+        self._cells: dict[str, dict[str, Any]] = {}
         self._http = self._library(base_url=url, timeout=timeout, headers={**own, **(headers or {})})
+
+    def _kept(self, question: Exchange[str], digest: str) -> str:
+        """The digest of a cell that was sent; its document is kept as it was sent."""
+        self._cells.pop(digest, None)
+        self._cells[digest] = json.loads(question.body or b"")
+        while len(self._cells) > MOST_CELLS:
+            del self._cells[next(iter(self._cells))]
+        return digest
 
     def _result(self, question: Exchange[T], response: httpx.Response) -> T:
         return question.result(self.url, response.status_code, response.headers, response.content)
@@ -101,8 +113,10 @@ class Client(_Endpoint):
         return self._send(exchange.planning(request, certificate))
 
     def put_cell(self, cell: Mapping[str, Any]) -> str:
-        """Sends the document of a cell, which the service keeps; its digest, which names it in `plan_task`."""
-        return self._send(exchange.keeping(cell))
+        """Sends the document of a cell, which the service keeps; its digest, which names it in `plan_task`. This client
+        keeps the document of the cells that it sent last, for the answers of `plan_task`."""
+        question = exchange.keeping(cell)
+        return self._kept(question, self._send(question))
 
     def plan_task(
         self,
@@ -114,11 +128,21 @@ class Client(_Endpoint):
         options: object = None,
         set: Mapping[str, object] | None = None,  # noqa: A002 as of `assur.Cell`
         certificate: Literal["full", "digest"] = "full",
+        fields: Sequence[str] | None = None,
+        digits: int | None = None,
+        cell: Mapping[str, Any] | None = None,
     ) -> Answer:
-        """The answer to a task in the cell with this digest; as `plan` of `assur.Cell`. The answer does not know its
-        request."""
+        """The answer to a task in the cell with this digest; as `plan` of `assur.Cell`.
+
+        `fields`: names of the fields of the answer that are wanted, or paths such as ``trajectory.position``; `digits`:
+        significant digits of its numbers (None: all). `cell`: the document of the cell, from which the answer knows its
+        request; it may be left out where this client has sent it (`put_cell`). Otherwise ``answer.request`` is None.
+        """
         task: dict[str, object] = {"start": start, "steps": steps, "parts": parts, "options": options, "set": set}
-        return self._send(exchange.planning_task(digest, task, certificate))
+        question = exchange.planning_task(
+            digest, task, certificate, fields, digits, self._cells.get(digest) if cell is None else cell
+        )
+        return self._send(question)
 
     def check(self, request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> Verdict:
         """The checker's verdict on a planned answer with its certificate in full; as `assur.check`."""
@@ -184,8 +208,10 @@ class AsyncClient(_Endpoint):
         return await self._send(exchange.planning(request, certificate))
 
     async def put_cell(self, cell: Mapping[str, Any]) -> str:
-        """Sends the document of a cell, which the service keeps; its digest, which names it in `plan_task`."""
-        return await self._send(exchange.keeping(cell))
+        """Sends the document of a cell, which the service keeps; its digest, which names it in `plan_task`. This client
+        keeps the document of the cells that it sent last, for the answers of `plan_task`."""
+        question = exchange.keeping(cell)
+        return self._kept(question, await self._send(question))
 
     async def plan_task(
         self,
@@ -197,11 +223,21 @@ class AsyncClient(_Endpoint):
         options: object = None,
         set: Mapping[str, object] | None = None,  # noqa: A002 as of `assur.Cell`
         certificate: Literal["full", "digest"] = "full",
+        fields: Sequence[str] | None = None,
+        digits: int | None = None,
+        cell: Mapping[str, Any] | None = None,
     ) -> Answer:
-        """The answer to a task in the cell with this digest; as `plan` of `assur.Cell`. The answer does not know its
-        request."""
+        """The answer to a task in the cell with this digest; as `plan` of `assur.Cell`.
+
+        `fields`: names of the fields of the answer that are wanted, or paths such as ``trajectory.position``; `digits`:
+        significant digits of its numbers (None: all). `cell`: the document of the cell, from which the answer knows its
+        request; it may be left out where this client has sent it (`put_cell`). Otherwise ``answer.request`` is None.
+        """
         task: dict[str, object] = {"start": start, "steps": steps, "parts": parts, "options": options, "set": set}
-        return await self._send(exchange.planning_task(digest, task, certificate))
+        question = exchange.planning_task(
+            digest, task, certificate, fields, digits, self._cells.get(digest) if cell is None else cell
+        )
+        return await self._send(question)
 
     async def check(self, request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> Verdict:
         """The checker's verdict on a planned answer with its certificate in full; as `assur.check`."""

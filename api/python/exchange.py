@@ -6,7 +6,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, cast
 
@@ -123,9 +123,34 @@ def keeping(cell: object) -> Exchange[str]:
     return Exchange("PUT", f"v1/cells/{digest}", lambda _: digest, body)
 
 
-def planning_task(digest: str, task: dict[str, object], certificate: str) -> Exchange[Answer]:
+def planning_task(
+    digest: str,
+    task: dict[str, object],
+    certificate: str,
+    fields: Sequence[str] | None,
+    digits: int | None,
+    cell: Mapping[str, Any] | None,
+) -> Exchange[Answer]:
+    """A task is planned; the answer knows its request where the document of the `cell` is known."""
     body = _json({key: value for key, value in plain_parts(task).items() if value is not None})
-    return Exchange("POST", f"v1/cells/{digest}/plans", Answer, body, (("certificate", certificate),))
+    how = [("certificate", certificate)]
+    if fields is not None:
+        if isinstance(fields, str) or not fields or not all(isinstance(each, str) for each in fields):
+            raise InputError("fields", fields, "a list of names of fields, as in ['status', 'trajectory.position']")
+        how.append(("fields", ",".join(fields)))
+    if digits is not None:
+        how.append(("digits", str(digits)))
+
+    def made(answer: Any) -> Answer:
+        if cell is None:
+            return Answer(answer)
+        from assur.scenes.schema.cell_file import TASK
+        from assur.scenes.tasks.joining import joined
+
+        document, stated = plain(dict(cell)), {"schema": TASK, **json.loads(body)}
+        return Answer.made(answer, joined(document, stated).request, (document, stated))
+
+    return Exchange("POST", f"v1/cells/{digest}/plans", made, body, tuple(how))
 
 
 def health() -> Exchange[Health]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Iterable, Mapping
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -48,13 +48,13 @@ class Meters:
         count = partial(Counter, registry=self.registry)
         measure = partial(Histogram, registry=self.registry, buckets=SECONDS)
         of_answer = ("route", "method", "status", "outcome", "problem")
-        self._requests = count("assur_requests", "Requests that were answered.", of_answer)
+        self._requests = cache(count("assur_requests", "Requests that were answered.", of_answer).labels)
         about = "Time from the first byte of a request's head to the last of its answer, s."
-        self._times = measure("assur_request_seconds", about, ("route",))
+        self._times = cache(measure("assur_request_seconds", about, ("route",)).labels)
         about = "Time of each stage of a request that a worker answered, s."
-        self._stages = measure("assur_stage_seconds", about, ("stage",))
+        self._stages = cache(measure("assur_stage_seconds", about, ("stage",)).labels)
         about = "Answers of workers, those to jobs, too, by what they say."
-        self._answers = count("assur_answers", about, ("work", "outcome", "reason"))
+        self._answers = cache(count("assur_answers", about, ("work", "outcome", "reason")).labels)
         self._restarts = count("assur_worker_restarts", "Workers that were replaced, by cause.", ("cause",))
         self._turned_away = count(
             "assur_client_refusals", "Requests refused with 429, by kind of problem.", ("problem",)
@@ -65,28 +65,27 @@ class Meters:
         for cause in CAUSES:
             self._restarts.labels(cause)  # there from the start, so that the first one is seen as a rise
         for stage in STAGES:
-            self._stages.labels(stage)
+            self._stages(stage)
         self.build = Info("assur_build", "Which build this is.", registry=self.registry)
-        self.bodies = Gauge("assur_bodies_being_read", "Bodies that arrive.", registry=self.registry)
         ProcessCollector(registry=self.registry)  # the web process: its memory, processor time, descriptors
 
     def answered(self, route: str, method: str, status: int, outcome: str, problem: str, seconds: float) -> None:
         """Counts a request. `outcome` and `problem` are empty where there is none."""
-        self._requests.labels(route, method, str(status), outcome, problem).inc()
-        self._times.labels(route).observe(seconds)
+        self._requests(route, method, str(status), outcome, problem).inc()
+        self._times(route).observe(seconds)
         if status == 429:
             self._turned_away.labels(problem).inc()
 
     def queued(self, seconds: float) -> None:
         """A request has waited so long for its worker, s."""
-        self._stages.labels("queue").observe(seconds)
+        self._stages("queue").observe(seconds)
 
     def worked(self, work: str, outcome: str, reason: str, seconds: dict[str, float]) -> None:
         """A worker has answered: the kind of `work`, its outcome in a word, the reason of a refusal (else
         empty), and `seconds` by stage."""
-        self._answers.labels(work, outcome, reason).inc()
+        self._answers(work, outcome, reason).inc()
         for stage, each in seconds.items():
-            self._stages.labels(stage).observe(each)
+            self._stages(stage).observe(each)
 
     def restarted(self, cause: Cause) -> None:
         """A worker is replaced, or did not start and is started again."""

@@ -7,10 +7,10 @@ taken, and that is hexadecimal digits.
 from __future__ import annotations
 
 import re
-import secrets
 from collections.abc import Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass, field
+from os import urandom
 from typing import Any
 
 PARENT = re.compile(r"([0-9a-f]{2})-([0-9a-f]{32})-([0-9a-f]{16})-([0-9a-f]{2})(-.*)?")
@@ -68,7 +68,8 @@ class Trace:
     def server_timing(self) -> str:
         """The times as the header `Server-Timing` has them, in ms; empty where no worker was needed."""
         stages = {} if self.queued_s is None else {"queue": self.queued_s}
-        return ", ".join(f"{stage};dur={_ms(seconds)}" for stage, seconds in {**stages, **self.stages}.items())
+        each = [f"{stage};dur={round(1e3 * seconds, 1)}" for stage, seconds in {**stages, **self.stages}.items()]
+        return ", ".join(each)
 
 
 def _ms(seconds: float) -> float:
@@ -87,11 +88,11 @@ def current() -> Trace:
 def new_traceparent(given: Sequence[str]) -> str:
     """The `traceparent` of a new span: in the trace that the headers `given` name, if there is one and it is valid;
     else in a trace of its own."""
-    trace, flags = secrets.token_hex(16), 0
+    trace, flags = urandom(16).hex(), 0
     found = PARENT.fullmatch(given[0].strip()) if len(given) == 1 else None
     if found is not None and _valid(*found.groups()):
         trace, flags = found[2], int(found[4], 16) & SAMPLED
-    return f"00-{trace}-{secrets.token_hex(8)}-{flags:02x}"
+    return f"00-{trace}-{urandom(8).hex()}-{flags:02x}"
 
 
 def _valid(version: str, trace: str, span: str, _: str, more: str | None) -> bool:

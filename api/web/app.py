@@ -7,8 +7,11 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 from fastapi import FastAPI
+from fastapi.middleware.asyncexitstack import AsyncExitStackMiddleware
+from fastapi.routing import APIRoute
 from fastapi_offline import FastAPIOffline
 from starlette.exceptions import HTTPException
+from starlette.middleware.exceptions import ExceptionMiddleware
 from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Match
@@ -54,20 +57,21 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         description=openapi.TEXT,
         lifespan=lifespan,
         redirect_slashes=False,
-        exception_handlers={
-            Problem: _on_problem,
-            HTTPException: _on_http,
-        },
+        telemetry={"tracing": False, "metrics": False, "logs": False},  # docs/decisions/0031-operations.md
     )
     app.state.service, app.state.jobs = service, jobs
     app.state.keys = Idempotency(service.meters)
     app.state.uploads = Uploads(service.settings.mesh_quota_mib << 20)
     app.state.connections = Connections(service.settings)
-    app.router.routes.extend(router.routes)  # included, they would be matched twice for each request
-    app.add_middleware(Representation)
-    app.add_middleware(KnowsClients, clients=clients, routes=router.routes)
-    app.add_middleware(Gate, connections=app.state.connections)
-    app.add_middleware(RequestLog, meters=watch(service, jobs, clients), routes=app.routes)
+    for page in app.router.routes:
+        if isinstance(page, APIRoute):  # of FastAPI, which calls its function
+            page.app = AsyncExitStackMiddleware(page.app)
+    app.router.routes[:0] = router.routes  # included, they would be matched twice
+    refusals = ExceptionMiddleware(app.router, {Problem: _on_problem, HTTPException: _on_http})
+    known = KnowsClients(Representation(refusals), clients, router.routes)
+    gate = Gate(known, app.state.connections)
+    # in place of FastAPI's rings, which are for functions that it calls: `assur.api.web.route_table.Direct`
+    app.middleware_stack = RequestLog(gate, watch(service, jobs, clients), app.routes)
     described = app.openapi
 
     def described_in_full() -> dict[str, Any]:

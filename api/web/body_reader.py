@@ -6,7 +6,7 @@ import asyncio
 import re
 from collections import Counter
 
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 
 from assur.api.problems import FieldError, Problem, shown
 from assur.api.web.addresses import network
@@ -52,6 +52,8 @@ class Reading:
     def __init__(self, in_all: int = IN_ALL_BYTES, of_one: int = OF_ONE_BYTES) -> None:
         self._in_all, self._of_one = in_all, of_one
         self._held: Counter[str] = Counter()
+        self.bodies = 0
+        """Bodies that arrive."""
 
     def take(self, address: str, size: int) -> None:
         """Counts `size` more bytes of a client. Raises `Problem`: busy, where there is no room for them."""
@@ -82,16 +84,24 @@ async def read_body(request: Request, limit: int, within_s: float, reading: Read
     loop = asyncio.get_running_loop()
     began = loop.time()
     body = bytearray()
+    reading.bodies += 1
     try:
         async with asyncio.timeout(min(within_s, FIRST_S)) as clock:
-            async for chunk in request.stream():
+            while True:
+                message = await request.receive()
+                if message["type"] != "http.request":
+                    raise ClientDisconnect
+                chunk = message.get("body", b"")
                 reading.take(address, len(chunk))
                 body += chunk
                 if len(body) > limit:
                     raise _too_large(limit)
+                if not message.get("more_body"):
+                    break
                 clock.reschedule(began + min(within_s, FIRST_S + len(body) / LEAST_BYTES_S))
     except TimeoutError as late:
         raise Problem("too-slow", f"The body was not complete after {loop.time() - began:.1f} s.") from late
     finally:
+        reading.bodies -= 1
         reading.give_back(address, len(body))
     return bytes(body)

@@ -63,7 +63,7 @@ async def plan_task(request: Request) -> Response:
             parts = parts_wanted(*map(request.query_params.get, NAMES))
         except InputError as error:
             raise Problem.of_input(error) from error
-        body = await read_admitted(request, PLAN_BODY_BYTES, "certificate", *NAMES)
+        body = await read_admitted(request, PLAN_BODY_BYTES, "certificate", *NAMES, *plan_files.NAMES)
     else:
         body = await read_admitted(request, PLAN_BODY_BYTES, *plan_files.NAMES)
     if not folder.use(digest, "cell"):

@@ -11,7 +11,7 @@ import asyncio
 import logging
 import time
 from collections.abc import MutableMapping
-from typing import Any
+from typing import Any, cast
 
 import h11
 from h11._connection import DEFAULT_MAX_INCOMPLETE_EVENT_SIZE
@@ -31,6 +31,8 @@ CHUNK_BYTES = 512
 """Least size of the chunks of a body, on average."""
 FIRST_CHUNKS = 128
 """So many chunks do not count: a small body may come in pieces of any size."""
+LEAVES = "assur.leaves"
+"""Key of the request scope: what is called when its client closes the connection; None: that has happened."""
 LOGGED_S = 10.0
 """How often it is logged at most that connections are closed for others, s."""
 
@@ -129,6 +131,11 @@ class TimedProtocol(H11Protocol):
         self._unset_clock()
         self._unset_keepalive_if_required()
         super().connection_lost(exc)
+        if not self.idle:
+            scope = cast(dict[str, Any], self.cycle.scope)
+            leave, scope[LEAVES] = scope.get(LEAVES), None
+            if leave is not None:
+                leave()
 
     def handle_events(self) -> None:
         """As uvicorn's. The time runs from the first byte of a request until its headers are complete, and while a body
@@ -172,7 +179,7 @@ class Gate:
                 message["headers"] = [*others, (b"connection", b"close")]
             await send(message)
 
-        if scope["type"] == "http" and _wants_websocket(Headers(scope=scope)):
+        if scope["type"] == "http" and b"upgrade" in dict(scope["headers"]) and _wants_websocket(Headers(scope=scope)):
             problem = Problem(
                 "no-websockets",
                 "Send requests of HTTP. GET /v1/jobs/{name}/events sends the progress of a job as server-sent events.",

@@ -43,6 +43,11 @@ def _store(request: Request) -> JobStore:
     return store
 
 
+def _job(request: Request) -> Job:
+    """The job that the address names. Raises `Problem`."""
+    return _store(request).get(request.path_params["name"], client_of(request))
+
+
 def _response(job: Job, status: int = 200, headers: dict[str, str] | None = None) -> Response:
     return json_response(job.document(), status, {"Cache-Control": "no-store", **(headers or {})})
 
@@ -69,12 +74,12 @@ async def start_scene(request: Request) -> Response:
     return await once(request, order.work.key.encode(), begun)
 
 
-async def show(request: Request, name: str) -> Response:
-    return _response(_store(request).get(name, client_of(request)))
+async def show(request: Request) -> Response:
+    return _response(_job(request))
 
 
-async def answer(request: Request, name: str) -> Response:
-    job = _store(request).get(name, client_of(request))
+async def answer(request: Request) -> Response:
+    job = _job(request)
     if job.problem is not None:
         raise job.problem
     if job.state == "cancelled":
@@ -84,8 +89,8 @@ async def answer(request: Request, name: str) -> Response:
     return json_response(job.answer.body)
 
 
-async def events(request: Request, name: str) -> Response:
-    job = _store(request).get(name, client_of(request))
+async def events(request: Request) -> Response:
+    job = _job(request)
 
     async def stream() -> AsyncIterator[bytes]:
         async for changed in job.news(SILENCE_S):
@@ -99,5 +104,5 @@ async def events(request: Request, name: str) -> Response:
     return StreamingResponse(stream(), media_type="text/event-stream", headers=headers)
 
 
-async def cancel(request: Request, name: str) -> Response:
-    return _response(_store(request).cancel(name, client_of(request)))
+async def cancel(request: Request) -> Response:
+    return _response(_store(request).cancel(request.path_params["name"], client_of(request)))

@@ -25,7 +25,7 @@ INDEX = Path(__file__).parent / "index.html"
 POLICY = {"Content-Security-Policy": "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"}
 
 
-def index() -> Response:
+def index(_: Request) -> Response:
     return Response(INDEX.read_bytes(), media_type="text/html", headers=POLICY)
 
 
@@ -83,12 +83,13 @@ def _studio_page() -> tuple[bytes, dict[str, str]]:
     return (FILES / "studio.html").read_bytes(), {"Content-Security-Policy": policy}
 
 
-def studio() -> Response:
+def studio(_: Request) -> Response:
     page, headers = _studio_page()
     return Response(page, media_type="text/html", headers=headers)
 
 
-def studio_file(name: str) -> Response:
+def studio_file(request: Request) -> Response:
+    name = request.path_params["name"]
     if name == PLAYER:
         return Response(page("cell", "", "", None), media_type="text/html", headers=POLICY)
     if name not in KINDS:

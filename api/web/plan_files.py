@@ -59,7 +59,7 @@ def responses(problems: dict[int | str, dict[str, Any]]) -> dict[int | str, dict
 def file_wanted(request: Request) -> dict[str, Any] | None:
     """How the plan is to be written into a file, as an export has it; None: the answer is wanted. Raises `Problem`
     naming the parameter."""
-    given = request.query_params
+    given = dict(request.query_params.items())
     own = {name: given[name] for name in OF_FILES if name in given}
     form = given.get("format")
     if form is not None and form not in MEDIA_TYPES:

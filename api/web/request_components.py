@@ -13,7 +13,7 @@ from typing import Any
 from assur.scenes.catalogue import models
 from assur.scenes.exports.documents import export_schemas
 from assur.scenes.meshes.assets import asset_names
-from assur.scenes.requests import BUDGETS, ik_schema, request_schema
+from assur.scenes.requests import BUDGETS, ik_schema, request_schema, schema_of
 from assur.scenes.units import TWIN_UNITS, any_unit, twin_of
 
 AT_MOST_ONE = "x-at-most-one"
@@ -28,7 +28,11 @@ def request_components(marks: dict[str, Any], most_budget_s: float) -> dict[str,
     """The components by name. `marks`: fields of a body with a request and a plan that may be a plan file;
     `most_budget_s`: largest budget that the service gives, s."""
     request, question, export, trajectory = request_schema(), ik_schema(), *export_schemas()
-    parts = {name: part for of in (request, question, export, trajectory) for name, part in of.pop("$defs", {}).items()}
+    cell, task = schema_of("cell"), schema_of("task")
+    of_all = (request, question, export, trajectory, cell, task)
+    parts = {name: part for of in of_all for name, part in of.pop("$defs", {}).items()}
+    del task["properties"]["cell"]  # the address names it
+    task["required"] = ["start", "steps"]
     for of_plan, needed in ((export, ["request", "plan"]), (trajectory, ["request"])):
         of_plan["properties"]["request"] = REQUEST
         of_plan["properties"]["plan"] = {
@@ -39,10 +43,12 @@ def request_components(marks: dict[str, Any], most_budget_s: float) -> dict[str,
         of_plan["required"] = [*needed, *of_plan.get("required", [])]
     question["properties"]["request"] = REQUEST
     question["allOf"].append({"oneOf": [{"required": ["request"]}, {"required": ["robot"]}]})
-    del request["$schema"], request["$id"]
+    del request["$schema"], request["$id"], cell["$schema"], task["$schema"]
     found = {
         **parts,
         "Request": request,
+        "Cell": cell,
+        "Task": task,
         "IkQuestion": question,
         "ExportQuestion": export,
         "TrajectoryQuestion": trajectory,
@@ -56,14 +62,15 @@ def request_components(marks: dict[str, Any], most_budget_s: float) -> dict[str,
     }
     for name, key in NEVER.items():
         _forget(found[name], key)
-    del found["PlanFileDocument"]
+    for name in ("PlanFileDocument", "CellReference"):
+        del found[name]
     _name(found["RobotDocument"]["properties"]["model"], list(models()))
     _name(found["MeshDocument"]["properties"]["asset"], list(asset_names()))
     _limit_budgets(found["OptionsDocument"]["properties"], most_budget_s)
     _split_joints(found)
-    frames = request["properties"]["frames"]
-    ((pattern, law),) = frames.pop("patternProperties").items()
-    frames |= {"additionalProperties": law, "propertyNames": {"pattern": pattern}}
+    for field in (field for part in found.values() for field in part.get("properties", {}).values()):
+        for pattern, named in field.pop("patternProperties", {}).items():
+            field |= {"additionalProperties": named, "propertyNames": {"pattern": pattern}}
     for part in found.values():
         # of joints by name: generators of clients take one type of value; the limits in SI are the narrowest
         part.pop("patternProperties", None)

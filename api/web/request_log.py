@@ -6,8 +6,8 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Mapping, MutableMapping, Sequence
+from os import urandom
 from typing import Any
-from uuid import uuid4
 
 from starlette.datastructures import Headers
 from starlette.requests import ClientDisconnect
@@ -15,7 +15,7 @@ from starlette.routing import BaseRoute, Match
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from assur.api.documents import problem_response
-from assur.api.logs import LOGGER, about, event
+from assur.api.logs import ABOUT, LOGGER, event
 from assur.api.problems import Problem
 from assur.api.telemetry.meters import Meters
 from assur.api.telemetry.trace import CURRENT, Trace, new_traceparent
@@ -47,7 +47,7 @@ class RequestLog:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        trace = Trace(uuid4().hex, new_traceparent(Headers(scope=scope).getlist("traceparent")))
+        trace = Trace(urandom(16).hex(), new_traceparent(Headers(scope=scope).getlist("traceparent")))
         original = dict(scope)  # a part of the application that is mounted changes what the scope says of its path
         scope[FACTS] = trace.facts
         began = time.monotonic()
@@ -66,12 +66,21 @@ class RequestLog:
                 _add_headers(message, trace)
             await send(message)
 
-        token = CURRENT.set(trace)
+        tokens = CURRENT.set(trace), ABOUT.set(trace.carried())
         try:
-            with about(trace.carried()):
-                status = await self._answered(scope, receiving, sending, trace) or status
+            await self._app(scope, receiving, sending)
+        except ClientDisconnect:
+            status = CLIENT_GONE
+        except Exception:  # noqa: BLE001 - the last ring: whatever it is, it is logged and answered, never shown
+            self._meters.faults.inc()
+            LOGGER.exception("a request met a fault", extra={"facts": {"request": trace.identity}})
+            trace.facts["problem"] = "fault"
+            if not status:
+                detail = f"It is logged as request {trace.identity}. The request may be sent again."
+                await problem_response(Problem("fault", detail))(scope, receive, sending)
         finally:
-            CURRENT.reset(token)
+            CURRENT.reset(tokens[0])
+            ABOUT.reset(tokens[1])
             method = scope["method"] if scope["method"] in METHODS else "OTHER"
             route = self._route(scope, original)
             self._count(route, method, status, trace, time.monotonic() - began)
@@ -93,28 +102,6 @@ class RequestLog:
             (each for each in self._routes if each.matches(original)[0] is not Match.NONE), None
         )
         return str(getattr(found, "path", "none"))
-
-    async def _answered(self, scope: Scope, receive: Receive, send: Send, trace: Trace) -> int | None:
-        """Answers; the status, where it is not the one that was sent."""
-        begun = False
-
-        async def sending(message: Message) -> None:
-            nonlocal begun
-            begun = True
-            await send(message)
-
-        try:
-            await self._app(scope, receive, sending)
-        except ClientDisconnect:
-            return CLIENT_GONE
-        except Exception:  # noqa: BLE001 - the last ring: whatever it is, it is logged and answered, never shown
-            self._meters.faults.inc()
-            LOGGER.exception("a request met a fault", extra={"facts": {"request": trace.identity}})
-            trace.facts["problem"] = "fault"
-            if not begun:
-                detail = f"It is logged as request {trace.identity}. The request may be sent again."
-                await problem_response(Problem("fault", detail))(scope, receive, sending)
-        return None
 
     def _count(self, route: str, method: str, status: int, trace: Trace, seconds: float) -> None:
         facts: Mapping[str, Any] = trace.facts

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from inspect import iscoroutinefunction
 from types import MappingProxyType
 from typing import Any, NamedTuple, get_args
 
 from fastapi import APIRouter, Request
 from fastapi.routing import APIRoute
+from starlette.concurrency import run_in_threadpool
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
+from starlette.types import Receive, Scope, Send
 
 from assur.api.version import VersionDocument
 from assur.api.web import cell_routes, job_routes, mesh_routes, operation_routes, plan_files, routes
@@ -73,10 +77,12 @@ PLAN: dict[str, Any] = body(ref("Request"), {}, CERTIFICATE) | {
     "description": 'A body `{"scenario": NAME}` is planned, too, as by `/v1/scenes/{name}/plans`.'
 }
 PLAN_OR_FILE = PLAN | {"parameters": [CERTIFICATE, *plan_files.PARAMETERS]}
+SCENARIO = parameter("name", "name of a shipped scenario", {"type": "string"}, "path")
+JOB: dict[str, Any] = {"parameters": [parameter("name", "id of a job", {"type": "string"}, "path")]}
 SCENE: dict[str, Any] = body(
     ref("SceneQuestion"),
     {"a short search": {"options": {"stop": "first"}}},
-    parameter("name", "name of a shipped scenario", {"type": "string"}, "path"),
+    SCENARIO,
     CERTIFICATE,
 ) | {"description": "There may be no body at all."}
 SCENE["requestBody"]["required"] = False
@@ -98,10 +104,9 @@ MESH: dict[str, Any] = {
         ),
     ],
 }
-OBJECT: dict[str, Any] = {"type": "object", "additionalProperties": True}
-CELL: dict[str, Any] = body(OBJECT | {"description": "a cell, `schema: assur-cell/1`"}, {}, SHA256)
+CELL: dict[str, Any] = body(ref("Cell"), {}, SHA256)
 TASK: dict[str, Any] = body(
-    OBJECT | {"description": "a task without its cell: `start`, `parts`, `steps`, `options`, `set`"},
+    ref("Task"),
     {},
     SHA256,
     CERTIFICATE,
@@ -138,11 +143,20 @@ TEXT = body(
 
 
 class Direct(APIRoute):
-    """A route whose function reads its request itself. FastAPI describes it, and does not look at each request."""
+    """A route whose function gets the request and gives the response; a plain function is called beside the event loop.
+    FastAPI describes it, and does not look at each request."""
 
-    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
-        handler: Callable[[Request], Coroutine[Any, Any, Response]] = self.endpoint
-        return handler
+    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if self.methods and scope["method"] not in self.methods:
+            await super().handle(scope, receive, send)  # which refuses it
+            return
+        request = Request(scope, receive, send)
+        response = await (self.endpoint(request) if self._waits else run_in_threadpool(self.endpoint, request))
+        await response(scope, receive, send)
+
+    @cached_property
+    def _waits(self) -> bool:
+        return iscoroutinefunction(self.endpoint)
 
 
 class Row(NamedTuple):
@@ -150,8 +164,7 @@ class Row(NamedTuple):
 
     `operation`: its name in the description, with its `tag` and `summary`; empty: it is not described. `gives`: a model
     or a class of responses; `status`: of its answer; `responses` by status: further ones, described. `problems`: kinds
-    that it may answer with. `takes`: body and parameters, as an `openapi_extra`; a POST and a PUT are read by the
-    function itself.
+    that it may answer with. `takes`: body and parameters, as an `openapi_extra`.
     """
 
     method: str
@@ -179,7 +192,7 @@ class Row(NamedTuple):
             summary=self.summary,
             openapi_extra=self.takes,
             include_in_schema=bool(self.operation),
-            route_class_override=Direct if self.method in ("POST", "PUT") else None,
+            route_class_override=Direct,
             status_code=self.status,
             responses={**problems(*self.problems), **self.responses},
             **gives,
@@ -218,11 +231,11 @@ TABLE = (
         responses=component("Robots")),
     Row("GET", "/v1/scenes", routes.list_scenes, "list_scenes", "scenes", "The shipped scenarios", Scenes),
     Row("GET", "/v1/scenes/{name}", routes.show_scene, "show_scene", "scenes",
-        "The request of a shipped scenario, ready to be posted", None, ("not-found",),
+        "The request of a shipped scenario, ready to be posted", None, ("not-found",), {"parameters": [SCENARIO]},
         responses=component("Request")),
     Row("GET", "/v1/scenes/{name}/text", routes.show_scene_text, "show_scene_text", "scenes",
         "The text of a shipped scenario, as it is in its file", PlainTextResponse, ("not-found",),
-        responses={200: {"content": {"application/yaml": {}}}}),
+        {"parameters": [SCENARIO]}, responses={200: {"content": {"application/yaml": {}}}}),
     Row("GET", "/v1/schema", routes.schema, "show_request_schema", "plans", "JSON Schema of the request",
         responses=component("JsonSchema")),
     Row("GET", "/livez", routes.live, "show_live", "service", "Whether the service runs", Live),
@@ -234,14 +247,14 @@ TABLE = (
     Row("POST", "/v1/scenes/{name}/jobs", job_routes.start_scene, "start_scene_job", "jobs",
         "Plan a shipped scenario while the client is elsewhere", JobDocument, ("not-found", *STARTED), SCENE, 202),
     Row("GET", "/v1/jobs/{name}", job_routes.show, "show_job", "jobs", "How far a job has come", JobDocument,
-        ("job-lost",)),
+        ("job-lost",), JOB),
     Row("GET", "/v1/jobs/{name}/answer", job_routes.answer, "show_job_answer", "jobs",
-        "The answer of a job that is done, as POST /v1/plans would have given it", Answer, JOB_ANSWERED),
+        "The answer of a job that is done, as POST /v1/plans would have given it", Answer, JOB_ANSWERED, JOB),
     Row("GET", "/v1/jobs/{name}/events", job_routes.events, "watch_job", "jobs",
-        "The progress of a job as server-sent events, until it has ended", None, ("job-lost",),
+        "The progress of a job as server-sent events, until it has ended", None, ("job-lost",), JOB,
         responses={200: EVENTS}),
     Row("DELETE", "/v1/jobs/{name}", job_routes.cancel, "delete_job", "jobs",
-        "Call a job off, or forget one that has ended", JobDocument, ("job-lost",)),
+        "Call a job off, or forget one that has ended", JobDocument, ("job-lost",), JOB),
     Row("GET", "/studio", operation_routes.studio),
     Row("GET", "/studio/{name}", operation_routes.studio_file),
     Row("PUT", "/v1/meshes/{sha256}", mesh_routes.put_mesh, "keep_mesh", "meshes",

@@ -1,5 +1,5 @@
 """What answers at the addresses of plans, robots, scenarios and health (`assur.api.web.route_table`); the work is in
-`assur.api.web.service`. What reads files is a plain function: FastAPI calls those beside the event loop."""
+`assur.api.web.service`. What reads files is a plain function: those are called beside the event loop."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from assur.api.problems import Problem
 from assur.api.web import plan_files
 from assur.api.web.body_reader import read_body
 from assur.api.web.clients import client_of
+from assur.api.web.connections import LEAVES
 from assur.api.web.idempotency import Idempotency
 from assur.api.web.request_log import CLIENT_GONE
 from assur.api.web.service import Order, Service
@@ -25,6 +26,8 @@ from assur.planner.errors import InputError
 from assur.scenes.requests import Detail, request_schema, robots, shipped_scenarios
 from assur.scenes.scenarios import scenario_text
 
+DETAILS = get_args(Detail)
+
 
 def service_of(request: Request) -> Service:
     service: Service = request.app.state.service
@@ -33,19 +36,23 @@ def service_of(request: Request) -> Service:
 
 async def unless_gone(request: Request, work: Awaitable[jobs.Answer]) -> Response:
     """The response to `work`, which is cancelled as soon as the client closes the connection."""
-    working, leaving = asyncio.current_task(), asyncio.ensure_future(_gone(request))
+    working, gone = asyncio.current_task(), False
     assert working is not None  # noqa: S101 - a coroutine runs in a task
-    ended = False
-    leaving.add_done_callback(lambda _: ended or working.cancel())
+
+    def leave() -> None:
+        nonlocal gone
+        gone = working.cancel()
+
+    if request.scope.setdefault(LEAVES, leave) is None:
+        leave()
     try:
         answer = await work
     except asyncio.CancelledError:
-        if not leaving.done() or working.uncancel():
+        if not gone or working.uncancel():
             raise
         return Response(status_code=CLIENT_GONE)
     finally:
-        ended = True
-        leaving.cancel()
+        del request.scope[LEAVES]
     return Response(answer.body, answer.status, answer.headers, answer.media_type)
 
 
@@ -59,36 +66,30 @@ def _known(parameters: tuple[str, ...]) -> str:
     return "a known parameter: " + ", ".join(parameters) if parameters else "no parameter at all"
 
 
-async def _gone(request: Request) -> None:
-    """Returns when the client has closed the connection; its body has been read before."""
-    while (await request.receive())["type"] != "http.disconnect":
-        pass
-
-
 async def read_admitted(request: Request, limit: int, *parameters: str, json: bool = True) -> bytes:
     """The body of a request that is admitted. `json`: as `read_body`. Raises `Problem`."""
-    admit(request, *parameters)
-    service = service_of(request)
-    with service.meters.bodies.track_inprogress():
-        return await read_body(request, limit, service.settings.body_s, service.reading, json=json)
+    service = admit(request, *parameters)
+    return await read_body(request, limit, service.settings.body_s, service.reading, json=json)
 
 
-def admit(request: Request, *parameters: str) -> None:
-    """Raises the `Problem` of a request that is turned away unread: for a parameter of the address that is not one of
-    `parameters` or is there twice, and when the queue is full."""
-    for name in request.query_params:
+def admit(request: Request, *parameters: str) -> Service:
+    """The service, for a request that is not turned away unread. Raises the `Problem` of one that is: for a parameter
+    of the address that is not one of `parameters` or is there twice, and when the queue is full."""
+    given, service = request.query_params, service_of(request)
+    for name in given:
         if name not in parameters:
-            raise Problem.of_input(InputError(name, request.query_params[name], _known(parameters)))
-        if len(values := request.query_params.getlist(name)) > 1:
+            raise Problem.of_input(InputError(name, given[name], _known(parameters)))
+        if len(values := given.getlist(name)) > 1:
             raise Problem.of_input(InputError(name, ", ".join(values), f"{name} once"))
-    service_of(request).workers.require_room(client_of(request))
+    service.workers.require_room(client_of(request))
+    return service
 
 
 def certificate_of(request: Request) -> Detail:
     """How much of the certificate is wanted. Raises `Problem`."""
     certificate = request.query_params.get("certificate", "full")
-    if certificate not in get_args(Detail):
-        raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(Detail))))
+    if certificate not in DETAILS:
+        raise Problem.of_input(InputError("certificate", certificate, " or ".join(DETAILS)))
     return cast(Detail, certificate)
 
 
@@ -126,7 +127,7 @@ async def plan(request: Request) -> Response:
         body = await read_admitted(request, PLAN_BODY_BYTES, *plan_files.NAMES)
         return await once(request, body, lambda: unless_gone(request, service_of(request).plan_file(body, how, client)))
     certificate = certificate_of(request)
-    body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
+    body = await read_admitted(request, PLAN_BODY_BYTES, "certificate", *plan_files.NAMES)
     return await once(request, body, lambda: unless_gone(request, service_of(request).plan(body, certificate, client)))
 
 
@@ -136,16 +137,17 @@ async def plan_scene(request: Request) -> Response:
     return await once(request, key, lambda: unless_gone(request, service_of(request).do(order)))
 
 
-def list_robots() -> Response:
+def list_robots(_: Request) -> Response:
     return json_response({"robots": robots()})
 
 
-def list_scenes() -> Response:
+def list_scenes(_: Request) -> Response:
     scenes = [{"name": name, "about": about} for name, about in shipped_scenarios().items()]
     return json_response({"scenes": scenes})
 
 
-def show_scene(request: Request, name: str) -> Response:
+def show_scene(request: Request) -> Response:
+    name = request.path_params["name"]
     if name == "parse":  # no scenario, but an address that takes a POST
         raise Problem("method-not-allowed", "Allowed here: POST.", headers={"Allow": "POST"})
     try:
@@ -154,14 +156,14 @@ def show_scene(request: Request, name: str) -> Response:
         raise Problem.of_input(error, "not-found") from error
 
 
-def show_scene_text(name: str) -> Response:
+def show_scene_text(request: Request) -> Response:
     try:
-        return Response(scenario_text(name), media_type="application/yaml")
+        return Response(scenario_text(request.path_params["name"]), media_type="application/yaml")
     except InputError as error:
         raise Problem.of_input(error, "not-found") from error
 
 
-def schema() -> Response:
+def schema(_: Request) -> Response:
     return json_response(_schema())
 
 
@@ -170,7 +172,7 @@ def _schema() -> bytes:
     return to_json(request_schema())
 
 
-async def live() -> Response:
+async def live(_: Request) -> Response:
     return json_response({"live": True})
 
 

@@ -31,7 +31,7 @@ from assur.api.workers.client import Client, Demand, Ticket
 from assur.api.workers.end import Tell
 from assur.api.workers.pool import Work, Workers
 from assur.api.workers.results import Results
-from assur.api.workers.traced import Traced, warm
+from assur.api.workers.traced import warm
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
 from assur.scenes.meshes.folder import MeshFolder
@@ -84,6 +84,7 @@ class Service:
         self.results = Results(self.settings.results_mib << 20, build, self.meters)
         self.workers = Workers(self.settings, partial(warm, self.settings.log_level, self.meshes), self.meters)
         self.reading = Reading()
+        self.meters.gauge("assur_bodies_being_read", "Bodies that arrive.", lambda: self.reading.bodies)
 
     async def plan(self, body: bytes, certificate: Detail, client: Client) -> jobs.Answer:
         """The answer to the request in `body`, or to the shipped scenario that it names. Raises `Problem`."""
@@ -259,12 +260,13 @@ class Service:
             trace.replayed("result", age_s)
             return answer
         ticket = ticket or self.workers.admit(order.demand)
-        reply: jobs.Reply = await self.workers.run(ticket, replace(work, job=Traced(work.job, trace.carried())), report)
+        reply: jobs.Reply = await self.workers.run(ticket, work, report)
         match reply:
             case jobs.Answer():
                 trace.answered(reply.outcome, reply.reason, reply.stages)
                 self.results.keep(work.job, work.arguments, reply)
-                self.meters.worked(work.job.__name__, reply.outcome, reply.reason, reply.stages)
+                worked = partial(self.meters.worked, work.job.__name__, reply.outcome, reply.reason, reply.stages)
+                asyncio.get_running_loop().call_soon(worked)  # when the answer is on its way
                 return reply
             case Problem():
                 raise reply

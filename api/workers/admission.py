@@ -91,7 +91,7 @@ class Admission:
         name = demand.client.name
         tag = max(self._virtual_s, self._paid.get(name, 0.0))
         ticket = Ticket(demand, expected_s, tag, self._clock())
-        start, _ = self._forecast(ticket)[ticket]
+        start, _ = self._forecast(ticket)[ticket] if self._running or self._waiting else (0.0, 0.0)
         if start > self._places.wait_s:
             raise busy(
                 start - self._places.wait_s,
@@ -120,6 +120,8 @@ class Admission:
     def recall(self) -> Ticket | None:
         """The ticket that must give back the worker that it has borrowed, if a short request waits for one: of several
         the one that began last."""
+        if not self._waiting:
+            return None
         may_run = self._may_run()
         wanted = sum(ticket.demand.short and may_run(ticket) for ticket in self._waiting)
         if wanted <= sum(ticket.borrows and ticket.recalled for ticket in self._running):

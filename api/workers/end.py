@@ -46,18 +46,23 @@ class End(asyncio.Protocol):
         """Whether a job has returned, and what it returned or raised; `report` takes its messages. The result of the
         job before has come. Raises `ConnectionError` where the worker is gone and had not read the job, `EOFError`
         where it had."""
-        reply = asyncio.get_running_loop().create_future()
-        self._report, self._reply = report, reply
         data = pickle.dumps(job)
+        self._report = report
+        return self._written(JOB + LENGTH.pack(len(data)) + data)
+
+    def call_off(self) -> asyncio.Future[tuple[bool, Any]]:
+        """Writes that the job is called off. Gives what `give` gave, also to one who has cancelled that."""
+        reply = self._reply
+        return self._written(CALL_OFF) if reply is None or reply.cancelled() else reply
+
+    def _written(self, message: bytes) -> asyncio.Future[tuple[bool, Any]]:
+        """Writes a message; the result of the job that comes after it."""
+        reply = self._reply = asyncio.get_running_loop().create_future()
         if self.closed:
             reply.set_exception(ConnectionResetError())
         else:
-            self._transport.write(JOB + LENGTH.pack(len(data)) + data)
+            self._transport.write(message)
         return reply
-
-    def call_off(self) -> None:
-        """Writes that the job is called off."""
-        self._transport.write(CALL_OFF)
 
     def close(self) -> None:
         """Closes the pair, which ends a worker that waits for a job."""
@@ -68,7 +73,7 @@ class End(asyncio.Protocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         self.closed = True
-        self._fail(exc or EOFError())
+        self.fail(exc or EOFError())
 
     def data_received(self, data: bytes) -> None:
         self._received += data
@@ -83,11 +88,12 @@ class End(asyncio.Protocol):
                 if not is_result and self._report is not None:
                     self._report(value)
             except Exception as fault:  # noqa: BLE001 - raised where the reply is awaited
-                self._fail(fault)
+                self.fail(fault)
             else:
                 if is_result and self._reply is not None and not self._reply.done():
                     self._reply.set_result(value)
 
-    def _fail(self, error: Exception) -> None:
+    def fail(self, error: Exception) -> None:
+        """Has who waits for the result get an error."""
         if self._reply is not None and not self._reply.done():
             self._reply.set_exception(error)

@@ -62,7 +62,7 @@ FIRST_PLAN: dict[str, Any] = {
 """The request that a new worker plans first: small, and it passes through every library, that for meshes too."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)  # with slots, Python code would pickle it
 class Answer:
     """A document as JSON, a page or a file, and in a word what it says, for the log.
 

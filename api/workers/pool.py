@@ -23,6 +23,7 @@ from assur.api.workers.admission import Admission, Places
 from assur.api.workers.client import Client, Demand, Ticket
 from assur.api.workers.end import Tell
 from assur.api.workers.quarantine import Quarantine
+from assur.api.workers.traced import Traced
 from assur.api.workers.worker_process import (
     NO_MEMORY,
     About,
@@ -162,7 +163,7 @@ class Workers:
             while True:
                 number = await self._number(ticket)
                 current().queued_s = ticket.waited_s
-                self.meters.queued(ticket.waited_s)
+                asyncio.get_running_loop().call_soon(self.meters.queued, ticket.waited_s)  # while the worker works
                 try:
                     return await self._on(number, work, ticket, report)
                 except RecalledError:
@@ -208,7 +209,7 @@ class Workers:
             elif report is not None:
                 report(value)
 
-        deaths = 0
+        deaths, traced = 0, Traced(work.job, current().carried())
         while True:
             if ticket.borrows and ticket.recalled:
                 raise RecalledError
@@ -218,9 +219,7 @@ class Workers:
             about = About(left_s, suspect=deaths > 0, reported=report is not None) if work.in_touch else None
             try:
                 wall_s = ticket.demand.wall_s
-                running = self._processes[number].run(
-                    work.job, work.arguments, wall_s, hear, about, listens=work.listens
-                )
+                running = self._processes[number].run(traced, work.arguments, wall_s, hear, about, listens=work.listens)
                 return await (self._unless_recalled(ticket, running) if ticket.borrows else running)
             except NotBegunError:
                 self.meters.restarted("idle")
@@ -274,6 +273,8 @@ class Workers:
             self.meters.restarted("idle")
             self._free.discard(number)
             self._refill(number)
+        if not self.admission.waiting:
+            return
         for lend in (False, True):
             for number in sorted(self._free):
                 ticket = self.admission.next(number, lend=lend)

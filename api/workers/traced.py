@@ -11,7 +11,7 @@ from assur.api.workers import jobs
 from assur.scenes.meshes.folder import MeshFolder
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)  # with slots, Python code would pickle it
 class Traced:
     """A job, and the request that it is of. It is pickled and called in a worker."""
 
@@ -19,8 +19,11 @@ class Traced:
     request: Mapping[str, str]
 
     def __call__(self, *arguments: Any) -> Any:
-        with logs.about(self.request):
+        token = logs.ABOUT.set(self.request)
+        try:
             return self.job(*arguments)
+        finally:
+            logs.ABOUT.reset(token)
 
 
 def warm(level: str, meshes: MeshFolder | None = None) -> str:

@@ -57,7 +57,7 @@ class Meaning:
     digest: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)  # with slots, Python code would pickle it
 class About:
     """What a job in touch gets. `banned`: the keys of requests in quarantine, and for how long they are, s;
     `suspect`: a worker has died under this very request; `reported`: somebody takes how far it has come."""
@@ -296,24 +296,24 @@ class WorkerProcess:
         """What `end` gives, within a time. `ends_s`: how long the job may go on when this is cancelled, at most to the
         end of `wall_s`."""
         self._ended_early = False
-        end_s = asyncio.get_running_loop().time() + wall_s
+        loop = asyncio.get_running_loop()
+        end_s = loop.time() + wall_s
         reply = end.give(job, report)
+        clock = loop.call_at(end_s, end.fail, TimeoutError())
         try:
-            async with asyncio.timeout(wall_s):
-                return await asyncio.shield(reply)
+            return await reply
         except TimeoutError as late:
             raise KilledError(f"no result after {wall_s:g} s") from late
         except asyncio.CancelledError:
             if ends_s > 0.0:
-                left_s = end_s - asyncio.get_running_loop().time()
-                self._ended_early = await _ends_when_called_off(end, reply, min(ends_s, left_s))
+                self._ended_early = await _ends_when_called_off(end, min(ends_s, end_s - loop.time()))
             raise
         except ConnectionError as gone:
             raise NotBegunError("was dead before it began") from gone
         except EOFError as gone:
             raise CrashedError(_how(await self._exit_code())) from gone
         finally:
-            reply.cancel()
+            clock.cancel()
 
     async def _exit_code(self) -> int | None:
         """The exit code of a process whose end of the pair is closed."""
@@ -324,13 +324,12 @@ class WorkerProcess:
         return process.exitcode
 
 
-async def _ends_when_called_off(end: End, reply: asyncio.Future[Any], within_s: float) -> bool:
+async def _ends_when_called_off(end: End, within_s: float) -> bool:
     """Tells a worker that its job is called off; whether it then ends in time and can be given another. A job that does
     not listen leaves that for the worker, which skips it."""
     try:
-        end.call_off()
         async with asyncio.timeout(within_s):
-            await asyncio.shield(reply)
+            await end.call_off()
     except (TimeoutError, EOFError, ConnectionError, asyncio.CancelledError):
         return False
     return True

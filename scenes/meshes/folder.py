@@ -131,7 +131,7 @@ class MeshFolder:
 
     def _kept(self, name: str) -> StoredFile | None:
         try:
-            facts = (self.path / name).lstat()
+            facts = os.lstat(f"{self.path}/{name}")
         except OSError:
             return None
         left = facts.st_mtime + self.kept_s - time.time()

@@ -10,7 +10,7 @@ from assur.planner.errors import InputError
 from assur.scenes.proposals.edits import value_at
 from assur.scenes.schema.normal import normal
 from assur.scenes.set_values import GIVEN, Changed
-from assur.scenes.tasks.joining import Joined
+from assur.scenes.tasks.origins import Joined
 
 Origin = tuple[str, str, object]
 """The document that has a value (`OF_CELL`, `OF_TASK` or `GIVEN`), its field there, and the value."""

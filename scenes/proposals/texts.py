@@ -25,7 +25,7 @@ from assur.scenes.schema.model import Coordinate, Document
 from assur.scenes.schema.normal import normal
 from assur.scenes.schema.read import read
 from assur.scenes.set_values import Changed
-from assur.scenes.tasks.joining import OF_CELL, OF_TASK
+from assur.scenes.tasks.origins import OF_CELL, OF_TASK
 from assur.scenes.tasks.task_file import TaskScenario
 
 Texts = dict[str, str]

@@ -118,7 +118,8 @@ def _tilt(roll: float, pitch: float) -> FloatArray:
 
 
 class Places(dict[str, tuple[str, Pose]]):
-    """Where each body of the cell sits: frame, and pose in it. `unread`: bodies and neighbours that have a fault."""
+    """Where each body of the cell sits: frame, and pose in it. `unread`: bodies and neighbours that have a fault;
+    with no text in place of a name that cannot be read, which may be any."""
 
     def __init__(self, places: Mapping[str, tuple[str, Pose]] = MappingProxyType({})) -> None:
         super().__init__(places)
@@ -133,7 +134,7 @@ class Places(dict[str, tuple[str, Pose]]):
         `Refused`, at `keys`, for a part that was taken away."""
         if name in self.gone:
             raise Refused(TAKEN, *keys)
-        if name.partition("/")[0] in self.unread:
+        if name.partition("/")[0] in self.unread or ("" in self.unread and name not in self):
             raise FollowsError
 
     def steady(self, name: str) -> None:
@@ -220,7 +221,7 @@ def resolve(place: Placement, yaw: float, frames: Frames, places: Places) -> tup
     return frame, carrier.then(pose)
 
 
-def named(item: TargetDocument | SlotsDocument, frames: Frames, places: Places) -> None:
+def named(item: TargetDocument | SlotsDocument | PlaceInCell, frames: Frames, places: Places) -> None:
     """Raises `Refused` where a pose is in a frame, or relative to a body, that the cell has not."""
     if item.body is None:
         frames.placed(WORLD if item.frame is None else item.frame, AT_ORIGIN)

@@ -18,6 +18,8 @@ from assur.planner.model.scene import (
     Options,
     Pick,
     Scene,
+    Start,
+    Step,
     WorldBody,
     check_tool_point,
 )
@@ -27,9 +29,12 @@ from assur.scenes.faults import FAULTS, Gathered, Refused, choices, located
 from assur.scenes.reading import bodies, frames, loads, neighbours, robots, task
 from assur.scenes.reading.bodies import Places
 from assur.scenes.reading.frames import Frames
+from assur.scenes.reading.partly import PartlyRead
 from assur.scenes.reading.start import check_loaded, start_of
+from assur.scenes.schema.in_parts import Unread
 from assur.scenes.schema.request import OptionsDocument, RequestDocument
-from assur.scenes.schema.shapes import BodyDocument
+from assur.scenes.schema.robots import RobotDocument
+from assur.scenes.schema.shapes import BodyDocument, PlaceInCell
 
 Depends = tuple[str | None, float | None]
 """On what surroundings depend besides their documents: the part that the gripper holds at the start; and the time of
@@ -118,6 +123,15 @@ def cell_of(document: object, request: RequestDocument, own: Kept | None = None)
         return _cell_of(document, request, {} if own is None else own)
 
 
+def look_up(document: object, request: PartlyRead) -> None:
+    """Raises `DocumentError` for what has no meaning in a request with parts that could not be read."""
+    faults = Gathered()
+    with located(document):
+        _task_of(request, _surroundings(request, request.depends, faults), request.depends[0], faults)
+        if faults.faults:
+            faults.settle()
+
+
 def _cell_of(document: object, request: RequestDocument, own: Kept) -> Cell:
     faults = Gathered()
     held = None if request.start.holding is None else request.start.holding.part
@@ -129,23 +143,11 @@ def _cell_of(document: object, request: RequestDocument, own: Kept) -> Cell:
             if len(own) >= MOST_CELLS:
                 own.clear()
             own[depends] = surroundings
-    given, known, places = surroundings.given, surroundings.frames, surroundings.places
-    coordinates, solid_tool = None if given is None else given.robot.coordinates, bool(request.robot.tool.bodies)
-    if given is not None:
-        try:
-            start, moved = start_of(request.start, given, known, places)
-        except FAULTS as error:
-            faults.add(error, "start")
-    steps = task.steps_of(request.task, known, places, coordinates, held, faults, solid_tool=solid_tool)
-    if given is not None:
-        options = _options(request.options, given, places, faults)
-        lag: tuple[float, ...] = ()
-        if request.execution.lag is not None:
-            with faults.part("execution", "lag"):
-                lag = robots.lag(request.execution.lag, given.conventions)
+    start, moved, steps, options, lag = _task_of(request, surroundings, held, faults)
     faults.settle()
-    if given is None:
-        raise FaultError("a robot that could not be read has no fault")
+    given, known, places = surroundings.given, surroundings.frames, surroundings.places
+    if given is None or start is None or options is None:
+        raise FaultError("a robot, a start or options that could not be read have no fault")
     robot, tool = given.robot, given.tool
     taken_up = {step.part for step in steps if isinstance(step, Pick)} | ({held} if held else set())
     if taken_up:
@@ -183,11 +185,32 @@ def _cell_of(document: object, request: RequestDocument, own: Kept) -> Cell:
     return Cell(scene, given, known, places, document, request)
 
 
-def _robot(request: RequestDocument, faults: Gathered) -> robots.RobotWithTool | None:
+def _task_of(
+    request: RequestDocument | PartlyRead, around: Surroundings, held: str | None, faults: Gathered
+) -> tuple[Start | None, tuple[str, ...], tuple[Step, ...], Options | None, tuple[float, ...]]:
+    """Start, what is assumed of it, steps, options and lag of a request; those that take a robot are None, and the lag
+    is empty, where there is none."""
+    given, known, places = around.given, around.frames, around.places
+    start, moved, options, lag = None, tuple[str, ...](), None, tuple[float, ...]()
+    if given is not None and not isinstance(request.start, Unread):
+        with faults.part("start"):
+            start, moved = start_of(request.start, given, known, places)
+    solid_tool = isinstance(request.robot, Unread) or bool(request.robot.tool.bodies)
+    coordinates = None if given is None else given.robot.coordinates
+    steps = task.steps_of(request.task, known, places, coordinates, held, faults, solid_tool=solid_tool)
+    if given is not None:
+        options = _options(request.options, given, places, faults)
+        if not isinstance(request.execution, Unread) and request.execution.lag is not None:
+            with faults.part("execution", "lag"):
+                lag = robots.lag(request.execution.lag, given.conventions)
+    return start, moved, steps, options, lag
+
+
+def _robot(item: RobotDocument, faults: Gathered) -> robots.RobotWithTool | None:
     """The robot with its tool; None where it cannot be read, which `faults` have."""
     try:
-        given = robots.equipped(request.robot)
-        for i, body in enumerate(request.robot.tool.bodies):
+        given = robots.equipped(item)
+        for i, body in enumerate(item.tool.bodies):
             if given.names.count(body.name) > 1:
                 raise Refused("a name that no other body has", "tool", "bodies", i, "name")
     except FAULTS as error:
@@ -230,17 +253,21 @@ def around(request: RequestDocument, depends: Depends, faults: Gathered) -> Surr
     return made
 
 
-def _surroundings(request: RequestDocument, depends: Depends, faults: Gathered) -> Surroundings:
+def _surroundings(request: RequestDocument | PartlyRead, depends: Depends, faults: Gathered) -> Surroundings:
     """The robot, the frames, and the bodies of neighbours and of the cell."""
     held, start_s = depends
-    given = _robot(request, faults)
+    given = None if isinstance(request.robot, Unread) else _robot(request.robot, faults)
     own = () if given is None else given.names
-    known, places, found = frames.frames_of(request.frames, faults), Places(), list[WorldBody]()
+    known, places, found, names = frames.frames_of(request.frames, faults), Places(), list[WorldBody](), set[str]()
     for i, item in enumerate(request.neighbours):
         raise_if_late()
+        if isinstance(item, Unread):
+            places.unread.add(item.text("name"))
+            continue
         try:
-            if item.name in {other.name for other in request.neighbours[:i]}:
+            if item.name in names:
                 raise Refused("a name that no other neighbour has", "name")
+            names.add(item.name)
             found += neighbours.add_neighbour(item, known.laws, places)
         except FAULTS as error:
             places.unread.add(item.name)
@@ -248,6 +275,12 @@ def _surroundings(request: RequestDocument, depends: Depends, faults: Gathered) 
     known.unread.update(places.unread)
     for i, named in enumerate(request.bodies):
         raise_if_late()
+        if isinstance(named, Unread):
+            if (pose := named.part(PlaceInCell, "pose")) is not None:
+                with faults.part("bodies", i, "pose"):
+                    bodies.named(pose, known, places)
+            places.unread.add(named.text("name"))
+            continue
         try:
             if named.name in own:
                 raise Refused("a name that no body of the robot or its tool has", "name")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -23,6 +23,7 @@ from assur.scenes.schema.frames import (
     SwingDocument,
     UncertaintyDocument,
 )
+from assur.scenes.schema.in_parts import Unread
 from assur.scenes.schema.model import Document, PoseDocument, PoseUncertaintyDocument
 
 Valid = tuple[float, float]
@@ -163,11 +164,14 @@ STILL = Frame(WORLD, laws.fixed(Pose()))
 """The frame that does not move."""
 
 
-def frames_of(frames: Mapping[str, FrameDocument], faults: Gathered) -> Frames:
+def frames_of(frames: Mapping[str, FrameDocument | Unread], faults: Gathered) -> Frames:
     """The frames, `world` among them. `faults` gets what a law refuses, and what leads to no frame."""
     found = Frames({WORLD: STILL}, {})
     for name, item in frames.items():
         raise_if_late()
+        if isinstance(item, Unread):
+            found.unread.add(name)
+            continue
         try:
             if name == WORLD:
                 raise Refused(f"another name: {WORLD} is the frame that does not move")
@@ -193,7 +197,7 @@ def _below(item: FrameDocument) -> str | None:
     return None if item.fixed is None or item.fixed.frame == WORLD else item.fixed.frame
 
 
-def _check_fixed(item: FrameDocument, frames: Mapping[str, FrameDocument]) -> None:
+def _check_fixed(item: FrameDocument, frames: Collection[str]) -> None:
     below = _below(item)
     if below not in frames:
         raise Refused(f"one of {choices([WORLD, *frames], str(below))}", "fixed", "frame")
@@ -203,14 +207,15 @@ def _check_fixed(item: FrameDocument, frames: Mapping[str, FrameDocument]) -> No
         raise Refused(f"no valid_s: the frame is known as long as {below} is", "valid_s")
 
 
-def _fixed_on(name: str, frames: Mapping[str, FrameDocument], known: Frames) -> tuple[str, Pose]:
+def _fixed_on(name: str, frames: Mapping[str, FrameDocument | Unread], known: Frames) -> tuple[str, Pose]:
     """The frame with a law that carries the frame `name`, directly or over others, and its pose there."""
     raise_if_late()
     pose, way = Pose(), [name]
     while way[-1] not in known.laws:
-        if way[-1] in known.unread:
+        item = frames[way[-1]]
+        if way[-1] in known.unread or isinstance(item, Unread):
             raise FollowsError
-        fixed = frames[way[-1]].fixed
+        fixed = item.fixed
         if fixed is None or fixed.frame is None:
             raise FaultError(f"frame {way[-1]} without a law is not fixed on another")
         if fixed.frame in way:

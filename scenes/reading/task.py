@@ -13,8 +13,9 @@ from assur.planner.model.path import LONGEST_S, ArcTo, LineTo, Path, PathError, 
 from assur.planner.model.scene import Arch, Follow, Move, Pick, Place, Step, Target, Trace, Window
 from assur.planner.model.task import Tolerance, lead_length
 from assur.scenes.faults import FAULTS, Gathered, Refused, choices
-from assur.scenes.reading.bodies import Places, resolve
+from assur.scenes.reading.bodies import Places, named, resolve
 from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
+from assur.scenes.schema.in_parts import Unread
 from assur.scenes.schema.task import (
     FollowDocument,
     MoveDocument,
@@ -67,8 +68,11 @@ class _Task:
         self.at: tuple[str, Point] | None = None
         """Frame, and the tool point in it, where the last step ends, if the request says it."""
 
-    def read(self, number: int, item: StepDocument) -> list[Step]:
+    def read(self, number: int, item: StepDocument | Unread) -> list[Step]:
         """The step; none where it has a fault."""
+        if isinstance(item, Unread):
+            self._pass(number, item)
+            return []
         key = next(key for key in KINDS if getattr(item, key) is not None)
         try:
             spelt = getattr(item, key)
@@ -81,14 +85,37 @@ class _Task:
             return [made]
         except FAULTS as error:
             self.faults.add(error, "task", number, key)
-        # later steps are read as if this one had taken or put down a part
-        self.at = None
-        if item.pick is not None:
-            self.held, self.lost = None, True
-        if item.place is not None:
-            self.held, self.lost = None, False
-            self.places.unread.add(item.place.part)
+        part = item.place or item.pick
+        self._lose(key, "" if part is None else part.part)
         return []
+
+    def _pass(self, number: int, step: Unread) -> None:
+        """Passes a step that could not be read; the names in it that can be are looked up."""
+        written = step.written if isinstance(step.written, dict) else {}
+        key = next((key for key in KINDS if key in written), "")
+        part, contacts = step.text(key, "part"), step.items(key, "contact_with")
+        for end in ("to", "start"):
+            if (target := step.part(TargetDocument, key, end)) is not None:
+                with self.faults.part("task", number, key, end):
+                    named(target, self.frames, self.places)
+        with self.faults.part("task", number, key):
+            self._contacts(part, [name if isinstance(name, str) else "" for name in contacts])
+        with self.faults.part("task", number, key, "part"):
+            self.places.hold(part)
+            if part and part not in self.places:
+                raise Refused(f"the name of a body: {choices(self.places, part)}")
+        self.names.add(step.text(key, "name"))
+        self._lose(key, part)
+        self.lost = self.lost or not key
+
+    def _lose(self, key: str, part: str) -> None:
+        """Later steps are read as if a step that has a fault had taken or put down its part."""
+        self.at = None
+        if key == "pick":
+            self.held, self.lost = None, True
+        if key == "place":
+            self.held, self.lost = None, False
+            self.places.unread.add(part)
 
     def _move(self, name: str, item: MoveDocument) -> Step:
         target = self._target(item.to, free=True)
@@ -335,7 +362,7 @@ def assumptions_of(steps: Sequence[Step]) -> tuple[str, ...]:
 
 
 def steps_of(
-    task: Sequence[StepDocument],
+    task: Sequence[StepDocument | Unread],
     frames: Frames,
     places: Places,
     coordinates: tuple[str, ...] | None,

@@ -17,24 +17,20 @@ from assur.scenes.schema.model import (
     Document,
     Duration,
     Group,
-    Interval,
     Mass,
     Name,
     Point,
     PoseUncertaintyDocument,
     Reference,
-    Stretch,
 )
-from assur.scenes.schema.request import CarryDocument, ExecutionDocument
+from assur.scenes.schema.request import CarryDocument, ExecutionDocument, OptionsDocument
 from assur.scenes.schema.robots import NeighbourDocument, RobotDocument
 from assur.scenes.schema.shapes import BodyDocument, PlaceInCell, ShapeDocument
 from assur.scenes.schema.task import LiftDocument, TargetDocument
+from assur.scenes.schema.task_steps import Count, SchemaOf, Slot, StartInTask, StepInTask
 
 CELL, TASK = "assur-cell/1", "assur-task/1"
 """Versions of both files."""
-Count = Annotated[int, Field(ge=1, le=bounds.MAX_SLOTS), WHOLE]
-Slot = Annotated[dict[Name, Count], Field(min_length=1, max_length=1)]
-"""The name of a grid, and the number of a slot in it, from 1."""
 
 
 class HandlingDefaults(Document):
@@ -84,7 +80,7 @@ class CellDocument(Document):
     kinds: Annotated[dict[Name, KindDocument], Field(max_length=bounds.MAX_BODIES)] = Field(default_factory=dict)
     positions: Annotated[dict[Name, TargetDocument], Field(max_length=bounds.MAX_BODIES)] = Field(default_factory=dict)
     slots: Annotated[dict[Name, SlotsDocument], Field(max_length=bounds.MAX_BODIES)] = Field(default_factory=dict)
-    options: dict[str, Any] = Field(default_factory=dict)
+    options: Annotated[dict[str, Any], SchemaOf(OptionsDocument)] = Field(default_factory=dict)
     execution: ExecutionDocument = ExecutionDocument()
     carry: CarryDocument | None = None
 
@@ -105,14 +101,7 @@ class PartDocument(Document):
     uncertainty: PoseUncertaintyDocument = KNOWN
 
 
-class TransferDocument(Document):
-    """A pick and a place for each part, in this order, to the next free slots."""
-
-    parts: Annotated[list[Reference], Field(min_length=1, max_length=bounds.MAX_STEPS)]
-    to: Name
-    window_s: Interval | None = None
-    window_m: Stretch | None = None
-    gone_after_s: Duration | None = None
+Step = Annotated[dict[str, Any], SchemaOf(StepInTask)]
 
 
 class CellReference(Document):
@@ -129,8 +118,8 @@ class TaskDocument(Document):
     about: Annotated[str, Field(min_length=1, max_length=bounds.MAX_TEXT)] | None = None
     cell: CellReference | None = None
     set: Annotated[dict[str, Any], Field(max_length=bounds.MAX_SET)] = Field(default_factory=dict)
-    start: dict[str, Any] | None = None
+    start: Annotated[dict[str, Any], SchemaOf(StartInTask)] | None = None
     parts: Annotated[list[PartDocument], Field(max_length=bounds.MAX_BODIES)] = Field(default_factory=list)
-    steps: Annotated[list[dict[str, Any]], Field(min_length=1, max_length=bounds.MAX_STEPS)]
-    options: dict[str, Any] = Field(default_factory=dict)
+    steps: Annotated[list[Step], Field(min_length=1, max_length=bounds.MAX_STEPS)]
+    options: Annotated[dict[str, Any], SchemaOf(OptionsDocument)] = Field(default_factory=dict)
     expect: ExpectDocument | None = None

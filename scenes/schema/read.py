@@ -49,7 +49,7 @@ COMPARISONS = {
 
 def read(model: Any, document: object) -> Any:
     """The document, which may be written in any units and with numbers of NumPy, as `model`. Raises `DocumentError`."""
-    return _read(model, document, _adapter(model))
+    return _read(model, document, adapter(model))
 
 
 def _read(model: Any, document: object, by: TypeAdapter[Any]) -> Any:
@@ -71,12 +71,12 @@ def read_normal(model: Any, normal_document: object, document: object, prefix: P
     `prefix`: where the document is, if it is part of another. Raises `DocumentError`: unknown fields first, for they
     are usually misspelt others.
     """
-    return _validated(model, document, prefix, lambda: _adapter(model).validate_python(normal_document))
+    return _validated(model, document, prefix, lambda: adapter(model).validate_python(normal_document))
 
 
 def read_written(model: Any, written: object, document: object, prefix: Path = ()) -> Any:
     """As `read_normal`, of a model with members of enumerations and other forms, as JSON has them."""
-    return _validated(model, document, prefix, lambda: _adapter(model).validate_json(json.dumps(written), strict=True))
+    return _validated(model, document, prefix, lambda: adapter(model).validate_json(json.dumps(written), strict=True))
 
 
 def _validated(
@@ -106,7 +106,8 @@ def _validated(
 
 
 @cache
-def _adapter(model: Any) -> TypeAdapter[Any]:
+def adapter(model: Any) -> TypeAdapter[Any]:
+    """What validates documents of a type."""
     return TypeAdapter(model)
 
 

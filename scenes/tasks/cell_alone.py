@@ -12,7 +12,8 @@ from assur.scenes.faults import Refused, located, within
 from assur.scenes.schema.cell_file import TASK, CellDocument
 from assur.scenes.schema.normal import plain
 from assur.scenes.schema.read import read
-from assur.scenes.tasks.joining import OF_CELL, Joined, joined, within_document
+from assur.scenes.tasks.joining import joined
+from assur.scenes.tasks.origins import OF_CELL, Joined, within_document
 
 SHARES = (0.6, 0.4, 0.5, 0.75, 0.25)
 """Where each joint may stand, as a share of its range. Not in the middle, where many arms are stretched."""

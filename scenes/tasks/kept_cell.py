@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_BODIES
-from assur.scenes.faults import WHOLE, DocumentError, Gathered, Refused, documented, located
+from assur.scenes.faults import DocumentError, Gathered, Refused, documented, located
 from assur.scenes.proposals.files import answer_to_task
 from assur.scenes.requests import plan_document
 from assur.scenes.schema.read import read_fields
 from assur.scenes.schema.request import RequestDocument
 from assur.scenes.schema.shapes import BodyDocument
-from assur.scenes.tasks.joining import OF_CELL, OF_TASK, CellFile, Joined, joined
+from assur.scenes.tasks.joining import CellFile, joined
+from assur.scenes.tasks.origins import OF_TASK, Joined
 
 if TYPE_CHECKING:
     from assur.scenes.reading.cell import Depends, Kept, Surroundings
@@ -32,13 +33,9 @@ class KeptCellFile:
     """
 
     def __init__(self, document: object) -> None:
-        """Raises `DocumentError` for the form of the cell. Names are looked up and meshes read with the first task."""
-        try:
-            self.file = CellFile(document)
-        except DocumentError as error:
-            raise error.relocated(
-                lambda field: WHOLE if field == OF_CELL else field.removeprefix(f"{OF_CELL}.")
-            ) from error
+        """Raises `DocumentError` for a cell whose form has a fault. Otherwise names are looked up, and meshes read,
+        with the first task."""
+        self.file = CellFile(document)
         written = self.file.written
         stated = {key: written[key] for key in STATED_BY_CELL if key in written}
         self.alone = RequestDocument.of_cell(read_fields(RequestDocument, stated))

@@ -7,6 +7,7 @@ when the next task begins: the frame may have been off for all of the plan.
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -15,15 +16,17 @@ from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_SLOTS
-from assur.scenes.faults import NOTHING, DocumentError, Refused, fault
-from assur.scenes.schema.cell_file import CellDocument, TaskDocument
+from assur.scenes.faults import NOTHING, DocumentError, Refused, as_written, fault, written_key
+from assur.scenes.schema.cell_file import TASK, CellDocument, TaskDocument
 from assur.scenes.schema.normal import normal
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
 from assur.scenes.schema.shapes import BodyDocument, PlaceInCell
 from assur.scenes.set_values import with_values
 from assur.scenes.tasks.grids import counts, slot_poses
-from assur.scenes.tasks.joining import OF_CELL, OF_TASK, within_document
+from assur.scenes.tasks.joining import joined
+from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Joined, within_document
+from assur.scenes.units import si_key
 
 if TYPE_CHECKING:
     from assur.planner.frames.motion import Pose
@@ -37,6 +40,9 @@ BEYOND_SLOTS = ("at_s", "pitch_deg", "pitch_rad", "roll_deg", "roll_rad")
 SAME = ("robot", "frames", "neighbours")
 """Fields of the request of a plan that the request of the next task has as well: the state of the plan is one of
 them."""
+
+LONGEST_SHOWN = 100
+"""Most characters of a value that a message repeats."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +135,18 @@ def end_state(request: Document, answer: object) -> EndState:
     )
 
 
+def checked_end(request: Document, answer: object) -> EndState:
+    """As `end_state`, of a plan that the checker accepts: its certificate must be in full. Raises `InputError`."""
+    from assur.scenes.requests import check_cell
+
+    end = end_state(request, answer)
+    verdict = check_cell(end.cell, answer)
+    if not verdict["ok"]:
+        first = verdict["findings"][0]["what"]
+        raise DocumentError("plan", "this plan", f"one that `assur check` accepts; its first finding: {first}")
+    return end
+
+
 def _has_time(body: BodyDocument) -> bool:
     return body.pose is not None and body.pose.at_s is not None
 
@@ -144,11 +162,10 @@ def _start(trajectory: Mapping[str, Any]) -> Document:
     return start
 
 
-def next_request(request: Document, answer: object, steps: Sequence[Document]) -> Document:
-    """The request with these steps that begins where the plan in an answer to `request` ends. Raises as `end_state`."""
-    end = end_state(request, answer)
-    bodies = [end.body(body, {}) for body in request.get("bodies", ()) if body["name"] not in end.gone]
-    return {**request, "start": end.start, "bodies": bodies, "task": list(steps)}
+def next_request(end: EndState, steps: Sequence[Document]) -> Document:
+    """The request with these steps that begins where the plan ends."""
+    bodies = [end.body(body, {}) for body in end.document.get("bodies", ()) if body["name"] not in end.gone]
+    return {**end.document, "start": end.start, "bodies": bodies, "task": list(steps)}
 
 
 def next_task(
@@ -197,12 +214,74 @@ def next_task(
     return {**task, "start": end.start, "parts": listed, "set": {**worse, **task.get("set", {})}}
 
 
-def hold_same(request: RequestDocument, end: EndState) -> None:
-    """Raises `DocumentError` for a request whose robot, frames or neighbours are not those of the plan: its state is
-    one of them."""
+def next_fields(cell: Document, made: Document, end: EndState, task: Document | None = None) -> Document:
+    """The fields of a task with these `steps` and `parts` in a cell file that begins where a plan ends, as
+    `assur.Cell.plan` takes them. `task`: that of the plan, whose parts, options and `set` stay; None: the bodies of its
+    request that the cell has not are its parts, and the options that the cell does not state stay. Raises
+    `DocumentError`, as `next_task` and `joined_after`."""
+    if task is None:
+        own = cell.get("options", {})
+        options = end.document.get("options", {})
+        task = {"options": {key: options[key] for key in options if written_key(own, _in_si(key)) is None}}
+        task = {key: value for key, value in task.items() if value}
+    kept = {"schema": TASK, **({"options": task["options"]} if "options" in task else {})}
+    fields = next_task(cell, {**kept, **made}, end, task.get("parts"), task.get("set", {}))
+    worse = fields["set"]
+    fields["set"] = {path: value for path, value in task.get("set", {}).items() if path not in worse} | worse
+    joined_after(cell, fields, end)
+    return {key: value for key, value in fields.items() if key != "schema" and (key != "set" or value)}
+
+
+def next_values(request: Document, follows: Document, end: EndState) -> Document:
+    """The request that follows a plan as start, task and values that are set in another `request`, as `assur.Cell.plan`
+    takes them. Raises `DocumentError`, as `hold_same`."""
+    hold_same(request, end)
+    options = {f"options.{key}": value for key, value in follows.get("options", {}).items()}
+    return {"start": follows["start"], "task": follows["task"], "set": {"bodies": follows["bodies"], **options}}
+
+
+def _in_si(key: str) -> str:
+    return (si_key(key) or (key,))[0]
+
+
+def joined_after(cell: Document, task: Document, end: EndState, given: Mapping[str, object] | None = None) -> Joined:
+    """The request of a task that `next_task` made, with values that are set last (`joined`). Raises `DocumentError`,
+    also for a cell that is not that of the plan (`hold_same`)."""
+    made = joined(cell, task, given)
+    try:
+        hold_same(made.request, end)
+    except InputError as error:
+        raise made.relocated(error) from error
+    return made
+
+
+def hold_same(document: Document, end: EndState) -> None:
+    """Raises `DocumentError` for a request whose robot, frames or neighbours are not those of the plan, at the first
+    value that differs: the state of the plan is one of them."""
+    request = read(RequestDocument, document)
     for key in SAME:
         if getattr(request, key) != getattr(end.request, key):
-            raise DocumentError(key, f"another {key.rstrip('s')}", "what the request of the plan has there")
+            path = _first_difference(*({key: _plain(getattr(each, key))} for each in (request, end.request)))
+            written, value = as_written(end.document, path)
+            there = "nothing" if value is NOTHING else json.dumps({written[-1]: value})[1:-1]
+            more = f": {there}" if len(there) <= LONGEST_SHOWN else ""
+            raise fault(document, path, f"what the request of the plan has there{more}")
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict | list):
+        entries = value.items() if isinstance(value, dict) else enumerate(value)
+        return {key: _plain(each) for key, each in entries}
+    return value.model_dump(by_alias=True, exclude_none=True)
+
+
+def _first_difference(one: Any, other: Any) -> tuple[str | int, ...]:
+    """The path to the first value that two documents, which differ, have not in common."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        for key in {**other, **one}:
+            if key not in one or key not in other or one[key] != other[key]:
+                return (key, *(_first_difference(one[key], other[key]) if key in one and key in other else ()))
+    return ()
 
 
 def _with_values(cell: Document, values: Document) -> Document:

@@ -8,7 +8,7 @@ from typing_extensions import TypedDict
 
 from assur.scenes.faults import dotted
 from assur.scenes.scenario import Scenario
-from assur.scenes.tasks.joining import OF_CELL, OF_TASK
+from assur.scenes.tasks.origins import OF_CELL, OF_TASK
 from assur.scenes.tasks.task_file import TaskScenario
 from assur.scenes.text.yaml_text import spans_in
 

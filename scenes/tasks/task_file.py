@@ -13,13 +13,12 @@ from assur.scenes.faults import NOTHING, DocumentError, documented, fault
 from assur.scenes.files import below, empty
 from assur.scenes.proposals.files import answer_to_task
 from assur.scenes.scenario import Scenario, with_files
-from assur.scenes.schema.cell_file import CELL, TASK, CellDocument
-from assur.scenes.schema.read import read
-from assur.scenes.schema.request import RequestDocument
+from assur.scenes.schema.cell_file import CELL, TASK
 from assur.scenes.set_values import GIVEN
 from assur.scenes.tasks.cell_alone import cell_alone
-from assur.scenes.tasks.joining import OF_CELL, OF_TASK, Joined, joined, shared, within_document
-from assur.scenes.tasks.next_task import EndState, hold_same, next_task
+from assur.scenes.tasks.joining import joined, shared, valid_cell
+from assur.scenes.tasks.next_task import EndState, joined_after, next_task
+from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Joined, within_document
 from assur.scenes.text.yaml_text import Lines, line_of, parse_yaml, with_line
 
 ENDINGS = (".yaml", ".yml")
@@ -53,12 +52,7 @@ class _Files:
                 if (key := path.partition(".")[0].partition("[")[0]) == "start" or path == "parts":
                     raise DocumentError(f"{GIVEN}{path}", given[path], f"no {key}: it is that of the plan")  # type: ignore[index]
             of_cell, _ = shared(given or {}, cell)
-            made = joined(cell, next_task(cell, task, self.after, given=of_cell), given)
-            try:
-                hold_same(read(RequestDocument, made.request), self.after)
-            except InputError as error:
-                raise made.relocated(error) from error
-            return made
+            return joined_after(cell, next_task(cell, task, self.after, given=of_cell), self.after, given)
         except InputError as error:
             raise self.placed(error) from error
 
@@ -110,7 +104,7 @@ def cell_document(document: dict[str, Any], lines: Lines, folder: Path) -> dict[
     with the line."""
     try:
         found: dict[str, Any] = with_files(document, folder)
-        read(CellDocument, found)
+        valid_cell(found)
     except InputError as error:
         raise with_line(error, lines) from error
     return found

@@ -201,11 +201,45 @@ def test_a_client_sends_a_cell_and_plans_tasks_in_it(service: tuple[httpx.Client
     with assur.Client(str(service[0].base_url)) as client:
         digest, cell = client.put_cell(CELL), assur.Cell(CELL)
         task = TASKS["a part in a slot"]
-        assert timeless(dict(client.plan_task(digest, **task))) == timeless(dict(cell.plan(**task)))
+        there, here = client.plan_task(digest, **task), cell.plan(**task)
+        assert timeless(dict(there)) == timeless(dict(here))
+        assert there.request == here.request
+        assert there.next_task(HOME)["start"]["at_s"] == there["trajectory"]["time_s"][-1]
+        assert client.check(there.request or {}, there)["ok"]
+        again = client.plan_task(digest, **there.next_task(HOME))
+        assert again["trajectory"]["position"][0] == there["trajectory"]["position"][-1]
+        small = client.plan_task(digest, **task, fields=["duration_s", "trajectory.position"], digits=5)
+        assert small.document == {
+            "status": "planned",
+            "duration_s": float(f"{here.duration_s:.5g}"),
+            "trajectory": {"position": [[float(f"{q:.5g}") for q in row] for row in here["trajectory"]["position"]]},
+        }
+        for wrong in ("status", [], [3]):
+            with pytest.raises(assur.InputError, match=r"fields: .*a list of names"):
+                client.plan_task(digest, **task, fields=wrong)  # type: ignore[arg-type]
+        with pytest.raises(assur.InputError, match=r"digits: .*from 3 to 17"):
+            client.plan_task(digest, **task, digits=2)
         with pytest.raises(assur.InputError, match=r"parts\[0\]\.kind: .*one of the kinds: bracket"):
             client.plan_task(digest, start=START, steps=HOME, parts=[{"name": "a", "kind": "x"}])
         with pytest.raises(assur.ServiceError, match="PUT /v1/cells/"):
             client.plan_task("0" * 64, start=START, steps=HOME)
+    with assur.Client(str(service[0].base_url)) as other:
+        assert other.plan_task(digest, **task).request is None
+        assert other.plan_task(digest, **task, cell=CELL).request == here.request
+
+
+def test_an_unknown_parameter_is_refused_with_all_that_there_are(service: tuple[httpx.Client, Path]) -> None:
+    client, _ = service
+    client.put(ADDRESS, content=BODY, headers=JSON)
+    known = "format, tick_s, tick_ms, jerk"
+    for address, allowed in (
+        (f"{ADDRESS}/plans", f"certificate, fields, digits, {known}"),
+        ("v1/plans", f"certificate, {known}"),
+    ):
+        refused = client.post(address, json=TASKS["a part"], params={"colour": "red"})
+        assert refused.json()["errors"] == [
+            {"field": "colour", "value": "red", "allowed": f"a known parameter: {allowed}"}
+        ]
 
 
 def test_a_key_gives_the_answer_again_and_is_for_one_task(service: tuple[httpx.Client, Path]) -> None:
@@ -222,3 +256,16 @@ def test_a_service_without_a_folder_keeps_no_cells() -> None:
     with running(PATIENT) as client:
         for response in (client.put(ADDRESS, content=BODY, headers=JSON), client.post(f"{ADDRESS}/plans", json={})):
             assert response.json()["type"] == "urn:assur:problem:no-mesh-folder"
+
+
+def test_the_description_has_the_fields_of_cells_and_of_tasks_without_their_cell(
+    service: tuple[httpx.Client, Path],
+) -> None:
+    described = service[0].get("openapi.json").json()
+    found, address = described["components"]["schemas"], described["paths"]["/v1/cells/{sha256}/plans"]["post"]
+    body = address["requestBody"]["content"]["application/json"]["schema"]
+    assert body == {"$ref": "#/components/schemas/Task"}
+    assert found["Task"]["properties"]["steps"]["items"] == {"$ref": "#/components/schemas/StepInTask"}
+    assert found["StepInTask"]["properties"].keys() == {*found["StepDocument"]["properties"], "transfer"}
+    assert "cell" not in found["Task"]["properties"]
+    assert found["Cell"]["properties"]["kinds"]["additionalProperties"] == {"$ref": "#/components/schemas/KindDocument"}

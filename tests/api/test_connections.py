@@ -20,10 +20,12 @@ from assur.api.problems import Problem
 from assur.api.web import body_reader
 from assur.api.web.addresses import network
 from assur.api.web.body_reader import Reading
-from assur.api.web.connections import CHUNK_BYTES, FIRST_CHUNKS
+from assur.api.web.connections import CHUNK_BYTES, FIRST_CHUNKS, LEAVES
+from assur.api.web.request_log import CLIENT_GONE
+from assur.api.web.routes import unless_gone
 from assur.api.web.serve import Server
 from assur.api.web.settings import Settings
-from assur.api.workers.jobs import FIRST_PLAN
+from assur.api.workers.jobs import FIRST_PLAN, Answer
 from tests.api.processes import until
 from tests.api.running import in_a_thread
 
@@ -196,6 +198,32 @@ def test_a_client_that_finishes_in_the_middle_of_its_body_is_gone(running: Runni
     with running.connect(SLOW + b"{") as connection:
         connection.shutdown(socket.SHUT_WR)
         assert rest(connection) == b""
+
+
+@pytest.mark.anyio
+@pytest.mark.parametrize("before", [True, False])
+async def test_work_ends_when_its_client_leaves_or_has_left_before(before: bool) -> None:
+    async def endless() -> Answer:
+        await asyncio.Event().wait()
+        raise AssertionError
+
+    request = Request({"type": "http", **({LEAVES: None} if before else {})})
+    task = asyncio.create_task(unless_gone(request, endless()))
+    await asyncio.sleep(0)
+    if not before:
+        request.scope[LEAVES]()
+    assert (await asyncio.wait_for(task, 30.0)).status_code == CLIENT_GONE
+
+
+@pytest.mark.anyio
+async def test_work_that_the_service_ends_is_not_taken_for_that_of_a_client_that_leaves() -> None:
+    request = Request({"type": "http"})
+    task = asyncio.create_task(unless_gone(request, asyncio.Event().wait()))  # type: ignore[arg-type]
+    await asyncio.sleep(0)
+    task.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await task
+    assert LEAVES not in request.scope
 
 
 @pytest.mark.slow

@@ -18,13 +18,14 @@ from assur.scenes.exports.documents import export_schemas
 from assur.scenes.requests import KINDS, ik_schema, request_schema, schema_of
 from assur.scenes.scenarios import CELLS
 from assur.scenes.schema.answer import Answer, Verdict, facts_described
-from assur.scenes.schema.cell_file import CELL, TASK, TransferDocument
+from assur.scenes.schema.cell_file import CELL, TASK
 from assur.scenes.schema.described import FILE, description, unit_in_words
 from assur.scenes.schema.export import ExportAnswer, TrajectoryVerdict
 from assur.scenes.schema.ik import IkAnswer
 from assur.scenes.schema.model import Document
 from assur.scenes.schema.request import ExecutionDocument, OptionsDocument, RequestDocument
 from assur.scenes.schema.robots import NeighbourDocument
+from assur.scenes.schema.task_steps import TransferDocument
 from assur.scenes.schema.view import ViewDocument
 from tests.docs.pages import prose
 
@@ -173,3 +174,28 @@ def test_the_schemas_of_files_take_every_shipped_one_and_refuse_what_the_reader_
     for change in changes:
         for of_file, documents in of.items():
             assert not validators[of_file].is_valid({**documents[0], **change}), change
+
+
+POSE = {"at_mm": [0, 0, 0], "yaw_deg": 0}
+IN_TASK: list[tuple[dict[str, Any], bool]] = [
+    ({"steps": [{"move": {"to": "home"}}]}, True),
+    ({"steps": [{"move": {"to": POSE}}]}, True),
+    ({"steps": [{"pick": {"part": "a"}}, {"place": {"part": "a", "to": {"slot": {"box": 3}}}}]}, True),
+    ({"steps": [{"transfer": {"parts": ["a"], "to": "box", "window_mm": [-1, 1]}}]}, True),
+    ({"start": {"tool": "home"}}, True),
+    ({"options": {"seed": 3}}, True),
+    ({"steps": [{"move": {"too": "home"}}]}, False),
+    ({"steps": [{"move": {"to": 3}}]}, False),
+    ({"steps": [{"move": {"to": {"slot": {"box": 3}}}}]}, False),
+    ({"steps": [{"move": {"to": "home"}, "transfer": {"parts": ["a"], "to": "box"}}]}, False),
+    ({"steps": [{"pick": {"part": "a", "dwell_ms": -1}}]}, False),
+    ({"steps": [{"transfer": {"parts": []}}]}, False),
+    ({"start": {"tool": 3}}, False),
+    ({"options": {"seed": 1.5}}, False),
+]
+
+
+@pytest.mark.parametrize(("change", "right"), IN_TASK)
+def test_the_schema_of_a_task_has_its_steps_start_and_options(change: dict[str, Any], right: bool) -> None:
+    task = {"schema": TASK, "start": {"joints": {"j1_deg": 0}}, "steps": [{"move": {"to": "home"}}], **change}
+    assert jsonschema_rs.Draft202012Validator(SCHEMAS["task file"]).is_valid(task) == right

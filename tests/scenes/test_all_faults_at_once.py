@@ -16,6 +16,7 @@ from assur.api.cli.border import BAD_INPUT
 from assur.api.command_line import app
 from assur.api.problems import Problem
 from assur.scenes.faults import MOST_FAULTS, NOTHING, DocumentError
+from assur.scenes.reading import partly
 from assur.scenes.requests import cell_of
 from assur.scenes.scenarios import load_scenario
 from tests.changed import GONE, changed
@@ -81,6 +82,15 @@ def test_faults_are_reported_together_where_they_are(name: str) -> None:
         {"task[0].pick.part": "prat", "task[1].place.to.frame": "dail", "task[2].move.to.frame": "wrold"},
         {"task[1].place.part": "prat", "task[1].place.to.frame": "dail", "options.elbow": "keeep"},
         {"start.joints.j1_deg": 500, "start.joints.j3_mm": -3},
+        # of form, and beside them names, joints and options without a meaning
+        {"options.budget_s": 0, "task[0].pick.part": "prat", "start.joints.j1_deg": 500},
+        {"frames.belt.conveyor.speed_mm_s": "fast", "bodies[1].pose.frame": "blet", "options.elbow": "keeep"},
+        {"bodies[0].mass_kg": -1, "robot.model": "nobody", "task[1].place.contact_with[0]": "plat"},
+        {"robot.tool.tcp_mm": [0, 0], "task[2].move.to.frame": "wrold"},
+        {"start.joints.j1_deg": "17", "bodies[2].pose.frame": "gaet"},
+        # what is in the gripper after a step with a fault is not known
+        {"task[0].pick.dwell_ms": -1, "task[2].move.to.frame": "wrold"},
+        {"task[1].place.dwell_ms": -1, "task[2].move.to.frame": "wrold"},
         # what only follows from a fault is none: a body of a wrong frame is there for those who name it
         {"bodies[1].pose.frame": "blet"},
         # what is on a frame that has a fault cannot be read, and has none of its own
@@ -122,13 +132,20 @@ def test_their_number_is_bounded_and_those_left_out_are_counted(too_many: int) -
     many = MOST_FAULTS + too_many
     exceptions = [{"between": [f"no{i}"], "clearance_mm": {"travel": 0, "near": 0}} for i in range(many)]
     bodies = [{**GOOD_REQUEST["bodies"][0], "name": f"body-{i}", "mass_kg": str(i)} for i in range(many)]
-    for change in ({"options.clearance_exceptions": exceptions}, {"bodies": bodies}):
+    for change in ({"options.clearance_exceptions": exceptions}, {"bodies": GOOD_REQUEST["bodies"] + bodies}):
         with pytest.raises(DocumentError) as caught:
             cell_of(changed(GOOD_REQUEST, change))
         assert (len(caught.value.errors), caught.value.left_out) == (MOST_FAULTS, too_many)
     assert Problem.of_input(caught.value).document()["errors_left_out"] == too_many
     again = pickle.loads(pickle.dumps(caught.value))
     assert (again.errors, again.left_out) == (caught.value.errors, too_many)
+
+
+def test_a_request_that_is_refused_anyway_is_read_for_a_bounded_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    wrong = {"options.budget_s": 0, "task[2].move.to.frame": "wrold"}
+    assert faults_of(wrong) == wrong
+    monkeypatch.setattr(partly, "LONGEST_S", 0.0)
+    assert faults_of(wrong) == {"options.budget_s": 0}
 
 
 def test_python_shows_all_of_them_and_has_them_as_a_list() -> None:
@@ -173,6 +190,7 @@ def test_the_command_line_reports_them_all_with_their_lines(tmp_path: Path) -> N
     assert result.stderr.count("nmae") == 2
     assert 'speed_mm_s: got "fast"' in result.stderr
     cut = [{**GOOD_REQUEST["bodies"][0], "name": f"body-{i}", "mass_kg": str(i)} for i in range(MOST_FAULTS + 7)]
-    told = CliRunner().invoke(app, ["plan", str(written(path, {"bodies": cut}))]).stderr.splitlines()
+    many = written(path, {"bodies": GOOD_REQUEST["bodies"] + cut})
+    told = CliRunner().invoke(app, ["plan", str(many)]).stderr.splitlines()
     assert len(told) == MOST_FAULTS + 1
     assert told[-1].startswith("assur: and 7 more faults")

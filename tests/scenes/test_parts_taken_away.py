@@ -27,7 +27,7 @@ from assur.planner.model.scene import Pick, Place, Scene
 from assur.scenes.exports.documents import export_document
 from assur.scenes.requests import cell_of, check_document
 from assur.scenes.tasks.joining import joined
-from assur.scenes.tasks.next_task import next_request
+from assur.scenes.tasks.next_task import end_state, next_request
 from assur.scenes.view.document import view_of
 from benchmarks.judge.poses import Document
 from benchmarks.judge.product import as_si
@@ -214,7 +214,9 @@ def test_a_part_that_leaves_too_late_is_in_the_way_and_nothing_is_proved() -> No
 
 def test_the_next_task_has_the_parts_that_are_not_gone_by_then() -> None:
     of = case(2000)
-    follows = next_request(of.request, dict(assur.plan(of.request)), [{"move": {"to": {"at_mm": [350, 0, 150]}}}])
+    follows = next_request(
+        end_state(of.request, dict(assur.plan(of.request))), [{"move": {"to": {"at_mm": [350, 0, 150]}}}]
+    )
     assert [body["name"] for body in follows["bodies"]] == ["table", "b"]
     assert assur.plan(follows).planned
 

@@ -313,6 +313,12 @@ def test_a_grid_that_is_full_takes_no_part() -> None:
         (CELL, TASK.replace("frame: belt", "frame: bolt"), r"line 6: parts\[0\]\.pose\.frame: got 'bolt'"),
         (CELL, TASK.replace("to: home", "to: away"), r"line 11: steps\[1\]\.move\.to: got 'away'"),
         (CELL, TASK.replace("cell.yaml", "cel.yaml"), r"line 3: cell\.file: got 'cel\.yaml'.*does not exist"),
+        (
+            CELL,
+            TASK.replace("cell.yaml", "/cells/cell.yaml"),
+            r"line 3: cell\.file: got '/cells/cell\.yaml'.*as in cell\.yaml, and an absolute one is refused",
+        ),
+        (CELL, TASK.replace("cell.yaml", "../cell.yaml"), r"line 3: cell\.file: .*leads out of that folder is refused"),
         (CELL, TASK.replace("{file: cell.yaml}", "cell.yaml"), r"line 3: cell: got 'cell\.yaml'.*\{file: cell\.yaml\}"),
         ("# nothing\n", TASK, r"cell\.yaml: got 'an empty file'"),
         (

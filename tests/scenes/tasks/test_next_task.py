@@ -21,6 +21,7 @@ from assur.scenes.plan_file import PlanFile
 from assur.scenes.requests import cell_of
 from assur.scenes.tasks.next_task import end_state
 from assur.scenes.text.yaml_text import parse_yaml
+from tests.changed import changed
 
 Document = dict[str, Any]
 
@@ -143,12 +144,11 @@ def test_a_filled_slot_stays_filled_and_a_part_keeps_its_kind() -> None:
     assert assur.check(after.request or {}, after)["ok"]
     arrival = next(each for each in after.arrivals if each["control_point"] == "place-b")
     assert arrival["at_m"][:2] == pytest.approx([0.375, -0.23])
-    again = after.next_task(
-        [{"transfer": {"parts": ["c"], "to": "box"}}],
-        parts=[{"name": "c", "kind": "bracket", "pose": {"frame": "belt", "at_mm": [-1200, 0, 10]}}],
-    )
-    with pytest.raises(InputError, match="slots with one that is free: all 2 are taken"):
-        assur.Cell(read(CELL)).request(**again)
+    with pytest.raises(InputError, match=r"steps\[0\]\.transfer\.to.*slots with one that is free: all 2 are taken"):
+        after.next_task(
+            [{"transfer": {"parts": ["c"], "to": "box"}}],
+            parts=[{"name": "c", "kind": "bracket", "pose": {"frame": "belt", "at_mm": [-1200, 0, 10]}}],
+        )
 
 
 @pytest.mark.parametrize(
@@ -157,7 +157,7 @@ def test_a_filled_slot_stays_filled_and_a_part_keeps_its_kind() -> None:
 def test_a_part_at_the_point_of_a_slot_that_lies_otherwise_keeps_its_pose(other: Document) -> None:
     pose = {"frame": "shelf", "at_mm": [0, 0, 0], **other}
     task = read(TASK) | {"parts": [{"name": "a", "kind": "bracket", "pose": pose}], "steps": [{"move": {"to": "home"}}]}
-    before = assur.Cell(read(CELL)).plan(**fields(task), certificate="digest")
+    before = assur.Cell(read(CELL)).plan(**fields(task))
     assert before.planned, before.sentence
     assert before.next_task([{"move": {"to": "home"}}])["parts"] == task["parts"]
 
@@ -165,7 +165,7 @@ def test_a_part_at_the_point_of_a_slot_that_lies_otherwise_keeps_its_pose(other:
 def test_slots_that_are_set_elsewhere_do_not_take_a_part_along(folder: Path) -> None:
     """Moved by one step, the first slot is where the second was."""
     cell, steps = assur.Cell(read(CELL)), [{"move": {"to": "home"}}]
-    before = cell.plan(**fields(read(TASK)), set={"slots.box.at_mm": [75, 0, 0]}, certificate="digest")
+    before = cell.plan(**fields(read(TASK)), set={"slots.box.at_mm": [75, 0, 0]})
     assert before.planned, before.sentence
     task = before.next_task(steps)
     assert task["parts"][0]["slot"] == {"box": 1}
@@ -256,7 +256,7 @@ def test_what_rides_on_a_lift_of_uncertain_speed_is_known_less_well_up_and_down(
     box = {"box": {"size_mm": [60, 40, 20]}}
     cell["bodies"].append({"name": "load", "shape": box, "pose": {"frame": "lift", "at_mm": [0, 0, 0]}})
     steps = [{"move": {"to": "home"}}]
-    before = assur.Cell(cell).plan(**fields(read(TASK)) | {"parts": [], "steps": steps}, certificate="digest")
+    before = assur.Cell(cell).plan(**fields(read(TASK)) | {"parts": [], "steps": steps})
     assert before.planned, before.sentence
     known, off_m = before.next_task(steps)["set"]["bodies.load.uncertainty"], 0.005 * before.duration_s
     assert known["position_m"] == pytest.approx(0.6 * off_m)
@@ -280,7 +280,7 @@ def test_a_part_with_a_time_that_was_put_back_is_known_as_the_plan_proves_and_no
     task["parts"] = [{"name": "a", "kind": "bracket", "pose": pose}]
     back = {"frame": "belt", "at_mm": [-300, 0, 10], "yaw_deg": 0}
     task["steps"] = [{"pick": {"part": "a"}}, {"place": {"part": "a", "to": back}}]
-    before = assur.Cell(read(CELL)).plan(**fields(task), certificate="digest")
+    before = assur.Cell(read(CELL)).plan(**fields(task))
     assert before.planned, before.sentence
     error, part = before.arrivals[-1]["error"], before.next_task([{"move": {"to": "home"}}])["parts"][0]
     assert error is not None
@@ -310,7 +310,7 @@ def test_a_body_of_the_cell_that_a_plan_moved_is_not_back_at_its_place_in_silenc
     cell["bodies"].append(lid)
     place = {"part": "lid", "to": {"at_mm": [330, -230, 60], "yaw_deg": 0}, "contact_with": ["table"]}
     steps = [{"pick": {"part": "lid", "grasp_mm": [0, 0, 10]}}, *([{"place": place}] if put_down else [])]
-    before = assur.Cell(cell).plan(**fields(read(TASK)) | {"parts": [], "steps": steps}, certificate="digest")
+    before = assur.Cell(cell).plan(**fields(read(TASK)) | {"parts": [], "steps": steps})
     assert before.planned, before.sentence
     with pytest.raises(InputError, match=r"cell\.bodies\[2\]\.name: .*no step of the plan handles"):
         before.next_task([{"move": {"to": "home"}}])
@@ -329,8 +329,64 @@ def test_after_a_request_comes_a_request() -> None:
     after = then(before, request)
     assert after.planned
     assert after["trajectory"]["position"][0] == before["trajectory"]["position"][-1]
-    with pytest.raises(InputError, match="none: add bodies"):
+    with pytest.raises(InputError, match="parts of a request are bodies"):
         before.next_task([{"move": {"to": {"at_mm": [300, 200, 150]}}}], parts=[{"name": "c"}])
+
+
+@pytest.mark.parametrize("kind", ["cell file", "request"])
+def test_what_comes_after_a_plan_of_a_file_is_planned_in_a_cell(tmp_path: Path, kind: str) -> None:
+    of = planned()
+    loaded = assur.load_answer(of.save(tmp_path / "plan.json"))
+    cell = assur.Cell(read(CELL) if kind == "cell file" else of.request or {})
+    task = loaded.next_task([{"move": {"to": {"at_mm": [300, 200, 150]}}}], cell=cell)
+    assert task == loaded.next_task([{"move": {"to": {"at_mm": [300, 200, 150]}}}], cell=cell.document)
+    after = cell.plan(**task)
+    assert after.planned, after.sentence
+    assert after["trajectory"]["position"][0] == of["trajectory"]["position"][-1]
+    request = loaded.next_task([{"move": {"to": {"at_mm": [300, 200, 150]}}}])
+    assert (after.request or {})["options"] == request["options"]
+    bodies = {body["name"]: body for body in (after.request or {})["bodies"]}
+    assert {name: cell_of(request).places[name] for name in bodies} == dict(cell_of(after.request).places)
+
+
+@pytest.mark.parametrize("kind", ["cell file", "request"])
+@pytest.mark.parametrize(
+    ("path", "value", "before"),
+    [
+        ("frames.belt.conveyor.speed_mm_s", 160, '"speed_mm_s": 150'),
+        ("frames.lane.fixed.at_mm", [0, -50, 0], '"at_mm": [0, -40, 0]'),
+        ("frames.shelf.fixed.yaw_deg", 1, "nothing"),
+        ("robot.tool.tcp_mm", [0, 0, -90], '"tcp_mm": [0, 0, -100]'),
+        ("neighbours[+]", "its own plan", "nothing"),
+    ],
+)
+def test_a_plan_of_another_cell_is_refused_at_the_value_that_differs(
+    kind: str, path: str, value: Any, before: str
+) -> None:
+    of = planned()
+    own = read(CELL) if kind == "cell file" else of.request or {}
+    if path == "neighbours[+]":
+        robot = {**own["robot"], "base": {"at_mm": [0, 5000, 0]}}
+        path, value = "neighbours[0]", {"name": "other", "robot": robot, "trajectory": of["trajectory"]}
+        other = {**own, "neighbours": [value]}
+    else:
+        other = changed(own, {path: value})
+    with pytest.raises(InputError) as refused:
+        of.next_task([{"move": {"to": {"at_mm": [300, 200, 150]}}}], cell=other)
+    assert refused.value.field == ("cell." if kind == "cell file" else "") + path
+    assert refused.value.value == value
+    assert refused.value.allowed == f"what the request of the plan has there: {before}"
+
+
+def test_a_plan_that_is_not_right_is_not_continued() -> None:
+    of = planned()
+    wrong, short = copy.deepcopy(of.document), copy.deepcopy(of.document)
+    wrong["trajectory"]["position"][-1][0] += 1e-3
+    short["certificate"] = {key: short["certificate"][key] for key in ("digest", "rows", "covers")}
+    for document, field in ((wrong, "plan"), (short, "plan.certificate")):
+        with pytest.raises(InputError) as refused:
+            Answer(document, of.request).next_task([{"move": {"to": {"at_mm": [300, 200, 150]}}}])
+        assert refused.value.field == field
 
 
 def _no_error(answer: Document) -> None:
@@ -428,8 +484,8 @@ def test_a_place_that_the_task_states_counts_more_than_that_of_the_plan(folder: 
         ("next.yaml", TASK, "line 4: start"),
         ("next.yaml", NEXT.replace("steps:", "stepz:"), "line 4: stepz"),
         ("next.yaml", "about: none\nrequest: {}\n", "allowed: assur-task/1: a task file begins where a plan ends"),
-        ("cell.yaml", CELL.replace("speed_mm_s: 150", "speed_mm_s: 160"), 'cell.yaml: frames: got "another frame"'),
-        ("cell.yaml", CELL.replace("-100]", "-90]"), 'cell.yaml: robot: got "another robot"'),
+        ("cell.yaml", CELL.replace("speed_mm_s: 150", "speed_mm_s: 160"), "belt.conveyor.speed_mm_s: got 160;"),
+        ("cell.yaml", CELL.replace("-100]", "-90]"), "cell.yaml: robot.tool.tcp_mm: got [0, 0, -90]; allowed: "),
         ("plan.json", "{}", "--continue: schema"),
         ("plan.json", "[", "--continue"),
     ],

@@ -1,0 +1,83 @@
+"""Where the values of a request were written: in the cell, in the task, or where they are set in one of these."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+from assur.planner.errors import InputError
+from assur.scenes.faults import WHOLE, DocumentError, documented, dotted
+from assur.scenes.set_values import Changed
+
+Document = dict[str, Any]
+Path = tuple[str | int, ...]
+OF_CELL, OF_TASK = "cell", "task"
+"""First part of the fields of a fault: the document that it is in."""
+
+
+class Origins:
+    """Where values of cell and task were set. A fault inside has its place there."""
+
+    def __init__(self) -> None:
+        self._changed: list[tuple[str, Changed]] = []
+
+    def changed(self, name: str, document: Document, values: Document, mark: str) -> Document:
+        """The document of that name with these values."""
+        made = Changed(document, values, mark)
+        self._changed.insert(0, (f"{name}.", made))
+        return made.document
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, InputError) and self._changed:
+            raise documented(error).relocated(self.field) from error
+
+    def field(self, field: str) -> str:
+        """The place of a field of the cell or the task."""
+        for name, changed in self._changed:
+            if field.startswith(name) and (origin := changed.origin(field.removeprefix(name))) is not None:
+                return origin
+        return field
+
+
+class within_document:
+    """A fault inside is one of the document of that name."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, InputError):
+            raise documented(error).relocated(self._field) from error
+
+    def _field(self, field: str) -> str:
+        return self._name if field == WHOLE else f"{self._name}.{field}"
+
+
+class Joined:
+    """A `request`, and where its parts were written: `origins`, from the path of a part to its path in the cell or the
+    task, which begins with `cell` or `task`."""
+
+    def __init__(self, request: Document, origins: dict[Path, Path], values: Origins, cell: Document) -> None:
+        """`cell`: the document of the cell, with the values that were set in it."""
+        self.request, self.cell, self._values, self._paths = request, cell, values, origins
+
+    @cached_property
+    def _origins(self) -> dict[str, str]:
+        return {dotted(path): dotted(origin) for path, origin in self._paths.items()}
+
+    def relocated(self, error: InputError) -> DocumentError:
+        """A fault of the request as one of the cell or the task."""
+        return documented(error).relocated(self.origin)
+
+    def origin(self, field: str) -> str:
+        """The field of the cell or the task from which a field of the request came."""
+        head = field
+        while head not in self._origins and head:
+            head = head[: max(head.rfind("."), head.rfind("["), 0)]
+        return self._values.field(self._origins[head] + field[len(head) :]) if head else field
