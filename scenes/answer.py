@@ -11,6 +11,7 @@ from typing import Any, Literal, cast
 from assur.planner.model.input_warning import InputWarning
 from assur.planner.model.load import Carried
 from assur.planner.model.outcome import (
+    Arrival,
     BestCandidate,
     Census,
     Certificate,
@@ -23,7 +24,7 @@ from assur.planner.model.outcome import (
 )
 from assur.planner.model.refusal import Reason
 from assur.planner.model.scene import Scene
-from assur.planner.report.notes import note, warned
+from assur.planner.report.notes import leg_note, warned
 from assur.planner.report.straight_parts import assumed
 from assur.scenes.answer_facts import document_of, refusal_document, refused_document, written
 from assur.scenes.numbers import number, optional
@@ -97,12 +98,12 @@ def _motion(cell: Cell, plan: Plan) -> document.PlannedMotion:
         "start_s": number(plan.trajectory.start),
         "trajectory": trajectory_document(cell, plan.trajectory),
         "arrivals": [arrival_document(cell, plan.trajectory, arrival) for arrival in plan.arrivals],
-        "legs": [_leg(leg) for leg in plan.legs],
+        "legs": [_leg(cell, leg, plan.arrivals) for leg in plan.legs],
     }
 
 
-def _leg(leg: Leg) -> document.Leg:
-    return cast(document.Leg, document_of(leg, note=note(leg.route)))
+def _leg(cell: Cell, leg: Leg, arrivals: tuple[Arrival, ...]) -> document.Leg:
+    return cast(document.Leg, document_of(leg, note=leg_note(cell.scene, leg, arrivals)))
 
 
 def _not_planned(
@@ -176,7 +177,7 @@ def _relaxation(cell: Cell, relaxation: Relaxation) -> document.Relaxation:
 def _best(cell: Cell, best: BestCandidate) -> document.BestCandidate:
     motion = {
         "trajectory": trajectory_document(cell, best.trajectory),
-        "legs": [_leg(leg) for leg in best.legs],
+        "legs": [_leg(cell, leg, best.arrivals) for leg in best.legs],
         "arrivals": [arrival_document(cell, best.trajectory, arrival) for arrival in best.arrivals],
     }
     return cast(document.BestCandidate, document_of(best, **motion))

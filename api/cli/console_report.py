@@ -251,6 +251,7 @@ CHANGED = {
     "heights": "a shorter approach or depart",
     "straight part": "a longer approach or depart",
     "point height": "a higher point",
+    "place heights": "higher places",
     "contact tolerance": "a larger contact tolerance",
     "dwell": "a shorter dwell",
     "belt speed": "a slower belt",

@@ -135,6 +135,11 @@ def handled_at_start(scene: Scene) -> GraspUncertainty:
     return NOTHING_HANDLED if holding is None else GraspUncertainty(((holding.part, holding.within),))
 
 
+AFTER_S = 0.02
+"""So long after a part is gone the arm goes on, s: it is gone, too, where an export rounds times to a controller's
+cycle."""
+
+
 def gone_from(scene: Scene, step: Step, until: float) -> float:
     """From when on, s, the part of a step that ended at `until` is gone: after its time, and after that by which the
     robot may be late, for it is then put down so much later. Infinite: nobody takes it away."""

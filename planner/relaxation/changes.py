@@ -59,7 +59,8 @@ ONLY = {
     Reason.START_IN_COLLISION: OF_START,
 }
 """Kinds of change that alone can help."""
-IN_THE_WAY = ("pair clearance", "clearance", "heights", "point height", "without")
+HIGHER = ("point height", "place heights")
+IN_THE_WAY = ("pair clearance", "clearance", "heights", "point height", "place heights", "without")
 ABOUT: dict[Reason, tuple[str, ...]] = {
     Reason.WINDOW_MISSED: ("window", "latest end", "dwell", "belt speed"),
     Reason.LAW_ENDS: ("dwell", "window", "latest end"),
@@ -98,8 +99,8 @@ def _of_separation(refusal: Refusal, facts: Separation) -> tuple[str, ...]:
     # planned to be one in the other: the point is too low; else the uncertainty presses them together
     planned = facts.gap_m < -CONTACT_M
     if facts.rule == "contact":
-        return ("point height", "contact tolerance") if planned else ("contact tolerance", "point height")
-    return ("point height",) if planned and refusal.stage is Stage.CONTROL_POINT else ()
+        return (*HIGHER, "contact tolerance") if planned else ("contact tolerance", *HIGHER)
+    return HIGHER if planned and refusal.stage is Stage.CONTROL_POINT else ()
 
 
 def allowed(refusal: Refusal | None, what: str, *, proved: bool) -> bool:
@@ -222,20 +223,37 @@ def longer_straight_part(scene: Scene, step: int, facts: Separation) -> Iterator
 
 def higher_points(scene: Scene, step: int, refusal: Refusal) -> Iterator[Change]:
     """A point that is higher in its frame: so that what overlaps there only touches, then by all that is missing. Of a
-    pick it is the grasp that is higher on the part."""
+    pick it is the grasp that is higher on the part. Then a place with all others of its height, as slots are."""
     facts = refusal.facts
     if not isinstance(facts, Separation) or facts.gap_m is None or facts.required_m is None or facts.end is not None:
         return
     if refusal.stage is not Stage.CONTROL_POINT and facts.rule not in ("near", "contact"):
         return
     # a tenth of what is shown more: the proof keeps a reserve
-    for rise in (up(-facts.gap_m, SHOWN_M), up(facts.required_m - facts.gap_m + 0.1 * SHOWN_M, SHOWN_M)):
-        higher = _higher(scene.task[step], rise)
-        if higher and rise > 0.0:
+    rises = up(-facts.gap_m, SHOWN_M), up(facts.required_m - facts.gap_m + 0.1 * SHOWN_M, SHOWN_M)
+    what = scene.task[step]
+    for rise in rises:
+        if rise > 0.0 and (higher := _higher(what, rise)):
             yield of_step(scene, step, "point height", f"{1e3 * rise:g} mm higher", **higher)
+    count = sum(_is_level(each, what) for each in scene.task)
+    for rise in dict.fromkeys(rises) if count > 1 else ():
+        if rise > 0.0:
+            task = tuple(replace(each, **_higher(each, rise)) if _is_level(each, what) else each for each in scene.task)
+            value = f"{1e3 * rise:g} mm higher, all {count} places of this height"
+            yield "place heights", value, replace(scene, task=task)
 
 
-def _higher(what: Step, rise: float) -> dict[str, object]:
+def _is_level(step: Step, what: Step) -> bool:
+    """Whether a step puts a part down as high as another one does, in the same frame and on the same bodies."""
+    return (
+        isinstance(step, Place)
+        and isinstance(what, Place)
+        and (step.to.frame, step.contact_with) == (what.to.frame, what.contact_with)
+        and abs(step.to.pose.z - what.to.pose.z) <= ROUNDING
+    )
+
+
+def _higher(what: Step, rise: float) -> dict[str, Any]:
     """What changes of a step with its point higher; nothing: it has more than one."""
     if isinstance(what, Pick):
         return {"grasp": replace(what.grasp, z=what.grasp.z + rise)}

@@ -3,6 +3,7 @@ of a request is probably not meant. No decision reads them, and nobody verifies 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,10 +11,10 @@ import numpy as np
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.legs.control_point import WINDOW_S, ControlPoint
 from assur.planner.model.input_warning import InputWarning, WarningKind
-from assur.planner.model.outcome import Busiest, Course, Route
-from assur.planner.model.phases import Phase
+from assur.planner.model.outcome import Arrival, Busiest, Course, Leg, LegKind, Route
+from assur.planner.model.phases import AFTER_S, Phase, gone_from
 from assur.planner.model.refusal import RATES
-from assur.planner.model.scene import Scene, Window
+from assur.planner.model.scene import Place, Scene, Window
 from assur.planner.report.number_format import amount
 from assur.planner.trajectory import Trajectory
 
@@ -119,3 +120,19 @@ def note(route: Route | None) -> str:
     else:
         words = COURSES.get(route.course, str(route.course)) + (f", {vias}" if vias else "")
     return words + " after a wait" * route.after_wait + " later" * route.later
+
+
+WAIT_S = 1e-6
+"""A wait that ends within this time, s, of the end for which it was made is that wait."""
+
+
+def leg_note(scene: Scene, leg: Leg, arrivals: Iterable[Arrival]) -> str:
+    """The note of a leg of a plan with these arrivals: as `note`; of a wait for parts to be gone, which and when."""
+    if leg.kind is LegKind.WAIT and leg.route == Route(Course.FOR_BODIES):
+        put_down = [(step, each.until) for each in arrivals if isinstance(step := scene.task[each.step], Place)]
+        times = {step.part: gone_from(scene, step, until) for step, until in put_down}
+        gone = {part: time for part, time in times.items() if abs(time + AFTER_S - leg.t1) <= WAIT_S}
+        if gone:
+            verb = "is" if len(gone) == 1 else "are"
+            return f"waits until {' and '.join(sorted(gone))} {verb} gone (at {max(gone.values()):.3f} s)"
+    return note(leg.route)

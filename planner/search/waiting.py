@@ -11,17 +11,13 @@ from assur.planner.legs.limits import beyond_limits
 from assur.planner.legs.state import Knots, TimedLeg
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.outcome import Course, Leg, LegKind, Route
-from assur.planner.model.phases import Phase, cleared, gone_from, step_phases
+from assur.planner.model.phases import AFTER_S, Phase, cleared, gone_from, step_phases
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.search.extension import at_rest, too_hard, wrist_travel
 from assur.planner.search.meeting_options import shifted_out
 from assur.planner.search.partial_plan import PartialPlan, flown_by
 from assur.planner.trajectory import Trajectory
-
-AFTER_S = 0.02
-"""So long after a part is gone the arm goes on, s: it is gone, too, where an export rounds times to a controller's
-cycle."""
 
 
 def departures(scene: Scene, partial: PartialPlan) -> dict[str, float]:

@@ -43,7 +43,7 @@ class Text:
         """The same with a value. Raises `InputError` where the text has no place for it."""
         found, rest = self.known(field)
         if not rest:
-            return self._changed(found, _in_unit(value, _key(field), _key(found)))
+            return self._changed(found, in_unit(value, _key(field), _key(found)))
         keys = [match[2] for match in NEXT.finditer(rest)]
         if None in keys:
             raise InputError(field, value, "a field whose list is written out in the text")
@@ -145,14 +145,14 @@ def _key(field: str) -> str:
     return next((key for key in reversed(re.sub(r"\[\d+\]", "", field).split(".")) if other_unit(key)), "")
 
 
-def _in_unit(value: Any, given: str, key: str) -> Any:
+def in_unit(value: Any, given: str, key: str) -> Any:
     """A value under one key, under the key in the other unit."""
     if given == key:
         return value
     if isinstance(value, list):
-        return [_in_unit(each, given, key) for each in value]
+        return [in_unit(each, given, key) for each in value]
     if isinstance(value, dict):
-        return {name: _in_unit(each, given, key) for name, each in value.items()}
+        return {name: in_unit(each, given, key) for name, each in value.items()}
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     return written_number(si_number(value, given), key) if is_number else value
 
@@ -166,3 +166,12 @@ def value_at(document: Any, field: str) -> Any:
         return value_at(document[int(number)], rest.removeprefix("."))
     key = max((key for key in document if re.match(rf"{re.escape(key)}(?=[.\[]|$)", field)), key=len)
     return value_at(document[key], field[len(key) :].removeprefix("."))
+
+
+def is_written(document: Any, field: str) -> bool:
+    """Whether a document has a value at a field."""
+    try:
+        value_at(document, field)
+    except (KeyError, IndexError, TypeError, ValueError):
+        return False
+    return True

@@ -7,17 +7,23 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from assur.planner.errors import InputError
-from assur.scenes.proposals.edits import value_at
+from assur.scenes.proposals.edits import in_unit, is_written, other_unit, value_at
 from assur.scenes.schema.normal import normal
 from assur.scenes.set_values import GIVEN, Changed
-from assur.scenes.tasks.origins import Joined
+from assur.scenes.tasks.origins import OF_CELL, Joined
 
 Origin = tuple[str, str, object]
 """The document that has a value (`OF_CELL`, `OF_TASK` or `GIVEN`), its field there, and the value."""
 STEP = re.compile(r"task\[(\d+)\]\.(\w+)\.(\w+)")
 """A field of a step of a request, with the fields inside."""
+TRANSFER = re.compile(r"steps(?:\[|\.)(\d+)\]?\.transfer\Z")
+"""A step of a task that is a transfer."""
+OF_PART = ("pick", "place")
+"""The steps of a request for each part of a transfer."""
 SET = "set."
 """What the fields of a task begin with that are values of its cell."""
+KEYS = re.compile(r"\w+(?=[.\[]|\Z)")
+"""The keys of a field."""
 NUMBER = re.compile(r"\[(\d+)\]")
 
 
@@ -25,12 +31,31 @@ def answer_to_task(
     answer: dict[str, Any], made: Joined, again: Callable[[Mapping[str, object]], Joined]
 ) -> dict[str, Any]:
     """The answer to a request that a cell and a task made, as one to the task: the change that it proposes is stated by
-    paths of the task and the cell. `again`: the request that both make with values that are set last."""
+    paths of the task and the cell, and names the part of a transfer that it is for. `again`: the request that both make
+    with values that are set last."""
     proposed = answer.get("relaxation")
     if not proposed or not proposed["set"]:
         return answer
     found = values_of_task(made, proposed["set"], again)
-    return {**answer, "relaxation": {**proposed, "set": found}}
+    part = part_of_transfer(made, Changed(made.request, proposed["set"], ""))
+    value = f"{proposed['value']}, for {part}" if part else proposed["value"]
+    return {**answer, "relaxation": {**proposed, "value": value, "set": found}}
+
+
+def part_of_transfer(made: Joined, changed: Changed) -> str:
+    """In words, the part of a transfer of several parts whose pick or place is all that was changed in a request; empty
+    if there is none."""
+    numbers = {None if step is None else int(step[1]) for step in map(STEP.match, changed.fields)}
+    number = numbers.pop() if len(numbers) == 1 else None
+    if number is None:
+        return ""
+    origins = [made.origin(f"task[{each}]") for each in range(len(made.request["task"]))]
+    transfer = TRANSFER.search(origins[number])
+    if transfer is None or origins.count(origins[number]) <= len(OF_PART):
+        return ""
+    kind = next(each for each in OF_PART if each in made.request["task"][number])
+    part = made.request["task"][number][kind]["part"]
+    return f"the {kind} of {part} in step {int(transfer[1]) + 1}, transfer; the others keep their values"
 
 
 def values_of_task(
@@ -40,13 +65,24 @@ def values_of_task(
     changed = Changed(made.request, values, "")
     wanted = normal(changed.document)
     for origins in origins_of(made, changed):
-        found = {NUMBER.sub(r".\1", field.removeprefix(SET)): value for _, field, value in origins}
+        given = (_in_unit_of_cell(made.cell, *each) for each in origins)
+        found = {NUMBER.sub(r".\1", field.removeprefix(SET)): value for field, value in given}
         try:
             if normal(again(found).request) == wanted:
                 return found
         except InputError:
             continue
     return None
+
+
+def _in_unit_of_cell(cell: dict[str, Any], document: str, field: str, value: object) -> tuple[str, object]:
+    """A value at a field, under the key in the other unit where the cell is written so."""
+    if document == OF_CELL:
+        for key in KEYS.findall(field):
+            other = field.replace(f".{key}", f".{other_unit(key)}")
+            if other_unit(key) and is_written(cell, other) and not is_written(cell, field):
+                return other, in_unit(value, key, other_unit(key))
+    return field, value
 
 
 def origins_of(made: Joined, changed: Changed) -> Iterator[list[Origin]]:

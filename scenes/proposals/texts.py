@@ -16,7 +16,7 @@ from assur.planner.model.scene import Move, Pick, Place, Trace
 from assur.scenes import bounds
 from assur.scenes.faults import WHOLE, choices, documented, written_key
 from assur.scenes.proposals.edits import Text, value_at
-from assur.scenes.proposals.files import origins_of
+from assur.scenes.proposals.files import origins_of, part_of_transfer
 from assur.scenes.proposals.values import ENDS, si_number, written_number
 from assur.scenes.reading.cell import Cell
 from assur.scenes.requests import cell_of
@@ -45,7 +45,9 @@ def with_request_values(scenario: Scenario, texts: Texts, values: Mapping[str, o
     changed = Changed(scenario.request, values, "set.")
     with changed.located():
         wanted = normal(changed.document)
+    part = ""
     if isinstance(scenario, TaskScenario):
+        part = part_of_transfer(scenario.joined, changed)
         ways = [[(NAMES.get(head), *rest) for head, *rest in each] for each in origins_of(scenario.joined, changed)]
     else:
         ways = [[("text", f"request.{field}", value_at(changed.document, field)) for field in changed.fields]]
@@ -58,7 +60,8 @@ def with_request_values(scenario: Scenario, texts: Texts, values: Mapping[str, o
                 return made
         except (InputError, KeyError):
             continue
-    raise InputError("set", dict(values), "values that can be written in the text without a change of anything else")
+    allowed = "values that can be written in the text without a change of anything else"
+    raise InputError("set", dict(values), f"{allowed}: these are for {part}" if part else allowed)
 
 
 class ShiftDocument(Document):

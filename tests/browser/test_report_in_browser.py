@@ -12,6 +12,7 @@ from matplotlib.image import imread, imsave
 from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
+from assur.planner.model.phases import AFTER_S
 from assur.scenes.conventions import converted
 from assur.scenes.report.report import report_of
 from assur.scenes.requests import cell_of, plan_cell
@@ -242,6 +243,10 @@ def test_a_part_that_was_taken_away_is_seen_no_longer(opened: Any) -> None:
     }})"""
     assert shown.ask(f"{seen}({gone_s} - 0.001)") == number
     assert shown.ask(f"{seen}({gone_s} + 0.001)") not in (number, -1)
+    why = f"waits until a is gone (at {gone_s - AFTER_S:.3f} s)"
+    shown.ask(f"assur.seek({gone_s} - 0.001)")
+    assert shown.page.locator("#leg").inner_text() == f"WAIT, place-b: {why}"
+    assert shown.page.locator(".bar.leg-wait").inner_text() == why
     assert shown.said == []
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.browser.studio_page import Studio
-from tests.browser.test_studio_drawing import DRAWN
+from tests.browser.test_studio_drawing import DRAWN, drawn
 from tests.scenes.tasks.test_joining import CELL, TASK
 
 pytestmark = pytest.mark.slow
@@ -73,15 +73,30 @@ def test_a_fault_of_the_cell_leads_into_its_text(both: Studio) -> None:
 
 
 def test_a_task_without_its_cell_says_which_file_to_open(studio: Studio) -> None:
+    drawn(studio)
     studio.opened("task.yaml", SHORT)
+    studio.page.wait_for_selector("#absent:not([hidden])")
+    missing = "The cell cell.yaml is missing. Open it, too: then this task is drawn."
+    assert studio.page.locator("#absent").inner_text() == missing
+    assert not studio.page.locator("#drawing iframe").is_visible()
     studio.page.wait_for_selector("#faults p")
     assert studio.faults.startswith("line 3")
     assert '"cell.yaml"' in studio.faults
     assert "open it, too" in studio.faults
     studio.opened("cell.yaml", CELL)
-    studio.choose(value_of(studio, "task"))
     studio.until(DRAWS_TABLE)
+    assert studio.text == SHORT
     assert studio.faults == ""
+    assert studio.page.locator("#drawing iframe").is_visible()
+    assert not studio.page.locator("#absent").is_visible()
+
+
+def test_another_text_with_a_fault_has_no_picture(studio: Studio) -> None:
+    drawn(studio)
+    studio.opened("wrong.yaml", "about: a text\nrequest: {schema: assur/1}\n")
+    studio.page.wait_for_selector("#absent:not([hidden])")
+    assert studio.page.locator("#absent").inner_text() == "Nothing is drawn: the text has a fault."
+    assert not studio.page.locator("#drawing iframe").is_visible()
 
 
 def test_two_files_that_are_no_cell_and_task_are_refused(studio: Studio) -> None:

@@ -10,6 +10,7 @@ from tests.browser.studio_page import IDLE, Studio
 from tests.browser.test_studio_cell_and_task import DRAWS_TABLE, SHORT, value_of
 from tests.browser.test_studio_drawing import DRAWN, drawn
 from tests.scenes.tasks.test_joining import CELL
+from tests.scenes.tasks.test_proposals import APART, LATE
 
 pytestmark = pytest.mark.slow
 
@@ -184,18 +185,82 @@ def test_a_control_point_is_dragged_and_arrow_keys_move_what_is_marked(studio: S
     studio.until(f"document.getElementById('text').value.includes('[{x + 2:g}, {y + 10:g}, 150]')")
 
 
+def test_a_change_of_the_cell_is_undone_at_once(studio: Studio) -> None:
+    cell = CELL.replace("near: 1}}", "near: 1}, latest_end_ms: 50} # soon")
+    task = SHORT.replace("stop: first", "stop: first, budget_s: 30")
+    assert studio.dropped(("cell.yaml", cell.encode()), ("task.yaml", task.encode()))
+    studio.until(DRAWS_TABLE)
+    studio.planned()
+    studio.page.locator("#answers .proposal button").click()
+    studio.until("document.querySelector('#answers figcaption').textContent.includes(': planned,')")
+    assert not studio.page.locator("#answers .stale").is_visible()
+    studio.undo()
+    assert studio.text == task
+    assert studio.page.locator("#answers .stale").is_visible()
+    studio.choose(value_of(studio, "cell"))
+    assert studio.text == cell
+
+
+def test_a_change_that_the_text_cannot_have_has_no_button(studio: Studio) -> None:
+    """The second part comes past the end of the window, which is that of both picks."""
+    assert studio.dropped(("cell.yaml", APART.encode()), ("task.yaml", LATE.encode()))
+    studio.until(DRAWS_TABLE)
+    studio.planned()
+    row = studio.page.locator("#answers .proposal")
+    assert "This change was tried and works: window: to " in row.inner_text()
+    assert "without a change of anything else: these are for the pick of b in step 1, transfer;" in row.inner_text()
+    assert row.locator("button").count() == 0
+    assert studio.faults == studio.note == ""
+
+
 def test_a_thing_of_the_cell_is_dragged_in_the_drawing_of_its_task(studio: Studio) -> None:
-    """A part in a slot moves the grid; the text of the task stays."""
+    """A part in a slot moves the grid: the text of the cell is shown, the drawing stays that of the task, from above,
+    and one undo takes the drag back."""
     assert studio.dropped(("cell.yaml", CELL.encode()), ("task.yaml", SHORT.encode()))
     studio.until(f"{DRAWS_TABLE} && {DRAWN}.view.bodies.some((body) => body.name === 'c')")
     studio.ask(f"{DRAWN}.look('top')")
+    seen = studio.ask(f"{DRAWN}.camera.state")
     before = studio.ask(f"{DRAWN}.view.bodies.find((body) => body.name === 'c').seats[0].at_m")
     drag(studio, "c", 20, 0)
     studio.until(f"{DRAWN}.view.bodies.find((body) => body.name === 'c').seats[0].at_m[0] > {before[0]} + 0.01")
-    assert studio.text == SHORT
-    studio.choose(value_of(studio, "cell"))
     x, y, z = numbers(studio.text, "slots:")
     assert (abs(x - 320) <= 3, y, z) == (True, -250, 60)
+    moved = CELL.replace("[300, -250, 60]", f"[{x:g}, -250, 60]")
+    assert studio.text == moved
+    assert studio.ask("document.getElementById('scenario').value") == value_of(studio, "cell")
+    assert studio.ask(f"{DRAWN}.camera.state") == seen
+    studio.undo()
+    studio.until(f"{DRAWN}.view.bodies.find((body) => body.name === 'c').seats[0].at_m[0] === {before[0]}")
+    assert studio.text == SHORT
+    assert studio.ask(f"{DRAWN}.camera.state") == seen
+    studio.page.keyboard.press("Control+y")
+    assert studio.text == moved
+    studio.until(f"{DRAWN}.view.bodies.find((body) => body.name === 'c').seats[0].at_m[0] > {before[0]} + 0.01")
+    studio.undo()
+    studio.choose(value_of(studio, "cell"))
+    assert studio.text == CELL
+    assert studio.said == []
+
+
+def test_beside_the_text_of_its_cell_a_task_is_drawn_planned_and_dragged(studio: Studio) -> None:
+    task = SHORT.replace("-450, 0, 10", "-250, 0, 10")
+    assert studio.dropped(("cell.yaml", CELL.encode()), ("task.yaml", task.encode()))
+    studio.until(f"{DRAWS_TABLE} && {DRAWN}.view.bodies.some((body) => body.name === 'a')")
+    studio.ask(f"{DRAWN}.look('top')")
+    drag(studio, "table", 0, -30)
+    studio.until("!document.getElementById('text').value.includes('[350, -200, 25]')")
+    studio.planned()
+    assert "task" in studio.page.locator("#answers figcaption strong").inner_text()
+    assert not studio.page.locator("#answers .stale").is_visible()
+    studio.write("mass_kg: 0.12", "mass_kg: 0.13")
+    studio.page.wait_for_selector("#drawing:not([hidden])")
+    studio.until(f"{DRAWN}.view.bodies.some((body) => body.name === 'a')")
+    drag(studio, "a", 20, 0)
+    studio.until("document.getElementById('text').value.includes('assur-task/1')")
+    x, y, _ = numbers(studio.text, "name: a,")
+    assert (abs(x + 230) <= 3, y) == (True, 0)
+    assert studio.text == task.replace("-250, 0, 10", f"{x:g}, 0, 10")
+    assert studio.ask(f"{DRAWN}.camera.above")
 
 
 @pytest.mark.parametrize("view", ["perspective", "side"])

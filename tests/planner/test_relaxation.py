@@ -71,6 +71,13 @@ def table(**more: Any) -> Scene:
     return table_to_table(**{**EXPLAIN, **more})
 
 
+def two_places(by: float) -> Scene:
+    """A part that is put down twice on the other table, so much, m, too low."""
+    again = Pick("again", "part", Pose(z=0.01), 0.03, 0.05, 0.04)
+    beside = Place("beside", "part", Target("world", Pose(0.31, -0.29, 0.05, -0.4)), 0.03, 0.05, 0.03)
+    return lowered(lowered(table_to_table(again, beside, **EXPLAIN), 1, by), 3, by)
+
+
 def with_pick(scene: Scene, **changed: Any) -> Scene:
     """The scene with a pick, its first step, of which something is changed."""
     pick = scene.task[0]
@@ -204,6 +211,7 @@ CASES: dict[str, tuple[Callable[[], Scene], str, str]] = {
     "a place too low": (lambda: lowered(table(), 1, 0.01), "point height", "10 mm higher"),
     "a grasp too low": (lambda: lowered(table(), 0, 0.003), "point height", "3 mm higher"),
     "a place too low on a dial": (lambda: lowered(belt_and_dial(**EXPLAIN), 1, 0.004), "point height", "4 mm higher"),
+    "two places too low": (lambda: two_places(0.005), "place heights", "5 mm higher, all 2 places of this height"),
     "a move too low": (into_a_table, "point height", "5.1 mm higher"),
     "a lift that lags": (lambda: table(execution=LAGS), "contact tolerance", "0.6 mm at each pick and place"),
     "a lift that lags at a place": (

@@ -24,6 +24,7 @@ from assur.planner.model.outcome import Leg, LegKind
 from assur.planner.model.phases import phases
 from assur.planner.model.refusal import Reason
 from assur.planner.model.scene import Pick, Place, Scene
+from assur.planner.report.notes import leg_note
 from assur.scenes.exports.documents import export_document
 from assur.scenes.requests import cell_of, check_document
 from assur.scenes.tasks.joining import joined
@@ -103,6 +104,24 @@ def test_the_arm_waits_until_the_part_is_gone_and_not_much_longer() -> None:
     gone = of.plan.arrivals[1].until + 2.0
     assert wait_of(of).step == 3
     assert gone <= wait_of(of).t1 <= gone + 0.03
+
+
+def test_a_wait_names_the_part_and_when_it_is_gone() -> None:
+    of = case(2000)
+    answer = assur.plan(of.request)
+    (wait,) = [leg for leg in answer["legs"] if leg["kind"] == "WAIT"]
+    assert wait["note"] == f"waits until a is gone (at {answer['arrivals'][1]['until_s'] + 2.0:.3f} s)"
+
+
+def test_a_wait_for_two_parts_names_both() -> None:
+    scene, plan = case(2000).scene, case(2000).plan
+    put_down, place = plan.arrivals[1], scene.task[1]
+    assert isinstance(place, Place)
+    twice = replace(scene, task=(*scene.task[:3], replace(place, part="b"), *scene.task[4:]))
+    both = (put_down, replace(put_down, step=3))
+    wait = wait_of(case(2000))
+    assert leg_note(twice, wait, both).startswith("waits until a and b are gone (at ")
+    assert leg_note(twice, replace(wait, t1=wait.t1 + 0.01), both) == "lets bodies pass"
 
 
 def test_who_need_not_wait_does_not() -> None:

@@ -16,7 +16,8 @@ function element(kind, text, className = "") {
   return made;
 }
 
-// Shows an answer: { name, request, answer, about, page, text }. `text` is the scenario that it is the answer to.
+// Shows an answer: { name, request, answer, about, page, text, unwritten }. `text` is the scenario that it is the answer
+// to, `unwritten` why the change that it proposes cannot be written there.
 // `framed` is called with the window of the player, `apply` with the values of a change that would help.
 export function show(made, framed, apply) {
   if (shown && !shown.kept) shown.figure.remove();
@@ -39,19 +40,20 @@ export function show(made, framed, apply) {
   frame.title = `Answer to ${made.name}`;
   frame.srcdoc = made.page;
   frame.addEventListener("load", () => framed(frame.contentWindow));
-  const proposal = proposed(answer, apply);
+  const proposal = proposed(answer, made.unwritten, apply);
   figure.append(caption, ...(proposal ? [proposal] : []), frame);
   find("answers").append(figure);
   shown = { ...made, figure, stale, proposal, kept: false };
   settle();
 }
 
-// The change that was tried and works, and a button that writes it into the text; null: there is none.
-function proposed({ relaxation }, apply) {
+// The change that was tried and works, and a button that writes it into the text, or `why` there is
+// no button; null: there is no such change.
+function proposed({ relaxation }, why, apply) {
   if (!relaxation) return null;
   const row = element("p", "", "proposal");
-  row.append(element("span", `This change was tried and works: ${relaxation.what}: ${relaxation.value}.`));
-  if (relaxation.set) {
+  row.append(element("span", `This change was tried and works: ${relaxation.what}: ${relaxation.value}.${why && ` ${why}`}`));
+  if (relaxation.set && !why) {
     const button = element("button", "Apply");
     button.title = Object.entries(relaxation.set).map(([path, value]) => `${path} = ${JSON.stringify(value)}`).join("\n");
     button.addEventListener("click", () => apply(relaxation.set));

@@ -60,6 +60,17 @@ export function keep(text, { file, crlf } = current() || {}) {
   return parted ? "parted" : "kept";
 }
 
+// Writes another text into a record, which has the text `from`. Whether it is written: not where another tab has changed
+// the record, or the browser does not keep it.
+export function rewrite(id, from, to) {
+  const draft = parsed(id, local.read(PREFIX + id));
+  if (draft === null || draft.text !== from) return false;
+  const raw = JSON.stringify({ text: to, file: draft.file, crlf: draft.crlf, when: Date.now() });
+  if (!local.write(PREFIX + id, raw)) return false;
+  if (id === here) attach(id, raw);
+  return true;
+}
+
 export function remove() {
   local.remove(PREFIX + here);
   attach(null, null);

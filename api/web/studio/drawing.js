@@ -20,11 +20,20 @@ export async function begin(framed, picked, moved) {
   if (drawn !== null) show(drawn.view, drawn.still, drawn.alone);
 }
 
+// Nothing is drawn. The reason is shown in the place of the picture.
+export function leave(why) {
+  drawn = null;
+  mark("");
+  find("drawn").textContent = "";
+  find("absent").textContent = why;
+}
+
 // Draws a view. `still`: the camera stays where it is; `alone`: it is of a cell without a task.
 export function show(view, still, alone) {
   drawn = { view, still, alone };
   find("drawn").textContent = alone ? "without a task: somewhere within its limits" : "at its start, without a plan";
   mark("");
+  find("absent").textContent = "";
   if (player !== null) player.take(view, still);
 }
 
@@ -40,5 +49,8 @@ export function mark(why) {
 
 // It is not shown beside an answer to the same text.
 export function settle(answered) {
-  find("drawing").hidden = drawn === null || player === null || answered;
+  const absent = find("absent").textContent !== "";
+  find("absent").hidden = !absent;
+  find("drawing").querySelectorAll("iframe").forEach((frame) => (frame.hidden = absent));
+  find("drawing").hidden = answered || !(absent || (drawn !== null && player !== null));
 }

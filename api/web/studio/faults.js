@@ -1,24 +1,24 @@
 // The faults of a text below it, each with a button that goes to its line.
 import { goTo, number } from "./editor.js";
-import { fileOf } from "./parts.js";
+import { fileOf, partOf } from "./parts.js";
 
 const find = (id) => document.getElementById(id);
 
 export const fault = (error) =>
   `${error.field}${error.value === undefined ? "" : `: got ${JSON.stringify(error.value)}`}; allowed: ${error.allowed}`;
 
-// Shows the faults of a text. Those of `cell`, the text of the cell of a task (null: there is none), are behind a button
-// that has `open` show that text.
-export function showFaults(problem, cell, open) {
+// Shows the faults of a text. Those of `other`, the text of its cell or its task (null: there is none), are behind a
+// button that has `open` show that text.
+export function showFaults(problem, other, open) {
   const errors = problem.errors || [];
-  const elsewhere = ({ field }) => field.startsWith("cell: ") && cell !== null;
+  const elsewhere = ({ field }) => other !== null && field.startsWith("cell: ") === (partOf(other.text) === "cell");
   const paragraphs = errors.map((error) => {
     const paragraph = document.createElement("p");
     if (error.line) {
       const go = document.createElement("button");
-      go.textContent = elsewhere(error) ? `${fileOf(cell)}, line ${error.line}` : `line ${error.line}`;
+      go.textContent = elsewhere(error) ? `${fileOf(other)}, line ${error.line}` : `line ${error.line}`;
       go.addEventListener("click", () => {
-        if (elsewhere(error)) open(cell);
+        if (elsewhere(error)) open(other);
         goTo(error.line);
       });
       paragraph.append(go);

@@ -6,6 +6,8 @@ import { Refused } from "./service.js";
 const SCHEMA = /^\{?\s*["']?schema["']?\s*:\s*["']?assur-(cell|task)\/1\b/m;
 const FILE = /^\s*["']?cell["']?\s*:\s*\{?\s*["']?file["']?\s*:\s*(?:"([^"\n]*)"|'([^'\n]*)'|([^\s,}#]+))/m;
 
+let within = null; // the id of the task in whose drawing the text of its cell is shown
+
 const OF_SERVICE = /^shared\//; // files of shipped cells, as the tasks that are shipped name them
 
 // "cell" or "task"; "scenario": the text is whole.
@@ -27,9 +29,26 @@ export function cellOf(text) {
   return wanted === null ? null : drafts.all().find((draft) => partOf(draft.text) === "cell" && fileOf(draft) === wanted) || null;
 }
 
+// From now on the text of a cell is shown in the drawing of this task; null: alone.
+export function drawWithin(task) {
+  within = task && task.id;
+}
+
+// The task in whose drawing a text is shown, which is its cell; null: it is shown alone, or is no cell.
+export function taskOf(text) {
+  const task = partOf(text) === "cell" ? drafts.all().find(({ id }) => id === within) : null;
+  const cell = task ? cellOf(task.text) : null;
+  return cell !== null && cell.id === (drafts.current() || {}).id ? task : null;
+}
+
+// The other one of the texts of a task and its cell; null: there is none.
+export const besideOf = (text) => taskOf(text) || cellOf(text);
+
 // What the service is to read for a text. `shipped`: it is one of the service's own. Raises `Refused`
-// for a task whose cell is not here.
+// for a task whose cell is not here: the name of its file is `missing`.
 export function readable(text, shipped) {
+  const task = taskOf(text);
+  if (task !== null) return { text: task.text, cell: text };
   if (partOf(text) === "cell") return { cell: text };
   const cell = cellOf(text);
   if (cell !== null) return { text, cell: cell.text };
@@ -37,5 +56,5 @@ export function readable(text, shipped) {
   const value = named && named.slice(1).find(Boolean);
   if (shipped || partOf(text) !== "task" || named === null || OF_SERVICE.test(value)) return { text };
   const line = text.slice(0, named.index + named[0].length).split("\n").length;
-  throw new Refused({ errors: [{ field: "cell.file", value, allowed: "the file of a cell that is open here: open it, too", line }] });
+  throw new Refused({ missing: cellNameOf(text), errors: [{ field: "cell.file", value, allowed: "the file of a cell that is open here: open it, too", line }] });
 }

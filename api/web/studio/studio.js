@@ -9,7 +9,7 @@ import { download, isDocument, offerLink, receiveFiles } from "./files.js";
 import { History } from "./history.js";
 import { cancel, searched, searching, tellProgress } from "./jobs.js";
 import { heldBy, isLink, linkTo } from "./links.js";
-import { cellOf, fileOf, partOf, readable } from "./parts.js";
+import { besideOf, cellNameOf, cellOf, drawWithin, fileOf, partOf, readable, taskOf } from "./parts.js";
 import { chooseAtCaret, know, placeOf, shownAs } from "./selection.js";
 import { ask, enterKey, Refused } from "./service.js";
 
@@ -23,7 +23,7 @@ const history = new History();
 
 // ---- the editor -------------------------------------------------------------------------------------------------
 
-const tellFaults = (problem) => showFaults(problem, cellOf(text.value), showDraft);
+const tellFaults = (problem) => showFaults(problem, besideOf(text.value), showBeside);
 
 // The messages about the answer and its files; faults of the text are not touched.
 function note(sentence, bad = false) {
@@ -73,7 +73,10 @@ async function examine() {
     know(written);
     return answers.settle();
   }, (problem) => {
-    if (latest()) drawing.mark("The text has changed since, and has a fault.");
+    if (latest() && problem.missing) drawing.leave(`The cell ${problem.missing} is missing. Open it, too: then this task is drawn.`);
+    else if (latest() && replaced) drawing.leave("Nothing is drawn: the text has a fault.");
+    else if (latest()) drawing.mark("The text has changed since, and has a fault.");
+    answers.settle();
     patient.then(() => latest() && tellFaults(problem));
   });
   await examined;
@@ -86,9 +89,9 @@ function showPlace(body) {
   const place = placeOf(body);
   if (!place) return;
   if (place.written !== shownAs()) {
-    const cell = cellOf(text.value);
-    if (cell === null) return;
-    showDraft(cell);
+    const other = besideOf(text.value);
+    if (other === null) return;
+    showBeside(other);
     listTexts();
   }
   select(place.begin, place.end);
@@ -97,29 +100,40 @@ function showPlace(body) {
 // ---- changes that are not typed ---------------------------------------------------------------------------------
 
 // Has the service write a change into the texts: { set }, values of the request, or { move }, a thing of the drawing.
-// True if it is written. A note states why it is not.
+// The text with a thing that was moved is shown. True if it is written. A note states why it is not.
 async function write(change) {
   const given = text.value;
   return attempt(async () => {
     const made = await (await ask("v1/scenes/parse", { ...readable(given, scenario), ...change })).json();
     if (text.value !== given) throw new Refused({ detail: "The text has changed meanwhile. Nothing else is changed." });
-    const [own, cell] = [drafts.current(), cellOf(given)];
-    if (shownAs() === "text" && cell !== null && made.cell !== cell.text) {
-      showDraft(cell);
-      rewrite(made.cell);
-      if (own) showDraft(own);
-      listTexts();
-    }
-    if (made[shownAs()] !== text.value) rewrite(made[shownAs()]);
+    const [own, other] = [made[shownAs()], besideOf(given)];
+    const there = other && made[partOf(other.text) === "cell" ? "cell" : "text"];
+    if (other !== null && there !== other.text) rewriteBoth(own, other, there, "move" in change);
+    else if (own !== given) rewrite(own);
     note("");
     return true;
   }, noteProblem);
 }
 
-function rewrite(content) {
+function rewrite(content, also = null) {
+  const same = content === text.value;
   replace(content);
-  history.add(content, text.selectionEnd);
-  changed();
+  history.add(content, text.selectionEnd, null, also);
+  if (same) tellText();
+  else changed();
+}
+
+// Changes the text that is shown and the `other` one, of a task and its cell, in one step of undo. `turn`: the other one
+// is shown then; the drawing is that of the task, as before. Raises `Refused`.
+function rewriteBoth(own, other, there, turn) {
+  if (!drafts.rewrite(other.id, other.text, there))
+    throw new Refused({ detail: `${fileOf(other)} is not changed: another tab has changed it, or the browser does not keep it.` });
+  if (turn) {
+    drawWithin(partOf(other.text) === "cell" ? drafts.current() : other);
+    drafts.open(other.id);
+    text.value = other.text;
+  }
+  rewrite(turn ? there : own, { id: other.id, before: other.text, after: there });
 }
 
 // Changes are written in the order in which they are made.
@@ -127,6 +141,14 @@ let writing = Promise.resolve();
 function moved(move) {
   writing = writing.catch(() => {}).then(() => write({ move })).then(() => examined);
   return writing;
+}
+
+// Why the change that a refusal proposes cannot be written into the texts that the service is to read; empty: it can,
+// or nothing is proposed.
+async function unwritten({ relaxation }, texts) {
+  if (!relaxation || !relaxation.set) return "";
+  return attempt(async () => (await ask("v1/scenes/parse", { ...texts, set: relaxation.set }), ""),
+    (problem) => (problem.errors ? `A button needs ${problem.errors[0].allowed}.` : problem.detail || problem.title));
 }
 
 async function apply(set) {
@@ -138,7 +160,11 @@ const noteProblem = (problem) => note((problem.errors || []).map(fault).join(" "
 // ---- texts that are kept ----------------------------------------------------------------------------------------
 
 // What an answer is an answer to: the text, and that of its cell.
-const meant = () => JSON.stringify([text.value, (cellOf(text.value) || { text: null }).text]);
+function meant() {
+  const task = taskOf(text.value);
+  return JSON.stringify(task ? [task.text, text.value] : [text.value, (cellOf(text.value) || { text: null }).text]);
+}
+
 const name = () => scenario || nameOf(text.value, (drafts.current() || {}).file);
 
 // Keeps the text, and tells where that is not as it should be. `as`: its file, if it is from one.
@@ -204,19 +230,23 @@ function changed() {
 function step(by) {
   const found = history.step(by);
   if (found === null) return;
+  const { also } = found;
+  const changedElsewhere = also !== null && !drafts.rewrite(also.id, also.from, also.to);
   text.value = found.text;
   text.setSelectionRange(found.caret, found.caret);
   if (returned()) tellText();
   else changed();
+  if (changedElsewhere) note("The text that was changed with this one has changed since. It is left as it is.", true);
 }
 
-// Replaces the whole text; undo brings back what was there.
-function put(content) {
+// Replaces the whole text; undo brings back what was there. `task`: the drawing is that of this task, as before.
+function put(content, task = null) {
   const left = drafts.current();
   if (left && !left.text.trim()) drafts.remove();
   text.value = content;
   history.add(text.value, 0);
-  replaced = true;
+  drawWithin(task);
+  replaced = replaced || task === null;
   find("kept").textContent = "";
   text.setSelectionRange(0, 0);
   text.scrollTop = 0;
@@ -252,12 +282,15 @@ async function choose() {
   listTexts();
 }
 
-function showDraft(draft) {
-  put(draft.text);
+function showDraft(draft, task = null) {
+  put(draft.text, task);
   drafts.open(draft.id);
   scenario = null;
   tellText();
 }
+
+// Shows the other text of a task and its cell, in the drawing of the task.
+const showBeside = (draft) => showDraft(draft, partOf(draft.text) === "cell" ? drafts.current() : draft);
 
 async function remove() {
   drafts.remove();
@@ -294,8 +327,10 @@ async function plan() {
   await attempt(async () => {
     await connect();
     if (kindOf(text.value).kind !== "text" && (await take(text.value))) return;
-    const [given, title] = [meant(), name()];
-    const { request: read, about } = await (await ask("v1/scenes/parse", readable(text.value, scenario))).json();
+    const task = taskOf(text.value);
+    const [given, title] = [meant(), task ? nameOf(task.text, task.file) : name()];
+    const texts = readable(text.value, scenario);
+    const { request: read, about } = await (await ask("v1/scenes/parse", texts)).json();
     if (read === undefined) throw new Refused({ detail: "This is a cell. A task is planned: a text of assur-task/1 that names the file of this cell." });
     const request = reported(read);
     const answer = await searched(request);
@@ -307,7 +342,8 @@ async function plan() {
     }
     tellProgress("Drawing", null, []);
     const page = await drawn({ request, plan: answer, title, about });
-    answers.show({ name: title, about, request, answer, page, text: given }, framed, apply);
+    const why = await unwritten(answer, texts);
+    answers.show({ name: title, about, request, answer, page, text: given, unwritten: why }, framed, apply);
     answers.compareText(meant());
   });
   busy(false);
@@ -328,8 +364,11 @@ function busy(is) {
 async function take(content, file = null) {
   const found = kindOf(content);
   const from = `Opened from ${file || "the clipboard"}.`;
-  if (found.kind === "text") showOwn(content, file);
-  else {
+  const task = cellNameOf(text.value) !== null && cellOf(text.value) === null ? drafts.current() : null; // its cell is missing
+  if (found.kind === "text") {
+    showOwn(content, file);
+    if (task !== null && cellOf(task.text) !== null) showDraft(task);
+  } else {
     const stem = file === null ? found.title : nameOf("", file);
     const made = scenarioOf(found.request, found.about || found.title || from);
     const page = found.kind === "plan" ? await drawn(content) : null;
@@ -338,7 +377,8 @@ async function take(content, file = null) {
     if (page === null) return false;
     const { request, plan: answer, about, title } = found;
     const of = made.length <= LONGEST_TEXT ? meant() : made;
-    answers.show({ name: title || nameOf(made, file), about, request, answer, page, text: of }, framed, apply);
+    const why = await unwritten(answer, { text: made });
+    answers.show({ name: title || nameOf(made, file), about, request, answer, page, text: of, unwritten: why }, framed, apply);
     answers.compareText(meant());
     if (made.length > LONGEST_TEXT) note("The plan is shown. Its request is too long for the editor: it has meshes or other long parts.");
     return true;

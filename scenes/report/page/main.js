@@ -2,6 +2,7 @@
 import { Camera, steer } from "./camera.js";
 import { charts } from "./charts.js";
 import { Grip } from "./grip.js";
+import { Labels } from "./labels.js";
 import { clamp } from "./numbers.js";
 import { Renderer } from "./renderer.js";
 import { census, Timeline } from "./timeline.js";
@@ -15,36 +16,6 @@ const CLICK_PX = 4;
 const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2];
 const KINDS = { robot: "robot", tool: "tool", part: "parts", body: "bodies", neighbour: "other robots" };
 const find = (id) => document.getElementById(id);
-
-function labels(renderer, tracks, camera, host) {
-  const made = tracks.view.control_points.map((point) => {
-    const label = document.createElement("span");
-    label.className = "label";
-    label.textContent = point.name;
-    host.append(label);
-    return label;
-  });
-  const distance = document.createElement("span");
-  distance.className = "label distance";
-  host.append(distance);
-  const put = (label, p, shown) => {
-    const { x, y, ahead } = renderer.onPage(p);
-    label.hidden = !shown || !ahead;
-    label.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
-  };
-  return (t, show, pair) => {
-    const carriers = tracks.carrierPoses(t);
-    tracks.view.control_points.forEach((point, k) => {
-      made[k].classList.toggle("done", point.until_s !== null && t > point.until_s);
-      put(made[k], tracks.pointPose(point, t, carriers).p, show.points);
-    });
-    if (!pair) distance.hidden = true;
-    else {
-      distance.textContent = `${(1000 * pair.gap).toFixed(2)} mm`;
-      put(distance, pair.points[0].map((x, k) => (x + pair.points[1][k]) / 2), show.pair);
-    }
-  };
-}
 
 function refusal(host, view, seek) {
   const { refusal: why } = view;
@@ -98,6 +69,7 @@ class Player {
     this.picked = null; // called with the body that was clicked, by a page that has one to tell
     this.canvas.addEventListener("pointerdown", ({ clientX, clientY }) => (this.pressed = [clientX, clientY]));
     this.canvas.addEventListener("click", (event) => this.pick(event));
+    for (const type of ["pointermove", "pointerleave"]) this.canvas.addEventListener(type, (event) => this.point(event));
     this.controls();
     new ResizeObserver(() => this.draw()).observe(this.canvas);
     this.resized = new ResizeObserver(() => this.charts.forEach((chart) => chart.draw(this.t)));
@@ -119,7 +91,7 @@ class Player {
     this.charts = charts(emptied("charts"), this.tracks, seek);
     for (const chart of this.charts) this.resized.observe(chart.canvas);
     this.timeline = new Timeline(emptied("timeline"), this.tracks, seek);
-    this.label = labels(this.renderer, this.tracks, this.camera, emptied("labels"));
+    this.labels = new Labels(this.renderer, this.tracks, this.camera, emptied("labels"));
     find("refusal").hidden = true;
     refusal(emptied("refusal"), view, seek);
     this.legend(emptied("legend"));
@@ -201,9 +173,7 @@ class Player {
     this.grip.chosen = kind ? { kind, name } : null;
     const is = (body) => (kind === "body" ? body.name === name && !["robot", "tool"].includes(body.kind) : body.kind === kind);
     this.renderer.chosen = [bodies.findIndex(is), bodies.findLastIndex(is)];
-    find("labels").querySelectorAll(".label:not(.distance)").forEach((label, k) =>
-      label.classList.toggle("chosen", kind === "step" && String(points[k].step) === name),
-    );
+    this.labels.choose(kind === "step" ? points.findIndex(({ step }) => String(step) === name) : null);
     this.draw();
   }
 
@@ -213,6 +183,14 @@ class Player {
     const { left, top } = this.canvas.getBoundingClientRect();
     const number = this.renderer.bodyAt(clientX - left, clientY - top);
     if (number >= 0) this.picked(this.view.bodies[number]);
+  }
+
+  // The name of the control point at the pointer is shown, also where others are.
+  point({ type, clientX, clientY }) {
+    if (this.view === null) return;
+    const { left, top } = this.canvas.getBoundingClientRect();
+    this.labels.pointer = type === "pointerleave" ? null : [clientX - left, clientY - top];
+    this.labels.draw(this.t, this.show, this.tracks.nearest(this.t), this.playing);
   }
 
   faster(by) {
@@ -304,14 +282,15 @@ class Player {
     const { t } = this;
     const pair = this.tracks.nearest(t);
     this.renderer.draw(t, this.camera, this.show, pair);
-    this.label(t, this.show, pair);
+    this.labels.draw(t, this.show, pair, this.playing);
     this.charts.forEach((chart) => chart.draw(t));
     this.timeline.draw(t);
     find("time").value = String(t);
     find("now").textContent = (this.view.start_s + t).toFixed(3);
     const leg = this.tracks.leg(t);
     const point = leg && this.view.control_points[leg.step];
-    find("leg").textContent = leg ? `${leg.kind}${point ? `, ${point.name}` : ""}` : "the arm stands";
+    const why = leg && leg.kind === "WAIT" && leg.note ? `: ${leg.note}` : "";
+    find("leg").textContent = leg ? `${leg.kind}${point ? `, ${point.name}` : ""}${why}` : "the arm stands";
   }
 }
 

@@ -41,7 +41,8 @@ export class Timeline {
     const step = (number) => (view.control_points[number] ? view.control_points[number].name : "");
     const legs = view.legs.map((leg) => {
       const title = `${leg.kind} ${step(leg.step)}, ${seconds(leg.from_s, leg.to_s)} ${leg.note}`;
-      return bar(leg.from_s, leg.to_s, this.lasts, leg.kind, `leg-${leg.kind.toLowerCase()}`, title);
+      const name = leg.kind === "WAIT" ? leg.note || leg.kind : leg.kind;
+      return bar(leg.from_s, leg.to_s, this.lasts, name, `leg-${leg.kind.toLowerCase()}`, title);
     });
     if (legs.length) this.row("Legs", legs);
     const dwells = view.control_points.filter((point) => point.time_s !== null);

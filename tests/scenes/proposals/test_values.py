@@ -53,7 +53,7 @@ def test_each_change_that_is_tried_is_stated_in_the_units_of_the_request(in_si: 
                 assert found is not None, (what, value)
                 assert not in_si or not any(unit in str(found) for unit in ("_mm", "_deg", "_ms", "'mm'")), found
                 kinds.add(what)
-    assert len(kinds) == len(CHANGED) - 5  # without a body, and four that a refusal has to ask for
+    assert len(kinds) == len(CHANGED) - 6  # without a body, and five that a refusal has to ask for
 
 
 def test_what_the_request_does_not_state_is_added() -> None:

@@ -1,0 +1,93 @@
+"""What a refusal of a task proposes: it names the part of a transfer, and nothing is offered that fails."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from assur.api.cli.console_report import not_planned
+from assur.planner.errors import InputError
+from assur.scenes.proposals.texts import with_request_values
+from assur.scenes.requests import plan_document, plan_scenario
+from assur.scenes.scenario import Scenario
+from assur.scenes.tasks.task_file import scenario_of_texts
+from tests.scenes.tasks.test_joining import CELL, TASK
+
+APART = CELL.replace("step_mm: [80, 60, 20]", "step_mm: [80, 90, 20]")
+LATE = (
+    TASK.replace("[-620, 0, 10]", "[-320, 60, 10]")
+    .replace("[-300, 250]", "[-280, -100]")
+    .replace("{seed: 1}", "{seed: 1, max_candidates: 60, budget_s: 30, stop: first}")
+)
+"""The second part passes the end of the window while the first is carried."""
+EXPLAINED = LATE.replace("{seed: 1", "{seed: 1, explain_budget_s: 60")
+PART = ", for the pick of b in step 1, transfer; the others keep their values"
+
+
+def scenario(task: str, cell: str = APART) -> Scenario:
+    return scenario_of_texts(task.encode(), cell.encode(), Path("task.yaml"))
+
+
+def printed(answer: dict[str, Any]) -> str:
+    return "\n".join(str(each) for each in not_planned(answer))
+
+
+def test_a_change_of_one_part_of_a_transfer_names_it_and_is_not_offered_as_values() -> None:
+    made = scenario(EXPLAINED)
+    answer = plan_scenario(made)
+    proposed = answer["relaxation"]
+    assert (proposed["what"], proposed["set"]) == ("window", None)
+    assert proposed["value"].endswith(PART)
+    assert PART in printed(answer)
+    assert "--set" not in printed(answer)
+    of_request = plan_document(made.request)["relaxation"]
+    assert of_request["value"] + PART == proposed["value"]
+    assert list(of_request["set"]) == ["task.pick-b.pick.window_mm"]
+    texts = {"text": EXPLAINED, "cell": APART}
+    with pytest.raises(InputError, match=f"these are{PART[1:]}"):
+        with_request_values(made, texts, of_request["set"], lambda given: scenario(given["text"], given["cell"]))
+
+
+def test_a_transfer_of_one_part_is_named_by_its_step_alone() -> None:
+    made = scenario(EXPLAINED.replace("parts: [a, b]", "parts: [b]").replace("[-320, 60, 10]", "[-90, 60, 10]"))
+    proposed = plan_scenario(made)["relaxation"]
+    assert proposed["what"] == "window"
+    assert "transfer" not in proposed["value"]
+    assert list(proposed["set"]) == ["steps.0.transfer.window_mm"]
+
+
+def test_the_second_transfer_is_the_second_step() -> None:
+    moved = EXPLAINED.replace("steps:\n", "steps:\n  - move: {to: {at_mm: [350, 0, 180]}, via: true}\n")
+    assert ", for the pick of b in step 2, transfer;" in plan_scenario(scenario(moved))["relaxation"]["value"]
+
+
+LOW = APART.replace("[300, -250, 60]", "[300, -250, 55]")
+EARLY = EXPLAINED.replace("[-320, 60, 10]", "[-620, 0, 10]").replace("[-280, -100]", "[-300, 250]")
+ALONE = EARLY.replace("  - {name: c, kind: bracket, slot: {box: 2}}\n", "")
+
+
+@pytest.mark.parametrize(("parts", "what"), [("[a]", "point height"), ("[a, b]", "place heights")])
+def test_slots_that_are_too_low_are_proposed_higher(parts: str, what: str) -> None:
+    """Slots 5 mm in the table, on which the parts are to rest. The values that are proposed are those of the cell."""
+    task = ALONE.replace("[a, b]", parts)
+    made = scenario(task, LOW)
+    answer = plan_scenario(made)
+    assert "would be pressed 5 mm into table" in answer["sentence"]
+    proposed = answer["relaxation"]
+    assert (proposed["what"], proposed["set"]) == (what, {"slots.box.at_mm.2": 60})
+    assert proposed["value"].startswith("5 mm higher")
+    assert "--set slots.box.at_mm.2=60" in printed(answer)
+    assert plan_scenario(scenario(task, APART))["duration_s"] == pytest.approx(proposed["duration_s"])
+    of_request = plan_document(made.request)["relaxation"]["set"]
+    texts = with_request_values(
+        made, {"text": task, "cell": LOW}, of_request, lambda given: scenario(given["text"], given["cell"])
+    )
+    assert texts == {"text": task, "cell": APART}
+
+
+def test_slots_in_which_a_part_lies_are_raised_by_no_values() -> None:
+    """The part that lies there would be elsewhere, which was not tried."""
+    proposed = plan_scenario(scenario(EARLY, LOW))["relaxation"]
+    assert (proposed["what"], proposed["set"]) == ("place heights", None)
