@@ -9,8 +9,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.selection import columns as c
 from assur.planner.selection.columns import Times
-from assur.planner.selection.cycles import cycle
-from assur.planner.selection.next_part import DEPTH, PRICE, scored
+from assur.planner.selection.next_part import DEPTH, PRICE, arm_after, scored
 from assur.planner.selection.rules import FREE, IDLE, SCORE
 from benchmarks.selection.cells import Stream
 
@@ -39,8 +38,7 @@ def run(
 ) -> Run:
     """The parts of a stream, taken until so many seconds have passed. `lazy`: where the arm has to wait for its part,
     and another one is seen meanwhile, it chooses anew."""
-    done, modes = np.full(len(stream.parts), np.nan), times.there.shape[2]
-    ends, tried = np.empty((modes, c.ARM_SLOT + len(times.places))), np.empty(c.ARM_SLOT + len(times.places))
+    done = np.full(len(stream.parts), np.nan)
     arm, pool, coming, decisions = _begin(times), list[int](), 0, 0
     while arm[c.ARM_TIME] < seconds:
         now = arm[c.ARM_TIME]
@@ -61,8 +59,7 @@ def run(
             arm[c.ARM_TIME] = stream.known[coming]
             continue
         chosen = pool.pop(best)
-        cycle(times, arm, stream.parts[chosen], ends, tried)
-        arm = ends[int(np.argmin(ends[:, c.ARM_TIME]))].copy()
+        arm = arm_after(times, arm, stream.parts[chosen])
         done[chosen] = arm[c.ARM_TIME]
     return Run(done, decisions)
 

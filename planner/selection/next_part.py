@@ -11,6 +11,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.selection import columns as c
 from assur.planner.selection.columns import Times
+from assur.planner.selection.cycles import cycle
 from assur.planner.selection.look_ahead import MOST
 from assur.planner.selection.rules import FREE, IDLE, MEETS, RULES, SCORE, score_parts
 
@@ -83,3 +84,12 @@ def scored(times: Times, arm: FloatArray, parts: FloatArray, rule: str, depth: i
     found = np.empty((len(parts), SCORE + 1))
     score_parts(times, arm, parts, RULES.index(rule), depth, price / times.rides[0, c.NOMINAL], found)
     return found
+
+
+def arm_after(times: Times, arm: FloatArray, part: FloatArray) -> FloatArray:
+    """The arm (ARM_SLOT + P,) after the part (PART,) is put down, in the mode in which it is free first; its time is
+    infinite if the part cannot be taken."""
+    ends, tried = np.empty((times.there.shape[2], len(arm))), np.empty(len(arm))
+    cycle(times, arm, part, ends, tried)
+    first: FloatArray = ends[int(np.argmin(ends[:, c.ARM_TIME]))]
+    return first
