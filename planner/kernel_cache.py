@@ -11,7 +11,7 @@ import os
 from functools import cache
 from pathlib import Path
 
-ROOMS = ("kernels", "checker", "bound")
+ROOMS = ("kernels", "checker", "bound", "selection")
 """Rooms of the planner whose modules, and those of rooms within them, may hold kernels."""
 PLAIN = ("checker/statement",)
 """Rooms within these that hold none: an import rule keeps the compiler out of them."""

@@ -1,0 +1,1 @@
+"""What the order of picks is worth: rules against each other on the same streams of parts, by table times."""
