@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -63,7 +64,21 @@ def next_part(
     price: float = PRICE,
 ) -> tuple[Choice, ...]:
     """The best `MOST_CHOICES` of the parts that are `known`, in the order in which they were seen, for an arm that is
-    free at `now`, s, best first. The same arguments give the same answer. What can no longer be taken is left out."""
+    free at `now`, s, best first. The same arguments give the same answer. What can no longer be taken is left out.
+
+    Raises `InputError` for a number that is not finite, for a lane, place or mode that the tables do not have, and as
+    `scored`."""
+    lanes, places, modes = times.there.shape[3], len(times.places), times.there.shape[2]
+    _check("now", now)
+    _check("arm.way", arm.way)
+    _check("arm.place", arm.place, places)
+    _check("arm.mode", arm.mode, modes)
+    if len(arm.slots) != places:
+        raise InputError("arm.slots", arm.slots, f"{places} numbers, one for each place")
+    for part in known:
+        _check(f"known.{part.name}.lane", part.lane, lanes)
+        _check(f"known.{part.name}.place", part.place, places)
+        _check(f"known.{part.name}.passed_s", part.passed_s)
     rows = np.array([(part.lane, part.passed_s, part.place) for part in known]).reshape(-1, c.PART)
     row = np.array([now, arm.place, arm.way, arm.mode, *arm.slots], dtype=np.float64)
     found = scored(times, row, rows, rule, depth, price)
@@ -74,13 +89,24 @@ def next_part(
     )
 
 
+def _check(field: str, value: float, many: int | None = None) -> None:
+    """Raises `InputError` unless a value is a finite number, or one of `many` numbers from 0."""
+    if many is not None and value not in range(many):
+        raise InputError(field, value, f"0 to {many - 1}")
+    if not math.isfinite(value):
+        raise InputError(field, value, "a finite number")
+
+
 def scored(times: Times, arm: FloatArray, parts: FloatArray, rule: str, depth: int, price: float) -> FloatArray:
     """The table of `rules` (N, FOUND) for parts (N, PART) and an arm (ARM_SLOT + P,). Raises `InputError` for a rule
-    that there is not, and for a look-ahead of no part or of more than `MOST`."""
+    that there is not, for a look-ahead of no part or of more than `MOST`, and for a price that is not a finite number
+    from 0."""
     if rule not in RULES:
         raise InputError("selection.rule", rule, f"one of {', '.join(RULES)}")
     if not 1 <= depth <= MOST:
         raise InputError("selection.depth", depth, f"1 to {MOST} parts")
+    if not 0.0 <= price < math.inf:
+        raise InputError("selection.price", price, "a finite number from 0")
     found = np.empty((len(parts), SCORE + 1))
     score_parts(times, arm, parts, RULES.index(rule), depth, price / times.rides[0, c.NOMINAL], found)
     return found

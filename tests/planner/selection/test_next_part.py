@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -114,6 +116,35 @@ def test_at_most_three_parts_are_ranked_and_none_that_has_left() -> None:
     assert next_part(10.0, free, [], times) == ()
     with pytest.raises(InputError, match="selection"):
         next_part(10.0, free, known, times, "random")
+
+
+@pytest.mark.parametrize(
+    ("field", "arguments"),
+    [
+        ("known.a.lane", {"known": [KnownPart("a", 6, 10.0, 0)]}),
+        ("known.a.place", {"known": [KnownPart("a", 0, 10.0, -1)]}),
+        ("known.a.passed_s", {"known": [KnownPart("a", 0, math.nan, 0)]}),
+        ("now", {"now": math.inf}),
+        ("arm.mode", {"arm": FreeArm(0, 0.0, 1, (0, 0))}),
+        ("arm.place", {"arm": FreeArm(2, 0.0, 0, (0, 0))}),
+        ("arm.way", {"arm": FreeArm(0, math.nan, 0, (0, 0))}),
+        ("arm.slots", {"arm": FreeArm(0, 0.0, 0, (0,))}),
+        ("selection.price", {"price": math.nan}),
+        ("selection.depth", {"depth": 0}),
+        ("selection.rule", {"rule": "lookahead"}),
+    ],
+)
+def test_what_the_tables_do_not_have_is_refused(field: str, arguments: dict[str, Any]) -> None:
+    right: dict[str, Any] = {
+        "now": 10.0,
+        "arm": FreeArm(0, 0.0, 0, (0, 0)),
+        "known": [KnownPart("a", 0, 10.0, 0)],
+        "times": tables(TWO),
+    }
+    assert len(next_part(**right)) == 1
+    with pytest.raises(InputError) as caught:
+        next_part(**{**right, **arguments})
+    assert caught.value.field == field
 
 
 def test_a_part_that_has_not_come_yet_is_waited_for() -> None:
