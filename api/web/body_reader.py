@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections import Counter
 
 from starlette.requests import ClientDisconnect, Request
 
@@ -51,21 +50,25 @@ class Reading:
 
     def __init__(self, in_all: int = IN_ALL_BYTES, of_one: int = OF_ONE_BYTES) -> None:
         self._in_all, self._of_one = in_all, of_one
-        self._held: Counter[str] = Counter()
+        self._held: dict[str, int] = {}
+        self._held_in_all = 0
         self.bodies = 0
         """Bodies that arrive."""
 
     def take(self, address: str, size: int) -> None:
         """Counts `size` more bytes of a client. Raises `Problem`: busy, where there is no room for them."""
-        if self._held.total() + size > self._in_all or self._held[address] + size > self._of_one:
+        held = self._held.get(address, 0) + size
+        if self._held_in_all + size > self._in_all or held > self._of_one:
             raise busy(1.0, "Too many bodies arrive at a time.")
-        self._held[address] += size
+        self._held[address] = held
+        self._held_in_all += size
 
     def give_back(self, address: str, size: int) -> None:
         """Counts `size` bytes no longer."""
-        self._held[address] -= size
-        if not self._held[address]:
-            del self._held[address]
+        self._held_in_all -= size
+        left = self._held.pop(address, 0) - size
+        if left:
+            self._held[address] = left
 
 
 async def read_body(request: Request, limit: int, within_s: float, reading: Reading, *, json: bool = True) -> bytes:
@@ -80,7 +83,8 @@ async def read_body(request: Request, limit: int, within_s: float, reading: Read
     length = request.headers.get("content-length", "0")
     if not (length.isascii() and length.isdigit() and len(length) <= 15 and int(length) <= limit):
         raise _too_large(limit)
-    address = network(request.client.host if request.client else "")
+    peer = request.scope.get("client")
+    address = network(peer[0] if peer else "")
     loop = asyncio.get_running_loop()
     began = loop.time()
     body = bytearray()

@@ -19,6 +19,7 @@ from assur.api.keys import clients_of, digest, keys_in, unlimited
 from assur.api.logs import event
 from assur.api.problems import Problem
 from assur.api.web.addresses import network
+from assur.api.web.header_values import values_of
 from assur.api.web.request_log import FACTS
 from assur.api.web.settings import Settings
 from assur.api.workers.client import Client
@@ -125,8 +126,8 @@ class KnowsClients:
 
 
 def _authorization(scope: Scope) -> str | None:
-    found = [value for name, value in scope["headers"] if name == b"authorization"]
-    return found[0].decode("latin-1") if len(found) == 1 else None
+    found = values_of(scope["headers"], b"authorization")
+    return found[0] if len(found) == 1 else None
 
 
 def _stamp(file: Path) -> tuple[int, int] | None:

@@ -15,7 +15,6 @@ from typing import Any, cast
 
 import h11
 from h11._connection import DEFAULT_MAX_INCOMPLETE_EVENT_SIZE
-from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
 from uvicorn.config import Config
 from uvicorn.protocols.http.h11_impl import H11Protocol, RequestResponseCycle
@@ -24,6 +23,7 @@ from uvicorn.server import ServerState
 from assur.api.documents import problem_response
 from assur.api.logs import event
 from assur.api.problems import Problem
+from assur.api.web.header_values import Pairs, values_of
 from assur.api.web.request_log import FACTS
 from assur.api.web.settings import Settings
 
@@ -78,9 +78,9 @@ class CountedConnection(h11.Connection):
     def next_event(self) -> h11.Event | type[h11.NEED_DATA] | type[h11.PAUSED]:
         """As h11's. Raises `RemoteProtocolError` at the first chunk that is one too many."""
         event = super().next_event()
-        if isinstance(event, h11.Request):
+        if type(event) is h11.Request:  # exactly that: `isinstance` with classes of h11 runs Python code
             self._chunks = self._bytes = 0
-        elif isinstance(event, h11.Data):
+        elif type(event) is h11.Data:
             self._chunks += event.chunk_start
             if self._chunks - FIRST_CHUNKS > self._bytes / CHUNK_BYTES:
                 raise h11.RemoteProtocolError("too many small chunks")
@@ -179,7 +179,7 @@ class Gate:
                 message["headers"] = [*others, (b"connection", b"close")]
             await send(message)
 
-        if scope["type"] == "http" and b"upgrade" in dict(scope["headers"]) and _wants_websocket(Headers(scope=scope)):
+        if scope["type"] == "http" and b"upgrade" in dict(scope["headers"]) and _wants_websocket(scope["headers"]):
             problem = Problem(
                 "no-websockets",
                 "Send requests of HTTP. GET /v1/jobs/{name}/events sends the progress of a job as server-sent events.",
@@ -190,8 +190,10 @@ class Gate:
         await self._app(scope, receive, sending)
 
 
-def _wants_websocket(headers: Headers) -> bool:
+def _wants_websocket(headers: Pairs) -> bool:
     """Whether a request asks to go on as a WebSocket (RFC 6455, 4.1). Any other upgrade is ignored, as HTTP allows."""
-    wanted = {name.strip().lower() for line in headers.getlist("upgrade") for name in line.split(",")}
-    tokens = {token.strip().lower() for line in headers.getlist("connection") for token in line.split(",")}
+    wanted, tokens = (
+        {item.strip().lower() for line in values_of(headers, name) for item in line.split(",")}
+        for name in (b"upgrade", b"connection")
+    )
     return "websocket" in wanted and "upgrade" in tokens

@@ -9,7 +9,6 @@ from collections.abc import Mapping, MutableMapping, Sequence
 from os import urandom
 from typing import Any
 
-from starlette.datastructures import Headers
 from starlette.requests import ClientDisconnect
 from starlette.routing import BaseRoute, Match
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -19,6 +18,7 @@ from assur.api.logs import ABOUT, LOGGER, event
 from assur.api.problems import Problem
 from assur.api.telemetry.meters import Meters
 from assur.api.telemetry.trace import CURRENT, Trace, new_traceparent
+from assur.api.web.header_values import values_of
 
 HEADERS = (
     (b"cache-control", b"no-store"),
@@ -47,7 +47,7 @@ class RequestLog:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        trace = Trace(urandom(16).hex(), new_traceparent(Headers(scope=scope).getlist("traceparent")))
+        trace = Trace(urandom(16).hex(), new_traceparent(values_of(scope["headers"], b"traceparent")))
         original = dict(scope)  # a part of the application that is mounted changes what the scope says of its path
         scope[FACTS] = trace.facts
         began = time.monotonic()
@@ -116,4 +116,4 @@ def _add_headers(message: MutableMapping[str, Any], trace: Trace) -> None:
     if timing:
         added.append((b"server-timing", timing.encode()))
     added += [(name.encode(), value.encode()) for name, value in trace.kept_headers().items()]
-    message["headers"] = [*message["headers"], *((name, value) for name, value in added if name not in present)]
+    message["headers"] = [*message["headers"], *[pair for pair in added if pair[0] not in present]]

@@ -15,7 +15,6 @@ from __future__ import annotations
 import heapq
 import math
 import time
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -81,12 +80,12 @@ class Admission:
         """Raises the `Problem` that a request of this client would meet, whatever it asks for: its body need not be
         read."""
         self._require_balance(client)
-        self._require_place(Demand(client, 0.0, short=True, kind="any"))
+        self._require_place(client)
 
     def enter(self, demand: Demand) -> Ticket:
         """Accepts a request: it waits. Raises `Problem`: too-many-requests, busy."""
         self._require_balance(demand.client)
-        self._require_place(demand)
+        self._require_place(demand.client)
         expected_s = demand.wall_s * self._share(demand)
         name = demand.client.name
         tag = max(self._virtual_s, self._paid.get(name, 0.0))
@@ -104,10 +103,11 @@ class Admission:
     def next(self, number: int, *, lend: bool) -> Ticket | None:
         """The ticket that worker `number`, which is free, is to be given now; it is worked on from now on. `lend`: such
         a worker may be lent to a long one. Ask first without: a worker for all may be free."""
-        may_run, kept = self._may_run(), number < self._places.short
+        kept = number < self._places.short
 
         def fits(ticket: Ticket) -> bool:
-            return may_run(ticket) and (ticket.demand.short or not kept or (lend and not ticket.recalled))
+            suits = ticket.demand.short or not kept or (lend and not ticket.recalled)
+            return suits and self._may_run(ticket.demand.client)
 
         ticket = min(filter(fits, self._waiting), key=lambda each: each.tag, default=None)
         if ticket is not None:
@@ -122,8 +122,7 @@ class Admission:
         the one that began last."""
         if not self._waiting:
             return None
-        may_run = self._may_run()
-        wanted = sum(ticket.demand.short and may_run(ticket) for ticket in self._waiting)
+        wanted = sum(ticket.demand.short and self._may_run(ticket.demand.client) for ticket in self._waiting)
         if wanted <= sum(ticket.borrows and ticket.recalled for ticket in self._running):
             return None
         borrowers = [ticket for ticket in self._running if ticket.borrows and not ticket.recalled]
@@ -132,10 +131,11 @@ class Admission:
             found.recalled = True
         return found
 
-    def _may_run(self) -> Callable[[Ticket], bool]:
-        """Whether a ticket that waits may be worked on beside the others of its client."""
-        running = Counter(ticket.demand.client.name for ticket in self._running)
-        return lambda ticket: running[ticket.demand.client.name] < ticket.demand.client.running
+    def _may_run(self, client: Client) -> bool:
+        """Whether one more request of a client may be worked on."""
+        if math.isinf(client.running):
+            return True
+        return sum(ticket.demand.client.name == client.name for ticket in self._running) < client.running
 
     def put_back(self, ticket: Ticket) -> None:
         """Has a ticket wait again that has given back its worker. Its client does not pay for what was in vain."""
@@ -184,10 +184,8 @@ class Admission:
         ends = [end for ticket, (_, end) in forecast.items() if ticket.begun is not None]
         return busy(min(starts or ends, default=0.0), "All workers are busy, and the queue is full.")
 
-    def _require_place(self, demand: Demand) -> None:
-        client = demand.client
-        running = sum(ticket.demand.client.name == client.name for ticket in self._running)
-        if running < client.running and self._free():
+    def _require_place(self, client: Client) -> None:
+        if self._may_run(client) and self._free():
             return
         if len(self._waiting) >= self._places.waiting:
             raise self.full()

@@ -35,20 +35,45 @@ class End(asyncio.Protocol):
     the connection where something that was written to it has not been read, and else ends it.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, lost: Callable[[End], None]) -> None:
+        """`lost`: is called with this when the pair is closed, by whomever."""
+        self._lost = lost
         self._received = bytearray()
         self._report: Tell | None = None
         self._reply: asyncio.Future[tuple[bool, Any]] | None = None
+        self._ends_by = 0.0
+        self._clock: asyncio.TimerHandle | None = None
+        """Rings when the job must have ended, or before: it is not set anew for each job."""
         self._transport: asyncio.Transport
         self.closed = False
 
-    def give(self, job: tuple[Any, ...], report: Tell | None) -> asyncio.Future[tuple[bool, Any]]:
+    def give(self, job: tuple[Any, ...], report: Tell | None, ends_by: float) -> asyncio.Future[tuple[bool, Any]]:
         """Whether a job has returned, and what it returned or raised; `report` takes its messages. The result of the
         job before has come. Raises `ConnectionError` where the worker is gone and had not read the job, `EOFError`
-        where it had."""
+        where it had, and `TimeoutError` where there is no result when the clock of the loop is `ends_by`, s."""
         data = pickle.dumps(job)
-        self._report = report
+        self._report, self._ends_by = report, ends_by
+        if not self.closed and (self._clock is None or self._clock.when() > ends_by):
+            self._set_clock()
         return self._written(JOB + LENGTH.pack(len(data)) + data)
+
+    def _set_clock(self) -> None:
+        self._unset_clock()
+        self._clock = asyncio.get_running_loop().call_at(self._ends_by, self._ring)
+
+    def _unset_clock(self) -> None:
+        if self._clock is not None:
+            self._clock.cancel()
+            self._clock = None
+
+    def _ring(self) -> None:
+        self._clock = None
+        if self._reply is None or self._reply.done():
+            return
+        if asyncio.get_running_loop().time() < self._ends_by:
+            self._set_clock()
+        else:
+            self.fail(TimeoutError())
 
     def call_off(self) -> asyncio.Future[tuple[bool, Any]]:
         """Writes that the job is called off. Gives what `give` gave, also to one who has cancelled that."""
@@ -73,7 +98,9 @@ class End(asyncio.Protocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         self.closed = True
+        self._unset_clock()
         self.fail(exc or EOFError())
+        self._lost(self)
 
     def data_received(self, data: bytes) -> None:
         self._received += data

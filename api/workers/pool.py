@@ -12,6 +12,7 @@ import logging
 import os
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from assur.api.logs import LOGGER, event
@@ -36,8 +37,6 @@ from assur.api.workers.worker_process import (
 
 RETRIES = 2
 """So many fresh workers a request must end, after the first death, before it is quarantined."""
-PATROL_S = 1.0
-"""How often idle workers are looked after, s."""
 LONGEST_RETRY_S = 30.0
 """Longest pause between two attempts to start a worker that does not start, s."""
 
@@ -65,10 +64,13 @@ class Workers:
     def __init__(self, settings: Settings, warm: Callable[[], Any], meters: Meters | None = None) -> None:
         self._settings = settings
         self.meters = meters or Meters()
-        self._processes = [WorkerProcess(settings.worker_mib, warm, settings.warm_s) for _ in range(settings.processes)]
+        self._processes = [
+            WorkerProcess(settings.worker_mib, warm, settings.warm_s, partial(self._lost, number))
+            for number in range(settings.processes)
+        ]
         self._free: set[int] = set()
         places = Places(settings.processes, settings.reserved, settings.queue, settings.queue_wait_s)
-        self.admission = Admission(places, self._open)
+        self.admission = Admission(places, lambda: self._free)
         self._given: dict[Ticket, asyncio.Future[int]] = {}
         self._recalls: dict[Ticket, asyncio.Future[None]] = {}
         self._filling: set[int] = set()
@@ -121,10 +123,10 @@ class Workers:
         """Starts all workers in the background; returns at once."""
         for number, _ in enumerate(self._processes):
             self._refill(number)
-        self._background(self._patrol())
 
     async def stop(self) -> None:
         """Ends all workers, whatever they do; the service has been drained before."""
+        self._free.clear()  # none is replaced any more
         tasks = tuple(self._tasks)
         for task in tasks:
             task.cancel()
@@ -264,15 +266,15 @@ class Workers:
         finally:
             del self._awaited[number]
 
-    def _open(self) -> set[int]:
-        return {number for number in self._free if self._processes[number].open}
-
-    def _hand_out(self) -> None:
-        """Gives free workers to those that wait; those that are kept for short requests are lent last."""
-        for number in sorted(self._free - self._open()):
+    def _lost(self, number: int) -> None:
+        """Replaces a worker that died while it was free, so that no request has to wait for it."""
+        if number in self._free:
             self.meters.restarted("idle")
             self._free.discard(number)
             self._refill(number)
+
+    def _hand_out(self) -> None:
+        """Gives free workers to those that wait; those that are kept for short requests are lent last."""
         if not self.admission.waiting:
             return
         for lend in (False, True):
@@ -326,12 +328,6 @@ class Workers:
             self._hand_out()
         else:
             awaited.set_result(None)
-
-    async def _patrol(self) -> None:
-        """Replaces workers that died while idle, so that no request has to wait for it."""
-        while True:
-            await asyncio.sleep(PATROL_S)
-            self._hand_out()
 
     def _background(self, work: Coroutine[Any, Any, None]) -> None:
         task = asyncio.get_running_loop().create_task(work)

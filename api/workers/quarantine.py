@@ -39,6 +39,8 @@ class Quarantine:
 
     def left_s(self) -> dict[str, float]:
         """For how long each key is still kept, s."""
+        if not self._until:
+            return {}
         now = self._clock()
         self._until = {key: until for key, until in self._until.items() if until > now}
         return {key: until - now for key, until in self._until.items()}

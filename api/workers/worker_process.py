@@ -21,6 +21,7 @@ import tempfile
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing.context import ForkServerContext, ForkServerProcess
 from typing import Any
 
@@ -191,7 +192,9 @@ def _context() -> ForkServerContext:
 class WorkerProcess:
     """A place for one worker process. Not `open` until it has planned once; not for two jobs at a time."""
 
-    def __init__(self, memory_mib: int, warm: Callable[[], Any], warm_s: float) -> None:
+    def __init__(self, memory_mib: int, warm: Callable[[], Any], warm_s: float, lost: Callable[[], None]) -> None:
+        """`lost`: is called when a process that had planned is gone and was not stopped."""
+        self._lost = lost
         self._memory_mib = memory_mib
         self._warm = warm
         self._warm_s = warm_s
@@ -232,7 +235,7 @@ class WorkerProcess:
             raise
         finally:
             theirs.close()
-        _, end = await asyncio.get_running_loop().create_connection(End, sock=ours)
+        _, end = await asyncio.get_running_loop().create_connection(partial(End, self._closed), sock=ours)
         try:
             succeeded, value = await self._in_time(end, (self._warm, (), None), self._warm_s)
             if not succeeded:
@@ -290,6 +293,10 @@ class WorkerProcess:
             await asyncio.shield(asyncio.to_thread(process.join))
             atexit.unregister(process.kill)
 
+    def _closed(self, end: End) -> None:
+        if end is self._end:
+            self._lost()
+
     async def _in_time(
         self, end: End, job: tuple[Any, ...], wall_s: float, report: Tell | None = None, *, ends_s: float = 0.0
     ) -> tuple[bool, Any]:
@@ -298,10 +305,8 @@ class WorkerProcess:
         self._ended_early = False
         loop = asyncio.get_running_loop()
         end_s = loop.time() + wall_s
-        reply = end.give(job, report)
-        clock = loop.call_at(end_s, end.fail, TimeoutError())
         try:
-            return await reply
+            return await end.give(job, report, end_s)
         except TimeoutError as late:
             raise KilledError(f"no result after {wall_s:g} s") from late
         except asyncio.CancelledError:
@@ -312,8 +317,6 @@ class WorkerProcess:
             raise NotBegunError("was dead before it began") from gone
         except EOFError as gone:
             raise CrashedError(_how(await self._exit_code())) from gone
-        finally:
-            clock.cancel()
 
     async def _exit_code(self) -> int | None:
         """The exit code of a process whose end of the pair is closed."""

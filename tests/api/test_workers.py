@@ -23,7 +23,7 @@ from assur.api.web.settings import Settings
 from assur.api.workers import quarantine, worker_process
 from assur.api.workers.client import Client, Demand
 from assur.api.workers.pool import Work, Workers
-from assur.api.workers.worker_process import NAME, CrashedError, NotBegunError, WorkerProcess
+from assur.api.workers.worker_process import NAME, CrashedError, KilledError, NotBegunError, WorkerProcess
 from tests.api.test_metrics import value
 from tests.api.watched_jobs import all_but_the_last, counting, deaf, dies_unless, recalled_once, until_called_off
 
@@ -396,7 +396,7 @@ async def test_a_worker_that_dies_while_idle_is_replaced_and_the_next_request_is
     pid = await pid_of(workers)
     os.kill(pid, signal.SIGKILL)
     if noticed:
-        await until(lambda: not is_ready(workers))
+        await until(lambda: restarts(workers, "idle") == 1.0)
         await until(lambda: workers.ready)
     assert await pid_of(workers) not in (0, pid)
 
@@ -405,7 +405,7 @@ async def test_a_worker_that_dies_while_idle_is_replaced_and_the_next_request_is
 async def test_a_worker_that_is_gone_is_known_to_have_begun_its_job_or_not(
     held: Held, begins: bool, error: type[CrashedError]
 ) -> None:
-    process = WorkerProcess(512, os.getpid, 60.0)
+    process = WorkerProcess(512, os.getpid, 60.0, lambda: None)
     await process.start()
     try:
         if not begins:
@@ -438,8 +438,22 @@ async def test_a_worker_is_deaf_to_the_signals_that_stop_the_service(workers: Wo
     assert await pid_of(workers) == pid
 
 
+async def test_each_job_has_its_own_time_whatever_the_jobs_before_had() -> None:
+    process = WorkerProcess(512, os.getpid, 60.0, lambda: None)
+    await process.start()
+    try:
+        await process.run(os.getpid, (), 0.2)
+        await process.run(time.sleep, (0.6,), 60.0)  # its time begins while that of the job before is not over
+        assert process.open
+        with pytest.raises(KilledError):
+            await process.run(time.sleep, (60.0,), 0.2)
+        assert not process.open
+    finally:
+        await process.stop()
+
+
 async def test_a_worker_cannot_take_more_memory_than_it_was_given() -> None:
-    process = WorkerProcess(512, os.getpid, 60.0)
+    process = WorkerProcess(512, os.getpid, 60.0, lambda: None)
     await process.start()
     with pytest.raises(MemoryError):
         await process.run(bytearray, (1 << 30,), 30.0)
