@@ -10,6 +10,7 @@ from collections.abc import Callable, Hashable
 from dataclasses import fields, is_dataclass
 from enum import StrEnum
 from functools import cache
+from math import isfinite
 from operator import attrgetter, methodcaller
 from types import NoneType
 from typing import Any, TypeVar, cast, get_args, get_origin, get_type_hints
@@ -102,7 +103,9 @@ def _writer(kind: Any) -> Callable[[Any], Any]:
     if issubclass(kind, float):
         return number
     if issubclass(kind, tuple | list):
-        return lambda value: [item if type(item) in PLAIN else written(item) for item in value]
+        return lambda value: [
+            item if (of := type(item)) in PLAIN or (of is float and isfinite(item)) else written(item) for item in value
+        ]
     if issubclass(kind, StrEnum):
         return attrgetter("_value_")
     if issubclass(kind, np.ndarray | np.generic):
@@ -116,7 +119,8 @@ def document_of(fact: object, **own: object) -> Any:
     found = {}
     for key, name, null in _columns(kind):
         value = own[key] if key in own else getattr(fact, name)
-        if type(value) not in PLAIN:
+        of = type(value)
+        if not (of in PLAIN or (of is float and isfinite(value))):
             value = optional(value) if null and isinstance(value, float) else written(value)
         found[key] = value
     return found

@@ -56,7 +56,7 @@ PIECES = re.compile(r"[\[\]]|\{\w+\}|[^\[\]{}]+")
 def because(scene: Scene, refusal: Refusal) -> str:
     """What would happen, or what is missing: a sentence without its step and its full stop."""
     words = words_of(scene, refusal)
-    codes = {refusal.stage, refusal.reason, *(words.get(name, "") for name in CODES)}
+    codes = {refusal.stage, refusal.reason, *[words.get(name, "") for name in CODES]}
     codes |= set() if refusal.amount is None else {refusal.amount.unit}
     place = _first("on_path", codes, words) if "path" in words else None
     found = _first(type(refusal.facts), codes, words)
