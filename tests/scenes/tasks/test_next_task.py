@@ -51,8 +51,10 @@ parts:
 steps: [{transfer: {parts: [a], to: box}}, {move: {to: home}}]
 options: {seed: 1, stop: first, max_candidates: 100, budget_s: 20}
 """
+LISTED = "parts: [{name: b, kind: bracket}]\n"
 NEXT = (
     TASK.split("start:", maxsplit=1)[0]
+    + LISTED
     + "steps: [{transfer: {parts: [b], to: box}}]\n"
     + TASK[TASK.index("options:") :]
 )
@@ -436,8 +438,6 @@ def run(
 
 def test_a_task_file_continues_a_plan_file(folder: Path) -> None:
     """Its parts are those of the plan: here all that is known of `b` is that it was on the belt."""
-    text = NEXT.replace("steps:", "parts: [{name: b, kind: bracket}]\nsteps:")
-    (folder / "next.yaml").write_text(text)
     code, output, held = run(folder)
     assert code == 0, output
     last = planned()["trajectory"]
@@ -458,7 +458,7 @@ def test_a_part_that_is_listed_without_a_place_is_known_no_better_than_before(fo
     assert before.planned, before.sentence
     before.save(folder / "plan.json")
     (folder / "next.yaml").write_text(
-        NEXT.replace("steps:", "parts: [{name: c, kind: bracket}]\nsteps:").replace(
+        NEXT.replace(LISTED, LISTED.replace("name: b", "name: c")).replace(
             "{transfer: {parts: [b], to: box}}", "{move: {to: home}}"
         )
     )
@@ -468,9 +468,81 @@ def test_a_part_that_is_listed_without_a_place_is_known_no_better_than_before(fo
     assert bodies["c"]["uncertainty"] == far["uncertainty"]
 
 
+ALIKE = CELL.replace(
+    "bodies:", "  tray: {shape: {box: {size_m: [0.06, 0.04, 0.02]}}, grasp_mm: [0, 0, 12]}\nbodies:", 1
+)
+"""A second kind of the same shape."""
+ASKED = 'got "b"; allowed: a part that `parts` list with its kind, which states the grasp and is not in the plan: '
+
+
+@pytest.mark.parametrize(
+    ("steps", "cell", "given", "field", "kinds"),
+    [
+        ("{transfer: {parts: [b], to: box}}", CELL, (), "line 4: steps[0].transfer.parts[0]", "bracket}]; its"),
+        ("{move: {to: home}}, {pick: {part: b}}", CELL, (), "line 4: steps[1].pick.part", "bracket}]; its"),
+        ("{transfer: {parts: [b], to: box}}", ALIKE, (), "steps[0].transfer", "bracket}], of one of the kinds of its"),
+        (
+            "{move: {to: home}}",
+            CELL,
+            ("--set", 'steps.0={"pick": {"part": "b"}}'),
+            "--set steps.0.pick.part",
+            "bracket",
+        ),
+        (
+            "{pick: {part: b}}",
+            CELL.replace(", grasp_mm: [0, 0, 10]", ""),
+            ("--set", "kinds.bracket.grasp_yaw_deg=90"),
+            "steps[0].pick.part",
+            "bracket",
+        ),
+    ],
+)
+def test_a_part_of_the_plan_that_is_picked_is_listed_with_its_kind(
+    folder: Path, steps: str, cell: str, given: tuple[str, ...], field: str, kinds: str
+) -> None:
+    """Else it would be picked at its middle."""
+    (folder / "cell.yaml").write_text(cell)
+    (folder / "next.yaml").write_text(NEXT.replace(LISTED, "").replace("{transfer: {parts: [b], to: box}}", steps))
+    code, output, held = run(folder, more=given)
+    assert code == 2
+    assert f"{field}" in output
+    assert f"{ASKED}write parts: [{{name: b, kind: {kinds}" in output
+    assert not held
+
+
+@pytest.mark.parametrize(
+    ("steps", "cell"),
+    [
+        ("{pick: {part: b, grasp_mm: [0, 0, 10]}}", CELL),
+        ("{pick: {part: b}}", CELL.replace(", grasp_mm: [0, 0, 10]", "")),
+        ("{pick: {part: b}}", CELL.replace("[60, 40, 20]", "[60, 40, 21]")),
+        ("{pick: {part: other}}", CELL),
+    ],
+)
+def test_no_kind_is_required_of_a_part_whose_grasp_no_kind_states(folder: Path, steps: str, cell: str) -> None:
+    (folder / "cell.yaml").write_text(cell)
+    (folder / "next.yaml").write_text(NEXT.replace(LISTED, "").replace("{transfer: {parts: [b], to: box}}", steps))
+    _, output, _ = run(folder, more=("--set", "options.max_candidates=1"))
+    assert ASKED not in output
+    assert ("steps[0].pick.part" in output) is ("other" in steps)
+
+
+def test_what_comes_after_an_answer_of_a_file_lists_the_kind_of_a_part_that_is_picked(tmp_path: Path) -> None:
+    """An answer of `assur.Cell` knows the kinds of its parts, one of a file does not."""
+    before, steps = planned(), [{"transfer": {"parts": ["b"], "to": "box"}}]
+    assert {part["name"]: part["kind"] for part in before.next_task(steps)["parts"]} == {"a": "bracket", "b": "bracket"}
+    read_again = assur.load_answer(before.save(tmp_path / "plan.json"))
+    with pytest.raises(
+        InputError, match=r"^steps\[0\]\.transfer\.parts\[0\]: got 'b'; allowed: a part that `parts` list"
+    ):
+        read_again.next_task(steps, cell=assur.Cell(read(CELL)))
+    task = read_again.next_task(steps, cell=assur.Cell(read(CELL)), parts=[{"name": "b", "kind": "bracket"}])
+    assert then(before, task).planned
+
+
 def test_a_place_that_the_task_states_counts_more_than_that_of_the_plan(folder: Path) -> None:
-    seen = "parts: [{name: b, kind: bracket, pose: {frame: belt, at_mm: [-690, 5, 10]}}]\nsteps:"
-    (folder / "next.yaml").write_text(NEXT.replace("steps:", seen))
+    seen = LISTED.replace("}]", ", pose: {frame: belt, at_mm: [-690, 5, 10]}}]")
+    (folder / "next.yaml").write_text(NEXT.replace(LISTED, seen))
     code, output, held = run(folder)
     assert code == 0, output
     bodies = {body["name"]: body for body in held["request"]["bodies"]}
@@ -482,7 +554,7 @@ def test_a_place_that_the_task_states_counts_more_than_that_of_the_plan(folder: 
     ("file", "text", "message"),
     [
         ("next.yaml", TASK, "line 4: start"),
-        ("next.yaml", NEXT.replace("steps:", "stepz:"), "line 4: stepz"),
+        ("next.yaml", NEXT.replace("steps:", "stepz:"), "line 5: stepz"),
         ("next.yaml", "about: none\nrequest: {}\n", "allowed: assur-task/1: a task file begins where a plan ends"),
         ("cell.yaml", CELL.replace("speed_mm_s: 150", "speed_mm_s: 160"), "belt.conveyor.speed_mm_s: got 160;"),
         ("cell.yaml", CELL.replace("-100]", "-90]"), "cell.yaml: robot.tool.tcp_mm: got [0, 0, -90]; allowed: "),
