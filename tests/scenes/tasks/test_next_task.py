@@ -450,6 +450,34 @@ def test_a_task_file_continues_a_plan_file(folder: Path) -> None:
     assert place["to"]["at_m"] == [0.075, 0.0, 0.0]
 
 
+def test_a_plan_that_continues_another_is_checked_with_its_task(folder: Path) -> None:
+    code, output, _ = run(folder)
+    assert code == 0, output
+
+    def called(command: str, *more: str, after: str = "plan.json") -> tuple[int, str]:
+        files = [str(folder / "next.yaml"), str(folder / "out.json"), "--continue", str(folder / after)]
+        made = CliRunner().invoke(app, [command, *files, *more])
+        return made.exit_code, " ".join(made.output.split())
+
+    assert called("check")[0] == 0
+    out = ("--out", str(folder / "report.html"))
+    assert called("report", *out)[0] == 0
+    assert (folder / "report.html").stat().st_size > 0
+    # another first plan, or another value, is another request
+    for other in (called("check", after="out.json"), called("check", "--set", "options.seed=2")):
+        assert other[0] == 2
+        assert "PLAN: request: got" in other[1]
+    code, output = called("report", "--out", str(folder / "plan.json"))
+    assert (code, "another file than those" in output) == (2, True)
+    held = json.loads((folder / "out.json").read_text())
+    held["plan"]["trajectory"]["position"][3][0] += 1e-3
+    (folder / "out.json").write_text(json.dumps(held))
+    assert called("check")[0] == called("report", *out)[0] == 1
+    alone = CliRunner().invoke(app, ["check", str(folder / "next.yaml"), str(folder / "out.json")])
+    assert alone.exit_code == 2
+    assert "--continue of plan, check or report" in " ".join(alone.output.split())
+
+
 def test_a_part_that_is_listed_without_a_place_is_known_no_better_than_before(folder: Path) -> None:
     task = read(TASK) | {"steps": [{"move": {"to": "home"}}]}
     far = {"name": "c", "kind": "bracket", "pose": {"at_mm": [330, 60, 60]}, "uncertainty": {"position_mm": 5}}
