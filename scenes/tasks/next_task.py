@@ -25,8 +25,8 @@ from assur.scenes.schema.shapes import BodyDocument, PlaceInCell
 from assur.scenes.set_values import GIVEN, with_values
 from assur.scenes.tasks.grids import counts, slot_poses
 from assur.scenes.tasks.joining import joined, shared
-from assur.scenes.tasks.kinds_of_picked import check_kinds_of_picked
 from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Joined, Origins, within_document
+from assur.scenes.tasks.parts_of_plan import check_kinds_of_picked, check_same_part
 from assur.scenes.units import si_key
 
 if TYPE_CHECKING:
@@ -205,16 +205,18 @@ def next_task(
         own = {body["name"] for body in cell.get("bodies", ())}
         parts = [body for body in end.document.get("bodies", ()) if body["name"] not in own]
     known = {part["name"]: part for part in parts if part["name"] not in end.gone}
-    listed = []
-    for part in task.get("parts", ()):
+    listed, kinds = [], changed.get("kinds", {})
+    for i, part in enumerate(task.get("parts", ())):
         before = known.pop(part["name"], {})
         if before and not part.keys() & {*PLACES}:
+            with within_document(OF_TASK):
+                check_same_part(kinds, task, i, before)
             part = end.body({key: before[key] for key in (*PLACES, "uncertainty") if key in before} | part, slots)
         listed.append(part)
     values = Origins()
     with values, within_document(OF_TASK):
         steps = values.changed(OF_TASK, task, of_task, GIVEN)["steps"] if of_task else task["steps"]
-        check_kinds_of_picked(changed.get("kinds", {}), steps, known)
+        check_kinds_of_picked(kinds, steps, known)
     listed += [end.body(part, slots) for part in known.values()]
     names = {part["name"] for part in listed}
     worse = {f"bodies.{name}.uncertainty": each for name, each in end.uncertainty.items() if name not in names}

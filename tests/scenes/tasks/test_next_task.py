@@ -539,6 +539,54 @@ def test_a_part_of_the_plan_that_is_picked_is_listed_with_its_kind(
 
 
 @pytest.mark.parametrize(
+    ("listed", "message"),
+    [
+        (
+            "kind: bracket",
+            "line 4: parts[0].mass_kg: it is missing; allowed: a number, which must be given: the plan has 0.9,",
+        ),
+        (
+            "kind: bracket, mass_kg: 0.9",
+            "parts[0].yaw_symmetry: it is missing; allowed: a number, which must be given: the",
+        ),
+        ("kind: bracket, mass_kg: 0.9, yaw_symmetry: 1", ""),
+        ("kind: bracket, mass_kg: 0.8, yaw_symmetry: 2", ""),
+        ("kind: bracket, pose: {frame: belt, at_mm: [-690, 5, 10]}", ""),
+        (
+            "kind: long, mass_kg: 0.9, yaw_symmetry: 1",
+            'parts[0].kind: got "long"; allowed: the shape that b has in the plan',
+        ),
+        ("shape: {box: {size_mm: [60, 40, 21]}}", "parts[0].shape: got "),
+        ("kind: other", 'parts[0].kind: got "other"; allowed: one of the kinds: bracket, long'),
+    ],
+)
+@pytest.mark.parametrize("of_file", [True, False])
+def test_a_part_of_a_plan_is_not_another_part_because_it_is_listed(
+    folder: Path, listed: str, message: str, of_file: bool
+) -> None:
+    """The plan has a part of 0.9 kg that is not the same when it is turned, unlike others of its kind."""
+    cell = CELL.replace("bodies:", "  long: {shape: {box: {size_mm: [80, 40, 20]}}, grasp_mm: [0, 0, 10]}\nbodies:", 1)
+    (folder / "cell.yaml").write_text(cell)
+    text = TASK.replace("uncertainty: {yaw_deg: 1}", "mass_kg: 0.9, yaw_symmetry: 1")
+    before = assur.Cell(read(cell)).plan(**fields(read(text)))
+    if of_file:
+        (folder / "plan.json").write_text(json.dumps(PlanFile(before.request or {}, before.document).document))
+        (folder / "next.yaml").write_text(NEXT.replace("kind: bracket", listed))
+        code, output, held = run(folder)
+        assert code == (2 if message else 0), output
+        assert message in output
+        assert message or held["plan"]["status"] == "planned"
+        return
+    task = read(NEXT.replace("kind: bracket", listed))
+    if not message:
+        assert assur.Cell(read(cell)).plan(**before.next_task(task["steps"], parts=task["parts"])).planned
+        return
+    with pytest.raises(InputError) as refused:
+        before.next_task(task["steps"], parts=task["parts"])
+    assert refused.value.field in message
+
+
+@pytest.mark.parametrize(
     ("steps", "cell"),
     [
         ("{pick: {part: b, grasp_mm: [0, 0, 10]}}", CELL),

@@ -1,7 +1,7 @@
-"""Whether the parts of a plan that the next task picks are listed with their kind.
+"""Whether the next task states of the parts of a plan what it has to, and nothing else than the plan.
 
-The request of a plan has the shape of a part, not its kind. So a part that is not listed would be picked as a part
-without a kind is, at its middle.
+The request of a plan has the shape of a part, its mass and its symmetry, not its kind. So a part that is not listed
+would be picked as a part without a kind is, at its middle; and one that is listed has all of its kind.
 """
 
 from __future__ import annotations
@@ -9,11 +9,36 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from assur.scenes.faults import DocumentError, choices, written_key
+from assur.scenes.faults import DocumentError, choices, fault, written_key
 from assur.scenes.schema.normal import normal
 from assur.scenes.tasks.request_of_task import GRASP
 
 Document = dict[str, Any]
+OF_KIND = ("shape", "mass_kg", "yaw_symmetry")
+"""What a part has of its kind, if it does not state it, and a plan of the part."""
+
+
+def check_same_part(kinds: Mapping[str, Document], task: Document, number: int, before: Document) -> None:
+    """Raises `DocumentError` where a part that a task lists without a place has, of its kind, another shape, mass or
+    symmetry than the plan has of it (`before`). What it states itself counts, but for its shape."""
+    part = task["parts"][number]
+    if part.get("kind") not in (None, *kinds):
+        return  # refused where the part is read
+    of_task, of_plan = _of_kind(kinds, part), _of_kind(kinds, before)
+    for key in OF_KIND:
+        if of_task.get(key) != of_plan.get(key) and (key == "shape" or written_key(part, key) is None):
+            if key == "shape":
+                allowed = f"the shape that {part['name']} has in the plan, or a place at which this part is seen"
+                raise fault(task, ("parts", number, "kind" if "kind" in part else key), allowed)
+            there, here = (repr(each.get(key, "none")) for each in (of_plan, of_task))
+            allowed = f"a number, which must be given: the plan has {there}, the kind {here}"
+            raise fault(task, ("parts", number, key), allowed)
+
+
+def _of_kind(kinds: Mapping[str, Document], part: Document) -> Document:
+    """What a part has of its kind or states itself, in SI."""
+    kind, own = normal(kinds.get(part.get("kind", ""), {})), normal(part)
+    return {"yaw_symmetry": 1} | {key: each[key] for each in (kind, own) for key in OF_KIND if key in each}
 
 
 def check_kinds_of_picked(kinds: Mapping[str, Document], steps: object, known: Mapping[str, Document]) -> None:
