@@ -42,6 +42,7 @@ from assur.api.cli.cell_reading import announce_compilation, compiled_work, read
 from assur.api.cli.console_report import rows
 from assur.api.cli.inputs import (
     STANDARD,
+    After,
     Values,
     given_options,
     joints_in,
@@ -103,10 +104,7 @@ def plan(
     certificate: Annotated[
         Literal["full", "digest"], typer.Option(help="The whole table of the proof in the answer, or its digest.")
     ] = "full",
-    after: Annotated[
-        Path | None,
-        typer.Option("--continue", help="FILE is a task without a start: it begins where the plan in this file ends."),
-    ] = None,
+    after: After = None,
     details: Annotated[bool, typer.Option("--details", help="List every assumption, not only their number.")] = False,
     opened: Annotated[bool, typer.Option("--open", help="Show the report of the answer in a browser.")] = False,
 ) -> int:
@@ -148,11 +146,12 @@ def check(
     file: PlanOrCell,
     plan: Plan = None,
     values: Values = None,
+    after: After = None,
     as_json: AsJson = False,
 ) -> int:
     """Check the answer in a plan file, or an answer (PLAN) to the cell in FILE, with the checker, which trusts no
     planner."""
-    given = target(file, values)
+    given = target(file, values, after)
     cell, answer = read_cell(given), plan_files.answer_for(given, plan)
     read = None if requests.refused(answer) else requests.read_plan(cell, answer)
     with compiled_work(f"checking {given.name if plan is None else plan.name}"):
@@ -168,12 +167,13 @@ def report(
     file: PlanOrCell,
     plan: Plan = None,
     values: Values = None,
+    after: After = None,
     out: Annotated[Path, typer.Option("--out", help="Write the report to this file.")] = Path("report.html"),
     opened: Annotated[bool, typer.Option("--open", help="Show the report in a browser.")] = False,
 ) -> int:
     """Write a page that plays an answer and says all of it; it needs no network. A cell alone is planned first."""
-    given = target(file, values)
-    writable(out, file, plan)
+    given = target(file, values, after)
+    writable(out, file, plan, after)
     read = plan_files.answer_if_any(given, plan)
     with compiled_work(f"planning {given.name}" if read is None else f"reading {given.name}"):
         answer = given.plan() if read is None else read

@@ -33,7 +33,7 @@ from assur.planner.model.outcome import Arrival, Census, CensusLine, NotPlanned,
 from assur.planner.model.phases import phases, yaw_offsets
 from assur.planner.model.refusal import ForbiddenYaw, Reason, Refusal, Stage
 from assur.planner.model.scene import Scene
-from assur.planner.relaxation.changes import worth_trying
+from assur.planner.relaxation.kinds import worth_trying
 from assur.planner.relaxation.trying import relax
 from assur.planner.report.checker_first import checker_first
 from assur.planner.report.margins import carried, contacts, reported

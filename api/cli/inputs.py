@@ -56,6 +56,10 @@ SET = (
 Values = Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help=SET)]
 """The option of all commands that take a cell."""
 
+AFTER = "FILE is a task without a start: it begins where the plan in this file ends."
+After = Annotated[Path | None, typer.Option("--continue", help=AFTER)]
+"""The option of the commands that plan a task, or take it with its plan."""
+
 UNSTATED = {"explain_budget_s": 2.0, "report": "full"}
 """Options of a request that does not state them: `assur plan` explains and reports more than other callers need."""
 

@@ -138,6 +138,7 @@ class Client(_Endpoint):
         `fields`: names of the fields of the answer that are wanted, or paths such as ``trajectory.position``; `digits`:
         significant digits of its numbers (None: all). `cell`: the cell or its document, from which the answer knows its
         request; it may be left out where this client has sent it (`put_cell`). Otherwise ``answer.request`` is None.
+        Raises `InputError` for another cell than the one with this digest.
         """
         task: dict[str, object] = {"start": start, "steps": steps, "parts": parts, "options": options, "set": set}
         question = exchange.planning_task(
@@ -233,6 +234,7 @@ class AsyncClient(_Endpoint):
         `fields`: names of the fields of the answer that are wanted, or paths such as ``trajectory.position``; `digits`:
         significant digits of its numbers (None: all). `cell`: the cell or its document, from which the answer knows its
         request; it may be left out where this client has sent it (`put_cell`). Otherwise ``answer.request`` is None.
+        Raises `InputError` for another cell than the one with this digest.
         """
         task: dict[str, object] = {"start": start, "steps": steps, "parts": parts, "options": options, "set": set}
         question = exchange.planning_task(

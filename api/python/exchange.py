@@ -26,6 +26,8 @@ Parts = tuple[str | int, ...]
 
 PROBLEM = "application/problem+json"
 OK, CREATED, NOT_READY = 200, 201, 503
+DIGEST = "request_digest"
+"""The field of an answer that says to which request it is one."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +121,7 @@ def uploading(content: bytes, form: str, unit: str) -> Exchange[dict[str, Any]]:
 def keeping(cell: object) -> Exchange[str]:
     """A cell is sent; what comes of it is the digest that names it."""
     body = _json(plain_request(cell))
-    digest = hashlib.sha256(body).hexdigest()
+    digest = _digest(body)
     return Exchange("PUT", f"v1/cells/{digest}", lambda _: digest, body)
 
 
@@ -131,7 +133,8 @@ def planning_task(
     digits: int | None,
     cell: object,
 ) -> Exchange[Answer]:
-    """A task is planned; the answer knows its request where the document of the `cell` is known."""
+    """A task is planned; the answer knows its request where the document of the `cell` is known. Raises `InputError`
+    for a cell that is not the one with this digest: another text of it has the same requests."""
     body = _json({key: value for key, value in plain_parts(task).items() if value is not None})
     how = [("certificate", certificate)]
     if fields is not None:
@@ -142,6 +145,10 @@ def planning_task(
         how.append(("digits", str(digits)))
 
     document = None if cell is None else plain(document_of(cell))
+    own = None if document is None else _digest(_json(document))
+    another = InputError("cell", f"the digest {own}", f"the cell of this task, with the digest {digest}")
+    if own not in (None, digest) and fields is not None and DIGEST not in fields:
+        raise InputError("fields", fields, f"{DIGEST} among them, which shows that `cell` is the cell of this task")
 
     def made(answer: Any) -> Answer:
         if document is None:
@@ -150,9 +157,26 @@ def planning_task(
         from assur.scenes.tasks.joining import joined
 
         stated = {"schema": TASK, **json.loads(body)}
+        if own != digest and not _is_answer_in(answer, document, stated):
+            raise another
         return Answer.made(answer, joined(document, stated).request, (document, stated))
 
     return Exchange("POST", f"v1/cells/{digest}/plans", made, body, tuple(how))
+
+
+def _is_answer_in(answer: Any, cell: dict[str, Any], task: dict[str, Any]) -> bool:
+    """Whether an answer is one to the request that this cell and the task make."""
+    from assur.scenes.requests import request_digest
+    from assur.scenes.tasks.joining import joined
+
+    try:
+        return bool(request_digest(joined(cell, task).request) == answer[DIGEST])
+    except InputError:
+        return False
+
+
+def _digest(body: bytes) -> str:
+    return hashlib.sha256(body).hexdigest()
 
 
 def health() -> Exchange[Health]:

@@ -14,9 +14,9 @@ from typing import Any
 from assur.planner.errors import InputError
 from assur.planner.laws import slowed
 from assur.planner.model.options import LONGEST_BUDGET_S, MOST_CANDIDATES
-from assur.planner.model.phases import CONTACT_M
-from assur.planner.model.refusal import LawEnds, NotTouching, Overshoot, Reason, Refusal, Separation, Stage
+from assur.planner.model.refusal import Refusal, Separation, Stage
 from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step, Trace, Window
+from assur.planner.relaxation.kinds import kinds_about
 
 # A change of a request, and what all changes of a step share.
 
@@ -40,87 +40,27 @@ def of_step(scene: Scene, number: int, kind: str, value: str, **changed: Any) ->
     return kind, value, with_step(scene, number, replace(scene.task[number], **changed))
 
 
+def of_window(scene: Scene, step: int, value: str, window: Window) -> Change:
+    """A change of the window of a step; of a pick, of all picks with the same window (`of_same_window`)."""
+    numbers, task = of_same_window(scene, step), list(scene.task)
+    for number in numbers:
+        task[number] = replace(task[number], window=window)
+    every = f", all {len(numbers)} picks of this window" if len(numbers) > 1 else ""
+    return "window", f"{value}{every}", replace(scene, task=tuple(task))
+
+
+def of_same_window(scene: Scene, step: int) -> list[int]:
+    """The picks with the window of this one, in their order: a transfer states one window for all its parts, so that
+    one alone cannot be changed there. Of any other step the step alone."""
+    what = scene.task[step]
+    if not isinstance(what, Pick):
+        return [step]
+    return [i for i, each in enumerate(scene.task) if isinstance(each, Pick) and each.window == what.window]
+
+
 def of_options(scene: Scene, kind: str, value: str, **changed: Any) -> Change:
     """A change of these options."""
     return kind, value, replace(scene, options=replace(scene.options, **changed))
-
-
-# Which kinds of change the cause of a refusal asks for, the likeliest first; and where no change can help.
-
-OF_GEOMETRY = frozenset({"elbow", "pitch", "heights"})
-"""Where a point cannot be reached, only another posture or another height can help."""
-OF_LAW = frozenset({"window", "latest end", "dwell"})
-"""Where it is proved that the motion of a frame is known for too short a time, only what needs less of it can help."""
-OF_START = frozenset({"pair clearance", "clearance", "without"})
-"""Where the arm starts too near a body, only what asks for less distance can help."""
-ONLY = {
-    Reason.OUT_OF_REACH: OF_GEOMETRY,
-    Reason.JOINT_LIMIT: OF_GEOMETRY,
-    Reason.START_IN_COLLISION: OF_START,
-}
-"""Kinds of change that alone can help."""
-HIGHER = ("point height", "place heights")
-IN_THE_WAY = ("pair clearance", "clearance", "heights", "point height", "place heights", "without")
-ABOUT: dict[Reason, tuple[str, ...]] = {
-    Reason.WINDOW_MISSED: ("window", "latest end", "dwell", "belt speed"),
-    Reason.LAW_ENDS: ("dwell", "window", "latest end"),
-    Reason.BODY_COLLISION: IN_THE_WAY,
-    Reason.CONTROL_POINT_IN_COLLISION: IN_THE_WAY,
-    Reason.START_IN_COLLISION: IN_THE_WAY,
-    Reason.NOT_CERTIFIED: IN_THE_WAY,
-    Reason.SELF_COLLISION: ("pair clearance", "elbow"),
-    Reason.OUT_OF_REACH: ("elbow", "pitch", "heights"),
-    Reason.JOINT_LIMIT: ("elbow", "pitch", "heights"),
-    Reason.NEAR_SINGULARITY: ("singularity margin", "elbow"),
-    Reason.MOTION_LIMIT: ("process speed", "blend", "acceleration time", "match", "belt speed", "dwell"),
-    Reason.CARRY_LIMIT: ("belt speed", "heights"),
-}
-"""Kinds of change that are about what a refusal is about, the likeliest first."""
-HOPELESS = frozenset({Reason.START_IN_COLLISION, Reason.LAW_ENDS, Reason.LOAD_LIMIT, Reason.FORBIDDEN_YAW})
-"""Reasons that no change of the list can mend, but for what `worth_trying` says."""
-
-
-def kinds_about(refusal: Refusal | None) -> tuple[str, ...]:
-    """The kinds of change that a refusal asks for, in the order in which they are tried, before all others."""
-    if refusal is None:
-        return ()
-    kinds, facts = ABOUT.get(refusal.reason, ()), refusal.facts
-    if isinstance(facts, Separation):
-        kinds = tuple(dict.fromkeys((*_of_separation(refusal, facts), *kinds)))
-    return kinds
-
-
-def _of_separation(refusal: Refusal, facts: Separation) -> tuple[str, ...]:
-    """What mends that two bodies are too near where the arm must be."""
-    if facts.end is not None:
-        return ("straight part",)
-    if facts.gap_m is None:
-        return ()
-    # planned to be one in the other: the point is too low; else the uncertainty presses them together
-    planned = facts.gap_m < -CONTACT_M
-    if facts.rule == "contact":
-        return (*HIGHER, "contact tolerance") if planned else ("contact tolerance", *HIGHER)
-    return HIGHER if planned and refusal.stage is Stage.CONTROL_POINT else ()
-
-
-def allowed(refusal: Refusal | None, what: str, *, proved: bool) -> bool:
-    """Whether a kind of change may help at all."""
-    if proved and what == "budget":
-        return False
-    if refusal is not None and refusal.reason is Reason.LAW_ENDS and proved:
-        return what in OF_LAW
-    return refusal is None or what in ONLY.get(refusal.reason, (what,))
-
-
-def worth_trying(refusal: Refusal | None) -> bool:
-    """Whether any change of the list could help: also where the motion of a frame is known for too short a time for a
-    control point, and where the arm starts too near a body and does not overlap it."""
-    if refusal is None or not (refusal.reason in HOPELESS or isinstance(refusal.facts, NotTouching | Overshoot)):
-        return True
-    facts = refusal.facts
-    if refusal.reason is Reason.START_IN_COLLISION and isinstance(facts, Separation):
-        return facts.gap_m is not None and facts.gap_m > 0.0
-    return isinstance(facts, LawEnds) and facts.tracked_s is not None
 
 
 # Numbers of changes, rounded to whole units.
@@ -317,8 +257,8 @@ def _listed(scene: Scene, step: int, blocker: str | None, refusal: Refusal | Non
     if what.window != Window():
         span, along = what.window.time, what.window.along
         later = Window(None if span is None else (span[0], LAST_S), None if along is None else (along[0], LAST_M))
-        yield on_step("window", "without its end", window=later)
-        yield on_step("window", "removed", window=Window())
+        yield of_window(scene, step, "without its end", later)
+        yield of_window(scene, step, "removed", Window())
     if options.latest_end_s is not None:
         yield option("latest end", "none", latest_end_s=None)
     if options.acceleration_time_s is not None:

@@ -19,7 +19,7 @@ from assur.planner.collision.proof import Prover
 from assur.planner.frames.motion import Pose
 from assur.planner.laws.belt_window import travelled
 from assur.planner.model.deadline import Watch
-from assur.planner.model.outcome import Plan, Relaxation
+from assur.planner.model.outcome import Arrival, Plan, Relaxation
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene, Window
 from assur.planner.relaxation.changes import (
@@ -27,14 +27,15 @@ from assur.planner.relaxation.changes import (
     ROUNDING,
     WHOLE,
     Change,
-    allowed,
     changes,
     down,
     frame_of,
     of_options,
-    of_step,
+    of_same_window,
+    of_window,
     up,
 )
+from assur.planner.relaxation.kinds import allowed
 from assur.planner.search.beam import Search
 
 ATTEMPT_S = 1.0
@@ -45,6 +46,8 @@ FEWEST_S = 0.02
 """A change is not tried with less time than this left, s."""
 NARROWED = frozenset({"window", "latest end"})
 """Kinds whose sufficient amount is read from the plan that was found."""
+WIDER = (1, 2, 4)
+"""So many times what the plan uses is tried as a wider window."""
 
 
 def relax(
@@ -128,8 +131,8 @@ def _attempt(
 
 
 def _narrowed(scene: Scene, step: int, change: Change, made: Plan) -> list[Change]:
-    """The window, or the latest end, just as wide as the plan uses it, in round numbers; nothing if it uses no more
-    than the request allows."""
+    """The window, or the latest end, just as wide as the plan uses it, in round numbers, and windows a few times as
+    much wider: the search may need more than its plan. Nothing if the plan uses no more than the request allows."""
     if change[0] == "latest end":
         latest = scene.options.latest_end_s
         ends = up(made.trajectory.end, WHOLE)
@@ -137,27 +140,40 @@ def _narrowed(scene: Scene, step: int, change: Change, made: Plan) -> list[Chang
             return []
         value = f"{ends:.3f} s, {1e3 * (ends - latest):.0f} ms later"
         return [of_options(scene, "latest end", value, latest_end_s=ends)]
-    span, along = scene.task[step].window.time, scene.task[step].window.along
-    arrival = next(each for each in made.arrivals if each.step == step)
-    texts = list[str]()
-    if span is not None:
-        span, texts = _used(span, (arrival.time, arrival.until), "s", 1.0, "from until earlier later")
-    law = scene.frames[frame_of(scene, scene.task[step])].law
-    if along is not None and arrival.along_m is not None and law.way is not None:
-        ways = travelled(law, Pose(), np.array([arrival.time, arrival.until]))
-        end = arrival.along_m + float(ways[1] - ways[0])
-        along, more = _used(along, (arrival.along_m, end), "mm", 1e3, "from to sooner farther")
-        texts += more
-    value = " and ".join(texts)
-    return [of_step(scene, step, "window", value, window=Window(span, along))] if texts else []
+    window, found = scene.task[step].window, list[Change]()
+    met = [each for each in made.arrivals if each.step in of_same_window(scene, step)]
+    instants, ways = [at for each in met for at in (each.time, each.until)], _ways(scene, met)
+    for times in WIDER:
+        span, along, texts = window.time, window.along, list[str]()
+        if span is not None:
+            span, texts = _used(span, instants, times, "s", 1.0, "from until earlier later")
+        if along is not None and ways:
+            along, more = _used(along, ways, times, "mm", 1e3, "from to sooner farther")
+            texts += more
+        if texts:
+            found.append(of_window(scene, step, " and ".join(texts), Window(span, along)))
+    return found
+
+
+def _ways(scene: Scene, met: list[Arrival]) -> list[float]:
+    """Where along their conveyors, m, points are when they are met, and when they are left."""
+    found = list[float]()
+    for each in met:
+        law = scene.frames[frame_of(scene, scene.task[each.step])].law
+        if each.along_m is not None and law.way is not None:
+            way = travelled(law, Pose(), np.array([each.time, each.until]))
+            found += [each.along_m, each.along_m + float(way[1] - way[0])]
+    return found
 
 
 def _used(
-    window: tuple[float, float], used: tuple[float, float], unit: str, factor: float, words: str
+    window: tuple[float, float], used: list[float], times: int, unit: str, factor: float, words: str
 ) -> tuple[tuple[float, float], list[str]]:
-    """A window, s or m, that is as much wider as it is used, and how much wider in words: `words` are those before both
-    ends and behind both differences, `unit` and `factor` are of the ends."""
+    """A window, s or m, that is so many times as much wider as it is used, and how much wider in words: `words` are
+    those before both ends and behind both differences, `unit` and `factor` are of the ends."""
     low, high = min(window[0], down(min(used), WHOLE)), max(window[1], up(max(used), WHOLE))
+    low -= down((times - 1) * (window[0] - low), WHOLE)
+    high += down((times - 1) * (high - window[1]), WHOLE)
     first, last, sooner, later = words.split()
     digits, small = (3, "ms") if factor == 1.0 else (0, unit)
     rows = (first, low, window[0] - low, sooner), (last, high, high - window[1], later)

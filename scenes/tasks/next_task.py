@@ -22,10 +22,11 @@ from assur.scenes.schema.normal import normal
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
 from assur.scenes.schema.shapes import BodyDocument, PlaceInCell
-from assur.scenes.set_values import with_values
+from assur.scenes.set_values import GIVEN, with_values
 from assur.scenes.tasks.grids import counts, slot_poses
-from assur.scenes.tasks.joining import joined
-from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Joined, within_document
+from assur.scenes.tasks.joining import joined, shared
+from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Joined, Origins, within_document
+from assur.scenes.tasks.parts_of_plan import check_kinds_of_picked, check_same_part
 from assur.scenes.units import si_key
 
 if TYPE_CHECKING:
@@ -177,11 +178,12 @@ def next_task(
 ) -> Document:
     """A task of a cell that begins where a plan ends. `task` has no start; what else it has counts. `parts`: those of
     the plan, as they were written (None: the bodies of its request that the cell has not). One that `task` has as well,
-    with a place, is there; all others are where the plan left them. `given`: values that will be set in the cell
-    besides those of the task.
+    with a place, is there; all others are where the plan left them. `given`: values that will be set last, as `joined`
+    takes them.
 
     Raises `DocumentError` whose field begins with `cell` or `task`.
     """
+    of_cell, of_task = shared(given, cell)
     with within_document(OF_TASK):
         read(TaskDocument, task)
         if "start" in task:
@@ -197,17 +199,24 @@ def next_task(
             if before is not None and before != normal(body["shape"]):
                 raise fault(cell, ("bodies", i, "name"), "a name that no body of another shape has in the plan")
         seen = {part["name"] for part in task.get("parts", ()) if part.keys() & {*PLACES}}
-        slots = _slots(_with_values(cell, {**task.get("set", {}), **given}), end, seen)
+        changed = _with_values(cell, {**task.get("set", {}), **of_cell})
+        slots = _slots(changed, end, seen)
     if parts is None:
         own = {body["name"] for body in cell.get("bodies", ())}
         parts = [body for body in end.document.get("bodies", ()) if body["name"] not in own]
     known = {part["name"]: part for part in parts if part["name"] not in end.gone}
-    listed = []
-    for part in task.get("parts", ()):
+    listed, kinds = [], changed.get("kinds", {})
+    for i, part in enumerate(task.get("parts", ())):
         before = known.pop(part["name"], {})
         if before and not part.keys() & {*PLACES}:
+            with within_document(OF_TASK):
+                check_same_part(kinds, task, i, before)
             part = end.body({key: before[key] for key in (*PLACES, "uncertainty") if key in before} | part, slots)
         listed.append(part)
+    values = Origins()
+    with values, within_document(OF_TASK):
+        steps = values.changed(OF_TASK, task, of_task, GIVEN)["steps"] if of_task else task["steps"]
+        check_kinds_of_picked(kinds, steps, known)
     listed += [end.body(part, slots) for part in known.values()]
     names = {part["name"] for part in listed}
     worse = {f"bodies.{name}.uncertainty": each for name, each in end.uncertainty.items() if name not in names}

@@ -21,6 +21,11 @@ AROUND = ("robot", "frames", "neighbours", "execution", "carry")
 """Fields of a cell that are fields of a request."""
 MADE = ("bodies", "task")
 """Lists of a request that are made of those of a cell and a task."""
+NO_START = (
+    "the state at the start, which must be given; a task without it begins where a plan ends: with --continue of plan, "
+    "check or report, or next_task of an answer; other commands take its plan file alone"
+)
+"""What a task without a start is refused with."""
 SHOWN = 3
 """Parts that are named in a message, at most."""
 ENDS = {"move": "to", "follow": "to", "place": "to", "trace": "start"}
@@ -89,7 +94,7 @@ class RequestOfTask:
     def _start(self) -> object:
         """The state at the begin; a position's name may be in place of the pose of the tool."""
         if "start" not in self.task:
-            self.faults.add(Refused("the state at the start, which must be given"), OF_TASK, "start")
+            self.faults.add(Refused(NO_START), OF_TASK, "start")
             return Unread()
         start, where = self.task["start"], (OF_TASK, "start")
         self.origins["start",] = where

@@ -16,7 +16,7 @@ from assur.scenes.scenario import Scenario, with_files
 from assur.scenes.schema.cell_file import CELL, TASK
 from assur.scenes.set_values import GIVEN
 from assur.scenes.tasks.cell_alone import cell_alone
-from assur.scenes.tasks.joining import joined, shared, valid_cell
+from assur.scenes.tasks.joining import joined, valid_cell
 from assur.scenes.tasks.next_task import EndState, joined_after, next_task
 from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Joined, within_document
 from assur.scenes.text.yaml_text import Lines, line_of, parse_yaml, with_line
@@ -51,8 +51,7 @@ class _Files:
             for path in given or {}:
                 if (key := path.partition(".")[0].partition("[")[0]) == "start" or path == "parts":
                     raise DocumentError(f"{GIVEN}{path}", given[path], f"no {key}: it is that of the plan")  # type: ignore[index]
-            of_cell, _ = shared(given or {}, cell)
-            return joined_after(cell, next_task(cell, task, self.after, given=of_cell), self.after, given)
+            return joined_after(cell, next_task(cell, task, self.after, given=given or {}), self.after, given)
         except InputError as error:
             raise self.placed(error) from error
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import copy
 import hashlib
 import json
@@ -14,6 +15,7 @@ import httpx
 import pytest
 
 import assur
+from assur.scenes.set_values import with_values
 from tests.api.running import PATIENT, running
 from tests.api.test_python_cell_files import FAULTS, FIRST, HOME, START, TASKS
 from tests.scenes.meshes.solids import SOLIDS, binary_stl
@@ -226,6 +228,27 @@ def test_a_client_sends_a_cell_and_plans_tasks_in_it(service: tuple[httpx.Client
     with assur.Client(str(service[0].base_url)) as other:
         assert other.plan_task(digest, **task).request is None
         assert other.plan_task(digest, **task, cell=CELL).request == here.request
+        assert other.plan_task(digest, **task, cell=assur.Cell(CELL)).request == here.request
+        # another text of the same cell, as another program may have sent it, makes the same request
+        same = dict(reversed(CELL.items()))
+        assert other.plan_task(digest, **task, cell=same).request == here.request
+        assert other.plan_task(digest, **task, cell=same, fields=["status", "request_digest"]).request == here.request
+        with pytest.raises(assur.InputError, match=r"^fields: .*request_digest among them"):
+            other.plan_task(digest, **task, cell=same, fields=["status"])
+        for path, value in (("options.clearance_mm.near", 0.9), ("kinds", {}), ("bodies", [])):
+            with pytest.raises(assur.InputError, match=rf"^cell: .*with the digest {digest}"):
+                other.plan_task(digest, **task, cell=with_values(CELL, {path: value}))
+
+
+def test_an_awaited_client_refuses_another_cell_than_that_of_the_task(service: tuple[httpx.Client, Path]) -> None:
+    async def planned() -> None:
+        async with assur.AsyncClient(str(service[0].base_url)) as client:
+            digest = await client.put_cell(CELL)
+            moved = with_values(CELL, {"bodies.table.pose.at_mm.0": 351})
+            with pytest.raises(assur.InputError, match=rf"^cell: .*with the digest {digest}"):
+                await client.plan_task(digest, **TASKS["a part in a slot"], cell=moved)
+
+    asyncio.run(planned())
 
 
 def test_an_unknown_parameter_is_refused_with_all_that_there_are(service: tuple[httpx.Client, Path]) -> None:

@@ -19,7 +19,7 @@ from assur.api.command_line import app
 from assur.api.documents import to_json
 from assur.api.version import version
 from assur.api.workers.jobs import FIRST_PLAN
-from assur.planner.relaxation.changes import ABOUT
+from assur.planner.relaxation.kinds import ABOUT
 from assur.planner.report import number_format
 from assur.scenes.catalogue import FOLDER
 from assur.scenes.reading.refusal import NOT_PROVED, SEARCH

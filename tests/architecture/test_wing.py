@@ -28,6 +28,7 @@ CORNERS = {
     "planner/model/path.py",
     "planner/model/task.py",
     "planner/relaxation/changes.py",
+    "planner/relaxation/kinds.py",
 }
 """Modules in which a blend is the rounding of a corner of a path (`blend_mm`), which is no parabolic blend."""
 

@@ -10,7 +10,7 @@ from tests.browser.studio_page import IDLE, Studio
 from tests.browser.test_studio_cell_and_task import DRAWS_TABLE, SHORT, value_of
 from tests.browser.test_studio_drawing import DRAWN, drawn
 from tests.scenes.tasks.test_joining import CELL
-from tests.scenes.tasks.test_proposals import APART, LATE
+from tests.scenes.tasks.test_proposals import APART, HIGH, HIGHER, LATE
 
 pytestmark = pytest.mark.slow
 
@@ -202,15 +202,29 @@ def test_a_change_of_the_cell_is_undone_at_once(studio: Studio) -> None:
 
 
 def test_a_change_that_the_text_cannot_have_has_no_button(studio: Studio) -> None:
+    """The second part is too high for the approach, which is that of the kind of both."""
+    assert studio.dropped(("cell.yaml", HIGH.encode()), ("task.yaml", HIGHER.encode()))
+    studio.until(DRAWS_TABLE)
+    studio.planned()
+    row = studio.page.locator("#answers .proposal")
+    assert "This change was tried and works: heights: approach " in row.inner_text()
+    assert "without a change of anything else: these are for the pick of b in step 1, transfer;" in row.inner_text()
+    assert row.locator("button").count() == 0
+    assert studio.faults == studio.note == ""
+
+
+def test_a_window_of_a_transfer_is_applied_for_all_its_parts(studio: Studio) -> None:
     """The second part comes past the end of the window, which is that of both picks."""
     assert studio.dropped(("cell.yaml", APART.encode()), ("task.yaml", LATE.encode()))
     studio.until(DRAWS_TABLE)
     studio.planned()
     row = studio.page.locator("#answers .proposal")
-    assert "This change was tried and works: window: to " in row.inner_text()
-    assert "without a change of anything else: these are for the pick of b in step 1, transfer;" in row.inner_text()
-    assert row.locator("button").count() == 0
-    assert studio.faults == studio.note == ""
+    assert "all 2 picks of this window" in row.inner_text()
+    row.locator("button").click()
+    studio.until("document.querySelector('#answers figcaption').textContent.includes(': planned,')")
+    low, high = numbers(studio.text, "window_mm:")
+    assert (low, high > -100) == (-280, True)
+    assert studio.text == LATE.replace("[-280, -100]", f"[-280, {high:g}]")
 
 
 def test_a_thing_of_the_cell_is_dragged_in_the_drawing_of_its_task(studio: Studio) -> None:

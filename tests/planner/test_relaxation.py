@@ -34,8 +34,9 @@ from assur.planner.model.scene import (
     Window,
 )
 from assur.planner.pipeline import plan
-from assur.planner.relaxation.changes import changes, contact_tolerances, worth_trying
-from assur.planner.relaxation.trying import _attempt, relax
+from assur.planner.relaxation.changes import changes, contact_tolerances
+from assur.planner.relaxation.kinds import worth_trying
+from assur.planner.relaxation.trying import _attempt, _narrowed, relax
 from assur.planner.search.beam import Search
 from tests.docs.pages import ROOT
 from tests.planner.cells import CUP, Around, arm, at, belt_and_dial, cell, frame, go, solid, stands, table_to_table
@@ -481,3 +482,30 @@ def test_the_target_of_a_place_names_its_own_belt() -> None:
     scene = belt_and_dial()
     scene = replace(scene, task=(scene.task[0], onto))
     assert "belt speed" in [what for what, _, _ in changes(scene, 1, None)]
+
+
+def test_a_window_is_changed_for_all_picks_that_have_it_and_for_no_other_step() -> None:
+    own, other = Window(along=(0.0, 0.2)), Window(along=(0.0, 0.3))
+    scene = with_pick(belt_and_dial(), window=own)
+    pick, place = scene.task
+    follows = Follow("f", at(0.0, 0.0, 0.1, 0.0, "belt"), 0.1, own)
+    scene = replace(scene, task=(pick, place, replace(pick, window=other), place, follows, pick))
+    for step, same in ((0, [0, 5]), (5, [0, 5]), (2, [2]), (4, [4])):
+        every = ", all 2 picks of this window" if len(same) == 2 else ""
+        windows = [(value, changed) for what, value, changed in changes(scene, step, None) if what == "window"]
+        assert [value for value, _ in windows] == [f"without its end{every}", f"removed{every}"]
+        for _, changed in windows:
+            wider = [i for i, each in enumerate(changed.task) if each is not scene.task[i]]
+            assert wider == same
+            assert len({changed.task[i].window for i in same}) == 1
+
+
+def test_a_window_that_the_search_needs_wider_than_its_plan_is_proposed_as_a_multiple() -> None:
+    """The plan without an end uses 30 mm more than the window has: so much is tried, then twice and four times as much,
+    as where another approach of the same point takes longer."""
+    scene = follow(0.1, (0.2, 0.22))
+    change = next(each for each in changes(scene, 0, None) if each[0] == "window")
+    made = plan(change[2])
+    assert isinstance(made, Planned)
+    found = [each.task[0].window.along for _, _, each in _narrowed(scene, 0, change, made.plan)]
+    assert found == [pytest.approx((0.2, end)) for end in (0.25, 0.28, 0.34)]

@@ -51,8 +51,10 @@ parts:
 steps: [{transfer: {parts: [a], to: box}}, {move: {to: home}}]
 options: {seed: 1, stop: first, max_candidates: 100, budget_s: 20}
 """
+LISTED = "parts: [{name: b, kind: bracket}]\n"
 NEXT = (
     TASK.split("start:", maxsplit=1)[0]
+    + LISTED
     + "steps: [{transfer: {parts: [b], to: box}}]\n"
     + TASK[TASK.index("options:") :]
 )
@@ -436,8 +438,6 @@ def run(
 
 def test_a_task_file_continues_a_plan_file(folder: Path) -> None:
     """Its parts are those of the plan: here all that is known of `b` is that it was on the belt."""
-    text = NEXT.replace("steps:", "parts: [{name: b, kind: bracket}]\nsteps:")
-    (folder / "next.yaml").write_text(text)
     code, output, held = run(folder)
     assert code == 0, output
     last = planned()["trajectory"]
@@ -450,6 +450,34 @@ def test_a_task_file_continues_a_plan_file(folder: Path) -> None:
     assert place["to"]["at_m"] == [0.075, 0.0, 0.0]
 
 
+def test_a_plan_that_continues_another_is_checked_with_its_task(folder: Path) -> None:
+    code, output, _ = run(folder)
+    assert code == 0, output
+
+    def called(command: str, *more: str, after: str = "plan.json") -> tuple[int, str]:
+        files = [str(folder / "next.yaml"), str(folder / "out.json"), "--continue", str(folder / after)]
+        made = CliRunner().invoke(app, [command, *files, *more])
+        return made.exit_code, " ".join(made.output.split())
+
+    assert called("check")[0] == 0
+    out = ("--out", str(folder / "report.html"))
+    assert called("report", *out)[0] == 0
+    assert (folder / "report.html").stat().st_size > 0
+    # another first plan, or another value, is another request
+    for other in (called("check", after="out.json"), called("check", "--set", "options.seed=2")):
+        assert other[0] == 2
+        assert "PLAN: request: got" in other[1]
+    code, output = called("report", "--out", str(folder / "plan.json"))
+    assert (code, "another file than those" in output) == (2, True)
+    held = json.loads((folder / "out.json").read_text())
+    held["plan"]["trajectory"]["position"][3][0] += 1e-3
+    (folder / "out.json").write_text(json.dumps(held))
+    assert called("check")[0] == called("report", *out)[0] == 1
+    alone = CliRunner().invoke(app, ["check", str(folder / "next.yaml"), str(folder / "out.json")])
+    assert alone.exit_code == 2
+    assert "--continue of plan, check or report" in " ".join(alone.output.split())
+
+
 def test_a_part_that_is_listed_without_a_place_is_known_no_better_than_before(folder: Path) -> None:
     task = read(TASK) | {"steps": [{"move": {"to": "home"}}]}
     far = {"name": "c", "kind": "bracket", "pose": {"at_mm": [330, 60, 60]}, "uncertainty": {"position_mm": 5}}
@@ -458,7 +486,7 @@ def test_a_part_that_is_listed_without_a_place_is_known_no_better_than_before(fo
     assert before.planned, before.sentence
     before.save(folder / "plan.json")
     (folder / "next.yaml").write_text(
-        NEXT.replace("steps:", "parts: [{name: c, kind: bracket}]\nsteps:").replace(
+        NEXT.replace(LISTED, LISTED.replace("name: b", "name: c")).replace(
             "{transfer: {parts: [b], to: box}}", "{move: {to: home}}"
         )
     )
@@ -468,9 +496,129 @@ def test_a_part_that_is_listed_without_a_place_is_known_no_better_than_before(fo
     assert bodies["c"]["uncertainty"] == far["uncertainty"]
 
 
+ALIKE = CELL.replace(
+    "bodies:", "  tray: {shape: {box: {size_m: [0.06, 0.04, 0.02]}}, grasp_mm: [0, 0, 12]}\nbodies:", 1
+)
+"""A second kind of the same shape."""
+ASKED = 'got "b"; allowed: a part that `parts` list with its kind, which states the grasp and is not in the plan: '
+
+
+@pytest.mark.parametrize(
+    ("steps", "cell", "given", "field", "kinds"),
+    [
+        ("{transfer: {parts: [b], to: box}}", CELL, (), "line 4: steps[0].transfer.parts[0]", "bracket}]; its"),
+        ("{move: {to: home}}, {pick: {part: b}}", CELL, (), "line 4: steps[1].pick.part", "bracket}]; its"),
+        ("{transfer: {parts: [b], to: box}}", ALIKE, (), "steps[0].transfer", "bracket}], of one of the kinds of its"),
+        (
+            "{move: {to: home}}",
+            CELL,
+            ("--set", 'steps.0={"pick": {"part": "b"}}'),
+            "--set steps.0.pick.part",
+            "bracket",
+        ),
+        (
+            "{pick: {part: b}}",
+            CELL.replace(", grasp_mm: [0, 0, 10]", ""),
+            ("--set", "kinds.bracket.grasp_yaw_deg=90"),
+            "steps[0].pick.part",
+            "bracket",
+        ),
+    ],
+)
+def test_a_part_of_the_plan_that_is_picked_is_listed_with_its_kind(
+    folder: Path, steps: str, cell: str, given: tuple[str, ...], field: str, kinds: str
+) -> None:
+    """Else it would be picked at its middle."""
+    (folder / "cell.yaml").write_text(cell)
+    (folder / "next.yaml").write_text(NEXT.replace(LISTED, "").replace("{transfer: {parts: [b], to: box}}", steps))
+    code, output, held = run(folder, more=given)
+    assert code == 2
+    assert f"{field}" in output
+    assert f"{ASKED}write parts: [{{name: b, kind: {kinds}" in output
+    assert not held
+
+
+@pytest.mark.parametrize(
+    ("listed", "message"),
+    [
+        (
+            "kind: bracket",
+            "line 4: parts[0].mass_kg: it is missing; allowed: a number, which must be given: the plan has 0.9,",
+        ),
+        (
+            "kind: bracket, mass_kg: 0.9",
+            "parts[0].yaw_symmetry: it is missing; allowed: a number, which must be given: the",
+        ),
+        ("kind: bracket, mass_kg: 0.9, yaw_symmetry: 1", ""),
+        ("kind: bracket, mass_kg: 0.8, yaw_symmetry: 2", ""),
+        ("kind: bracket, pose: {frame: belt, at_mm: [-690, 5, 10]}", ""),
+        (
+            "kind: long, mass_kg: 0.9, yaw_symmetry: 1",
+            'parts[0].kind: got "long"; allowed: the shape that b has in the plan',
+        ),
+        ("shape: {box: {size_mm: [60, 40, 21]}}", "parts[0].shape: got "),
+        ("kind: other", 'parts[0].kind: got "other"; allowed: one of the kinds: bracket, long'),
+    ],
+)
+@pytest.mark.parametrize("of_file", [True, False])
+def test_a_part_of_a_plan_is_not_another_part_because_it_is_listed(
+    folder: Path, listed: str, message: str, of_file: bool
+) -> None:
+    """The plan has a part of 0.9 kg that is not the same when it is turned, unlike others of its kind."""
+    cell = CELL.replace("bodies:", "  long: {shape: {box: {size_mm: [80, 40, 20]}}, grasp_mm: [0, 0, 10]}\nbodies:", 1)
+    (folder / "cell.yaml").write_text(cell)
+    text = TASK.replace("uncertainty: {yaw_deg: 1}", "mass_kg: 0.9, yaw_symmetry: 1")
+    before = assur.Cell(read(cell)).plan(**fields(read(text)))
+    if of_file:
+        (folder / "plan.json").write_text(json.dumps(PlanFile(before.request or {}, before.document).document))
+        (folder / "next.yaml").write_text(NEXT.replace("kind: bracket", listed))
+        code, output, held = run(folder)
+        assert code == (2 if message else 0), output
+        assert message in output
+        assert message or held["plan"]["status"] == "planned"
+        return
+    task = read(NEXT.replace("kind: bracket", listed))
+    if not message:
+        assert assur.Cell(read(cell)).plan(**before.next_task(task["steps"], parts=task["parts"])).planned
+        return
+    with pytest.raises(InputError) as refused:
+        before.next_task(task["steps"], parts=task["parts"])
+    assert refused.value.field in message
+
+
+@pytest.mark.parametrize(
+    ("steps", "cell"),
+    [
+        ("{pick: {part: b, grasp_mm: [0, 0, 10]}}", CELL),
+        ("{pick: {part: b}}", CELL.replace(", grasp_mm: [0, 0, 10]", "")),
+        ("{pick: {part: b}}", CELL.replace("[60, 40, 20]", "[60, 40, 21]")),
+        ("{pick: {part: other}}", CELL),
+    ],
+)
+def test_no_kind_is_required_of_a_part_whose_grasp_no_kind_states(folder: Path, steps: str, cell: str) -> None:
+    (folder / "cell.yaml").write_text(cell)
+    (folder / "next.yaml").write_text(NEXT.replace(LISTED, "").replace("{transfer: {parts: [b], to: box}}", steps))
+    _, output, _ = run(folder, more=("--set", "options.max_candidates=1"))
+    assert ASKED not in output
+    assert ("steps[0].pick.part" in output) is ("other" in steps)
+
+
+def test_what_comes_after_an_answer_of_a_file_lists_the_kind_of_a_part_that_is_picked(tmp_path: Path) -> None:
+    """An answer of `assur.Cell` knows the kinds of its parts, one of a file does not."""
+    before, steps = planned(), [{"transfer": {"parts": ["b"], "to": "box"}}]
+    assert {part["name"]: part["kind"] for part in before.next_task(steps)["parts"]} == {"a": "bracket", "b": "bracket"}
+    read_again = assur.load_answer(before.save(tmp_path / "plan.json"))
+    with pytest.raises(
+        InputError, match=r"^steps\[0\]\.transfer\.parts\[0\]: got 'b'; allowed: a part that `parts` list"
+    ):
+        read_again.next_task(steps, cell=assur.Cell(read(CELL)))
+    task = read_again.next_task(steps, cell=assur.Cell(read(CELL)), parts=[{"name": "b", "kind": "bracket"}])
+    assert then(before, task).planned
+
+
 def test_a_place_that_the_task_states_counts_more_than_that_of_the_plan(folder: Path) -> None:
-    seen = "parts: [{name: b, kind: bracket, pose: {frame: belt, at_mm: [-690, 5, 10]}}]\nsteps:"
-    (folder / "next.yaml").write_text(NEXT.replace("steps:", seen))
+    seen = LISTED.replace("}]", ", pose: {frame: belt, at_mm: [-690, 5, 10]}}]")
+    (folder / "next.yaml").write_text(NEXT.replace(LISTED, seen))
     code, output, held = run(folder)
     assert code == 0, output
     bodies = {body["name"]: body for body in held["request"]["bodies"]}
@@ -482,7 +630,7 @@ def test_a_place_that_the_task_states_counts_more_than_that_of_the_plan(folder: 
     ("file", "text", "message"),
     [
         ("next.yaml", TASK, "line 4: start"),
-        ("next.yaml", NEXT.replace("steps:", "stepz:"), "line 4: stepz"),
+        ("next.yaml", NEXT.replace("steps:", "stepz:"), "line 5: stepz"),
         ("next.yaml", "about: none\nrequest: {}\n", "allowed: assur-task/1: a task file begins where a plan ends"),
         ("cell.yaml", CELL.replace("speed_mm_s: 150", "speed_mm_s: 160"), "belt.conveyor.speed_mm_s: got 160;"),
         ("cell.yaml", CELL.replace("-100]", "-90]"), "cell.yaml: robot.tool.tcp_mm: got [0, 0, -90]; allowed: "),

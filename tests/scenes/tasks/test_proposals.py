@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -34,33 +35,65 @@ def printed(answer: dict[str, Any]) -> str:
     return "\n".join(str(each) for each in not_planned(answer))
 
 
-def test_a_change_of_one_part_of_a_transfer_names_it_and_is_not_offered_as_values() -> None:
-    made = scenario(EXPLAINED)
+@pytest.mark.parametrize(
+    ("parts", "task"),
+    [
+        ("[a, b]", EXPLAINED),
+        ("[a, b]", EXPLAINED.replace("[-280, -100]", "[-280, -270]")),
+        ("[a, b]", EXPLAINED.replace("window_mm: [-280, -100]", "window_s: [0.3, 0.5]")),
+        ("[b]", EXPLAINED.replace("[-320, 60, 10]", "[-90, 60, 10]")),
+    ],
+    ids=["one part is late", "too short for each part", "in seconds", "one part"],
+)
+def test_a_window_of_a_transfer_is_proposed_for_all_its_parts(parts: str, task: str) -> None:
+    """What is proposed can be set in the task, is what the texts are changed to, and has a plan."""
+    made = scenario(task.replace("[a, b]", parts))
     answer = plan_scenario(made)
     proposed = answer["relaxation"]
-    assert (proposed["what"], proposed["set"]) == ("window", None)
+    assert proposed["what"] == "window"
+    assert proposed["value"].endswith(", all 2 picks of this window") is (parts == "[a, b]")
+    ((path, window),) = proposed["set"].items()
+    assert path in ("steps.0.transfer.window_mm", "steps.0.transfer.window_s")
+    assert f"--set '{path}={window}'" in printed(answer)
+    changed = made.with_values(proposed["set"])
+    again = plan_scenario(changed)
+    assert again["status"] == "planned"
+    assert again["duration_s"] == pytest.approx(proposed["duration_s"])
+    of_request = plan_document(made.request)["relaxation"]["set"]
+    key = path.rpartition(".")[2]
+    assert list(of_request) == [f"task.pick-{part}.pick.{key}" for part in parts.strip("[]").split(", ")]
+    texts = {"text": task.replace("[a, b]", parts), "cell": APART}
+    written = with_request_values(made, texts, of_request, lambda given: scenario(given["text"], given["cell"]))
+    assert written == {"text": re.sub(rf"{key}: \[[^]]*\]", f"{key}: {window}", texts["text"]), "cell": APART}
+    assert scenario(written["text"]).request == changed.request
+
+
+HIGH = APART.replace("approach: {mm: 40}", "approach: {mm: 130}").replace(
+    "dwell_ms: 60}", "dwell_ms: 60, approach: {mm: 30}}"
+)
+HIGHER = EXPLAINED.replace("[-320, 60, 10]", "[-620, 0, 110]").replace("[-280, -100]", "[-300, 250]")
+"""The second part is too high on the belt for the approach of its kind."""
+
+
+def test_a_change_of_one_part_of_a_transfer_names_it_and_is_not_offered_as_values() -> None:
+    made = scenario(HIGHER, HIGH)
+    answer = plan_scenario(made)
+    proposed = answer["relaxation"]
+    assert (proposed["what"], proposed["set"]) == ("heights", None)
     assert proposed["value"].endswith(PART)
     assert PART in printed(answer)
     assert "--set" not in printed(answer)
     of_request = plan_document(made.request)["relaxation"]
     assert of_request["value"] + PART == proposed["value"]
-    assert list(of_request["set"]) == ["task.pick-b.pick.window_mm"]
-    texts = {"text": EXPLAINED, "cell": APART}
+    assert list(of_request["set"]) == ["task.pick-b.pick.approach.mm"]
+    texts = {"text": HIGHER, "cell": HIGH}
     with pytest.raises(InputError, match=f"these are{PART[1:]}"):
         with_request_values(made, texts, of_request["set"], lambda given: scenario(given["text"], given["cell"]))
 
 
-def test_a_transfer_of_one_part_is_named_by_its_step_alone() -> None:
-    made = scenario(EXPLAINED.replace("parts: [a, b]", "parts: [b]").replace("[-320, 60, 10]", "[-90, 60, 10]"))
-    proposed = plan_scenario(made)["relaxation"]
-    assert proposed["what"] == "window"
-    assert "transfer" not in proposed["value"]
-    assert list(proposed["set"]) == ["steps.0.transfer.window_mm"]
-
-
 def test_the_second_transfer_is_the_second_step() -> None:
-    moved = EXPLAINED.replace("steps:\n", "steps:\n  - move: {to: {at_mm: [350, 0, 180]}, via: true}\n")
-    assert ", for the pick of b in step 2, transfer;" in plan_scenario(scenario(moved))["relaxation"]["value"]
+    moved = HIGHER.replace("steps:\n", "steps:\n  - move: {to: {at_mm: [350, 0, 180]}, via: true}\n")
+    assert ", for the pick of b in step 2, transfer;" in plan_scenario(scenario(moved, HIGH))["relaxation"]["value"]
 
 
 LOW = APART.replace("[300, -250, 60]", "[300, -250, 55]")
