@@ -118,7 +118,7 @@ def document_of(fact: object, **own: object) -> Any:
     kind: Any = type(fact)
     found = {}
     for key, name, null in _columns(kind):
-        value = own[key] if key in own else getattr(fact, name)
+        value: Any = own[key] if key in own else getattr(fact, name)
         of = type(value)
         if not (of in PLAIN or (of is float and isfinite(value))):
             value = optional(value) if null and isinstance(value, float) else written(value)
