@@ -113,9 +113,14 @@ IN_TASK = [
     ("bodies.tabel.mass_kg=1", "or the name of an entry: table; did you mean table?"),
     ("bodies.table.mass_kg.x=1", "bodies.table.mass_kg.x: "),
     ('robot.model="rh-6"', 'robot.model: got "rh-6"; allowed: one of '),
-    ('robt.model="rh-6"', "allowed: one of about, bodies"),
-    ("task.0.move=1", "task.0.move: "),
-    ('cell.file="other.yaml"', "cell.file: "),
+    ('robt.model="rh-6"', 'assur: --set robt.model: got "rh-6"; allowed: a path that begins with one of about, bodies'),
+    ('robt.model="rh-6"', "start, steps; did you mean robot?"),
+    ("request.options.seed=1", "assur: --set request.options.seed: got 1; allowed: a path that begins with one of "),
+    ("request.options.seed=1", "start, steps; did you mean options.seed?"),
+    ("request=1", "assur: --set request: got 1; allowed: a path that begins with one of "),
+    ('expect.status="planned"', 'assur: --set expect.status: got "planned"; allowed: a path that begins with one of '),
+    ("task.0.move=1", "assur: --set task.0.move: got 1; allowed: a path that begins with one of "),
+    ('cell.file="other.yaml"', 'assur: --set cell.file: got "other.yaml"; allowed: a path that begins with one of '),
     ("parts.z.mass_kg=1", 'got "z"; allowed: a number from 0 to 2, or the name of an entry: a, b, c'),
     ('parts.a.kind="braket"', 'parts.a.kind: got "braket"; allowed: one of the kinds: bracket'),
     ("parts.c.slot.box=9", "parts.c.slot.box: got 9; allowed: the number of a slot, 1 to 8"),
@@ -128,7 +133,7 @@ IN_TASK = [
     ("start.joints.j1_rad=100", "start.joints.j1_rad: got 100; allowed: -2.9"),
     ("=1", '--set: got "=1"; allowed: a path, = and a value in JSON, as in --set options.seed=3'),
     ("options", '--set: got "options"; allowed: a path, ='),
-    ("a" + ".a" * 40 + "=1", "a path of at most 32 keys"),
+    ("options" + ".a" * 40 + "=1", "a path of at most 32 keys"),
 ]
 
 
