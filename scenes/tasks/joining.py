@@ -6,23 +6,24 @@ the request is a fault at the place in the cell or the task from which the value
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from assur.planner.errors import InputError
-from assur.scenes.faults import DocumentError, Gathered, likeliest, together, written_key
+from assur.scenes.faults import DocumentError, Gathered, together, written_key
 from assur.scenes.schema.cell_file import TASK, CellDocument, TaskDocument
 from assur.scenes.schema.in_parts import Unread, in_parts
 from assur.scenes.schema.normal import plain
 from assur.scenes.schema.read import read
 from assur.scenes.schema.sizes import check_sizes
-from assur.scenes.set_values import GIVEN
+from assur.scenes.set_values import GIVEN, unknown_paths
 from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Document, Joined, Origins, within_document
 from assur.scenes.tasks.request_of_task import RequestOfTask
 from assur.scenes.units import si_key
 
 OWN = ("start", "parts", "steps", "options")
 """Fields of a task whose values can be set there."""
-
+FIELDS = tuple(field.alias or name for name, field in CellDocument.model_fields.items())
+"""Fields of a cell."""
 
 ANY_TASK = {"schema": TASK, "start": {"joints": {}}, "steps": [{"move": {"to": {}}}]}
 """A task for a cell whose faults alone are wanted."""
@@ -74,7 +75,7 @@ def joined(cell: object, task: object, given: Mapping[str, object] | None = None
         changed = written
         for values, mark, more in ((asked.get("set", {}), f"{OF_TASK}.set.", ()), (of_cell, GIVEN, OWN)):
             if values and isinstance(changed, dict) and not isinstance(values, Unread):
-                unknown = _unknown(values, mark, more)
+                unknown = unknown_paths(values, mark, (*FIELDS, *more))
                 for fault in unknown.values():
                     faults.add(fault)
                 values = {path: value for path, value in values.items() if path not in unknown}
@@ -105,19 +106,6 @@ def _right(name: str, model: type[CellDocument | TaskDocument], document: object
             faults.settle()
         return right or {}
     return document  # type: ignore[return-value] # its model has read it
-
-
-def _unknown(values: Mapping[str, object], mark: str, more: Sequence[str]) -> dict[str, DocumentError]:
-    """A fault for each path that begins with no field of a cell. `more`: fields with which it may begin, too."""
-    fields = sorted({*(field.alias or name for name, field in CellDocument.model_fields.items()), *more})
-    found = dict[str, DocumentError]()
-    for path, value in values.items():
-        first, _, rest = str(path).partition(".")
-        if first.partition("[")[0] not in fields:
-            within = rest.partition(".")[0].partition("[")[0] in fields
-            names = f"{', '.join(fields)}; did you mean {rest}?" if within else likeliest(first, fields)
-            found[path] = DocumentError(f"{mark}{path}", value, f"a path that begins with one of {names}")
-    return found
 
 
 def shared(given: Mapping[str, object], cell: object) -> tuple[Document, Document]:

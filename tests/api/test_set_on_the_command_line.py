@@ -155,3 +155,14 @@ def test_a_fault_of_a_scenario_or_a_request_that_was_not_set_stays_where_it_is(r
     code, _, err = run("plan", request_file, "--set", 'frames={"belt": {"linear": {}}}')
     assert code == BAD_INPUT
     assert "--set frames.belt.linear.at_m: it is missing" in err or "--set frames" in err
+
+
+@pytest.mark.parametrize("shown", [True, False], ids=["a scenario", "a request in JSON"])
+def test_a_path_that_begins_with_no_field_of_the_request_is_named(request_file: str, *, shown: bool) -> None:
+    values = ("--set", "request.options.seed=1", "--set", "expect.status=2")
+    code, _, err = run("plan", "demo" if shown else request_file, *values)
+    assert code == BAD_INPUT
+    first, second = err.splitlines()
+    assert first.startswith("assur: --set request.options.seed: got 1; allowed: a path that begins with one of bodies,")
+    assert first.endswith("did you mean options.seed?")
+    assert second.startswith("assur: --set expect.status: got 2; allowed: a path that begins with one of bodies,")
