@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from assur.planner.errors import InputError
-from assur.scenes.bounds import MAX_JSON_BYTES, MAX_MESH_BYTES, MAX_PLAN_FILE_BYTES
+from assur.scenes.bounds import MAX_DEPTH, MAX_JSON_BYTES, MAX_MESH_BYTES, MAX_PLAN_FILE_BYTES
 from assur.scenes.faults import NOTHING, WHOLE, DocumentError, dotted
 from assur.scenes.plan_file import LONGEST_BEGINNING, begins_a_plan_file, is_plan_file, plan_file_in
 from assur.scenes.schema.answer import Trajectory
@@ -96,6 +96,8 @@ def with_meshes(document: Any, folder: Path) -> Any:
 
 
 def _inlined(value: Any, path: tuple[str | int, ...], folder: Path) -> Any:
+    if len(path) > MAX_DEPTH:
+        return value  # the reader of the document refuses it
     if isinstance(value, dict):
         if path and path[-1] == "mesh" and isinstance(value.get("file"), str):
             return _inlined_mesh(value, path, folder)

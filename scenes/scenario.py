@@ -10,9 +10,10 @@ from typing import Any
 
 from assur.planner.errors import InputError
 from assur.scenes.catalogue import with_robots
-from assur.scenes.faults import DocumentError, documented
+from assur.scenes.faults import DocumentError, documented, together
 from assur.scenes.files import with_meshes, with_plans
-from assur.scenes.set_values import GIVEN, Changed
+from assur.scenes.schema.request import RequestDocument
+from assur.scenes.set_values import GIVEN, Changed, unknown_paths
 from assur.scenes.text.yaml_text import Lines, line_of, with_line
 
 OF_PLAN = "plan"
@@ -56,13 +57,21 @@ class Scenario:
     def with_values(self, given: Mapping[str, object]) -> Scenario:
         """The scenario with values that are set in its request by their paths; their faults are at `GIVEN`. Raises
         `InputError`."""
-        changed = Changed(self.request, given, GIVEN)
+        changed = set_in_request(self.request, given)
         return replace(self, request=changed.document, changed=changed)
 
     def answered(self, answer: dict[str, Any]) -> dict[str, Any]:
         """The answer to the request, as one to the file: the paths of the change that it proposes are those that
         `with_values` takes."""
         return answer
+
+
+def set_in_request(request: dict[str, Any], given: Mapping[str, object]) -> Changed:
+    """A request in which values are set by their paths; their faults are at `GIVEN`. Raises `DocumentError`."""
+    unknown = unknown_paths(given, GIVEN, [each.alias or name for name, each in RequestDocument.model_fields.items()])
+    if unknown:
+        raise together(list(unknown.values()))
+    return Changed(request, given, GIVEN)
 
 
 def with_files(request: Any, folder: Path) -> Any:

@@ -12,6 +12,7 @@ from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_TEXT, MAX_YAML_BYTES
 from assur.scenes.faults import NOTHING, DocumentError, fault, likeliest, together
 from assur.scenes.files import empty
+from assur.scenes.not_requests import refuse_document, refuse_text
 from assur.scenes.scenario import OF_REQUEST, Scenario
 from assur.scenes.schema.cell_file import CELL, TASK
 from assur.scenes.schema.expect import ExpectDocument
@@ -48,7 +49,9 @@ def load_yaml(path: Path) -> Scenario | dict[str, Any]:
 
 def _text(path: Path) -> bytes:
     with path.open("rb") as file:
-        return file.read(MAX_YAML_BYTES + 1)
+        data = file.read(MAX_YAML_BYTES + 1)
+    refuse_text(data, path)
+    return data
 
 
 def scenario_in(text: bytes, path: Path, after: EndState | None = None) -> Scenario:
@@ -70,6 +73,7 @@ def _scenario(document: Any, lines: Lines, path: Path, after: EndState | None = 
     schema = document.get("schema") if isinstance(document, dict) else None
     if isinstance(schema, str) and schema.startswith("assur-"):
         raise with_line(fault(document, ("schema",), f"{TASK} or {CELL}; a scenario has none"), lines)
+    refuse_document(document, path)
     if document is None:
         raise empty(path, "a scenario: YAML with about, request and, if something is expected of the answer, expect")
     if isinstance(document, dict) and "request" not in document and {"robot", "task"} & document.keys():

@@ -7,13 +7,13 @@ number from 0, `task.0` or `task[0]`.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_DEPTH
-from assur.scenes.faults import DocumentError, choices, documented, dotted
+from assur.scenes.faults import DocumentError, choices, documented, dotted, likeliest
 from assur.scenes.units import from_si, si_key, to_si, twin_of
 
 Keys = Sequence[str]
@@ -37,6 +37,18 @@ def with_values(document: Mapping[str, Any], values: object) -> dict[str, Any]:
     for path, value in _paths(values).items():
         changed = _with(changed, _keys(path), value, (), [])
     return dict(changed)
+
+
+def unknown_paths(values: Mapping[str, object], mark: str, fields: Iterable[str]) -> dict[str, DocumentError]:
+    """A fault for each path that begins with none of these fields, at the path behind its `mark`."""
+    known, found = sorted(set(fields)), dict[str, DocumentError]()
+    for path, value in values.items():
+        first, _, rest = str(path).partition(".")
+        if first.partition("[")[0] not in known:
+            within = rest.partition(".")[0].partition("[")[0] in known
+            names = f"{', '.join(known)}; did you mean {rest}?" if within else likeliest(first, known)
+            found[path] = DocumentError(f"{mark}{path}", value, f"a path that begins with one of {names}")
+    return found
 
 
 class Changed:

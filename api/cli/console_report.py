@@ -18,6 +18,7 @@ from rich.text import Text
 
 from assur.api.problems import printable
 from assur.planner.report.number_format import amount
+from assur.scenes.schema.task import TAKEN_AWAY
 
 WIDTH = 110
 """Columns where the output is not a terminal."""
@@ -229,9 +230,9 @@ def not_planned(answer: dict[str, Any]) -> Iterator[Table | str]:
         yield "what would not help, each tried by itself:"
         yield from _in_vain(answer["tried"])
         if answer["explain_budget_spent"]:
-            yield "  the explain budget was spent: other changes were not tried"
+            yield "  the time for trying changes was over (explain_budget_s): others were not tried"
     elif answer["explain_budget_spent"]:
-        yield "what would help     nothing was tried: the explain budget was spent"
+        yield "what would help     not known: the time for trying changes was over (state a larger explain_budget_s)"
 
 
 CHANGED = {
@@ -318,6 +319,8 @@ def assumed(assumptions: list[str], *, details: bool) -> Iterator[str]:
         return
     what = "assumption about the robot and the cell" if count == 1 else "assumptions about the robot and the cell"
     if not details:
+        for part, _, when in (each.partition(f": {TAKEN_AWAY} ") for each in assumptions if TAKEN_AWAY in each):
+            yield f"taken away          {part}, {when}"
         yield f"{count} {what} (--details lists {'it' if count == 1 else 'them'})"
         return
     yield f"{count} {what} (sources: --json):"
@@ -331,7 +334,8 @@ def everything(answer: dict[str, Any], *, details: bool = False) -> Iterator[Tab
     yield ""
     yield from census(answer["census"], planned=answer["status"] == "planned")
     if answer["cut_by_clock"]:
-        yield "The clock cut the search off; another run may find another plan."
+        longer = "" if answer["status"] == "planned" else " A larger budget_s gives it more time."
+        yield f"The clock cut the search off; another run may find another plan.{longer}"
     for warning in answer.get("warnings", ()):
         yield f"warning             {warning['detail']}"
     yield from assumed(answer["assumptions"], details=details)

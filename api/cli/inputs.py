@@ -37,7 +37,7 @@ from assur.scenes.requests import (
     shipped_scenarios,
     unmet,
 )
-from assur.scenes.scenario import with_files
+from assur.scenes.scenario import set_in_request, with_files
 from assur.scenes.set_values import GIVEN, Changed
 from assur.scenes.tasks.next_task import EndState, checked_end
 from assur.scenes.units import si_key, twin_of
@@ -130,7 +130,7 @@ class Target:
             return replace(self, request=scenario.request, scenario=scenario)
         if not isinstance(self.request, dict):
             return self  # no request: refused where it is read
-        changed = Changed(self.request, given, GIVEN)
+        changed = set_in_request(self.request, given)
         return replace(self, request=changed.document, changed=changed)
 
     def unmet(self, answer: dict[str, Any]) -> list[str]:

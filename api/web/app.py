@@ -35,6 +35,9 @@ from assur.api.web.uploads import Uploads
 HTTP_KINDS = {404: "not-found", 405: "method-not-allowed"}
 """What Starlette itself refuses, by status."""
 
+OF_FILES = {"GET", "HEAD"}
+"""Methods of a folder of files, which changes the path of its request so that no route has it."""
+
 
 def create_app(settings: Settings | None = None) -> FastAPI:
     """The service with `settings` (default: from the environment). Its workers start with its lifespan."""
@@ -101,6 +104,6 @@ async def _on_http(request: Request, error: Any) -> Response:
 
 def _methods(request: Request) -> set[str]:
     """The methods that the address of `request` knows."""
-    here = [route for route in router.routes if route.matches(request.scope)[0] is not Match.NONE]
+    here = [route for route in request.app.routes if route.matches(request.scope)[0] is not Match.NONE]
     here = [route for route in here if getattr(route, "path", None) == request.scope["path"]] or here
-    return {method for route in here for method in getattr(route, "methods", None) or ()}
+    return {method for route in here for method in getattr(route, "methods", None) or ()} or OF_FILES

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Any, NamedTuple, get_args, is_typeddict
+from typing import Any, NamedTuple, get_args, get_origin, is_typeddict
 
 from typing_extensions import get_type_hints
 from typing_extensions import is_typeddict as is_typed
@@ -40,9 +40,10 @@ def parts_wanted(fields: str | None, digits: str | None) -> Parts:
         for count, key in enumerate(path):
             known = _below(models)
             if key not in known:
-                inside = f" in {'.'.join(path[:count])}" if count else ""
-                allowed = f"one of {likeliest(key, known)}{inside}" if known else f"no field{inside}"
-                raise InputError("fields", name, allowed)
+                around = ".".join(path[:count])
+                what = "a list" if any(get_origin(model) is list for model in models) else "a value"
+                known_there = f"one of {likeliest(key, known)}{f' in {around}' if around else ''}"
+                raise InputError("fields", name, known_there if known else f"{around}, which is {what} and given whole")
             models = known[key]
         paths.append(path)
     if digits is None:

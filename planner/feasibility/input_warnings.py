@@ -173,7 +173,10 @@ def _off_part(scene: Scene, prover: Prover, step: Pick, attached: Attachments) -
     nearest = min((each for each in grips if each is not None), key=lambda each: each.distance_m, default=None)
     if nearest is None or not nearest.distance_m > GRIP_M:
         return []
-    return [InputWarning(WarningKind.TOOL_OFF_PART, nearest.bodies, nearest.distance_m)]
+    tcp = scene.tool.tcp.z
+    beyond = all(tcp * body.spread.centroid[2] < 0.0 for body in scene.tool.bodies)
+    cause = f"tcp is at z {1e3 * tcp:.4g} mm, and all bodies of the tool are on the other side of the flange"
+    return [InputWarning(WarningKind.TOOL_OFF_PART, nearest.bodies, nearest.distance_m, cause=cause if beyond else "")]
 
 
 def _air_below(scene: Scene, at: AtStart, step: Place, attached: Attachments) -> list[InputWarning]:

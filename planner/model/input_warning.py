@@ -31,7 +31,7 @@ class InputWarning:
     nearest body and the part, or two that overlap; `amount_m`: how far the part is above what is below it, or from what
     it should touch, the overlap that is allowed and exceeded (0: none), how far the tool is from the part, or may be
     off it. `step`: the name of a pick that may miss its part, or of the step that names what its part touches; `cause`:
-    what adds most to the error of that pick."""
+    what adds most to the error of that pick, or why the tool is far from the part."""
 
     kind: WarningKind
     bodies: tuple[str, str]

@@ -83,7 +83,7 @@ def window_left(point: ControlPoint, begin: float) -> float | None:
 WARNINGS = {
     WarningKind.PART_FLOATS: "{0} is {by} above {1} and rests on nothing",
     WarningKind.TOOL_OFF_PART: "no body of the tool touches {1} where it is picked: {0}, the nearest, is {by} away; "
-    "check grasp and tcp",
+    "check grasp and tcp{why}",
     WarningKind.RELEASED_IN_AIR: "{0} is released {by} above {1} and rests on nothing there",
     WarningKind.SUPPORT_OFF_PART: "{0} should touch {1} in step {step}, as contact_with says, but is {by} away from it",
     WarningKind.BODIES_OVERLAP: "{0} and {1} overlap by more than {by} where they are at the start",
@@ -97,8 +97,9 @@ def warned(warning: InputWarning) -> str:
     """What is probably not meant."""
     by = amount(warning.amount_m, "m")
     cause = f", mainly due to: {warning.cause}" if warning.cause else ""
+    why = f": {warning.cause}" if warning.cause else ""
     mount = f" by more than {by} along the flange's axis" if warning.amount_m else ""
-    return WARNINGS[warning.kind].format(*warning.bodies, by=by, step=warning.step, cause=cause, mount=mount)
+    return WARNINGS[warning.kind].format(*warning.bodies, by=by, step=warning.step, cause=cause, why=why, mount=mount)
 
 
 COURSES = {

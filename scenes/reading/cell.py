@@ -25,7 +25,7 @@ from assur.planner.model.scene import (
 )
 from assur.planner.robots.robot import Robot
 from assur.scenes.conventions import Conventions
-from assur.scenes.faults import FAULTS, Gathered, Refused, choices, located
+from assur.scenes.faults import FAULTS, FollowsError, Gathered, Refused, choices, located
 from assur.scenes.reading import bodies, frames, loads, neighbours, robots, task
 from assur.scenes.reading.bodies import Places
 from assur.scenes.reading.frames import Frames
@@ -273,6 +273,10 @@ def _surroundings(request: RequestDocument | PartlyRead, depends: Depends, fault
             places.unread.add(item.name)
             faults.add(error, "neighbours", i)
     known.unread.update(places.unread)
+    lost = set[str]()
+    if held not in (None, *(each.text("name") if isinstance(each, Unread) else each.name for each in request.bodies)):
+        # one of these is the part that is held, under a name that is misspelt
+        lost = {each.name for each in request.bodies if not isinstance(each, Unread) and each.pose is None}
     for i, named in enumerate(request.bodies):
         raise_if_late()
         if isinstance(named, Unread):
@@ -284,6 +288,8 @@ def _surroundings(request: RequestDocument | PartlyRead, depends: Depends, fault
         try:
             if named.name in own:
                 raise Refused("a name that no body of the robot or its tool has", "name")
+            if named.name in lost:
+                raise FollowsError
             found.append(bodies.world_body(named, known, places, held, start_s))
         except FAULTS as error:
             places.unread.add(named.name)
@@ -291,7 +297,7 @@ def _surroundings(request: RequestDocument | PartlyRead, depends: Depends, fault
     if held is not None and held not in places:
         with faults.part("start", "holding"):
             places.hold(held)
-            raise Refused(f"the name of a body: {choices(places, held)}", "part")
+            raise Refused(f"the name of a body: {choices({*places, *lost}, held)}", "part")
     return Surroundings(given, known, tuple(found), places)
 
 

@@ -75,7 +75,8 @@ def other_faults(document: object, folder: Path | None = None) -> list[DocumentE
     from assur.scenes.reading.cell import look_up
     from assur.scenes.scenario import with_files
 
-    if not isinstance(document, dict) or document.get("schema", SCHEMA) != SCHEMA:
+    schema = document.get("schema", SCHEMA) if isinstance(document, dict) else None
+    if not isinstance(document, dict) or not isinstance(schema, str) or schema != SCHEMA:
         return []
     try:
         refuse_other(document)

@@ -17,6 +17,7 @@ from assur.scenes.reading.bodies import Places, named, resolve
 from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
 from assur.scenes.schema.in_parts import Unread
 from assur.scenes.schema.task import (
+    TAKEN_AWAY,
     FollowDocument,
     MoveDocument,
     PathPartDocument,
@@ -355,7 +356,7 @@ def _reversed(_: str, ends: object) -> str:
 def assumptions_of(steps: Sequence[Step]) -> tuple[str, ...]:
     """What an answer says of parts that are taken away."""
     return tuple(
-        f"{step.part}: somebody has taken it away {1e3 * step.gone_after_s:g} ms after {step.name} put it down"
+        f"{step.part}: {TAKEN_AWAY} {1e3 * step.gone_after_s:g} ms after {step.name} put it down"
         for step in steps
         if isinstance(step, Place) and step.gone_after_s is not None
     )

@@ -39,6 +39,8 @@ TYPES = {
     "string_unicode": "text in Unicode",
 }
 """Pydantic's kinds of error in our words."""
+FOLLOWS = "default_factory_not_called"
+"""Pydantic's kind of error for a default that depends on a field which has a fault."""
 COMPARISONS = {
     "greater_than": ("gt", "more than"),
     "greater_than_equal": ("ge", "at least"),
@@ -89,7 +91,7 @@ def _validated(
         faults = [
             (location, fault["type"], fault.get("ctx", {}))
             for fault in error.errors(include_url=False, include_input=False)
-            if (location := _location(model, document, fault["loc"])) is not None
+            if fault["type"] != FOLLOWS and (location := _location(model, document, fault["loc"])) is not None
         ]
         # the other fields of a document of another kind are not compared
         faults = [fault for fault in faults if fault[:2] == (("schema",), "literal_error")] or faults

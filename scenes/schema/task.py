@@ -27,6 +27,8 @@ from assur.scenes.schema.model import (
 )
 
 Match = Literal["velocity", "position"]
+TAKEN_AWAY = "somebody has taken it away"
+"""What an answer says of a part with `gone_after_s`, among its assumptions."""
 
 
 def _free_or_number(value: object) -> object:

@@ -8,20 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from assur.planner.errors import InputError
 from assur.scenes.faults import DocumentError, Gathered, together, written_key
 from assur.scenes.schema.cell_file import TASK, CellDocument, TaskDocument
 from assur.scenes.schema.in_parts import Unread, in_parts
 from assur.scenes.schema.normal import plain
 from assur.scenes.schema.read import read
 from assur.scenes.schema.sizes import check_sizes
-from assur.scenes.set_values import GIVEN
+from assur.scenes.set_values import GIVEN, unknown_paths
 from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Document, Joined, Origins, within_document
 from assur.scenes.tasks.request_of_task import RequestOfTask
 from assur.scenes.units import si_key
 
 OWN = ("start", "parts", "steps", "options")
 """Fields of a task whose values can be set there."""
-
+FIELDS = tuple(field.alias or name for name, field in CellDocument.model_fields.items())
+"""Fields of a cell."""
 
 ANY_TASK = {"schema": TASK, "start": {"joints": {}}, "steps": [{"move": {"to": {}}}]}
 """A task for a cell whose faults alone are wanted."""
@@ -71,9 +73,17 @@ def joined(cell: object, task: object, given: Mapping[str, object] | None = None
         faults = Gathered()
         asked = _right(OF_TASK, TaskDocument, asked, faults)
         changed = written
-        for values, mark in ((asked.get("set", {}), f"{OF_TASK}.set."), (of_cell, GIVEN)):
+        for values, mark, more in ((asked.get("set", {}), f"{OF_TASK}.set.", ()), (of_cell, GIVEN, OWN)):
             if values and isinstance(changed, dict) and not isinstance(values, Unread):
-                changed = origins.changed(OF_CELL, changed, values, mark)
+                unknown = unknown_paths(values, mark, (*FIELDS, *more))
+                for fault in unknown.values():
+                    faults.add(fault)
+                values = {path: value for path, value in values.items() if path not in unknown}
+                try:
+                    changed = origins.changed(OF_CELL, changed, values, mark)
+                except InputError as error:
+                    faults.add(error)
+                    faults.settle()
         if changed is not written or not isinstance(cell, CellFile):
             changed = _right(OF_CELL, CellDocument, changed, faults)
         return RequestOfTask(changed, asked, origins, faults).made()

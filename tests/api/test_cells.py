@@ -160,6 +160,10 @@ def test_an_answer_is_as_small_as_it_is_wanted(service: tuple[httpx.Client, Path
         refused = asked(**wrong)
         assert (refused.status_code, refused.json()["errors"][0]["field"]) == (422, field), wrong
     assert "did you mean status?" in asked(fields="sttus").json()["detail"]
+    assert "allowed: legs, which is a list and given whole" in asked(fields="legs.kind").json()["detail"]
+    assert (
+        "allowed: margins.binds, which is a value and given whole" in asked(fields="margins.binds.x").json()["detail"]
+    )
 
 
 def test_a_cell_is_used_with_the_meshes_that_it_names(service: tuple[httpx.Client, Path]) -> None:

@@ -78,6 +78,15 @@ def test_assumptions_are_one_line_with_their_number_and_listed_when_asked_for(fa
     assert none == list(console_report.assumed([], details=True)) == []
 
 
+def test_parts_that_are_taken_away_are_always_listed() -> None:
+    taken = ["a: somebody has taken it away 700 ms after place-a put it down", "the robot's data: a"]
+    assert list(console_report.assumed(taken, details=False)) == [
+        "taken away          a, 700 ms after place-a put it down",
+        "2 assumptions about the robot and the cell (--details lists them)",
+    ]
+    assert list(console_report.assumed(taken, details=True))[1:] == [f"  {each}" for each in taken]
+
+
 def test_a_part_that_floats_is_a_warning_and_no_refusal(tmp_path: Path) -> None:
     request = load_scenario(ROOT / "scenes" / "cells" / "transfer.yaml").request
     (part,) = (body for body in request["bodies"] if body["name"] == "load")
@@ -375,9 +384,9 @@ def test_what_was_tried_in_vain_is_listed_without_what_is_no_change() -> None:
     assert told[-3:] == [
         "what would not help, each tried by itself:",
         "  another window  removed",
-        "  the explain budget was spent: other changes were not tried",
+        "  the time for trying changes was over (explain_budget_s): others were not tried",
     ]
-    assert "nothing was tried" in shown(console_report.not_planned({**spent, "tried": []}))[-1]
+    assert "larger explain_budget_s" in shown(console_report.not_planned({**spent, "tried": []}))[-1]
     tried = ["without: gate", "pair clearance: cup and bar: travel 0 mm, near 0 mm", "without: post", "new: 1"]
     told = list(console_report.not_planned({**answer, "tried": tried, "explain_budget_spent": False}))
     assert told[-5:] == [

@@ -197,6 +197,23 @@ def test_an_address_or_method_that_is_not_there_is_a_problem(
     assert (status == 405) == ("allow" in answer.headers)
 
 
+@pytest.mark.parametrize(
+    ("method", "address", "allowed"),
+    [
+        ("HEAD", "/docs", "GET"),
+        ("POST", "/redoc", "GET"),
+        ("POST", "/openapi.json", "GET, HEAD"),
+        ("POST", "/static-offline-docs/swagger-ui.css", "GET, HEAD"),
+        ("POST", "/v1/jobs/x", "DELETE, GET"),
+    ],
+)
+def test_a_method_that_is_not_allowed_is_answered_with_those_that_are(
+    client: httpx.Client, method: str, address: str, allowed: str
+) -> None:
+    answer = client.request(method, address)
+    assert (answer.status_code, answer.headers["allow"]) == (405, allowed)
+
+
 def test_a_service_with_the_usual_settings_takes_every_shipped_scenario(client: httpx.Client) -> None:
     for name in shipped_scenarios():
         options = validate(client.get(f"/v1/scenes/{name}").json()).options

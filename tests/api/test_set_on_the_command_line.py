@@ -113,9 +113,14 @@ IN_TASK = [
     ("bodies.tabel.mass_kg=1", "or the name of an entry: table; did you mean table?"),
     ("bodies.table.mass_kg.x=1", "bodies.table.mass_kg.x: "),
     ('robot.model="rh-6"', 'robot.model: got "rh-6"; allowed: one of '),
-    ('robt.model="rh-6"', "allowed: one of about, bodies"),
-    ("task.0.move=1", "task.0.move: "),
-    ('cell.file="other.yaml"', "cell.file: "),
+    ('robt.model="rh-6"', 'assur: --set robt.model: got "rh-6"; allowed: a path that begins with one of about, bodies'),
+    ('robt.model="rh-6"', "start, steps; did you mean robot?"),
+    ("request.options.seed=1", "assur: --set request.options.seed: got 1; allowed: a path that begins with one of "),
+    ("request.options.seed=1", "start, steps; did you mean options.seed?"),
+    ("request=1", "assur: --set request: got 1; allowed: a path that begins with one of "),
+    ('expect.status="planned"', 'assur: --set expect.status: got "planned"; allowed: a path that begins with one of '),
+    ("task.0.move=1", "assur: --set task.0.move: got 1; allowed: a path that begins with one of "),
+    ('cell.file="other.yaml"', 'assur: --set cell.file: got "other.yaml"; allowed: a path that begins with one of '),
     ("parts.z.mass_kg=1", 'got "z"; allowed: a number from 0 to 2, or the name of an entry: a, b, c'),
     ('parts.a.kind="braket"', 'parts.a.kind: got "braket"; allowed: one of the kinds: bracket'),
     ("parts.c.slot.box=9", "parts.c.slot.box: got 9; allowed: the number of a slot, 1 to 8"),
@@ -128,7 +133,7 @@ IN_TASK = [
     ("start.joints.j1_rad=100", "start.joints.j1_rad: got 100; allowed: -2.9"),
     ("=1", '--set: got "=1"; allowed: a path, = and a value in JSON, as in --set options.seed=3'),
     ("options", '--set: got "options"; allowed: a path, ='),
-    ("a" + ".a" * 40 + "=1", "a path of at most 32 keys"),
+    ("options" + ".a" * 40 + "=1", "a path of at most 32 keys"),
 ]
 
 
@@ -150,3 +155,14 @@ def test_a_fault_of_a_scenario_or_a_request_that_was_not_set_stays_where_it_is(r
     code, _, err = run("plan", request_file, "--set", 'frames={"belt": {"linear": {}}}')
     assert code == BAD_INPUT
     assert "--set frames.belt.linear.at_m: it is missing" in err or "--set frames" in err
+
+
+@pytest.mark.parametrize("shown", [True, False], ids=["a scenario", "a request in JSON"])
+def test_a_path_that_begins_with_no_field_of_the_request_is_named(request_file: str, *, shown: bool) -> None:
+    values = ("--set", "request.options.seed=1", "--set", "expect.status=2")
+    code, _, err = run("plan", "demo" if shown else request_file, *values)
+    assert code == BAD_INPUT
+    first, second = err.splitlines()
+    assert first.startswith("assur: --set request.options.seed: got 1; allowed: a path that begins with one of bodies,")
+    assert first.endswith("did you mean options.seed?")
+    assert second.startswith("assur: --set expect.status: got 2; allowed: a path that begins with one of bodies,")

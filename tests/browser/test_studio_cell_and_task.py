@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.browser.studio_page import Studio
-from tests.browser.test_studio_drawing import DRAWN, drawn
+from tests.browser.test_studio_drawing import COUNTED, DRAWN, drawn
 from tests.scenes.tasks.test_joining import CELL, TASK
 
 pytestmark = pytest.mark.slow
@@ -39,8 +39,24 @@ def test_a_cell_and_a_task_are_drawn_planned_and_saved(both: Studio) -> None:
     assert both.said == []
 
 
+def test_the_texts_of_a_task_and_its_cell_are_chosen_in_one_drawing(both: Studio) -> None:
+    both.ask(f"{DRAWN}.look('top')")
+    state, points = both.ask(f"{DRAWN}.camera.state"), both.ask(POINTS)
+    both.ask(COUNTED)
+    for number, name in enumerate(("cell", "task", "cell"), start=1):
+        both.choose(value_of(both, name))
+        both.until(f"window.drawings === {number}")
+        assert both.ask(f"{DRAWN}.camera.state") == state
+        assert both.ask(POINTS) == points
+    assert both.text == CELL
+    both.planned()
+    assert "task" in both.page.locator("#answers figcaption strong").inner_text()
+
+
 def test_a_cell_alone_is_drawn_and_not_planned(both: Studio) -> None:
-    both.choose(value_of(both, "cell"))
+    cell = value_of(both, "cell")
+    both.choose("demo")
+    both.choose(cell)
     both.until(f"{DRAWS_TABLE} && JSON.stringify({POINTS}) === '[\"home\"]'")
     assert both.page.locator("#drawn").inner_text().startswith("without a task")
     both.page.click("#plan")

@@ -9,6 +9,7 @@ import pytest
 from tests.browser.studio_page import IDLE, Studio
 from tests.browser.test_studio_cell_and_task import DRAWS_TABLE, SHORT, value_of
 from tests.browser.test_studio_drawing import DRAWN, drawn
+from tests.browser.test_studio_selection import numbers
 from tests.scenes.tasks.test_joining import CELL
 from tests.scenes.tasks.test_proposals import APART, HIGH, HIGHER, LATE
 
@@ -93,12 +94,6 @@ def drag(studio: Studio, name: str, x_mm: float, y_mm: float, *, fine: bool = Fa
     mouse.up()
     if fine:
         studio.page.keyboard.up("Shift")
-
-
-def numbers(text: str, before: str) -> list[float]:
-    """The list of numbers behind some words of a text."""
-    behind = text.partition(before)[2].partition("[")[2]
-    return [float(each) for each in behind.partition("]")[0].split(",")]
 
 
 def test_a_button_writes_the_change_that_helps_and_plans_again(studio: Studio) -> None:
@@ -225,6 +220,30 @@ def test_a_window_of_a_transfer_is_applied_for_all_its_parts(studio: Studio) -> 
     low, high = numbers(studio.text, "window_mm:")
     assert (low, high > -100) == (-280, True)
     assert studio.text == LATE.replace("[-280, -100]", f"[-280, {high:g}]")
+
+
+BARRED = """\
+about: a body stands where the tool is to be
+request:
+  schema: assur/1
+  robot: {model: mitsubishi-rh-6frh5520, tool: {tcp_mm: [0, 0, -100], bodies: [
+    {name: cup, shape: {cylinder: {radius_mm: 12, height_mm: 100}}, at_mm: [0, 0, -50]}]}}
+  start: {joints: {j1_deg: 20, j2_deg: 60, j3_mm: 250, j4_deg: 0}}
+  bodies: [{name: crate, shape: {box: {size_mm: [60, 60, 300]}}, pose: {at_mm: [400, -200, 150]}}]
+  task: [{move: {name: away, to: {at_mm: [400, -200, 100]}}}]
+  options: {max_candidates: 60, budget_s: 30, stop: first, explain_budget_s: 30}
+"""
+
+
+def test_a_body_that_is_in_the_way_is_left_out_by_hand(studio: Studio) -> None:
+    opened(studio, BARRED)
+    studio.planned()
+    row = studio.page.locator("#answers .proposal")
+    assert "This change was tried and works: without: crate." in row.inner_text()
+    assert row.inner_text().endswith(
+        "There is no button: no value leaves out what is in the text. Change the text by hand."
+    )
+    assert row.locator("button").count() == 0
 
 
 def test_a_thing_of_the_cell_is_dragged_in_the_drawing_of_its_task(studio: Studio) -> None:

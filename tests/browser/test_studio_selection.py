@@ -60,6 +60,33 @@ def test_a_click_on_a_body_selects_its_lines(studio: Studio) -> None:
     studio.until(f"JSON.stringify({CHOSEN}) === '[\"belt-bed\"]'")
 
 
+def test_after_a_click_on_a_body_the_keys_are_those_of_the_picture(studio: Studio) -> None:
+    """Arrow keys move the body that was clicked, and undo takes it back; the numbers of its lines are marked."""
+    drawn(studio)
+    text = studio.text
+    click(studio, "belt-bed")
+    studio.until(f"JSON.stringify({CHOSEN}) === '[\"belt-bed\"]'")
+    line = text[: text.index("name: belt-bed")].count("\n") + 1
+    assert studio.page.locator("#lines .marked").all_inner_texts() == [str(line)]
+    for key in ("ArrowUp", "ArrowUp", "ArrowRight"):
+        studio.page.keyboard.press(key)
+    studio.until("document.getElementById('scenario').value.startsWith('text:')")
+    own, changed = (each.splitlines()[line - 1] for each in (text, studio.text))
+    x, y, z = numbers(own, "pose: {")
+    assert changed == own.replace(f"at_mm: [{x:g}, {y:g}, {z:g}]", f"at_mm: [{x + 1:g}, {y + 2:g}, {z:g}]")
+    assert studio.ask("document.activeElement.tagName") == "IFRAME"
+    studio.page.keyboard.press("Control+z")
+    assert studio.text == text
+    studio.page.keyboard.press("Control+y")
+    assert studio.text.splitlines()[line - 1] == changed
+
+
+def numbers(text: str, before: str) -> list[float]:
+    """The list of numbers behind some words of a text."""
+    behind = text.partition(before)[2].partition("[")[2]
+    return [float(each) for each in behind.partition("]")[0].split(",")]
+
+
 def test_a_drag_turns_the_camera_and_selects_nothing(studio: Studio) -> None:
     drawn(studio)
     caret(studio, "about")

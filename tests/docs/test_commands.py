@@ -10,9 +10,9 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-import httpx
 import pytest
 
+from tests.docs.curl import sent
 from tests.docs.pages import HOST, PAGES, ROOT, Command, commands, of_language, save_files
 from tests.docs.warm_process import run_words
 
@@ -97,26 +97,6 @@ def test_every_target_of_make_that_is_shown_is_there() -> None:
     assert shown <= targets
 
 
-def sent(line: str, folder: Path, address: str) -> Any:
-    """The JSON that a line of curl gets, sent by httpx; an option that is not understood is an error."""
-    _, *words = shlex.split(line.replace(HOST, address))
-    headers, body, target = {}, None, None
-    while words:
-        word = words.pop(0)
-        if word == "-H":
-            name, _, headers[name] = (part.strip() for part in words.pop(0).partition(":"))
-        elif word == "-d":
-            data = words.pop(0)
-            body = (folder / data[1:]).read_bytes() if data.startswith("@") else data.encode()
-        elif word != "-s":
-            assert target is None
-            assert word.startswith(address), word
-            target = word
-    assert target is not None
-    answer = httpx.request("GET" if body is None else "POST", target, headers=headers, content=body, timeout=120)
-    return answer.json()
-
-
 def lacking(shown: Any, got: Any, where: str = "") -> list[str]:
     """What of the JSON that is shown the JSON that came has not."""
     if isinstance(shown, dict) and isinstance(got, dict):
@@ -132,11 +112,11 @@ CURLS = [command for command in SHOWN if command.program == "curl"]
 @pytest.mark.parametrize("command", CURLS, ids=[f"{command.page}-{i}" for i, command in enumerate(CURLS)])
 def test_every_call_is_answered_as_shown(command: Command, service: str, tmp_path: Path) -> None:
     save_files(command.page, tmp_path)
-    answers = [sent(command.line, tmp_path, service)]
+    words = shlex.split(command.line.replace(HOST, service))[1:]
+    answers = [sent(words, tmp_path).json()]
     curl = shutil.which("curl")
     if curl is not None:  # where it is, the very line is run, too
-        words = [curl, *shlex.split(command.line.replace(HOST, service))[1:]]
-        answers.append(json.loads(subprocess.run(words, cwd=tmp_path, capture_output=True, check=True).stdout))
+        answers.append(json.loads(subprocess.run([curl, *words], cwd=tmp_path, capture_output=True, check=True).stdout))
     for answer in answers:
         if command.output:
             shown = json.loads("\n".join(command.output))

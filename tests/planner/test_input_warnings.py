@@ -188,7 +188,11 @@ TOLD: dict[str, Case] = {
     **{f"a tool that grips {1e3 * beside:g} mm beside its part, {1e3 * up:g} mm above": Case(
         gripped(beside, up), OFF_PART, ("cup", "part"), None, "no body of the tool touches part where it is picked")
        for beside, up in ((0.0, GRIP_M + 0.002), (0.03 + CUP_M + GRIP_M + 0.002, 0.0), (0.0, 0.2))},
-    "a tool that ends above its point": Case(gripped(0.0, tool=SHORT), OFF_PART, ("cup", "part")),
+    "a tool that ends above its point": Case(
+        gripped(0.0, tool=SHORT), OFF_PART, ("cup", "part"), None, "away; check grasp and tcp"),
+    "a tool whose point has the other sign": Case(
+        gripped(0.0, tool=Tool(Pose(z=0.06), SHORT.bodies)), OFF_PART, ("cup", "part"), None,
+        "check grasp and tcp: tcp is at z 60 mm, and all bodies of the tool are on the other side of the flange"),
     **{f"a part {1e3 * by:g} mm deep in its table": Case(
         lifted(-by), WarningKind.BODIES_OVERLAP, ("left-table", "part"), None,
         "left-table and part overlap by more than 1 mm where they are at the start")

@@ -120,8 +120,29 @@ def test_every_wrong_value_is_reported_with_its_field_and_nothing_else_is(wrong:
             },
             ["neighbours[0].robot.model", "bodies[2].pose.frame", "task[1].place.contact_with[1]"],
         ),
+        (
+            {
+                "start.holding": {"part": "paart", "grasp_m": [0, 0, 0]},
+                "bodies[1].pose": GONE,
+                "task": [{"move": {"to": {"at_mm": [300, 200, 100]}}}],
+            },
+            ["start.holding.part"],
+        ),
+        (
+            {
+                "frames.dial": {"keyframes": {"points": [{"time_s": 0}, {"time_s": 1, "at_mm": [0, 0]}]}},
+                "task": [{"move": {"to": {"at_mm": [300, 200, 100]}}}],
+            },
+            ["frames.dial.keyframes.points[1].at_mm"],
+        ),
     ],
-    ids=["a frame on no frame", "a name that is taken", "a neighbour that is unknown"],
+    ids=[
+        "a frame on no frame",
+        "a name that is taken",
+        "a neighbour that is unknown",
+        "a held part that is misspelt",
+        "a pose of a keyframe, on which a default depends",
+    ],
 )
 def test_a_fault_hides_only_what_names_it(changes: dict[str, Any], fields: list[str]) -> None:
     assert list(faults_of(changes)) == fields

@@ -11,7 +11,18 @@ export function number(faults = new Set()) {
     return line;
   }));
   find("lines").scrollTop = text.scrollTop;
+  numberMarked();
 }
+
+// Marks the numbers of the lines that are selected: a browser shows what is selected only where the text has the focus.
+function numberMarked() {
+  find("lines").querySelectorAll(".marked").forEach((each) => each.classList.remove("marked"));
+  if (text.selectionStart === text.selectionEnd) return;
+  const line = (at) => text.value.slice(0, at).split("\n").length;
+  const some = [...find("lines").children].slice(line(text.selectionStart) - 1, line(text.selectionEnd));
+  some.forEach((each) => each.classList.add("marked"));
+}
+document.addEventListener("selectionchange", numberMarked);
 
 export function goTo(line) {
   const before = text.value.split("\n").slice(0, line - 1).join("\n").length + (line > 1 ? 1 : 0);
@@ -19,14 +30,16 @@ export function goTo(line) {
   select(before, before + length);
 }
 
-export function select(begin, end) {
+function select(begin, end) {
   text.focus();
   mark(begin, end);
 }
 
-function mark(begin, end) {
+// Selects a piece of the text, and leaves the focus where it is.
+export function mark(begin, end) {
   text.setSelectionRange(begin, end);
   text.scrollTop = Math.max(0, (text.value.slice(0, begin).split("\n").length - 6) * 20);
+  numberMarked();
 }
 
 // Puts a text in the place of another one that is nearly the same, and marks what is new.

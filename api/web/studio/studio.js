@@ -3,7 +3,7 @@ import * as answers from "./answers.js";
 import { contentOf, fileName, kindOf, LONGEST_TEXT, nameOf, scenarioOf } from "./documents.js";
 import * as drafts from "./drafts.js";
 import * as drawing from "./drawing.js";
-import { number, replace, select, text } from "./editor.js";
+import { mark, number, replace, text } from "./editor.js";
 import { fault, showFaults } from "./faults.js";
 import { download, isDocument, offerLink, receiveFiles } from "./files.js";
 import { History } from "./history.js";
@@ -84,7 +84,7 @@ async function examine() {
 
 // ---- what is drawn and where it is written ----------------------------------------------------------------------
 
-// Selects the lines of a body that was clicked, in the text that has them.
+// Selects the lines of a body that was clicked, in the text that has them. Keys go on to the picture.
 function showPlace(body) {
   const place = placeOf(body);
   if (!place) return;
@@ -94,7 +94,9 @@ function showPlace(body) {
     showBeside(other);
     listTexts();
   }
-  select(place.begin, place.end);
+  mark(place.begin, place.end);
+  text.scrollIntoView({ block: "nearest" });
+  chooseAtCaret();
 }
 
 // ---- changes that are not typed ---------------------------------------------------------------------------------
@@ -146,7 +148,11 @@ function moved(move) {
 // Why the change that a refusal proposes cannot be written into the texts that the service is to read; empty: it can,
 // or nothing is proposed.
 async function unwritten({ relaxation }, texts) {
-  if (!relaxation || !relaxation.set) return "";
+  if (!relaxation) return "";
+  if (!relaxation.set) {
+    const by = relaxation.what === "without" ? "leaves out what is in the text" : "is this change and no other";
+    return `There is no button: no value ${by}. Change the text by hand.`;
+  }
   return attempt(async () => (await ask("v1/scenes/parse", { ...texts, set: relaxation.set }), ""),
     (problem) => (problem.errors ? `A button needs ${problem.errors[0].allowed}.` : problem.detail || problem.title));
 }
@@ -277,6 +283,8 @@ async function choose() {
   await attempt(async () => {
     if (!value.startsWith("text:")) return showScenario(value);
     const draft = drafts.all().find(({ id }) => `text:${id}` === value);
+    const beside = besideOf(text.value);
+    if (draft && beside && draft.id === beside.id) return showBeside(draft);
     return draft ? showDraft(draft) : tellText();
   });
   listTexts();
@@ -304,7 +312,12 @@ async function remove() {
 
 // ---- planning ---------------------------------------------------------------------------------------------------
 
-const framed = (frame) => receiveFiles(frame, openFiles);
+// Files that are dropped on a player, and keys that are not its own, are those of the page.
+function framed(frame) {
+  receiveFiles(frame, openFiles);
+  frame.addEventListener("keydown", pressed);
+}
+
 const drawn = async (body) => (await ask("v1/plans/report", body)).text();
 
 // The request with a full report and time to look for a change that would help, where it states none. Wrong options stay
@@ -452,6 +465,17 @@ function offerCell() {
   if (cellOf(text.value) !== null) find("of-text").append(new Option("cell (YAML)", "cell"));
 }
 
+// ---- keys -------------------------------------------------------------------------------------------------------
+
+function pressed(event) {
+  if (!(event.ctrlKey || event.metaKey) || event.target.matches("#key, #link")) return;
+  const key = event.key.toLowerCase();
+  if (key === "enter") plan();
+  if (key !== "z" && key !== "y") return;
+  event.preventDefault();
+  step(key === "z" && !event.shiftKey ? -1 : 1);
+}
+
 // ---- the page ---------------------------------------------------------------------------------------------------
 
 // The lists of scenarios and formats. Raises `Refused`.
@@ -505,14 +529,7 @@ find("delete").addEventListener("click", remove);
 find("undo").addEventListener("click", () => step(-1));
 find("enter").addEventListener("click", async () => (await enterKey()) && attempt(connected ? () => {} : () => begin()));
 receiveFiles(window, openFiles);
-document.addEventListener("keydown", (event) => {
-  if (!(event.ctrlKey || event.metaKey) || event.target.tagName === "INPUT") return;
-  const key = event.key.toLowerCase();
-  if (key === "enter") plan();
-  if (key !== "z" && key !== "y") return;
-  event.preventDefault();
-  step(key === "z" && !event.shiftKey ? -1 : 1);
-});
+document.addEventListener("keydown", pressed);
 addEventListener("beforeunload", (event) => kept || event.preventDefault());
 drafts.watch(() => keepText(), listTexts);
 

@@ -248,7 +248,7 @@ FAULTS: list[tuple[str, str, object, str, str]] = [
     ("task", "set", {"frames.bolt.conveyor.speed_mm_s": 1}, "task.set.frames.bolt.conveyor.speed_mm_s", "one of belt"),
     ("task", "set", {"slots.bx.yaw_deg": 1}, "task.set.slots.bx.yaw_deg", "one of box; did you mean box?"),
     ("task", "set", {"robot.limits.acceleration": 7}, "task.set.robot.limits.acceleration", "at most 1"),
-    ("task", "set", {"robt.model": "x"}, "task.set.robt.model", "one of "),
+    ("task", "set", {"robt.model": "x"}, "task.set.robt.model", "a path that begins with one of "),
     (
         "task",
         "set",
