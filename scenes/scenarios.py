@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Any
 
 from pydantic import Field
@@ -35,10 +37,12 @@ class ScenarioDocument(Document):
     expect: ExpectDocument | None = None
 
 
-def load_scenario(path: Path, after: EndState | None = None) -> Scenario:
-    """The scenario in a YAML file. `after`: the end of the plan where it begins; it is a task then. Raises
-    `DocumentError` with the line, or `OSError` for a file that is not there."""
-    return scenario_in(_text(path), path, after)
+def load_scenario(
+    path: Path, after: EndState | None = None, given: Mapping[str, object] = MappingProxyType({})
+) -> Scenario:
+    """The scenario in a YAML file. `after`: the end of the plan where it begins; it is a task then, in which values are
+    `given` by their paths. Raises `DocumentError` with the line, or `OSError` for a file that is not there."""
+    return _scenario(*parse_yaml(_text(path)), path, after, given)
 
 
 def load_yaml(path: Path) -> Scenario | dict[str, Any]:
@@ -54,15 +58,20 @@ def _text(path: Path) -> bytes:
     return data
 
 
-def scenario_in(text: bytes, path: Path, after: EndState | None = None) -> Scenario:
-    """The scenario in the YAML text of a file, which is not opened; `after`: as `load_scenario`. Raises `DocumentError`
-    with the line."""
-    return _scenario(*parse_yaml(text), path, after)
+def scenario_in(text: bytes, path: Path) -> Scenario:
+    """The scenario in the YAML text of a file, which is not opened. Raises `DocumentError` with the line."""
+    return _scenario(*parse_yaml(text), path)
 
 
-def _scenario(document: Any, lines: Lines, path: Path, after: EndState | None = None) -> Scenario:
+def _scenario(
+    document: Any,
+    lines: Lines,
+    path: Path,
+    after: EndState | None = None,
+    given: Mapping[str, object] = MappingProxyType({}),
+) -> Scenario:
     if is_task(document):
-        return task_scenario(document, lines, path, after)
+        return task_scenario(document, lines, path, after, given)
     if after is not None:
         allowed = f"{TASK}: a task file begins where a plan ends; of a request, answer.next_task does so in Python"
         raise with_line(fault(document, ("schema",), allowed), lines)

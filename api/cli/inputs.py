@@ -145,7 +145,8 @@ def target(text: str, values: list[str] | None = None, after: Path | None = None
 
     Raises `InputError`, or `OSError` for a file that cannot be read.
     """
-    return _target(text, after).with_values(set_values(values))
+    given = set_values(values)
+    return _target(text).with_values(given) if after is None else _continued(text, after, given)
 
 
 def set_values(texts: list[str] | None) -> dict[str, object]:
@@ -184,13 +185,19 @@ def _meant(path: str, value: str) -> str:
     return f"a list is in brackets, as in --set '{path}=[{', '.join(numbers)}]'"
 
 
-def _target(text: str, after: Path | None) -> Target:
+def _continued(text: str, after: Path, given: Mapping[str, object]) -> Target:
+    """The task in a file that begins where the plan in the plan file `after` ends, with values that are `given`: the
+    cell with them is that of the plan."""
     path = Path(text)
-    if after is not None:
-        if text == STANDARD or not is_file(path) or is_json(path):
-            raise InputError("FILE", text, "with --continue a task file (YAML) that exists")
-        scenario = load_scenario(path, _end_of(after))
-    elif text != STANDARD and not is_file(path):
+    if text == STANDARD or not is_file(path) or is_json(path):
+        raise InputError("FILE", text, "with --continue a task file (YAML) that exists")
+    scenario = load_scenario(path, _end_of(after), given)
+    return Target(scenario.name, scenario.request, scenario.folder, scenario)
+
+
+def _target(text: str) -> Target:
+    path = Path(text)
+    if text != STANDARD and not is_file(path):
         if text not in shipped_scenarios():
             known = choices(shipped_scenarios(), text)
             raise InputError("FILE", text, f"a file that exists, or a shipped scenario (`assur scenes`): {known}")

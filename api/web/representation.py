@@ -25,7 +25,7 @@ SMALLEST = 1024
 AT_ONCE = 65536
 """Bodies up to this are compressed on the event loop, in less than 1 ms; larger ones in a thread."""
 COMPRESSIBLE = re.compile(r"(?:text/(?!event-stream)|application/(?:[\w.+-]*\+)?(?:json|yaml|javascript)|image/svg)")
-WEIGHT = re.compile(r"\s*q\s*=\s*([01](?:\.[0-9]{0,3})?)\s*")
+WEIGHT = re.compile(r"\s*q\s*=\s*([01](?:\.[0-9]{0,3})?)\s*", re.IGNORECASE)
 """Weight of a coding in `Accept-Encoding`."""
 STREAM = "text/event-stream"
 PIECE = 65536

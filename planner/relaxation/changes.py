@@ -16,6 +16,7 @@ from assur.planner.laws import slowed
 from assur.planner.model.options import LONGEST_BUDGET_S, MOST_CANDIDATES
 from assur.planner.model.refusal import Refusal, Separation, Stage
 from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step, Trace, Window
+from assur.planner.model.task import is_taken_away
 from assur.planner.relaxation.kinds import kinds_about
 
 # A change of a request, and what all changes of a step share.
@@ -139,7 +140,8 @@ SOFTEST_M = 2e-3
 
 
 def heights(scene: Scene, step: int, what: Step) -> Iterator[Change]:
-    """Shorter straight parts of the ways to and from the point: of one of both alone, then of both."""
+    """Shorter straight parts of the ways to and from the point: of one of both alone, then of both. Those of a kind or
+    of a grid of slots, which state them for all, are changed at once."""
     if not isinstance(what, Pick | Place):
         return
     lengths = {"approach": what.approach_m, "depart": what.depart_m}
@@ -150,9 +152,28 @@ def heights(scene: Scene, step: int, what: Step) -> Iterator[Change]:
 
 
 def _straight(scene: Scene, step: int, kind: str, lengths: dict[str, float]) -> Change:
-    """A change of the lengths of straight parts, m."""
+    """A change of the lengths of straight parts, m, of a pick or place and of all others that are alike."""
     value = ", ".join(f"{name} {1e3 * length:g} mm" for name, length in lengths.items())
-    return of_step(scene, step, kind, value, **{f"{name}_m": length for name, length in lengths.items()})
+    alike, changed = _alike(scene, step), dict[str, Any]({f"{name}_m": length for name, length in lengths.items()})
+    every = f", all {len(alike)} alike" if len(alike) > 1 else ""
+    task = [replace(each, **changed) if i in alike else each for i, each in enumerate(scene.task)]
+    return kind, f"{value}{every}", replace(scene, task=tuple(task))
+
+
+def _alike(scene: Scene, step: int) -> list[int]:
+    """The steps that have their straight parts from the same kind or grid as this one: picks of the same grasp, and
+    places of the same height (`_is_level`), with the same lengths."""
+    what = scene.task[step]
+    return [
+        i
+        for i, each in enumerate(scene.task)
+        if (each.approach_m, each.depart_m) == (what.approach_m, what.depart_m)
+        and (
+            i == step
+            or _is_level(each, what)
+            or (isinstance(each, Pick) and isinstance(what, Pick) and each.grasp == what.grasp)
+        )
+    ]
 
 
 def longer_straight_part(scene: Scene, step: int, facts: Separation) -> Iterator[Change]:
@@ -169,9 +190,11 @@ def higher_points(scene: Scene, step: int, refusal: Refusal) -> Iterator[Change]
         return
     if refusal.stage is not Stage.CONTROL_POINT and facts.rule not in ("near", "contact"):
         return
+    what = scene.task[step]
+    if any(is_taken_away(each) and each.part in refusal.bodies and each is not what for each in scene.task):
+        return  # no part is put on one that somebody takes away
     # a tenth of what is shown more: the proof keeps a reserve
     rises = up(-facts.gap_m, SHOWN_M), up(facts.required_m - facts.gap_m + 0.1 * SHOWN_M, SHOWN_M)
-    what = scene.task[step]
     for rise in rises:
         if rise > 0.0 and (higher := _higher(what, rise)):
             yield of_step(scene, step, "point height", f"{1e3 * rise:g} mm higher", **higher)
@@ -259,6 +282,10 @@ def _listed(scene: Scene, step: int, blocker: str | None, refusal: Refusal | Non
         later = Window(None if span is None else (span[0], LAST_S), None if along is None else (along[0], LAST_M))
         yield of_window(scene, step, "without its end", later)
         yield of_window(scene, step, "removed", Window())
+        others = [i for i, each in enumerate(scene.task) if each.window != Window()]
+        if others != of_same_window(scene, step):
+            task = tuple(replace(each, window=Window()) for each in scene.task)
+            yield "window", f"all {len(others)} removed", replace(scene, task=task)
     if options.latest_end_s is not None:
         yield option("latest end", "none", latest_end_s=None)
     if options.acceleration_time_s is not None:

@@ -26,7 +26,7 @@ from assur.scenes.set_values import GIVEN, with_values
 from assur.scenes.tasks.grids import counts, slot_poses
 from assur.scenes.tasks.joining import joined, shared
 from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Joined, Origins, within_document
-from assur.scenes.tasks.parts_of_plan import check_kinds_of_picked, check_same_part
+from assur.scenes.tasks.parts_of_plan import PLACES, check_kinds_of_picked, check_same_bodies
 from assur.scenes.units import si_key
 
 if TYPE_CHECKING:
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from assur.scenes.reading.cell import Cell
 
 Document = dict[str, Any]
-PLACES = ("pose", "slot")
-"""Fields that say where a part is."""
 BEYOND_SLOTS = ("at_s", "pitch_deg", "pitch_rad", "roll_deg", "roll_rad")
 """Fields of a pose that no slot has: a part with one of them keeps its pose."""
 SAME = ("robot", "frames", "neighbours")
@@ -209,8 +207,10 @@ def next_task(
     for i, part in enumerate(task.get("parts", ())):
         before = known.pop(part["name"], {})
         if before and not part.keys() & {*PLACES}:
-            with within_document(OF_TASK):
-                check_same_part(kinds, task, i, before)
+            if "uncertainty" in part:
+                allowed = "none without a place: the part is known as well as the plan leaves it; `set` changes that"
+                with within_document(OF_TASK):
+                    raise fault(task, ("parts", i, "uncertainty"), allowed)
             part = end.body({key: before[key] for key in (*PLACES, "uncertainty") if key in before} | part, slots)
         listed.append(part)
     values = Origins()
@@ -237,7 +237,7 @@ def next_fields(cell: Document, made: Document, end: EndState, task: Document | 
     fields = next_task(cell, {**kept, **made}, end, task.get("parts"), task.get("set", {}))
     worse = fields["set"]
     fields["set"] = {path: value for path, value in task.get("set", {}).items() if path not in worse} | worse
-    joined_after(cell, fields, end)
+    joined_after(cell, fields, end, made)
     return {key: value for key, value in fields.items() if key != "schema" and (key != "set" or value)}
 
 
@@ -253,12 +253,17 @@ def _in_si(key: str) -> str:
     return (si_key(key) or (key,))[0]
 
 
-def joined_after(cell: Document, task: Document, end: EndState, given: Mapping[str, object] | None = None) -> Joined:
-    """The request of a task that `next_task` made, with values that are set last (`joined`). Raises `DocumentError`,
-    also for a cell that is not that of the plan (`hold_same`)."""
+def joined_after(
+    cell: Document, task: Document, end: EndState, stated: Document, given: Mapping[str, object] = MappingProxyType({})
+) -> Joined:
+    """The request of a task that `next_task` made of the one that is `stated`, with values that are `given` last
+    (`joined`). Raises `DocumentError`, also for a cell that is not that of the plan (`hold_same`), and for a body that
+    is not that of the plan (`check_same_bodies`)."""
     made = joined(cell, task, given)
     try:
         hold_same(made.request, end)
+        before = {body["name"]: body for body in end.document.get("bodies", ()) if body["name"] not in end.gone}
+        check_same_bodies(made.request, before, stated, given)
     except InputError as error:
         raise made.relocated(error) from error
     return made

@@ -6,39 +6,63 @@ would be picked as a part without a kind is, at its middle; and one that is list
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from assur.scenes.faults import DocumentError, choices, fault, written_key
 from assur.scenes.schema.normal import normal
-from assur.scenes.tasks.request_of_task import GRASP
+from assur.scenes.set_values import GIVEN
+from assur.scenes.tasks.origins import OF_TASK, within_document
+from assur.scenes.tasks.request_of_task import GRASP, HANDLED
 
 Document = dict[str, Any]
+NUMBER = re.compile(r"\[(\d+)\]")
+"""A number in a path, in brackets."""
+PLACES = ("pose", "slot")
+"""Fields that say where a part is."""
 OF_KIND = ("shape", "mass_kg", "yaw_symmetry")
 """What a part has of its kind, if it does not state it, and a plan of the part."""
 
 
-def check_same_part(kinds: Mapping[str, Document], task: Document, number: int, before: Document) -> None:
-    """Raises `DocumentError` where a part that a task lists without a place has, of its kind, another shape, mass or
-    symmetry than the plan has of it (`before`). What it states itself counts, but for its shape."""
-    part = task["parts"][number]
-    if part.get("kind") not in (None, *kinds):
-        return  # refused where the part is read
-    of_task, of_plan = _of_kind(kinds, part), _of_kind(kinds, before)
-    for key in OF_KIND:
-        if of_task.get(key) != of_plan.get(key) and (key == "shape" or written_key(part, key) is None):
+def check_same_bodies(
+    request: Document, before: Mapping[str, Document], task: Document, given: Mapping[str, object]
+) -> None:
+    """Raises `DocumentError` where a body of the plan has another shape, mass or symmetry in the `request` that
+    follows. `before`: the bodies of the plan by their names; `task`: as it was written; `given`: values of it that were
+    set, by their paths. A part that the task lists with a place is a new one. What the list states counts, but for its
+    shape.
+
+    Faults are at the list (`OF_TASK`), at what was `GIVEN`, or at the body in the request.
+    """
+    listed = {part["name"]: (number, part) for number, part in enumerate(task.get("parts", ()))}
+    for i, body in enumerate(request["bodies"]):
+        name = body["name"]
+        number, part = listed.get(name, (None, {}))
+        if name not in before or part.keys() & {*PLACES}:
+            continue
+        here, there = _of_kind(body), _of_kind(before[name])
+        for key in OF_KIND:
+            if here.get(key) == there.get(key) or (key != "shape" and written_key(part, key) is not None):
+                continue
             if key == "shape":
-                allowed = f"the shape that {part['name']} has in the plan, or a place at which this part is seen"
-                raise fault(task, ("parts", number, "kind" if "kind" in part else key), allowed)
-            there, here = (repr(each.get(key, "none")) for each in (of_plan, of_task))
-            allowed = f"a number, which must be given: the plan has {there}, the kind {here}"
-            raise fault(task, ("parts", number, key), allowed)
+                allowed = f"the shape that {name} has in the plan, or a place at which this part is seen"
+            else:
+                shown = (repr(each.get(key, "none")) for each in (there, here))
+                allowed = "a number, which must be given: the plan has {}, the kind {}".format(*shown)
+            own = f"parts.{name}.", f"parts.{number}."
+            path = next((path for path in given if NUMBER.sub(r".\1", path).startswith(own)), None)
+            if path is not None:
+                raise DocumentError(f"{GIVEN}{path}", given[path], allowed)
+            if number is None:
+                raise fault(request, ("bodies", i, key), allowed)
+            with within_document(OF_TASK):
+                raise fault(task, ("parts", number, "kind" if key == "shape" and "kind" in part else key), allowed)
 
 
-def _of_kind(kinds: Mapping[str, Document], part: Document) -> Document:
-    """What a part has of its kind or states itself, in SI."""
-    kind, own = normal(kinds.get(part.get("kind", ""), {})), normal(part)
-    return {"yaw_symmetry": 1} | {key: each[key] for each in (kind, own) for key in OF_KIND if key in each}
+def _of_kind(body: Document) -> Document:
+    """What a body has of its kind or states itself, in SI."""
+    return {"yaw_symmetry": 1} | {key: value for key, value in normal(body).items() if key in OF_KIND}
 
 
 def check_kinds_of_picked(kinds: Mapping[str, Document], steps: object, known: Mapping[str, Document]) -> None:
@@ -49,7 +73,7 @@ def check_kinds_of_picked(kinds: Mapping[str, Document], steps: object, known: M
         if "kind" in part or "shape" not in part:
             continue
         shape = normal(part["shape"])
-        found = [kind for kind, of in kinds.items() if normal(of["shape"]) == shape and _states_grasp(of, own)]
+        found = [kind for kind, of in kinds.items() if normal(of["shape"]) == shape and _states_pick(of, own)]
         if found:
             others = f", of one of the kinds of its shape: {choices(found, found[0])}" if len(found) > 1 else ""
             allowed = (
@@ -59,9 +83,9 @@ def check_kinds_of_picked(kinds: Mapping[str, Document], steps: object, known: M
             raise DocumentError(field, name, allowed)
 
 
-def _states_grasp(kind: Document, own: Document) -> bool:
-    """Whether a pick has something of its grasp of the kind."""
-    return any(written_key(kind, key) and not written_key(own, key) for key in GRASP)
+def _states_pick(kind: Document, own: Document) -> bool:
+    """Whether a pick has something of its grasp, approach, dwell or depart of the kind."""
+    return any(written_key(kind, key) and not written_key(own, key) for key in (*GRASP, *HANDLED))
 
 
 def _picked(steps: object) -> Iterator[tuple[str, str, Document]]:

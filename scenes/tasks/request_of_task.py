@@ -292,6 +292,6 @@ class RequestOfTask:
         free = next((number for number in range(1, many + 1) if number not in taken), None)
         if free is None:
             by = ", ".join([*list(taken.values())[:SHOWN], *(["…"] if len(taken) > SHOWN else [])])
-            free_by = "a part that is taken away (`gone_after_ms`) leaves its slot"
+            free_by = "a part that is taken away (`gone_after_ms`) leaves its slot when it is gone"
             self.faults.add(Refused(f"slots with one that is free: all {many} are taken, by {by}; {free_by}"), *where)
         return {grid: free or 1}

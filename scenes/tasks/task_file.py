@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from assur.planner.errors import InputError
@@ -51,7 +52,8 @@ class _Files:
             for path in given or {}:
                 if (key := path.partition(".")[0].partition("[")[0]) == "start" or path == "parts":
                     raise DocumentError(f"{GIVEN}{path}", given[path], f"no {key}: it is that of the plan")  # type: ignore[index]
-            return joined_after(cell, next_task(cell, task, self.after, given=given or {}), self.after, given)
+            follows = next_task(cell, task, self.after, given=given or {})
+            return joined_after(cell, follows, self.after, task, given or {})
         except InputError as error:
             raise self.placed(error) from error
 
@@ -109,10 +111,16 @@ def cell_document(document: dict[str, Any], lines: Lines, folder: Path) -> dict[
     return found
 
 
-def task_scenario(document: dict[str, Any], lines: Lines, path: Path, after: EndState | None = None) -> TaskScenario:
+def task_scenario(
+    document: dict[str, Any],
+    lines: Lines,
+    path: Path,
+    after: EndState | None = None,
+    given: Mapping[str, object] = MappingProxyType({}),
+) -> TaskScenario:
     """The scenario of a task, which was read from the file at `path`. The file of its cell must be below the folder of
-    that file. `after`: the end of the plan where the task begins. Raises `DocumentError` with file and line, or
-    `OSError`."""
+    that file. `after`: the end of the plan where the task begins; `given`: values that are set last, by their paths.
+    Raises `DocumentError` with file and line, or `OSError`."""
     cell = document.get("cell", NOTHING)
     name = cell.get("file") if isinstance(cell, dict) else None
     if not isinstance(name, str):
@@ -122,12 +130,12 @@ def task_scenario(document: dict[str, Any], lines: Lines, path: Path, after: End
     except InputError as error:
         raise with_line(error, lines) from error
     try:
-        given, cell_lines = parse_yaml(found.read_bytes())
-        if given is None:
+        stated, cell_lines = parse_yaml(found.read_bytes())
+        if stated is None:
             raise empty(found, "a cell: YAML with schema: assur-cell/1")
     except DocumentError as error:
         raise error.relocated(lambda field: field if field == found.name else f"{found.name}: {field}") from error
-    return _made(document, given, _Files(lines, found.name, cell_lines, after), path, found.parent)
+    return _made(document, stated, _Files(lines, found.name, cell_lines, after), path, found.parent, given)
 
 
 def scenario_of_texts(task: bytes | None, cell: bytes, path: Path) -> TaskScenario:
@@ -140,21 +148,30 @@ def scenario_of_texts(task: bytes | None, cell: bytes, path: Path) -> TaskScenar
         allowed = f"{TASK}: the text beside a cell is one of its tasks"
         raise DocumentError("schema", schema, allowed, line_of("schema", lines))
     try:
-        given, cell_lines = parse_yaml(cell)
+        stated, cell_lines = parse_yaml(cell)
     except DocumentError as error:
         raise error.relocated(lambda field: f"{OF_CELL}: {field}") from error
-    return _made(document, given, _Files(lines, OF_CELL, cell_lines, None), path, path.parent)
+    return _made(document, stated, _Files(lines, OF_CELL, cell_lines, None), path, path.parent)
 
 
-def _made(document: dict[str, Any] | None, given: Any, files: _Files, path: Path, folder: Path) -> TaskScenario:
-    """The scenario of a task (None: there is none yet) in the cell `given`, whose files are below `folder`. Raises
-    `DocumentError` with the line."""
+def _made(
+    document: dict[str, Any] | None,
+    cell: Any,
+    files: _Files,
+    path: Path,
+    folder: Path,
+    given: Mapping[str, object] = MappingProxyType({}),
+) -> TaskScenario:
+    """The scenario of a task (None: there is none yet) in a cell, whose files are below `folder`, with values that are
+    `given` by their paths. Raises `DocumentError` with the line."""
     try:
         with within_document(OF_CELL):
-            given = with_files(given, folder)
+            cell = with_files(cell, folder)
     except InputError as error:
         raise files.placed(error) from error
-    files = replace(files, documents=(given, document))
-    made, stated = files.joined(), document or {}
-    about, expect = stated.get("about") or given.get("about") or "", stated.get("expect", {})
-    return TaskScenario(path.stem, " ".join(about.split()), made.request, expect, path.parent, files.task, made, files)
+    files = replace(files, documents=(cell, document))
+    made, stated = files.joined(given), document or {}
+    about, expect = stated.get("about") or cell.get("about") or "", stated.get("expect", {})
+    return TaskScenario(
+        path.stem, " ".join(about.split()), made.request, expect, path.parent, files.task, made, files, given
+    )

@@ -19,7 +19,7 @@ from assur.planner.laws import conveyor, fixed, turntable
 from assur.planner.laws.law import PoseUncertainty
 from assur.planner.model.outcome import NotPlanned, Planned
 from assur.planner.model.path import LineTo, Path
-from assur.planner.model.refusal import Enclosed, Reason, Refusal, Separation, Stage, law_ends
+from assur.planner.model.refusal import Bodies, Enclosed, Reason, Refusal, Separation, Stage, law_ends
 from assur.planner.model.scene import (
     Clearance,
     ClearanceException,
@@ -484,6 +484,25 @@ def test_the_target_of_a_place_names_its_own_belt() -> None:
     assert "belt speed" in [what for what, _, _ in changes(scene, 1, None)]
 
 
+@pytest.mark.parametrize("gone_after_s", [None, 9.0])
+def test_nothing_is_put_on_a_part_that_somebody_takes_away(gone_after_s: float | None) -> None:
+    """Where it is still there, it helps to wait, not to put the next part on it."""
+    scene = two_places(0.0)
+    pick, first, again, second = scene.task
+    assert isinstance(pick, Pick)
+    assert isinstance(first, Place)
+    there = replace(scene.bodies[0], body=replace(scene.index["part"].body, name="other"), pose=Pose(1.0, 1.0, 1.0))
+    task = (replace(pick, part="other"), replace(first, part="other", gone_after_s=gone_after_s), again, second)
+    made = replace(scene, bodies=(*scene.bodies, there), task=task)
+    facts = Separation(touching=False, rule="contact", gap_m=-0.02, required_m=0.0)
+    about = Bodies(("part", "other"))
+    why = Reason.CONTROL_POINT_IN_COLLISION
+    refusal = Refusal(stage=Stage.CONTROL_POINT, reason=why, step=3, subject=about, facts=facts)
+    kinds = {kind for kind, _, _ in changes(made, 3, "other", refusal)}
+    assert ("point height" in kinds) is (gone_after_s is None)
+    assert ("place heights" in kinds) is (gone_after_s is None)
+
+
 def test_a_window_is_changed_for_all_picks_that_have_it_and_for_no_other_step() -> None:
     own, other = Window(along=(0.0, 0.2)), Window(along=(0.0, 0.3))
     scene = with_pick(belt_and_dial(), window=own)
@@ -493,7 +512,8 @@ def test_a_window_is_changed_for_all_picks_that_have_it_and_for_no_other_step() 
     for step, same in ((0, [0, 5]), (5, [0, 5]), (2, [2]), (4, [4])):
         every = ", all 2 picks of this window" if len(same) == 2 else ""
         windows = [(value, changed) for what, value, changed in changes(scene, step, None) if what == "window"]
-        assert [value for value, _ in windows] == [f"without its end{every}", f"removed{every}"]
+        assert [value for value, _ in windows] == [f"without its end{every}", f"removed{every}", "all 4 removed"]
+        assert {each.window for each in windows.pop()[1].task} == {Window()}
         for _, changed in windows:
             wider = [i for i, each in enumerate(changed.task) if each is not scene.task[i]]
             assert wider == same

@@ -478,6 +478,24 @@ def test_a_plan_that_continues_another_is_checked_with_its_task(folder: Path) ->
     assert "--continue of plan, check or report" in " ".join(alone.output.split())
 
 
+def test_values_that_were_set_for_the_plan_are_set_again(folder: Path) -> None:
+    faster = {"frames.belt.conveyor.speed_mm_s": 240, "robot.limits": {"acceleration": 0.9}}
+    before = assur.Cell(read(CELL)).plan(**fields(read(TASK)), set=faster)
+    assert before.planned, before.sentence
+    before.save(folder / "plan.json")
+    sets = [part for path, value in faster.items() for part in ("--set", f"{path}={json.dumps(value)}")]
+    code, output, held = run(folder, more=tuple(sets))
+    assert code == 0, output
+    assert held["plan"]["trajectory"]["position"][0] == before["trajectory"]["position"][-1]
+    files = [str(folder / "next.yaml"), str(folder / "out.json"), "--continue", str(folder / "plan.json")]
+    checked = CliRunner().invoke(app, ["check", *files, *sets])
+    assert checked.exit_code == 0, checked.output
+    for less in ((), tuple(sets[:2])):
+        code, output, _ = run(folder, more=less)
+        assert code == 2
+        assert "what the request of the plan has there" in output
+
+
 def test_a_part_that_is_listed_without_a_place_is_known_no_better_than_before(folder: Path) -> None:
     task = read(TASK) | {"steps": [{"move": {"to": "home"}}]}
     far = {"name": "c", "kind": "bracket", "pose": {"at_mm": [330, 60, 60]}, "uncertainty": {"position_mm": 5}}
@@ -514,6 +532,13 @@ ASKED = 'got "b"; allowed: a part that `parts` list with its kind, which states 
             CELL,
             ("--set", 'steps.0={"pick": {"part": "b"}}'),
             "--set steps.0.pick.part",
+            "bracket",
+        ),
+        (
+            "{pick: {part: b}}",
+            CELL.replace("grasp_mm: [0, 0, 10]", "dwell_ms: 50"),
+            (),
+            "steps[0].pick.part",
             "bracket",
         ),
         (
@@ -558,6 +583,10 @@ def test_a_part_of_the_plan_that_is_picked_is_listed_with_its_kind(
         ),
         ("shape: {box: {size_mm: [60, 40, 21]}}", "parts[0].shape: got "),
         ("kind: other", 'parts[0].kind: got "other"; allowed: one of the kinds: bracket, long'),
+        (
+            "kind: bracket, mass_kg: 0.9, yaw_symmetry: 1, uncertainty: {position_mm: 0}",
+            'parts[0].uncertainty: got "an object with 1 field"; allowed: none without a place',
+        ),
     ],
 )
 @pytest.mark.parametrize("of_file", [True, False])
@@ -584,6 +613,36 @@ def test_a_part_of_a_plan_is_not_another_part_because_it_is_listed(
     with pytest.raises(InputError) as refused:
         before.next_task(task["steps"], parts=task["parts"])
     assert refused.value.field in message
+
+
+CRUMB = CELL.replace(
+    "bodies:", "  crumb: {shape: {box: {size_mm: [10, 10, 10]}}, mass_kg: 0.001, grasp_mm: [0, 0, 10]}\nbodies:", 1
+)
+
+
+@pytest.mark.parametrize("path", ["parts.b.kind", "parts.0.kind", "parts[0].kind"])
+def test_a_part_of_a_plan_is_not_another_part_because_its_kind_is_set(folder: Path, path: str) -> None:
+    (folder / "cell.yaml").write_text(CRUMB)
+    code, output, held = run(folder, more=("--set", f'{path}="crumb"'))
+    assert (code, held) == (2, {})
+    assert f'--set {path}: got "crumb"; allowed: the shape that b has in the plan' in output
+
+
+@pytest.mark.parametrize("listed", [[], [{"name": "b", "kind": "bracket"}]])
+@pytest.mark.parametrize(
+    ("change", "key"), [({"shape": {"box": {"size_mm": [10, 10, 10]}}}, "shape"), ({"mass_kg": 0.001}, "mass_kg")]
+)
+def test_the_parts_of_a_plan_stay_what_they_are_in_a_cell_with_other_kinds(
+    listed: list[Document], change: Document, key: str
+) -> None:
+    """Also those that nobody picks."""
+    other = read(CELL)
+    other["kinds"]["bracket"] |= change
+    with pytest.raises(InputError) as refused:
+        planned().next_task([{"move": {"to": "home"}}], parts=listed, cell=assur.Cell(other))
+    assert refused.value.field == (
+        f"cell.kinds.bracket.{key}" if not listed else "parts[0].kind" if key == "shape" else "parts[0].mass_kg"
+    )
 
 
 @pytest.mark.parametrize(

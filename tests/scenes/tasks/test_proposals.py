@@ -13,7 +13,7 @@ from assur.planner.errors import InputError
 from assur.scenes.proposals.texts import with_request_values
 from assur.scenes.requests import plan_document, plan_scenario
 from assur.scenes.scenario import Scenario
-from assur.scenes.tasks.task_file import scenario_of_texts
+from assur.scenes.tasks.task_file import TaskScenario, scenario_of_texts
 from tests.scenes.tasks.test_joining import CELL, TASK
 
 APART = CELL.replace("step_mm: [80, 60, 20]", "step_mm: [80, 90, 20]")
@@ -75,25 +75,29 @@ HIGHER = EXPLAINED.replace("[-320, 60, 10]", "[-620, 0, 110]").replace("[-280, -
 """The second part is too high on the belt for the approach of its kind."""
 
 
-def test_a_change_of_one_part_of_a_transfer_names_it_and_is_not_offered_as_values() -> None:
+def test_a_straight_part_of_a_kind_is_proposed_for_all_its_picks() -> None:
+    """Of one pick of a transfer it cannot be written."""
     made = scenario(HIGHER, HIGH)
     answer = plan_scenario(made)
     proposed = answer["relaxation"]
-    assert (proposed["what"], proposed["set"]) == ("heights", None)
-    assert proposed["value"].endswith(PART)
-    assert PART in printed(answer)
-    assert "--set" not in printed(answer)
-    of_request = plan_document(made.request)["relaxation"]
-    assert of_request["value"] + PART == proposed["value"]
-    assert list(of_request["set"]) == ["task.pick-b.pick.approach.mm"]
+    assert (proposed["what"], proposed["value"]) == ("heights", "approach 26 mm, all 2 alike")
+    assert proposed["set"] == {"kinds.bracket.approach.mm": 26}
+    assert "--set kinds.bracket.approach.mm=26" in printed(answer)
+    assert plan_scenario(made.with_values(proposed["set"]))["status"] == "planned"
+
+
+def test_a_change_of_one_part_of_a_transfer_names_it_and_is_not_offered_as_values() -> None:
+    made, given = scenario(HIGHER, HIGH), {"task.pick-b.pick.dwell_ms": 20}
+    assert isinstance(made, TaskScenario)
+    relaxation = {"what": "dwell", "value": "20 ms", "set": given}
+    answer = made.answered(plan_scenario(made) | {"relaxation": relaxation})
+    assert answer["relaxation"] == {"what": "dwell", "value": f"20 ms{PART}", "set": None}
     texts = {"text": HIGHER, "cell": HIGH}
     with pytest.raises(InputError, match=f"these are{PART[1:]}"):
-        with_request_values(made, texts, of_request["set"], lambda given: scenario(given["text"], given["cell"]))
-
-
-def test_the_second_transfer_is_the_second_step() -> None:
-    moved = HIGHER.replace("steps:\n", "steps:\n  - move: {to: {at_mm: [350, 0, 180]}, via: true}\n")
-    assert ", for the pick of b in step 2, transfer;" in plan_scenario(scenario(moved, HIGH))["relaxation"]["value"]
+        with_request_values(made, texts, given, lambda given: scenario(given["text"], given["cell"]))
+    moved = scenario(HIGHER.replace("steps:\n", "steps:\n  - move: {to: {at_mm: [350, 0, 180]}, via: true}\n"), HIGH)
+    answer = moved.answered(answer | {"relaxation": relaxation})
+    assert ", for the pick of b in step 2, transfer;" in answer["relaxation"]["value"]
 
 
 LOW = APART.replace("[300, -250, 60]", "[300, -250, 55]")
