@@ -52,8 +52,8 @@ class Text:
         return Text(self._with_key(found, keys[0], value))
 
     def _changed(self, field: str, value: Any) -> Text:
-        """The same with another value at a field that the text has. Of a mapping its keys are changed, and to a list
-        its new entries are added, if that is all."""
+        """The same with another value at a field that the text has. Of a mapping its keys are changed. To a list its
+        new entries are added, if that is all; of a list that stays as long, each plain value is changed where it is."""
         before = value_at(self.document, field)
         if isinstance(before, dict) and isinstance(value, dict) and before and value:
             text = self
@@ -66,6 +66,11 @@ class Text:
             text = self
             for number in range(len(before), len(value)):
                 text = text._with_entry(field, number, value[number])
+            return text
+        if _is_plain(before) and _is_plain(value) and len(before) == len(value):
+            text = self
+            for number, each in enumerate(value):
+                text = text if before[number] == each else Text(text._replaced(f"{field}[{number}]", each))
             return text
         return Text(self._replaced(field, value))
 
@@ -93,8 +98,12 @@ class Text:
 
     def _replaced(self, field: str, value: object) -> str:
         begin, end = self.spans[field]
+        end = max(begin, len(self.content[:end].rstrip()))  # a text in lines of its own ends behind its last line
         key = None if field.endswith("]") else KEY.match(self.content[begin:end])
-        return self.content[: begin + (0 if key is None else key.end())] + self._flow(value) + self.content[end:]
+        at = begin + (0 if key is None else key.end())
+        null = at == end and self.content[at - 1 : at] in ("-", ":")  # that is left empty
+        space = " " if null else ""
+        return self.content[:at] + space + self._flow(value) + self.content[end:]
 
     def _with_key(self, field: str, key: str, value: object) -> str:
         """The text with a key that the mapping at `field` has not."""
@@ -133,6 +142,11 @@ class Text:
 def other_unit(key: str) -> str:
     """The key of the same quantity in the other unit; empty: it has none."""
     return twin_of(key) or (si_key(key) or ("",))[0]
+
+
+def _is_plain(value: object) -> bool:
+    """Whether a value is a list without lists and mappings in it."""
+    return isinstance(value, list) and not any(isinstance(each, list | dict) for each in value)
 
 
 def _begins(field: str, path: str) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import pytest
@@ -244,6 +245,26 @@ def test_a_body_that_is_in_the_way_is_left_out_by_hand(studio: Studio) -> None:
         "There is no button: no value leaves out what is in the text. Change the text by hand."
     )
     assert row.locator("button").count() == 0
+
+
+def test_what_would_not_help_is_listed(studio: Studio) -> None:
+    """Each of two bodies stands where the tool is to be. After a time of nothing, no change was tried."""
+    one = BARRED.split("bodies: [")[2].split("]\n  task", maxsplit=1)[0]
+    both = BARRED.replace(one, f"{one}, {one.replace('crate', 'chest')}")
+    opened(studio, both)
+    studio.planned()
+    answer = json.loads(studio.saved("answer")[1])
+    row = studio.page.locator("#answers .proposal")
+    assert {"without: crate"} <= set(answer["tried"])
+    assert row.locator("li").all_inner_texts() == answer["tried"]
+    assert row.locator("span").all_inner_texts() == ["What would not help, each tried by itself:"]
+    studio.page.fill("#text", both.replace("explain_budget_s: 30", "explain_budget_ms: 0.001"))
+    studio.planned()
+    assert row.locator("span").all_inner_texts() == [
+        "What would help is not known: the time for trying changes was over (explain_budget_s)."
+    ]
+    assert row.locator("li").count() == 0
+    assert studio.said == []
 
 
 def test_a_thing_of_the_cell_is_dragged_in_the_drawing_of_its_task(studio: Studio) -> None:

@@ -135,7 +135,7 @@ def test_a_document_that_is_not_taken_is_named(studio: Studio, content: str, sai
     studio.pasted(content)
     studio.page.wait_for_selector("#faults p")
     assert said in studio.faults
-    assert "The studio takes a scenario" in studio.faults
+    assert "The studio takes a scenario, a cell and a task (YAML or JSON), a request" in studio.faults
     assert studio.text == before
 
 

@@ -13,7 +13,8 @@ import pytest
 from playwright.sync_api import Browser, BrowserContext
 
 from tests.browser.studio_page import Studio
-from tests.browser.test_studio_cell_and_task import DRAWS_TABLE, SHORT, value_of
+from tests.browser.test_studio_cell_and_task import DRAWS_TABLE, POINTS, SHORT, value_of
+from tests.browser.test_studio_changes import drag
 from tests.browser.test_studio_drawing import DRAWN
 from tests.scenes.tasks.test_joining import CELL
 
@@ -100,6 +101,33 @@ def test_a_link_to_a_task_holds_its_cell(studio: Studio, other: BrowserContext, 
     studio.until("location.hash === ''")
     studio.until(f"document.getElementById('text').value === {json.dumps(SHORT)}")
     assert sorted(name for _, name in studio.own()) == ["cell", "task"]
+
+
+def test_a_link_holds_the_task_that_is_drawn_beside_its_cell(
+    studio: Studio, other: BrowserContext, service: httpx.Client
+) -> None:
+    """A drag of the table shows the cell, in the drawing of the task. A cell that is shown alone goes alone."""
+    assert studio.dropped(("task.yaml", SHORT.encode()), ("cell.yaml", CELL.encode()))
+    studio.until(f"{DRAWS_TABLE} && {DRAWN}.view.bodies.some((body) => body.name === 'c')")
+    studio.ask(f"{DRAWN}.look('top')")
+    drag(studio, "table", 0, -30)
+    studio.until("document.getElementById('text').value.includes('assur-cell/1')")
+    moved = studio.text
+    assert moved != CELL
+    link = linked(studio)
+    assert studio.note.endswith("holds the task and its cell as they are now.")
+    assert unpacked(link) == {"text": SHORT, "cell": moved}
+    theirs = Studio(other.new_page(), service, "#" + link.split("#")[1])
+    theirs.until(f"{DRAWS_TABLE} && {DRAWN}.view.bodies.some((body) => body.name === 'c')")
+    assert theirs.text == SHORT
+    seen = f"JSON.stringify([{POINTS}, {DRAWN}.view.bodies.map((body) => [body.name, body.seats])])"
+    studio.until(f"{DRAWN}.view.bodies.find((body) => body.name === 'table').seats[0].at_m[1] < -0.2")
+    assert theirs.ask(seen) == studio.ask(seen)
+    cell = value_of(studio, "cell")
+    studio.choose("demo")
+    studio.choose(cell)
+    assert unpacked(linked(studio)) == {"text": moved}
+    assert studio.note.endswith("holds the text as it is now.")
 
 
 def test_a_cell_that_comes_by_a_link_renames_no_other_text(studio: Studio) -> None:

@@ -47,11 +47,27 @@ export function show(made, framed, apply) {
   settle();
 }
 
+// What would not help, where no change works; null: nothing was tried, and there was time for it.
+function inVain({ tried = [], explain_budget_spent: spent = false }) {
+  if (!tried.length && !spent) return null;
+  const row = element("div", "", "proposal");
+  const over = "the time for trying changes was over (explain_budget_s)";
+  if (!tried.length) row.append(element("span", `What would help is not known: ${over}.`));
+  else {
+    const list = document.createElement("ul");
+    list.append(...tried.map((change) => element("li", change)));
+    row.append(element("span", "What would not help, each tried by itself:"), list);
+    if (spent) row.append(element("span", `Others were not tried: ${over}.`));
+  }
+  return row;
+}
+
 // The change that was tried and works, and a button that writes it into the text, or `why` there is
-// no button; null: there is no such change.
-function proposed({ relaxation }, why, apply) {
-  if (!relaxation) return null;
-  const row = element("p", "", "proposal");
+// no button. Without such a change, what was tried; null: nothing was.
+function proposed(answer, why, apply) {
+  const { relaxation } = answer;
+  if (!relaxation) return inVain(answer);
+  const row = element("div", "", "proposal");
   row.append(element("span", `This change was tried and works: ${relaxation.what}: ${relaxation.value}.${why && ` ${why}`}`));
   if (relaxation.set && !why) {
     const button = element("button", "Apply");

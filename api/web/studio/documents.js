@@ -4,7 +4,7 @@ import { Refused } from "./service.js";
 const MOST_BYTES = 64 * 2 ** 20; // of a plan file
 export const LONGEST_TEXT = 2 ** 20; // characters in the editor
 const LONGEST_NAME = 48;
-const TAKEN = "The studio takes a scenario (YAML or JSON), a request (JSON) and a plan file (JSON).";
+const TAKEN = "The studio takes a scenario, a cell and a task (YAML or JSON), a request (JSON) and a plan file (JSON).";
 
 // The content of a file. Raises `Refused` for one that is no text.
 export async function contentOf(file) {

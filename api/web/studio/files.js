@@ -38,12 +38,12 @@ export function download(content, file) {
   setTimeout(() => URL.revokeObjectURL(link.href), SAVED_MS);
 }
 
-// Copies a link, or shows it where the browser does not let a page copy: where it is not served over HTTPS. What there
-// is to say of it.
-export async function offerLink(link) {
+// Copies a link to what it holds, or shows it where the browser does not let a page copy: where it is not served over
+// HTTPS. What there is to say of it.
+export async function offerLink(link, held) {
   try {
     await navigator.clipboard.writeText(link);
-    return `The link is copied. It has ${link.length} characters and holds the text as it is now.`;
+    return `The link is copied. It has ${link.length} characters and holds ${held} now.`;
   } catch {
     find("link").value = link;
     find("link-dialog").showModal();

@@ -44,14 +44,20 @@ export function taskOf(text) {
 // The other one of the texts of a task and its cell; null: there is none.
 export const besideOf = (text) => taskOf(text) || cellOf(text);
 
+// What is drawn with a text: { text, cell }, the task and the text of its cell, whichever of them the text is. `cell` is
+// null where there is none: the text is whole, a cell that is shown alone, or a task whose cell is not here.
+export function drawnWith(text) {
+  const task = taskOf(text);
+  const cell = task ? { text } : cellOf(text);
+  return { text: task ? task.text : text, cell: cell && cell.text };
+}
+
 // What the service is to read for a text. `shipped`: it is one of the service's own. Raises `Refused`
 // for a task whose cell is not here: the name of its file is `missing`.
 export function readable(text, shipped) {
-  const task = taskOf(text);
-  if (task !== null) return { text: task.text, cell: text };
+  const drawn = drawnWith(text);
+  if (drawn.cell !== null) return drawn;
   if (partOf(text) === "cell") return { cell: text };
-  const cell = cellOf(text);
-  if (cell !== null) return { text, cell: cell.text };
   const named = FILE.exec(text);
   const value = named && named.slice(1).find(Boolean);
   if (shipped || partOf(text) !== "task" || named === null || OF_SERVICE.test(value)) return { text };

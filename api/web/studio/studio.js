@@ -9,7 +9,7 @@ import { download, isDocument, offerLink, receiveFiles } from "./files.js";
 import { History } from "./history.js";
 import { cancel, searched, searching, tellProgress } from "./jobs.js";
 import { heldBy, isLink, linkTo } from "./links.js";
-import { besideOf, cellNameOf, cellOf, drawWithin, fileOf, partOf, readable, taskOf } from "./parts.js";
+import { besideOf, cellNameOf, cellOf, drawnWith, drawWithin, fileOf, partOf, readable, taskOf } from "./parts.js";
 import { chooseAtCaret, know, placeOf, shownAs } from "./selection.js";
 import { ask, enterKey, Refused } from "./service.js";
 
@@ -167,8 +167,8 @@ const noteProblem = (problem) => note((problem.errors || []).map(fault).join(" "
 
 // What an answer is an answer to: the text, and that of its cell.
 function meant() {
-  const task = taskOf(text.value);
-  return JSON.stringify(task ? [task.text, text.value] : [text.value, (cellOf(text.value) || { text: null }).text]);
+  const { text: own, cell } = drawnWith(text.value);
+  return JSON.stringify([own, cell]);
 }
 
 const name = () => scenario || nameOf(text.value, (drafts.current() || {}).file);
@@ -426,7 +426,10 @@ async function save() {
   note("");
   await attempt(async () => {
     const cell = cellOf(text.value);
-    if (value === "link") return note(await offerLink(await linkTo(text.value, cell && cell.text)));
+    if (value === "link") {
+      const { text: whole, cell: its } = drawnWith(text.value);
+      return note(await offerLink(await linkTo(whole, its), its === null ? "the text as it is" : "the task and its cell as they are"));
+    }
     const own = { text: textFile, cell: () => [crlfOf(cell)(cell.text), fileOf(cell)] };
     const [content, file] = value in own ? own[value]() : await answers.saved(value);
     download(content, file);

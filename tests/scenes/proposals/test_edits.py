@@ -24,6 +24,17 @@ request:
 expect: {status: planned}
 """
 FLOW = '{"request": {"bodies": [{"name": "a", "pose": {}}], "options": {"seed": 1, "end": "rest"}}, "about": "x"}'
+REACH = """\
+pick:
+  window_mm:   # from the light barrier
+  - -250
+  # both
+  - -240  # end of the reach
+  names: [ a,  'b' ] # of both
+  corners:
+    - [0, 0]
+    - [1, 1]
+"""
 CHANGES = [
     (BLOCK, "request.bodies[0].pose.at_mm", [4, 5, 6], "at_mm: [1, 2.5, 3]", "at_mm: [4, 5, 6]"),
     (BLOCK, "request.bodies[0].pose.at_mm[1]", 7.25, "1, 2.5, 3", "1, 7.25, 3"),
@@ -52,6 +63,15 @@ CHANGES = [
     ("a:\n  b: 1", "a.c", 2, "  b: 1", "  b: 1\n  c: 2"),
     ("a:\n  b: |\n    long\n    text\nd: 1\n", "a.c", 2, "    text\n", "    text\n  c: 2\n"),
     ("a: 1\n", "set.x", 2, "a: 1\n", "a: 1\nset: {x: 2}\n"),
+    (REACH, "pick.window_mm", [-250, -230], "- -240", "- -230"),
+    (REACH, "pick.window_mm", [-0.5, None], "- -250\n  # both\n  - -240", "- -0.5\n  # both\n  - null"),
+    (REACH, "pick.window_m", [-0.25, -0.23], "- -240", "- -230"),
+    (REACH, "pick.names", ["a", "on"], "[ a,  'b' ]", '[ a,  "on" ]'),
+    (REACH, "pick.corners", [[0, 0], [2, 1]], "- [0, 0]\n    - [1, 1]", "[[0, 0], [2, 1]]"),
+    ("a:\n- |\n  long\n- b # c\n", "a", ["d", "b"], "|\n  long", "d"),
+    ("w:\n-\n- 3 # mm\n", "w", [1, 3], "-\n- 3", "- 1\n- 3"),
+    ("w:\n-   # none\n- 3\n", "w", [1, 3], "-   # none", "- 1   # none"),
+    ("w: # none\nb: 1\n", "w", [1, 3], "w:", "w: [1, 3]"),
     ("- x\n- a:\n    m: 3\n", "[1].a.m", 4, "m: 3", "m: 4"),
 ]
 

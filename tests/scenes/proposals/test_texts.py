@@ -75,6 +75,19 @@ def test_a_change_of_the_request_is_one_of_its_task_or_its_cell(
     assert request_digest(scenario.with_values(found).request) == wanted
 
 
+def test_a_window_in_lines_of_its_own_keeps_its_comments() -> None:
+    own = "window_mm:   # from the light barrier\n      - -300\n      - {}  # end of the reach\n"
+    texts = {
+        **PAIR,
+        "text": EXPLICIT.replace(
+            "{part: a, window_mm: [-300, 250]} # from the belt\n", "\n      part: a\n      " + own
+        ),
+    }
+    given = {**texts, "text": texts["text"].replace("{}", "250")}
+    made = with_request_values(again(given), given, {"task.0.pick.window_mm": [-300, 260]}, again)
+    assert made == {**texts, "text": texts["text"].replace("{}", "260")}
+
+
 @pytest.mark.parametrize(
     "values",
     [
