@@ -13,6 +13,7 @@ from assur.planner.errors import InputError
 
 if TYPE_CHECKING:
     from assur.scenes.session.committed import Segment
+    from assur.scenes.session.reading import Coverage
     from assur.scenes.session.session import RunningCell
 
 
@@ -100,9 +101,9 @@ class Session:
     @property
     def committed(self) -> tuple[CommittedPlan, ...]:
         """The plans of the committed motion, from the one at the clock on."""
-        return tuple(
-            CommittedPlan(each.starts_s, each.until_s, self._answer(each)) for each in self._running.committed.segments
-        )
+        segments, now_s = self._running.committed.segments, self.clock_s
+        there = [each for each in segments[:-1] if each.until_s > now_s]
+        return tuple(CommittedPlan(each.starts_s, each.until_s, self._answer(each)) for each in (*there, segments[-1]))
 
     def advance(self, to_s: float) -> None:
         """Sets the clock to a time, s. Raises `InputError` for a time before the clock's, and for one that no committed
@@ -143,6 +144,17 @@ class Session:
         committed.
         """
         self._running.commit(id.id if isinstance(id, Proposal) else id)
+
+    def holds(self, reading: Mapping[str, Any]) -> Coverage:
+        """Whether a reading lies within what the proof of the committed motion assumes: compared, without planning.
+
+        `reading`: ``{"joints": {...}, "at_s": ...}``, the robot's own state; ``{"part": ..., "pose": {...}}``, a part
+        that was seen; or ``{"frame": ..., "along_mm": ..., "speed_mm_s": ..., "at_s": ...}``, how far a conveyor has
+        gone, and how fast it is. A time that is left out is the clock's. Joints may be off by the lag of the request,
+        and late by its start tolerance; a part by its uncertainty, and by that of its frame since the plan began.
+        Raises `InputError` naming the field.
+        """
+        return self._running.covered(plain_request(reading))
 
     def _answer(self, of: Segment) -> Answer:
         return Answer.made(of.answer, of.request, (self._document, of.task))

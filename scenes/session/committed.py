@@ -13,7 +13,9 @@ from assur.planner.errors import FaultError
 
 if TYPE_CHECKING:
     from assur.planner.arrays import FloatArray
+    from assur.planner.model.attachments import Attachments
     from assur.planner.model.outcome import Arrival, Leg
+    from assur.planner.model.phases import GraspUncertainty
     from assur.planner.trajectory import Trajectory
     from assur.scenes.reading.cell import Cell
 
@@ -21,6 +23,9 @@ Document = dict[str, Any]
 MOST_JUMPS = (1e-9, 1e-7, 1e-5)
 """Most by which position, velocity and acceleration of a joint may differ where one plan follows another: rad or m, and
 per s and s². Rounding of units is far below."""
+
+KEPT_S = 10.0
+"""So long a plan is kept behind its end, s: a reading may come late."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,15 @@ class Segment:
     def state(self, at_s: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """q, q̇, q̈ (n,) at an instant, in the planner's order; at rest behind the end."""
         return self.motion.state(min(at_s, self.motion.end))
+
+    def during(self, at_s: float) -> tuple[Attachments, GraspUncertainty]:
+        """What the gripper holds, where parts are and how well they are known at an instant; until a part is gripped or
+        put down, as before."""
+        from assur.planner.model.phases import leg_phases
+
+        begun = tuple([leg for leg in self.legs if leg.t0 <= at_s] or self.legs[:1])
+        phases, attached, known = leg_phases(self.cell.scene, begun, self.arrivals)
+        return (attached, known) if at_s >= begun[-1].t1 else (phases[-1].attached, phases[-1].handled)
 
     def history(self, at_s: float) -> History:
         """What happened before an instant."""
@@ -94,9 +108,9 @@ class Committed:
         """The plan that is executed from an instant on; the first one before all of them, the last one behind them."""
         return next((each for each in self.segments if at_s < each.until_s), self.last)
 
-    def forget(self, before_s: float) -> None:
-        """Leaves out plans that ended before an instant."""
-        self.segments = (*[each for each in self.segments[:-1] if each.until_s > before_s], self.last)
+    def forget(self, clock_s: float) -> None:
+        """Leaves out plans that ended so long before the clock that no reading is of them."""
+        self.segments = (*[each for each in self.segments[:-1] if each.until_s > clock_s - KEPT_S], self.last)
 
     def follow(self, made: Segment) -> None:
         """From the start of a plan on it is the motion. Raises `FaultError` where the motion would jump there."""

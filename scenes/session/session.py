@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 from assur.planner.errors import InputError
 from assur.scenes.faults import DocumentError, choices, documented
 from assur.scenes.schema.cell_file import TASK
-from assur.scenes.schema.normal import plain
+from assur.scenes.schema.normal import normal, plain
 from assur.scenes.session.committed import Committed, History, Segment, segment_of
 from assur.scenes.tasks.kept_cell import KeptCellFile, TaskOfCell, of_task
 
 if TYPE_CHECKING:
     from assur.scenes.reading.cell import Cell
+    from assur.scenes.session.reading import Coverage
     from assur.scenes.tasks.next_task import EndState
 
 Document = dict[str, Any]
@@ -103,10 +104,10 @@ class RunningCell:
         before, but for its place and its uncertainty. Raises `InputError` naming the field."""
         before = self._known.get(name) if isinstance(name, str) else None
         kept = {} if before is None else before.part
-        if fields.keys() & {"kind", "shape"}:
-            kept = {}
-        kept = {key: value for key, value in kept.items() if key not in OF_SIGHTING}
-        part = plain({**kept, **fields, "name": name})
+        for key in ("kind", "shape"):
+            if before is not None and key in fields and normal(plain(fields[key])) != normal(before.part.get(key)):
+                raise InputError(key, fields[key], f"that of the part that is known; call gone({name!r}) before")
+        part = plain({**{key: value for key, value in kept.items() if key not in OF_SIGHTING}, **fields, "name": name})
         if not part.keys() & {"pose", "slot"}:
             raise InputError("pose", None, "a pose or a slot: where the part is")
         cell = self._cell_with(part)
@@ -185,6 +186,9 @@ class RunningCell:
             raise InputError("id", number, f"a proposal made from the motion that is committed: {since}")
         if made.segment is None:
             raise InputError("id", number, f"a proposal with a plan; of this one: {made.answer['sentence']}")
+        for name in [made.segment.cell.scene.task[each.step].part for each in made.segment.arrivals]:
+            if name is not None and name not in self._known:
+                raise InputError("id", number, f"a proposal that handles known parts: {name} is gone")
         if self.clock_s > made.starts_s:
             late = f"{self.clock_s - made.starts_s:.6g} s late, so propose again"
             raise InputError("id", number, f"a proposal up to its decide_by_s, {made.starts_s:.6g} s: {late}")
@@ -218,18 +222,15 @@ class RunningCell:
         except DocumentError as error:
             raise error.relocated(lambda field: field.removeprefix("parts[0].").replace("parts[0]", "part")) from error
 
+    def covered(self, reading: object) -> Coverage:
+        """Whether a reading lies within what the committed proof assumes; raises as `reading.covered`."""
+        from assur.scenes.session.reading import covered
+
+        return covered(self.committed, reading, self.clock_s)
+
     def _holds(self, name: str) -> bool:
         """Whether the gripper holds a part now."""
-        return self.held_at(self.clock_s) == name
-
-    def held_at(self, at_s: float) -> str | None:
-        """The part in the gripper at an instant; while it is gripped or put down, it is not yet held or still is."""
-        from assur.planner.model.phases import leg_phases
-
-        there = self.committed.at(at_s)
-        begun = tuple([leg for leg in there.legs if leg.t0 <= at_s] or there.legs[:1])
-        phases, attached, _ = leg_phases(there.cell.scene, begun, there.arrivals)
-        return attached.part if at_s >= begun[-1].t1 else phases[-1].attached.part
+        return self.committed.at(self.clock_s).during(self.clock_s)[0].part == name
 
     def _moved(self, name: str, before: History) -> bool:
         """Whether the motion has handled a part since it was seen last."""

@@ -286,6 +286,24 @@ def test_a_part_that_the_motion_will_handle_stays() -> None:
     refused(lambda: session.propose([transfer("b")]), "steps[0].transfer.parts[0]", "")
 
 
+def test_a_proposal_for_a_part_that_is_gone_is_not_committed() -> None:
+    session = running(**PARTS)
+    first, other = session.propose([transfer("a")]), session.propose([transfer("b")])
+    session.gone("a")
+    refused(lambda: session.commit(first), "id", "a is gone")
+    session.commit(other)
+
+
+def test_a_part_does_not_become_another_one() -> None:
+    session = running(a=-300)
+    ball = {"sphere": {"radius_mm": 20}}
+    refused(lambda: session.see("a", shape=ball, pose=at(-300)), "shape", "call gone('a') before")
+    refused(lambda: session.see("a", kind="other", pose=at(-300)), "kind", "call gone('a') before")
+    session.see("a", kind="bracket", pose=at(-310))
+    session.gone("a")
+    session.see("a", shape=ball, pose=at(-300))
+
+
 def test_a_refuge_that_is_not_safe_is_refused_with_numbers() -> None:
     box = {"name": "box-on-home", "shape": {"box": {"size_mm": [60, 60, 400]}}, "pose": {"at_mm": [350, 0, 100]}}
     blocked = cell(bodies=[*read(CELL)["bodies"], box])
@@ -333,3 +351,193 @@ def test_where_nothing_moves_standing_is_proved_for_ever() -> None:
     assert session.proved_until_s == math.inf
     session.advance(50_000.0)
     assert session.propose([{"move": {"to": {"at_mm": [300, 200, 150]}}}]).planned
+
+
+# ---- readings ------------------------------------------------------------------------------------------------------
+
+LAG = {"j1_deg": 0.02, "j2_deg": 0.03, "j3_mm": 0.05, "j4_deg": 0.04}
+LATE_S = 0.004
+
+
+@cache
+def sloppy() -> assur.Cell:
+    """A cell whose joints lag, whose robot may be late, and whose parts may be off."""
+    kinds = {"bracket": {**read(CELL)["kinds"]["bracket"], "uncertainty": {"position_mm": 0.4, "yaw_deg": 1}}}
+    return assur.Cell(cell(kinds=kinds, execution={"lag": LAG, "start_tolerance_ms": 1e3 * LATE_S}))
+
+
+def moving_on(file: assur.Cell) -> tuple[assur.Session, assur.Proposal]:
+    """A session on its way to part `a`; `b` is known as well, `c` is seen afterwards."""
+    session = assur.Session(file, start=START, refuge="home")
+    for name in ("a", "b"):
+        session.see(name, kind="bracket", pose=at(PARTS[name]))
+    made = commit(session, {"pick": {"part": "a", "contact_tolerance_mm": 1}})
+    session.see("c", kind="bracket", pose=at(PARTS["c"]))
+    session.advance(made.starts_s + 0.15)
+    return session, made
+
+
+def joints(answer: assur.Answer, at_s: float, off: Any = (0.0,) * 4) -> Document:
+    motion = answer.trajectory
+    values = motion.at(at_s).positions[0] + off
+    keys = [f"{name}_{unit}" for name, unit in zip(motion.joint_names, motion.joint_units, strict=True)]
+    return dict(zip(keys, values.tolist(), strict=True))
+
+
+@pytest.mark.parametrize("joint", range(4))
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_joint_may_be_off_by_its_lag_and_no_more(joint: int, sign: int) -> None:
+    session = assur.Session(sloppy(), start=START, refuge="home")
+    (plan,) = session.committed
+    end_s = plan.answer.trajectory.end_s
+    session.advance(end_s + 1.0)  # at rest, where to be late changes nothing
+    lag = [math.radians(0.02), math.radians(0.03), 0.05e-3, math.radians(0.04)][joint]
+    off = np.zeros(4)
+    off[joint] = sign * lag
+    found = session.holds({"joints": joints(plan.answer, end_s, 0.999 * off)})
+    assert (found.holds, found.until_s, found.off_mm, found.reason) == (True, session.proved_until_s, 0.0, "")
+    found = session.holds({"joints": joints(plan.answer, end_s, 1.01 * off)})
+    assert (found.holds, found.until_s) == (False, None)
+    assert f"j{joint + 1} at" in found.reason
+    if joint == 2:
+        assert found.off_mm == pytest.approx(0.05 * 0.01, rel=1e-6)
+
+
+def test_a_robot_may_be_late_by_its_tolerance_with_all_of_its_joints() -> None:
+    session, made = moving_on(sloppy())
+    now_s = session.clock_s
+    assert session.holds({"joints": joints(made.answer, now_s), "at_s": now_s}).holds
+    assert session.holds({"joints": joints(made.answer, now_s - LATE_S)}).holds
+    assert session.holds({"joints": joints(made.answer, now_s - 0.37 * LATE_S)}).holds
+    early, late = joints(made.answer, now_s + LATE_S), joints(made.answer, now_s - 2 * LATE_S)
+    mixed = {**joints(made.answer, now_s), "j1_rad": joints(made.answer, now_s - LATE_S)["j1_rad"]}
+    for wrong in (early, late, mixed):
+        found = session.holds({"joints": wrong})
+        assert not found.holds
+        assert found.off_mm is not None
+        assert found.off_mm > 0.05
+
+
+def test_without_a_lag_a_robot_is_where_its_motion_is() -> None:
+    session, made = moving_on(kept())
+    for at_s in np.linspace(made.starts_s, session.clock_s, 7).tolist():
+        assert session.holds({"joints": joints(made.answer, at_s), "at_s": at_s}).holds
+        found = session.holds({"joints": joints(made.answer, at_s, (0.0, 0.0, 1e-6, 0.0)), "at_s": at_s})
+        assert not found.holds
+        assert found.off_mm == pytest.approx(1e-3, rel=1e-6)
+
+
+def seen(session: assur.Session, part: str, along_mm: float, across_mm: float = 0.0, up_mm: float = 0.0) -> Document:
+    """A part now, so much off its nominal pose along the belt, across it and upwards."""
+    now_s = session.clock_s
+    return {
+        "part": part,
+        "pose": {
+            "frame": "belt",
+            "at_mm": [PARTS[part] + 150 * now_s + along_mm, across_mm, 10 + up_mm],
+            "at_s": now_s,
+        },
+    }
+
+
+def test_a_part_may_be_off_by_its_uncertainty_and_that_of_its_belt_and_no_more() -> None:
+    session, made = moving_on(sloppy())
+    own_mm = 0.4 + 2.0 * made.starts_s  # since it was seen, at 0 s
+    belt_mm = 2.0 * (session.clock_s - made.starts_s)
+    for along, across, most in ((1, 0, own_mm + belt_mm), (-1, 0, own_mm + belt_mm), (0, 1, own_mm), (0, -1, own_mm)):
+        inside, outside = ((share * most * along, share * most * across) for share in (0.999, 1.01))
+        found = session.holds(seen(session, "b", *inside))
+        assert (found.holds, found.until_s, found.off_mm) == (True, session.proved_until_s, 0.0)
+        found = session.holds(seen(session, "b", *outside))
+        assert (found.holds, found.until_s) == (False, None)
+        assert found.off_mm == pytest.approx(0.01 * most, rel=1e-6)
+    assert not session.holds(seen(session, "b", 0.9 * (own_mm + belt_mm), 0.9 * own_mm)).holds
+    assert session.holds(seen(session, "b", 0.0, 0.0, 1.0)).off_mm == pytest.approx(1.0, rel=1e-9)
+    for yaw_deg, holds in ((0.99, True), (-0.99, True), (1.01, False), (-1.01, False), (360.0, True)):
+        reading = seen(session, "b", 0.0)
+        reading["pose"]["yaw_deg"] = yaw_deg
+        assert session.holds(reading).holds == holds
+    picked_s = made.answer.arrivals[0]["until_s"]
+    assert session.holds(seen(session, "a", 0.0)).until_s == picked_s
+
+
+def test_a_belt_may_be_off_by_its_uncertainty_and_its_speed_states_until_when() -> None:
+    session, made = moving_on(kept())
+    now_s, until_s = session.clock_s, session.proved_until_s
+    nominal, most = 150 * now_s, 2.0 * (now_s - made.starts_s)
+
+    def holds(off_mm: float, **more: Any) -> Any:
+        return session.holds({"frame": "belt", "along_mm": nominal + off_mm, **more})
+
+    for sign in (1, -1):
+        found = holds(0.999 * sign * most)
+        assert (found.holds, found.until_s, found.off_mm) == (True, until_s, 0.0)
+        found = holds(1.01 * sign * most)
+        assert (found.holds, found.until_s) == (False, None)
+        assert found.off_mm == pytest.approx(0.01 * most, rel=1e-6)
+        for inside in (0.0, 1.999 * sign, -1.999 * sign):
+            assert holds(0.9 * sign * most, speed_mm_s=150 + inside).until_s == until_s
+        # 5 mm/s more than the nominal speed, of which 2 mm/s are allowed, use up what is left at 3 mm/s
+        for off in (0.5, 0.0, -0.5):
+            found = holds(off * sign * most, speed_mm_s=150 + 5 * sign)
+            assert found.holds
+            assert found.until_s == pytest.approx(now_s + (1 - off) * most / 3, rel=1e-6)
+
+
+def test_a_pose_in_another_frame_is_compared_in_the_world() -> None:
+    session, _ = moving_on(kept())
+    now_s = session.clock_s
+    in_world = {"at_mm": [PARTS["b"] + 150 * now_s, 350, 60]}
+    assert session.holds({"part": "b", "pose": in_world}).holds
+    in_world["at_mm"][1] += 0.5
+    assert session.holds({"part": "b", "pose": in_world}).off_mm == pytest.approx(0.5 - 2 * 0.02, abs=1e-6)
+    assert session.holds({"part": "b", "pose": {"frame": "belt", "at_mm": [PARTS["b"], 0, 10]}}).holds
+
+
+def test_a_part_that_the_proof_does_not_know_is_not_covered() -> None:
+    session, _ = moving_on(kept())
+    for part in ("c", "x"):
+        found = session.holds({"part": part, "pose": at(PARTS["c"])})
+        assert (found.holds, found.until_s, found.off_mm) == (False, None, None)
+
+
+def test_a_part_that_was_put_down_is_where_the_motion_put_it() -> None:
+    session = running(**PARTS)
+    made = commit(session, transfer("a"))
+    session.advance(made.answer.arrivals[0]["until_s"] + 0.1)
+    refused(lambda: session.holds({"part": "a", "pose": at(0, session.clock_s)}), "part", "the gripper does not hold")
+    session.advance(made.base_ends_s or 0.0)
+    assert session.holds({"part": "a", "pose": {"frame": "shelf"}}).holds
+    assert not session.holds({"part": "a", "pose": {"frame": "shelf", "at_mm": [75, 0, 0]}}).holds
+
+
+@pytest.mark.parametrize(
+    ("reading", "field"),
+    [
+        ({"frame": "belt", "speed_mm_s": 150}, "reading"),
+        ({"frame": "shelf", "along_mm": 0}, "frame"),
+        ({"frame": "lane", "along_mm": 0}, "frame"),  # fixed on the belt
+        ({"along_mm": 0}, "frame"),
+        ({"frame": "belt", "along_mm": math.inf}, "along_mm"),
+        ({"frame": "belt", "along_mm": 0, "at_s": 1e4}, "at_s"),
+        ({"frame": "belt", "along_mm": 0, "part": "b"}, "part"),
+        ({}, "reading"),
+        ({"pose": at(0)}, "part"),
+        ({"part": "b"}, "reading"),
+        ({"joints": {"j1_deg": 20}}, "joints.j2_rad"),
+        ({"joints": {"j1_deg": math.nan, "j2_deg": 0, "j3_mm": 0, "j4_deg": 0}}, "joints.j1_deg"),
+        ({"joints": START["joints"], "part": "b"}, "part"),
+        ({"joints": START["joints"], "at_s": 1e4}, "at_s"),
+        ({"joints": START["joints"], "at_s": -1}, "at_s"),
+        ({"part": "b", "pose": at(0, 1e4)}, "pose.at_s"),
+        ({"part": "b", "pose": {"frame": "bel"}}, "pose.frame"),
+        ({"part": "b", "pose": {**at(0), "pitch_deg": 1}}, "pose.pitch_deg"),
+        ({"part": "b", "pose": at(0), "colour": 1}, "colour"),
+        ([], "reading"),
+    ],
+)
+def test_what_is_no_reading_is_refused(reading: Any, field: str) -> None:
+    session, _ = moving_on(kept())
+    with pytest.raises(InputError) as error:
+        session.holds(reading)
+    assert error.value.field == field
