@@ -28,7 +28,7 @@ LONGEST_PLANNING_MS = 60_000.0
 
 @dataclass(frozen=True, eq=False)
 class Sighting:
-    """A part as it was seen when the clock was `seen_s`: its fields in a task."""
+    """A part as it was at `seen_s`, the time of its pose, or else that of the clock: its fields in a task."""
 
     part: Document
     seen_s: float
@@ -120,7 +120,9 @@ class RunningCell:
             raise InputError("pose.at_s", None, allowed)
         if seen_s is not None and seen_s > self.clock_s:
             raise InputError("pose.at_s", seen_s, f"at most {self.clock_s:.6g} s, the time of the clock")
-        self._known[part["name"]] = Sighting(part, self.clock_s)
+        if seen_s is not None and before is not None and seen_s < before.seen_s:
+            raise InputError("pose.at_s", seen_s, f"{before.seen_s:.6g} s or later, when the part was seen last")
+        self._known[part["name"]] = Sighting(part, self.clock_s if seen_s is None else seen_s)
 
     def gone(self, name: object) -> None:
         """A part is no longer there. Raises `InputError` for one that is not known, and for one that the committed

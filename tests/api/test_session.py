@@ -106,6 +106,33 @@ def test_the_whole_motion_keeps_the_limits_and_ends_at_rest_in_the_refuge() -> N
     assert session.proved_until_s == last.trajectory.end_s + STAY_S == every[-1].until_s
 
 
+def test_many_motions_leave_no_second_uncovered_and_nothing_is_kept_of_parts_that_are_gone() -> None:
+    session, before = running(), None
+    chance = np.random.default_rng(3)
+    for number in range(12):
+        part = f"p{number}"
+        session.see(part, kind="bracket", pose=at(chance.uniform(-210, -110), session.clock_s))
+        made = session.propose([transfer(part, gone_after_ms=400)])
+        if not made.planned:
+            session.gone(part)
+            made = session.propose([])
+        session.commit(made)
+        assert assur.check(made.answer.request or {}, made.answer)["ok"]
+        if before is not None:
+            assert before.starts_s <= made.starts_s <= before.answer.trajectory.end_s + STAY_S
+            left = before.answer.trajectory.at(min(made.starts_s, before.answer.trajectory.end_s))
+            begun = made.answer.trajectory.at(made.starts_s)
+            for name, most in zip(("positions", "velocities", "accelerations"), MOST_JUMPS, strict=True):
+                assert np.abs(getattr(left, name) - getattr(begun, name)).max() <= most
+        session.advance(max(session.clock_s, (made.base_ends_s or 0.0) - (PLANNING_S if number % 3 else -0.05)))
+        before = made
+        kept = session._running.committed.segments
+        assert len(session.parts) <= 2
+        assert len(kept[-1].before.handled) <= 2
+        assert [each.until_s for each in kept[:-1]] == [each.starts_s for each in kept[1:]]
+        assert min(each.until_s for each in kept) > session.clock_s - 10.0
+
+
 def test_a_part_that_the_motion_carries_is_in_the_gripper_of_the_next_one() -> None:
     session = running(a=-300)
     commit(session, {"pick": {"part": "a"}})
@@ -161,10 +188,22 @@ def test_a_later_sighting_counts_unless_the_motion_has_moved_the_part_since() ->
     session.advance(made.starts_s)
     table = {"at_mm": [300, -120, 60]}
     session.see("a", pose=table)  # somebody took it out of its slot
-    session.see("b", pose=at(-500))
+    session.see("b", pose=at(-500, 0.06))
+    refused(lambda: session.see("b", pose=at(-500, 0.05)), "pose.at_s", "0.06 s or later, when the part was seen last")
     made = session.propose([])
     assert place_of(made, "a")["pose"] == table
     assert place_of(made, "b")["slot"] == {"box": 2}
+
+
+def test_a_picture_from_before_a_part_was_moved_does_not_count_when_it_comes_late() -> None:
+    session = running(**PARTS)
+    made = commit(session, transfer("a"))
+    picked_s, put_s = (each["until_s"] for each in made.answer.arrivals[:2])
+    session.advance(put_s + 0.05)
+    session.see("a", pose=at(PARTS["a"] + 150 * (picked_s - 0.1), picked_s - 0.1))
+    assert place_of(session.propose([transfer("b")]), "a")["slot"] == {"box": 1}
+    session.see("a", pose={"frame": "belt", "at_mm": [-200, 0, 10], "at_s": put_s + 0.01})
+    assert place_of(session.propose([transfer("b")]), "a")["pose"]["frame"] == "belt"
 
 
 def test_a_proposal_begins_where_the_base_ends_if_that_is_ahead_and_else_after_planning() -> None:
