@@ -152,7 +152,7 @@ class Answer(Mapping[str, Any]):
         from assur.scenes.tasks.kept_cell import of_task
         from assur.scenes.tasks.next_task import checked_end, next_fields, next_request, next_values
 
-        request, made = self._known_request(), {"steps": _listed("steps", steps), "parts": _listed("parts", parts)}
+        request, made = self._known_request(), {"steps": listed("steps", steps), "parts": listed("parts", parts)}
         document, task = (None, None) if self._of is None else self._of
         if cell is not None:
             document = document_of(cell)
@@ -246,7 +246,7 @@ NOTEBOOKS = ("IPython", "marimo")
 ELSEWHERE = "answer.report('report.html') writes the same page as a file that every browser opens"
 
 
-def _listed(name: str, values: object) -> list[dict[str, Any]]:
+def listed(name: str, values: object) -> list[dict[str, Any]]:
     """A list of mappings, which may be built of `assur.request`, as plain data. Raises `InputError` below the name of
     the argument."""
     from assur.api.python.calls import plain_request

@@ -48,6 +48,11 @@ class Cell:
         """The document of the cell, or the request, as it is planned. Change a copy, not this."""
         return self._document
 
+    @property
+    def file(self) -> KeptCellFile | None:
+        """The cell file that is kept; None: this is a request."""
+        return self._file
+
     def plan(
         self,
         *,

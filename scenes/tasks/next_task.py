@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_SLOTS
+from assur.scenes.conventions import Conventions, as_maker, rates_as_maker
 from assur.scenes.faults import NOTHING, DocumentError, Refused, as_written, fault, written_key
 from assur.scenes.schema.cell_file import TASK, CellDocument, TaskDocument
 from assur.scenes.schema.normal import normal
@@ -31,6 +32,7 @@ from assur.scenes.units import si_key
 
 if TYPE_CHECKING:
     from assur.planner.frames.motion import Pose
+    from assur.planner.trajectory import Trajectory
     from assur.scenes.reading.cell import Cell
 
 Document = dict[str, Any]
@@ -85,11 +87,18 @@ class EndState:
 def end_state(request: Document, answer: object) -> EndState:
     """The state in which the plan in an answer to a request ends. The plan is not checked here. Raises `InputError`
     naming the field of the request, or one below `plan`."""
+    return state_at(request, answer, None)
+
+
+def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
+    """As `end_state`, at an instant, s, at which the plan is left: as if it ended there (None: where it ends). Raises
+    `InputError` as well for an instant at which it may not be left (`left_at`), naming `at_s`."""
     from assur.planner.laws.law import PoseUncertainty
     from assur.planner.model.phases import leg_phases, parts_gone
     from assur.scenes.reading.bodies import drifted
     from assur.scenes.reading.plan import PLAN, motion_of
     from assur.scenes.requests import cell_of, refused, validate
+    from assur.scenes.tasks.instants import left_at
 
     if refused(answer) or not isinstance(answer, dict):
         raise DocumentError(PLAN, answer, "an answer with a plan: nothing comes after one that has none")
@@ -108,11 +117,16 @@ def end_state(request: Document, answer: object) -> EndState:
         if "error" not in each:
             raise DocumentError(f"{PLAN}.arrivals[{i}].error", NOTHING, "how far the tool may be off, or null")
     scene = cell.scene
-    _, attached, known = leg_phases(scene, legs, arrivals)
-    gone = parts_gone(scene, arrivals, trajectory.end)
+    if at_s is None:
+        end_s = trajectory.end
+        _, attached, known = leg_phases(scene, legs, arrivals)
+    else:
+        end_s = at_s
+        attached, known = left_at(scene, trajectory, legs, arrivals, at_s)
+    gone = parts_gone(scene, arrivals, end_s)
     uncertainty = {name: asdict(each) for name, each in known.within if name not in gone}
     handled = gone.union(uncertainty)
-    start = _start(answer["trajectory"])
+    start = _start(answer["trajectory"], trajectory, end_s, cell.conventions)
     held = attached.held
     if held is not None:
         grasp = held.in_flange.inverse().then(scene.tool.tcp)
@@ -125,7 +139,7 @@ def end_state(request: Document, answer: object) -> EndState:
         if (held is not None and body.name == held.part) or (_has_time(body) and body.name not in handled):
             continue  # how well the one is known the grip says, and the other the time of its pose
         frame = scene.frames[places[body.name][0]]
-        off_m = frame.uncertainty.speed_m_s * (trajectory.end - trajectory.start)
+        off_m = frame.uncertainty.speed_m_s * (end_s - trajectory.start)
         if off_m > 0.0:
             before = PoseUncertainty(**uncertainty.get(body.name, vars(body.uncertainty)))
             uncertainty[body.name] = asdict(drifted(before, off_m, frame.law))
@@ -150,13 +164,21 @@ def _has_time(body: BodyDocument) -> bool:
     return body.pose is not None and body.pose.at_s is not None
 
 
-def _start(trajectory: Mapping[str, Any]) -> Document:
-    """The last point of a trajectory as the start of a request, in the maker's words: the same numbers."""
-    start: Document = {"at_s": trajectory["time_s"][-1]}
-    for key, of, rate in (("joints", "position", ""), ("velocity", "velocity", "_s"), ("acceleration",) * 2 + ("_s2",)):
-        values = trajectory[of][-1]
+def _start(written: Mapping[str, Any], motion: Trajectory, at_s: float, conventions: Conventions) -> Document:
+    """The state at an instant as the start of a request, in the maker's words: at a knot the same numbers, and those of
+    the last one from then on."""
+    if at_s in written["time_s"] or at_s > motion.end:
+        knot = -1 if at_s >= motion.end else written["time_s"].index(at_s)
+        states = [written[of][knot] for of in ("position", "velocity", "acceleration")]
+    else:
+        q, qd, qdd = motion.state(at_s)
+        states = [
+            each.tolist() for each in (as_maker(q, conventions), *(rates_as_maker(v, conventions) for v in (qd, qdd)))
+        ]
+    start: Document = {"at_s": at_s}
+    for key, rate, values in zip(("joints", "velocity", "acceleration"), ("", "_s", "_s2"), states, strict=True):
         if key == "joints" or any(values):
-            names = zip(trajectory["joint_names"], trajectory["joint_units"], values, strict=True)
+            names = zip(written["joint_names"], written["joint_units"], values, strict=True)
             start[key] = {f"{name}_{unit}{rate}": value for name, unit, value in names}
     return start
 
