@@ -94,7 +94,7 @@ def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
     """As `end_state`, at an instant, s, at which the plan is left: as if it ended there (None: where it ends). Raises
     `InputError` as well for an instant at which it may not be left (`left_at`), naming `at_s`."""
     from assur.planner.laws.law import PoseUncertainty
-    from assur.planner.model.phases import leg_phases, parts_gone
+    from assur.planner.model.phases import leg_phases, on_way, parts_gone
     from assur.scenes.reading.bodies import drifted
     from assur.scenes.reading.plan import PLAN, motion_of
     from assur.scenes.requests import cell_of, refused, validate
@@ -120,6 +120,12 @@ def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
     if at_s is None:
         end_s = trajectory.end
         _, attached, known = leg_phases(scene, legs, arrivals)
+        if belts := on_way(scene, len(scene.task)):
+            allowed = (
+                f"one whose last pick, place or follow is not corrected: behind a point on {' and '.join(belts)}, "
+                f"belt_correction may have shifted the arm, and nobody knows by how much"
+            )
+            raise DocumentError(PLAN, "this plan", allowed)
     else:
         end_s = at_s
         attached, known = left_at(scene, trajectory, legs, arrivals, at_s)

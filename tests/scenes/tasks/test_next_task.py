@@ -415,6 +415,23 @@ def test_an_answer_without_an_end_is_refused(change: Callable[[Document], object
     assert refused.value.field.startswith(field)
 
 
+@pytest.mark.parametrize("placed", [True, False])
+def test_nothing_follows_a_plan_at_whose_end_the_arm_may_be_shifted(*, placed: bool) -> None:
+    """By belt correction: the next plan would not know by how much."""
+    steps: list[Document] = [{"pick": {"part": "a"}}, {"move": {"to": "home"}}]
+    steps[1:1] = [{"place": {"part": "a", "to": {"slot": {"box": 1}}}}] if placed else []
+    cell = assur.Cell({**read(CELL), "execution": {"belt_correction": True}})
+    answer = cell.plan(**fields(read(TASK) | {"steps": steps}))
+    assert answer.planned, answer.sentence
+    goes = [{"move": {"to": {"at_mm": [300, 200, 180]}}}]
+    if placed:
+        assert cell.plan(**answer.next_task(goes)).planned
+        return
+    with pytest.raises(InputError, match="behind a point on belt, belt_correction may have shifted the arm") as refused:
+        answer.next_task(goes)
+    assert refused.value.field == "plan"
+
+
 # ---- on the command line -------------------------------------------------------------------------------------------
 
 
