@@ -161,19 +161,12 @@ def _straight(scene: Scene, step: int, kind: str, lengths: dict[str, float]) -> 
 
 
 def _alike(scene: Scene, step: int) -> list[int]:
-    """The steps that have their straight parts from the same kind or grid as this one: picks of the same grasp, and
-    places of the same height (`_is_level`), with the same lengths."""
+    """The steps that have their straight parts from the same kind or grid as this one: they are alike
+    (`_is_alike`) and have the same lengths."""
     what = scene.task[step]
-    return [
-        i
-        for i, each in enumerate(scene.task)
-        if (each.approach_m, each.depart_m) == (what.approach_m, what.depart_m)
-        and (
-            i == step
-            or _is_level(each, what)
-            or (isinstance(each, Pick) and isinstance(what, Pick) and each.grasp == what.grasp)
-        )
-    ]
+    lengths = what.approach_m, what.depart_m
+    others = [(i, each) for i, each in enumerate(scene.task) if (each.approach_m, each.depart_m) == lengths]
+    return [i for i, each in others if i == step or _is_alike(each, what)]
 
 
 def longer_straight_part(scene: Scene, step: int, facts: Separation) -> Iterator[Change]:
@@ -198,22 +191,24 @@ def higher_points(scene: Scene, step: int, refusal: Refusal) -> Iterator[Change]
     for rise in rises:
         if rise > 0.0 and (higher := _higher(what, rise)):
             yield of_step(scene, step, "point height", f"{1e3 * rise:g} mm higher", **higher)
-    count = sum(_is_level(each, what) for each in scene.task)
+    count = sum(_is_alike(each, what) for each in scene.task) if isinstance(what, Place) else 0
     for rise in dict.fromkeys(rises) if count > 1 else ():
         if rise > 0.0:
-            task = tuple(replace(each, **_higher(each, rise)) if _is_level(each, what) else each for each in scene.task)
+            task = tuple(replace(each, **_higher(each, rise)) if _is_alike(each, what) else each for each in scene.task)
             value = f"{1e3 * rise:g} mm higher, all {count} places of this height"
             yield "place heights", value, replace(scene, task=task)
 
 
-def _is_level(step: Step, what: Step) -> bool:
-    """Whether a step puts a part down as high as another one does, in the same frame and on the same bodies."""
-    return (
-        isinstance(step, Place)
-        and isinstance(what, Place)
-        and (step.to.frame, step.contact_with) == (what.to.frame, what.contact_with)
-        and abs(step.to.pose.z - what.to.pose.z) <= ROUNDING
-    )
+def _is_alike(step: Step, what: Step) -> bool:
+    """Whether two picks have the same grasp; or two places are of the same height, in the same frame and on the same
+    bodies."""
+    match step, what:
+        case Pick(), Pick():
+            return step.grasp == what.grasp
+        case Place(), Place():
+            same = (step.to.frame, step.contact_with) == (what.to.frame, what.contact_with)
+            return same and abs(step.to.pose.z - what.to.pose.z) <= ROUNDING
+    return False
 
 
 def _higher(what: Step, rise: float) -> dict[str, Any]:
