@@ -197,16 +197,17 @@ def test_a_change_of_the_cell_is_undone_at_once(studio: Studio) -> None:
     assert studio.text == cell
 
 
-def test_a_change_that_the_text_cannot_have_has_no_button(studio: Studio) -> None:
-    """The second part is too high for the approach, which is that of the kind of both."""
+def test_a_straight_part_of_a_kind_is_applied_for_all_its_picks(studio: Studio) -> None:
+    """The second part is too high for the approach, which is that of the kind of both: it is changed in the cell."""
     assert studio.dropped(("cell.yaml", HIGH.encode()), ("task.yaml", HIGHER.encode()))
     studio.until(DRAWS_TABLE)
     studio.planned()
     row = studio.page.locator("#answers .proposal")
-    assert "This change was tried and works: heights: approach " in row.inner_text()
-    assert "without a change of anything else: these are for the pick of b in step 1, transfer;" in row.inner_text()
-    assert row.locator("button").count() == 0
-    assert studio.faults == studio.note == ""
+    assert "This change was tried and works: heights: approach 26 mm, all 2 alike." in row.inner_text()
+    row.locator("button").click()
+    studio.until("document.querySelector('#answers figcaption').textContent.includes(': planned,')")
+    studio.choose(value_of(studio, "cell"))
+    assert studio.text == HIGH.replace("approach: {mm: 130}", "approach: {mm: 26}")
 
 
 def test_a_window_of_a_transfer_is_applied_for_all_its_parts(studio: Studio) -> None:
