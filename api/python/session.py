@@ -114,8 +114,7 @@ class Session:
         """A part is there: a new one, or one that is known, at another place.
 
         `fields`: those of a part of a task: ``kind`` or ``shape``, ``pose`` or ``slot``, ``uncertainty``. Of a part
-        that is known, kind or shape may be left out. On a frame whose speed is uncertain the pose has its time,
-        ``at_s``.
+        that is known, kind or shape may be left out. On a frame whose speed is uncertain the pose has an ``at_s``.
         Proposals that are made from then on know it; the committed motion does not. Raises `InputError` naming the
         field.
         """

@@ -94,7 +94,7 @@ def segment_of(request: Document, task: Document, answer: Document, before: Hist
     return Segment(request, task, answer, cell, motion, legs, arrivals, before, motion.start, until_s, until_s)
 
 
-class Committed:
+class CommittedMotion:
     """The committed motion; it begins with one plan."""
 
     def __init__(self, first: Segment) -> None:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from assur.planner.frames.motion import Motion
     from assur.planner.laws.law import Frame
     from assur.scenes.reading.cell import Cell
-    from assur.scenes.session.committed import Committed, Segment
+    from assur.scenes.session.committed import CommittedMotion, Segment
 
 ROUNDING = 1e-9
 """A reading may be beyond its bound by this, rad or m: rounding of units and sums."""
@@ -70,7 +70,7 @@ class Coverage:
     reason: str
 
 
-def covered(committed: Committed, reading: object, clock_s: float) -> Coverage:
+def covered(committed: CommittedMotion, reading: object, clock_s: float) -> Coverage:
     """Compares a reading with the committed motion. Raises `InputError` naming the field, also for a time
     before the motion that is kept or behind the clock, and for the pose of a part that the gripper holds then."""
     try:
@@ -97,7 +97,7 @@ def covered(committed: Committed, reading: object, clock_s: float) -> Coverage:
         return _of_part(committed.at(at_s), item.part, item.pose or PlaceInCell(), at_s)
 
 
-def _of_joints(committed: Committed, q: FloatArray, at_s: float) -> Coverage:
+def _of_joints(committed: CommittedMotion, q: FloatArray, at_s: float) -> Coverage:
     """The robot is where the motion has it, up to its lag, at some instant by which it may be late."""
     cell = committed.last.cell
     execution = cell.scene.execution

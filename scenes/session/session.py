@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
+from assur.scenes.bounds import LONG_S
 from assur.scenes.faults import DocumentError, choices, documented
 from assur.scenes.schema.cell_file import TASK
 from assur.scenes.schema.normal import normal, plain
-from assur.scenes.session.committed import Committed, History, Segment, segment_of
+from assur.scenes.session.committed import CommittedMotion, History, Segment, segment_of
 from assur.scenes.tasks.kept_cell import KeptCellFile, TaskOfCell, of_task
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ class Sighting:
 
 
 @dataclass(frozen=True, eq=False)
-class Made:
+class NextMotion:
     """What was proposed: the `answer` to the `request` of a `task`, from `starts_s` on. `base_ends_s`: where the way to
     the refuge begins; None without a plan. `segment`: the plan, None where there is none."""
 
@@ -70,10 +71,10 @@ class RunningCell:
             raise InputError("refuge", refuge, allowed)
         if made.segment.cell.scene.options.end != "rest":
             raise InputError("options.end", "moving", "rest: each motion of a session ends at rest in the refuge")
-        self.committed = Committed(made.segment)
+        self.committed = CommittedMotion(made.segment)
         self.clock_s = made.segment.starts_s
         self._known: dict[str, Sighting] = {}
-        self._open: dict[int, Made] = {}
+        self._open: dict[int, NextMotion] = {}
         self._used: set[int] = set()
         self._number = 0
 
@@ -89,7 +90,7 @@ class RunningCell:
 
     def advance(self, to_s: float) -> None:
         """Sets the clock. Raises `InputError` for a time that has passed, and for one up to which nothing is proved."""
-        to_s = number("to_s", to_s, self.clock_s, math.inf)
+        to_s = number("to_s", to_s, self.clock_s, LONG_S)
         if to_s > self.proved_until_s:
             until = f"up to {self.proved_until_s:.6g} s, until when standing in {self.refuge} is proved"
             raise InputError("to_s", to_s, f"{until}: propose and commit the next motion before")
@@ -138,7 +139,7 @@ class RunningCell:
             raise InputError("name", name, "a part that the gripper does not hold now")
         del self._known[name]
 
-    def propose(self, steps: Sequence[object], at_s: float | None = None) -> Made:
+    def propose(self, steps: Sequence[object], at_s: float | None = None) -> NextMotion:
         """The next motion: `steps`, then the way to the refuge. It begins in the state of the committed motion at
         `at_s` (None: where its base ends, if that is far enough ahead; else as soon as planning is over).
 
@@ -149,7 +150,7 @@ class RunningCell:
         ready_s = self.clock_s + self._planning_s
         if at_s is None:
             at_s = max(_base_ends(self.committed.last), ready_s)
-        at_s = number("at_s", at_s, ready_s, math.inf, f"when planning is over ({1e3 * self._planning_s:g} ms)")
+        at_s = number("at_s", at_s, ready_s, LONG_S, f"when planning is over ({1e3 * self._planning_s:g} ms)")
         left = self.committed.at(at_s)
         state = state_at(left.request, left.answer, at_s)
         before = left.history(at_s)
@@ -198,14 +199,14 @@ class RunningCell:
         self._open.clear()
         self._used.add(number)
 
-    def _planned(self, number: int, at_s: float, task: Document, before: History) -> Made:
+    def _planned(self, number: int, at_s: float, task: Document, before: History) -> NextMotion:
         """A proposal with the answer to a task that begins at `at_s`."""
         made, answer = self._kept.plan(task)
         segment = None
         if answer["status"] == "planned":
             segment = segment_of(made.request, task, answer, before)
         ends_s = None if segment is None else _base_ends(segment)
-        return Made(number, at_s, ends_s, made.request, task, answer, segment)
+        return NextMotion(number, at_s, ends_s, made.request, task, answer, segment)
 
     def _with_refuge(self, steps: Sequence[object]) -> list[object]:
         return [*plain({"steps": list(steps)})["steps"], {"move": {"to": self.refuge}}]
@@ -262,6 +263,6 @@ def number(field: str, value: object, least: float, most: float, why: str = "") 
     if isinstance(given, bool) or not isinstance(given, int | float) or not math.isfinite(given):
         raise InputError(field, value, "a finite number")
     if not least <= given <= most:
-        bounds = f"{least:.6g} or more" if most == math.inf else f"{least:.6g} to {most:.6g}"
+        bounds = f"{least:.6g} to {most:.6g}"
         raise InputError(field, value, f"{bounds}: {why}" if why else bounds)
     return float(given)

@@ -285,7 +285,9 @@ def test_no_second_is_without_a_proof() -> None:
     refused(lambda: session.advance(until_s + 1e-9), "to_s", "propose and commit the next motion before")
     session.advance(until_s)
     refused(lambda: session.propose([]), "at_s", "until when standing is proved")
-    refused(lambda: session.advance(until_s - 1e-3), "to_s", "or more")
+    refused(lambda: session.advance(until_s - 1e-3), "to_s", f"{session.clock_s:.6g} to 100000")
+    refused(lambda: session.advance(1e9), "to_s", "to 100000")
+    refused(lambda: session.propose([], at_s=1e9), "at_s", "to 100000")
     refused(lambda: session.advance(math.nan), "to_s", "a finite number")
 
 
