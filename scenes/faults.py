@@ -7,8 +7,7 @@ by SI names. Here it becomes the path with the keys as they were written (`speed
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Any
 
 from assur.planner.errors import InputError
@@ -303,13 +302,9 @@ class Gathered:
         else:
             self.faults.append(fault_at(error, *path))
 
-    @contextmanager
-    def part(self, *path: str | int) -> Iterator[None]:
+    def part(self, *path: str | int) -> _Part:
         """A part is read inside: what is refused is refused at `path`, or below it."""
-        try:
-            yield
-        except FAULTS as error:
-            self.add(error, *path)
+        return _Part(self, path)
 
     def settle(self) -> None:
         """Raises the faults of all parts, if there are any."""
@@ -324,6 +319,22 @@ class Gathered:
             first = _Located(first)
         first.more = (*first.more, *rest)
         raise first
+
+
+class _Part:
+    """Inside, faults are added to those that are gathered."""
+
+    def __init__(self, gathered: Gathered, path: Path) -> None:
+        self._gathered, self._path = gathered, path
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
+        if not isinstance(error, FAULTS):
+            return False
+        self._gathered.add(error, *self._path)
+        return True
 
 
 class _Located(Refused):

@@ -183,14 +183,14 @@ def _distances(scene: Scene) -> dict[str, FloatArray]:
 
 def solids_in(scene: Scene) -> dict[str, FloatArray]:
     """Those of the bodies of a scene (`solids_of`), kept with its cell."""
-    return scene.kept.of(_solids, scene)
+    return scene.kept.of_solids(_solids, scene)
 
 
 def _solids(scene: Scene | KeptCell) -> dict[str, FloatArray]:
     before, bodies = scene.kept.before, bodies_in(scene)
     if before is None:
         return solids_of(bodies, scene.pieces if isinstance(scene, Scene) else pieces(bodies))
-    known, bodies = before.of(_solids, before), bodies[len(bodies_in(before)) :]
+    known, bodies = before.of_solids(_solids, before), bodies[len(bodies_in(before)) :]
     own = solids_of(bodies, pieces(bodies))
     own["bodies"][:, c.BODY_PIECE] += len(known["pieces"])
     own["bodies"][:, c.BODY_TRIANGLE] += len(known["triangles"])

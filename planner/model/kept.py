@@ -36,6 +36,7 @@ class KeptCell:
     ) -> None:
         self.robot, self.tool, self.frames, self.bodies, self.before = robot, tool, frames, bodies, before
         self._made: dict[Hashable, Any] = {}
+        self._with: tuple[tuple[WorldBody, ...], dict[Hashable, Any]] = ((), {})
 
     @property
     def kept(self) -> KeptCell:
@@ -66,6 +67,25 @@ class KeptCell:
                 all_made = self._made = {}
             made = all_made[place] = make(scene)
         return made
+
+    def of_solids(self, make: Callable[[Any], Made], scene: Scene | KeptCell) -> Made:
+        """As `of`, for what depends on the solids of the bodies, and neither on their names nor on where they are: what
+        was made of the same solids behind the cell `before` is taken again."""
+        before = self.before
+        if before is None:
+            return self.of(make, scene)
+        added, (last, all_made) = scene.bodies[len(before.bodies) :], before._with
+        if len(added) != len(last) or not all(map(_are_alike, added, last)):
+            last, all_made = before._with = added, {}
+        made: Made | None = all_made.get(make)
+        if made is None:
+            made = all_made[make] = make(scene)
+        return made
+
+
+def _are_alike(one: WorldBody, other: WorldBody) -> bool:
+    """Whether two bodies have the same solid: the same objects."""
+    return one.body.pieces is other.body.pieces and one.body.surface is other.body.surface
 
 
 class _NoCell(KeptCell):

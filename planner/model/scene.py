@@ -160,11 +160,11 @@ class Scene:
         if not self.task:
             raise InputError("task", self.task, "at least one step")
         if not self.kept.fits(self):
-            self._check_bodies()
             before = self.kept if self.kept.begins(self) else None
             object.__setattr__(self, "kept", KeptCell(self.robot, self.tool, self.frames, self.bodies, before))
+        self.kept.of(_names, self)
         object.__setattr__(self, "index", self.kept.of(_index, self))
-        object.__setattr__(self, "pieces", self.kept.of(_pieces_of, self))
+        object.__setattr__(self, "pieces", self.kept.of_solids(_pieces_of, self))
         check_tool_point(self.robot, self.tool)
         holding = self.start.holding
         if holding is not None and holding.part not in self.index:
@@ -180,16 +180,6 @@ class Scene:
         self._check_rounding()
         check_ranges(self.robot, self.forbidden_yaw, self.execution.lag)
         check_timing(self.options, self.task, self.frames, moving=self.start.moving)
-
-    def _check_bodies(self) -> None:
-        """Every body has a name of its own, and a frame."""
-        names = [body.name for body in bodies_in(self)]
-        if len(set(names)) < len(names):
-            twice = next(name for i, name in enumerate(names) if name in names[:i])
-            raise InputError("bodies", twice, "names that are unique, the robot's and the tool's bodies included")
-        for i, body in enumerate(self.bodies):
-            if body.frame not in self.frames:
-                raise InputError(f"bodies[{i}].pose.frame", body.frame, f"one of {sorted(self.frames)}")
 
     def _check_rounding(self) -> None:
         """No frame is so fast, or stated so long ago, that proofs about what is on it would be about rounding."""
@@ -298,6 +288,24 @@ def bodies_in(scene: Scene | KeptCell) -> tuple[Body, ...]:
     return (*own, *scene.tool.bodies, *[item.body for item in scene.bodies])
 
 
+def _names(scene: Scene | KeptCell) -> set[str]:
+    """The names of the bodies. Raises `InputError` unless each is the only one with its name, and is in a frame."""
+    before, names = scene.kept.before, set[str]()
+    if before is None:
+        first, added = 0, bodies_in(scene)
+    else:
+        first, names = len(before.bodies), {*before.of(_names, before)}
+        added = tuple([item.body for item in scene.bodies[first:]])
+    for body in added:
+        if body.name in names:
+            raise InputError("bodies", body.name, "names that are unique, the robot's and the tool's bodies included")
+        names.add(body.name)
+    for i, item in enumerate(scene.bodies[first:], first):
+        if item.frame not in scene.frames:
+            raise InputError(f"bodies[{i}].pose.frame", item.frame, f"one of {sorted(scene.frames)}")
+    return names
+
+
 def laws_of(scene: Scene) -> tuple[FloatArray, FloatArray]:
     """The rows of the laws of the frames, and their side table (`law_tables`)."""
     return law_tables([frame.law for frame in scene.frames.values()])
@@ -307,7 +315,7 @@ def _pieces_of(scene: Scene | KeptCell) -> Pieces:
     before = scene.kept.before
     if before is None:
         return pieces(bodies_in(scene))
-    return pieces([item.body for item in scene.bodies[len(before.bodies) :]], before.of(_pieces_of, before))
+    return pieces([item.body for item in scene.bodies[len(before.bodies) :]], before.of_solids(_pieces_of, before))
 
 
 def _index(scene: Scene) -> dict[str, WorldBody]:

@@ -10,8 +10,7 @@ from __future__ import annotations
 import logging
 import threading
 from collections import OrderedDict
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from assur.planner.geometry.shapes import Hull
 from assur.planner.model.deadline import OutOfTimeError, out_of_time
@@ -30,8 +29,7 @@ UNFINISHED = 4
 """Coverings that are kept unfinished."""
 
 
-@dataclass(frozen=True, slots=True)
-class Key:
+class Key(NamedTuple):
     """All that a cover depends on, besides the code: SHA-256 of the file, its format, its unit."""
 
     digest: str

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Pose
-from assur.planner.geometry.shapes import AXES, ORIGIN, Body, Piece, box, capsule, cylinder, sphere
+from assur.planner.geometry.shapes import AXES, ORIGIN, Body, Piece, Primitive, box, capsule, cylinder, sphere
 from assur.planner.laws.law import EXACT, Law, PoseUncertainty
 from assur.planner.model.deadline import OutOfTimeError
 from assur.planner.model.scene import WORLD, WorldBody
@@ -29,21 +30,29 @@ from assur.scenes.schema.task import TargetDocument
 def solid(name: str, shape: ShapeDocument) -> Body:
     """The body in its own frame. Raises `Refused` at the field of a mesh that it refuses; the model of a document has
     refused whatever else is no solid."""
-    axis = "z"
     if shape.box is not None:
-        primitive = box(*shape.box.size_m)
-    elif shape.sphere is not None:
-        primitive = sphere(shape.sphere.radius_m)
-    elif shape.cylinder is not None:
-        primitive, axis = cylinder(shape.cylinder.radius_m, shape.cylinder.height_m), shape.cylinder.axis
-    elif shape.capsule is not None:
-        primitive, axis = capsule(shape.capsule.radius_m, shape.capsule.length_m), shape.capsule.axis
-    elif shape.mesh is not None:
+        return Body(name, _piece(box, tuple(shape.box.size_m)))
+    if shape.sphere is not None:
+        return Body(name, _piece(sphere, (shape.sphere.radius_m,)))
+    if shape.cylinder is not None:
+        sizes = shape.cylinder.radius_m, shape.cylinder.height_m
+        return Body(name, _piece(cylinder, sizes, shape.cylinder.axis))
+    if shape.capsule is not None:
+        return Body(name, _piece(capsule, (shape.capsule.radius_m, shape.capsule.length_m), shape.capsule.axis))
+    if shape.mesh is not None:
         with within("shape", "mesh"):
             return _mesh(name, shape.mesh)
-    else:
-        raise FaultError("a shape of no kind passed its model")
-    return Body(name, (Piece(primitive, ORIGIN, AXES[axis]),))
+    raise FaultError("a shape of no kind passed its model")
+
+
+MOST_PIECES = 256
+"""Primitive solids that are kept: bodies with the same numbers share one, and what the planner made of it."""
+
+
+@lru_cache(MOST_PIECES)
+def _piece(make: Callable[..., Primitive], sizes: tuple[float, ...], axis: str = "z") -> tuple[Piece, ...]:
+    """A primitive about the origin, its axis along x, y or z."""
+    return (Piece(make(*sizes), ORIGIN, AXES[axis]),)
 
 
 def _mesh(name: str, mesh: MeshDocument) -> Body:

@@ -40,7 +40,7 @@ class KeptCellFile:
         stated = {key: written[key] for key in STATED_BY_CELL if key in written}
         self.alone = RequestDocument.of_cell(read_fields(RequestDocument, stated))
         self._around: Kept = {}
-        self._last: tuple[Sequence[BodyDocument], Depends, Surroundings] | None = None
+        self._last: tuple[str, Depends, Surroundings] | None = None
 
     def check(self) -> None:
         """Reads and builds all that the cell has: names, meshes, kinds, positions and slots. Raises `DocumentError` at
@@ -83,15 +83,16 @@ class KeptCellFile:
             raise of_task(made.relocated(error)) from error
         return made, answer_to_task(answer, made, lambda values: joined(self.file, task, values))
 
-    def around(self, parts: Sequence[BodyDocument], depends: Depends, start_s: float) -> Surroundings | None:
-        """Robot and surroundings with these parts; None where something of them has a fault. `start_s`: of the task."""
-        last, held = self._last, depends[0]
-        if last is not None and last[1] == depends and last[0] == parts:
+    def around(self, request: RequestDocument, parts: Sequence[BodyDocument], depends: Depends) -> Surroundings | None:
+        """Robot and surroundings of the request of a task with these parts; None where something of them has a
+        fault."""
+        last, (held, drifts_from_s) = self._last, depends
+        if last is not None and last[1] == depends and last[0] == request.surroundings:
             return last[2]
         from assur.scenes.reading.cell import around, start_of_drift
 
         own = held if held is not None and any(body.name == held for body in self.alone.bodies) else None
-        of_cell = own, start_of_drift(self.alone, start_s)
+        of_cell = own, None if drifts_from_s is None else start_of_drift(self.alone, drifts_from_s)
         cell = self._around.get(of_cell)
         if cell is None:
             faults = Gathered()
@@ -103,7 +104,7 @@ class KeptCellFile:
             made = cell.with_parts(parts, depends)
         except (Refused, InputError):
             return None
-        self._last = parts, depends, made
+        self._last = request.surroundings, depends, made
         return made
 
 
@@ -145,5 +146,5 @@ class TaskOfCell:
         from assur.scenes.reading.cell import depends_of
 
         depends = depends_of(request)
-        found = self._kept.around(self._parts, depends, request.start.at_s)
+        found = self._kept.around(request, self._parts, depends)
         return None if found is None else {depends: found}

@@ -15,7 +15,7 @@ from assur.planner.claim.filling import claim_of, with_plan
 from assur.planner.claim.frames import arms_of, knots_at_rest, knots_of, law_of
 from assur.planner.claim.obligations import distances_of, solids_in, solids_of
 from assur.planner.errors import InputError
-from assur.planner.geometry.shapes import sphere
+from assur.planner.geometry.shapes import Body, pieces, sphere
 from assur.planner.laws import Change, Pose, conveyor, indexer, keyframes
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import ClearanceException, bodies_in
@@ -64,6 +64,33 @@ def test_solids_behind_those_of_a_kept_cell_are_as_if_all_were_new(first: int) -
     for name, table in whole.items():
         assert np.array_equal(found[name], table), name
         assert found[name].dtype == table.dtype
+
+
+def test_the_same_solids_elsewhere_and_under_other_names_are_not_made_again() -> None:
+    post, tray = Around(solid("post", sphere(0.02))), Around(mesh_box("tray", 0.1, 0.1, 0.1))
+    of_cell = cell(go(0.3, 0.0), bodies=(Around(mesh_box("bin", 0.2, 0.2, 0.1)),), robot=arm(column=0.05), tool=CUP)
+    scene = replace(of_cell, bodies=(*of_cell.bodies, post, tray))
+    renamed = replace(post, body=Body("pole", post.body.pieces), pose=Pose(1.0, 0.0, 0.0))
+    same = replace(of_cell, bodies=(*of_cell.bodies, renamed, replace(tray, pose=Pose(0.0, 1.0, 0.0))))
+    assert same.pieces is scene.pieces
+    assert solids_in(same) is solids_in(scene)
+    smaller = Around(solid("post", sphere(0.01)))
+    for others in ((smaller, tray), (tray, post), (post,), (post, tray, replace(tray, body=renamed.body))):
+        other = replace(of_cell, bodies=(*of_cell.bodies, *others))
+        whole = pieces(bodies_in(other))
+        assert np.array_equal(other.pieces.table, whole.table)
+        for name, table in solids_of(bodies_in(other), whole).items():
+            assert np.array_equal(solids_in(other)[name], table), name
+
+
+@pytest.mark.parametrize("name", ["bin", "post", "link1"])
+def test_a_further_body_has_a_name_that_no_other_body_has(name: str) -> None:
+    own = [item.body.name for item in arm(column=0.05).bodies]
+    of_cell = cell(go(0.3, 0.0), bodies=(Around(mesh_box("bin", 0.2, 0.2, 0.1)),), robot=arm(column=0.05), tool=CUP)
+    post, twin = Around(solid("post", sphere(0.02))), Around(solid(own[0] if name == "link1" else name, sphere(0.01)))
+    with pytest.raises(InputError, match="names that are unique") as refused:
+        replace(of_cell, bodies=(*of_cell.bodies, post, twin))
+    assert refused.value.value == twin.body.name
 
 
 def test_an_arm_has_no_more_joints_than_the_tables_have_columns_for() -> None:
