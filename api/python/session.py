@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
 
 from assur.api.python.answer import Answer, listed
 from assur.api.python.calls import plain_request
@@ -13,7 +15,9 @@ from assur.planner.errors import InputError
 
 if TYPE_CHECKING:
     from assur.scenes.session.committed import Segment
+    from assur.scenes.session.log import SessionLog
     from assur.scenes.session.reading import Coverage
+    from assur.scenes.session.replay import Replay
     from assur.scenes.session.session import RunningCell
 
 
@@ -65,12 +69,14 @@ class Session:
         refuge: str,
         planning_ms: float = 20.0,
         options: object = None,
+        log: str | PathLike[str] | None = None,
     ) -> None:
         """Plans the way from `start`, as a task has it, to the refuge; this motion is committed.
 
         `cell`: a cell file, or an `assur.Cell` of one. `planning_ms`: how long planning takes, on the session's clock;
-        it is not measured. `options`: of every motion, where the cell does not state them. Raises `InputError` naming
-        the argument or the field, also for a refuge that cannot be reached or is not safe, with the reason.
+        it is not measured. `options`: of every motion, where the cell does not state them. `log`: a file to which the
+        session writes its log (MCAP), up to `close`. Raises `InputError` naming the argument or the field, also for a
+        refuge that cannot be reached or is not safe, with the reason; `OSError` for a log that cannot be written.
         """
         from assur.scenes.session.session import RunningCell
 
@@ -80,7 +86,20 @@ class Session:
             raise InputError("cell", "a request", "a cell file: a request has no named positions, kinds and slots")
         first, given = plain_request(start), None if options is None else plain_request(options)
         self._document = kept.document
-        self._running: RunningCell = RunningCell(file, first, refuge, planning_ms, given)
+        self._log: SessionLog | None = None
+        self._running: RunningCell
+        if log is None:
+            self._running = RunningCell(file, first, refuge, planning_ms, given)
+            return
+        from assur.scenes.session.log import SessionLog
+        from assur.scenes.session.recorded import RecordedCell
+
+        self._log = SessionLog(Path(log), kept.document)
+        try:
+            self._running = RecordedCell(self._log, file, first, refuge, planning_ms, given)
+        except BaseException:
+            self._log.close()
+            raise
 
     @property
     def clock_s(self) -> float:
@@ -155,8 +174,32 @@ class Session:
         """
         return self._running.covered(plain_request(reading))
 
+    def close(self) -> None:
+        """Finishes the log: later calls are not in it. ``with assur.Session(...) as session:`` does it, too. A session
+        without a log needs no closing."""
+        if self._log is not None:
+            self._log.close()
+            self._log = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
     def _answer(self, of: Segment) -> Answer:
         return Answer.made(of.answer, of.request, (self._document, of.task))
 
     def __repr__(self) -> str:
         return f"<Session: {self.clock_s:.6g} s, {len(self.parts)} parts, proved until {self.proved_until_s:.6g} s>"
+
+
+def replay(log: str | PathLike[str]) -> Replay:
+    """Does what the log of a session has again, in a new session, and compares what each call gives.
+
+    ``replay(log).same``: all of it is given again, the plans to the bit. `difference` says what is not. Raises
+    `InputError` for a file that is no log of a session, and `OSError`.
+    """
+    from assur.scenes.session.replay import replay as again
+
+    return again(Path(log))

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from assur.api.python.motion import Samples, Trajectory
     from assur.api.python.saved import load_answer
     from assur.api.python.service_errors import ProblemError, RemoteInputError, ServiceError
-    from assur.api.python.session import CommittedPlan, Proposal, Session
+    from assur.api.python.session import CommittedPlan, Proposal, Session, replay
     from assur.planner.errors import AssurError, InputError
 
     __version__: str
@@ -48,6 +48,7 @@ __all__ = [
     "load",
     "load_answer",
     "plan",
+    "replay",
     "request",
     "robots",
     "scenarios",
@@ -61,7 +62,7 @@ _HOME = {
     **dict.fromkeys(("Answer", "NotPlannedError"), "assur.api.python.answer"),
     **dict.fromkeys(("Samples", "Trajectory"), "assur.api.python.motion"),
     **dict.fromkeys(("AsyncClient", "Client"), "assur.api.python.client"),
-    **dict.fromkeys(("CommittedPlan", "Proposal", "Session"), "assur.api.python.session"),
+    **dict.fromkeys(("CommittedPlan", "Proposal", "Session", "replay"), "assur.api.python.session"),
     "Health": "assur.api.python.exchange",
     **dict.fromkeys(("ProblemError", "RemoteInputError", "ServiceError"), "assur.api.python.service_errors"),
     **dict.fromkeys(("AssurError", "InputError"), "assur.planner.errors"),

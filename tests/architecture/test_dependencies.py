@@ -10,7 +10,7 @@ from importlib.metadata import packages_distributions
 from tests.architecture.source_tree import BESIDE, PRODUCT, ROOT, imports, sources
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-EXTRAS = ("plot", "client", "xacro", "dae", "proof")
+EXTRAS = ("plot", "client", "xacro", "dae", "proof", "log")
 """Extras of the product; whoever calls what needs one that is not there is told its name."""
 ELSEWHERE = {"pycollada", "xacrodoc"}
 """Extras that trimesh imports, and that a process of its own does."""

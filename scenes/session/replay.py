@@ -1,0 +1,111 @@
+"""A log of a session is replayed: the same calls on a new session, and each result compared with that of the log."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from assur.planner.errors import InputError
+from assur.scenes.session.recorded import ARGUMENTS, FIRST, OF_FIRST, RecordedCell
+from assur.scenes.tasks.kept_cell import KeptCellFile
+
+if TYPE_CHECKING:
+    from assur.scenes.session.committed import CommittedMotion
+
+Document = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Replay:
+    """How a log was replayed: `calls` that gave the same as in the log, and, where one did not, what differs first."""
+
+    calls: int
+    difference: str | None
+
+    @property
+    def same(self) -> bool:
+        """Whether all of the log was given again."""
+        return self.difference is None
+
+
+class _Comparison:
+    """Compares each call with the one that is expected."""
+
+    def __init__(self) -> None:
+        self.expected: Document = {}
+        self.difference: str | None = None
+
+    def called(self, event: Document) -> None:
+        found = json.loads(json.dumps(event))
+        if _text(found) != _text(self.expected):
+            where = _differs(self.expected, found, event["call"])
+            self.difference = f"at {event['clock_s']:.6g} s: {where}"
+
+    def moved(self, motion: CommittedMotion, from_s: float, to_s: float) -> None:
+        """Nothing: states follow from the plans."""
+
+
+def replay(path: Path) -> Replay:
+    """Replays a log. It ends with the first call that gives something else. Raises `InputError` for a file that is no
+    log of a session, and `OSError`."""
+    from assur.scenes.session.log import read_log
+
+    cell, events = read_log(path)
+    comparison, running, calls = _Comparison(), None, 0
+    for event in events:
+        given = _arguments(event, first=running is None)
+        if given is None:
+            raise InputError(
+                "log", path.name, f"the log of a session; its call number {calls + 1} is none of a session"
+            )
+        comparison.expected = event
+        try:
+            if running is None:
+                running = RecordedCell(comparison, KeptCellFile(cell), **given)
+            else:
+                getattr(running, event["call"])(**given)
+        except InputError as error:
+            if running is None:
+                comparison.difference = f"the session is refused: {error}"
+        if comparison.difference is not None:
+            return Replay(calls, comparison.difference)
+        calls += 1
+    if running is None:
+        raise InputError("log", path.name, "the log of a session with one call at least")
+    return Replay(calls, None)
+
+
+def _arguments(event: object, *, first: bool) -> dict[str, Any] | None:
+    """The arguments of a call of a log; None where it is no call that is allowed there."""
+    if not isinstance(event, dict) or not isinstance(event.get("call"), str):
+        return None
+    names = OF_FIRST if first and event["call"] == FIRST else None if first else ARGUMENTS.get(event["call"])
+    given = event.get("arguments")
+    return given if names is not None and isinstance(given, dict) and given.keys() == set(names) else None
+
+
+def _differs(one: Any, other: Any, where: str) -> str:
+    """The first place at which two documents differ, and the values there."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        for key in [*one, *[key for key in other if key not in one]]:
+            if key not in one or key not in other:
+                there, what = ("the log", one[key]) if key in one else ("the replay", other[key])
+                return f"{where}.{key} is only in {there}: {_short(what)}"
+            if _text(one[key]) != _text(other[key]):
+                return _differs(one[key], other[key], f"{where}.{key}")
+    if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        k = next(k for k, pair in enumerate(zip(one, other, strict=True)) if _text(pair[0]) != _text(pair[1]))
+        return _differs(one[k], other[k], f"{where}[{k}]")
+    return f"{where} is {_short(one)} in the log, and {_short(other)} in the replay"
+
+
+def _text(value: object) -> str:
+    """A text that two values have if they are the same; NaN is the same as NaN."""
+    return json.dumps(value, sort_keys=True)
+
+
+def _short(value: object) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
