@@ -1,0 +1,307 @@
+"""The log of a session, played: whether its plans follow each other in one world, and no part is hit that they do not
+know.
+
+The judge keeps a world of its own: where each part is by its sightings and by what the arm has done with it. A plan has
+to begin in the state in which the one before is left, in time, with the parts of that world where they are; and what it
+does not know it must not touch while it is executed. What a plan promises by itself the other modules judge.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from benchmarks.judge.cell import Cell, grasp_of
+from benchmarks.judge.faults import Violation, beyond
+from benchmarks.judge.laws import seat, seat_then
+from benchmarks.judge.motion import Motion
+from benchmarks.judge.poses import Document, Floats, Poses, pose_in, short, si
+from benchmarks.judge.product import as_si
+from benchmarks.judge.simulation import FASTEST_M_S, FINER, STEP_S
+from benchmarks.judge.solids import Solid, apart_at_least, gaps, solid_of
+
+JUMPS = (1e-9, 1e-7, 1e-5)
+"""Most by which q, q̇ and q̈ may differ where one plan follows another, SI."""
+PLACE_M, PLACE_RAD, SOON_S = 1e-6, 1e-6, 1e-9
+"""How exactly places and times of documents are the same."""
+AHEAD_S = 60.0
+"""A part that is seen so much later is not near during a plan."""
+
+
+@dataclass(eq=False)
+class Executed:
+    """A plan that was committed: proposed (`number`: of the call) and committed at these times of the clock, executed
+    until `until_s`."""
+
+    motion: Motion
+    number: int
+    proposed_s: float
+    committed_s: float
+    starts_s: float
+    until_s: float = np.inf
+
+    @property
+    def cell(self) -> Cell:
+        return self.motion.cell
+
+    @property
+    def proved_until_s(self) -> float:
+        """To the end of the standstill; for ever where nothing moves by itself."""
+        if not any(frame.moves for frame in self.cell.frames.values()):
+            return np.inf
+        return self.motion.end_s + float(self.motion.request.get("options", {}).get("stay_safe_s", 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Sighting:
+    """A part that was seen, by call `number` at `clock_s`: it was there at `seen_s`; frame and pose in it, what is not
+    known of it, m and rad, and its solid."""
+
+    name: str
+    number: int
+    clock_s: float
+    seen_s: float
+    frame: str
+    pose: Poses
+    unknown: Document
+    solid: Solid
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A part of the world: on a frame, or in the gripper (`frame` None, pose in the flange); since when it is so."""
+
+    frame: str | None
+    pose: Poses
+    since_s: float
+    solid: Solid
+    unknown: Document = field(default_factory=dict)
+
+
+class Session:
+    """What a log says: the plans that were executed, and when which part was seen and taken away."""
+
+    def __init__(self, cell: Document, events: Sequence[Document]) -> None:
+        first, self.document = events[0], cell
+        self.planning_s = float(first["arguments"]["planning_ms"]) / 1e3
+        self.refuge = cell["positions"][first["arguments"]["refuge"]]
+        self.plans = [self._plan(first, 0, float(first["clock_s"]))]
+        self.sightings: list[Sighting] = []
+        self.removed: list[tuple[str, int, float]] = []
+        """Parts that were taken away: by which call (those of a step: by none, 0), and when."""
+        self.reached: list[tuple[float, float]] = []
+        """Times to which the clock was set, and until when the motion was proved then."""
+        proposed: dict[int, tuple[int, float]] = {}
+        for number, event in enumerate(events):
+            if "refused" in event:
+                continue
+            given, result, clock = event["arguments"], event["result"], event["clock_s"]
+            if event["call"] == "see":
+                self.sightings.append(self._sighting(number, given["name"], given["fields"], clock))
+            elif event["call"] == "gone":
+                self.removed.append((given["name"], number, clock))
+            elif event["call"] == "propose":
+                proposed[result["id"]] = number, clock
+            elif event["call"] == "commit":
+                made = self._plan(event, *proposed[given["number"]])
+                self.plans = [each for each in self.plans if each.starts_s < made.starts_s]
+                if self.plans:
+                    self.plans[-1].until_s = made.starts_s
+                self.plans.append(made)
+            elif event["call"] == "advance":
+                self.reached.append((given["to_s"], self.plans[-1].proved_until_s))
+        self.ends_s = max([first["clock_s"], *[to_s for to_s, _ in self.reached]])
+        self.plans = [replace(each, until_s=min(each.until_s, self.ends_s)) for each in self.plans]
+
+    def _plan(self, event: Document, number: int, proposed_s: float) -> Executed:
+        result = event["result"]
+        motion = Motion(as_si(result["request"]), result["answer"])
+        return Executed(motion, number, proposed_s, event["clock_s"], result.get("starts_s", event["clock_s"]))
+
+    def _sighting(self, number: int, name: str, fields: Document, clock_s: float) -> Sighting:
+        cell, kind = self.plans[0].cell, self.document["kinds"][fields["kind"]] if "kind" in fields else fields
+        pose = {key: value for key, value in fields["pose"].items() if key in ("frame", "at_s")}
+        there = pose_in(fields["pose"])
+        pose |= {"at_m": there.p.tolist(), "yaw_rad": float(there.yaw)}
+        frame, inner = (seat_then if "at_s" in pose else seat)(cell.request, cell.frames, pose)
+        off = {**kind.get("uncertainty", {}), **fields.get("uncertainty", {})}
+        unknown = {key: float(si(off, key, 0.0)) for key in ("position", "vertical", "yaw")}
+        return Sighting(
+            name, number, clock_s, float(pose.get("at_s", clock_s)), frame, inner, unknown, solid_of(kind["shape"])
+        )
+
+
+def broken_session(cell: Document, events: Sequence[Document]) -> list[Violation]:
+    """What is wrong with a session, by the calls of its log and its cell file."""
+    session = Session(cell, events)
+    found = _in_time(session)
+    world: dict[str, Part] = {}
+    for number, plan in enumerate(session.plans):
+        if number:
+            found += _follows(session.plans[number - 1], plan)
+        found += _ends_in_refuge(session, plan)
+        _see(world, session, plan.starts_s)
+        found += _same_world(session, world, plan)
+        found += _untouched(session, world, plan)
+        world = _after(session, world, plan)
+    return found
+
+
+def _in_time(session: Session) -> list[Violation]:
+    """No motion is decided late, and no instant is without a proof."""
+    found = list[Violation]()
+    for number, plan in enumerate(session.plans):
+        found += beyond("late", f"commit {number}", plan.committed_s - plan.starts_s, SOON_S, plan.committed_s)
+        if number:
+            ready_s = plan.proposed_s + session.planning_s
+            found += beyond("late", f"planning {number}", ready_s - plan.starts_s, SOON_S, plan.proposed_s)
+        found += beyond("start", f"plan {number}", abs(plan.motion.start_s - plan.starts_s), SOON_S, plan.starts_s)
+    for to_s, proved_s in session.reached:
+        found += beyond("uncovered", "the clock", to_s - proved_s, SOON_S, to_s)
+    return found
+
+
+def _follows(one: Executed, other: Executed) -> list[Violation]:
+    """The state of one plan, where it is left, is that in which the other begins."""
+    found, at = list[Violation](), other.starts_s
+    for order, (what, most) in enumerate(zip(("q", "q̇", "q̈"), JUMPS, strict=True)):
+        left = _state(one.motion, at, order)
+        found += beyond("jump", what, float(np.abs(left - _state(other.motion, at, order)).max()), most, at)
+    return found
+
+
+def _state(motion: Motion, at: float, order: int) -> Floats:
+    inside = np.clip(at, motion.start_s, motion.end_s)
+    rests = at > motion.end_s and order > 0
+    return (
+        np.zeros(motion.spline.coefficients.shape[1]) if rests else motion.spline.evaluate(np.array([inside]), order)[0]
+    )
+
+
+def _ends_in_refuge(session: Session, plan: Executed) -> list[Violation]:
+    """The arm ends at rest at the refuge, the yaw of which may be free."""
+    motion, end = plan.motion, np.array([plan.motion.end_s])
+    there = motion.frame(session.refuge.get("frame", "world"), end).then(pose_in(session.refuge))
+    off = float(np.linalg.norm(motion.tool(end).p - there.p))
+    fast = float(np.abs(motion.spline.evaluate(end, 1)).max())
+    return [*beyond("refuge", "place", off, 1e-5, end[0]), *beyond("refuge", "speed", fast, JUMPS[1], end[0])]
+
+
+def _see(world: dict[str, Part], session: Session, until_s: float, since_s: float = -np.inf) -> None:
+    """The world with what was seen and taken away, after one time of the clock and up to another."""
+    for each in session.sightings:
+        before = world.get(each.name)
+        if since_s < each.clock_s <= until_s and (before is None or before.since_s <= each.seen_s):
+            world[each.name] = Part(each.frame, each.pose, each.seen_s, each.solid, each.unknown)
+    for name, _, clock_s in session.removed:
+        if since_s < clock_s <= until_s and name in world and world[name].since_s <= clock_s:
+            del world[name]
+
+
+def _same_world(session: Session, world: dict[str, Part], plan: Executed) -> list[Violation]:
+    """A plan has the parts that are there, where they are, known no better than they were seen."""
+    cell, at, found = plan.cell, plan.starts_s, list[Violation]()
+    own = {body["name"] for body in session.document.get("bodies", [])}
+    listed = {body["name"] for body in plan.motion.request.get("bodies", [])} - own
+    known = {each.name for each in session.sightings if each.number < plan.number}
+    later = {name for name, number, _ in session.removed if number > plan.number}
+    for name in sorted((world.keys() & known) - listed):
+        found.append(Violation("parts", f"{name} is left out", 1.0, 0.0, at))
+    for name in sorted(listed - world.keys() - later):
+        found.append(Violation("parts", f"{name} is not there", 1.0, 0.0, at))
+    holding = None if cell.held is None else cell.held[0]
+    held = next((name for name, part in world.items() if part.frame is None), None)
+    if holding != held:
+        found.append(Violation("parts", f"{holding} is held by the plan, {held} by the arm", 1.0, 0.0, at))
+    for name in sorted(listed & world.keys()):
+        part = world[name]
+        if part.frame is None:
+            planned, real = cell.held[1] if cell.held is not None and holding == name else None, part.pose
+        else:
+            frame, pose = cell.seats.get(name, (None, None))
+            planned = None if pose is None else cell.frames[str(frame)].at(np.array(at)).then(pose)
+            real = cell.frames[part.frame].at(np.array(at)).then(part.pose)
+        if planned is None:
+            continue
+        off, turned = float(np.linalg.norm(planned.p - real.p)), float(abs(short(planned.yaw - real.yaw)))
+        found += beyond("place", name, off, PLACE_M, at) + beyond("yaw", name, turned, PLACE_RAD, at)
+        for key, unit in (("position", "m"), ("vertical", "m"), ("yaw", "rad")):
+            stated = float(cell.unknown_of.get(name, {}).get(f"{key}_{unit}", 0.0))
+            found += beyond("known", f"{name}, {key}", part.unknown.get(key, 0.0) - stated, 1e-9, at)
+    return found
+
+
+def _untouched(session: Session, world: dict[str, Part], plan: Executed) -> list[Violation]:
+    """While a plan is executed the arm touches no part that the plan does not know: one that is seen later was there
+    before, on its frame."""
+    there = {name: part for name, part in world.items() if part.frame is not None}
+    for each in session.sightings:
+        if each.name not in there and plan.starts_s < each.clock_s <= plan.until_s + AHEAD_S and each.name not in world:
+            there[each.name] = Part(each.frame, each.pose, each.seen_s, each.solid)
+    listed = {body["name"] for body in plan.motion.request.get("bodies", [])}
+    left = {name: time for name, _, time in session.removed}
+    found = list[Violation]()
+    for name in sorted(there.keys() - listed):
+        until_s = min(plan.until_s, left.get(name, np.inf))
+        found += hits(
+            plan.motion, there[name].solid, str(there[name].frame), there[name].pose, plan.starts_s, until_s, name
+        )
+    return found
+
+
+def hits(
+    motion: Motion, solid: Solid, frame: str, pose: Poses, from_s: float, until_s: float, name: str
+) -> list[Violation]:
+    """How deep the robot, its tool and what it holds overlap with a solid on a frame, between two times."""
+    found = list[Violation]()
+    for phase in motion.phases:
+        begin, end = max(phase.stage.t0, from_s), min(phase.stage.t1, until_s)
+        if phase.leg is None:
+            end = until_s
+        if not begin < end:
+            continue
+        t = np.linspace(begin, end, max(int(np.ceil((end - begin) / STEP_S)), 1) + 1)
+        beside = motion.frame(frame, t).then(pose)
+        places = motion.bodies(phase, t, set(phase.carried))
+        for body, at in places.items():
+            own = motion.cell.solids[body]
+            near = apart_at_least(own, at, solid, beside) < FASTEST_M_S * STEP_S
+            if not near.any():
+                continue
+            k = int(np.flatnonzero(near)[gaps(own, at[near], solid, beside[near], 0.0).argmin()])
+            finer = np.clip(t[k] + np.linspace(-STEP_S, STEP_S, 2 * FINER + 1), begin, end)
+            deep = -gaps(
+                own, motion.bodies(phase, finer, {body})[body], solid, motion.frame(frame, finer).then(pose), 0.0
+            )
+            worst = int(deep.argmax())
+            found += beyond("hit", f"{body}, {name}", float(deep[worst]), PLACE_M, float(finer[worst]))
+    return found
+
+
+def _after(session: Session, world: dict[str, Part], plan: Executed) -> dict[str, Part]:
+    """The world when a plan is left: parts that it has picked and put down by then, and those that have gone."""
+    motion, world = plan.motion, dict(world)
+    clock = plan.starts_s
+    for arrival in motion.answer["arrivals"]:
+        until = float(arrival["until_s"])
+        if until > plan.until_s:
+            break
+        ((kind, given),) = motion.request["task"][arrival["step"]].items()
+        if kind not in ("pick", "place"):
+            continue
+        _see(world, session, until, clock)
+        clock, name = until, given["part"]
+        if name not in world:
+            continue
+        if kind == "pick":
+            grasp = grasp_of(given, arrival["yaw_offset_rad"])
+            world[name] = replace(world[name], frame=None, pose=motion.arm.tcp.then(grasp.inverse()), since_s=until)
+            continue
+        frame, pose = motion.cell.seat(given["to"])
+        world[name] = replace(world[name], frame=frame, pose=pose, since_s=until, unknown={})
+        if "gone_after_s" in given:
+            session.removed.append((name, 0, until + float(given["gone_after_s"])))
+    _see(world, session, plan.until_s, clock)
+    return world
