@@ -3,7 +3,7 @@ know.
 
 The judge keeps a world of its own: where each part is by its sightings and by what the arm has done with it. A plan has
 to begin in the state in which the one before is left, in time, with the parts of that world where they are; and what it
-does not know it must not touch while it is executed. What a plan promises by itself the other modules judge.
+does not know it must not touch while it is executed. Limits, collisions and errors of each plan are judged as those of all answers are (`joints_kept`, `simulation`).
 """
 
 from __future__ import annotations
@@ -15,11 +15,12 @@ import numpy as np
 
 from benchmarks.judge.cell import Cell, grasp_of
 from benchmarks.judge.faults import Violation, beyond
+from benchmarks.judge.joints_kept import motion_kept
 from benchmarks.judge.laws import seat, seat_then
 from benchmarks.judge.motion import Motion
 from benchmarks.judge.poses import Document, Floats, Poses, pose_in, short, si
 from benchmarks.judge.product import as_si
-from benchmarks.judge.simulation import FASTEST_M_S, FINER, STEP_S
+from benchmarks.judge.simulation import FASTEST_M_S, FINER, STEP_S, simulated
 from benchmarks.judge.solids import Solid, apart_at_least, gaps, solid_of
 
 JUMPS = (1e-9, 1e-7, 1e-5)
@@ -133,10 +134,17 @@ class Session:
         )
 
 
-def broken_session(cell: Document, events: Sequence[Document]) -> list[Violation]:
-    """What is wrong with a session, by the calls of its log and its cell file."""
+def broken_session(cell: Document, events: Sequence[Document], runs: int = 8) -> list[Violation]:
+    """What is wrong with a session, by the calls of its log and its cell file. Each plan is run so many times, with
+    what is not known at its ends and at the worst corners that arrivals name."""
     session = Session(cell, events)
     found = _in_time(session)
+    for number, plan in enumerate(session.plans):
+        motion = plan.motion
+        found += motion_kept(motion)
+        outcome, _ = simulated(motion.request, motion.answer, runs, np.random.default_rng(number))
+        for fault in outcome.faults:
+            found.append(Violation(fault.kind, ", ".join(fault.about), fault.amount, fault.allowed, fault.time_s))
     world: dict[str, Part] = {}
     for number, plan in enumerate(session.plans):
         if number:
