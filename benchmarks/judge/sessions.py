@@ -3,13 +3,15 @@ know.
 
 The judge keeps a world of its own: where each part is by its sightings and by what the arm has done with it. A plan has
 to begin in the state in which the one before is left, in time, with the parts of that world where they are; and what it
-does not know it must not touch while it is executed. Limits, collisions and errors of each plan are judged as those of all answers are (`joints_kept`, `simulation`).
+does not know it must not touch while it is executed, nor what may come on a stream unseen. Limits, collisions and
+errors of each plan are judged as those of all answers are (`joints_kept`, `simulation`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 import numpy as np
 
@@ -27,6 +29,8 @@ JUMPS = (1e-9, 1e-7, 1e-5)
 """Most by which q, q̇ and q̈ may differ where one plan follows another, SI."""
 PLACE_M, PLACE_RAD, SOON_S = 1e-6, 1e-6, 1e-9
 """How exactly places and times of documents are the same."""
+BEHIND_M = np.linspace(0.0, 1.0, 26)
+"""How far behind the line parts are put that nobody has seen, m."""
 AHEAD_S = 60.0
 """A part that is seen so much later is not near during a plan."""
 
@@ -153,6 +157,7 @@ def broken_session(cell: Document, events: Sequence[Document], runs: int = 8) ->
         _see(world, session, plan.starts_s)
         found += _same_world(session, world, plan)
         found += _untouched(session, world, plan)
+        found += _clear_of_unseen(session, plan)
         world = _after(session, world, plan)
     return found
 
@@ -256,6 +261,27 @@ def _untouched(session: Session, world: dict[str, Part], plan: Executed) -> list
         found += hits(
             plan.motion, there[name].solid, str(there[name].frame), there[name].pose, plan.starts_s, until_s, name
         )
+    return found
+
+
+def _clear_of_unseen(session: Session, plan: Executed) -> list[Violation]:
+    """While a plan is executed the arm touches no part that may come on a stream and was not reported when the plan was
+    proposed: at the line then, less the latency, or behind it, at both ends of its lane and of its yaw."""
+    found, cell = list[Violation](), plan.cell
+    for name, stream in session.document.get("streams", {}).items():
+        seen, at = stream["seen"], si(stream, "at", (0.0, 0.0, 0.0))
+        at_s = plan.proposed_s - float(si(seen, "latency", 0.0))
+        lanes = np.unique(si(stream, "lanes", si(stream, "lane", (0.0,))))
+        yaws = np.unique(si(stream, "yaw", (0.0,)))
+        for kind in [stream["kind"]] if "kind" in stream else stream["kinds"]:
+            given = session.document["kinds"][kind]
+            solid, ahead = solid_of(given["shape"]), float(si(given.get("uncertainty", {}), "position", 0.0))
+            for back, lane, yaw in product(BEHIND_M, lanes, yaws):
+                x = float(si(seen, "at")) + ahead - back
+                pose = {"frame": stream["frame"], "at_m": [x, at[1] + lane, at[2]], "yaw_rad": yaw, "at_s": at_s}
+                frame, inner = seat_then(cell.request, cell.frames, pose)
+                about = f"unseen {kind} on {name}"
+                found += hits(plan.motion, solid, frame, inner, plan.starts_s, plan.until_s, about)
     return found
 
 
