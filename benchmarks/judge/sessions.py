@@ -228,7 +228,8 @@ def _same_world(session: Session, world: dict[str, Part], plan: Executed) -> lis
     held = next((name for name, part in world.items() if part.frame is None), None)
     if holding != held:
         found.append(Violation("parts", f"{holding} is held by the plan, {held} by the arm", 1.0, 0.0, at))
-    for name in sorted(listed & world.keys()):
+    newer = {each.name for each in session.sightings if each.number > plan.number and each.clock_s <= at}
+    for name in sorted((listed & world.keys()) - newer):
         part = world[name]
         if part.frame is None:
             planned, real = cell.held[1] if cell.held is not None and holding == name else None, part.pose
