@@ -194,7 +194,7 @@ def _state(motion: Motion, at: float, order: int) -> Floats:
 
 
 def _ends_in_refuge(session: Session, plan: Executed) -> list[Violation]:
-    """The arm ends at rest at the refuge, the yaw of which may be free."""
+    """The arm ends at rest in the refuge, with any yaw."""
     motion, end = plan.motion, np.array([plan.motion.end_s])
     there = motion.frame(session.refuge.get("frame", "world"), end).then(pose_in(session.refuge))
     off = float(np.linalg.norm(motion.tool(end).p - there.p))

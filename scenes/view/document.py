@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from assur.scenes.reading.cell import Cell
 from assur.scenes.reading.plan import motion_of
 from assur.scenes.schema import view as document
 from assur.scenes.view.answer_form import answer_in
-from assur.scenes.view.display_meshes import displays, written
+from assur.scenes.view.display_meshes import Display, displays, written
 from assur.scenes.view.packing import floats, words
 from assur.scenes.view.poses import STEP_S
 from assur.scenes.view.thinning import needed_of_curves
@@ -56,13 +57,38 @@ def view_of(cell: Cell, given: object | None) -> document.ViewDocument:
     start, made = shown.start, displays(shown.meshes)
     pairs = distances(scene, trajectory, active, _stated_times(answer, motion))
     planned = answer["status"] == "planned"
-    return {
-        "schema": "assur-view/1",
+    found: Any = {
+        **drawn_part(shown, made),
         "status": "planned" if planned else "not_planned",
         "candidate": motion is not None and not planned,
+        "moves": motion is not None,
+        "curves": None if motion is None else _curves(cell, trajectory, active, motion, start),
+        "distances": _distances(shown, pairs),
+        "legs": [] if motion is None else [shown_leg(leg, active, start) for leg in motion["legs"]],
+        "held": shown_held(answer, start),
+        "contacts": [
+            {"names": list(each["bodies"]), "from_s": each["from_s"] - start, "to_s": each["to_s"] - start}
+            for each in answer.get("contacts", ())
+        ],
+        "refusal": None if planned or given is None else _refusal(answer, refusal, motion, start),
+        "census": [
+            {"reason": line["reason"], "count": line["count"], "detail": line["detail"]}
+            for line in census.get("lines", ())
+        ],
+        "candidates": census.get("candidates", 0),
+        "request_digest": scene.digest,
+        "notice": answer.get("notice", NOTICE),
+    }
+    return cast("document.ViewDocument", found)
+
+
+def drawn_part(shown: Tracks, made: Sequence[Display]) -> Any:
+    """What a view has of tracks: carriers, bodies on them, control points and the tool."""
+    start = shown.start
+    return {
+        "schema": "assur-view/1",
         "start_s": start,
         "lasts_s": shown.end - start,
-        "moves": motion is not None,
         "carriers": [
             {
                 "name": track.name,
@@ -82,24 +108,6 @@ def view_of(cell: Cell, given: object | None) -> document.ViewDocument:
             "time_s": floats(shown.tool_time - start),
             "path_m": floats(shown.tool_path),
         },
-        "curves": None if motion is None else _curves(cell, trajectory, active, motion, start),
-        "distances": _distances(shown, pairs),
-        "legs": [] if motion is None else [_leg(leg, active, start) for leg in motion["legs"]],
-        "held": [
-            {"names": [load["part"]], "from_s": load["from_s"] - start, "to_s": load["to_s"] - start}
-            for load in answer.get("load", {}).get("carried", ())
-            if load["part"] is not None
-        ],
-        "contacts": [
-            {"names": list(each["bodies"]), "from_s": each["from_s"] - start, "to_s": each["to_s"] - start}
-            for each in answer.get("contacts", ())
-        ],
-        "refusal": None if planned or given is None else _refusal(answer, refusal, motion, start),
-        "census": [
-            {"reason": line["reason"], "count": line["count"], "detail": line["detail"]}
-            for line in census.get("lines", ())
-        ],
-        "candidates": census.get("candidates", 0),
         "reduced": [
             {
                 "body": name,
@@ -110,8 +118,6 @@ def view_of(cell: Cell, given: object | None) -> document.ViewDocument:
             for name, display in ((body["name"], made[body["mesh"]]) for body in shown.bodies)
             if display.reduced
         ],
-        "request_digest": scene.digest,
-        "notice": answer.get("notice", NOTICE),
     }
 
 
@@ -214,7 +220,17 @@ def _distances(shown: Tracks, pairs: tuple[ClosestPair, ...]) -> document.ShownD
     }
 
 
-def _leg(leg: dict[str, Any], active: tuple[Phase, ...], start: float) -> document.ShownLeg:
+def shown_held(answer: dict[str, Any], start: float) -> list[document.ShownSpan]:
+    """When the gripper holds which part."""
+    return [
+        {"names": [load["part"]], "from_s": load["from_s"] - start, "to_s": load["to_s"] - start}
+        for load in answer.get("load", {}).get("carried", ())
+        if load["part"] is not None
+    ]
+
+
+def shown_leg(leg: dict[str, Any], active: tuple[Phase, ...], start: float) -> document.ShownLeg:
+    """A leg, its times counted from `start`."""
     return {
         "kind": leg["kind"],
         "step": leg["step"],

@@ -66,10 +66,23 @@ def tracks(
     Without phases of the robot the arm is at rest at its first knot while the frames move, and bodies have the seats of
     the first phase, if there is one. `step_s`: time between the instants at which poses are computed, s.
     """
-    start, end = trajectory.start, max([trajectory.end, *(phase.t1 for phase in phases if phase.robot)])
-    flange, tcp = scene.robot.links.index("flange"), scene.tool.tcp
-    meshes, bodies = _bodies(scene, phases, start, flange)
-    points = _points(scene, arrivals, start)
+    end = max([trajectory.end, *(phase.t1 for phase in phases if phase.robot)])
+    meshes, bodies = shown_bodies(scene, phases, trajectory.start)
+    points = shown_points(scene, arrivals, trajectory.start)
+    return drawn(scene, trajectory, end, meshes, bodies, points, step_s)
+
+
+def drawn(
+    scene: Scene,
+    trajectory: Trajectory,
+    end: float,
+    meshes: tuple[Mesh, ...],
+    bodies: list[document.ShownBody],
+    points: list[document.ShownPoint],
+    step_s: float = STEP_S,
+) -> Tracks:
+    """The tracks of a motion with these bodies and control points, which are on its links and frames, up to `end`."""
+    start, flange, tcp = trajectory.start, scene.robot.links.index("flange"), scene.tool.tcp
     names = [*scene.robot.links, *scene.frames]
     reach = [0.0] * len(names)
     reach[flange] = float(np.hypot(*tcp.position[:2])) + abs(tcp.z)
@@ -103,10 +116,11 @@ def _frame_carriers(scene: Scene) -> dict[str, int]:
     return {name: number for number, name in enumerate(scene.frames, len(scene.robot.links))}
 
 
-def _bodies(
-    scene: Scene, phases: tuple[Phase, ...], start: float, flange: int
+def shown_bodies(
+    scene: Scene, phases: tuple[Phase, ...], start: float
 ) -> tuple[tuple[Mesh, ...], list[document.ShownBody]]:
-    """All meshes, and all bodies: bodies of the same shape share a mesh."""
+    """All meshes, and all bodies: bodies of the same shape share a mesh. Times are counted from `start`, s."""
+    flange = scene.robot.links.index("flange")
     shown: list[tuple[Body, document.BodyKind, _Stays, document.Unknown | None]] = []
     own: list[tuple[Body, int, document.BodyKind]] = [(each.body, each.link, "robot") for each in scene.robot.bodies]
     own += [(body, flange, "tool") for body in scene.tool.bodies]
@@ -179,7 +193,7 @@ def _unknown(scene: Scene, world: WorldBody) -> document.Unknown | None:
     return {"horizontal_m": horizontal, "growth_m_s": growth, "vertical_m": vertical}
 
 
-def _points(scene: Scene, arrivals: tuple[Arrival, ...], start: float) -> list[document.ShownPoint]:
+def shown_points(scene: Scene, arrivals: tuple[Arrival, ...], start: float) -> list[document.ShownPoint]:
     """The control points of the task, in order, with the pose of the tool point when they are met."""
     met, carriers = {arrival.step: arrival for arrival in arrivals}, _frame_carriers(scene)
     attached, points = at_start(scene), list[document.ShownPoint]()

@@ -92,6 +92,7 @@ class Player {
     for (const chart of this.charts) this.resized.observe(chart.canvas);
     this.timeline = new Timeline(emptied("timeline"), this.tracks, seek);
     this.labels = new Labels(this.renderer, this.tracks, this.camera, emptied("labels"));
+    document.querySelector("aside").hidden = !view.curves && !view.refusal;
     find("refusal").hidden = true;
     refusal(emptied("refusal"), view, seek);
     this.legend(emptied("legend"));

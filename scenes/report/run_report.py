@@ -1,0 +1,117 @@
+"""A page about a run: its log as the viewer plays it, what the arm did when, throughput and cycles."""
+
+from __future__ import annotations
+
+import html
+import platform
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from assur.scenes.answer import NOTICE
+from assur.scenes.report.assembly import page
+from assur.scenes.report.report import card, lines, number, pairs, table, text
+from assur.scenes.report.run_charts import Span, by_minutes, histogram, over_time
+from assur.scenes.requests import cell_of
+from assur.scenes.session.executed import LoggedPlan, executed_plans
+from assur.scenes.view.run import ExecutedPlan, run_view
+
+Document = dict[str, Any]
+SHOWN_S = 60.0
+"""So much of a run is played, s."""
+DOES = {
+    "run-pick": "to a part",
+    "run-grip": "picks",
+    "run-place": "to its place",
+    "run-drop": "puts down",
+    "run-home": "to the refuge",
+    "run-wait": "waits",
+}
+"""What the arm does, by classes of the style."""
+TRACKING = ("APPROACH", "FOLLOW", "DEPART")
+
+
+def run_report(
+    events: Iterable[Document], *, title: str, about: str, version: str, from_s: float = 0.0, notes: Sequence[str] = ()
+) -> str:
+    """The page as HTML. `events`: the calls of a log; `from_s`: since the start of the run, when what is played begins;
+    `notes`: what else is known of the run, in sentences."""
+    plans, until_s = executed_plans(events)
+    starts_s = plans[0].starts_s
+    played = [
+        each for each in plans if each.until_s > starts_s + from_s and each.starts_s < starts_s + from_s + SHOWN_S
+    ]
+    view = run_view([ExecutedPlan(cell_of(each.request), each.answer, each.starts_s, each.until_s) for each in played])
+    placed = [time for plan in plans for time in plan.handled("place")]
+    cycles = [(plan.until_s - plan.starts_s) for plan in plans if plan.handled("place")]
+    figures = _figures(plans, placed, cycles, until_s - starts_s)
+    cards = [card("About this cell", f"<p>{html.escape(about)}</p>", wide=True)] if about else []
+    cards += [
+        card("The run", figures),
+        card("What to know", lines([*notes, _played(played, starts_s)], "")),
+        card(
+            "What the arm does, a line for each minute", by_minutes(_spans(plans), starts_s, until_s, DOES), wide=True
+        ),
+        card("Parts a minute, over a minute each", over_time(placed, starts_s, until_s), wide=True),
+        card("Cycles, from the start of one plan with a place to that of the next", histogram(cycles), wide=True),
+        card("Legs", _legs(plans), wide=True),
+        card("Versions", pairs([("assur", version), ("Python", platform.python_version()), ("NumPy", np.__version__)])),
+        card("What this is not", f"<p>{html.escape(NOTICE)}</p>", wide=True),
+    ]
+    rate = 60.0 * len(placed) / (until_s - starts_s)
+    head = (
+        f'<span class="chip good">{rate:.1f} parts a minute</span><span class="chip">{until_s - starts_s:.0f} s</span>'
+    )
+    return page(title, head, '<div class="facts">' + "".join(cards) + "</div>", view)
+
+
+def _figures(plans: Sequence[LoggedPlan], placed: Sequence[float], cycles: Sequence[float], lasts_s: float) -> str:
+    picked = sum(len(plan.handled("pick")) for plan in plans)
+    moving = sum(end - begin for begin, end, what in _spans(plans) if what != "run-wait")
+    rows = [
+        ("simulated", f"{lasts_s:.1f} s"),
+        ("parts a minute", f"{60.0 * len(placed) / lasts_s:.2f}"),
+        ("picked, put down", f"{picked}, {len(placed)}"),
+        ("cycle, mean and median", _both(cycles)),
+        ("the arm moves", f"{100.0 * moving / lasts_s:.0f} % of the time"),
+        ("plans, each proved", str(len(plans))),
+    ]
+    return pairs(rows)
+
+
+def _both(cycles: Sequence[float]) -> str:
+    return f"{np.mean(cycles):.3f} s, {np.median(cycles):.3f} s" if cycles else "–"
+
+
+def _played(played: Sequence[LoggedPlan], starts_s: float) -> str:
+    begin, end = played[0].starts_s - starts_s, played[-1].until_s - starts_s
+    return (
+        f"The viewer above plays {begin:.1f} s to {end:.1f} s of the run. A part that is first seen later is on its "
+        f"conveyor from the beginning of the plan that has it."
+    )
+
+
+def _spans(plans: Sequence[LoggedPlan]) -> Iterator[Span]:
+    """What the arm does, from when until when."""
+    for plan in plans:
+        for leg, kind, home in plan.legs():
+            near = leg["kind"] in TRACKING
+            what = {"pick": "run-grip" if near else "run-pick", "place": "run-drop" if near else "run-place"}.get(kind)
+            if leg["kind"] == "WAIT":
+                what = "run-wait"
+            yield leg["from_s"], leg["to_s"], what or ("run-home" if home else "run-pick")
+
+
+def _legs(plans: Sequence[LoggedPlan]) -> str:
+    """How long the arm does what."""
+    times: dict[str, list[float]] = {what: [] for what in DOES}
+    for begin, end, what in _spans(plans):
+        times[what].append(end - begin)
+    whole = sum(sum(each) for each in times.values()) or 1.0
+    rows = [
+        [text(DOES[what]), number(len(each), 0), number(sum(each) / len(each) if each else None, 3),
+         number(sum(each) / whole, 1, 100.0)]
+        for what, each in times.items()
+    ]  # fmt: skip
+    return table(["leg", "count", "mean s", "% of the motion"], rows)
