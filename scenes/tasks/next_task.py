@@ -7,7 +7,6 @@ when the next task begins: the frame may have been off for all of the plan.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -17,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_SLOTS
 from assur.scenes.conventions import Conventions, as_maker, rates_as_maker
-from assur.scenes.faults import NOTHING, DocumentError, Refused, as_written, fault, written_key
+from assur.scenes.faults import NOTHING, DocumentError, Refused, fault, written_key
 from assur.scenes.schema.cell_file import TASK, CellDocument, TaskDocument
+from assur.scenes.schema.differences import difference, stated_at
 from assur.scenes.schema.normal import normal
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
@@ -41,9 +41,6 @@ BEYOND_SLOTS = ("at_s", "pitch_deg", "pitch_rad", "roll_deg", "roll_rad")
 SAME = ("robot", "frames", "neighbours")
 """Fields of the request of a plan that the request of the next task has as well: the state of the plan is one of
 them."""
-
-LONGEST_SHOWN = 100
-"""Most characters of a value that a message repeats."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -300,30 +297,10 @@ def joined_after(
 def hold_same(document: Document, end: EndState) -> None:
     """Raises `DocumentError` for a request whose robot, frames or neighbours are not those of the plan, at the first
     value that differs: the state of the plan is one of them."""
-    request = read(RequestDocument, document)
-    for key in SAME:
-        if getattr(request, key) != getattr(end.request, key):
-            path = _first_difference(*({key: _plain(getattr(each, key))} for each in (request, end.request)))
-            written, value = as_written(end.document, path)
-            there = "nothing" if value is NOTHING else json.dumps({written[-1]: value})[1:-1]
-            more = f": {there}" if len(there) <= LONGEST_SHOWN else ""
-            raise fault(document, path, f"what the request of the plan has there{more}")
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict | list):
-        entries = value.items() if isinstance(value, dict) else enumerate(value)
-        return {key: _plain(each) for key, each in entries}
-    return value.model_dump(by_alias=True, exclude_none=True)
-
-
-def _first_difference(one: Any, other: Any) -> tuple[str | int, ...]:
-    """The path to the first value that two documents, which differ, have not in common."""
-    if isinstance(one, dict) and isinstance(other, dict):
-        for key in {**other, **one}:
-            if key not in one or key not in other or one[key] != other[key]:
-                return (key, *(_first_difference(one[key], other[key]) if key in one and key in other else ()))
-    return ()
+    path = difference(read(RequestDocument, document), end.request, SAME)
+    if path is not None:
+        there = stated_at(end.document, path)
+        raise fault(document, path, f"what the request of the plan has there{there and f': {there}'}")
 
 
 def _with_values(cell: Document, values: Document) -> Document:

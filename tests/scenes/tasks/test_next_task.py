@@ -481,9 +481,14 @@ def test_a_plan_that_continues_another_is_checked_with_its_task(folder: Path) ->
     assert called("report", *out)[0] == 0
     assert (folder / "report.html").stat().st_size > 0
     # another first plan, or another value, is another request
-    for other in (called("check", after="out.json"), called("check", "--set", "options.seed=2")):
-        assert other[0] == 2
-        assert "PLAN: request: got" in other[1]
+    first, last = (planned()["trajectory"]["time_s"][-1], json.loads((folder / "out.json").read_text())["plan"])
+    code, output = called("check", after="out.json")
+    assert code == 2
+    at_s = last["trajectory"]["time_s"][-1]
+    assert f'PLAN: request.start.at_s: got {first}; allowed: what FILE has there: "at_s": {at_s}' in output
+    code, output = called("check", "--set", "options.seed=2")
+    assert code == 2
+    assert 'PLAN: request.options.seed: got 1; allowed: what FILE has there: "seed": 2; this file' in output
     code, output = called("report", "--out", str(folder / "plan.json"))
     assert (code, "another file than those" in output) == (2, True)
     held = json.loads((folder / "out.json").read_text())
