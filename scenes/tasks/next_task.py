@@ -26,8 +26,8 @@ from assur.scenes.schema.shapes import BodyDocument, PlaceInCell
 from assur.scenes.set_values import GIVEN, with_values
 from assur.scenes.tasks.grids import counts, slot_poses
 from assur.scenes.tasks.joining import joined, shared
-from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Joined, Origins, within_document
-from assur.scenes.tasks.parts_of_plan import PLACES, check_kinds_of_picked, check_same_bodies
+from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Carried, Joined, Origins, within_document
+from assur.scenes.tasks.parts_of_plan import PLACES, check_kinds_of_picked, check_same_bodies, check_there
 from assur.scenes.units import si_key
 
 if TYPE_CHECKING:
@@ -58,9 +58,14 @@ class EndState:
     uncertainty: Mapping[str, Document]
     handled: frozenset[str]
     gone: frozenset[str]
+    gone_at_s: Mapping[str, float]
     places: Mapping[str, tuple[str, Pose]]
     held: str | None
     cell: Cell
+
+    def taken(self, name: str) -> str:
+        """That one of the parts that are `gone` was taken away, and when, in words."""
+        return f"the plan has placed {name}, and it was taken away at {self.gone_at_s[name]:.3f} s"
 
     def body(self, written: Document, slots: Mapping[tuple[object, ...], Document]) -> Document:
         """A body or a part at the end of the plan. `written`: at its start, or without a place. `slots`: that in which
@@ -91,7 +96,8 @@ def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
     """As `end_state`, at an instant, s, at which the plan is left: as if it ended there (None: where it ends). Raises
     `InputError` as well for an instant at which it may not be left (`left_at`), naming `at_s`."""
     from assur.planner.laws.law import PoseUncertainty
-    from assur.planner.model.phases import leg_phases, on_way, parts_gone
+    from assur.planner.model.phases import gone_from, leg_phases, on_way, parts_gone
+    from assur.planner.model.task import is_taken_away
     from assur.scenes.reading.bodies import drifted
     from assur.scenes.reading.plan import PLAN, motion_of
     from assur.scenes.requests import cell_of, refused, validate
@@ -127,6 +133,8 @@ def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
         end_s = at_s
         attached, known = left_at(scene, trajectory, legs, arrivals, at_s)
     gone = parts_gone(scene, arrivals, end_s)
+    met = [(each.until, scene.task[each.step]) for each in arrivals if each.until <= end_s]
+    gone_at_s = {str(step.part): gone_from(scene, step, until) for until, step in met if is_taken_away(step)}
     uncertainty = {name: asdict(each) for name, each in known.within if name not in gone}
     handled = gone.union(uncertainty)
     start = _start(answer["trajectory"], trajectory, end_s, cell.conventions)
@@ -147,7 +155,7 @@ def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
             before = PoseUncertainty(**uncertainty.get(body.name, vars(body.uncertainty)))
             uncertainty[body.name] = asdict(drifted(before, off_m, frame.law))
     return EndState(
-        request, stated, start, uncertainty, handled, gone, places, None if held is None else held.part, cell
+        request, stated, start, uncertainty, handled, gone, gone_at_s, places, None if held is None else held.part, cell
     )
 
 
@@ -237,11 +245,18 @@ def next_task(
                 with within_document(OF_TASK):
                     raise fault(task, ("parts", i, "uncertainty"), allowed)
             part = end.body({key: before[key] for key in (*PLACES, "uncertainty") if key in before} | part, slots)
+        elif part["name"] in end.gone and not part.keys() & {*PLACES}:
+            with within_document(OF_TASK):
+                raise fault(
+                    task, ("parts", i, "name"), f"a part with a place, where it is seen: {end.taken(part['name'])}"
+                )
         listed.append(part)
     values = Origins()
     with values, within_document(OF_TASK):
         steps = values.changed(OF_TASK, task, of_task, GIVEN)["steps"] if of_task else task["steps"]
         check_kinds_of_picked(kinds, steps, known)
+        away = end.gone - {part["name"] for part in listed}
+        check_there(steps, {name: end.taken(name) for name in away})
     listed += [end.body(part, slots) for part in known.values()]
     names = {part["name"] for part in listed}
     worse = {f"bodies.{name}.uncertainty": each for name, each in end.uncertainty.items() if name not in names}
@@ -284,7 +299,9 @@ def joined_after(
     """The request of a task that `next_task` made of the one that is `stated`, with values that are `given` last
     (`joined`). Raises `DocumentError`, also for a cell that is not that of the plan (`hold_same`), and for a body that
     is not that of the plan (`check_same_bodies`)."""
-    made = joined(cell, task, given)
+    own = len(stated.get("parts", ()))
+    carried = Carried({i: part["name"] for i, part in enumerate(task["parts"]) if i >= own}, end.gone_at_s)
+    made = joined(cell, task, given, carried)
     try:
         hold_same(made.request, end)
         before = {body["name"]: body for body in end.document.get("bodies", ()) if body["name"] not in end.gone}

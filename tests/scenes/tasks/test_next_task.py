@@ -743,6 +743,67 @@ def test_a_plan_that_the_checker_refuses_is_not_continued(folder: Path) -> None:
     assert "--continue: plan.certificate" in output
 
 
+def goes_on(folder: Path, gone_after_ms: int, text: str) -> str:
+    """What `assur plan` prints of a task that is refused, which continues a plan whose part `a` is taken away."""
+    steps = f"[{{transfer: {{parts: [a], to: box, gone_after_ms: {gone_after_ms}}}}}, {{move: {{to: home}}}}]"
+    planned(steps).save(folder / "plan.json")
+    (folder / "next.yaml").write_text("schema: assur-task/1\ncell: {file: cell.yaml}\n" + text)
+    code, output, _ = run(folder)
+    assert code == 2
+    return output
+
+
+FULL = "parts: [{name: d, kind: bracket, slot: {box: 2}}, {name: b, kind: bracket}]\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "field", "allowed"),
+    [
+        (
+            "parts: [{name: b, kind: bracket}]\nsteps: [{pick: {part: b}}, {place: {part: b, to: {slot: {box: 1}}}}]\n",
+            "line 4: steps[1].place.to.slot: ",
+            "a slot that is free: a is in it; it is taken away at {at} s, after the end of the plan, ",
+        ),
+        (
+            FULL + "steps: [{transfer: {parts: [b], to: box}}]\n",
+            "line 4: steps[0].transfer.to: ",
+            "slots with one that is free: all 2 are taken, by d, a (until {at} s); ",
+        ),
+        (
+            "parts: [{name: d, kind: bracket, slot: {box: 1}}]\nsteps: [{move: {to: home}}]\n",
+            "assur: part of the plan that is continued, a: slot.box: ",
+            "a slot that is free: d is in it",
+        ),
+    ],
+)
+def test_a_slot_whose_part_is_not_yet_gone_says_when_it_is(folder: Path, text: str, field: str, allowed: str) -> None:
+    output = goes_on(folder, 60_000, text)
+    held = json.loads((folder / "plan.json").read_text())["plan"]
+    (until,) = [each["until_s"] for each in held["arrivals"] if each["step"] == 1]
+    assert field in output
+    assert f"allowed: {allowed.format(at=f'{until + 60:.3f}')}" in output
+
+
+@pytest.mark.parametrize(
+    ("text", "field", "allowed"),
+    [
+        ("steps: [{pick: {part: a}}]\n", "line 3: steps[0].pick.part: ", "a part that is there: "),
+        ("steps: [{transfer: {parts: [b, a], to: box}}]\n", "steps[0].transfer.parts[1]: ", "a part that is there: "),
+        (
+            "parts: [{name: a, kind: bracket}]\nsteps: [{pick: {part: a}}]\n",
+            "line 3: parts[0].name: ",
+            "a part with a place, where it is seen: ",
+        ),
+    ],
+)
+def test_a_part_that_was_taken_away_is_refused_as_such(folder: Path, text: str, field: str, allowed: str) -> None:
+    output = goes_on(folder, 0, text if "b, a" not in text else LISTED + text)
+    held = json.loads((folder / "plan.json").read_text())["plan"]
+    (until,) = [each["until_s"] for each in held["arrivals"] if each["step"] == 1]
+    words = f'got "a"; allowed: {allowed}the plan has placed a, and it was taken away at {until:.3f} s'
+    assert f"{field}{words}" in output
+
+
 def test_a_body_of_the_cell_does_not_take_the_place_of_a_part_of_the_plan(folder: Path) -> None:
     (folder / "cell.yaml").write_text(CELL.replace("name: mark", "name: b"))
     code, output, made = run(folder)
