@@ -15,8 +15,10 @@ from typer.testing import CliRunner
 import assur
 from assur.api.command_line import app
 from assur.api.python.answer import Answer
+from assur.api.workers.answer_parts import part_of, parts_wanted
 from assur.planner.errors import InputError
 from assur.request import Move, Step, Target
+from assur.scenes.faults import DocumentError
 from assur.scenes.plan_file import PlanFile
 from assur.scenes.requests import cell_of
 from assur.scenes.tasks.next_task import end_state
@@ -413,6 +415,25 @@ def test_an_answer_without_an_end_is_refused(change: Callable[[Document], object
     with pytest.raises(InputError) as refused:
         end_state(planned().request or {}, answer)
     assert refused.value.field.startswith(field)
+
+
+@pytest.mark.parametrize("kept", ["legs", "trajectory,arrivals", "schema,trajectory,legs,arrivals"])
+def test_what_fields_leave_out_of_an_answer_is_named(kept: str) -> None:
+    part, request = part_of(planned().document, parts_wanted(kept, None)), planned().request or {}
+    motion = ["trajectory", "legs", "arrivals"]
+    calls: list[tuple[list[str], Callable[[], object]]] = [
+        (["schema", *motion, "certificate"], lambda: assur.check(request, part)),
+        (motion, lambda: Answer(part, request).next_task([{"move": {"to": {"at_mm": [300, 200, 150]}}}])),
+    ]
+    for needed, call in calls:
+        left = {f"plan.{key}" for key in needed if key not in part} or {"plan.certificate"}
+        with pytest.raises(DocumentError) as refused:
+            call()
+        faults = (refused.value, *refused.value.more)
+        assert {each.field for each in faults} == left
+        assert all(
+            each.allowed.endswith("`fields` selects parts of an answer, it must list this one, too") for each in faults
+        )
 
 
 @pytest.mark.parametrize("placed", [True, False])
