@@ -62,7 +62,8 @@ def json_of(data: bytes, name: str, allowed: str) -> Any:
     except InputError as error:
         if error.field != WHOLE:
             raise  # it names the field in the file
-        refuse_but("", data, Path(name), allowed)
+        if not data.lstrip().startswith((b"{", b"[")):  # else it is JSON that is broken: its place is named
+            refuse_but("", data, Path(name), allowed)
         raise DocumentError(name, error.value, f"{allowed}; {error.allowed.removeprefix('JSON: ')}") from None
     if len(data) > MAX_JSON_BYTES and not is_plan_file(document):
         raise InputError(WHOLE, f"{len(data)} bytes", f"at most {MAX_JSON_BYTES} bytes, for it is no plan file")
