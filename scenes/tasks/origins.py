@@ -86,9 +86,11 @@ class Joined:
     """A `request`, and where its parts were written: `origins`, from the path of a part to its path in the cell or the
     task, which begins with `cell` or `task`."""
 
-    def __init__(self, request: Document, origins: dict[Path, Path], values: Origins, cell: Document) -> None:
-        """`cell`: the document of the cell, with the values that were set in it."""
-        self.request, self.cell, self._values, self._paths = request, cell, values, origins
+    def __init__(
+        self, request: Document, origins: dict[Path, Path], values: Origins, cell: Document, task: Document
+    ) -> None:
+        """`cell`, `task`: both documents, with the values that were set in them."""
+        self.request, self.cell, self.task, self._values, self._paths = request, cell, task, values, origins
 
     @cached_property
     def _origins(self) -> dict[str, str]:

@@ -69,7 +69,7 @@ class RequestOfTask:
             request["start"] = self._start()
             request["options"] = self._options()
             request["task"] = self._steps()
-            made = Joined(request, self.origins, self._values, cell)
+            made = Joined(request, self.origins, self._values, cell, task)
             if self.faults.faults:
                 from assur.scenes.reading.partly import faults_of
 

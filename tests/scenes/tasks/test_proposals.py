@@ -106,6 +106,28 @@ def test_two_windows_that_are_too_narrow_are_proposed_as_wide_as_both_are_used()
     assert again["duration_s"] == pytest.approx(proposed["duration_s"])
 
 
+@pytest.mark.parametrize("parts", ["a", "ab"])
+def test_windows_that_are_removed_are_left_out_of_their_transfers(parts: str) -> None:
+    """As where the time ends before a window was found that suffices."""
+    made = scenario(TWO)
+    assert isinstance(made, TaskScenario)
+    steps = {part: made.request["task"][number]["pick"] for part, number in (("a", 0), ("b", 2))}
+    given = {
+        f"task.pick-{part}.pick": {key: value for key, value in steps[part].items() if key != "window_mm"}
+        for part in parts
+    }
+    answer = made.answered({"relaxation": {"what": "window", "value": "removed", "set": given}})
+    found = answer["relaxation"]["set"]
+    assert found == {f"steps.{'ab'.index(part)}.transfer": {"parts": [part], "to": "box"} for part in parts}
+    after = made.with_values(found).request["task"]
+    assert ["window_mm" in after[number]["pick"] for number in (0, 2)] == [False, "b" not in parts]
+    written = with_request_values(
+        made, {"text": TWO, "cell": APART}, given, lambda texts: scenario(texts["text"], texts["cell"])
+    )
+    assert scenario(written["text"]).request == made.with_values(found).request
+    assert written["text"].count("window_mm") == 2 - len(parts)
+
+
 @pytest.mark.parametrize(
     ("speed", "carried"), [(-250, ", and the conveyor carries it farther away, at -250 mm/s"), (0, "")]
 )
