@@ -117,7 +117,7 @@ def _read(model: Any, part: object) -> Any:
     except DocumentError as error:
         every = [
             DocumentError(each.field, each.value, f"{each.allowed}{ONLY}")
-            if each.value is NOTHING and each.field.count(".") == 1
+            if each.value is NOTHING and "[" not in each.field  # `fields` gives lists whole
             else DocumentError(each.field, each.value, each.allowed)
             for each in (error, *error.more)
         ]

@@ -195,7 +195,9 @@ def _start(written: Mapping[str, Any], motion: Trajectory, at_s: float, conventi
 
 
 def next_request(end: EndState, steps: Sequence[Document]) -> Document:
-    """The request with these steps that begins where the plan ends."""
+    """The request with these steps that begins where the plan ends. Raises `DocumentError` for a pick of a part that
+    was taken away."""
+    check_there(steps, {name: end.taken(name) for name in end.gone})
     bodies = [end.body(body, {}) for body in end.document.get("bodies", ()) if body["name"] not in end.gone]
     return {**end.document, "start": end.start, "bodies": bodies, "task": list(steps)}
 

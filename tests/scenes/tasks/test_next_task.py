@@ -436,6 +436,13 @@ def test_what_fields_leave_out_of_an_answer_is_named(kept: str) -> None:
         )
 
 
+def test_a_trajectory_of_which_fields_leave_something_out_is_named() -> None:
+    part = part_of(planned().document, parts_wanted("trajectory.time_s,legs,arrivals", None))
+    with pytest.raises(DocumentError, match="`fields` selects parts of an answer") as refused:
+        Answer(part, planned().request).next_task([{"move": {"to": {"at_mm": [300, 200, 150]}}}])
+    assert refused.value.field == "plan.trajectory.joint_names"
+
+
 @pytest.mark.parametrize("placed", [True, False])
 def test_nothing_follows_a_plan_at_whose_end_the_arm_may_be_shifted(*, placed: bool) -> None:
     """By belt correction: the next plan would not know by how much."""
@@ -823,6 +830,15 @@ def test_a_part_that_was_taken_away_is_refused_as_such(folder: Path, text: str, 
     (until,) = [each["until_s"] for each in held["arrivals"] if each["step"] == 1]
     words = f'got "a"; allowed: {allowed}the plan has placed a, and it was taken away at {until:.3f} s'
     assert f"{field}{words}" in output
+
+
+@pytest.mark.parametrize("kind", ["cell file", "request"])
+def test_in_python_a_part_that_was_taken_away_is_refused_as_well(kind: str) -> None:
+    of = planned("[{transfer: {parts: [a], to: box, gone_after_ms: 0}}, {move: {to: home}}]")
+    cell = assur.Cell(read(CELL) if kind == "cell file" else of.request or {})
+    with pytest.raises(InputError, match="the plan has placed a, and it was taken away at") as refused:
+        of.next_task([{"pick": {"part": "a"}}], cell=cell)
+    assert (refused.value.field, refused.value.value) == ("steps[0].pick.part", "a")
 
 
 def test_a_body_of_the_cell_does_not_take_the_place_of_a_part_of_the_plan(folder: Path) -> None:
