@@ -211,7 +211,7 @@ def _carried(scene: Scene, refusal: Refusal, facts: WindowMissed) -> Words:
     if facts.miss is not Miss.NEVER_INSIDE or (step.target is None and (moved or step.part is None)):
         return {}
     law = scene.frames[scene.index[str(step.part)].frame if step.target is None else step.target.frame].law
-    if law.way is None or law.changes_until > scene.start.time or law.numbers.speed == 0.0:
+    if law.way is None or np.isfinite(law.changes_until) or law.numbers.speed == 0.0:
         return {}
     return {"carried": f"{1e3 * law.numbers.speed:g}"}
 

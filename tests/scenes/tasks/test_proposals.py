@@ -140,6 +140,14 @@ def test_a_point_that_a_belt_carries_away_from_its_window_is_refused_as_such(spe
     assert check_document(made.request, answer)["ok"]
 
 
+def test_of_a_belt_whose_speed_has_changed_no_speed_is_stated() -> None:
+    """It has turned back before the start: the speed that is stated first is not that with which the point leaves."""
+    belt = APART.replace("speed_mm_s: 250", "speed_mm_s: 250, changes: [{at_s: 1, speed_mm_s: -100}]")
+    answer = plan_scenario(scenario(LATE.replace("start: {", "start: {at_s: 20, "), belt))
+    assert answer["reason"] == "WINDOW_MISSED"
+    assert re.fullmatch(r"pick-a: the point never enters its window .*: it stays [\d,]+ mm away\.", answer["sentence"])
+
+
 HIGH = APART.replace("approach: {mm: 40}", "approach: {mm: 130}").replace(
     "dwell_ms: 60}", "dwell_ms: 60, approach: {mm: 30}}"
 )
