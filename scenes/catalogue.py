@@ -11,10 +11,11 @@ from assur.planner.errors import FaultError, InputError
 from assur.scenes.bounds import MAX_YAML_BYTES
 from assur.scenes.faults import DocumentError, dotted, likeliest, located, within
 from assur.scenes.files import below, empty, with_meshes
+from assur.scenes.not_requests import refuse_but
 from assur.scenes.robot_facts import assumptions, listed
 from assur.scenes.schema.read import read
 from assur.scenes.schema.robots import FAMILIES, Arm, ArmDocument, Family
-from assur.scenes.text.yaml_text import Lines, parse_yaml, with_line
+from assur.scenes.text.yaml_text import parse_yaml, with_line
 
 if TYPE_CHECKING:
     from assur.scenes.reading.arms import BuiltArm
@@ -62,7 +63,7 @@ def shipped_robot(model: str) -> RobotFile:
     """A shipped robot, read once. Raises `InputError` for a name that is none; no other file is ever opened."""
     if model not in models():
         raise InputError("robot.model", model, f"one of {likeliest(model, models())}")
-    return _robot_file(_parsed(FOLDER / f"{model}.yaml")[0])
+    return _robot_file(parse_yaml((FOLDER / f"{model}.yaml").read_bytes())[0])
 
 
 @lru_cache(maxsize=32)
@@ -82,9 +83,13 @@ def load_robot(path: Path) -> RobotFile:
     Raises `DocumentError` with the name of the file, the field and the line, or `OSError` for a file that is not there.
     """
     try:
-        document, lines = _parsed(path)
+        allowed = f"a robot: YAML with one of {', '.join(FAMILIES)}"
+        with path.open("rb") as file:
+            data = file.read(MAX_YAML_BYTES + 1)
+        refuse_but("a robot's file", data, path, allowed)
+        document, lines = parse_yaml(data)
         if document is None:
-            raise empty(path, f"a robot: YAML with one of {', '.join(FAMILIES)}")
+            raise empty(path, allowed)
         try:
             found = _robot_file(with_meshes(document, path.parent))
             found.built()
@@ -94,11 +99,6 @@ def load_robot(path: Path) -> RobotFile:
         own = (*WHOLE, path.name)
         raise error.relocated(lambda field: path.name if field in own else f"{path.name}: {field}") from error
     return found
-
-
-def _parsed(path: Path) -> tuple[Any, Lines]:
-    with path.open("rb") as file:
-        return parse_yaml(file.read(MAX_YAML_BYTES + 1))
 
 
 def _robot_file(document: Any) -> RobotFile:

@@ -11,6 +11,7 @@ from typing import Any
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_DEPTH, MAX_JSON_BYTES, MAX_MESH_BYTES, MAX_PLAN_FILE_BYTES
 from assur.scenes.faults import NOTHING, WHOLE, DocumentError, dotted
+from assur.scenes.not_requests import refuse_but
 from assur.scenes.plan_file import LONGEST_BEGINNING, begins_a_plan_file, is_plan_file, plan_file_in
 from assur.scenes.schema.answer import Trajectory
 from assur.scenes.schema.read import read_normal
@@ -61,6 +62,8 @@ def json_of(data: bytes, name: str, allowed: str) -> Any:
     except InputError as error:
         if error.field != WHOLE:
             raise  # it names the field in the file
+        if not data.lstrip().startswith((b"{", b"[")):  # else it is JSON that is broken: its place is named
+            refuse_but("", data, Path(name), allowed)
         raise DocumentError(name, error.value, f"{allowed}; {error.allowed.removeprefix('JSON: ')}") from None
     if len(data) > MAX_JSON_BYTES and not is_plan_file(document):
         raise InputError(WHOLE, f"{len(data)} bytes", f"at most {MAX_JSON_BYTES} bytes, for it is no plan file")

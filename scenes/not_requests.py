@@ -8,7 +8,7 @@ from typing import Any
 
 from assur.planner.errors import InputError
 from assur.scenes.faults import NOTHING, WHOLE, DocumentError, fault
-from assur.scenes.plan_file import is_plan_file
+from assur.scenes.plan_file import FORMS, is_plan_file
 from assur.scenes.schema.cell_file import CELL, TASK
 from assur.scenes.schema.request import SCHEMA
 from assur.scenes.schema.robots import FAMILIES
@@ -68,13 +68,47 @@ KINDS = (
 """How a file begins, in small letters, what it is, and what is done with it."""
 
 
+def _of_schema(begins: str) -> str:
+    """How a document is recognized, in YAML or JSON, whose schema begins so."""
+    return rf"""(^|[{{,])\s*["']?schema["']?\s*:\s*["']?{begins}"""
+
+
+OURS = tuple(
+    (re.compile(pattern.encode(), re.MULTILINE), what)
+    for pattern, what in (
+        (_of_schema(FORMS), "a plan file"),
+        (_of_schema(BUNDLE), "a proof bundle"),
+        (_of_schema(TASK), "a task file"),
+        (_of_schema(CELL), "a cell file"),
+        (_of_schema(rf'{SCHEMA}"\s*,\s*"status"'), "an answer without its request"),
+        (r"^request\s*:", "a scenario"),
+        (_of_schema(SCHEMA), "a request"),
+        (rf"^({'|'.join(FAMILIES)})\s*:", "a robot's file"),
+    )
+)
+"""A pattern in the first part of each document of this project, and what the document is."""
+
+
 def refuse_text(data: bytes, path: Path) -> None:
     """Raises `DocumentError` for the content of a file of another known kind."""
-    beginning = data[:BEGINNING_BYTES].removeprefix(b"\xef\xbb\xbf").lstrip().lower()
+    beginning = _beginning(data)
     for begins, what, use in KINDS:
         if begins.match(beginning):
             does = f"; {use.format(name=path.name)}" if use else ""
             raise DocumentError(path.name, what, f"{TAKEN}{does}")
+
+
+def refuse_but(wanted: str, data: bytes, path: Path, allowed: str) -> None:
+    """Raises `DocumentError` for the content of a file of a known kind that is not the `wanted` one."""
+    beginning = _beginning(data)
+    found = [what for begins, what, _ in KINDS if begins.match(beginning)]
+    found += [what for pattern, what in OURS if pattern.search(beginning)]
+    if found and wanted not in found:
+        raise DocumentError(path.name, found[0], allowed)
+
+
+def _beginning(data: bytes) -> bytes:
+    return data[:BEGINNING_BYTES].removeprefix(b"\xef\xbb\xbf").lstrip().lower()
 
 
 def refuse_document(document: Any, path: Path) -> None:

@@ -25,6 +25,9 @@ LONGEST_BEGINNING: Final = 256
 """Number of first bytes that show whether a file is a plan file, whatever its name."""
 MEANT: Final = "a plan file, as `assur plan --out` writes it"
 
+OTHERS: Final = (("status", "an answer without its request"), ("task", "a request without an answer"))
+"""A field of other documents, and what they are."""
+
 
 @dataclass(frozen=True, eq=False)
 class PlanFile:
@@ -67,7 +70,8 @@ def plan_file_in(document: object) -> PlanFile:
     if not isinstance(document, dict):
         raise DocumentError(WHOLE, document, MEANT)
     if document.get("schema") != FORM:
-        raise DocumentError("schema", document.get("schema", NOTHING), f"{FORM}: {MEANT}")
+        this = next((f"; this is {what}" for key, what in OTHERS if key in document), "")
+        raise DocumentError("schema", document.get("schema", NOTHING), f"{FORM}: {MEANT}{this}")
     for key in document:
         if key not in FIELDS:
             raise DocumentError(key, document[key], f"one of {', '.join(FIELDS)}")

@@ -10,9 +10,10 @@ from assur.api.cli.cell_reading import read_cell
 from assur.api.cli.inputs import STANDARD, Target, json_file
 from assur.api.documents import plan_file_bytes
 from assur.planner.errors import InputError
-from assur.scenes.faults import NOTHING
+from assur.scenes.faults import NOTHING, fault
 from assur.scenes.plan_file import PlanFile, in_request, is_plan_file, plan_file_in
-from assur.scenes.requests import request_digest
+from assur.scenes.requests import validate
+from assur.scenes.schema.differences import difference, stated_at
 
 PLAN_OR_CELL = "A plan file, as `assur plan --out` writes it; or a cell: a scenario file, a request, a scenario's name."
 """What FILE is, where a command is about an answer."""
@@ -34,7 +35,8 @@ def answer_for(given: Target, path: Path | None) -> Any:
 
 def answer_if_any(given: Target, path: Path | None) -> Any:
     """The same, or None where no file has an answer."""
-    digest = read_cell(given).scene.digest
+    cell = read_cell(given)
+    digest = cell.scene.digest
     if path is None:
         if given.plan_file is None:
             return None
@@ -45,11 +47,14 @@ def answer_if_any(given: Target, path: Path | None) -> Any:
         return document
     held = plan_file_in(document)
     with in_request():
-        own = request_digest(held.request)
-    if own != digest:
-        allowed = f"a plan file whose request is that of FILE, with the digest {digest}; this one plans another cell"
-        raise InputError("PLAN: request", own, allowed)
-    held.held_together(own)
+        own = validate(held.request)
+    at = difference(own, cell.request)
+    if at is not None:
+        there = stated_at(cell.document, at)
+        allowed = f"what FILE has there{there and f': {there}'}; this file has a plan for another request"
+        other = fault(held.request, at, allowed)
+        raise InputError(f"PLAN: request.{other.field}", other.value, other.allowed)
+    held.held_together(own.digest)
     return held.plan
 
 

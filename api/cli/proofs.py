@@ -18,6 +18,7 @@ from assur.planner.errors import InputError
 from assur.scenes.bundle import bundle_cell
 from assur.scenes.faults import DocumentError
 from assur.scenes.files import empty
+from assur.scenes.not_requests import refuse_but
 from assur.scenes.text.json_text import not_json, not_utf8
 
 NEEDS = "assur prove needs python-flint and jsonschema-rs, which are an extra: pip install 'assur[proof]'"
@@ -56,6 +57,7 @@ def prove(
     data = file.read_bytes()
     if not data.strip():
         raise empty(file, "a proof bundle, as JSON")
+    refuse_but("a proof bundle", data, file, "a proof bundle, as `assur bundle PLAN` makes it of a plan file")
     try:
         with console_report.working(f"proving {file.name}"):
             shown, claims = show_claims(data)

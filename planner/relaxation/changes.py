@@ -6,7 +6,7 @@ Never a robot beyond its limits, never a clearance below the uncertainties (thos
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -41,12 +41,10 @@ def of_step(scene: Scene, number: int, kind: str, value: str, **changed: Any) ->
     return kind, value, with_step(scene, number, replace(scene.task[number], **changed))
 
 
-def of_window(scene: Scene, step: int, value: str, window: Window) -> Change:
-    """A change of the window of a step; of a pick, of all picks with the same window (`of_same_window`)."""
-    numbers, task = of_same_window(scene, step), list(scene.task)
-    for number in numbers:
-        task[number] = replace(task[number], window=window)
-    every = f", all {len(numbers)} picks of this window" if len(numbers) > 1 else ""
+def of_window(scene: Scene, steps: Sequence[int], value: str, window: Window) -> Change:
+    """A change of the window of these steps, the picks with one window (`of_same_window`) or one step."""
+    task = [replace(each, window=window) if i in steps else each for i, each in enumerate(scene.task)]
+    every = f", all {len(steps)} picks of this window" if len(steps) > 1 else ""
     return "window", f"{value}{every}", replace(scene, task=tuple(task))
 
 
@@ -275,10 +273,11 @@ def _listed(scene: Scene, step: int, blocker: str | None, refusal: Refusal | Non
     if what.window != Window():
         span, along = what.window.time, what.window.along
         later = Window(None if span is None else (span[0], LAST_S), None if along is None else (along[0], LAST_M))
-        yield of_window(scene, step, "without its end", later)
-        yield of_window(scene, step, "removed", Window())
+        alike = of_same_window(scene, step)
+        yield of_window(scene, alike, "without its end", later)
+        yield of_window(scene, alike, "removed", Window())
         others = [i for i, each in enumerate(scene.task) if each.window != Window()]
-        if others != of_same_window(scene, step):
+        if others != alike:
             task = tuple(replace(each, window=Window()) for each in scene.task)
             yield "window", f"all {len(others)} removed", replace(scene, task=task)
     if options.latest_end_s is not None:

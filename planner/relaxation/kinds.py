@@ -5,8 +5,8 @@ from __future__ import annotations
 from assur.planner.model.phases import CONTACT_M
 from assur.planner.model.refusal import LawEnds, NotTouching, Overshoot, Reason, Refusal, Separation, Stage
 
-OF_GEOMETRY = frozenset({"elbow", "pitch", "heights"})
-"""Where a point cannot be reached, only another posture or another height can help."""
+OF_GEOMETRY = frozenset({"window", "elbow", "pitch", "heights"})
+"""Where a point cannot be reached, only another time, another posture or another height can help."""
 OF_LAW = frozenset({"window", "latest end", "dwell"})
 """Where it is proved that the motion of a frame is known for too short a time, only what needs less of it can help."""
 OF_START = frozenset({"pair clearance", "clearance", "without"})
@@ -27,8 +27,8 @@ ABOUT: dict[Reason, tuple[str, ...]] = {
     Reason.START_IN_COLLISION: IN_THE_WAY,
     Reason.NOT_CERTIFIED: IN_THE_WAY,
     Reason.SELF_COLLISION: ("pair clearance", "elbow"),
-    Reason.OUT_OF_REACH: ("elbow", "pitch", "heights"),
-    Reason.JOINT_LIMIT: ("elbow", "pitch", "heights"),
+    Reason.OUT_OF_REACH: ("window", "elbow", "pitch", "heights"),
+    Reason.JOINT_LIMIT: ("window", "elbow", "pitch", "heights"),
     Reason.NEAR_SINGULARITY: ("singularity margin", "elbow"),
     Reason.MOTION_LIMIT: ("process speed", "blend", "acceleration time", "match", "belt speed", "dwell"),
     Reason.CARRY_LIMIT: ("belt speed", "heights"),

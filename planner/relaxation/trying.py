@@ -8,7 +8,7 @@ it helps, the weakest member that helps, too, is reported.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import groupby
@@ -73,17 +73,18 @@ def relax(
         if not allowed(refusal, what, proved=proved):
             continue
         family = list(members)
-        works, spent = _first(family[-1:], deadline, attempt)
+        strongest, spent = _first(family[-1:], deadline, attempt)
         if spent:
             return None, tuple(tried), True
-        if works is None:
+        if strongest is None:
             continue
         weaker, spent = _first(family[:-1], deadline, attempt)
-        works = weaker or works
-        if what in NARROWED and not spent:
-            # what was opened altogether is closed again behind the plan, and that is tried, too
-            narrower, spent = _first(_narrowed(scene, step, *works), deadline, attempt)
-            works = narrower or works
+        works = weaker or strongest
+        if what in NARROWED:
+            # what was opened altogether is closed again behind the plan, and that is tried, too; else it is removed: an
+            # end that is as good as none is not proposed
+            narrower, spent = (None, True) if spent else _first(_narrowed(scene, *works), deadline, attempt)
+            works = narrower or strongest
         (_, value, changed), made = works
         return Relaxation(what, value, made.trajectory.end - scene.start.time, changed), tuple(tried), spent
     return None, tuple(tried), False
@@ -130,9 +131,10 @@ def _attempt(
     return found.plan
 
 
-def _narrowed(scene: Scene, step: int, change: Change, made: Plan) -> list[Change]:
-    """The window, or the latest end, just as wide as the plan uses it, in round numbers, and windows a few times as
-    much wider: the search may need more than its plan. Nothing if the plan uses no more than the request allows."""
+def _narrowed(scene: Scene, change: Change, made: Plan) -> list[Change]:
+    """The windows that a change opens, or the latest end, just as wide as the plan uses them, in round numbers, and
+    windows a few times as much wider: the search may need more than its plan. Nothing if the plan uses no more than the
+    request allows."""
     if change[0] == "latest end":
         latest = scene.options.latest_end_s
         ends = up(made.trajectory.end, WHOLE)
@@ -140,19 +142,36 @@ def _narrowed(scene: Scene, step: int, change: Change, made: Plan) -> list[Chang
             return []
         value = f"{ends:.3f} s, {1e3 * (ends - latest):.0f} ms later"
         return [of_options(scene, "latest end", value, latest_end_s=ends)]
-    window, found = scene.task[step].window, list[Change]()
-    met = [each for each in made.arrivals if each.step in of_same_window(scene, step)]
-    instants, ways = [at for each in met for at in (each.time, each.until)], _ways(scene, met)
+    opened = [
+        i for i, (own, new) in enumerate(zip(scene.task, change[2].task, strict=True)) if own.window != new.window
+    ]
+    groups = list(dict.fromkeys(tuple(of_same_window(scene, i)) for i in opened))
+    found = list[Change]()
     for times in WIDER:
-        span, along, texts = window.time, window.along, list[str]()
-        if span is not None:
-            span, texts = _used(span, instants, times, "s", 1.0, "from until earlier later")
-        if along is not None and ways:
-            along, more = _used(along, ways, times, "mm", 1e3, "from to sooner farther")
-            texts += more
-        if texts:
-            found.append(of_window(scene, step, " and ".join(texts), Window(span, along)))
+        changed, words = scene, list[str]()
+        for steps in groups:
+            window, texts = _window_used(scene, steps, made, times)
+            if texts:
+                _, value, changed = of_window(changed, steps, " and ".join(texts), window)
+                words.append(f"{scene.task[steps[0]].name} {value}" if len(groups) > 1 else value)
+        if words:
+            found.append(("window", "; ".join(words), changed))
     return found
+
+
+def _window_used(scene: Scene, steps: Sequence[int], made: Plan, times: int) -> tuple[Window, list[str]]:
+    """The window of these steps so many times as much wider as a plan uses it, and by how much in words (none: it uses
+    no more)."""
+    window, texts = scene.task[steps[0]].window, list[str]()
+    met = [each for each in made.arrivals if each.step in steps]
+    instants, ways = [at for each in met for at in (each.time, each.until)], _ways(scene, met)
+    span, along = window.time, window.along
+    if span is not None:
+        span, texts = _used(span, instants, times, "s", 1.0, "from until earlier later")
+    if along is not None and ways:
+        along, more = _used(along, ways, times, "mm", 1e3, "from to sooner farther")
+        texts += more
+    return Window(span, along), texts
 
 
 def _ways(scene: Scene, met: list[Arrival]) -> list[float]:

@@ -221,7 +221,11 @@ SENTENCES: dict[type, tuple[Row, ...]] = {
         ("the window opens [{short} ]after latest_end_s", Miss.OPENS_AFTER_LATEST_END),
         ("latest_end_s is [{short} ]before the start", Miss.LATEST_END_BEFORE_START),
         ("the point enters its window [{short} ]after latest_end_s", Miss.ENTERS_AFTER_LATEST_END),
-        ("the point never enters its window along the conveyor: it stays [{short} ]away", Miss.NEVER_INSIDE),
+        (
+            "the point never enters its window along the conveyor: it stays [{short} ]away"
+            "[, and the conveyor carries it farther away, at {carried} mm/s]",
+            Miss.NEVER_INSIDE,
+        ),
         (
             "the window in time and the window along the conveyor never overlap: they are [{short} ]apart",
             Miss.NO_COMMON_INSTANT,

@@ -187,7 +187,7 @@ def _computed(scene: Scene, refusal: Refusal) -> Words:
             late = facts.miss in ON_ARRIVAL and not closed and scene.options.latest_end_s is not None
             closing = "for the window" if closed else "to meet the point while it can be met"
             words = {"what": "part" if isinstance(step, Pick | Place) else "point", "closing": closing}
-            return words | ({"late": ""} if late else {})
+            return words | ({"late": ""} if late else {}) | _carried(scene, refusal, facts)
         case LawEnds() as facts:
             words = {"needed": _instant(facts.needed_s)}
             if facts.known_s is not None:
@@ -201,6 +201,19 @@ def _computed(scene: Scene, refusal: Refusal) -> Words:
             return _separation(facts) | _resting(scene, refusal, facts.gap_m)
         case _:
             return {}
+
+
+def _carried(scene: Scene, refusal: Refusal, facts: WindowMissed) -> Words:
+    """The speed of the conveyor that carries a point away from its window, mm/s; nothing where the speed changes. A
+    point that is never in its window moves away from it, or stands still."""
+    step = scene.task[refusal.step]
+    moved = any(isinstance(each, Pick | Place) and each.part == step.part for each in scene.task[: refusal.step])
+    if facts.miss is not Miss.NEVER_INSIDE or (step.target is None and (moved or step.part is None)):
+        return {}
+    law = scene.frames[scene.index[str(step.part)].frame if step.target is None else step.target.frame].law
+    if law.way is None or np.isfinite(law.changes_until) or law.numbers.speed == 0.0:
+        return {}
+    return {"carried": f"{1e3 * law.numbers.speed:g}"}
 
 
 def _instant(time: float) -> str:

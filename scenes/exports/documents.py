@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
+from assur.scenes.faults import fault
 from assur.scenes.requests import cell_of, read_plan
 from assur.scenes.scenario import with_files
 from assur.scenes.schema.export import ExportDocument, ForeignTrajectoryDocument
@@ -40,8 +41,13 @@ def export_cell(cell: Cell, request: Any, plan: object, options: object) -> dict
     made, untrue, _ = read_plan(cell, plan, proved_anew=True)
     if untrue:
         raise InputError("plan", "this answer", f"one that is right: {in_words(untrue)}")
-    made, handover = handed_over(cell, made, how, running)
-    return dict(exported(cell, request, made, how, handover))
+    try:
+        made, handover = handed_over(cell, made, how, running)
+        return dict(exported(cell, request, made, how, handover))
+    except InputError as error:
+        if error.field not in ExportDocument.model_fields:
+            raise
+        raise fault(options, (error.field,), error.allowed) from error  # by the key that is written: tick_ms for tick_s
 
 
 def check_trajectory_document(

@@ -10,7 +10,7 @@ from assur.planner.errors import InputError
 from assur.scenes.proposals.edits import in_unit, is_written, other_unit, value_at
 from assur.scenes.schema.normal import normal
 from assur.scenes.set_values import GIVEN, Changed
-from assur.scenes.tasks.origins import OF_CELL, Joined
+from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Joined
 
 Origin = tuple[str, str, object]
 """The document that has a value (`OF_CELL`, `OF_TASK` or `GIVEN`), its field there, and the value."""
@@ -87,8 +87,9 @@ def _in_unit_of_cell(cell: dict[str, Any], document: str, field: str, value: obj
 
 def origins_of(made: Joined, changed: Changed) -> Iterator[list[Origin]]:
     """Where the fields that were changed in a request may be changed in the task and the cell: in the step itself;
-    where the values were written; and in the step, as a whole what the step had of elsewhere."""
-    for place in (_in_step, _written, _whole_in_step):
+    where the values were written; in the step, as a whole what the step had of elsewhere; and in a transfer, whose
+    window is left out."""
+    for place in (_in_step, _written, _whole_in_step, _without_window):
         found = [place(made, changed.document, field) for field in changed.fields]
         yield [(*_split(field), value) for field, value in found]
 
@@ -111,6 +112,14 @@ def _in_step(made: Joined, changed: Any, field: str) -> tuple[str, object]:
 def _whole_in_step(made: Joined, changed: Any, field: str) -> tuple[str, object]:
     step = STEP.match(field)
     return _in_step(made, changed, field if step is None else step[0])
+
+
+def _without_window(made: Joined, changed: Any, field: str) -> tuple[str, object]:
+    origin = made.origin(field)
+    if TRANSFER.search(origin) is None:
+        return _written(made, changed, field)
+    own = value_at(made.task, origin.removeprefix(f"{OF_TASK}."))
+    return origin, {key: value for key, value in own.items() if not key.startswith("window_")}
 
 
 def _written(made: Joined, changed: Any, field: str) -> tuple[str, object]:

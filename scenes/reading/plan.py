@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from assur.planner.checker.verdict import Code, Finding
@@ -21,7 +23,7 @@ from assur.planner.model.scene import Move, Scene, Trace
 from assur.planner.trajectory import Trajectory
 from assur.scenes.answer_facts import fact_of
 from assur.scenes.conventions import Conventions, as_counted, converted, converted_rates
-from assur.scenes.faults import Refused, fault, located, within
+from assur.scenes.faults import NOTHING, DocumentError, Refused, fault, located, together, within
 from assur.scenes.reading.frames import placed
 from assur.scenes.reading.neighbours import trajectory_of
 from assur.scenes.schema import answer as document
@@ -29,7 +31,8 @@ from assur.scenes.schema.read import read_normal
 
 PLAN = "plan"
 """Where the plan is in what is checked: {request, plan}."""
-
+ONLY = "; where `fields` selects parts of an answer, it must list this one, too"
+"""What a message adds about a part that was left out."""
 
 TIME_S = 1e-9
 """By how much durations may be off the trajectory's, s: sums of times round."""
@@ -70,7 +73,7 @@ def plan_of(plan: object, conventions: Conventions, *, proved_anew: bool = False
                     raise Refused("the certificate in full, as certificate=full gives it", "certificate")
                 read_normal(document.CertificateDigest, certificate, certificate, (PLAN, "certificate"))
                 plan["certificate"] = {**certificate, "rows": 0} | {key: [] for key in COLUMNS}
-        item: document.CheckedPlan = read_normal(document.CheckedPlan, plan, plan, (PLAN,))
+        item: document.CheckedPlan = _read(document.CheckedPlan, plan)
         made = _made(item, conventions)
         return made, _untrue(item) + _untrue_joints(item, made, conventions)
 
@@ -99,11 +102,26 @@ def motion_of(
     show a motion and do not rely on it. Raises `DocumentError` below "plan"."""
     with located({PLAN: answer}), within(PLAN):
         shown = {key: answer[key] for key in document.ShownMotion.__annotations__ if key in answer}
-        item: document.ShownMotion = read_normal(document.ShownMotion, shown, shown, (PLAN,))
+        item: document.ShownMotion = _read(document.ShownMotion, shown)
         _hold_to_robot(item, conventions)
         with within("trajectory"):
             trajectory = trajectory_of(item["trajectory"], conventions)
         return trajectory, _legs(item), _arrivals(item, conventions)
+
+
+def _read(model: Any, part: object) -> Any:
+    """A part of an answer. Raises `DocumentError` below "plan", which says of a field that was left out why it may
+    be."""
+    try:
+        return read_normal(model, part, part, (PLAN,))
+    except DocumentError as error:
+        every = [
+            DocumentError(each.field, each.value, f"{each.allowed}{ONLY}")
+            if each.value is NOTHING and "[" not in each.field  # `fields` gives lists whole
+            else DocumentError(each.field, each.value, each.allowed)
+            for each in (error, *error.more)
+        ]
+        raise together(every, error.left_out) from None
 
 
 def _made(item: document.CheckedPlan, conventions: Conventions) -> Plan:

@@ -71,7 +71,9 @@ def on_ticks(scene: Scene, plan: Plan, tick_s: float, *, hold_jerk: bool = False
     """
     trajectory = plan.trajectory
     if not SHORTEST_TICK_S <= tick_s <= LONGEST_TICK_S:
-        raise InputError("tick_s", tick_s, f"from {SHORTEST_TICK_S:g} to {LONGEST_TICK_S:g} s")
+        least, most = SHORTEST_TICK_S, LONGEST_TICK_S
+        allowed = f"from {least:g} to {most:g} s, {1e3 * least:g} to {1e3 * most:g} ms"
+        raise InputError("tick_s", tick_s, allowed)
     if trajectory.jumps:
         allowed = (
             "none: between two ticks the acceleration of this motion jumps, and a motion through states at ticks "

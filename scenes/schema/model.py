@@ -46,6 +46,8 @@ class Document(BaseModel):
 
     exactly_one: ClassVar[tuple[Group, ...]] = ()
     at_most_one: ClassVar[tuple[Group, ...]] = ()
+    stated_elsewhere: ClassVar[Mapping[str, str]] = {}
+    """By keys without their units that the mapping has not: which part of a document has such a `{key}`."""
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:

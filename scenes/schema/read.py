@@ -158,7 +158,7 @@ def _allowed(model: Any, kind: str, context: dict[str, Any], location: Path, pat
             return f"{key} or {twin}, which must be given"
         return f"{_words_of(_annotation(model, location)) or _fields_of(model, location, None)}, which must be given"
     if kind == "extra_forbidden":
-        return _known(model, location, value)
+        return _known(model, location, str(path[-1]), value)
     if kind in COMPARISONS:
         name, words = COMPARISONS[kind]
         return f"{words} {_in_unit_written(context[name], path)}{_millimetres(path, value)}"
@@ -215,14 +215,16 @@ def _in_unit_written(limit: float, path: Path) -> str:
     return f"{limit:.12g}" if unit is None else f"{limit:.12g} ({unit})"
 
 
-def _known(model: Any, location: Path, value: object) -> str:
-    """The fields that the model at `location` has, both ways to write each, and the likeliest that was meant."""
+def _known(model: Any, location: Path, key: str, value: object) -> str:
+    """The fields that the model around `location` has, both ways to write each, and what was meant by `key`, as it is
+    written: where else it is stated, or the likeliest field."""
     here = _model_in(_annotation(model, location[:-1]))
     if here is None:
         raise FaultError(f"no model has the fields around {dotted(location)}")
     fields = _fields(here)
     known = f"one of {', '.join(f'{n}/{twin_of(n)}' if twin_of(n) else n for n in sorted(fields))}"
-    key = str(location[-1])
+    if place := getattr(here, "stated_elsewhere", {}).get(_stem(key)):
+        return f"{known}; {key} is stated by {place.format(key=key)}"
     meant = [n for n in fields if _stem(n) == _stem(key) and _takes(fields[n], value)]
     meant = meant or difflib.get_close_matches(key, fields, n=1, cutoff=0.5)
     if not meant:

@@ -3,6 +3,7 @@ are read with the request that a cell and a task make."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, Field, GetJsonSchemaHandler, TypeAdapter, create_model
@@ -30,6 +31,12 @@ Slot = Annotated[dict[Name, Count], Field(min_length=1, max_length=1)]
 
 class TransferDocument(Document):
     """A pick and a place for each part, in this order, to the next free slots."""
+
+    stated_elsewhere: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(("approach", "dwell", "depart"), "the cell: kinds.KIND.{key} or slots.SLOTS.{key}"),
+        **dict.fromkeys(("grasp", "grasp_yaw"), "the kind of the part: kinds.KIND.{key}"),
+        "contact_with": "the slots: slots.SLOTS.{key}",
+    }
 
     parts: Annotated[list[Reference], Field(min_length=1, max_length=bounds.MAX_STEPS)]
     to: Name

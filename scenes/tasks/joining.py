@@ -16,7 +16,7 @@ from assur.scenes.schema.normal import plain
 from assur.scenes.schema.read import read
 from assur.scenes.schema.sizes import check_sizes
 from assur.scenes.set_values import GIVEN, unknown_paths
-from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Document, Joined, Origins, within_document
+from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Carried, Document, Joined, Origins, within_document
 from assur.scenes.tasks.request_of_task import RequestOfTask
 from assur.scenes.units import si_key
 
@@ -54,14 +54,16 @@ def valid_cell(document: object) -> CellDocument:
     return valid
 
 
-def joined(cell: object, task: object, given: Mapping[str, object] | None = None) -> Joined:
+def joined(
+    cell: object, task: object, given: Mapping[str, object] | None = None, carried: Carried | None = None
+) -> Joined:
     """The request of a task in a cell, a document or a `CellFile`. Raises `DocumentError` whose fields begin with
     `cell`, `task`, or `GIVEN`.
 
     `given`: values that are set last, by their paths. A path that begins with a field of `OWN` is one of the task, but
     for an option that the cell states; all others are paths of the cell.
     """
-    origins = Origins()
+    origins = Origins(carried)
     with origins:
         with within_document(OF_TASK):
             asked = plain(task)

@@ -7,7 +7,6 @@ when the next task begins: the frame may have been off for all of the plan.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -17,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_SLOTS
 from assur.scenes.conventions import Conventions, as_maker, rates_as_maker
-from assur.scenes.faults import NOTHING, DocumentError, Refused, as_written, fault, written_key
+from assur.scenes.faults import NOTHING, DocumentError, Refused, fault, written_key
 from assur.scenes.schema.cell_file import TASK, CellDocument, TaskDocument
+from assur.scenes.schema.differences import difference, stated_at
 from assur.scenes.schema.normal import normal
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
@@ -26,8 +26,8 @@ from assur.scenes.schema.shapes import BodyDocument, PlaceInCell
 from assur.scenes.set_values import GIVEN, with_values
 from assur.scenes.tasks.grids import counts, slot_poses
 from assur.scenes.tasks.joining import joined, shared
-from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Joined, Origins, within_document
-from assur.scenes.tasks.parts_of_plan import PLACES, check_kinds_of_picked, check_same_bodies
+from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Carried, Joined, Origins, within_document
+from assur.scenes.tasks.parts_of_plan import PLACES, check_kinds_of_picked, check_same_bodies, check_there
 from assur.scenes.units import si_key
 
 if TYPE_CHECKING:
@@ -41,9 +41,6 @@ BEYOND_SLOTS = ("at_s", "pitch_deg", "pitch_rad", "roll_deg", "roll_rad")
 SAME = ("robot", "frames", "neighbours")
 """Fields of the request of a plan that the request of the next task has as well: the state of the plan is one of
 them."""
-
-LONGEST_SHOWN = 100
-"""Most characters of a value that a message repeats."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,9 +58,14 @@ class EndState:
     uncertainty: Mapping[str, Document]
     handled: frozenset[str]
     gone: frozenset[str]
+    gone_at_s: Mapping[str, float]
     places: Mapping[str, tuple[str, Pose]]
     held: str | None
     cell: Cell
+
+    def taken(self, name: str) -> str:
+        """That one of the parts that are `gone` was taken away, and when, in words."""
+        return f"the plan has placed {name}, and it was taken away at {self.gone_at_s[name]:.3f} s"
 
     def body(self, written: Document, slots: Mapping[tuple[object, ...], Document]) -> Document:
         """A body or a part at the end of the plan. `written`: at its start, or without a place. `slots`: that in which
@@ -94,7 +96,8 @@ def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
     """As `end_state`, at an instant, s, at which the plan is left: as if it ended there (None: where it ends). Raises
     `InputError` as well for an instant at which it may not be left (`left_at`), naming `at_s`."""
     from assur.planner.laws.law import PoseUncertainty
-    from assur.planner.model.phases import leg_phases, on_way, parts_gone
+    from assur.planner.model.phases import gone_from, leg_phases, on_way, parts_gone
+    from assur.planner.model.task import is_taken_away
     from assur.scenes.reading.bodies import drifted
     from assur.scenes.reading.plan import PLAN, motion_of
     from assur.scenes.requests import cell_of, refused, validate
@@ -130,6 +133,8 @@ def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
         end_s = at_s
         attached, known = left_at(scene, trajectory, legs, arrivals, at_s)
     gone = parts_gone(scene, arrivals, end_s)
+    met = [(each.until, scene.task[each.step]) for each in arrivals if each.until <= end_s]
+    gone_at_s = {str(step.part): gone_from(scene, step, until) for until, step in met if is_taken_away(step)}
     uncertainty = {name: asdict(each) for name, each in known.within if name not in gone}
     handled = gone.union(uncertainty)
     start = _start(answer["trajectory"], trajectory, end_s, cell.conventions)
@@ -150,7 +155,7 @@ def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
             before = PoseUncertainty(**uncertainty.get(body.name, vars(body.uncertainty)))
             uncertainty[body.name] = asdict(drifted(before, off_m, frame.law))
     return EndState(
-        request, stated, start, uncertainty, handled, gone, places, None if held is None else held.part, cell
+        request, stated, start, uncertainty, handled, gone, gone_at_s, places, None if held is None else held.part, cell
     )
 
 
@@ -190,7 +195,9 @@ def _start(written: Mapping[str, Any], motion: Trajectory, at_s: float, conventi
 
 
 def next_request(end: EndState, steps: Sequence[Document]) -> Document:
-    """The request with these steps that begins where the plan ends."""
+    """The request with these steps that begins where the plan ends. Raises `DocumentError` for a pick of a part that
+    was taken away."""
+    check_there(steps, {name: end.taken(name) for name in end.gone})
     bodies = [end.body(body, {}) for body in end.document.get("bodies", ()) if body["name"] not in end.gone]
     return {**end.document, "start": end.start, "bodies": bodies, "task": list(steps)}
 
@@ -240,11 +247,18 @@ def next_task(
                 with within_document(OF_TASK):
                     raise fault(task, ("parts", i, "uncertainty"), allowed)
             part = end.body({key: before[key] for key in (*PLACES, "uncertainty") if key in before} | part, slots)
+        elif part["name"] in end.gone and not part.keys() & {*PLACES}:
+            with within_document(OF_TASK):
+                raise fault(
+                    task, ("parts", i, "name"), f"a part with a place, where it is seen: {end.taken(part['name'])}"
+                )
         listed.append(part)
     values = Origins()
     with values, within_document(OF_TASK):
         steps = values.changed(OF_TASK, task, of_task, GIVEN)["steps"] if of_task else task["steps"]
         check_kinds_of_picked(kinds, steps, known)
+        away = end.gone - {part["name"] for part in listed}
+        check_there(steps, {name: end.taken(name) for name in away})
     listed += [end.body(part, slots) for part in known.values()]
     names = {part["name"] for part in listed}
     worse = {f"bodies.{name}.uncertainty": each for name, each in end.uncertainty.items() if name not in names}
@@ -287,7 +301,9 @@ def joined_after(
     """The request of a task that `next_task` made of the one that is `stated`, with values that are `given` last
     (`joined`). Raises `DocumentError`, also for a cell that is not that of the plan (`hold_same`), and for a body that
     is not that of the plan (`check_same_bodies`)."""
-    made = joined(cell, task, given)
+    own = len(stated.get("parts", ()))
+    carried = Carried({i: part["name"] for i, part in enumerate(task["parts"]) if i >= own}, end.gone_at_s)
+    made = joined(cell, task, given, carried)
     try:
         hold_same(made.request, end)
         before = {body["name"]: body for body in end.document.get("bodies", ()) if body["name"] not in end.gone}
@@ -300,30 +316,10 @@ def joined_after(
 def hold_same(document: Document, end: EndState) -> None:
     """Raises `DocumentError` for a request whose robot, frames or neighbours are not those of the plan, at the first
     value that differs: the state of the plan is one of them."""
-    request = read(RequestDocument, document)
-    for key in SAME:
-        if getattr(request, key) != getattr(end.request, key):
-            path = _first_difference(*({key: _plain(getattr(each, key))} for each in (request, end.request)))
-            written, value = as_written(end.document, path)
-            there = "nothing" if value is NOTHING else json.dumps({written[-1]: value})[1:-1]
-            more = f": {there}" if len(there) <= LONGEST_SHOWN else ""
-            raise fault(document, path, f"what the request of the plan has there{more}")
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict | list):
-        entries = value.items() if isinstance(value, dict) else enumerate(value)
-        return {key: _plain(each) for key, each in entries}
-    return value.model_dump(by_alias=True, exclude_none=True)
-
-
-def _first_difference(one: Any, other: Any) -> tuple[str | int, ...]:
-    """The path to the first value that two documents, which differ, have not in common."""
-    if isinstance(one, dict) and isinstance(other, dict):
-        for key in {**other, **one}:
-            if key not in one or key not in other or one[key] != other[key]:
-                return (key, *(_first_difference(one[key], other[key]) if key in one and key in other else ()))
-    return ()
+    path = difference(read(RequestDocument, document), end.request, SAME)
+    if path is not None:
+        there = stated_at(end.document, path)
+        raise fault(document, path, f"what the request of the plan has there{there and f': {there}'}")
 
 
 def _with_values(cell: Document, values: Document) -> Document:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -15,10 +18,26 @@ OF_CELL, OF_TASK = "cell", "task"
 """First part of the fields of a fault: the document that it is in."""
 
 
-class Origins:
-    """Where values of cell and task were set. A fault inside has its place there."""
+CARRIED = "part of the plan that is continued, "
+"""What is before the name, in faults, of a part that a task does not list, because it has it of a plan."""
+PART = re.compile(rf"{OF_TASK}\.parts\[(\d+)\]\.?")
 
-    def __init__(self) -> None:
+
+@dataclass(frozen=True)
+class Carried:
+    """What a task has of the plan that it continues: the names of `parts` that it does not list, by their numbers among
+    all its parts; and when, s, a part is taken away."""
+
+    parts: Mapping[int, str] = field(default_factory=dict)
+    gone_at_s: Mapping[str, float] = field(default_factory=dict)
+
+
+class Origins:
+    """Where values of cell and task were set. A fault inside has its place there; of a part that is `carried` over from
+    a plan it names the part."""
+
+    def __init__(self, carried: Carried | None = None) -> None:
+        self.carried = carried or Carried()
         self._changed: list[tuple[str, Changed]] = []
 
     def changed(self, name: str, document: Document, values: Document, mark: str) -> Document:
@@ -31,7 +50,7 @@ class Origins:
         pass
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, InputError) and self._changed:
+        if isinstance(error, InputError) and (self._changed or self.carried.parts):
             raise documented(error).relocated(self.field) from error
 
     def field(self, field: str) -> str:
@@ -39,6 +58,10 @@ class Origins:
         for name, changed in self._changed:
             if field.startswith(name) and (origin := changed.origin(field.removeprefix(name))) is not None:
                 return origin
+        part = PART.match(field)
+        if part is not None and int(part[1]) in self.carried.parts:
+            inside = field[part.end() :]
+            return f"{OF_TASK}.{CARRIED}{self.carried.parts[int(part[1])]}{inside and f': {inside}'}"
         return field
 
 
@@ -63,9 +86,11 @@ class Joined:
     """A `request`, and where its parts were written: `origins`, from the path of a part to its path in the cell or the
     task, which begins with `cell` or `task`."""
 
-    def __init__(self, request: Document, origins: dict[Path, Path], values: Origins, cell: Document) -> None:
-        """`cell`: the document of the cell, with the values that were set in it."""
-        self.request, self.cell, self._values, self._paths = request, cell, values, origins
+    def __init__(
+        self, request: Document, origins: dict[Path, Path], values: Origins, cell: Document, task: Document
+    ) -> None:
+        """`cell`, `task`: both documents, with the values that were set in them."""
+        self.request, self.cell, self.task, self._values, self._paths = request, cell, task, values, origins
 
     @cached_property
     def _origins(self) -> dict[str, str]:

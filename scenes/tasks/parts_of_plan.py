@@ -83,6 +83,14 @@ def check_kinds_of_picked(kinds: Mapping[str, Document], steps: object, known: M
             raise DocumentError(field, name, allowed)
 
 
+def check_there(steps: object, away: Mapping[str, str]) -> None:
+    """Raises `DocumentError` where a step picks a part that was taken away. `away`: that it was, in words, by the names
+    of those parts that the task does not list."""
+    for field, name, _ in _picked(steps):
+        if name in away:
+            raise DocumentError(field, name, f"a part that is there: {away[name]}")
+
+
 def _states_pick(kind: Document, own: Document) -> bool:
     """Whether a pick has something of its grasp, approach, dwell or depart of the kind."""
     return any(written_key(kind, key) and not written_key(own, key) for key in (*GRASP, *HANDLED))

@@ -69,7 +69,7 @@ class RequestOfTask:
             request["start"] = self._start()
             request["options"] = self._options()
             request["task"] = self._steps()
-            made = Joined(request, self.origins, self._values, cell)
+            made = Joined(request, self.origins, self._values, cell, task)
             if self.faults.faults:
                 from assur.scenes.reading.partly import faults_of
 
@@ -138,7 +138,7 @@ class RequestOfTask:
             taken, number = self._taken(grid), int(number)
             pose = self._slot_pose(grid, number, (*where, "slot"))
             if number in taken:
-                self.faults.add(Refused(f"a slot that is free: {taken[number]} is in it"), *where, "slot", grid)
+                self.faults.add(Refused(f"a slot that is free: {self._stays(taken[number])}"), *where, "slot", grid)
             self.slot_of[part["name"]] = grid, number
             body["pose"] = pose
             self.origins[(*at, "pose")] = OF_CELL, "slots", grid
@@ -147,6 +147,14 @@ class RequestOfTask:
     def _taken(self, grid: str) -> dict[int, str]:
         """The slots of a grid in which a part lies now, and the part."""
         return {number: part for part, (name, number) in self.slot_of.items() if name == grid}
+
+    def _stays(self, part: str) -> str:
+        """That a part is in a slot, and, of one of a plan that is taken away later, until when."""
+        at_s = self._values.carried.gone_at_s.get(part)
+        if at_s is None:
+            return f"{part} is in it"
+        later = f"it is taken away at {at_s:.3f} s, after the end of the plan"
+        return f"{part} is in it; {later}, so in this task it stays. A plan that ends later leaves the slot free"
 
     def _slot_pose(self, grid: str, number: object, where: Path) -> Document | Unread:
         """The pose of a slot; `Unread`, and a fault, where there is none."""
@@ -278,7 +286,7 @@ class RequestOfTask:
         if isinstance(part, str):
             taken = self._taken(grid)
             if number in taken:
-                self.faults.add(Refused(f"a slot that is free: {taken[number]} is in it"), *place)
+                self.faults.add(Refused(f"a slot that is free: {self._stays(taken[number])}"), *place)
             if written_key(made, "gone_after_s") is None:
                 self.slot_of[part] = grid, number
         self.origins[(*at, end)] = OF_CELL, "slots", grid
@@ -291,7 +299,8 @@ class RequestOfTask:
         taken, many = self._taken(grid), math.prod(counts(self.grids[grid]))
         free = next((number for number in range(1, many + 1) if number not in taken), None)
         if free is None:
-            by = ", ".join([*list(taken.values())[:SHOWN], *(["…"] if len(taken) > SHOWN else [])])
+            gone = {part: f"{part} (until {at:.3f} s)" for part, at in self._values.carried.gone_at_s.items()}
+            by = ", ".join([gone.get(part, part) for part in taken.values()][:SHOWN] + ["…"] * (len(taken) > SHOWN))
             free_by = "a part that is taken away (`gone_after_ms`) leaves its slot when it is gone"
             self.faults.add(Refused(f"slots with one that is free: all {many} are taken, by {by}; {free_by}"), *where)
         return {grid: free or 1}

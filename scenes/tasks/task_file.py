@@ -19,7 +19,7 @@ from assur.scenes.set_values import GIVEN
 from assur.scenes.tasks.cell_alone import cell_alone
 from assur.scenes.tasks.joining import joined, valid_cell
 from assur.scenes.tasks.next_task import EndState, joined_after, next_task
-from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Joined, within_document
+from assur.scenes.tasks.origins import CARRIED, OF_CELL, OF_TASK, Joined, within_document
 from assur.scenes.text.yaml_text import Lines, line_of, parse_yaml, with_line
 
 ENDINGS = (".yaml", ".yml")
@@ -64,7 +64,7 @@ class _Files:
         return f"{self.name}: {field.removeprefix(OF_CELL).removeprefix('.') or OF_CELL}"
 
     def _line(self, field: str) -> int | None:
-        if field.startswith(GIVEN):
+        if field.startswith((GIVEN, CARRIED)):
             return None
         name, mark, inside = field.partition(": ")
         return line_of(inside, self.cell) if mark and name == self.name else line_of(field, self.task)

@@ -110,7 +110,7 @@ BAD_CALLS: tuple[tuple[str, Any, str], ...] = (
             ("format=csv&tick_ms=-1", "tick_ms"),
             ("format=csv&tick_ms=1&tick_s=0.001", "tick_ms"),
             ("format=csv&jerk=none", "jerk"),
-            ("format=glb&tick_ms=1", "tick_s"),
+            ("format=glb&tick_ms=1", "tick_ms"),
             ("format=report&tick_ms=1", "tick_ms"),
             ("tick_ms=1", "tick_ms"),
             ("jerk=report", "jerk"),

@@ -71,8 +71,8 @@ def test_a_bundle_that_claims_too_much_is_not_shown(plan_file: Path, tmp_path: P
 def test_what_is_no_bundle_is_bad_input(plan_file: Path, tmp_path: Path) -> None:
     code, told, wrong = run("prove", str(plan_file))
     assert (code, told) == (BAD_INPUT, "")
-    allowed = "a proof bundle, as assur bundle writes it: bundle: "
-    assert wrong.startswith(f'assur: BUNDLE: got "plan.json"; allowed: {allowed}')
+    allowed = "a proof bundle, as `assur bundle PLAN` makes it of a plan file"
+    assert wrong == f'assur: plan.json: got "a plan file"; allowed: {allowed}\n'
     code, _, wrong = run("prove", str(tmp_path / "none.json"))
     assert (code, "a file that exists" in wrong) == (BAD_INPUT, True)
 

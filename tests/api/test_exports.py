@@ -132,7 +132,7 @@ def test_a_model_is_written_as_bytes(tmp_path: Path, files: tuple[str, str], ans
     result = CliRunner().invoke(app, ["export", *files, "--format", "glb"])
     assert result.stdout_bytes == out.read_bytes()
     code, _, errors = run("export", *files, "--format", "glb", "--tick-ms", "1")
-    assert (code, "tick_s" in errors) == (BAD_INPUT, True)
+    assert (code, "tick_ms" in errors) == (BAD_INPUT, True)
 
 
 def test_what_cannot_be_read_or_written_is_told(tmp_path: Path, files: tuple[str, str]) -> None:

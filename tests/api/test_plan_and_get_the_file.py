@@ -54,7 +54,7 @@ def test_ticks_and_jerk_are_those_of_an_export_and_the_file_is_proved(client: ht
     same = client.post("/v1/plans", params={**parameters, "tick_ms": ""}, json=FIRST_PLAN)
     assert (same.status_code, same.json()["errors"][0]["field"]) == (422, "tick_ms")
     refused = client.post("/v1/plans", params={"format": "csv", "tick_ms": "40"}, json=FIRST_PLAN)
-    assert (refused.status_code, refused.json()["errors"][0]["field"]) == (422, "tick_s")
+    assert (refused.status_code, refused.json()["errors"][0]["field"]) == (422, "tick_ms")
     assert "limits: {jerk:" in refused.json()["errors"][0]["allowed"]
 
 

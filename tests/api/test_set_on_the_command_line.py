@@ -71,7 +71,10 @@ def test_a_plan_is_right_for_the_cell_with_the_same_values_and_for_no_other(requ
     plan, values = str(tmp_path / "plan.json"), ("--set", "bodies.post.pose.at_mm=[300, 250, 90]")
     assert run("plan", request_file, "--out", plan, *values)[0] == RIGHT
     assert run("check", request_file, plan, *values)[0] == RIGHT
-    assert run("check", request_file, plan)[0] == BAD_INPUT
+    code, _, err = run("check", request_file, plan)
+    assert code == BAD_INPUT
+    there = '"at_m": [0.3, 0.25, 0.1]'
+    assert f"PLAN: request.bodies[0].pose.at_mm: got [300, 250, 90]; allowed: what FILE has there: {there};" in err
     assert run("check", plan)[0] == RIGHT
     code, _, err = run("check", plan, "--set", "options.seed=7")
     assert code == BAD_INPUT

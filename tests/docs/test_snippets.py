@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +44,24 @@ def test_every_python_block_runs_by_itself(block: Block, tmp_path: Path, request
     ran = run_words(["python", "-W", "error", "-c", program], tmp_path)
     assert ran.returncode == 0, ran.stderr
     assert ran.stderr == ""
+
+
+def test_a_page_that_runs_out_of_time_fails_alone(tmp_path: Path) -> None:
+    class OutOfTimeError(Exception):
+        pass
+
+    def out_of_time(*_: object) -> None:
+        raise OutOfTimeError
+
+    before = signal.signal(signal.SIGUSR1, out_of_time)
+    try:
+        program = f"import os, signal, time; os.kill({os.getpid()}, signal.SIGUSR1); time.sleep(60)"
+        with pytest.raises(OutOfTimeError):
+            run_words(["python", "-c", program], tmp_path)
+    finally:
+        signal.signal(signal.SIGUSR1, before)
+    ran = run_words(["python", "-c", "print('next')"], tmp_path)
+    assert (ran.returncode, ran.stdout) == (0, "next\n")
 
 
 def whole(block: Block, base: dict[str, Any]) -> dict[str, Any]:

@@ -11,9 +11,11 @@ import atexit
 import json
 import os
 import runpy
+import signal
 import subprocess
 import sys
 import warnings
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -38,7 +40,9 @@ def run_words(words: list[str], folder: Path) -> subprocess.CompletedProcess[str
 def _server() -> subprocess.Popen[str]:
     command = [sys.executable, "-m", "tests.docs.warm_process"]
     pipe = subprocess.PIPE
-    server = subprocess.Popen(command, cwd=ROOT, env=ENVIRONMENT, stdin=pipe, stdout=pipe, text=True)
+    server = subprocess.Popen(
+        command, cwd=ROOT, env=ENVIRONMENT, stdin=pipe, stdout=pipe, text=True, start_new_session=True
+    )
     assert server.stdin is not None
     atexit.register(server.stdin.close)  # then the server ends
     return server
@@ -48,9 +52,17 @@ def _server_answer(job: dict[str, Any]) -> int:
     server = _server()
     assert server.stdin is not None
     assert server.stdout is not None
-    server.stdin.write(json.dumps(job) + "\n")
-    server.stdin.flush()
-    return int(server.stdout.readline())
+    try:
+        server.stdin.write(json.dumps(job) + "\n")
+        server.stdin.flush()
+        return int(server.stdout.readline())
+    except BaseException:
+        # the answer would come later, and be taken for that of the next job: of a page that runs out of time the server
+        # ends, with what it runs, and the next page gets another
+        os.killpg(server.pid, signal.SIGKILL)
+        with suppress(BrokenPipeError), server:
+            _server.cache_clear()
+        raise
 
 
 def _serve() -> None:

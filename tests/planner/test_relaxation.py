@@ -34,10 +34,10 @@ from assur.planner.model.scene import (
     Window,
 )
 from assur.planner.pipeline import plan
-from assur.planner.relaxation.changes import changes, contact_tolerances
+from assur.planner.relaxation.changes import LAST_M, changes, contact_tolerances
 from assur.planner.relaxation.kinds import worth_trying
 from assur.planner.relaxation.trying import _attempt, _narrowed, relax
-from assur.planner.search.beam import Search
+from assur.planner.search.beam import Search, SearchResult
 from tests.docs.pages import ROOT
 from tests.planner.cells import CUP, Around, arm, at, belt_and_dial, cell, frame, go, solid, stands, table_to_table
 from tests.planner.five_axis_cells import aim, five_axis_cell, goes
@@ -527,5 +527,25 @@ def test_a_window_that_the_search_needs_wider_than_its_plan_is_proposed_as_a_mul
     change = next(each for each in changes(scene, 0, None) if each[0] == "window")
     made = plan(change[2])
     assert isinstance(made, Planned)
-    found = [each.task[0].window.along for _, _, each in _narrowed(scene, 0, change, made.plan)]
+    found = [each.task[0].window.along for _, _, each in _narrowed(scene, change, made.plan)]
     assert found == [pytest.approx((0.2, end)) for end in (0.25, 0.28, 0.34)]
+
+
+class SpentAtAnEnd(Search):
+    """A search whose time is spent where the window of the first step has an end that counts."""
+
+    def run(self) -> SearchResult:
+        along = self.scene.task[0].window.along
+        if along is None or along[1] == LAST_M:
+            return super().run()
+        self.found.cut_by_clock = True
+        return self.found
+
+
+def test_no_end_is_proposed_that_is_as_good_as_none() -> None:
+    """Where the time ends before an end was found that suffices, the window is removed: that was tried."""
+    scene = follow(0.1, (0.2, 0.22))
+    found, tried, _ = relax(scene, 0, None, time.perf_counter() + 60.0, search=SpentAtAnEnd)
+    assert found is not None
+    assert (found.what, found.value, found.scene.task[0].window) == ("window", "removed", Window())
+    assert tried == ("window: removed", "window: without its end")

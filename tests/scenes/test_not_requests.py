@@ -10,7 +10,9 @@ import pytest
 from assur.planner.errors import InputError
 from assur.scenes import load
 from assur.scenes.faults import NOTHING, DocumentError
-from assur.scenes.requests import load_scenario, plan_document, validate
+from assur.scenes.files import json_in
+from assur.scenes.plan_file import plan_file_in
+from assur.scenes.requests import load_robot, load_scenario, plan_document, validate
 from tests.refused import refused_at
 from tests.scenes.bad_requests import GOOD_REQUEST
 from tests.scenes.tasks.test_joining import CELL, TASK
@@ -33,6 +35,52 @@ def test_another_file_is_named_with_what_reads_it(tmp_path: Path, name: str, con
     assert (caught.value.field, caught.value.value, caught.value.more) == (name, what, ())
     assert "a scenario or a task in YAML" in caught.value.allowed
     assert use in caught.value.allowed
+
+
+KINDS = {
+    "a web page": "<!DOCTYPE html>\n<html>{: [",
+    "a task file": TASK,
+    "a cell file": CELL,
+    "a scenario": "about: x\nrequest: {schema: assur/1}\n",
+    "a plan file": '{"schema":"assur-plan/1","request":{"schema":"assur/1"},"plan":{"x":null}}',
+    "a proof bundle": '{"schema": "assur-bundle/3", "arms": [{"slide": null}]}',
+    "an answer without its request": '{"schema":"assur/1","status":"planned","x":null}',
+    "a request": '{"schema":"assur/1","robot":{"model":null}}',
+    "a robot's file": "# ours\nscara: {links: []}\n",
+}
+
+
+@pytest.mark.parametrize("what", KINDS)
+def test_a_file_in_place_of_a_robot_or_of_json_is_named(tmp_path: Path, what: str) -> None:
+    path = tmp_path / "file"
+    path.write_text(KINDS[what], encoding="utf-8")
+    if what != "a robot's file":
+        with pytest.raises(DocumentError) as caught:
+            load_robot(path)
+        assert (caught.value.field, caught.value.value, caught.value.more) == ("file", what, ())
+        assert caught.value.allowed.startswith("a robot: YAML with one of scara, ")
+    if not KINDS[what].startswith("{"):
+        with pytest.raises(DocumentError) as caught:
+            json_in(path, "a plan file, as JSON")
+        assert (caught.value.field, caught.value.value, caught.value.allowed) == ("file", what, "a plan file, as JSON")
+
+
+def test_a_robot_whose_source_names_another_document_is_a_robot(tmp_path: Path) -> None:
+    path = tmp_path / "arm.yaml"
+    path.write_text("scara:\n  source: of the robot in {schema: assur-cell/1}\n", encoding="utf-8")
+    with pytest.raises(DocumentError) as caught:
+        load_robot(path)
+    assert caught.value.value != "a cell file"
+
+
+@pytest.mark.parametrize(
+    ("document", "what"),
+    [({"schema": "assur/1", "status": "planned"}, "an answer"), ({"schema": "assur/1", "task": []}, "a request")],
+)
+def test_in_place_of_a_plan_file_an_answer_or_a_request_is_named(document: dict[str, object], what: str) -> None:
+    with pytest.raises(DocumentError, match=f"as `assur plan --out` writes it; this is {what} without") as caught:
+        plan_file_in(document)
+    assert (caught.value.field, caught.value.value) == ("schema", "assur/1")
 
 
 @pytest.mark.parametrize(("text", "schema"), [(TASK, "assur-task/1"), (CELL, "assur-cell/1")])

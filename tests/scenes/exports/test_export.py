@@ -115,7 +115,7 @@ def test_parabolic_blends_leave_as_knots_only() -> None:
     with refused_at("format", match="two knots at one time"):
         export_document(request_of(name), planned(name), {"format": "ros2"})
     for tick in (1.0, 10.0):
-        with refused_at("tick_s", match="no parabolas that could be proved"):
+        with refused_at("tick_ms", match="no parabolas that could be proved"):
             export_document(request_of(name), planned(name), {"format": "csv", "tick_ms": tick})
 
 
@@ -155,6 +155,10 @@ def test_an_end_that_moves_is_said() -> None:
         ({"format": "csv", "tick_ms": 0.0}, "tick_ms"),
         ({"format": "csv", "tick_ms": float("nan")}, "tick_ms"),
         ({"format": "csv", "tick_s": 2.0}, "tick_s"),
+        ({"format": "csv", "tick_ms": 2000}, "tick_ms"),
+        ({"format": "csv", "tick_ms": 0.004}, "tick_ms"),
+        ({"format": "glb", "tick_ms": 4}, "tick_ms"),
+        ({"format": "csv", "lead_ms": 4}, "lead_ms"),
         ({"format": "csv", "jerk": "any"}, "jerk"),
         ({"format": "csv", "tock_ms": 1.0}, "tock_ms"),
         ({}, "format"),

@@ -213,7 +213,7 @@ def test_a_mesh_with_fewer_triangles_is_told(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_a_model_has_no_ticks() -> None:
-    with refused_at("tick_s", match="keys where they are needed"):
+    with refused_at("tick_ms", match="keys where they are needed"):
         export_document(shipped("demo").request, answer("demo"), {"format": "glb", "tick_ms": 1})
 
 

@@ -218,6 +218,14 @@ FAULTS: list[tuple[str, str, object, str, str]] = [
     ("task", "steps.0.transfer.parts", ["a", "d"], "task.steps[0].transfer.parts[1]", "the name of a body"),
     ("task", "steps.0.transfer.to", "boxes", "task.steps[0].transfer.to", "one of the positions and slots: box, home"),
     ("task", "steps.0.transfer.windwo_mm", [0, 1], "task.steps[0].transfer.windwo_mm", "one of "),
+    (
+        "task",
+        "steps.0.transfer.dwell_ms",
+        50,
+        "task.steps[0].transfer.dwell_ms",
+        "one of gone_after_s/gone_after_ms, parts, to, window_m/window_mm, window_s/window_ms; dwell_ms is stated by "
+        "the cell: kinds.KIND.dwell_ms or slots.SLOTS.dwell_ms",
+    ),
     ("task", "steps.0.transfer.window_mm", [250, -300], "task.steps[0].transfer.window_mm", "two ends"),
     ("task", "steps.1.move.to", "hom", "task.steps[1].move.to", "one of the positions: home; did you mean home?"),
     ("task", "steps.1.move.to", "box", "task.steps[1].move.to", "one of the positions: home"),

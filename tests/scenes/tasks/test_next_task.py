@@ -15,8 +15,10 @@ from typer.testing import CliRunner
 import assur
 from assur.api.command_line import app
 from assur.api.python.answer import Answer
+from assur.api.workers.answer_parts import part_of, parts_wanted
 from assur.planner.errors import InputError
 from assur.request import Move, Step, Target
+from assur.scenes.faults import DocumentError
 from assur.scenes.plan_file import PlanFile
 from assur.scenes.requests import cell_of
 from assur.scenes.tasks.next_task import end_state
@@ -415,6 +417,32 @@ def test_an_answer_without_an_end_is_refused(change: Callable[[Document], object
     assert refused.value.field.startswith(field)
 
 
+@pytest.mark.parametrize("kept", ["legs", "trajectory,arrivals", "schema,trajectory,legs,arrivals"])
+def test_what_fields_leave_out_of_an_answer_is_named(kept: str) -> None:
+    part, request = part_of(planned().document, parts_wanted(kept, None)), planned().request or {}
+    motion = ["trajectory", "legs", "arrivals"]
+    calls: list[tuple[list[str], Callable[[], object]]] = [
+        (["schema", *motion, "certificate"], lambda: assur.check(request, part)),
+        (motion, lambda: Answer(part, request).next_task([{"move": {"to": {"at_mm": [300, 200, 150]}}}])),
+    ]
+    for needed, call in calls:
+        left = {f"plan.{key}" for key in needed if key not in part} or {"plan.certificate"}
+        with pytest.raises(DocumentError) as refused:
+            call()
+        faults = (refused.value, *refused.value.more)
+        assert {each.field for each in faults} == left
+        assert all(
+            each.allowed.endswith("`fields` selects parts of an answer, it must list this one, too") for each in faults
+        )
+
+
+def test_a_trajectory_of_which_fields_leave_something_out_is_named() -> None:
+    part = part_of(planned().document, parts_wanted("trajectory.time_s,legs,arrivals", None))
+    with pytest.raises(DocumentError, match="`fields` selects parts of an answer") as refused:
+        Answer(part, planned().request).next_task([{"move": {"to": {"at_mm": [300, 200, 150]}}}])
+    assert refused.value.field == "plan.trajectory.joint_names"
+
+
 @pytest.mark.parametrize("placed", [True, False])
 def test_nothing_follows_a_plan_at_whose_end_the_arm_may_be_shifted(*, placed: bool) -> None:
     """By belt correction: the next plan would not know by how much."""
@@ -481,9 +509,14 @@ def test_a_plan_that_continues_another_is_checked_with_its_task(folder: Path) ->
     assert called("report", *out)[0] == 0
     assert (folder / "report.html").stat().st_size > 0
     # another first plan, or another value, is another request
-    for other in (called("check", after="out.json"), called("check", "--set", "options.seed=2")):
-        assert other[0] == 2
-        assert "PLAN: request: got" in other[1]
+    first, last = (planned()["trajectory"]["time_s"][-1], json.loads((folder / "out.json").read_text())["plan"])
+    code, output = called("check", after="out.json")
+    assert code == 2
+    at_s = last["trajectory"]["time_s"][-1]
+    assert f'PLAN: request.start.at_s: got {first}; allowed: what FILE has there: "at_s": {at_s}' in output
+    code, output = called("check", "--set", "options.seed=2")
+    assert code == 2
+    assert 'PLAN: request.options.seed: got 1; allowed: what FILE has there: "seed": 2; this file' in output
     code, output = called("report", "--out", str(folder / "plan.json"))
     assert (code, "another file than those" in output) == (2, True)
     held = json.loads((folder / "out.json").read_text())
@@ -736,6 +769,76 @@ def test_a_plan_that_the_checker_refuses_is_not_continued(folder: Path) -> None:
     code, output, _ = run(folder)
     assert code == 2
     assert "--continue: plan.certificate" in output
+
+
+def goes_on(folder: Path, gone_after_ms: int, text: str) -> str:
+    """What `assur plan` prints of a task that is refused, which continues a plan whose part `a` is taken away."""
+    steps = f"[{{transfer: {{parts: [a], to: box, gone_after_ms: {gone_after_ms}}}}}, {{move: {{to: home}}}}]"
+    planned(steps).save(folder / "plan.json")
+    (folder / "next.yaml").write_text("schema: assur-task/1\ncell: {file: cell.yaml}\n" + text)
+    code, output, _ = run(folder)
+    assert code == 2
+    return output
+
+
+FULL = "parts: [{name: d, kind: bracket, slot: {box: 2}}, {name: b, kind: bracket}]\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "field", "allowed"),
+    [
+        (
+            "parts: [{name: b, kind: bracket}]\nsteps: [{pick: {part: b}}, {place: {part: b, to: {slot: {box: 1}}}}]\n",
+            "line 4: steps[1].place.to.slot: ",
+            "a slot that is free: a is in it; it is taken away at {at} s, after the end of the plan, ",
+        ),
+        (
+            FULL + "steps: [{transfer: {parts: [b], to: box}}]\n",
+            "line 4: steps[0].transfer.to: ",
+            "slots with one that is free: all 2 are taken, by d, a (until {at} s); ",
+        ),
+        (
+            "parts: [{name: d, kind: bracket, slot: {box: 1}}]\nsteps: [{move: {to: home}}]\n",
+            "assur: part of the plan that is continued, a: slot.box: ",
+            "a slot that is free: d is in it",
+        ),
+    ],
+)
+def test_a_slot_whose_part_is_not_yet_gone_says_when_it_is(folder: Path, text: str, field: str, allowed: str) -> None:
+    output = goes_on(folder, 60_000, text)
+    held = json.loads((folder / "plan.json").read_text())["plan"]
+    (until,) = [each["until_s"] for each in held["arrivals"] if each["step"] == 1]
+    assert field in output
+    assert f"allowed: {allowed.format(at=f'{until + 60:.3f}')}" in output
+
+
+@pytest.mark.parametrize(
+    ("text", "field", "allowed"),
+    [
+        ("steps: [{pick: {part: a}}]\n", "line 3: steps[0].pick.part: ", "a part that is there: "),
+        ("steps: [{transfer: {parts: [b, a], to: box}}]\n", "steps[0].transfer.parts[1]: ", "a part that is there: "),
+        (
+            "parts: [{name: a, kind: bracket}]\nsteps: [{pick: {part: a}}]\n",
+            "line 3: parts[0].name: ",
+            "a part with a place, where it is seen: ",
+        ),
+    ],
+)
+def test_a_part_that_was_taken_away_is_refused_as_such(folder: Path, text: str, field: str, allowed: str) -> None:
+    output = goes_on(folder, 0, text if "b, a" not in text else LISTED + text)
+    held = json.loads((folder / "plan.json").read_text())["plan"]
+    (until,) = [each["until_s"] for each in held["arrivals"] if each["step"] == 1]
+    words = f'got "a"; allowed: {allowed}the plan has placed a, and it was taken away at {until:.3f} s'
+    assert f"{field}{words}" in output
+
+
+@pytest.mark.parametrize("kind", ["cell file", "request"])
+def test_in_python_a_part_that_was_taken_away_is_refused_as_well(kind: str) -> None:
+    of = planned("[{transfer: {parts: [a], to: box, gone_after_ms: 0}}, {move: {to: home}}]")
+    cell = assur.Cell(read(CELL) if kind == "cell file" else of.request or {})
+    with pytest.raises(InputError, match="the plan has placed a, and it was taken away at") as refused:
+        of.next_task([{"pick": {"part": "a"}}], cell=cell)
+    assert (refused.value.field, refused.value.value) == ("steps[0].pick.part", "a")
 
 
 def test_a_body_of_the_cell_does_not_take_the_place_of_a_part_of_the_plan(folder: Path) -> None:

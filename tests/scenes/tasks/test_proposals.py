@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ import pytest
 from assur.api.cli.console_report import not_planned
 from assur.planner.errors import InputError
 from assur.scenes.proposals.texts import with_request_values
-from assur.scenes.requests import plan_document, plan_scenario
+from assur.scenes.requests import check_document, plan_document, plan_scenario
 from assur.scenes.scenario import Scenario
 from assur.scenes.tasks.task_file import TaskScenario, scenario_of_texts
 from tests.scenes.tasks.test_joining import CELL, TASK
@@ -66,6 +67,85 @@ def test_a_window_of_a_transfer_is_proposed_for_all_its_parts(parts: str, task: 
     written = with_request_values(made, texts, of_request, lambda given: scenario(given["text"], given["cell"]))
     assert written == {"text": re.sub(rf"{key}: \[[^]]*\]", f"{key}: {window}", texts["text"]), "cell": APART}
     assert scenario(written["text"]).request == changed.request
+
+
+@pytest.mark.parametrize("window", ["window_mm: [550, 600]", "window_ms: [8000, 9000]"])
+def test_a_window_that_opens_when_the_point_is_out_of_reach_is_proposed_to_open_earlier(window: str) -> None:
+    task = EXPLAINED.replace("[a, b]", "[a]").replace("window_mm: [-280, -100]", window)
+    made = scenario(task)
+    answer = plan_scenario(made)
+    assert answer["reason"] == "OUT_OF_REACH"
+    proposed = answer["relaxation"]
+    assert (proposed["what"], proposed["value"].split()[0]) == ("window", "from")
+    ((path, (first, last)),) = proposed["set"].items()
+    key, _, before = window.partition(": ")
+    opens, closes = json.loads(before)
+    assert (path, last) == (f"steps.0.transfer.{key}", closes)
+    assert first < opens
+    assert plan_scenario(made.with_values(proposed["set"]))["status"] == "planned"
+
+
+TWO = EXPLAINED.replace(
+    "transfer: {parts: [a, b], to: box, window_mm: [-280, -100]}",
+    "transfer: {parts: [a], to: box, window_mm: [-280, -270]}\n"
+    "  - transfer: {parts: [b], to: box, window_mm: [-280, -271]}",
+).replace("[-320, 60, 10]", "[-620, 0, 10]")
+
+
+def test_two_windows_that_are_too_narrow_are_proposed_as_wide_as_both_are_used() -> None:
+    made = scenario(TWO)
+    answer = plan_scenario(made)
+    proposed = answer["relaxation"]
+    assert proposed["what"] == "window"
+    assert re.fullmatch(r"pick-a .*(sooner|farther); pick-b .*(sooner|farther)", proposed["value"])
+    assert list(proposed["set"]) == ["steps.0.transfer.window_mm", "steps.1.transfer.window_mm"]
+    for (first, last), end in zip(proposed["set"].values(), (-270, -271), strict=True):
+        assert -1000 < first <= -280 < end <= last < 1000
+    assert all(f"--set '{path}={window}'" in printed(answer) for path, window in proposed["set"].items())
+    again = plan_scenario(made.with_values(proposed["set"]))
+    assert again["duration_s"] == pytest.approx(proposed["duration_s"])
+
+
+@pytest.mark.parametrize("parts", ["a", "ab"])
+def test_windows_that_are_removed_are_left_out_of_their_transfers(parts: str) -> None:
+    """As where the time ends before a window was found that suffices."""
+    made = scenario(TWO)
+    assert isinstance(made, TaskScenario)
+    steps = {part: made.request["task"][number]["pick"] for part, number in (("a", 0), ("b", 2))}
+    given = {
+        f"task.pick-{part}.pick": {key: value for key, value in steps[part].items() if key != "window_mm"}
+        for part in parts
+    }
+    answer = made.answered({"relaxation": {"what": "window", "value": "removed", "set": given}})
+    found = answer["relaxation"]["set"]
+    assert found == {f"steps.{'ab'.index(part)}.transfer": {"parts": [part], "to": "box"} for part in parts}
+    after = made.with_values(found).request["task"]
+    assert ["window_mm" in after[number]["pick"] for number in (0, 2)] == [False, "b" not in parts]
+    written = with_request_values(
+        made, {"text": TWO, "cell": APART}, given, lambda texts: scenario(texts["text"], texts["cell"])
+    )
+    assert scenario(written["text"]).request == made.with_values(found).request
+    assert written["text"].count("window_mm") == 2 - len(parts)
+
+
+@pytest.mark.parametrize(
+    ("speed", "carried"), [(-250, ", and the conveyor carries it farther away, at -250 mm/s"), (0, "")]
+)
+def test_a_point_that_a_belt_carries_away_from_its_window_is_refused_as_such(speed: float, carried: str) -> None:
+    made = scenario(LATE, APART.replace("speed_mm_s: 250", f"speed_mm_s: {speed}"))
+    answer = plan_scenario(made)
+    assert (answer["reason"], answer["proved"]) == ("WINDOW_MISSED", True)
+    away = "pick-a: the point never enters its window along the conveyor: it stays 170 mm away"
+    assert answer["sentence"] == f"{away}{carried}."
+    assert check_document(made.request, answer)["ok"]
+
+
+def test_of_a_belt_whose_speed_has_changed_no_speed_is_stated() -> None:
+    """It has turned back before the start: the speed that is stated first is not that with which the point leaves."""
+    belt = APART.replace("speed_mm_s: 250", "speed_mm_s: 250, changes: [{at_s: 1, speed_mm_s: -100}]")
+    answer = plan_scenario(scenario(LATE.replace("start: {", "start: {at_s: 20, "), belt))
+    assert answer["reason"] == "WINDOW_MISSED"
+    assert re.fullmatch(r"pick-a: the point never enters its window .*: it stays [\d,]+ mm away\.", answer["sentence"])
 
 
 HIGH = APART.replace("approach: {mm: 40}", "approach: {mm: 130}").replace(
