@@ -13,9 +13,10 @@ from assur.scenes.faults import DocumentError, choices, documented
 from assur.scenes.schema.cell_file import TASK
 from assur.scenes.schema.normal import normal, plain
 from assur.scenes.session.committed import CommittedMotion, History, Segment, segment_of
-from assur.scenes.tasks.kept_cell import KeptCellFile, TaskOfCell, of_task
+from assur.scenes.tasks.kept_cell import KeptCellFile, of_task
 
 if TYPE_CHECKING:
+    from assur.planner.model.outcome import Outcome
     from assur.scenes.reading.cell import Cell
     from assur.scenes.session.reading import Coverage
     from assur.scenes.tasks.next_task import EndState
@@ -145,14 +146,14 @@ class RunningCell:
 
         Raises `InputError` naming the field: of the task, or `at_s`.
         """
-        from assur.scenes.tasks.next_task import next_task, state_at
+        from assur.scenes.tasks.next_task import next_task, state_of
 
         ready_s = self.clock_s + self._planning_s
         if at_s is None:
             at_s = max(_base_ends(self.committed.last), ready_s)
         at_s = number("at_s", at_s, ready_s, LONG_S, f"when planning is over ({1e3 * self._planning_s:g} ms)")
         left = self.committed.at(at_s)
-        state = state_at(left.request, left.answer, at_s)
+        state = state_of(left.cell, left.answer["trajectory"], left.motion, left.legs, left.arrivals, at_s)
         before = left.history(at_s)
         parts = self._parts_at(state, before, at_s)
         written = {part["name"]: part for part in left.task.get("parts", ())}
@@ -199,12 +200,20 @@ class RunningCell:
         self._open.clear()
         self._used.add(number)
 
+    def verdict(self, task: Document, answer: Document) -> Document:
+        """What the checker says of the answer to the task of a proposal. The task is read again, the cell is not."""
+        return self._kept.verdict(task, answer)
+
     def _planned(self, number: int, at_s: float, task: Document, before: History) -> NextMotion:
         """A proposal with the answer to a task that begins at `at_s`."""
-        made, answer = self._kept.plan(task)
+        from assur.planner.model.outcome import Planned
+
+        found: list[tuple[Cell, Outcome]] = []
+        made, answer = self._kept.plan(task, keep=lambda *kept: found.append(kept))
+        ((cell, outcome),) = found
         segment = None
-        if answer["status"] == "planned":
-            segment = segment_of(made.request, task, answer, before)
+        if isinstance(outcome, Planned):
+            segment = segment_of(made.request, task, answer, cell, outcome.plan, before)
         ends_s = None if segment is None else _base_ends(segment)
         return NextMotion(number, at_s, ends_s, made.request, task, answer, segment)
 
@@ -213,15 +222,9 @@ class RunningCell:
 
     def _cell_with(self, part: Document) -> Cell:
         """The cell with a part that is seen. Raises `InputError` at a field of the part."""
-        from assur.scenes.requests import cell_of
-
         task = {**self._first, "parts": [part], "steps": self._with_refuge([])}
         try:
-            made = self._kept.joined(task)
-            try:
-                return cell_of(made.request, task=TaskOfCell(self._kept, made))
-            except InputError as error:
-                raise of_task(made.relocated(error)) from error
+            return self._kept.cell_of(task)
         except DocumentError as error:
             raise error.relocated(lambda field: field.removeprefix("parts[0].").replace("parts[0]", "part")) from error
 

@@ -9,7 +9,7 @@ from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_BODIES
 from assur.scenes.faults import DocumentError, Gathered, Refused, documented, located
 from assur.scenes.proposals.files import answer_to_task
-from assur.scenes.requests import plan_document
+from assur.scenes.requests import cell_of, check_cell, plan_document
 from assur.scenes.schema.read import read_fields
 from assur.scenes.schema.request import RequestDocument
 from assur.scenes.schema.shapes import BodyDocument
@@ -17,7 +17,7 @@ from assur.scenes.tasks.joining import CellFile, joined
 from assur.scenes.tasks.origins import OF_TASK, Joined
 
 if TYPE_CHECKING:
-    from assur.scenes.reading.cell import Depends, Kept, Surroundings
+    from assur.scenes.reading.cell import Cell, Depends, Kept, Surroundings
 
 STATED_BY_CELL = ("robot", "frames", "bodies", "neighbours", "execution", "carry")
 """Fields of a request that the cell states, but for the parts among the bodies."""
@@ -82,6 +82,18 @@ class KeptCellFile:
         except InputError as error:
             raise of_task(made.relocated(error)) from error
         return made, answer_to_task(answer, made, lambda values: joined(self.file, task, values))
+
+    def cell_of(self, task: object) -> Cell:
+        """What is made of a task and the cell. Raises `DocumentError`, as `plan`."""
+        made = self.joined(task)
+        try:
+            return cell_of(made.request, task=TaskOfCell(self, made))
+        except InputError as error:
+            raise of_task(made.relocated(error)) from error
+
+    def verdict(self, task: object, answer: object) -> dict[str, Any]:
+        """The checker's verdict on an answer to a task, the same as that of `check_document` for its request."""
+        return check_cell(self.cell_of(task), answer)
 
     def around(self, parts: Sequence[BodyDocument], depends: Depends, start_s: float) -> Surroundings | None:
         """Robot and surroundings with these parts; None where something of them has a fault. `start_s`: of the task."""

@@ -14,9 +14,13 @@ import numpy as np
 import pytest
 
 import assur
+from assur.api.python.answer import Answer
 from assur.planner.errors import FaultError, InputError
-from assur.scenes.requests import scene_of
+from assur.scenes.reading.plan import motion_of
+from assur.scenes.requests import cell_of, scene_of
 from assur.scenes.session.committed import MOST_JUMPS
+from assur.scenes.tasks.next_task import state_of
+from tests.changed import changed
 from tests.scenes.tasks.test_next_task import CELL, read
 
 Document = dict[str, Any]
@@ -384,6 +388,50 @@ def test_a_motion_that_would_jump_is_a_fault() -> None:
         committed.follow(replace(late, starts_s=late.starts_s))  # the same motion does not jump
         with pytest.raises(FaultError, match="of a joint jumps by"):
             committed.follow(replace(made, starts_s=made.starts_s + shift_s))
+
+
+def test_a_session_keeps_the_plan_that_its_answer_is_read_as() -> None:
+    session = running(a=-300)
+    made = commit(session, transfer("a"))
+    for each in session._running.committed.segments:
+        conventions = cell_of(each.request).conventions
+        motion, legs, arrivals = motion_of(each.answer, conventions)
+        assert np.array_equal(motion.knots, each.motion.knots)
+        assert (legs, arrivals) == (each.legs, each.arrivals)
+        for at_s in (None, made.starts_s):
+            of_plan = each.answer["trajectory"], each.motion, each.legs, each.arrivals
+            kept = vars(state_of(each.cell, *of_plan, at_s))
+            assert kept == {**vars(state_of(cell_of(each.request), *of_plan, at_s)), "cell": each.cell}
+
+
+def test_the_verdict_on_a_proposal_is_that_of_the_public_check() -> None:
+    session = running(**PARTS)
+    for name in ("a", "b"):
+        made = session.propose([transfer(name)])
+        written = made.answer.document
+        assert session.check(made) == assur.check(made.answer.request or {}, written)
+        assert session.check(made)["ok"] is True
+        for path, value in (
+            ("trajectory.position[3][0]", 0.1),
+            ("arrivals[0].error.position_m", 1.0),
+            ("margins.nearest.gap_m", 1.0),
+            ("certificate.normal[0]", [0.0, 0.0, 1.0]),
+            ("request_digest", "0" * 64),
+        ):
+            forged = Answer.made(changed(written, {path: value}), made.answer.request, made.answer._of)
+            verdict = session.check(replace(made, answer=forged))
+            assert verdict == assur.check(made.answer.request or {}, forged)
+            assert verdict["ok"] is False, path
+        session.commit(made)
+    impossible = session.propose([{"move": {"to": {"at_mm": [2000, 0, 100]}}}])
+    assert session.check(impossible) == assur.check(impossible.answer.request or {}, impossible.answer)
+    last = session.committed[-1]
+    assert session.check(last) == assur.check(last.answer.request or {}, last.answer)
+    other = assur.Session(cell(), start=START, refuge="home")
+    every: tuple[object, ...] = (None, "1", {}, other, other.committed[0])
+    for wrong in every:
+        with pytest.raises(InputError, match="of this session"):
+            session.check(wrong)  # type: ignore[arg-type]
 
 
 def test_where_nothing_moves_standing_is_proved_for_ever() -> None:
