@@ -12,6 +12,7 @@ from assur.api.python.cell import Cell
 from assur.planner.errors import InputError
 
 if TYPE_CHECKING:
+    from assur.scenes.reading.cell import Cell as ReadCell
     from assur.scenes.schema.answer import Verdict
     from assur.scenes.session.committed import Segment
     from assur.scenes.session.reading import Coverage
@@ -31,11 +32,19 @@ class Proposal:
     decide_by_s: float
     base_ends_s: float | None
     answer: Answer = field(repr=False)
+    _cell: ReadCell = field(repr=False)
 
     @property
     def planned(self) -> bool:
         """Whether there is a plan."""
         return self.answer.planned
+
+    def check(self) -> Verdict:
+        """What the checker says of the answer: the same as `assur.check`, and quicker, for the request is not read
+        again."""
+        from assur.scenes.requests import check_cell
+
+        return cast("Verdict", check_cell(self._cell, self.answer.document))
 
 
 @dataclass(frozen=True)
@@ -135,15 +144,7 @@ class Session:
         """
         made = self._running.propose(listed("steps", steps), at_s)
         answer = Answer.made(made.answer, made.request, (self._document, made.task))
-        return Proposal(made.number, made.starts_s, made.starts_s, made.base_ends_s, answer)
-
-    def check(self, made: Proposal | CommittedPlan) -> Verdict:
-        """What the checker says of the answer of a proposal, or of a committed plan: the same as `assur.check`, and
-        quicker, for the cell is not read again. Raises `InputError` for what is not of this session."""
-        of = getattr(getattr(made, "answer", None), "_of", None)
-        if of is None or of[0] is not self._document:
-            raise InputError("made", made, "a proposal, or a committed plan, of this session")
-        return cast("Verdict", self._running.verdict(of[1], made.answer.document))
+        return Proposal(made.number, made.starts_s, made.starts_s, made.base_ends_s, answer, made.cell)
 
     def commit(self, id: int | Proposal) -> None:  # noqa: A002 as a proposal names it
         """Makes a proposal the motion that is executed, from its start on; until then the one before remains.

@@ -38,8 +38,8 @@ class Sighting:
 
 @dataclass(frozen=True, eq=False)
 class NextMotion:
-    """What was proposed: the `answer` to the `request` of a `task`, from `starts_s` on. `base_ends_s`: where the way to
-    the refuge begins; None without a plan. `segment`: the plan, None where there is none."""
+    """What was proposed: the `answer` to the `request` of a `task`, which make the `cell`, from `starts_s` on.
+    `base_ends_s`: where the way to the refuge begins. `segment`: the plan. Both are None where there is none."""
 
     number: int
     starts_s: float
@@ -47,6 +47,7 @@ class NextMotion:
     request: Document
     task: Document
     answer: Document
+    cell: Cell
     segment: Segment | None
 
 
@@ -200,10 +201,6 @@ class RunningCell:
         self._open.clear()
         self._used.add(number)
 
-    def verdict(self, task: Document, answer: Document) -> Document:
-        """What the checker says of the answer to the task of a proposal. The task is read again, the cell is not."""
-        return self._kept.verdict(task, answer)
-
     def _planned(self, number: int, at_s: float, task: Document, before: History) -> NextMotion:
         """A proposal with the answer to a task that begins at `at_s`."""
         from assur.planner.model.outcome import Planned
@@ -215,7 +212,7 @@ class RunningCell:
         if isinstance(outcome, Planned):
             segment = segment_of(made.request, task, answer, cell, outcome.plan, before)
         ends_s = None if segment is None else _base_ends(segment)
-        return NextMotion(number, at_s, ends_s, made.request, task, answer, segment)
+        return NextMotion(number, at_s, ends_s, made.request, task, answer, cell, segment)
 
     def _with_refuge(self, steps: Sequence[object]) -> list[object]:
         return [*plain({"steps": list(steps)})["steps"], {"move": {"to": self.refuge}}]

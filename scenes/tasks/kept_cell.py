@@ -9,7 +9,7 @@ from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_BODIES
 from assur.scenes.faults import DocumentError, Gathered, Refused, documented, located
 from assur.scenes.proposals.files import answer_to_task
-from assur.scenes.requests import cell_of, check_cell, plan_document
+from assur.scenes.requests import cell_of, plan_document
 from assur.scenes.schema.read import read_fields
 from assur.scenes.schema.request import RequestDocument
 from assur.scenes.schema.shapes import BodyDocument
@@ -90,10 +90,6 @@ class KeptCellFile:
             return cell_of(made.request, task=TaskOfCell(self, made))
         except InputError as error:
             raise of_task(made.relocated(error)) from error
-
-    def verdict(self, task: object, answer: object) -> dict[str, Any]:
-        """The checker's verdict on an answer to a task, the same as that of `check_document` for its request."""
-        return check_cell(self.cell_of(task), answer)
 
     def around(self, parts: Sequence[BodyDocument], depends: Depends, start_s: float) -> Surroundings | None:
         """Robot and surroundings with these parts; None where something of them has a fault. `start_s`: of the task."""
