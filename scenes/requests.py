@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from assur.planner.checker.verdict import Finding
     from assur.planner.model.claims import Claims
     from assur.planner.model.deadline import Stopwatch, Watch
-    from assur.planner.model.outcome import Outcome, Plan
+    from assur.planner.model.outcome import Plan
     from assur.planner.model.scene import Scene
     from assur.scenes.reading.cell import Cell, Kept
     from assur.scenes.tasks.kept_cell import TaskOfCell
@@ -79,8 +79,6 @@ __all__ = [
 ]
 
 Valid = Callable[[RequestDocument], None]
-Keep = Callable[["Cell", "Outcome"], None]
-"""Is given the cell of an answer, and the outcome that is written there."""
 Detail = Literal["full", "digest"]
 """How much of its certificate an answer has: the whole table of the proof, or its digest and size."""
 
@@ -174,7 +172,6 @@ def plan_document(
     valid: Valid | None = None,
     laps: Stopwatch | None = None,
     task: TaskOfCell | None = None,
-    keep: Keep | None = None,
 ) -> dict[str, Any]:
     """The answer to a request: planned, or not planned and why. Raises `InputError` naming the field.
 
@@ -182,11 +179,11 @@ def plan_document(
     took the request up, so that reading it and building the scene count, too, and a budget that ends there is an
     answer; None: the budget is for the search alone. `most_budget_s`: largest budget of either kind, to which a larger
     one is cut; None: there is none. `watch` gets the progress of the search; what it raises ends the planning and
-    is raised here. `valid`, `task`: as `cell_of`; `laps` measures the stages. `keep`: is given what was planned.
+    is raised here. `valid`, `task`: as `cell_of`; `laps` measures the stages.
     """
     if started is None:
         cell = cell_of(document, folder=folder, valid=valid, laps=laps, task=task)
-        return plan_cell(cell, certificate=certificate, most_budget_s=most_budget_s, watch=watch, laps=laps, keep=keep)
+        return plan_cell(cell, certificate=certificate, most_budget_s=most_budget_s, watch=watch, laps=laps)
     from assur.scenes.answer import unbuilt
     from assur.scenes.reading.cell import cell_of as build
 
@@ -201,7 +198,7 @@ def plan_document(
         if laps is not None:
             laps.lap("build")
     return plan_cell(
-        cell, certificate=certificate, started=started, most_budget_s=most_budget_s, watch=watch, laps=laps, keep=keep
+        cell, certificate=certificate, started=started, most_budget_s=most_budget_s, watch=watch, laps=laps
     )
 
 
@@ -214,7 +211,6 @@ def plan_cell(
     most_budget_s: float | None = None,
     watch: Watch | None = None,
     laps: Stopwatch | None = None,
-    keep: Keep | None = None,
 ) -> dict[str, Any]:
     """The answer for a cell that has been read; as `plan_document`.
 
@@ -234,8 +230,6 @@ def plan_cell(
         cell = replace(cell, scene=replace(cell.scene, options=replace(cell.scene.options, **changed)))
     with located(cell.document):
         outcome = plan(cell.scene, started=started, watch=watch, laps=laps)
-    if keep is not None:
-        keep(cell, outcome)
     return dict(answer_of(cell, outcome, certificate))
 
 

@@ -12,9 +12,9 @@ from assur.api.python.cell import Cell
 from assur.planner.errors import InputError
 
 if TYPE_CHECKING:
-    from assur.scenes.reading.cell import Cell as ReadCell
     from assur.scenes.schema.answer import Verdict
     from assur.scenes.session.committed import Segment
+    from assur.scenes.session.judged import JudgedAnswer
     from assur.scenes.session.reading import Coverage
     from assur.scenes.session.session import RunningCell
 
@@ -32,7 +32,7 @@ class Proposal:
     decide_by_s: float
     base_ends_s: float | None
     answer: Answer = field(repr=False)
-    _cell: ReadCell = field(repr=False)
+    _judged: JudgedAnswer = field(repr=False)
 
     @property
     def planned(self) -> bool:
@@ -40,11 +40,10 @@ class Proposal:
         return self.answer.planned
 
     def check(self) -> Verdict:
-        """What the checker says of the answer: the same as `assur.check`, and quicker, for the request is not read
-        again."""
+        """What the checker says of the answer, the same as `assur.check`. A plan was judged when it was proposed."""
         from assur.scenes.requests import check_cell
 
-        return cast("Verdict", check_cell(self._cell, self.answer.document))
+        return cast("Verdict", self._judged.verdict or check_cell(self._judged.cell, self._judged.answer))
 
 
 @dataclass(frozen=True)
@@ -144,7 +143,7 @@ class Session:
         """
         made = self._running.propose(listed("steps", steps), at_s)
         answer = Answer.made(made.answer, made.request, (self._document, made.task))
-        return Proposal(made.number, made.starts_s, made.starts_s, made.base_ends_s, answer, made.cell)
+        return Proposal(made.number, made.starts_s, made.starts_s, made.base_ends_s, answer, made.judged)
 
     def commit(self, id: int | Proposal) -> None:  # noqa: A002 as a proposal names it
         """Makes a proposal the motion that is executed, from its start on; until then the one before remains.

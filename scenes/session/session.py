@@ -13,10 +13,10 @@ from assur.scenes.faults import DocumentError, choices, documented
 from assur.scenes.schema.cell_file import TASK
 from assur.scenes.schema.normal import normal, plain
 from assur.scenes.session.committed import CommittedMotion, History, Segment, segment_of
+from assur.scenes.session.judged import JudgedAnswer, judged
 from assur.scenes.tasks.kept_cell import KeptCellFile, of_task
 
 if TYPE_CHECKING:
-    from assur.planner.model.outcome import Outcome
     from assur.scenes.reading.cell import Cell
     from assur.scenes.session.reading import Coverage
     from assur.scenes.tasks.next_task import EndState
@@ -38,8 +38,9 @@ class Sighting:
 
 @dataclass(frozen=True, eq=False)
 class NextMotion:
-    """What was proposed: the `answer` to the `request` of a `task`, which make the `cell`, from `starts_s` on.
-    `base_ends_s`: where the way to the refuge begins. `segment`: the plan. Both are None where there is none."""
+    """What was proposed: the `answer` to the `request` of a `task`, which is `judged`, from `starts_s` on.
+    `base_ends_s`: where the way to the refuge begins. `segment`: the plan. Both are None where there is none, and
+    where the checker refuses it."""
 
     number: int
     starts_s: float
@@ -47,7 +48,7 @@ class NextMotion:
     request: Document
     task: Document
     answer: Document
-    cell: Cell
+    judged: JudgedAnswer
     segment: Segment | None
 
 
@@ -69,7 +70,7 @@ class RunningCell:
         self._first = plain({"schema": TASK, **given})
         made = self._planned(0, 0.0, {**self._first, "steps": self._with_refuge([])}, History())
         if made.segment is None:
-            allowed = f"a position to which the arm can go from the start, to stand there: {made.answer['sentence']}"
+            allowed = f"a position to which the arm can go from the start, to stand there: {made.judged.reason}"
             raise InputError("refuge", refuge, allowed)
         if made.segment.cell.scene.options.end != "rest":
             raise InputError("options.end", "moving", "rest: each motion of a session ends at rest in the refuge")
@@ -190,7 +191,7 @@ class RunningCell:
             since = "another one was committed since, so propose again"
             raise InputError("id", number, f"a proposal made from the motion that is committed: {since}")
         if made.segment is None:
-            raise InputError("id", number, f"a proposal with a plan; of this one: {made.answer['sentence']}")
+            raise InputError("id", number, f"a proposal with a plan; of this one: {made.judged.reason}")
         for name in [made.segment.cell.scene.task[each.step].part for each in made.segment.arrivals]:
             if name is not None and name not in self._known:
                 raise InputError("id", number, f"a proposal that handles known parts: {name} is gone")
@@ -203,16 +204,10 @@ class RunningCell:
 
     def _planned(self, number: int, at_s: float, task: Document, before: History) -> NextMotion:
         """A proposal with the answer to a task that begins at `at_s`."""
-        from assur.planner.model.outcome import Planned
-
-        found: list[tuple[Cell, Outcome]] = []
-        made, answer = self._kept.plan(task, keep=lambda *kept: found.append(kept))
-        ((cell, outcome),) = found
-        segment = None
-        if isinstance(outcome, Planned):
-            segment = segment_of(made.request, task, answer, cell, outcome.plan, before)
+        made = judged(self._kept, task)
+        segment = None if made.plan is None or made.reason else segment_of(made, task, made.plan, before)
         ends_s = None if segment is None else _base_ends(segment)
-        return NextMotion(number, at_s, ends_s, made.request, task, answer, cell, segment)
+        return NextMotion(number, at_s, ends_s, made.request, task, made.answer, made, segment)
 
     def _with_refuge(self, steps: Sequence[object]) -> list[object]:
         return [*plain({"steps": list(steps)})["steps"], {"move": {"to": self.refuge}}]
