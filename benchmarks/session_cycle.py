@@ -31,7 +31,7 @@ CELL: Document = {
         "bracket": {"shape": {"box": {"size_mm": [60, 40, 20]}}, "grasp_mm": [0, 0, 10], "dwell_ms": 50},
     },
     "positions": {"home": {"at_mm": [350, 0, 180], "yaw_deg": 0}, "nest": {"at_mm": [330, -120, 60], "yaw_deg": 0}},
-    "options": {"stop": "first", "budget_s": 20, "max_candidates": 200, "stay_safe_s": 2},
+    "options": {"stop": "first", "report": "none", "budget_s": 20, "max_candidates": 200, "stay_safe_s": 2},
 }  # fmt: skip
 START: Document = {"joints": {"j1_deg": 20, "j2_deg": 60, "j3_mm": 300, "j4_deg": 0}}
 WINDOW_MM, TAKEN_MS = [-250, 250], 20

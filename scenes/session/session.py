@@ -17,7 +17,7 @@ from assur.scenes.session.judged import JudgedAnswer, judged
 from assur.scenes.tasks.kept_cell import KeptCellFile, of_task
 
 if TYPE_CHECKING:
-    from assur.scenes.reading.cell import Cell
+    from assur.scenes.reading.cell import Surroundings
     from assur.scenes.session.reading import Coverage
     from assur.scenes.tasks.next_task import EndState
 
@@ -114,11 +114,11 @@ class RunningCell:
         part = plain({**{key: value for key, value in kept.items() if key not in OF_SIGHTING}, **fields, "name": name})
         if not part.keys() & {"pose", "slot"}:
             raise InputError("pose", None, "a pose or a slot: where the part is")
-        cell = self._cell_with(part)
+        around = self._around(part)
         if self._holds(part["name"]):
             raise InputError("name", name, "a part that the gripper does not hold now")
-        frame = cell.scene.frames[cell.places[part["name"]][0]]
-        seen_s = cell.scene.index[part["name"]].since_s
+        frame = around.frames.laws[around.places[part["name"]][0]]
+        seen_s = around.bodies[-1].since_s
         if seen_s is None and frame.uncertainty.speed_m_s > 0.0:
             allowed = f"when the part was there: the speed of {frame.name} is uncertain, so it is known less well later"
             raise InputError("pose.at_s", None, allowed)
@@ -212,11 +212,11 @@ class RunningCell:
     def _with_refuge(self, steps: Sequence[object]) -> list[object]:
         return [*plain({"steps": list(steps)})["steps"], {"move": {"to": self.refuge}}]
 
-    def _cell_with(self, part: Document) -> Cell:
-        """The cell with a part that is seen. Raises `InputError` at a field of the part."""
+    def _around(self, part: Document) -> Surroundings:
+        """Robot and surroundings with a part that is seen. Raises `InputError` at a field of the part."""
         task = {**self._first, "parts": [part], "steps": self._with_refuge([])}
         try:
-            return self._kept.cell_of(task)
+            return self._kept.surroundings(task)
         except DocumentError as error:
             raise error.relocated(lambda field: field.removeprefix("parts[0].").replace("parts[0]", "part")) from error
 

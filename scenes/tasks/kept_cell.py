@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from assur.planner.errors import InputError
+from assur.planner.errors import FaultError, InputError
 from assur.scenes.bounds import MAX_BODIES
 from assur.scenes.faults import DocumentError, Gathered, Refused, documented, located
 from assur.scenes.proposals.files import answer_to_task
@@ -17,7 +17,7 @@ from assur.scenes.tasks.joining import CellFile, joined
 from assur.scenes.tasks.origins import OF_TASK, Joined
 
 if TYPE_CHECKING:
-    from assur.scenes.reading.cell import Cell, Depends, Kept, Surroundings
+    from assur.scenes.reading.cell import Depends, Kept, Surroundings
 
 STATED_BY_CELL = ("robot", "frames", "bodies", "neighbours", "execution", "carry")
 """Fields of a request that the cell states, but for the parts among the bodies."""
@@ -83,13 +83,21 @@ class KeptCellFile:
             raise of_task(made.relocated(error)) from error
         return made, answer_to_task(answer, made, lambda values: joined(self.file, task, values))
 
-    def cell_of(self, task: object) -> Cell:
-        """What is made of a task and the cell. Raises `DocumentError`, as `plan`."""
+    def surroundings(self, task: object) -> Surroundings:
+        """The robot and what is around it at the start of a task, with its parts. Raises `DocumentError`, as `plan`."""
+        from assur.scenes.reading.cell import depends_of
+
         made = self.joined(task)
-        try:
-            return cell_of(made.request, task=TaskOfCell(self, made))
-        except InputError as error:
-            raise of_task(made.relocated(error)) from error
+        of_cell = TaskOfCell(self, made)
+        request = of_cell.read()
+        around = None if request is None else of_cell.around(request)
+        if request is None or around is None:
+            try:
+                cell_of(made.request)
+            except InputError as error:
+                raise of_task(made.relocated(error)) from error
+            raise FaultError("a task that could not be read in a cell has no fault")
+        return around[depends_of(request)]
 
     def around(self, parts: Sequence[BodyDocument], depends: Depends, start_s: float) -> Surroundings | None:
         """Robot and surroundings with these parts; None where something of them has a fault. `start_s`: of the task."""
