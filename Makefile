@@ -157,7 +157,7 @@ problems: $(VENV)/installed-test
 	done
 
 # The scripts of the benchmark, each in a process of its own.
-SCRIPTS := first_answer durations demo_cycle session kept_cell scaling legs service side_by_side
+SCRIPTS := first_answer durations demo_cycle session session_cycle kept_cell scaling legs service side_by_side
 each_script = for script in $(SCRIPTS); do \
 		beside=; if [ $$script = first_answer ]; then beside="$(if $(BESIDE),--beside $(BESIDE))"; fi; \
 		$(BIN)/python -m benchmarks.$$script $$beside $(1) || status=1; done

@@ -27,6 +27,7 @@ SCRIPTS = (
     "durations",
     "demo_cycle",
     "session",
+    "session_cycle",
     "kept_cell",
     "scaling",
     "legs",

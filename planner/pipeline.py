@@ -50,11 +50,13 @@ MARGINS_S = 0.15
 
 @dataclass(frozen=True, slots=True)
 class _Run:
-    """When a run began, by `time.perf_counter`, who watches it, and what measures its stages."""
+    """When a run began, by `time.perf_counter`, who watches it, what measures its stages, and whether it checks its
+    plans."""
 
     started: float
     watch: Watch | None
     laps: Stopwatch
+    checked: bool
 
     @property
     def elapsed(self) -> float:
@@ -71,6 +73,7 @@ def plan(
     started: float | None = None,
     watch: Watch | None = None,
     laps: Stopwatch | None = None,
+    checked: bool = True,
 ) -> Outcome:
     """A trajectory through the scene's control points, proved free of collision, or why there is none.
 
@@ -80,12 +83,13 @@ def plan(
     scene for this request says when it began.
     `watch` receives how far the search has come, at each of its rounds; what it raises ends the planning.
     `laps` measures the stages `search`, with proof and check, `explain` (what would have helped) and `margins`.
-    Every plan was accepted by the checker. What the prover accepts and the checker refuses is a fault of the planner:
-    it is no answer, the census counts it at the stage `checker`, and the sentence of a refusal begins with it.
+    Every plan was accepted by the checker, if it is `checked`; else the caller has to check it. What the prover accepts
+    and the checker refuses is a fault of the planner: it is no answer, the census counts it at the stage `checker`, and
+    the sentence of a refusal begins with it.
     """
     if started is None and not is_compiled():
         load_defined()  # to compile takes minutes, which are none of the budget
-    run = _Run(time.perf_counter() if started is None else started, watch, laps or Stopwatch())
+    run = _Run(time.perf_counter() if started is None else started, watch, laps or Stopwatch(), checked)
     prover = Prover(scene)
     outcome = _outcome(scene, run, prover)
     if isinstance(outcome, NotPlanned) and scene.options.report == "full":
@@ -130,7 +134,7 @@ def _outcome(scene: Scene, run: _Run, prover: Prover) -> Outcome:
         return _not_planned(scene, run, None, Counter().census(), proof=None, cut=True)
     found = SearchResult()
     if never is None:
-        found = _search_of(scene)(scene, prover, run.started, watch=run.watch).run()
+        found = _search_of(scene)(scene, prover, run.started, watch=run.watch, checked=run.checked).run()
         run.laps.lap("search")
         if found.plan is not None:
             return _planned(scene, run, prover, found, found.plan)

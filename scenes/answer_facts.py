@@ -151,24 +151,35 @@ def refused_document(scene: Scene, refusal: Refusal) -> document.Refused:
 def fact_of(kind: type[Fact], item: Any, **own: Any) -> Fact:
     """The fact that a document states, whose form was read before; `own`: what of it is read apart, by its own names.
     What the document leaves out is what the fact has then."""
-    hints = get_type_hints(kind)
     given = {
-        name: _fact(hints[name], item[key])
-        for key, name, _ in _columns(cast(Hashable, kind))
-        if key in item and name in hints
+        name: read(item[key]) for key, name, read in _readers(cast(Hashable, kind)) if key in item and name not in own
     }
-    return kind(**{**given, **own})
+    return kind(**given, **own)
 
 
-def _fact(hint: Any, value: Any) -> Any:
-    """A value of a document as what is in facts at this type."""
-    if isinstance(value, dict):
-        return next((fact_of(kind, value) for kind in options_of(hint) if kind in FORMS), value)
-    if isinstance(value, list):
-        listed = next(each for each in options_of(hint) if get_args(each))
-        first, *others = get_args(listed)
-        if get_origin(listed) is np.ndarray:
-            return np.array(value, dtype=get_args(others[0])[0])
-        return tuple(_fact(first, item) for item in value)
-    word = next((each for each in options_of(hint) if isinstance(each, type) and issubclass(each, StrEnum)), None)
-    return value if word is None or value is None else word(value)
+@cache
+def _readers(kind: Any) -> tuple[tuple[str, str, Callable[[Any], Any]], ...]:
+    """The keys of a document that a fact of this kind is read of, its own name of each, and what reads the value."""
+    hints = get_type_hints(kind)
+    return tuple((key, name, _reader(hints[name])) for key, name, _ in _columns(kind) if name in hints)
+
+
+@cache
+def _reader(hint: Any) -> Callable[[Any], Any]:
+    """What makes of a value of a document what is in facts at this type."""
+    options = options_of(hint)
+    form = next((each for each in options if each in FORMS), None)
+    word = next((each for each in options if isinstance(each, type) and issubclass(each, StrEnum)), None)
+    listed = next((each for each in options if get_args(each)), None)
+    first, *others = (None,) if listed is None else get_args(listed)
+
+    def read(value: Any) -> Any:
+        if isinstance(value, dict):
+            return value if form is None else fact_of(form, value)
+        if isinstance(value, list):
+            if get_origin(listed) is np.ndarray:
+                return np.array(value, dtype=get_args(others[0])[0])
+            return tuple(map(_reader(first), value))
+        return value if word is None or value is None else word(value)
+
+    return read

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, cast
 
 from assur.api.python.answer import Answer, listed
 from assur.api.python.calls import plain_request
@@ -14,7 +14,9 @@ from assur.api.python.cell import Cell
 from assur.planner.errors import InputError
 
 if TYPE_CHECKING:
+    from assur.scenes.schema.answer import Verdict
     from assur.scenes.session.committed import Segment
+    from assur.scenes.session.judged import JudgedAnswer
     from assur.scenes.session.log import SessionLog
     from assur.scenes.session.reading import Coverage
     from assur.scenes.session.replay import Replay
@@ -34,11 +36,18 @@ class Proposal:
     decide_by_s: float
     base_ends_s: float | None
     answer: Answer = field(repr=False)
+    _judged: JudgedAnswer = field(repr=False)
 
     @property
     def planned(self) -> bool:
         """Whether there is a plan."""
         return self.answer.planned
+
+    def check(self) -> Verdict:
+        """What the checker says of the answer, the same as `assur.check`. A plan was judged when it was proposed."""
+        from assur.scenes.requests import check_cell
+
+        return cast("Verdict", self._judged.verdict or check_cell(self._judged.cell, self._judged.answer))
 
 
 @dataclass(frozen=True)
@@ -153,7 +162,7 @@ class Session:
         """
         made = self._running.propose(listed("steps", steps), at_s)
         answer = Answer.made(made.answer, made.request, (self._document, made.task))
-        return Proposal(made.number, made.starts_s, made.starts_s, made.base_ends_s, answer)
+        return Proposal(made.number, made.starts_s, made.starts_s, made.base_ends_s, answer, made.judged)
 
     def commit(self, id: int | Proposal) -> None:  # noqa: A002 as a proposal names it
         """Makes a proposal the motion that is executed, from its start on; until then the one before remains.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -21,6 +22,9 @@ PARTS, ROUNDS = 64, 7
 """A step of the grid, parted as often, is below what doubles know of a time."""
 SIDES = np.greater_equal, np.less_equal
 """What a way inside a stretch is, compared with its first and with its last end; a way that is not known is neither."""
+LEAST_STEP_M, NEXT = 1e-6, 1
+"""A way that goes so far, m, in a step of the grid is surely on one side of an end at all times but those of the step
+in which it passes, and of so many steps before and behind that."""
 KEPT = 256
 """Windows whose times are kept: a search asks about the same ones for each of its candidates."""
 
@@ -41,7 +45,7 @@ def travelled(law: Law, point: Pose, t: FloatArray) -> FloatArray:
 def times_inside(law: Law, point: Pose, stretch: Stretch, start: float) -> tuple[tuple[float, float], ...]:
     """When a point that is fixed in the frame is within `stretch` in the `HORIZON_S` after `start`, s; closed intervals
     in order."""
-    grid = np.arange(start, start + HORIZON_S + WINDOW_STEP_S, WINDOW_STEP_S)
+    grid = _sampled(law, point, stretch, np.arange(start, start + HORIZON_S + WINDOW_STEP_S, WINDOW_STEP_S))
     way, edges = travelled(law, point, grid), list[float]()
     for is_on, end in zip(SIDES, stretch, strict=True):
         side = is_on(way, end)
@@ -55,11 +59,29 @@ def times_inside(law: Law, point: Pose, stretch: Stretch, start: float) -> tuple
                 before, after = float(times[first - 1]), float(times[first])
             edges += [before, after]
     grid = np.unique(np.concatenate([grid, edges]))
-    within = np.logical_and(
-        *(is_on(travelled(law, point, grid), end) for is_on, end in zip(SIDES, stretch, strict=True))
-    )
+    way = travelled(law, point, grid)
+    within = np.logical_and(*(is_on(way, end) for is_on, end in zip(SIDES, stretch, strict=True)))
     runs = np.flatnonzero(np.diff(np.concatenate([[False], within, [False]]).astype(int))).reshape(-1, 2).tolist()
     return tuple((float(grid[first]), float(grid[behind - 1])) for first, behind in runs)
+
+
+def _sampled(law: Law, point: Pose, stretch: Stretch, grid: FloatArray) -> FloatArray:
+    """The times of a grid at which a way has to be known: of a constant velocity, its ends and those next to where the
+    way is at an end of the stretch. In between, the way is farther from both ends than it is rounded by."""
+    begin, last = float(grid[0]), float(grid[-1])
+    row, known = law.row, bool(law.knows(grid[[0, -1]]).all())
+    many = row[c.COUNT] != 1.0 or row[c.POWERS] > 0.0 or row[c.WAVES] > 0.0 or row[c.PERIOD] > 0.0
+    if law.link is not None or many or not known:
+        return grid
+    first, final = travelled(law, point, grid[[0, -1]]).tolist()
+    step = (final - first) / (last - begin) * WINDOW_STEP_S
+    if not abs(step) > LEAST_STEP_M:
+        return grid
+    chosen = {0, len(grid) - 1}
+    for end in stretch:
+        k = math.floor(min(max((end - first) / step, -NEXT), len(grid) + NEXT))
+        chosen.update(range(max(0, k - NEXT), min(len(grid), k + NEXT + 2)))
+    return grid[sorted(chosen)]
 
 
 def outside_for_good(law: Law, point: Pose, stretch: Stretch, start: float) -> bool:

@@ -78,10 +78,13 @@ class SearchResult:
 
 
 class Search:
-    """One run over one scene. `started`: the reading of `time.perf_counter` from which the budget counts."""
+    """One run over one scene. `started`: the reading of `time.perf_counter` from which the budget counts. `checked`:
+    whether each plan is checked; else the caller does it."""
 
-    def __init__(self, scene: Scene, prover: Prover, started: float, *, watch: Watch | None = None) -> None:
-        self.scene, self.prover, self.watch = scene, prover, watch
+    def __init__(
+        self, scene: Scene, prover: Prover, started: float, *, watch: Watch | None = None, checked: bool = True
+    ) -> None:
+        self.scene, self.prover, self.watch, self.checked = scene, prover, watch, checked
         self.started, self.deadline = started, Deadline(started, scene.options.budget_s)
         self.rng = np.random.default_rng(scene.options.seed)
         self.pool = Pool(scene, prover)
@@ -355,7 +358,7 @@ class Search:
             return
         best = self.found.best
         if partial.step == len(self.scene.task) and self._better(partial):
-            whole = completed(self.scene, partial)
+            whole = completed(self.scene, partial, checked=self.checked)
             if isinstance(whole, Refusal):
                 self.found.census.add(whole)
                 return

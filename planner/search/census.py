@@ -122,8 +122,9 @@ def refused_proof(unproved: ProofFailure, step: int, rule: tuple[Rule, float]) -
 # Makes a plan of a whole partial and has it checked: nothing is an answer that the checker refuses.
 
 
-def completed(scene: Scene, partial: PartialPlan) -> Plan | Refusal:
-    """The plan of a partial through all steps, with its certificate; a refusal where the checker does not accept it.
+def completed(scene: Scene, partial: PartialPlan, *, checked: bool = True) -> Plan | Refusal:
+    """The plan of a partial through all steps, with its certificate; a refusal where the checker does not accept it,
+    if it is `checked`.
 
     That is a fault of the planner. The census counts it under the stage `checker`, the sentence of a refusal begins
     with it, and each test and benchmark counts it as a failure. Raises `OutOfTimeError` where the deadline in force
@@ -135,6 +136,8 @@ def completed(scene: Scene, partial: PartialPlan) -> Plan | Refusal:
     trajectory = partial.trajectory or Trajectory.of_knots(partial.knots.table, jumps=jumps)
     certificate = written(scene, trajectory, partial.legs, partial.arrivals, list(partial.proofs))
     plan = Plan(trajectory, partial.legs, partial.arrivals, certificate)
+    if not checked:
+        return plan
     verdict = check(scene, plan, between=raise_if_late)
     if verdict.ok:
         return plan

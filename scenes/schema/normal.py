@@ -18,6 +18,8 @@ SINGLE = frozenset((str, float, int, bool))
 """Types of a document's single values."""
 LEAVES = SINGLE | {type(None)}
 """The same, and what is refused where a key has it."""
+UNCHANGED = LEAVES - {int}
+"""Types of values that are plain as they are: a whole number may be too large."""
 ALLOWED = "a number that a float or an int is exactly"
 OF_NAMES = frozenset(("frames", "kinds", "positions", "slots", "slot", "set"))
 """Keys of the mappings whose keys are names that the document gives, or paths, whatever they end in."""
@@ -55,9 +57,12 @@ def _inside(value: object, path: Path, faults: list[DocumentError] | None) -> An
     if isinstance(value, dict):
         if faults is not None:
             return _mapping(value, path, faults)
-        return {key: _inside(item, (*path, str(key)), None) for key, item in value.items()}
+        return {
+            key: item if type(item) in UNCHANGED else _inside(item, (*path, str(key)), None)
+            for key, item in value.items()
+        }
     if isinstance(value, list) or (isinstance(value, np.ndarray) and value.ndim):
-        quick = LEAVES if in_si else LEAVES - {int}
+        quick = LEAVES if in_si else UNCHANGED
         return [item if type(item) in quick else _inside(item, (*path, i), faults) for i, item in enumerate(value)]
     try:
         return _scalar(value[()] if isinstance(value, np.ndarray) else value, path)

@@ -14,10 +14,11 @@ from assur.planner.errors import FaultError
 if TYPE_CHECKING:
     from assur.planner.arrays import FloatArray
     from assur.planner.model.attachments import Attachments
-    from assur.planner.model.outcome import Arrival, Leg
+    from assur.planner.model.outcome import Arrival, Leg, Plan
     from assur.planner.model.phases import GraspUncertainty
     from assur.planner.trajectory import Trajectory
     from assur.scenes.reading.cell import Cell
+    from assur.scenes.session.judged import JudgedAnswer
 
 Document = dict[str, Any]
 MOST_JUMPS = (1e-9, 1e-7, 1e-5)
@@ -80,18 +81,19 @@ class Segment:
         return History(handled, {name: time for name, time in leaves.items() if time < math.inf})
 
 
-def segment_of(request: Document, task: Document, answer: Document, before: History) -> Segment:
-    """A planned answer as one that may be committed, until when standing at its end is proved."""
+def segment_of(made: JudgedAnswer, task: Document, plan: Plan, before: History) -> Segment:
+    """The `plan` of an answer as one that may be committed, and until when standing at its end is proved."""
     from assur.planner.model.phases import leg_phases
-    from assur.scenes.reading.plan import motion_of
-    from assur.scenes.requests import cell_of
     from assur.scenes.tasks.instants import stands_until
+    from assur.scenes.written_knots import with_rounded_knots
 
-    cell = cell_of(request)
-    motion, legs, arrivals = motion_of(answer, cell.conventions)
+    cell, legs, arrivals = made.cell, plan.legs, plan.arrivals
+    motion = with_rounded_knots(cell, plan).trajectory
     _, attached, _ = leg_phases(cell.scene, legs, arrivals)
     until_s = stands_until(cell.scene, attached, motion.end)
-    return Segment(request, task, answer, cell, motion, legs, arrivals, before, motion.start, until_s, until_s)
+    return Segment(
+        made.request, task, made.answer, cell, motion, legs, arrivals, before, motion.start, until_s, until_s
+    )
 
 
 class CommittedMotion:

@@ -13,10 +13,11 @@ from assur.scenes.faults import DocumentError, choices, documented
 from assur.scenes.schema.cell_file import TASK
 from assur.scenes.schema.normal import normal, plain
 from assur.scenes.session.committed import CommittedMotion, History, Segment, segment_of
-from assur.scenes.tasks.kept_cell import KeptCellFile, TaskOfCell, of_task
+from assur.scenes.session.judged import JudgedAnswer, judged
+from assur.scenes.tasks.kept_cell import KeptCellFile, of_task
 
 if TYPE_CHECKING:
-    from assur.scenes.reading.cell import Cell
+    from assur.scenes.reading.cell import Surroundings
     from assur.scenes.session.reading import Coverage
     from assur.scenes.tasks.next_task import EndState
 
@@ -37,8 +38,9 @@ class Sighting:
 
 @dataclass(frozen=True, eq=False)
 class NextMotion:
-    """What was proposed: the `answer` to the `request` of a `task`, from `starts_s` on. `base_ends_s`: where the way to
-    the refuge begins; None without a plan. `segment`: the plan, None where there is none."""
+    """What was proposed: the `answer` to the `request` of a `task`, which is `judged`, from `starts_s` on.
+    `base_ends_s`: where the way to the refuge begins. `segment`: the plan. Both are None where there is none, and
+    where the checker refuses it."""
 
     number: int
     starts_s: float
@@ -46,6 +48,7 @@ class NextMotion:
     request: Document
     task: Document
     answer: Document
+    judged: JudgedAnswer
     segment: Segment | None
 
 
@@ -67,7 +70,7 @@ class RunningCell:
         self._first = plain({"schema": TASK, **given})
         made = self._planned(0, 0.0, {**self._first, "steps": self._with_refuge([])}, History())
         if made.segment is None:
-            allowed = f"a position to which the arm can go from the start, to stand there: {made.answer['sentence']}"
+            allowed = f"a position to which the arm can go from the start, to stand there: {made.judged.reason}"
             raise InputError("refuge", refuge, allowed)
         if made.segment.cell.scene.options.end != "rest":
             raise InputError("options.end", "moving", "rest: each motion of a session ends at rest in the refuge")
@@ -111,11 +114,11 @@ class RunningCell:
         part = plain({**{key: value for key, value in kept.items() if key not in OF_SIGHTING}, **fields, "name": name})
         if not part.keys() & {"pose", "slot"}:
             raise InputError("pose", None, "a pose or a slot: where the part is")
-        cell = self._cell_with(part)
+        around = self._around(part)
         if self._holds(part["name"]):
             raise InputError("name", name, "a part that the gripper does not hold now")
-        frame = cell.scene.frames[cell.places[part["name"]][0]]
-        seen_s = cell.scene.index[part["name"]].since_s
+        frame = around.frames.laws[around.places[part["name"]][0]]
+        seen_s = around.bodies[-1].since_s
         if seen_s is None and frame.uncertainty.speed_m_s > 0.0:
             allowed = f"when the part was there: the speed of {frame.name} is uncertain, so it is known less well later"
             raise InputError("pose.at_s", None, allowed)
@@ -145,14 +148,14 @@ class RunningCell:
 
         Raises `InputError` naming the field: of the task, or `at_s`.
         """
-        from assur.scenes.tasks.next_task import next_task, state_at
+        from assur.scenes.tasks.next_task import next_task, state_of
 
         ready_s = self.clock_s + self._planning_s
         if at_s is None:
             at_s = max(_base_ends(self.committed.last), ready_s)
         at_s = number("at_s", at_s, ready_s, LONG_S, f"when planning is over ({1e3 * self._planning_s:g} ms)")
         left = self.committed.at(at_s)
-        state = state_at(left.request, left.answer, at_s)
+        state = state_of(left.cell, left.answer["trajectory"], left.motion, left.legs, left.arrivals, at_s)
         before = left.history(at_s)
         parts = self._parts_at(state, before, at_s)
         written = {part["name"]: part for part in left.task.get("parts", ())}
@@ -188,7 +191,7 @@ class RunningCell:
             since = "another one was committed since, so propose again"
             raise InputError("id", number, f"a proposal made from the motion that is committed: {since}")
         if made.segment is None:
-            raise InputError("id", number, f"a proposal with a plan; of this one: {made.answer['sentence']}")
+            raise InputError("id", number, f"a proposal with a plan; of this one: {made.judged.reason}")
         for name in [made.segment.cell.scene.task[each.step].part for each in made.segment.arrivals]:
             if name is not None and name not in self._known:
                 raise InputError("id", number, f"a proposal that handles known parts: {name} is gone")
@@ -201,27 +204,19 @@ class RunningCell:
 
     def _planned(self, number: int, at_s: float, task: Document, before: History) -> NextMotion:
         """A proposal with the answer to a task that begins at `at_s`."""
-        made, answer = self._kept.plan(task)
-        segment = None
-        if answer["status"] == "planned":
-            segment = segment_of(made.request, task, answer, before)
+        made = judged(self._kept, task)
+        segment = None if made.plan is None or made.reason else segment_of(made, task, made.plan, before)
         ends_s = None if segment is None else _base_ends(segment)
-        return NextMotion(number, at_s, ends_s, made.request, task, answer, segment)
+        return NextMotion(number, at_s, ends_s, made.request, task, made.answer, made, segment)
 
     def _with_refuge(self, steps: Sequence[object]) -> list[object]:
         return [*plain({"steps": list(steps)})["steps"], {"move": {"to": self.refuge}}]
 
-    def _cell_with(self, part: Document) -> Cell:
-        """The cell with a part that is seen. Raises `InputError` at a field of the part."""
-        from assur.scenes.requests import cell_of
-
+    def _around(self, part: Document) -> Surroundings:
+        """Robot and surroundings with a part that is seen. Raises `InputError` at a field of the part."""
         task = {**self._first, "parts": [part], "steps": self._with_refuge([])}
         try:
-            made = self._kept.joined(task)
-            try:
-                return cell_of(made.request, task=TaskOfCell(self._kept, made))
-            except InputError as error:
-                raise of_task(made.relocated(error)) from error
+            return self._kept.surroundings(task)
         except DocumentError as error:
             raise error.relocated(lambda field: field.removeprefix("parts[0].").replace("parts[0]", "part")) from error
 

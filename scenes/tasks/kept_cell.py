@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from assur.planner.errors import InputError
+from assur.planner.errors import FaultError, InputError
 from assur.scenes.bounds import MAX_BODIES
 from assur.scenes.faults import DocumentError, Gathered, Refused, documented, located
 from assur.scenes.proposals.files import answer_to_task
-from assur.scenes.requests import plan_document
+from assur.scenes.requests import cell_of, plan_document
 from assur.scenes.schema.read import read_fields
 from assur.scenes.schema.request import RequestDocument
 from assur.scenes.schema.shapes import BodyDocument
@@ -82,6 +82,22 @@ class KeptCellFile:
         except InputError as error:
             raise of_task(made.relocated(error)) from error
         return made, answer_to_task(answer, made, lambda values: joined(self.file, task, values))
+
+    def surroundings(self, task: object) -> Surroundings:
+        """The robot and what is around it at the start of a task, with its parts. Raises `DocumentError`, as `plan`."""
+        from assur.scenes.reading.cell import depends_of
+
+        made = self.joined(task)
+        of_cell = TaskOfCell(self, made)
+        request = of_cell.read()
+        around = None if request is None else of_cell.around(request)
+        if request is None or around is None:
+            try:
+                cell_of(made.request)
+            except InputError as error:
+                raise of_task(made.relocated(error)) from error
+            raise FaultError("a task that could not be read in a cell has no fault")
+        return around[depends_of(request)]
 
     def around(self, request: RequestDocument, parts: Sequence[BodyDocument], depends: Depends) -> Surroundings | None:
         """Robot and surroundings of the request of a task with these parts; None where something of them has a

@@ -32,6 +32,7 @@ from assur.scenes.units import si_key
 
 if TYPE_CHECKING:
     from assur.planner.frames.motion import Pose
+    from assur.planner.model.outcome import Arrival, Leg
     from assur.planner.trajectory import Trajectory
     from assur.scenes.reading.cell import Cell
 
@@ -93,22 +94,17 @@ def end_state(request: Document, answer: object) -> EndState:
 
 
 def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
-    """As `end_state`, at an instant, s, at which the plan is left: as if it ended there (None: where it ends). Raises
-    `InputError` as well for an instant at which it may not be left (`left_at`), naming `at_s`."""
-    from assur.planner.laws.law import PoseUncertainty
-    from assur.planner.model.phases import gone_from, leg_phases, on_way, parts_gone
-    from assur.planner.model.task import is_taken_away
-    from assur.scenes.reading.bodies import drifted
+    """As `end_state`, and as `state_of`."""
     from assur.scenes.reading.plan import PLAN, motion_of
-    from assur.scenes.requests import cell_of, refused, validate
-    from assur.scenes.tasks.instants import left_at
+    from assur.scenes.requests import cell_of, refused
 
     if refused(answer) or not isinstance(answer, dict):
         raise DocumentError(PLAN, answer, "an answer with a plan: nothing comes after one that has none")
-    cell, stated = cell_of(request), validate(request)
-    if answer.get("request_digest", stated.digest) != stated.digest:
-        raise DocumentError(f"{PLAN}.request_digest", answer["request_digest"], f"{stated.digest}, that of the request")
-    trajectory, legs, arrivals = motion_of(answer, cell.conventions)
+    cell = cell_of(request)
+    digest = cell.request.digest
+    if answer.get("request_digest", digest) != digest:
+        raise DocumentError(f"{PLAN}.request_digest", answer["request_digest"], f"{digest}, that of the request")
+    motion, legs, arrivals = motion_of(answer, cell.conventions)
     if not legs:
         raise DocumentError(f"{PLAN}.legs", [], "the parts of the motion: at least one")
     for i, leg in enumerate(legs):
@@ -119,7 +115,28 @@ def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
     for i, each in enumerate(answer["arrivals"]):
         if "error" not in each:
             raise DocumentError(f"{PLAN}.arrivals[{i}].error", NOTHING, "how far the tool may be off, or null")
-    scene = cell.scene
+    return state_of(cell, answer["trajectory"], motion, legs, arrivals, at_s)
+
+
+def state_of(
+    cell: Cell,
+    written: Document,
+    trajectory: Trajectory,
+    legs: tuple[Leg, ...],
+    arrivals: tuple[Arrival, ...],
+    at_s: float | None,
+) -> EndState:
+    """The state of a plan in a cell at an instant, s, at which it is left: as if it ended there (None: where it ends).
+    `written`: its trajectory in the answer. Raises `InputError` for an instant at which it may not be left (`left_at`),
+    naming `at_s`."""
+    from assur.planner.laws.law import PoseUncertainty
+    from assur.planner.model.phases import gone_from, leg_phases, on_way, parts_gone
+    from assur.planner.model.task import is_taken_away
+    from assur.scenes.reading.bodies import drifted
+    from assur.scenes.reading.plan import PLAN
+    from assur.scenes.tasks.instants import left_at
+
+    scene, stated = cell.scene, cell.request
     if at_s is None:
         end_s = trajectory.end
         _, attached, known = leg_phases(scene, legs, arrivals)
@@ -137,7 +154,7 @@ def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
     gone_at_s = {str(step.part): gone_from(scene, step, until) for until, step in met if is_taken_away(step)}
     uncertainty = {name: asdict(each) for name, each in known.within if name not in gone}
     handled = gone.union(uncertainty)
-    start = _start(answer["trajectory"], trajectory, end_s, cell.conventions)
+    start = _start(written, trajectory, end_s, cell.conventions)
     held = attached.held
     if held is not None:
         grasp = held.in_flange.inverse().then(scene.tool.tcp)
@@ -154,6 +171,7 @@ def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
         if off_m > 0.0:
             before = PoseUncertainty(**uncertainty.get(body.name, vars(body.uncertainty)))
             uncertainty[body.name] = asdict(drifted(before, off_m, frame.law))
+    request: Any = cell.document
     return EndState(
         request, stated, start, uncertainty, handled, gone, gone_at_s, places, None if held is None else held.part, cell
     )

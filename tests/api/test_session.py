@@ -14,9 +14,14 @@ import numpy as np
 import pytest
 
 import assur
+from assur.planner import pipeline
+from assur.planner.collision.rows import written
 from assur.planner.errors import FaultError, InputError
-from assur.scenes.requests import scene_of
+from assur.planner.report import margins
+from assur.scenes.reading.plan import motion_of
+from assur.scenes.requests import cell_of, scene_of
 from assur.scenes.session.committed import MOST_JUMPS
+from assur.scenes.tasks.next_task import state_of
 from tests.scenes.tasks.test_next_task import CELL, read
 
 Document = dict[str, Any]
@@ -384,6 +389,78 @@ def test_a_motion_that_would_jump_is_a_fault() -> None:
         committed.follow(replace(late, starts_s=late.starts_s))  # the same motion does not jump
         with pytest.raises(FaultError, match="of a joint jumps by"):
             committed.follow(replace(made, starts_s=made.starts_s + shift_s))
+
+
+def test_a_session_keeps_the_plan_that_its_answer_is_read_as() -> None:
+    session = running(a=-300)
+    made = commit(session, transfer("a"))
+    for each in session._running.committed.segments:
+        motion, legs, arrivals = motion_of(each.answer, cell_of(each.request).conventions)
+        assert np.array_equal(motion.knots, each.motion.knots)
+        assert (legs, arrivals) == (each.legs, each.arrivals)
+        for at_s in (None, made.starts_s):
+            of_plan = each.answer["trajectory"], each.motion, each.legs, each.arrivals
+            kept = vars(state_of(each.cell, *of_plan, at_s))
+            assert kept == {**vars(state_of(cell_of(each.request), *of_plan, at_s)), "cell": each.cell}
+
+
+def test_the_answer_of_a_proposal_is_that_of_plan_and_its_verdict_that_of_check() -> None:
+    session = running(**PARTS)
+    for steps in ([transfer("a")], [transfer("b")], [{"move": {"to": {"at_mm": [2000, 0, 100]}}}]):
+        made = session.propose(steps)
+        request = made.answer.request or {}
+        assert timeless(made.answer) == timeless(assur.plan(request))
+        assert made.check() == assur.check(request, made.answer)
+        assert made.check()["ok"] is True
+        if made.planned:
+            session.commit(made)
+
+
+def timeless(answer: assur.Answer) -> Document:
+    return {key: value for key, value in answer.items() if key not in ("elapsed_s", "first_s")}
+
+
+@pytest.mark.parametrize("faults", [1, 2, 100])
+def test_what_the_checker_refuses_is_searched_again_and_never_committed(
+    faults: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session, calls = running(a=-300), [0]
+
+    def without_rows(*given: Any) -> Any:
+        """A certificate without the rows of the first phase, so often."""
+        calls[0] += 1
+        *plan, (first, *others) = given
+        first = replace(first, table=first.table[:0]) if calls[0] <= faults else first
+        return written(plan[0], plan[1], plan[2], plan[3], [first, *others])
+
+    monkeypatch.setattr("assur.planner.search.census.written", without_rows)
+    made = session.propose([transfer("a")])
+    assert calls[0] >= 2
+    assert made.check()["ok"]
+    assert made.planned is (faults < 100)
+    if not made.planned:
+        assert "checker" in made.answer.sentence
+        with pytest.raises(InputError, match="a proposal with a plan"):
+            session.commit(made)
+
+
+def test_a_proposal_whose_answer_the_checker_refuses_is_not_committed(monkeypatch: pytest.MonkeyPatch) -> None:
+    session, nearest = running(a=-300), margins.reported
+
+    def farther(*given: Any) -> Any:
+        """A smallest clearance that is not so."""
+        found = nearest(*given)
+        assert found is not None
+        assert found.nearest is not None
+        return replace(found, nearest=replace(found.nearest, gap_m=1.0))
+
+    monkeypatch.setattr(pipeline, "reported", farther)
+    made = session.propose([transfer("a")])
+    assert made.planned
+    assert not made.check()["ok"]
+    refused(lambda: session.commit(made), "id", "the checker refuses it")
+    with pytest.raises(InputError, match="the checker refuses it"):
+        running()
 
 
 def test_where_nothing_moves_standing_is_proved_for_ever() -> None:

@@ -80,14 +80,14 @@ def _no_horizon(patch: Patch) -> None:
 
 
 def _without_part(patch: Patch) -> None:
-    state_at = next_task.state_at
+    state_of = next_task.state_of
 
     def forgetful(*args: Any) -> Any:
-        state = state_at(*args)
+        state = state_of(*args)
         known = {name: each for name, each in state.uncertainty.items() if name != "a"}
         return replace(state, uncertainty=known, gone=state.gone | {"a"}) if "a" in state.handled else state
 
-    patch.setattr(next_task, "state_at", forgetful)
+    patch.setattr(next_task, "state_of", forgetful)
 
 
 def _known_exactly(patch: Patch) -> None:

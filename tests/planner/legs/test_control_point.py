@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
-from assur.planner.laws import Change, Law, conveyor, fixed, linear, turntable
-from assur.planner.laws.belt_window import HORIZON_S, times_inside, travelled
+from assur.planner.laws import Change, Law, belt_window, conveyor, fixed, linear, turntable
+from assur.planner.laws.belt_window import HORIZON_S, WINDOW_STEP_S, times_inside, travelled
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.model.attachments import AT_START
 from assur.planner.model.scene import Follow, Window
@@ -147,3 +147,28 @@ def test_a_part_on_a_belt_that_stands_is_inside_a_window_that_begins_or_ends_whe
         ((begin, end),) = times_inside(belt, part, window, 0.0)
         assert begin == 0.0
         assert end >= HORIZON_S
+
+
+@given(
+    st.floats(-3.0, 3.0),
+    st.floats(-6.0, 1.0),
+    st.floats(-2.0, 12_002.0) | st.integers(-2, 12_002).map(float),
+    st.sampled_from((0.0, 1e-9, 0.005, 0.7)) | st.floats(0.0, 70.0),
+    st.floats(0.0, 1e4),
+)
+def test_times_inside_a_window_are_to_the_bit_those_of_the_whole_grid(
+    yaw: float, decades: float, rows: float, lasts: float, start: float
+) -> None:
+    """Of a belt of constant speed few times of the grid are evaluated. `rows`: when the part comes into the window."""
+    speed, part = 10.0**decades, Pose(-0.4, 0.1, 0.01, 0.3)
+    belt = conveyor(Pose(0.3, -0.7, 0.1, yaw), speed)
+    low = float(travelled(belt, part, np.array([start + rows * WINDOW_STEP_S]))[0])
+    window = low, low + speed * lasts
+    assert times_inside(belt, part, window, start) == inside_by_all(belt, part, window, start)
+
+
+def inside_by_all(law: Law, part: Pose, window: tuple[float, float], start: float) -> tuple[tuple[float, float], ...]:
+    """The times inside a window, with all times of the grid."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(belt_window, "_sampled", lambda _law, _point, _stretch, grid: grid)
+        return times_inside.__wrapped__(law, part, window, start)
