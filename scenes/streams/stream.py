@@ -28,14 +28,15 @@ LONGEST_NAME = 48
 @dataclass(frozen=True)
 class Kind:
     """A kind of parts of a stream: its share of all parts, the slots to which it goes, its greatest horizontal distance
-    from its origin and its lowest and highest z, m; by how much its position and its height may be off, m."""
+    from its origin and its lowest and highest z, m; by how much any of its points may be off horizontally
+    and vertically, m."""
 
     name: str
     share: float
     to: str
     radius_m: float
     heights_m: Range
-    position_m: float
+    off_m: float
     vertical_m: float
 
 
@@ -174,7 +175,8 @@ def _kinds(item: StreamDocument, cell: CellDocument, solids: Mapping[str, Body])
         if name not in solids:
             continue  # its shape has a fault of its own
         solid, off = solids[name], cell.kinds[name].uncertainty
-        found.append(Kind(name, share, to, solid.radius, solid.heights, off.position_m, off.vertical_m))
+        off_m = off.position_m + solid.radius * off.yaw_rad
+        found.append(Kind(name, share, to, solid.radius, solid.heights, off_m, off.vertical_m))
     if isinstance(item.to, dict):
         for name in item.to.keys() - shares.keys():
             raise Refused(f"kinds of this stream: {', '.join(map(str, shares))}", "to", name)
