@@ -43,14 +43,12 @@ class Tally:
         self.refusals: Counter[str] = Counter()
         self.plans = self.checked = 0
         self._last: Segment | None = None
-        self._moving_s = 0.0
         self._within: dict[str, float] = defaultdict(float)
 
     def follows(self, segment: Segment) -> None:
         """A motion is committed: the one before is executed until it begins."""
         if self._last is not None:
             self._executed(self._last, segment.starts_s, self._within)
-            self._moving_s += self._moves(self._last, segment.starts_s)
         self._last = segment
 
     def figures(self, now_s: float) -> dict[str, Any]:
@@ -58,10 +56,9 @@ class Tally:
         minutes = now_s / 60.0
         picked = {cycle.part for cycle in self.cycles if cycle.picked_s <= now_s}
         placed = [cycle for cycle in self.cycles if cycle.placed_s <= now_s]
-        within, moving_s = defaultdict(float, self._within), self._moving_s
+        within = defaultdict(float, self._within)
         if self._last is not None:
             self._executed(self._last, now_s, within)
-            moving_s += self._moves(self._last, now_s)
         idle = self._idle(now_s)
         waiting = {reason: idle[reason] + within[reason] for reason in WAITS}
         ended = [cycle.ends_s - cycle.starts_s for cycle in self.cycles if cycle.ends_s <= now_s]
@@ -74,7 +71,7 @@ class Tally:
             "missed": missed,
             "parts_per_minute": len(placed) / minutes if minutes > 0.0 else 0.0,
             "cycle_s": sum(ended) / len(ended) if ended else None,
-            "moving": moving_s / now_s if now_s > 0.0 else 0.0,
+            "moving": 1.0 - sum(waiting.values()) / now_s if now_s > 0.0 else 0.0,
             "waiting_s": {reason: time_s for reason, time_s in waiting.items() if time_s > 0.0},
             "plans": self.plans,
             "checked": self.checked,
@@ -106,9 +103,3 @@ class Tally:
             if leg.kind is LegKind.WAIT and leg.step != last:
                 for_bodies = leg.route is not None and leg.route.course is Course.FOR_BODIES
                 within["bodies" if for_bodies else "part"] += max(0.0, min(leg.t1, until_s) - leg.t0)
-
-    @staticmethod
-    def _moves(segment: Segment, until_s: float) -> float:
-        """How long the arm moves, or handles a part, until a time, s."""
-        times = [min(leg.t1, until_s) - leg.t0 for leg in segment.legs if leg.kind is not LegKind.WAIT]
-        return sum(time for time in times if time > 0.0)

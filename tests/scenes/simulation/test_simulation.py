@@ -95,6 +95,9 @@ def test_all_time_is_that_of_a_cycle_or_of_a_wait_with_a_reason() -> None:
     idle = tally._idle(SECONDS)
     cycles = sum(min(each.ends_s, SECONDS) - each.starts_s for each in tally.cycles if each.starts_s < SECONDS)
     assert sum(idle.values()) + cycles == pytest.approx(SECONDS, abs=1e-9)
+    figures = tally.figures(SECONDS)
+    assert figures["moving"] + sum(figures["waiting_s"].values()) / SECONDS == pytest.approx(1.0)
+    assert 0.3 < figures["moving"] < 0.95
     assert all(before.free_s <= after.starts_s for before, after in pairwise(tally.cycles))
 
 
