@@ -22,6 +22,7 @@ from assur.api.cli import (
     proofs,
     report_file,
     robots_group,
+    simulation,
     trajectories,
     verdict_report,
 )
@@ -293,6 +294,7 @@ def fit_limits(
     return answered(found, partial(limits_report.fitted, found), as_json=as_json, right=identified)
 
 
+app.command()(bordered(within_memory(simulation.simulate)))
 app.command()(bordered(within_memory(trajectories.export)))
 app.command("check-trajectory")(bordered(trajectories.check_trajectory))
 app.command()(bordered(within_memory(proofs.bundle)))

@@ -17,7 +17,7 @@ import typer
 from rich.console import Console
 from rich.progress import track
 
-from assur.planner.selection.rules import RULES
+from assur.planner.selection.names import RULES
 from benchmarks.figures import Document, figure, finish
 from benchmarks.selection.cells import CELLS, Cell, stream, tables
 from benchmarks.selection.running import run

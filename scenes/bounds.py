@@ -16,6 +16,12 @@ MAX_FRAMES: Final = 256
 """Frames of the cell."""
 MAX_SLOTS: Final = 10_000
 """Slots of a grid along one axis."""
+MAX_STREAMS: Final = 16
+"""Streams of parts of a cell."""
+MAX_ARRIVALS: Final = 100_000
+"""Parts that one stream brings in a run, and rows of a table of arrivals: a part a second for a day."""
+MAX_ARRIVALS_BYTES: Final = 8 * 2**20
+"""A table of arrivals."""
 MAX_SET: Final = 256
 """Values that a task sets."""
 MAX_STEPS: Final = 64

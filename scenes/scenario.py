@@ -14,6 +14,7 @@ from assur.scenes.faults import DocumentError, documented, together
 from assur.scenes.files import with_meshes, with_plans
 from assur.scenes.schema.request import RequestDocument
 from assur.scenes.set_values import GIVEN, Changed, unknown_paths
+from assur.scenes.streams.table import with_arrivals
 from assur.scenes.text.yaml_text import Lines, line_of, with_line
 
 OF_PLAN = "plan"
@@ -75,6 +76,6 @@ def set_in_request(request: dict[str, Any], given: Mapping[str, object]) -> Chan
 
 
 def with_files(request: Any, folder: Path) -> Any:
-    """The request with the content of each file (of a robot, a plan, a mesh) in place of its name; the files must be
-    below `folder`."""
-    return with_meshes(with_plans(with_robots(request, folder), folder), folder)
+    """The request, or the cell, with the content of each file (of a robot, a plan, a mesh, arrivals) in place of its
+    name; the files must be below `folder`."""
+    return with_arrivals(with_meshes(with_plans(with_robots(request, folder), folder), folder), folder)

@@ -14,7 +14,8 @@ from assur.planner.selection import columns as c
 from assur.planner.selection.columns import Times
 from assur.planner.selection.cycles import cycle
 from assur.planner.selection.look_ahead import MOST
-from assur.planner.selection.rules import FREE, IDLE, MEETS, RULES, SCORE, score_parts
+from assur.planner.selection.names import RULES
+from assur.planner.selection.rules import FREE, IDLE, MEETS, SCORE, score_parts
 
 MOST_CHOICES = 3
 """How many parts are ranked."""

@@ -13,10 +13,6 @@ from assur.planner.selection.columns import F1, F2, TIMES, Times, f8, i8
 from assur.planner.selection.cycles import between, cycle
 from assur.planner.selection.look_ahead import order_values
 
-RULES = ("look-ahead", "fifo", "nearest", "spt", "edd")
-"""What a cell may name. `fifo`: the first that was seen. `nearest`: the nearest to the tool now, those within the
-window first. `spt` (shortest processing time): the one whose cycle ends first. `edd` (earliest due date): the one that
-leaves the window first. `look-ahead`: the one that begins the best order of a few."""
 LOOK_AHEAD, FIFO, NEAREST, SPT, EDD = range(5)
 MEETS, IDLE, FREE, LEAVES, SCORE, FOUND = range(6)
 """Of a part that is known, s: when it is met at the earliest, how long the arm waits for it, when the arm is free

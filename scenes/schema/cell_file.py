@@ -6,6 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
+from assur.planner.selection.names import Rule
 from assur.scenes import bounds
 from assur.scenes.schema.expect import ExpectDocument
 from assur.scenes.schema.frames import FrameDocument
@@ -26,6 +27,7 @@ from assur.scenes.schema.model import (
 from assur.scenes.schema.request import CarryDocument, ExecutionDocument, OptionsDocument
 from assur.scenes.schema.robots import NeighbourDocument, RobotDocument
 from assur.scenes.schema.shapes import BodyDocument, PlaceInCell, ShapeDocument
+from assur.scenes.schema.streams import StreamDocument
 from assur.scenes.schema.task import LiftDocument, TargetDocument
 from assur.scenes.schema.task_steps import Count, SchemaOf, Slot, StartInTask, StepInTask
 
@@ -80,6 +82,9 @@ class CellDocument(Document):
     kinds: Annotated[dict[Name, KindDocument], Field(max_length=bounds.MAX_BODIES)] = Field(default_factory=dict)
     positions: Annotated[dict[Name, TargetDocument], Field(max_length=bounds.MAX_BODIES)] = Field(default_factory=dict)
     slots: Annotated[dict[Name, SlotsDocument], Field(max_length=bounds.MAX_BODIES)] = Field(default_factory=dict)
+    streams: Annotated[dict[Name, StreamDocument], Field(max_length=bounds.MAX_STREAMS)] = Field(default_factory=dict)
+    selection: Rule = "look-ahead"
+    refuge: Name | None = None
     options: Annotated[dict[str, Any], SchemaOf(OptionsDocument)] = Field(default_factory=dict)
     execution: ExecutionDocument = ExecutionDocument()
     carry: CarryDocument | None = None

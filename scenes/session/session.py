@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
@@ -155,7 +155,8 @@ class RunningCell:
             at_s = max(_base_ends(self.committed.last), ready_s)
         at_s = number("at_s", at_s, ready_s, LONG_S, f"when planning is over ({1e3 * self._planning_s:g} ms)")
         left = self.committed.at(at_s)
-        state = state_of(left.cell, left.answer["trajectory"], left.motion, left.legs, left.arrivals, at_s)
+        found = state_of(left.cell, left.answer["trajectory"], left.motion, left.legs, left.arrivals, at_s)
+        state = self._without_gone(found, left)
         before = left.history(at_s)
         parts = self._parts_at(state, before, at_s)
         written = {part["name"]: part for part in left.task.get("parts", ())}
@@ -177,6 +178,11 @@ class RunningCell:
         self._number += 1
         self._open[made.number] = made
         return made
+
+    def _without_gone(self, state: EndState, left: Segment) -> EndState:
+        """The state at which a plan is left, without how well parts are known that have gone since."""
+        gone = {part["name"] for part in left.task.get("parts", ())} - self._known.keys()
+        return replace(state, uncertainty={name: each for name, each in state.uncertainty.items() if name not in gone})
 
     def commit(self, number: object) -> None:
         """Makes a proposal the motion from its start on. Raises `InputError` for one that is not known, was used, has

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from assur.api.python.saved import load_answer
     from assur.api.python.service_errors import ProblemError, RemoteInputError, ServiceError
     from assur.api.python.session import CommittedPlan, Proposal, Session, replay
+    from assur.api.python.simulation import simulate
     from assur.planner.errors import AssurError, InputError
 
     __version__: str
@@ -52,6 +53,7 @@ __all__ = [
     "request",
     "robots",
     "scenarios",
+    "simulate",
 ]
 
 _CALLS = "assur.api.python.calls"
@@ -63,6 +65,7 @@ _HOME = {
     **dict.fromkeys(("Samples", "Trajectory"), "assur.api.python.motion"),
     **dict.fromkeys(("AsyncClient", "Client"), "assur.api.python.client"),
     **dict.fromkeys(("CommittedPlan", "Proposal", "Session", "replay"), "assur.api.python.session"),
+    "simulate": "assur.api.python.simulation",
     "Health": "assur.api.python.exchange",
     **dict.fromkeys(("ProblemError", "RemoteInputError", "ServiceError"), "assur.api.python.service_errors"),
     **dict.fromkeys(("AssurError", "InputError"), "assur.planner.errors"),

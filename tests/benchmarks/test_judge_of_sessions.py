@@ -85,7 +85,10 @@ def _without_part(patch: Patch) -> None:
     def forgetful(*args: Any) -> Any:
         state = state_of(*args)
         known = {name: each for name, each in state.uncertainty.items() if name != "a"}
-        return replace(state, uncertainty=known, gone=state.gone | {"a"}) if "a" in state.handled else state
+        if "a" not in state.handled:
+            return state
+        gone = {"gone": state.gone | {"a"}, "gone_at_s": {**state.gone_at_s, "a": 0.0}}
+        return replace(state, uncertainty=known, **gone)
 
     patch.setattr(next_task, "state_of", forgetful)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assur.planner.selection import columns as c
-from assur.planner.selection.rules import RULES
+from assur.planner.selection.names import RULES
 from benchmarks.part_order import compared, ordered
 from benchmarks.selection.cells import APART_M, CELLS, LATENCY_S, stream, tables
 

@@ -17,8 +17,9 @@ from assur.planner.laws.kinds import conveyor, fixed
 from assur.planner.selection import columns as c
 from assur.planner.selection.columns import Times
 from assur.planner.selection.cycles import cycle
+from assur.planner.selection.names import RULES
 from assur.planner.selection.next_part import FreeArm, KnownPart, next_part, scored
-from assur.planner.selection.rules import FREE, LEAVES, MEETS, RULES, SCORE
+from assur.planner.selection.rules import FREE, LEAVES, MEETS, SCORE
 from assur.planner.selection.times import CycleTerms, Lane, Place, times_of
 from benchmarks.selection.cells import CELLS, arm, stream, tables
 from benchmarks.selection.running import run

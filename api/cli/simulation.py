@@ -1,0 +1,122 @@
+"""`assur simulate`: runs a cell against its streams."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from assur.api.cli import console_report
+from assur.api.cli.border import INTERRUPTED, RIGHT, AsJson, say, show, show_json, writable
+from assur.api.cli.cell_reading import announce_compilation
+from assur.api.cli.console_report import rows
+from assur.api.cli.inputs import Values, set_values
+
+if TYPE_CHECKING:
+    from assur.scenes.simulation.simulate import Simulation, Watch
+
+Document = dict[str, Any]
+WORDS = {
+    "part": "a part",
+    "unseen": "a part to be clear of what is not seen yet",
+    "bodies": "bodies to pass",
+    "reach": "a part that it can reach in its window",
+    "refused": "a part that can be planned",
+    "planning": "the end of planning",
+}
+"""What the arm waits for, in words."""
+LEAST_SHARE = 5e-4
+"""Least share of the time that is printed."""
+
+
+def simulate(
+    cell: Annotated[str, typer.Argument(metavar="CELL", help="A cell file with streams, or a shipped cell's name.")],
+    minutes: Annotated[float, typer.Option(help="Length of each run, on its own clock.")] = 10.0,
+    seed: Annotated[int, typer.Option(help="Seed of the first run.")] = 1,
+    seeds: Annotated[int, typer.Option(help="Number of runs, each with the next seed.")] = 1,
+    planning_ms: Annotated[float, typer.Option(help="How long planning takes on the clock of the run.")] = 20.0,
+    values: Values = None,
+    as_json: AsJson = False,
+    out: Annotated[Path | None, typer.Option("--out", help="Write the result to this file, as JSON.")] = None,
+) -> int:
+    """Run CELL against its streams with motions that are proved and checked: parts a minute, and why not more."""
+    from assur.scenes.simulation.cell_file import cell_named
+    from assur.scenes.simulation.simulate import Simulation
+
+    given = cell_named(cell, set_values(values))
+    writable(out, cell)
+    announce_compilation()
+    with given.located():
+        made = Simulation(given.document, minutes, seed, seeds, planning_ms)
+        interrupted = False
+        try:
+            with _shown(made) as watch:
+                made.run(watch)
+        except KeyboardInterrupt:
+            if not made.runs:
+                raise
+            interrupted = True
+    found = made.document
+    if out is not None:
+        out.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    if as_json:
+        show_json(found)
+    else:
+        show(*words(given.name, found))
+    return say("interrupted: these are the figures until then", INTERRUPTED) if interrupted else RIGHT
+
+
+@contextmanager
+def _shown(made: Simulation) -> Iterator[Watch]:
+    """Shows on standard error, if it is a terminal, how far the runs are."""
+    shown = console_report.console(stderr=True)
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:3.0f} %"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=shown, transient=True, disable=not shown.is_terminal) as bar:
+        task = bar.add_task(f"seed {made.first}", total=made.count * made.until_s)
+
+        def watch(run: int, now_s: float) -> None:
+            bar.update(task, completed=run * made.until_s + now_s, description=f"seed {made.first + run}")
+
+        yield watch
+
+
+def words(name: str, found: Document) -> Iterator[Any]:
+    """The result in words."""
+    runs, low_high = found["runs"], found["interval"]
+    minutes = sum(run["simulated_s"] for run in runs) / 60.0
+    seeds = f", seeds {runs[0]['seed']} to {runs[-1]['seed']}" if len(runs) > 1 else f", seed {runs[0]['seed']}"
+    yield f"{name}: {found['parts_per_minute']:.1f} parts a minute{_within(low_high)}"
+    yield f"simulated {minutes:.4g} min{seeds}, {found['selection']}, elbow {found['elbow'] or 'as the arm has it'}"
+    yield ""
+    cycle_s = "none" if found["cycle_s"] is None else f"{found['cycle_s']:.3f} s"
+    lines = [(key, f"{found[key]}") for key in ("known", "picked", "placed", "missed")]
+    lines += [("mean cycle", f"{cycle_s} (without obstacles and waits {found['table_cycle_s']:.3f} s)")]
+    lines += [("the arm takes parts", _share(found["moving"]))]
+    lines += [
+        (f"waits for {WORDS[reason]}", _share(share))
+        for reason, share in found["waiting"].items()
+        if share >= LEAST_SHARE
+    ]
+    lines += [("motions checked", f"{found['checked']}, of {found['plans']} that were planned")]
+    lines += [(f"not planned: {reason}", f"{count}") for reason, count in found["refusals"].items()]
+    yield rows(("parts", ""), lines)
+    yield from ([""] if found["notes"] else [])
+    yield from (f"note: {note}" for note in found["notes"])
+
+
+def _within(low_high: list[float] | None) -> str:
+    return "" if low_high is None else f" (95 % interval {low_high[0]:.1f} to {low_high[1]:.1f})"
+
+
+def _share(share: float) -> str:
+    return f"{100.0 * share:.1f} % of the time"

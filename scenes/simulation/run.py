@@ -1,0 +1,254 @@
+"""One run: a session against the streams of its cell, with every motion planned, proved and checked."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections import deque
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from assur.planner.errors import FaultError, InputError
+from assur.planner.model.outcome import TRACKING
+from assur.scenes.session.session import RunningCell
+from assur.scenes.simulation.cell import SimulatedCell
+from assur.scenes.simulation.tally import Cycle, Tally
+from assur.scenes.streams.arrivals import ArrivingPart, arrivals
+
+if TYPE_CHECKING:
+    from assur.planner.selection.next_part import Choice
+    from assur.scenes.session.committed import Segment
+    from assur.scenes.session.session import NextMotion
+
+Document = dict[str, Any]
+PATIENCE_S = 1.0
+"""A motion that would wait longer for its part is not committed yet: another part may be seen meanwhile."""
+RETRY_S = 0.5
+"""After so long a part that could not be planned is tried again, s."""
+RESERVE_S = 0.05
+"""So long before standing is no longer proved the next motion is there, s."""
+
+
+@dataclass(frozen=True)
+class _Known:
+    """A part that was seen, and its stream by its number."""
+
+    part: ArrivingPart
+    number: int
+
+
+class Run:
+    """A run of a cell with a seed, until `until_s`. `step` goes on to the next decision; `tally` has what happened."""
+
+    def __init__(self, cell: SimulatedCell, seed: int, until_s: float, planning_ms: float) -> None:
+        """Raises `InputError` for a stream that brings nothing in that time, and as `RunningCell`."""
+        self._cell, self._until_s, self._planning_s = cell, until_s, planning_ms / 1e3
+        coming = []
+        for number, stream in enumerate(cell.streams):
+            parts = arrivals(stream, seed, until_s)
+            if not parts:
+                allowed = f"a stream whose first part is known within {until_s:g} s; with seed {seed} there is none"
+                raise InputError(f"streams.{stream.name}", until_s, allowed)
+            coming += [(part.known_s, number, k, _Known(part, number)) for k, part in enumerate(parts)]
+        most_s = cell.stay_s / 4.0 - RESERVE_S
+        if self._planning_s > most_s:
+            allowed = f"at most {1e3 * most_s:.4g} ms: standing is proved for {cell.stay_s:g} s (options.stay_safe_s)"
+            raise InputError("planning_ms", planning_ms, allowed)
+        self.session = RunningCell(cell.kept, cell.start, cell.refuge, planning_ms)
+        self._coming = deque(each[-1] for each in sorted(coming, key=lambda each: each[:3]))
+        self._leaving: list[tuple[float, str]] = []
+        self._candidates: dict[str, _Known] = {}
+        self._lying: dict[str, list[str]] = {grid: [] for grid in cell.counts}
+        self._refused_s: dict[str, float] = {}
+        self._taken: set[str] = set()
+        self._cycle: Cycle | None = None
+        ends = [(each.part, cell.streams[each.number]) for each in self._coming]
+        self.tally = Tally([(part.name, part.passes_s(of.window_m[1], of.speed_m_s)) for part, of in ends])
+        self._stand()  # from now on standing is proved against what is not seen, too
+
+    @property
+    def over(self) -> bool:
+        return self.session.clock_s >= self._until_s
+
+    def step(self) -> None:
+        """To the next decision, or by one wait. Raises `FaultError` for a motion that the checker refuses."""
+        self._stand_ready()
+        now_s = self.session.clock_s
+        free_s = self._free_s()
+        self._forget_missed(free_s)
+        ready, later_s = self._ready()
+        if not ready:
+            refused = any(name in self._refused_s for name in self._candidates)
+            self._wait("refused" if refused else "unseen" if self._candidates else "part", later_s)
+            return
+        choices = self._ranked(free_s, ready)
+        if not choices:
+            self._wait("reach", later_s)
+            return
+        best_s = choices[0].waits_until_s - PATIENCE_S
+        if best_s > free_s + RETRY_S:
+            self._wait("part", min(later_s, best_s))
+            return
+        for choice in choices:
+            self._stand_ready()
+            made = self._proposed(self._transfer(choice))
+            if made.segment is not None:
+                self._commit(made, made.segment, choice)
+                return
+            self.tally.refusals[str(made.answer["reason"])] += 1
+            self._refused_s[choice.part] = self.session.clock_s + RETRY_S
+        self.tally.waits.append((now_s, "refused"))
+
+    # What may be next.
+
+    def _free_s(self) -> float:
+        """When the next motion begins: where the base of the committed one ends, or when planning is over."""
+        ready_s = self.session.clock_s + self._planning_s
+        return ready_s if self._cycle is None else max(self._cycle.free_s, ready_s)
+
+    def _ready(self) -> tuple[list[_Known], float]:
+        """The parts that are clear of what is not seen and were not refused just now, and when the next one will
+        be."""
+        now_s, found, later_s = self.session.clock_s, list[_Known](), math.inf
+        for each in self._candidates.values():
+            unseen, stream = self._cell.unseen[each.number], self._cell.streams[each.number]
+            x = unseen.clear_m + each.part.kind.radius_m + each.part.kind.off_m + self._cell.apart_m
+            clear_s = max(each.part.passes_s(x, stream.speed_m_s), self._refused_s.get(each.part.name, -math.inf))
+            if clear_s <= now_s:
+                found.append(each)
+            else:
+                later_s = min(later_s, clear_s)
+        return found, later_s
+
+    def _ranked(self, free_s: float, ready: list[_Known]) -> tuple[Choice, ...]:
+        place, slot = None, 0
+        if self._cycle is not None and free_s <= self._cycle.free_s:
+            place, slot = self._cycle.grid, self._cycle.slot
+        known = [(self._cell.streams[each.number].name, each.part) for each in ready]
+        q = self.session.committed.at(free_s).state(free_s)[0].tolist()
+        filled = {grid: len(parts) for grid, parts in self._lying.items()}
+        return self._cell.chooser.ranked(free_s, place, slot, q, filled, known)
+
+    def _transfer(self, choice: Choice) -> list[Document]:
+        each = self._candidates[choice.part]
+        window = list(self._cell.streams[each.number].window_m)
+        return [{"transfer": {"parts": [choice.part], "to": each.part.kind.to, "window_m": window}}]
+
+    def _forget_missed(self, free_s: float) -> None:
+        """Parts that have left their window are no longer candidates; they stay bodies while the arm reaches them."""
+        for name, each in [*self._candidates.items()]:
+            stream = self._cell.streams[each.number]
+            if each.part.passes_s(stream.window_m[1], stream.speed_m_s) <= free_s:
+                del self._candidates[name]
+                self._refused_s.pop(name, None)
+
+    # The next motion.
+
+    def _proposed(self, steps: list[Document]) -> NextMotion:
+        """The proposal of these steps, made against what is not seen now; the clock is then when planning is over.
+        Raises `FaultError` for a search that the time of day ended."""
+        session, now_s = self.session, self.session.clock_s
+        for unseen in self._cell.unseen:
+            session.see(unseen.name, unseen.fields(now_s))
+        made = session.propose(steps, self._free_s() if steps else None)
+        self.tally.plans += 1
+        if made.answer["cut_by_clock"]:
+            raise FaultError(f"at {now_s:.6g} s a search took longer than its budget: no result would be repeatable")
+        self._events(now_s + self._planning_s)
+        if made.segment is not None:
+            until_s = min(now_s + unseen.proved_s for unseen in self._cell.unseen)
+            if made.segment.proved_until_s > until_s:
+                raise FaultError(
+                    f"a motion is proved until {made.segment.proved_until_s:.6g} s, what is not seen "
+                    f"until {until_s:.6g} s"
+                )
+        return made
+
+    def _hold_to_checker(self, made: NextMotion, segment: Segment) -> None:
+        from assur.scenes.requests import check_cell
+
+        verdict = check_cell(segment.cell, made.answer)
+        if not verdict["ok"]:
+            what = "; ".join(each["what"] for each in verdict["findings"])
+            raise FaultError(f"the checker refuses the motion that begins at {made.starts_s:.6g} s: {what}")
+        self.tally.checked += 1
+        self.session.commit(made.number)
+        self.tally.follows(segment)
+
+    def _commit(self, made: NextMotion, segment: Segment, choice: Choice) -> None:
+        self._hold_to_checker(made, segment)
+        each = self._candidates.pop(choice.part)
+        self._refused_s.pop(choice.part, None)
+        self._taken.add(choice.part)
+        grid = each.part.kind.to
+        lying = self._lying[grid]
+        picked, placed = segment.arrivals[:2]
+        own = [leg for leg in segment.legs if leg.step == placed.step]
+        begins_s = next(leg.t0 for leg in own if leg.kind in TRACKING)
+        ends_s = begins_s if made.base_ends_s is None else made.base_ends_s
+        free_s = max(ends_s, placed.until + segment.cell.scene.execution.start_tolerance_s)
+        self._cycle = Cycle(choice.part, grid, len(lying), made.starts_s, picked.until, placed.until, ends_s, free_s)
+        self.tally.cycles.append(self._cycle)
+        lying.append(choice.part)
+        full = len(lying) == self._cell.counts[grid]
+        self._to(min(max(placed.until if full else begins_s, self.session.clock_s), self._until_s))
+        if full and self.session.clock_s >= placed.until:
+            for name in lying:
+                self.session.gone(name)
+            self._lying[grid] = []
+
+    # The clock.
+
+    def _wait(self, reason: str, until_s: float) -> None:
+        """To the next part that is seen, or to `until_s`: nothing can be done before."""
+        now_s = self.session.clock_s
+        self.tally.waits.append((now_s, reason))
+        first_s = self._coming[0].part.known_s if self._coming else math.inf
+        self._to(min(max(min(first_s, until_s), now_s + self._planning_s), self._until_s))
+
+    def _stand_ready(self) -> None:
+        """Standing is proved for long enough that a motion can be planned now."""
+        self._to(self.session.clock_s)
+
+    def _to(self, to_s: float) -> None:
+        """Goes on to a time. Before standing is no longer proved the next stand in the refuge is."""
+        more_s = 3.0 * self._planning_s + RESERVE_S
+        while self.session.proved_until_s < to_s + more_s:
+            self._events(max(self.session.clock_s, min(to_s, self.session.proved_until_s - more_s)))
+            self._stand()
+        if to_s > self.session.clock_s:
+            self._events(to_s)
+
+    def _stand(self) -> None:
+        """Commits the way to the refuge alone. Raises `FaultError` where standing there is not proved."""
+        made = self._proposed([])
+        if made.segment is None:
+            raise FaultError(
+                f"at {made.starts_s:.6g} s standing in the refuge is not proved: {made.answer['sentence']}"
+            )
+        self._hold_to_checker(made, made.segment)
+
+    def _events(self, to_s: float) -> None:
+        """What happens up to a time: parts are seen, and others are out of reach of the arm."""
+        while True:
+            seen_s = self._coming[0].part.known_s if self._coming else math.inf
+            left_s = self._leaving[0][0] if self._leaving else math.inf
+            if min(seen_s, left_s) > to_s:
+                break
+            if seen_s <= left_s:
+                self._see(self._coming.popleft())
+            else:
+                self.session.advance(max(left_s, self.session.clock_s))
+                _, name = heapq.heappop(self._leaving)
+                if name not in self._taken:
+                    self._candidates.pop(name, None)
+                    self.session.gone(name)
+        self.session.advance(to_s)
+
+    def _see(self, each: _Known) -> None:
+        part, stream = each.part, self._cell.streams[each.number]
+        self.session.advance(max(part.known_s, self.session.clock_s))
+        pose = {"frame": stream.frame, "at_m": [stream.seen_m, part.y_m, stream.at_m[2]], "yaw_rad": part.yaw_rad}
+        self.session.see(part.name, {"kind": part.kind.name, "pose": {**pose, "at_s": part.seen_s}})
+        self._candidates[part.name] = each
+        heapq.heappush(self._leaving, (part.passes_s(self._cell.leaves_m[each.number], stream.speed_m_s), part.name))

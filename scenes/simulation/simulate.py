@@ -1,0 +1,121 @@
+"""Runs of a cell with several seeds, and what they come to."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+from assur.scenes.session.session import number
+
+if TYPE_CHECKING:
+    from assur.scenes.simulation.cell import SimulatedCell
+
+Document = dict[str, Any]
+SIMULATION = "assur-simulation/1"
+"""Version of the document."""
+MOST_MINUTES, MOST_SEEDS, MOST_SEED = 24.0 * 60.0, 1_000, 2**32
+LEAST_MINUTES = 0.01
+CONFIDENCE = 0.95
+Watch = Callable[[int, float], None]
+"""Is given the number of a run, from 0, and the simulated time in it, s."""
+
+
+def nothing(run: int, now_s: float) -> None:
+    """Watches nothing."""
+
+
+class Simulation:
+    """Runs of one cell. Each call of `run` makes them; what is complete when it is interrupted stays."""
+
+    def __init__(self, cell: Document, minutes: object, seed: object, seeds: object, planning_ms: object) -> None:
+        """Raises `InputError` naming the argument, or the field of the cell."""
+        from assur.scenes.simulation.cell import simulated
+
+        self.until_s = 60.0 * number("minutes", minutes, LEAST_MINUTES, MOST_MINUTES)
+        self.first = whole("seed", seed, 0, MOST_SEED)
+        self.count = whole("seeds", seeds, 1, MOST_SEEDS)
+        self.planning_ms = number("planning_ms", planning_ms, 0.0, 60_000.0)
+        self.cell: SimulatedCell = simulated(cell)
+        self.runs: list[Document] = []
+
+    def run(self, watch: Watch = nothing) -> None:
+        """Makes the runs, one after the other. If something is raised meanwhile, the run until then is kept."""
+        from assur.scenes.simulation.run import Run
+
+        for k in range(len(self.runs), self.count):
+            run = Run(self.cell, self.first + k, self.until_s, self.planning_ms)
+            try:
+                while not run.over:
+                    run.step()
+                    watch(k, min(run.session.clock_s, self.until_s))
+            finally:
+                now_s = min(run.session.clock_s, self.until_s)
+                if now_s > 0.0:
+                    self.runs.append({"seed": self.first + k, **run.tally.figures(now_s)})
+
+    @property
+    def document(self) -> Document:
+        """What the runs come to."""
+        rates = [run["parts_per_minute"] for run in self.runs]
+        total_s = sum(run["simulated_s"] for run in self.runs)
+        waiting, refusals = Counter[str](), Counter[str]()
+        for run in self.runs:
+            waiting.update(run["waiting_s"])
+            refusals.update(run["refusals"])
+        cycles = [(run["placed"], run["cycle_s"]) for run in self.runs if run["cycle_s"] is not None]
+        many = sum(placed for placed, _ in cycles)
+        return {
+            "schema": SIMULATION,
+            "minutes": self.until_s / 60.0,
+            "planning_ms": self.planning_ms,
+            "selection": self.cell.chooser.rule,
+            "elbow": self.cell.chooser.elbow,
+            "complete": all(run["simulated_s"] == self.until_s for run in self.runs) and len(self.runs) == self.count,
+            "parts_per_minute": sum(rates) / len(rates) if rates else 0.0,
+            "interval": interval(rates),
+            **{key: sum(run[key] for run in self.runs) for key in ("known", "picked", "placed", "missed")},
+            "cycle_s": sum(placed * cycle for placed, cycle in cycles) / many if many else None,
+            "table_cycle_s": float(self.cell.chooser.nominal_s),
+            "moving": sum(run["moving"] * run["simulated_s"] for run in self.runs) / total_s if total_s else 0.0,
+            "waiting": {reason: time_s / total_s for reason, time_s in waiting.most_common()},
+            "refusals": dict(refusals.most_common()),
+            **{key: sum(run[key] for run in self.runs) for key in ("plans", "checked")},
+            "notes": [*self._notes(sum(p * c for p, c in cycles) / many if many else self.cell.chooser.nominal_s)],
+            "runs": self.runs,
+        }
+
+    def _notes(self, cycle_s: float) -> Iterator[str]:
+        for stream in self.cell.streams:
+            needed_m = stream.speed_m_s * (cycle_s + stream.latency_s)
+            there_m = stream.window_m[0] - stream.seen_m
+            if there_m < needed_m:
+                yield (
+                    f"{stream.name}: the line at which parts are seen is {1e3 * there_m:.0f} mm before the window. "
+                    f"In a cycle and the latency the conveyor goes {1e3 * needed_m:.0f} mm: the line is too near to "
+                    f"know in time which part is next"
+                )
+        if self.cell.chooser.orders_little:
+            yield "parts in one lane for one grid of slots: in which order they are taken hardly matters"
+
+
+def interval(rates: list[float]) -> list[float] | None:
+    """The 95 % interval of the mean over seeds (Student's t); None for fewer than two."""
+    if len(rates) < 2:
+        return None
+    from scipy.special import stdtrit
+
+    mean = sum(rates) / len(rates)
+    spread = math.sqrt(sum((rate - mean) ** 2 for rate in rates) / (len(rates) - 1))
+    half = float(stdtrit(len(rates) - 1, 0.5 + 0.5 * CONFIDENCE)) * spread / math.sqrt(len(rates))
+    return [mean - half, mean + half]
+
+
+def whole(field: str, value: object, least: int, most: int) -> int:
+    """A whole number between two bounds. Raises `InputError` for anything else."""
+    from assur.planner.errors import InputError
+
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+        raise InputError(field, value, f"a whole number, {least} to {most}")
+    return value

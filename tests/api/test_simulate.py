@@ -1,0 +1,107 @@
+"""`assur simulate`: what it prints, writes and refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import assur
+from assur.api.cli.border import BAD_INPUT, FAULT, INTERRUPTED, RIGHT
+from assur.scenes.scenarios import CELLS
+from assur.scenes.simulation.cell_file import shipped_cells
+from assur.scenes.simulation.run import Run
+from tests.api.test_command_line import run
+
+CELL = CELLS / "shared" / "soap-flow.yaml"
+BRIEF = ("--minutes", "0.25")
+
+
+def test_the_result_is_printed_and_written_and_the_same_as_that_of_python(tmp_path: Path) -> None:
+    out = tmp_path / "result.json"
+    code, output, errors = run("simulate", "soap-flow", *BRIEF, "--seeds", "2", "--out", str(out))
+    assert (code, errors) == (RIGHT, "")
+    written = json.loads(out.read_text(encoding="utf-8"))
+    assert written == assur.simulate(assur.load(CELL), minutes=0.25, seeds=2)
+    low, high = written["interval"]
+    first = f"soap-flow: {written['parts_per_minute']:.1f} parts a minute (95 % interval {low:.1f} to {high:.1f})"
+    assert output.splitlines()[0] == first
+    for words in (
+        "seeds 1 to 2, look-ahead, elbow left",
+        "waits for a part",
+        "motions checked",
+        "note: parts in one lane",
+    ):
+        assert words in output
+    code, output, _ = run("simulate", str(CELL), *BRIEF, "--seeds", "2", "--json")
+    assert (code, json.loads(output)) == (RIGHT, written)
+
+
+def test_values_are_set_and_their_faults_are_named_where_they_were_set() -> None:
+    code, output, _ = run("simulate", "soap-flow", *BRIEF, "--set", 'selection="fifo"', "--json")
+    assert (code, json.loads(output)["selection"]) == (RIGHT, "fifo")
+    code, _, errors = run("simulate", "soap-flow", *BRIEF, "--set", "streams.soap.mean_s=0.1")
+    assert code == BAD_INPUT
+    assert errors.startswith("assur: --set streams.soap.mean_s: got 0.1; allowed: 0.4807 s or more")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("soap-flo",), "assur: CELL: got \"soap-flo\"; allowed: a cell file that exists, or a shipped cell"),
+        (("demo",), "a shipped cell with streams: soap-flow"),
+        ((str(CELLS / "demo.yaml"),), "assur: schema: it is missing; allowed: assur-cell/1: a cell with streams"),
+        ((str(CELLS / "packing.yaml"),), "assur: schema: got \"assur-task/1\"; allowed: assur-cell/1"),
+        ((str(CELLS / "shared" / "packing.yaml"),), "assur: streams: it is missing; allowed: at least one stream"),
+        (("soap-flow", "--minutes", "nan"), "assur: minutes: "),
+        (("soap-flow", "--minutes", "0"), "assur: minutes: got 0.0; allowed: 0.01 to 1440"),
+        (("soap-flow", "--seeds", "0"), "assur: seeds: got 0; allowed: a whole number, 1 to 1000"),
+        (("soap-flow", "--planning-ms", "-1"), "assur: planning_ms: got -1"),
+        (("soap-flow", "--minutes", "0.02"), "a stream whose first part is known within 1.2 s"),
+        (("soap-flow", "--set", "stream.soap.mean_s=3"), "did you mean streams?"),
+        (("soap-flow", "--out", "/"), "assur: --out: "),
+    ],
+)  # fmt: skip
+def test_what_is_not_right_is_refused_in_one_line(arguments: tuple[str, ...], words: str) -> None:
+    code, output, errors = run("simulate", *arguments)
+    assert (code, output) == (BAD_INPUT, "")
+    assert words in errors
+
+
+def test_a_fault_of_the_cell_has_its_line_and_json_is_read_too(tmp_path: Path) -> None:
+    file = tmp_path / "cell.yaml"
+    file.write_text(CELL.read_text(encoding="utf-8").replace("kind: soap", "kind: sop"), encoding="utf-8")
+    code, _, errors = run("simulate", str(file))
+    assert (code, errors.startswith('assur: line 29: streams.soap.kind: got "sop"')) == (BAD_INPUT, True)
+    (tmp_path / "cell.json").write_text(json.dumps(assur.load(CELL)), encoding="utf-8")
+    code, output, _ = run("simulate", str(tmp_path / "cell.json"), *BRIEF, "--json")
+    assert (code, json.loads(output)["complete"]) == (RIGHT, True)
+
+
+def test_an_interrupted_simulation_prints_what_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    step = Run.step
+
+    def interrupted(own: Run) -> None:
+        if own.session.clock_s > 6.0:
+            raise KeyboardInterrupt
+        step(own)
+
+    monkeypatch.setattr(Run, "step", interrupted)
+    code, output, errors = run("simulate", "soap-flow", "--minutes", "30", "--json")
+    assert (code, errors) == (INTERRUPTED, "assur: interrupted: these are the figures until then\n")
+    found = json.loads(output)
+    assert not found["complete"]
+    assert 6.0 < found["runs"][0]["simulated_s"] < 12.0
+
+
+def test_a_motion_that_is_refused_ends_the_run_as_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    refused = {"ok": False, "findings": [{"what": "the motion jumps"}]}
+    monkeypatch.setattr("assur.scenes.requests.check_cell", lambda *_: refused)
+    code, output, errors = run("simulate", "soap-flow", *BRIEF)
+    assert (code, output) == (FAULT, "")
+    assert "the checker refuses the motion that begins at 0.02 s: the motion jumps" in errors
+
+
+def test_the_shipped_cells_are_those_with_streams() -> None:
+    assert shipped_cells() == ("soap-flow",)

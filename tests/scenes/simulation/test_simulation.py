@@ -1,0 +1,341 @@
+"""A cell against its streams: every second is proved, what is not seen is a body, and what cannot run is refused."""
+
+from __future__ import annotations
+
+import copy
+import math
+from functools import cache
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+import assur
+from assur.planner.errors import FaultError
+from assur.scenes.scenarios import CELLS
+from assur.scenes.session.session import NextMotion
+from assur.scenes.simulation.cell import SimulatedCell, simulated
+from assur.scenes.simulation.run import Run
+from assur.scenes.simulation.simulate import Simulation, interval
+from assur.scenes.simulation.tally import Cycle, Tally
+from assur.scenes.streams.arrivals import arrivals
+from tests.refused import refused_at
+
+Document = dict[str, Any]
+SECONDS, SEED = 24.0, 1
+
+
+@cache
+def _shipped() -> Document:
+    return assur.load(CELLS / "shared" / "soap-flow.yaml")
+
+
+def cell(stream: Document | None = None, **changes: Any) -> Document:
+    """The shipped cell with changes of it, and of its stream; None takes a key away."""
+    made = {**copy.deepcopy(_shipped()), **changes}
+    if stream is not None:
+        own = {**made["streams"]["soap"], **stream}
+        made["streams"] = {"soap": {key: value for key, value in own.items() if value is not None}}
+    return {key: value for key, value in made.items() if value is not None}
+
+
+class Recorded(Run):
+    """A run that keeps what was committed, and when each of these motions was proposed."""
+
+    def __init__(self, made: SimulatedCell, seed: int = SEED, until_s: float = SECONDS) -> None:
+        self.proposed: list[tuple[float, NextMotion]] = []
+        super().__init__(made, seed, until_s, 20.0)
+
+    def _proposed(self, steps: list[Document]) -> NextMotion:
+        now_s = self.session.clock_s
+        made = super()._proposed(steps)
+        self.proposed.append((now_s, made))
+        return made
+
+    @property
+    def committed(self) -> list[tuple[float, NextMotion]]:
+        return [each for each in self.proposed if each[1].segment is not None]
+
+    def through(self) -> Recorded:
+        while not self.over:
+            self.step()
+        return self
+
+
+@cache
+def run() -> Recorded:
+    return Recorded(simulated(cell())).through()
+
+
+def test_every_motion_is_checked_and_every_second_is_covered() -> None:
+    done = run()
+    figures = done.tally.figures(SECONDS)
+    assert figures["checked"] == len(done.committed)
+    assert figures["placed"] >= 8
+    assert figures["refusals"].keys() <= {"BODY_COLLISION", "CONTROL_POINT_IN_COLLISION", "NOT_CERTIFIED"}
+    covered = [(made.starts_s, made.segment.proved_until_s) for _, made in done.committed if made.segment is not None]
+    assert covered[0][0] == 0.02
+    assert all(after[0] <= before[1] for before, after in pairwise(covered))
+    assert covered[-1][1] >= SECONDS
+    assert all(proposed_s + 0.02 <= made.starts_s for proposed_s, made in done.committed)
+
+
+def test_the_same_seed_gives_the_same_result_to_the_bit_and_another_one_does_not() -> None:
+    once = assur.simulate(cell(), minutes=0.2, seed=3)
+    assert assur.simulate(assur.Cell(cell()), minutes=0.2, seed=3) == once
+    assert once["complete"]
+    several = assur.simulate(cell(), minutes=0.2, seed=2, seeds=2)
+    assert several["runs"][1] == once["runs"][0]
+    assert several["runs"][0] != {**once["runs"][0], "seed": 2}
+
+
+def test_all_time_is_that_of_a_cycle_or_of_a_wait_with_a_reason() -> None:
+    tally = run().tally
+    idle = tally._idle(SECONDS)
+    cycles = sum(min(each.ends_s, SECONDS) - each.starts_s for each in tally.cycles if each.starts_s < SECONDS)
+    assert sum(idle.values()) + cycles == pytest.approx(SECONDS, abs=1e-9)
+    figures = tally.figures(SECONDS)
+    assert figures["moving"] + sum(figures["waiting_s"].values()) / SECONDS == pytest.approx(1.0)
+    assert 0.3 < figures["moving"] < 0.95
+    assert all(before.free_s <= after.starts_s for before, after in pairwise(tally.cycles))
+
+
+def test_a_wait_is_for_what_was_lacking_at_that_time() -> None:
+    tally = Tally([("a", 5.0), ("b", 50.0)])
+    tally.cycles += [Cycle("a", "box", 0, 3.0, 4.0, 5.0, 6.0, 6.0), Cycle("c", "box", 1, 9.0, 9.5, 10.5, 11.0, 11.0)]
+    tally.waits += [(0.0, "part"), (2.0, "refused"), (5.5, "unseen"), (11.5, "part")]
+    assert tally._idle(12.0) == {"part": 2.5, "refused": 1.0, "unseen": 3.0, "planning": 0.5}
+    figures = tally.figures(12.0)
+    assert (figures["picked"], figures["placed"], figures["missed"]) == (2, 2, 0)
+    assert (figures["parts_per_minute"], figures["cycle_s"]) == (10.0, 2.5)
+    assert Tally([("a", 5.0)]).figures(12.0)["missed"] == 1
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_parts_that_are_not_seen_when_a_motion_is_planned_are_within_what_it_is_proved_against(seed: int) -> None:
+    made = simulated(cell({"mean_s": 0.6, "seen": {"at_mm": -450, "latency_ms": 200}}))
+    stream, unseen = made.streams[0], made.unseen[0]
+    length, width, height = unseen.part["shape"]["box"]["size_m"]
+    middle = unseen.part["pose"]["at_m"]
+    front_m, reached_m = middle[0] + 0.5 * length, -made.leaves_m[0]  # the belt passes the base of the arm
+    assert front_m == pytest.approx(unseen.front_m)
+    assert reached_m < -0.55 - 0.2
+    assert (height, middle[2]) == (pytest.approx(0.03), 0.015)
+    later, nearest, behind = arrivals(stream, seed, 90.0), math.inf, 0
+    for proposed_s in np.arange(0.0, 30.0, 0.37).tolist():
+        for part in [each for each in later if each.known_s > proposed_s]:
+            x, radius = part.x_m + stream.speed_m_s * (proposed_s - part.time_s), part.kind.radius_m
+            assert x + radius <= front_m + 1e-9
+            assert abs(part.y_m - middle[1]) + radius <= 0.5 * width + 1e-9
+            nearest = min(nearest, front_m - x - radius)
+            if x - radius < middle[0] - 0.5 * length:  # not all of it is covered, and it is not in reach meanwhile
+                behind += 1
+                assert x + radius + stream.speed_m_s * unseen.proved_s <= reached_m + 1e-9
+    assert nearest < 0.06
+    assert behind > 100
+
+
+def test_each_motion_has_what_is_not_seen_among_its_bodies_and_no_step_handles_it() -> None:
+    made = simulated(cell())
+    for proposed_s, each in run().committed:
+        bodies = {body["name"]: body for body in each.request["bodies"]}
+        assert bodies["unseen.soap"]["pose"]["at_s"] == proposed_s
+        assert bodies["unseen.soap"]["uncertainty"]["position_m"] >= 0.001
+        assert not any("unseen.soap" in str(step) for step in each.request["task"])
+        assert each.segment is not None
+        assert each.segment.proved_until_s <= proposed_s + made.unseen[0].proved_s
+
+
+def test_a_part_is_picked_within_its_window_and_from_where_it_was_seen() -> None:
+    (stream,) = run()._cell.streams
+    coming = {part.name: part for part in arrivals(stream, SEED, SECONDS)}
+    for cycle in run().tally.cycles:
+        part = coming[cycle.part]
+        assert part.known_s <= cycle.starts_s
+        assert part.passes_s(stream.window_m[0], stream.speed_m_s) <= cycle.picked_s
+        assert cycle.picked_s <= part.passes_s(stream.window_m[1], stream.speed_m_s) + 0.5
+
+
+def test_a_grid_that_is_full_is_replaced_by_an_empty_one() -> None:
+    slots = [cycle.slot for cycle in run().tally.cycles]
+    assert len(slots) > 8
+    assert slots == [k % 4 for k in range(len(slots))]
+    assert all(len(each.request["bodies"]) <= 20 for _, each in run().committed)
+
+
+def test_missed_parts_are_bodies_while_the_arm_reaches_them_and_then_forgotten() -> None:
+    done = Recorded(simulated(cell({"mean_s": 0.55, "window_mm": [-250, -150]})), until_s=20.0).through()
+    figures = done.tally.figures(20.0)
+    assert figures["missed"] > 10
+    assert figures["picked"] + figures["missed"] <= figures["known"]
+    (stream,), (leaves_m,) = done._cell.streams, done._cell.leaves_m
+    assert leaves_m > 0.6
+    taken = {cycle.part for cycle in done.tally.cycles}
+    there = {
+        part.name
+        for part in arrivals(stream, SEED, 20.0)
+        if part.name not in taken and part.passes_s(leaves_m, stream.speed_m_s) > 20.0
+    }
+    assert {name for name in done.session.parts if not name.startswith("unseen")} - taken == there
+    assert any(part.passes_s(leaves_m, stream.speed_m_s) < 20.0 for part in arrivals(stream, SEED, 20.0))
+
+
+def test_without_parts_the_arm_stands_and_standing_is_proved() -> None:
+    done = Recorded(simulated(cell({"mean_s": None, "every_s": 60}, options={})), until_s=20.0)
+    done.through()
+    stands = [made for _, made in done.committed if len(made.request["task"]) == 1]
+    assert len(stands) >= 5
+    figures = done.tally.figures(20.0)
+    assert figures["placed"] == 1
+    assert figures["waiting_s"]["part"] > 15.0
+    assert figures["moving"] < 0.3
+
+
+def test_a_frame_that_is_written_for_another_time_is_the_same_belt() -> None:
+    frames = {"belt": {"conveyor": {"at_mm": [-450, 350, 50], "speed_mm_s": 150, "at_s": -3}}}
+    moved = {"at_mm": [-450, 0, 15], "seen": {"at_mm": -150, "latency_ms": 80}, "window_mm": [200, 700]}
+    one, other = (
+        Simulation(each, 0.3, SEED, 1, 20.0).cell.chooser.times for each in (cell(), cell(moved, frames=frames))
+    )
+    assert np.allclose(one.there, other.there)
+    once, again = (assur.simulate(each, minutes=0.2) for each in (cell(), cell(moved, frames=frames)))
+    assert (once["picked"], once["missed"]) == (again["picked"], again["missed"])
+    assert once["parts_per_minute"] == pytest.approx(again["parts_per_minute"])
+
+
+def test_a_motion_that_the_checker_refuses_ends_the_run() -> None:
+    class Wrong(Recorded):
+        def _proposed(self, steps: list[Document]) -> NextMotion:
+            made = super()._proposed(steps)
+            if steps and made.segment is not None:
+                made.answer["trajectory"]["position"][3][0] += 0.01
+            return made
+
+    with pytest.raises(FaultError, match="the checker refuses the motion"):
+        Wrong(simulated(cell())).through()
+
+
+def test_a_motion_that_is_proved_for_longer_than_what_is_not_seen_is_known_ends_the_run() -> None:
+    made = simulated(cell())
+    short = [type(each)(**{**vars(each), "proved_s": 3.0}) for each in made.unseen]
+    with pytest.raises(FaultError, match="what is not seen until"):
+        Recorded(SimulatedCell(**{**vars(made), "unseen": tuple(short)})).through()
+
+
+def test_an_interrupted_simulation_has_what_there_is() -> None:
+    simulation, calls = Simulation(cell(), 5.0, SEED, 3, 20.0), list[float]()
+
+    def watch(number: int, now_s: float) -> None:
+        calls.append(now_s)
+        if now_s > 8.0:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        simulation.run(watch)
+    found = simulation.document
+    assert not found["complete"]
+    assert 8.0 < found["runs"][0]["simulated_s"] < 30.0
+    assert found["placed"] >= 1
+    assert calls == sorted(calls)
+
+
+def test_the_interval_is_that_of_student() -> None:
+    assert interval([30.0]) is None
+    half = 4.302653 / math.sqrt(3)
+    assert interval([29.0, 30.0, 31.0]) == pytest.approx([30 - half, 30 + half])
+    assert interval([30.0, 30.0]) == [30.0, 30.0]
+
+
+def test_notes_say_where_the_camera_is_too_near_and_where_the_order_hardly_matters() -> None:
+    far, near = (cell({"seen": {"at_mm": at_mm}}) for at_mm in (-600, -300))
+    one, other = (Simulation(each, 0.2, SEED, 1, 20.0).document["notes"] for each in (far, near))
+    assert [note.partition(":")[0] for note in one] == ["parts in one lane for one grid of slots"]
+    assert other[0].startswith("soap: the line at which parts are seen is 50 mm before the window")
+    assert Simulation(cell({"lane_mm": [-60, 60]}), 0.2, SEED, 1, 20.0).document["notes"] == []
+
+
+@pytest.mark.parametrize("rule", ["fifo", "edd", "nearest", "spt"])
+def test_each_rule_runs(rule: str) -> None:
+    assert Recorded(simulated(cell(selection=rule)), until_s=8.0).through().tally.cycles
+
+
+def test_kinds_go_to_their_slots_and_an_elbow_that_is_free_is_used() -> None:
+    kinds = {
+        **_shipped()["kinds"],
+        "disc": {"shape": {"cylinder": {"radius_mm": 20, "height_mm": 30}}, "grasp_mm": [0, 0, 15]},
+    }
+    slots = {**_shipped()["slots"], "tray": {"at_mm": [100, -300, 60], "step_mm": [50, 0, 0], "count": [2, 1, 1]}}
+    stream = {"kind": None, "kinds": {"soap": 1, "disc": 1}, "to": {"soap": "box", "disc": "tray"}}
+    options = {**_shipped()["options"], "elbow": "auto"}
+    made = simulated(cell(stream, kinds=kinds, slots=slots, options=options))
+    assert made.chooser.modes == (0, 1)
+    done = Recorded(made).through()
+    coming = {part.name: part for part in arrivals(made.streams[0], SEED, SECONDS)}
+    assert {cycle.grid for cycle in done.tally.cycles} == {"box", "tray"}
+    for cycle in done.tally.cycles:
+        assert cycle.grid == coming[cycle.part].kind.to
+
+
+FRAMES: Document = {"turn": {"turntable": {"rate_deg_s": 10}}, **copy.deepcopy(_shipped()["frames"])}
+
+
+@pytest.mark.parametrize(
+    ("stream", "changes", "field", "allowed"),
+    [
+        ({}, {"streams": None}, "streams", "at least one stream"),
+        ({}, {"refuge": None}, "refuge", "the name of a position"),
+        ({}, {"refuge": "hom"}, "refuge", "did you mean home"),
+        ({}, {"positions": {"home": {"at_mm": [900, 0, 200]}}}, "refuge", "reaches"),
+        (
+            {}, {"frames": FRAMES, "positions": {"home": {"frame": "turn", "at_mm": [350, 0, 100]}}},
+            "positions.home.frame", "at rest",
+        ),
+        ({}, {"slots": {"box": {"at_mm": [900, -235, 65]}}}, "slots.box", "number 1 is out of its reach"),
+        (
+            {}, {"slots": {"box": {"at_mm": [255, -235, 65], "step_mm": [400, 0, 0], "count": [3, 1, 1]}}},
+            "slots.box", "number 2 is out of its reach",
+        ),
+        ({}, {"frames": FRAMES, "slots": {"box": {"frame": "turn"}}}, "slots.box.frame", "at rest"),
+        ({"window_mm": [800, 900]}, {}, "streams.soap.window_mm", "that the arm reaches"),
+        ({}, {"options": {"stay_safe_s": 0.1}}, "options.stay_safe_s", "0.5 s or more"),
+        ({}, {"options": {"elbow": "up"}}, "options.elbow", ""),
+        ({}, {"options": {"seed": math.nan}}, "options.seed", ""),
+        ({"every_s": 2}, {}, "streams.soap.mean_s", "exactly one"),
+        ({"kind": "brick"}, {}, "streams.soap.kind", "one of the kinds"),
+        ({}, {"colour": "red"}, "colour", ""),
+        ({}, {"schema": "assur/1"}, "schema", ""),
+    ],
+)  # fmt: skip
+def test_a_cell_that_cannot_run_is_refused(stream: Document, changes: Document, field: str, allowed: str) -> None:
+    given = {**changes, "streams": None} if changes.get("streams", 0) is None else changes
+    with refused_at(field, allowed):
+        simulated(cell(stream, **given) if given.get("streams", 0) is not None else cell(**given))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "field"),
+    [
+        ({"minutes": math.nan}, "minutes"),
+        ({"minutes": 0}, "minutes"),
+        ({"minutes": 1e9}, "minutes"),
+        ({"minutes": "ten"}, "minutes"),
+        ({"seed": -1}, "seed"),
+        ({"seed": 1.5}, "seed"),
+        ({"seed": True}, "seed"),
+        ({"seeds": 0}, "seeds"),
+        ({"seeds": 10**9}, "seeds"),
+        ({"planning_ms": -1}, "planning_ms"),
+        ({"planning_ms": math.inf}, "planning_ms"),
+        ({"planning_ms": 500}, "planning_ms"),
+        ({"minutes": 0.05}, "streams.soap"),
+    ],
+)
+def test_arguments_that_are_not_right_are_refused(arguments: Document, field: str) -> None:
+    with refused_at(field):
+        assur.simulate(cell(), **{"minutes": 0.2, **arguments})
+
+
+def test_what_is_no_cell_is_refused() -> None:
+    with refused_at("cell"):
+        assur.simulate(3)
