@@ -295,6 +295,7 @@ def fit_limits(
 
 
 app.command()(bordered(within_memory(simulation.simulate)))
+app.command()(bordered(within_memory(simulation.replay)))
 app.command()(bordered(within_memory(trajectories.export)))
 app.command("check-trajectory")(bordered(trajectories.check_trajectory))
 app.command()(bordered(within_memory(proofs.bundle)))

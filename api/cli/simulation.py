@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,12 +12,15 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from assur.api.cli import console_report
-from assur.api.cli.border import INTERRUPTED, RIGHT, AsJson, say, show, show_json, writable
+from assur.api.cli.border import INTERRUPTED, RIGHT, WRONG, AsJson, say, show, show_json, writable
 from assur.api.cli.cell_reading import announce_compilation
 from assur.api.cli.console_report import rows
 from assur.api.cli.inputs import Values, set_values
+from assur.api.version import version
+from assur.planner.errors import InputError
 
 if TYPE_CHECKING:
+    from assur.scenes.session.recorded import Events, Record
     from assur.scenes.simulation.simulate import Simulation, Watch
 
 Document = dict[str, Any]
@@ -43,20 +46,24 @@ def simulate(
     values: Values = None,
     as_json: AsJson = False,
     out: Annotated[Path | None, typer.Option("--out", help="Write the result to this file, as JSON.")] = None,
+    log: Annotated[Path | None, typer.Option(help="Write the log of the first run to this file (MCAP).")] = None,
+    page: Annotated[Path | None, typer.Option(help="Write a page about the first run to this file (HTML).")] = None,
 ) -> int:
     """Run CELL against its streams with motions that are proved and checked: parts a minute, and why not more."""
+    from assur.scenes.session.recorded import Events
     from assur.scenes.simulation.cell_file import cell_named
     from assur.scenes.simulation.simulate import Simulation
 
     given = cell_named(cell, set_values(values))
-    writable(out, cell)
+    for file in (out, log, page):
+        writable(file, cell)
     announce_compilation()
     with given.located():
         made = Simulation(given.document, minutes, seed, seeds, planning_ms)
-        interrupted = False
+        interrupted, events = False, Events()
         try:
-            with _shown(made) as watch:
-                made.run(watch)
+            with _shown(made) as watch, _recorded(made, log, events if page else None) as record:
+                made.run(watch, record)
         except KeyboardInterrupt:
             if not made.runs:
                 raise
@@ -64,11 +71,31 @@ def simulate(
     found = made.document
     if out is not None:
         out.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    if page is not None:
+        from assur.scenes.report.run_report import run_report
+
+        about, notes = str(given.document.get("about", "")), [*words_of_waiting(found), *found["notes"]]
+        text = run_report(events.events, title=given.name, about=about, version=version(), notes=notes)
+        page.write_bytes(text.encode())
+        say(f"page of the first run: {page}, {len(text) / 1000:.0f} kB, opens in a browser without network")
     if as_json:
         show_json(found)
     else:
         show(*words(given.name, found))
     return say("interrupted: these are the figures until then", INTERRUPTED) if interrupted else RIGHT
+
+
+@contextmanager
+def _recorded(made: Simulation, log: Path | None, events: Events | None) -> Iterator[Record | None]:
+    """What gets the calls of the first run: a log in a file, these events, both or nothing."""
+    if log is None:
+        yield events
+        return
+    from assur.scenes.session.log import SessionLog
+    from assur.scenes.session.recorded import Several
+
+    with closing(SessionLog(log, made.cell.document)) as written:
+        yield written if events is None else Several(written, events)
 
 
 @contextmanager
@@ -102,16 +129,50 @@ def words(name: str, found: Document) -> Iterator[Any]:
     lines = [(key, f"{found[key]}") for key in ("known", "picked", "placed", "missed")]
     lines += [("mean cycle", f"{cycle_s} (without obstacles and waits {found['table_cycle_s']:.3f} s)")]
     lines += [("the arm takes parts", _share(found["moving"]))]
-    lines += [
-        (f"waits for {WORDS[reason]}", _share(share))
-        for reason, share in found["waiting"].items()
-        if share >= LEAST_SHARE
-    ]
+    lines += _waits(found)
     lines += [("motions checked", f"{found['checked']}, of {found['plans']} that were planned")]
     lines += [(f"not planned: {reason}", f"{count}") for reason, count in found["refusals"].items()]
     yield rows(("parts", ""), lines)
     yield from ([""] if found["notes"] else [])
     yield from (f"note: {note}" for note in found["notes"])
+
+
+def words_of_waiting(found: Document) -> Iterator[str]:
+    """What the arm waits for, in sentences."""
+    for what, share in _waits(found):
+        yield f"The arm {what}, {share}."
+
+
+def _waits(found: Document) -> list[tuple[str, str]]:
+    shares = [(WORDS[reason], share) for reason, share in found["waiting"].items() if share >= LEAST_SHARE]
+    return [(f"waits for {what}", _share(share)) for what, share in shares]
+
+
+def replay(
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="The log of a session or a simulation (MCAP).")],
+    page: Annotated[Path | None, typer.Option(help="Write a page about it to this file (HTML).")] = None,
+) -> int:
+    """Do the calls of a LOG again, in a new session, and compare what each gives: the plans to the bit."""
+    from assur.api.python.session import replay as again
+
+    if not log.is_file():
+        raise InputError("LOG", str(log), "a file that exists: the log of a session")
+    writable(page, str(log))
+    announce_compilation()
+    with console_report.working(f"replaying {log.name}"):
+        found = again(log)
+    if page is not None:
+        from assur.scenes.report.run_report import run_report
+        from assur.scenes.session.log import read_log
+
+        cell, events = read_log(log)
+        text = run_report(events, title=log.stem, about=str(cell.get("about", "")), version=version())
+        page.write_bytes(text.encode())
+        show(f"page of {log.name}: {page}, {len(text) / 1000:.0f} kB, opens in a browser without network")
+    if found.same:
+        show(f"{log.name}: {found.calls} calls, each gives the same again")
+        return RIGHT
+    return say(f"{log.name}: {found.calls} calls give the same, the next one does not. {found.difference}", WRONG)
 
 
 def _within(low_high: list[float] | None) -> str:

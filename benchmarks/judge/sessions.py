@@ -118,7 +118,8 @@ class Session:
             elif event["call"] == "advance":
                 self.reached.append((given["to_s"], self.plans[-1].proved_until_s))
         self.ends_s = max([first["clock_s"], *[to_s for to_s, _ in self.reached]])
-        self.plans = [replace(each, until_s=min(each.until_s, self.ends_s)) for each in self.plans]
+        begun = [each for each in self.plans if each.starts_s < self.ends_s]
+        self.plans = [replace(each, until_s=min(each.until_s, self.ends_s)) for each in begun]
 
     def _plan(self, event: Document, number: int, proposed_s: float) -> Executed:
         result = event["result"]

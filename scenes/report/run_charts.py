@@ -51,7 +51,9 @@ def over_time(times: Sequence[float], from_s: float, until_s: float) -> str:
         f"{LEFT + k / steps * (WIDE - LEFT):.1f},{HIGH - value / most * HIGH:.1f}" for k, value in enumerate(values)
     )
     marks = [from_s + (until_s - from_s) * k / 6 for k in range(7)]
-    numbers = [(LEFT + k / 6 * (WIDE - LEFT), f"{mark / 60:.3g} min") for k, mark in enumerate(marks)]
+    brief = until_s - from_s < 6.0 * MINUTE_S
+    texts = [f"{mark:.0f} s" if brief else f"{mark / MINUTE_S:.3g} min" for mark in marks]
+    numbers = [(LEFT + k / 6 * (WIDE - LEFT), text) for k, text in enumerate(texts)]
     return _svg([*_scale(most), f'<polyline class="curve" points="{points}"/>', *_below(numbers)], HIGH + BELOW)
 
 

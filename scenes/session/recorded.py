@@ -43,6 +43,37 @@ class Record(Protocol):
         """The clock was set from one time to another, s; the arm executed the committed motion."""
 
 
+class Events:
+    """A record that keeps the calls."""
+
+    def __init__(self) -> None:
+        self.events: list[Document] = []
+
+    def called(self, event: Document) -> None:
+        """As a record."""
+        self.events.append(event)
+
+    def moved(self, motion: CommittedMotion, from_s: float, to_s: float) -> None:
+        """As a record: states follow from the plans."""
+
+
+class Several:
+    """A record that gives all to several records."""
+
+    def __init__(self, *records: Record) -> None:
+        self._records = records
+
+    def called(self, event: Document) -> None:
+        """As a record."""
+        for each in self._records:
+            each.called(event)
+
+    def moved(self, motion: CommittedMotion, from_s: float, to_s: float) -> None:
+        """As a record."""
+        for each in self._records:
+            each.moved(motion, from_s, to_s)
+
+
 class RecordedCell(RunningCell):
     """A running cell that gives each call to a record, those that are refused as well."""
 

@@ -42,10 +42,12 @@ AROUND_M = 0.2
 class SimulatedCell:
     """A cell with its streams, the choice of the next part, and what is not seen.
 
-    `leaves_m`: x, in the frame of each stream, from which on nothing of the arm can reach its parts. `apart_m`: the
-    clearance near control points. `stay_s`: how long standing is proved. `start`: that of a run, in the refuge.
+    `document`: the cell with its streams, and with the options of a run. `leaves_m`: x, in the frame of each stream,
+    from which on nothing of the arm can reach its parts. `apart_m`: the clearance near control points. `stay_s`: how
+    long standing is proved. `start`: that of a run, in the refuge.
     """
 
+    document: Document
     kept: KeptCellFile
     streams: tuple[Stream, ...]
     chooser: Chooser
@@ -95,6 +97,7 @@ def simulated(document: Document) -> SimulatedCell:
             leaves.append(along + most)
     start |= {} if chooser.elbow is None else {"elbow": chooser.elbow}
     return SimulatedCell(
+        {**whole.file.written, "options": options},
         kept,
         streams,
         chooser,

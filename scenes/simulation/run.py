@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.outcome import TRACKING
+from assur.scenes.session.recorded import RecordedCell
 from assur.scenes.session.session import RunningCell
 from assur.scenes.simulation.cell import SimulatedCell
 from assur.scenes.simulation.tally import Cycle, Tally
@@ -18,6 +19,7 @@ from assur.scenes.streams.arrivals import ArrivingPart, arrivals
 if TYPE_CHECKING:
     from assur.planner.selection.next_part import Choice
     from assur.scenes.session.committed import Segment
+    from assur.scenes.session.recorded import Record
     from assur.scenes.session.session import NextMotion
 
 Document = dict[str, Any]
@@ -40,8 +42,11 @@ class _Known:
 class Run:
     """A run of a cell with a seed, until `until_s`. `step` goes on to the next decision; `tally` has what happened."""
 
-    def __init__(self, cell: SimulatedCell, seed: int, until_s: float, planning_ms: float) -> None:
-        """Raises `InputError` for a stream that brings nothing in that time, and as `RunningCell`."""
+    def __init__(
+        self, cell: SimulatedCell, seed: int, until_s: float, planning_ms: float, record: Record | None = None
+    ) -> None:
+        """`record` gets the calls of the session. Raises `InputError` for a stream that brings nothing in that time,
+        and as `RunningCell`."""
         self._cell, self._until_s, self._planning_s = cell, until_s, planning_ms / 1e3
         coming = []
         for number, stream in enumerate(cell.streams):
@@ -54,7 +59,8 @@ class Run:
         if self._planning_s > most_s:
             allowed = f"at most {1e3 * most_s:.4g} ms: standing is proved for {cell.stay_s:g} s (options.stay_safe_s)"
             raise InputError("planning_ms", planning_ms, allowed)
-        self.session = RunningCell(cell.kept, cell.start, cell.refuge, planning_ms)
+        own = cell.kept, cell.start, cell.refuge, planning_ms
+        self.session = RunningCell(*own) if record is None else RecordedCell(record, *own)
         self._coming = deque(each[-1] for each in sorted(coming, key=lambda each: each[:3]))
         self._leaving: list[tuple[float, str]] = []
         self._candidates: dict[str, _Known] = {}

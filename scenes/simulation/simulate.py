@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from assur.scenes.session.session import number
 
 if TYPE_CHECKING:
+    from assur.scenes.session.recorded import Record
     from assur.scenes.simulation.cell import SimulatedCell
 
 Document = dict[str, Any]
@@ -40,12 +41,13 @@ class Simulation:
         self.cell: SimulatedCell = simulated(cell)
         self.runs: list[Document] = []
 
-    def run(self, watch: Watch = nothing) -> None:
-        """Makes the runs, one after the other. If something is raised meanwhile, the run until then is kept."""
+    def run(self, watch: Watch = nothing, record: Record | None = None) -> None:
+        """Makes the runs, one after the other. If something is raised meanwhile, the run until then is kept. `record`
+        gets the calls of the first one."""
         from assur.scenes.simulation.run import Run
 
         for k in range(len(self.runs), self.count):
-            run = Run(self.cell, self.first + k, self.until_s, self.planning_ms)
+            run = Run(self.cell, self.first + k, self.until_s, self.planning_ms, record if k == 0 else None)
             try:
                 while not run.over:
                     run.step()

@@ -87,8 +87,7 @@ def _without_part(patch: Patch) -> None:
         known = {name: each for name, each in state.uncertainty.items() if name != "a"}
         if "a" not in state.handled:
             return state
-        gone = {"gone": state.gone | {"a"}, "gone_at_s": {**state.gone_at_s, "a": 0.0}}
-        return replace(state, uncertainty=known, **gone)
+        return replace(state, uncertainty=known, gone=state.gone | {"a"}, gone_at_s={**state.gone_at_s, "a": 0.0})
 
     patch.setattr(next_task, "state_of", forgetful)
 

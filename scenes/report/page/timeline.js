@@ -1,7 +1,8 @@
 // Legs, dwells, what is held and what may touch, as bars over time; and the census of a refusal as a bar chart.
 
-// A bar of less than this share of the whole time has no room for its name.
+// A bar of less than this share of the whole time has no room for its name; of more bars only the title has it.
 const NARROW = 0.035;
+const MANY = 20;
 
 function element(name, className, text) {
   const made = document.createElement(name);
@@ -85,6 +86,7 @@ export class Timeline {
     const row = element("div", "lane");
     const track = element("div", "track");
     track.append(...bars);
+    if (bars.length > MANY) track.querySelectorAll(".narrow, .narrow-left").forEach((each) => (each.textContent = ""));
     row.append(element("span", "name", name), track);
     this.host.append(row);
   }
