@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -16,7 +17,7 @@ from assur.scenes.faults import NOTHING, Gathered, Refused, choices, located, wr
 from assur.scenes.schema.read import read_fields
 from assur.scenes.schema.request import OptionsDocument, RequestDocument
 from assur.scenes.simulation.choice import Chooser, chooser_of
-from assur.scenes.simulation.unseen import Unseen, unseen_of
+from assur.scenes.simulation.unseen import Unseen, unseen_name, unseen_of
 from assur.scenes.streams.stream import Stream, streams_of
 from assur.scenes.tasks.kept_cell import KeptCellFile
 
@@ -77,6 +78,10 @@ def simulated(document: Document) -> SimulatedCell:
         faults.settle()
         if not streams:
             raise Refused("at least one stream: without parts there is nothing to simulate", "streams")
+        for i, body in enumerate(valid.bodies):
+            for stream in streams:
+                if body.name == unseen_name(stream) or re.fullmatch(rf"{re.escape(stream.name)}-[0-9]+", body.name):
+                    raise Refused(f"a name that is none of the parts of the stream {stream.name}", "bodies", i, "name")
         if valid.refuge is None or valid.refuge not in valid.positions:
             named = choices(valid.positions, str(valid.refuge or ""))
             raise Refused(f"the name of a position in which the arm may stand: {named}", "refuge")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.outcome import TRACKING
+from assur.scenes.faults import fault
 from assur.scenes.session.session import RunningCell
 from assur.scenes.simulation.cell import SimulatedCell
 from assur.scenes.simulation.tally import Cycle, Tally
@@ -54,7 +55,7 @@ class Run:
         if self._planning_s > most_s:
             allowed = f"at most {1e3 * most_s:.4g} ms: standing is proved for {cell.stay_s:g} s (options.stay_safe_s)"
             raise InputError("planning_ms", planning_ms, allowed)
-        self.session = RunningCell(cell.kept, cell.start, cell.refuge, planning_ms)
+        self.session = _begun(cell, planning_ms)
         self._coming = deque(each[-1] for each in sorted(coming, key=lambda each: each[:3]))
         self._leaving: list[tuple[float, str]] = []
         self._candidates: dict[str, _Known] = {}
@@ -95,7 +96,7 @@ class Run:
             if made.segment is not None:
                 self._commit(made, made.segment, choice)
                 return
-            self.tally.refusals[str(made.answer["reason"])] += 1
+            self.tally.refused(str(made.answer["reason"]), str(made.answer["sentence"]), self.session.clock_s)
             self._refused_s[choice.part] = self.session.clock_s + RETRY_S
         self.tally.waits.append((now_s, "refused"))
 
@@ -252,3 +253,14 @@ class Run:
         self.session.see(part.name, {"kind": part.kind.name, "pose": {**pose, "at_s": part.seen_s}})
         self._candidates[part.name] = each
         heapq.heappush(self._leaving, (part.passes_s(self._cell.leaves_m[each.number], stream.speed_m_s), part.name))
+
+
+def _begun(cell: SimulatedCell, planning_ms: float) -> RunningCell:
+    """The session at the begin of a run. Raises `InputError` for a refuge in which the arm cannot stand."""
+    try:
+        return RunningCell(cell.kept, cell.start, cell.refuge, planning_ms)
+    except InputError as error:
+        if not error.field.startswith("start"):
+            raise
+        key = ("at_m",) if error.field.startswith("start.tool.at_") else ()
+        raise fault(cell.kept.file.written, ("positions", cell.refuge, *key), error.allowed) from error

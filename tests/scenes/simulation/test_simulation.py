@@ -277,6 +277,7 @@ def test_kinds_go_to_their_slots_and_an_elbow_that_is_free_is_used() -> None:
         assert cycle.grid == coming[cycle.part].kind.to
 
 
+BALL: Document = {"shape": {"sphere": {"radius_mm": 5}}, "pose": {"at_mm": [0, -600, 50]}}
 FRAMES: Document = {"turn": {"turntable": {"rate_deg_s": 10}}, **copy.deepcopy(_shipped()["frames"])}
 
 
@@ -304,6 +305,8 @@ FRAMES: Document = {"turn": {"turntable": {"rate_deg_s": 10}}, **copy.deepcopy(_
         ({"every_s": 2}, {}, "streams.soap.mean_s", "exactly one"),
         ({"kind": "brick"}, {}, "streams.soap.kind", "one of the kinds"),
         ({}, {"colour": "red"}, "colour", ""),
+        ({}, {"bodies": [{"name": "soap-12", **BALL}]}, "bodies[0].name", "parts of the stream soap"),
+        ({}, {"bodies": [{"name": "soap-bar", **BALL}, {"name": "unseen.soap", **BALL}]}, "bodies[1].name", "stream"),
         ({}, {"schema": "assur/1"}, "schema", ""),
     ],
 )  # fmt: skip
@@ -339,3 +342,20 @@ def test_arguments_that_are_not_right_are_refused(arguments: Document, field: st
 def test_what_is_no_cell_is_refused() -> None:
     with refused_at("cell"):
         assur.simulate(3)
+
+
+def test_a_refuge_that_the_arm_does_not_reach_is_named_where_it_is_written() -> None:
+    high = {"home": {"at_mm": [350, 0, 600], "yaw_deg": 0}}
+    with refused_at("positions.home.at_mm", "beyond its range"):
+        assur.simulate(cell(positions=high), minutes=0.2)
+    inside = [*_shipped()["bodies"], {"name": "post", **BALL, "pose": {"at_mm": [350, 0, 200]}}]
+    with refused_at("refuge", "the arm collides at the start"):
+        assur.simulate(cell(bodies=inside), minutes=0.2)
+
+
+def test_each_reason_of_a_refusal_has_its_first_sentence() -> None:
+    found = assur.simulate(cell({"mean_s": 0.55}, options={"clearance_mm": {"travel": 20, "near": 8}}), minutes=0.3)
+    assert found["refusals"].keys() == found["examples"].keys()
+    assert found["refusals"]["BODY_COLLISION"] > 0
+    assert " s: " in found["examples"]["BODY_COLLISION"]
+    assert "would come too close to" in found["examples"]["BODY_COLLISION"]
