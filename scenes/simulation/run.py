@@ -26,6 +26,8 @@ PATIENCE_S = 1.0
 """A motion that would wait longer for its part is not committed yet: another part may be seen meanwhile."""
 RETRY_S = 0.5
 """After so long a part that could not be planned is tried again, s."""
+LONGEST_M = 60.0
+"""After a conveyor has gone so far places on it are counted anew: a claim has numbers up to 100 m, m."""
 RESERVE_S = 0.05
 """So long before standing is no longer proved the next motion is there, s."""
 
@@ -55,7 +57,7 @@ class Run:
         if self._planning_s > most_s:
             allowed = f"at most {1e3 * most_s:.4g} ms: standing is proved for {cell.stay_s:g} s (options.stay_safe_s)"
             raise InputError("planning_ms", planning_ms, allowed)
-        self.session = _begun(cell, planning_ms)
+        self.session, self._planning_ms, self._since_s = _begun(cell, planning_ms), planning_ms, 0.0
         self._coming = deque(each[-1] for each in sorted(coming, key=lambda each: each[:3]))
         self._leaving: list[tuple[float, str]] = []
         self._candidates: dict[str, _Known] = {}
@@ -73,6 +75,9 @@ class Run:
 
     def step(self) -> None:
         """To the next decision, or by one wait. Raises `FaultError` for a motion that the checker refuses."""
+        if self._is_far:
+            self._to(max(self.session.clock_s, self.session.committed.last.motion.end))
+            self._count_anew()
         self._stand_ready()
         now_s = self.session.clock_s
         free_s = self._free_s()
@@ -216,9 +221,29 @@ class Run:
         more_s = 3.0 * self._planning_s + RESERVE_S
         while self.session.proved_until_s < to_s + more_s:
             self._events(max(self.session.clock_s, min(to_s, self.session.proved_until_s - more_s)))
-            self._stand()
+            stands = self.session.clock_s >= self.session.committed.last.motion.end
+            (self._count_anew if self._is_far and stands else self._stand)()
         if to_s > self.session.clock_s:
             self._events(to_s)
+
+    @property
+    def _is_far(self) -> bool:
+        """Whether a conveyor has gone far since places on it were counted anew."""
+        fastest = max(stream.speed_m_s for stream in self._cell.streams)
+        return fastest * (self.session.clock_s - self._since_s) > LONGEST_M
+
+    def _count_anew(self) -> None:
+        """Another session goes on where the arm stands in the refuge: in the same cell, but the frames of the streams
+        are stated for now. Until its first motion begins the arm stands where the session before has proved it."""
+        before, self._since_s = self.session, self.session.clock_s
+        listed = before.propose([], self._since_s + self._planning_s).task
+        start = {**listed["start"], "at_s": self._since_s}
+        self.session = RunningCell(self._cell.kept_from(self._since_s), start, self._cell.refuge, self._planning_ms)
+        for part in listed["parts"]:
+            self.session.see(part["name"], {key: value for key, value in part.items() if key != "name"})
+        self._stand()
+        if self.session.committed.last.motion.start > before.proved_until_s:
+            raise FaultError(f"at {before.proved_until_s:.6g} s standing in the refuge is no longer proved")
 
     def _stand(self) -> None:
         """Commits the way to the refuge alone. Raises `FaultError` where standing there is not proved."""

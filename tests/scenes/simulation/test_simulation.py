@@ -307,6 +307,7 @@ FRAMES: Document = {"turn": {"turntable": {"rate_deg_s": 10}}, **copy.deepcopy(_
         ({}, {"colour": "red"}, "colour", ""),
         ({}, {"bodies": [{"name": "soap-12", **BALL}]}, "bodies[0].name", "parts of the stream soap"),
         ({}, {"bodies": [{"name": "soap-bar", **BALL}, {"name": "unseen.soap", **BALL}]}, "bodies[1].name", "stream"),
+        ({}, {"bodies": [{"name": "pallet", **BALL, "pose": {"frame": "belt"}}]}, "bodies[0].pose", "does not ride"),
         ({}, {"schema": "assur/1"}, "schema", ""),
     ],
 )  # fmt: skip
@@ -351,6 +352,31 @@ def test_a_refuge_that_the_arm_does_not_reach_is_named_where_it_is_written() -> 
     inside = [*_shipped()["bodies"], {"name": "post", **BALL, "pose": {"at_mm": [350, 0, 200]}}]
     with refused_at("refuge", "the arm collides at the start"):
         assur.simulate(cell(bodies=inside), minutes=0.2)
+
+
+def test_a_belt_that_has_gone_far_is_counted_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("assur.scenes.simulation.run.LONGEST_M", 1.2)
+    done = Recorded(simulated(cell())).through()
+    figures = done.tally.figures(SECONDS)
+    assert figures["placed"] >= 7
+    assert done._since_s > 16.0
+    covered = [(made.starts_s, made.segment.proved_until_s) for _, made in done.committed if made.segment is not None]
+    assert all(after[0] <= before[1] for before, after in pairwise(covered))
+    for before, after in pairwise(made.segment for _, made in done.committed if made.segment is not None):
+        at_s = after.motion.start
+        assert np.abs(before.state(at_s)[0] - after.state(at_s)[0]).max() <= 1e-9
+    frames = [made.request["frames"]["belt"]["conveyor"].get("at_s", 0.0) for _, made in done.committed]
+    assert len(set(frames)) >= 3
+    slots = [cycle.slot for cycle in done.tally.cycles]
+    assert slots == [k % 4 for k in range(len(slots))]
+
+
+def test_a_part_is_taken_after_a_way_of_more_than_100_m() -> None:
+    text = "time_s,x_mm,y_mm\n1,-1000,0\n260,-1000,0\n"
+    stream = {"mean_s": None, "lane_mm": None, "yaw_deg": None, "csv": {"text": text}, "seen": {"at_mm": -900}}
+    frames = {"belt": {"conveyor": {"at_mm": [0, 350, 50], "speed_mm_s": 400}}}
+    found = assur.simulate(cell(stream, frames=frames), minutes=265 / 60)
+    assert (found["placed"], found["missed"], found["complete"]) == (2, 0, True)
 
 
 def test_each_reason_of_a_refusal_has_its_first_sentence() -> None:
