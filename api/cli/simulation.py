@@ -133,6 +133,7 @@ def words(name: str, found: Document) -> Iterator[Any]:
     lines += [("motions checked", f"{found['checked']}, of {found['plans']} that were planned")]
     lines += [(f"not planned: {reason}", f"{count}") for reason, count in found["refusals"].items()]
     yield rows(("parts", ""), lines)
+    yield from (f"{reason}, {found['examples'][reason]}" for reason in found["refusals"])
     yield from ([""] if found["notes"] else [])
     yield from (f"note: {note}" for note in found["notes"])
 

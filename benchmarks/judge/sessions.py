@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -139,10 +139,23 @@ class Session:
         )
 
 
-def broken_session(cell: Document, events: Sequence[Document], runs: int = 8) -> list[Violation]:
-    """What is wrong with a session, by the calls of its log and its cell file. Each plan is run so many times, with
-    what is not known at its ends and at the worst corners that arrivals name."""
-    session = Session(cell, events)
+def broken_sessions(cell: Document, events: Sequence[Document], runs: int = 8) -> list[Violation]:
+    """What is wrong with a session, by the calls of its log and its cell file; or with several, each of which begins
+    where the one before ends. Each plan is run so many times, with what is not known at its ends and at the worst
+    corners that arrivals name."""
+    found, before = list[Violation](), None
+    begins = [k for k, event in enumerate(events) if event["call"] == "session"]
+    for begin, end in pairwise([*begins, len(events)]):
+        session = Session(cell, events[begin:end])
+        if before is not None:
+            found += _follows(before.plans[-1], session.plans[0])
+            found += beyond("start", "session", abs(session.plans[0].starts_s - before.ends_s), SOON_S, before.ends_s)
+        found += _broken_session(session, runs)
+        before = session
+    return found
+
+
+def _broken_session(session: Session, runs: int) -> list[Violation]:
     found = _in_time(session)
     for number, plan in enumerate(session.plans):
         motion = plan.motion

@@ -136,7 +136,8 @@ class CoarseScore:
         whole = np.maximum(ahead + across + behind, up + down)
         # before a moving end nothing can stand still: the joints across take longer
         still = [[self.partial.state.resting and branch.still] for branch in branches]
-        slower = np.where(np.reshape(still, (-1, 1)), 1.0, (whole - ahead - behind) / across)
+        with np.errstate(divide="ignore", invalid="ignore"):  # nothing goes across where the arm goes up and down alone
+            slower = np.where(np.reshape(still, (-1, 1)), 1.0, (whole - ahead - behind) / across)
         times = self._fine_times(begin, whole)
         q = self.rough.at(motions, possible, begin + (times - begin - ahead) / slower)
         # shares of the ways up and down by their shares of time: about as a motion with limited jerk goes

@@ -108,7 +108,7 @@ class SessionLog:
         return round(1e9 * (at_s - (self._from_s or 0.0)))
 
 
-def read_log(path: Path) -> tuple[Document, Iterator[Document]]:
+def read_log(path: Path) -> tuple[Document, Iterator[Any]]:
     """The cell of a log, and its calls in their order. Raises `InputError` for what is no log of a session, also while
     the calls are read, and `OSError`."""
     with path.open("rb") as file, _no_log(path):
@@ -116,7 +116,7 @@ def read_log(path: Path) -> tuple[Document, Iterator[Document]]:
         return json.loads(cell), _calls(path)
 
 
-def _calls(path: Path) -> Iterator[Document]:
+def _calls(path: Path) -> Iterator[Any]:
     with path.open("rb") as file, _no_log(path):
         for _, _, _, message in _reader(file).iter_decoded_messages(topics=[CALLS], log_time_order=False):
             yield json.loads(message.data)

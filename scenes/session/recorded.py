@@ -27,7 +27,8 @@ ARGUMENTS = {
     "commit": ("number",),
     "covered": ("reading",),
 }
-"""The calls of a session that are recorded, and what each is given; the first record is of the session itself."""
+"""The calls of a session that are recorded, and what each is given; the first record is of the session itself. Its
+``frames`` are those of its cell: in a long run another session goes on, whose conveyors are counted anew."""
 FIRST, OF_FIRST = "session", ("start", "refuge", "planning_ms", "options")
 MEASURED = ("elapsed_s", "first_s")
 """Times in an answer that are measured: a record has 0 there, so that the same calls have the same records."""
@@ -92,7 +93,8 @@ class RecordedCell(RunningCell):
         arguments = plain({"start": start, "refuge": refuge, "planning_ms": planning_ms, "options": options})
         first = self.committed.last
         result = {"request": first.request, "answer": timeless(first.answer)}
-        record.called({"call": FIRST, "clock_s": self.clock_s, "arguments": arguments, "result": result})
+        event = {"call": FIRST, "clock_s": self.clock_s, "arguments": arguments, "result": result}
+        record.called({**event, "frames": kept.file.written.get("frames", {})})
 
     def advance(self, to_s: float) -> None:
         from_s, before = self.clock_s, self.committed

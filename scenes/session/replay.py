@@ -55,19 +55,20 @@ def replay(path: Path) -> Replay:
     cell, events = read_log(path)
     comparison, running, calls = _Comparison(), None, 0
     for event in events:
-        given = _arguments(event, first=running is None)
-        if given is None:
+        given, call = _arguments(event), event.get("call") if isinstance(event, dict) else None
+        if given is None or (running is None and call != FIRST):
             raise InputError(
                 "log", path.name, f"the log of a session; its call number {calls + 1} is none of a session"
             )
         comparison.expected = event
         try:
-            if running is None:
-                running = RecordedCell(comparison, KeptCellFile(cell), **given)
+            if call == FIRST:
+                kept = KeptCellFile({**cell, "frames": event["frames"]} if event.get("frames") else cell)
+                running = RecordedCell(comparison, kept, **given)
             else:
-                getattr(running, event["call"])(**given)
+                getattr(running, str(call))(**given)
         except InputError as error:
-            if running is None:
+            if call == FIRST:
                 comparison.difference = f"the session is refused: {error}"
         if comparison.difference is not None:
             return Replay(calls, comparison.difference)
@@ -77,11 +78,11 @@ def replay(path: Path) -> Replay:
     return Replay(calls, None)
 
 
-def _arguments(event: object, *, first: bool) -> dict[str, Any] | None:
-    """The arguments of a call of a log; None where it is no call that is allowed there."""
+def _arguments(event: object) -> dict[str, Any] | None:
+    """The arguments of a call of a log; None where it is no call of a session."""
     if not isinstance(event, dict) or not isinstance(event.get("call"), str):
         return None
-    names = OF_FIRST if first and event["call"] == FIRST else None if first else ARGUMENTS.get(event["call"])
+    names = OF_FIRST if event["call"] == FIRST else ARGUMENTS.get(event["call"])
     given = event.get("arguments")
     return given if names is not None and isinstance(given, dict) and given.keys() == set(names) else None
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -16,7 +17,7 @@ from assur.scenes.faults import NOTHING, Gathered, Refused, choices, located, wr
 from assur.scenes.schema.read import read_fields
 from assur.scenes.schema.request import OptionsDocument, RequestDocument
 from assur.scenes.simulation.choice import Chooser, chooser_of
-from assur.scenes.simulation.unseen import Unseen, unseen_of
+from assur.scenes.simulation.unseen import Unseen, unseen_name, unseen_of
 from assur.scenes.streams.stream import Stream, streams_of
 from assur.scenes.tasks.kept_cell import KeptCellFile
 
@@ -58,6 +59,15 @@ class SimulatedCell:
     refuge: str
     start: Document
 
+    def kept_from(self, at_s: float) -> KeptCellFile:
+        """The same cell with the frames of its streams stated for a time, s. A part that is seen then has small
+        coordinates in its frame, however long the conveyor has run."""
+        written = self.kept.file.written
+        frames = dict(written["frames"])
+        for name in {stream.frame for stream in self.streams}:
+            frames[name] = {key: _stated_at(value, at_s) for key, value in frames[name].items()}
+        return KeptCellFile({**written, "frames": frames})
+
     @cached_property
     def counts(self) -> dict[str, int]:
         """How many slots each grid has."""
@@ -79,6 +89,14 @@ def simulated(document: Document) -> SimulatedCell:
         faults.settle()
         if not streams:
             raise Refused("at least one stream: without parts there is nothing to simulate", "streams")
+        for i, body in enumerate(valid.bodies):
+            for stream in streams:
+                if body.name == unseen_name(stream) or re.fullmatch(rf"{re.escape(stream.name)}-[0-9]+", body.name):
+                    raise Refused(f"a name that is none of the parts of the stream {stream.name}", "bodies", i, "name")
+            if around.places[body.name][0] in {stream.frame for stream in streams}:
+                raise Refused(
+                    "a body that does not ride on the conveyor of a stream: what rides is a part", "bodies", i, "pose"
+                )
         if valid.refuge is None or valid.refuge not in valid.positions:
             named = choices(valid.positions, str(valid.refuge or ""))
             raise Refused(f"the name of a position in which the arm may stand: {named}", "refuge")
@@ -108,6 +126,13 @@ def simulated(document: Document) -> SimulatedCell:
         valid.refuge,
         start,
     )
+
+
+def _stated_at(law: Any, at_s: float) -> Any:
+    """The law of a frame that is where it is written at another time; what is no law stays."""
+    if not isinstance(law, dict) or written_key(law, "speed_m_s") is None:
+        return law
+    return {**{key: value for key, value in law.items() if key not in ("at_s", "at_ms")}, "at_s": at_s}
 
 
 def _options(whole: KeptCellFile) -> tuple[Document, OptionsDocument]:

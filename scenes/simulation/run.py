@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.outcome import TRACKING
+from assur.scenes.faults import fault
 from assur.scenes.session.recorded import RecordedCell
 from assur.scenes.session.session import RunningCell
 from assur.scenes.simulation.cell import SimulatedCell
@@ -21,12 +22,15 @@ if TYPE_CHECKING:
     from assur.scenes.session.committed import Segment
     from assur.scenes.session.recorded import Record
     from assur.scenes.session.session import NextMotion
+    from assur.scenes.tasks.kept_cell import KeptCellFile
 
 Document = dict[str, Any]
 PATIENCE_S = 1.0
 """A motion that would wait longer for its part is not committed yet: another part may be seen meanwhile."""
 RETRY_S = 0.5
 """After so long a part that could not be planned is tried again, s."""
+LONGEST_M = 60.0
+"""After a conveyor has gone so far places on it are counted anew: a claim has numbers up to 100 m, m."""
 RESERVE_S = 0.05
 """So long before standing is no longer proved the next motion is there, s."""
 
@@ -59,8 +63,8 @@ class Run:
         if self._planning_s > most_s:
             allowed = f"at most {1e3 * most_s:.4g} ms: standing is proved for {cell.stay_s:g} s (options.stay_safe_s)"
             raise InputError("planning_ms", planning_ms, allowed)
-        own = cell.kept, cell.start, cell.refuge, planning_ms
-        self.session = RunningCell(*own) if record is None else RecordedCell(record, *own)
+        self.session, self._since_s = _begun(cell, planning_ms, record), 0.0
+        self._planning_ms, self._record = planning_ms, record
         self._coming = deque(each[-1] for each in sorted(coming, key=lambda each: each[:3]))
         self._leaving: list[tuple[float, str]] = []
         self._candidates: dict[str, _Known] = {}
@@ -78,6 +82,9 @@ class Run:
 
     def step(self) -> None:
         """To the next decision, or by one wait. Raises `FaultError` for a motion that the checker refuses."""
+        if self._is_far:
+            self._to(max(self.session.clock_s, self.session.committed.last.motion.end))
+            self._count_anew()
         self._stand_ready()
         now_s = self.session.clock_s
         free_s = self._free_s()
@@ -101,7 +108,7 @@ class Run:
             if made.segment is not None:
                 self._commit(made, made.segment, choice)
                 return
-            self.tally.refusals[str(made.answer["reason"])] += 1
+            self.tally.refused(str(made.answer["reason"]), str(made.answer["sentence"]), self.session.clock_s)
             self._refused_s[choice.part] = self.session.clock_s + RETRY_S
         self.tally.waits.append((now_s, "refused"))
 
@@ -161,6 +168,10 @@ class Run:
         if made.answer["cut_by_clock"]:
             raise FaultError(f"at {now_s:.6g} s a search took longer than its budget: no result would be repeatable")
         self._events(now_s + self._planning_s)
+        verdict = made.judged.verdict
+        if verdict is not None and not verdict["ok"]:
+            what = "; ".join(each["what"] for each in verdict["findings"])
+            raise FaultError(f"the checker refuses the motion that begins at {made.starts_s:.6g} s: {what}")
         if made.segment is not None:
             until_s = min(now_s + unseen.proved_s for unseen in self._cell.unseen)
             if made.segment.proved_until_s > until_s:
@@ -170,19 +181,14 @@ class Run:
                 )
         return made
 
-    def _hold_to_checker(self, made: NextMotion, segment: Segment) -> None:
-        from assur.scenes.requests import check_cell
-
-        verdict = check_cell(segment.cell, made.answer)
-        if not verdict["ok"]:
-            what = "; ".join(each["what"] for each in verdict["findings"])
-            raise FaultError(f"the checker refuses the motion that begins at {made.starts_s:.6g} s: {what}")
+    def _follow(self, made: NextMotion, segment: Segment) -> None:
+        """Commits a motion that the checker has accepted."""
         self.tally.checked += 1
         self.session.commit(made.number)
         self.tally.follows(segment)
 
     def _commit(self, made: NextMotion, segment: Segment, choice: Choice) -> None:
-        self._hold_to_checker(made, segment)
+        self._follow(made, segment)
         each = self._candidates.pop(choice.part)
         self._refused_s.pop(choice.part, None)
         self._taken.add(choice.part)
@@ -221,9 +227,30 @@ class Run:
         more_s = 3.0 * self._planning_s + RESERVE_S
         while self.session.proved_until_s < to_s + more_s:
             self._events(max(self.session.clock_s, min(to_s, self.session.proved_until_s - more_s)))
-            self._stand()
+            stands = self.session.clock_s >= self.session.committed.last.motion.end
+            (self._count_anew if self._is_far and stands else self._stand)()
         if to_s > self.session.clock_s:
             self._events(to_s)
+
+    @property
+    def _is_far(self) -> bool:
+        """Whether a conveyor has gone far since places on it were counted anew."""
+        fastest = max(stream.speed_m_s for stream in self._cell.streams)
+        return fastest * (self.session.clock_s - self._since_s) > LONGEST_M
+
+    def _count_anew(self) -> None:
+        """Another session goes on where the arm stands in the refuge: in the same cell, but the frames of the streams
+        are stated for now. Until its first motion begins the arm stands where the session before has proved it."""
+        before, self._since_s = self.session, self.session.clock_s
+        listed = before.propose([], self._since_s + self._planning_s).task
+        start = {**listed["start"], "at_s": self._since_s}
+        kept = self._cell.kept_from(self._since_s)
+        self.session = _running(self._record, kept, start, self._cell.refuge, self._planning_ms)
+        for part in listed["parts"]:
+            self.session.see(part["name"], {key: value for key, value in part.items() if key != "name"})
+        self._stand()
+        if self.session.committed.last.motion.start > before.proved_until_s:
+            raise FaultError(f"at {before.proved_until_s:.6g} s standing in the refuge is no longer proved")
 
     def _stand(self) -> None:
         """Commits the way to the refuge alone. Raises `FaultError` where standing there is not proved."""
@@ -232,7 +259,7 @@ class Run:
             raise FaultError(
                 f"at {made.starts_s:.6g} s standing in the refuge is not proved: {made.answer['sentence']}"
             )
-        self._hold_to_checker(made, made.segment)
+        self._follow(made, made.segment)
 
     def _events(self, to_s: float) -> None:
         """What happens up to a time: parts are seen, and others are out of reach of the arm."""
@@ -258,3 +285,22 @@ class Run:
         self.session.see(part.name, {"kind": part.kind.name, "pose": {**pose, "at_s": part.seen_s}})
         self._candidates[part.name] = each
         heapq.heappush(self._leaving, (part.passes_s(self._cell.leaves_m[each.number], stream.speed_m_s), part.name))
+
+
+def _running(
+    record: Record | None, kept: KeptCellFile, start: Document, refuge: str, planning_ms: float
+) -> RunningCell:
+    """A session, whose calls `record` gets."""
+    own = kept, start, refuge, planning_ms
+    return RunningCell(*own) if record is None else RecordedCell(record, *own)
+
+
+def _begun(cell: SimulatedCell, planning_ms: float, record: Record | None) -> RunningCell:
+    """The session at the begin of a run. Raises `InputError` for a refuge in which the arm cannot stand."""
+    try:
+        return _running(record, cell.kept, cell.start, cell.refuge, planning_ms)
+    except InputError as error:
+        if not error.field.startswith("start"):
+            raise
+        key = ("at_m",) if error.field.startswith("start.tool.at_") else ()
+        raise fault(cell.kept.file.written, ("positions", cell.refuge, *key), error.allowed) from error

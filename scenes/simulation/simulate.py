@@ -83,6 +83,7 @@ class Simulation:
             "moving": sum(run["moving"] * run["simulated_s"] for run in self.runs) / total_s if total_s else 0.0,
             "waiting": {reason: time_s / total_s for reason, time_s in waiting.most_common()},
             "refusals": dict(refusals.most_common()),
+            "examples": {k: text for run in reversed(self.runs) for k, text in run["examples"].items()},
             **{key: sum(run[key] for run in self.runs) for key in ("plans", "checked")},
             "notes": [*self._notes(sum(p * c for p, c in cycles) / many if many else self.cell.chooser.nominal_s)],
             "runs": self.runs,
@@ -90,13 +91,13 @@ class Simulation:
 
     def _notes(self, cycle_s: float) -> Iterator[str]:
         for stream in self.cell.streams:
-            needed_m = stream.speed_m_s * (cycle_s + stream.latency_s)
+            needed_m = stream.speed_m_s * (cycle_s + stream.latency_s) + 2.0 * stream.radius_m
             there_m = stream.window_m[0] - stream.seen_m
             if there_m < needed_m:
                 yield (
                     f"{stream.name}: the line at which parts are seen is {1e3 * there_m:.0f} mm before the window. "
-                    f"In a cycle and the latency the conveyor goes {1e3 * needed_m:.0f} mm: the line is too near to "
-                    f"know in time which part is next"
+                    f"Until a part is known, clear of what is not seen, and a cycle is over, it goes "
+                    f"{1e3 * needed_m:.0f} mm: the line is too near to know in time which part is next"
                 )
         if self.cell.chooser.orders_little:
             yield "parts in one lane for one grid of slots: in which order they are taken hardly matters"

@@ -41,9 +41,16 @@ class Tally:
         self.waits: list[tuple[float, str]] = []
         """When nothing could be begun, s, and why."""
         self.refusals: Counter[str] = Counter()
+        self.examples: dict[str, str] = {}
+        """The first refusal of each reason: when, and its sentence."""
         self.plans = self.checked = 0
         self._last: Segment | None = None
         self._within: dict[str, float] = defaultdict(float)
+
+    def refused(self, reason: str, sentence: str, now_s: float) -> None:
+        """A part could not be planned."""
+        self.refusals[reason] += 1
+        self.examples.setdefault(reason, f"at {now_s:.3f} s: {sentence}")
 
     def follows(self, segment: Segment) -> None:
         """A motion is committed: the one before is executed until it begins."""
@@ -76,6 +83,7 @@ class Tally:
             "plans": self.plans,
             "checked": self.checked,
             "refusals": dict(sorted(self.refusals.items())),
+            "examples": dict(sorted(self.examples.items())),
         }
 
     def _idle(self, now_s: float) -> dict[str, float]:

@@ -37,6 +37,11 @@ class Unseen:
         return {**self.part, "pose": {**self.part["pose"], "at_s": at_s}}
 
 
+def unseen_name(stream: Stream) -> str:
+    """The name of the stretch of a stream."""
+    return f"unseen.{stream.name}"
+
+
 def unseen_of(stream: Stream, reached_m: float, speed_off_m_s: float) -> Unseen:
     """The stretch of a stream; `reached_m`: x in its frame at which the arm reaches its parts first; `speed_off_m_s`:
     by how much the speed of the frame may be off. Raises `Refused` for one that is too long."""
@@ -58,4 +63,4 @@ def unseen_of(stream: Stream, reached_m: float, speed_off_m_s: float) -> Unseen:
         "vertical_m": max(kind.vertical_m for kind in stream.kinds),
     }
     proved_s = (reached_m - more - back) / fastest
-    return Unseen(f"unseen.{stream.name}", part, front, front + off, proved_s)
+    return Unseen(unseen_name(stream), part, front, front + off, proved_s)

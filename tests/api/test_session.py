@@ -659,3 +659,20 @@ def test_what_is_no_reading_is_refused(reading: Any, field: str) -> None:
     with pytest.raises(InputError) as error:
         session.holds(reading)
     assert error.value.field == field
+
+
+def test_a_part_that_has_gone_after_its_place_is_in_no_further_proposal() -> None:
+    document = cell()
+    document["kinds"] = {"bracket": {**document["kinds"]["bracket"], "uncertainty": {"position_mm": 1, "yaw_deg": 1}}}
+    session = assur.Session(document, start=START, refuge="home", planning_ms=1e3 * PLANNING_S)
+    for name in ("a", "b"):
+        session.see(name, kind="bracket", pose=at(PARTS[name]))
+    made = commit(session, transfer("a"))
+    assert made.base_ends_s is not None
+    session.advance(made.base_ends_s)
+    session.gone("a")
+    after = commit(session, transfer("b"))
+    request = after.answer.request or {}
+    assert "b" in [body["name"] for body in request["bodies"]]
+    assert "a" not in [body["name"] for body in request["bodies"]]
+    assert assur.check(request, after.answer)["ok"]

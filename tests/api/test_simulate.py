@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 
 import assur
-from assur.api.cli.border import BAD_INPUT, FAULT, INTERRUPTED, RIGHT
+from assur.api.cli.border import BAD_INPUT, FAULT, INTERRUPTED, RIGHT, WRONG
 from assur.scenes.scenarios import CELLS
+from assur.scenes.session.log import SessionLog, read_log
 from assur.scenes.simulation.cell_file import shipped_cells
 from assur.scenes.simulation.run import Run
+from benchmarks.judge.sessions import broken_sessions
 from tests.api.test_command_line import run
 
 CELL = CELLS / "shared" / "soap-flow.yaml"
@@ -96,11 +99,49 @@ def test_an_interrupted_simulation_prints_what_there_is(monkeypatch: pytest.Monk
 
 
 def test_a_motion_that_is_refused_ends_the_run_as_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
-    refused = {"ok": False, "findings": [{"what": "the motion jumps"}]}
-    monkeypatch.setattr("assur.scenes.requests.check_cell", lambda *_: refused)
+    verdicts = iter([{"ok": True, "findings": []}] + 2 * [{"ok": False, "findings": [{"what": "the motion jumps"}]}])
+    monkeypatch.setattr("assur.scenes.session.judged.check_cell", lambda *_: next(verdicts))
     code, output, errors = run("simulate", "soap-flow", *BRIEF)
     assert (code, output) == (FAULT, "")
     assert "the checker refuses the motion that begins at 0.02 s: the motion jumps" in errors
+
+
+def test_the_log_of_a_run_is_replayed_and_the_page_of_it_is_that_of_its_log(tmp_path: Path) -> None:
+    log, page, again = tmp_path / "run.mcap", tmp_path / "run.html", tmp_path / "again.html"
+    code, output, errors = run("simulate", "soap-flow", *BRIEF, "--seeds", "2", "--log", str(log), "--page", str(page))
+    assert code == RIGHT
+    assert errors.startswith(f"assur: page of the first run: {page}, ")
+    code, replayed, _ = run("replay", str(log), "--page", str(again))
+    calls = int(re.findall(r"(\d+) calls, each gives the same again", replayed)[0])
+    cell, events = read_log(log)
+    every = list(events)
+    assert (code, len(every)) == (RIGHT, calls)
+    assert cell["streams"] == assur.load(CELL)["streams"]
+    own = assur.simulate(assur.load(CELL), minutes=0.25)
+    assert output.splitlines()[0].startswith("soap-flow: ")
+    for text in (page.read_text(encoding="utf-8"), again.read_text(encoding="utf-8")):
+        assert f"<dd>{own['picked']}, {own['placed']}</dd>" in text
+    assert broken_sessions(cell, every) == []
+
+
+def test_a_log_that_does_not_give_the_same_is_refused(tmp_path: Path) -> None:
+    log = tmp_path / "run.mcap"
+    assert run("simulate", "soap-flow", *BRIEF, "--log", str(log))[0] == RIGHT
+    cell, events = read_log(log)
+    changed = SessionLog(tmp_path / "other.mcap", cell)
+    for event in events:
+        changed.called({**event, "clock_s": event["clock_s"] + 1e-9} if event["call"] == "commit" else event)
+    changed.close()
+    code, output, errors = run("replay", str(tmp_path / "other.mcap"))
+    assert (code, output) == (WRONG, "")
+    assert "commit.clock_s is" in errors
+    for arguments, words in (
+        ((str(tmp_path / "none"),), "assur: LOG: "),
+        ((str(CELL),), "allowed: the log of a session"),
+    ):
+        code, output, errors = run("replay", *arguments)
+        assert (code, output) == (BAD_INPUT, "")
+        assert words in errors
 
 
 def test_the_shipped_cells_are_those_with_streams() -> None:

@@ -16,7 +16,7 @@ from assur.scenes.session import committed
 from assur.scenes.session.log import read_log
 from assur.scenes.session.session import RunningCell
 from assur.scenes.tasks import next_task
-from benchmarks.judge.sessions import broken_session
+from benchmarks.judge.sessions import broken_sessions
 from tests.api.test_session import START, at, cell
 
 Document = dict[str, Any]
@@ -34,7 +34,7 @@ def played(path: Path, play: Callable[[assur.Session], None]) -> dict[str, list[
         play(session)
     document, events = read_log(path)
     found: dict[str, list[str]] = {}
-    for violation in broken_session(document, list(events)):
+    for violation in broken_sessions(document, list(events)):
         found.setdefault(violation.kind, []).append(violation.about)
     return found
 
@@ -168,6 +168,7 @@ def stale(session: assur.Session) -> None:
 def soon(session: assur.Session) -> None:
     see(session, "a", -300.0)
     session.commit(session.propose([transfer("a")], at_s=session.clock_s + 0.001))
+    session.advance(session.clock_s + 0.5)
 
 
 def into_one_slot(session: assur.Session) -> None:
@@ -226,7 +227,7 @@ def test_a_part_that_is_counted_twice_is_found(tmp_path: Path) -> None:
     body = next(each for each in plan["bodies"] if each["name"] == "a")
     body["pose"] = at(-300.0)
     plan["bodies"].append({**body, "name": "ghost"})
-    kinds = [(each.kind, each.about) for each in broken_session(document, events)]
+    kinds = [(each.kind, each.about) for each in broken_sessions(document, events)]
     assert {("place", "a"), ("parts", "ghost is not there")} <= set(kinds)
 
 

@@ -13,7 +13,10 @@ import pytest
 
 import assur
 from assur.planner.errors import FaultError
+from assur.scenes.reading.cell import Cell
+from assur.scenes.requests import check_cell
 from assur.scenes.scenarios import CELLS
+from assur.scenes.session import judged
 from assur.scenes.session.session import NextMotion
 from assur.scenes.simulation.cell import SimulatedCell, simulated
 from assur.scenes.simulation.run import Run
@@ -204,16 +207,19 @@ def test_a_frame_that_is_written_for_another_time_is_the_same_belt() -> None:
     assert once["parts_per_minute"] == pytest.approx(again["parts_per_minute"])
 
 
-def test_a_motion_that_the_checker_refuses_ends_the_run() -> None:
-    class Wrong(Recorded):
-        def _proposed(self, steps: list[Document]) -> NextMotion:
-            made = super()._proposed(steps)
-            if steps and made.segment is not None:
-                made.answer["trajectory"]["position"][3][0] += 0.01
-            return made
+def test_a_motion_that_the_checker_refuses_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    answers = list[Document]()
 
+    def checked(of: Cell, answer: Document) -> Document:
+        if len(answer["arrivals"]) > 1:  # a part is handled; the way to the refuge is right
+            answer["trajectory"]["position"][3][0] += 0.01
+            answers.append(answer)
+        return dict(check_cell(of, answer))
+
+    monkeypatch.setattr(judged, "check_cell", checked)
     with pytest.raises(FaultError, match="the checker refuses the motion"):
-        Wrong(simulated(cell())).through()
+        Recorded(simulated(cell())).through()
+    assert len(answers) == 2  # the search was made once more, with its plans checked
 
 
 def test_a_motion_that_is_proved_for_longer_than_what_is_not_seen_is_known_ends_the_run() -> None:
@@ -277,6 +283,7 @@ def test_kinds_go_to_their_slots_and_an_elbow_that_is_free_is_used() -> None:
         assert cycle.grid == coming[cycle.part].kind.to
 
 
+BALL: Document = {"shape": {"sphere": {"radius_mm": 5}}, "pose": {"at_mm": [0, -600, 50]}}
 FRAMES: Document = {"turn": {"turntable": {"rate_deg_s": 10}}, **copy.deepcopy(_shipped()["frames"])}
 
 
@@ -304,6 +311,9 @@ FRAMES: Document = {"turn": {"turntable": {"rate_deg_s": 10}}, **copy.deepcopy(_
         ({"every_s": 2}, {}, "streams.soap.mean_s", "exactly one"),
         ({"kind": "brick"}, {}, "streams.soap.kind", "one of the kinds"),
         ({}, {"colour": "red"}, "colour", ""),
+        ({}, {"bodies": [{"name": "soap-12", **BALL}]}, "bodies[0].name", "parts of the stream soap"),
+        ({}, {"bodies": [{"name": "soap-bar", **BALL}, {"name": "unseen.soap", **BALL}]}, "bodies[1].name", "stream"),
+        ({}, {"bodies": [{"name": "pallet", **BALL, "pose": {"frame": "belt"}}]}, "bodies[0].pose", "does not ride"),
         ({}, {"schema": "assur/1"}, "schema", ""),
     ],
 )  # fmt: skip
@@ -339,3 +349,45 @@ def test_arguments_that_are_not_right_are_refused(arguments: Document, field: st
 def test_what_is_no_cell_is_refused() -> None:
     with refused_at("cell"):
         assur.simulate(3)
+
+
+def test_a_refuge_that_the_arm_does_not_reach_is_named_where_it_is_written() -> None:
+    high = {"home": {"at_mm": [350, 0, 600], "yaw_deg": 0}}
+    with refused_at("positions.home.at_mm", "beyond its range"):
+        assur.simulate(cell(positions=high), minutes=0.2)
+    inside = [*_shipped()["bodies"], {"name": "post", **BALL, "pose": {"at_mm": [350, 0, 200]}}]
+    with refused_at("refuge", "the arm collides at the start"):
+        assur.simulate(cell(bodies=inside), minutes=0.2)
+
+
+def test_a_belt_that_has_gone_far_is_counted_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("assur.scenes.simulation.run.LONGEST_M", 1.2)
+    done = Recorded(simulated(cell())).through()
+    figures = done.tally.figures(SECONDS)
+    assert figures["placed"] >= 7
+    assert done._since_s > 16.0
+    covered = [(made.starts_s, made.segment.proved_until_s) for _, made in done.committed if made.segment is not None]
+    assert all(after[0] <= before[1] for before, after in pairwise(covered))
+    for before, after in pairwise(made.segment for _, made in done.committed if made.segment is not None):
+        at_s = after.motion.start
+        assert np.abs(before.state(at_s)[0] - after.state(at_s)[0]).max() <= 1e-9
+    frames = [made.request["frames"]["belt"]["conveyor"].get("at_s", 0.0) for _, made in done.committed]
+    assert len(set(frames)) >= 3
+    slots = [cycle.slot for cycle in done.tally.cycles]
+    assert slots == [k % 4 for k in range(len(slots))]
+
+
+def test_a_part_is_taken_after_a_way_of_more_than_100_m() -> None:
+    text = "time_s,x_mm,y_mm\n1,-1000,0\n260,-1000,0\n"
+    stream = {"mean_s": None, "lane_mm": None, "yaw_deg": None, "csv": {"text": text}, "seen": {"at_mm": -900}}
+    frames = {"belt": {"conveyor": {"at_mm": [0, 350, 50], "speed_mm_s": 400}}}
+    found = assur.simulate(cell(stream, frames=frames), minutes=265 / 60)
+    assert (found["placed"], found["missed"], found["complete"]) == (2, 0, True)
+
+
+def test_each_reason_of_a_refusal_has_its_first_sentence() -> None:
+    found = assur.simulate(cell({"mean_s": 0.55}, options={"clearance_mm": {"travel": 20, "near": 8}}), minutes=0.3)
+    assert found["refusals"].keys() == found["examples"].keys()
+    assert found["refusals"]["BODY_COLLISION"] > 0
+    assert " s: " in found["examples"]["BODY_COLLISION"]
+    assert "would come too close to" in found["examples"]["BODY_COLLISION"]
