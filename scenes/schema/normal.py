@@ -61,9 +61,10 @@ def _inside(value: object, path: Path, faults: list[DocumentError] | None) -> An
             key: item if type(item) in UNCHANGED else _inside(item, (*path, str(key)), None)
             for key, item in value.items()
         }
-    if isinstance(value, list) or (isinstance(value, np.ndarray) and value.ndim):
-        quick = LEAVES if in_si else UNCHANGED
-        return [item if type(item) in quick else _inside(item, (*path, i), faults) for i, item in enumerate(value)]
+    if isinstance(value, list):
+        return _listed(value, path, faults)
+    if isinstance(value, np.ndarray) and value.ndim:
+        return [_inside(item, (*path, i), faults) for i, item in enumerate(value)]
     try:
         return _scalar(value[()] if isinstance(value, np.ndarray) else value, path)
     except DocumentError as fault:
@@ -71,6 +72,16 @@ def _inside(value: object, path: Path, faults: list[DocumentError] | None) -> An
             raise
         faults.append(fault)
         return value
+
+
+def _listed(values: list[Any], path: Path, faults: list[DocumentError] | None) -> list[Any]:
+    """Columns and rows of numbers are evaluated as a whole."""
+    quick, kinds = UNCHANGED if faults is None else LEAVES, {*map(type, values)}
+    if kinds <= quick or (kinds == {int} and min(values) >= -MAX_INTEGER and max(values) <= MAX_INTEGER):
+        return values.copy()
+    if kinds == {list} and len(path) + 1 < MAX_DEPTH:
+        return [_listed(item, (*path, i), faults) for i, item in enumerate(values)]
+    return [item if type(item) in quick else _inside(item, (*path, i), faults) for i, item in enumerate(values)]
 
 
 def _mapping(mapping: dict[Any, Any], path: Path, faults: list[DocumentError]) -> dict[Any, Any]:

@@ -15,6 +15,7 @@ import pytest
 
 from assur.planner.errors import InputError
 from assur.scenes import check, load, plan
+from assur.scenes.bounds import MAX_DEPTH
 from assur.scenes.faults import DocumentError
 from assur.scenes.requests import cell_of, request_digest, request_schema, stated_budgets, validate
 from assur.scenes.scenarios import shipped
@@ -133,6 +134,23 @@ def test_nesting_without_end_is_refused() -> None:
             validate(request)
 
 
+@pytest.mark.parametrize("inner", [[], [1], [1.5], [True, "a"], [[2.0], [3]]], ids=str)
+def test_lists_are_nested_as_deep_as_is_allowed_and_no_deeper(inner: list[object]) -> None:
+    deep: list[object] = inner
+    while len(deepest(deep)) < MAX_DEPTH:
+        deep = [deep]
+    assert plain(deep) == normal(deep) == deep
+    for read in (plain, normal):
+        with pytest.raises(DocumentError, match="deeper nesting"):
+            read([deep])
+
+
+def deepest(document: object) -> list[object]:
+    """The lists within each other, one a level, where there are most."""
+    within = max((deepest(each) for each in document), key=len, default=[]) if isinstance(document, list) else []
+    return [document, *within] if isinstance(document, list) else []
+
+
 def test_keys_and_values_are_in_si_wherever_they_are_and_the_document_is_left_alone() -> None:
     written = {"a": {"at_mm": [1000, 0, 5], "b": [{"yaw_deg": 180}, {"clearance_mm": {"near": 2, "far": 4}}]}}
     before = copy.deepcopy(written)
@@ -201,10 +219,11 @@ LONG = 10**5000
 """More digits than Python writes."""
 
 
-@pytest.mark.parametrize("place", ["whole", "list", "mapping", "negative"])
+@pytest.mark.parametrize("place", ["whole", "list", "rows", "mapping", "negative"])
 def test_a_whole_number_that_no_json_of_ours_has_is_refused_in_an_answer(place: str) -> None:
     for number in (2**53 + 1, 10**400, LONG):
-        answer = {"whole": number, "list": [1, number], "mapping": {"a": [{"b": number}]}, "negative": -number}[place]
+        places = {"whole": number, "list": [1, number], "rows": [[1.0, 2.0], [3, -number]]}
+        answer = {**places, "mapping": {"a": [{"b": number}]}, "negative": -number}[place]
         with pytest.raises(DocumentError, match="a whole number up to") as caught:
             plain({"seed": 2**53, "x": answer})
         assert caught.value.field.startswith("x")
