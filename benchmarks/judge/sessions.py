@@ -140,7 +140,7 @@ class Session:
 
 
 def broken_sessions(cell: Document, events: Sequence[Document], runs: int = 8) -> list[Violation]:
-    """What is wrong with a session, by the calls of its log and its cell file; or with several, each of which begins
+    """What is wrong with a session, by the calls of its log and its cell file; or with several, where each begins
     where the one before ends. Each plan is run so many times, with what is not known at its ends and at the worst
     corners that arrivals name."""
     found, before = list[Violation](), None
