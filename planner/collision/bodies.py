@@ -375,10 +375,17 @@ class PairTables:
             # more than there is room for: in every direction
             sets[:, FLAT : FLAT_GROWTH + 1] += size * (level or aside)
             sets[:, UPRIGHT : UPRIGHT_GROWTH + 1] += size * (0.0 if level else abs(direction[2]))
-        table, number = np.unique(sets, axis=0, return_inverse=True)
+        table, number = _different(sets)
         none: BoolArray = np.asarray(~sets.any(1), dtype=np.bool_)
         none[:across] = False  # with a set, also with an empty one, the coarse score of a motion tries other normals
-        return table, np.where(none, -1.0, number.reshape(-1))
+        return table, np.where(none, -1.0, number)
+
+
+def _different(rows: FloatArray) -> tuple[FloatArray, IntArray]:
+    """The different ones of rows (N, M), each where it comes first, and which of these each row is (N,)."""
+    content, size, number = rows.tobytes(), rows.itemsize * rows.shape[1], dict[bytes, int]()
+    which = [number.setdefault(content[k : k + size], len(number)) for k in range(0, len(content), size)]
+    return np.frombuffer(b"".join(number)).reshape(-1, rows.shape[1]).copy(), np.array(which, dtype=np.int64)
 
 
 def shift_of(displaced: FloatArray, shares: FloatArray) -> tuple[float, float]:
