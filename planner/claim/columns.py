@@ -245,8 +245,9 @@ class Claim(NamedTuple):
     gap_rows: FloatArray  # with the columns of `rows`: where to look for the second distance
 
 
-FARTHEST_M, LAST_S = 100.0, 1e7
-"""Greatest size in a body or an arm, m; greatest time, s. The bounds of rounding hold for no more."""
+FARTHEST_M, SEATED_M, LAST_S = 100.0, 1e4, 1e7
+"""Greatest size in a body or an arm, m; greatest place in a frame, which a conveyor that has run for long takes with it
+(`planner.laws.law.FARTHEST_PLACE_M`), m; greatest time, s. The bounds of rounding hold for no more."""
 LATEST_S = 1e5
 """Until when motions of frames without a period, and those of other arms, are stated, s."""
 FASTEST, GREATEST, LIMITLESS = 1e6, 1e9, 1e300
@@ -292,7 +293,7 @@ BOUNDS: tuple[tuple[str, int, int, float, float | str], ...] = (
     ("seats", SEAT_BODY, 1, 0, "bodies"),
     ("seats", SEAT_LINK, 1, -1, "own links"),
     ("seats", SEAT_FRAME, 1, -1, "frames"),
-    ("seats", SEAT_POSE, 4, -FARTHEST_M, FARTHEST_M),
+    ("seats", SEAT_POSE, 4, -SEATED_M, SEATED_M),
     ("phases", PHASE_T0, 2, -LAST_S, LAST_S),
     ("phases", PHASE_NEAR, 2, 0, "flag"),
     ("seated", 0, -1, 0, "seats"),
@@ -321,7 +322,8 @@ BOUNDS: tuple[tuple[str, int, int, float, float | str], ...] = (
     ("points", POINT_T0, 2, -LAST_S, LAST_S),
     ("points", POINT_FRAME, 1, 0, "frames"),
     ("points", POINT_LINK, 1, 0, "own links"),
-    ("points", POINT_TOOL, 8, -FARTHEST_M, FARTHEST_M),
+    ("points", POINT_TOOL, 4, -FARTHEST_M, FARTHEST_M),
+    ("points", POINT_TARGET, 4, -SEATED_M, SEATED_M),
     ("points", POINT_MIDDLE, 1, -GREATEST, GREATEST),
     ("points", POINT_HEIGHT, 1, -1.0, GREATEST),
     ("points", POINT_POSITION, 1, 0.0, GREATEST),
@@ -347,7 +349,7 @@ BOUNDS: tuple[tuple[str, int, int, float, float | str], ...] = (
     ("guides", GUIDE_LINK, 1, 0, "own links"),
     ("guides", GUIDE_TOOL, 3, -FARTHEST_M, FARTHEST_M),
     ("guides", GUIDE_FRAME, 2, 0, "frames"),
-    ("guides", GUIDE_FROM, 6, -FARTHEST_M, FARTHEST_M),
+    ("guides", GUIDE_FROM, 6, -SEATED_M, SEATED_M),
     ("guides", GUIDE_SHARE, 2, 0.0, 1.0),
     ("guides", GUIDE_MOST, 1, -GREATEST, GREATEST),
     ("distances", DISTANCE_TIME, 1, -LAST_S, LAST_S),
@@ -361,7 +363,8 @@ BOUNDS: tuple[tuple[str, int, int, float, float | str], ...] = (
     ("errors", ERROR_PHASE, 1, 0, "phases"),
     ("errors", ERROR_FRAME, 1, 0, "frames"),
     ("errors", ERROR_LINK, 1, 0, "own links"),
-    ("errors", ERROR_TOOL, 8, -FARTHEST_M, FARTHEST_M),
+    ("errors", ERROR_TOOL, 4, -FARTHEST_M, FARTHEST_M),
+    ("errors", ERROR_TARGET, 4, -SEATED_M, SEATED_M),
     ("errors", ERROR_OFF, 8, 0.0, GREATEST),
     ("rows", ROW_T0, 4, -LAST_S, LAST_S),
     ("rows", ROW_BODY, 1, 0, "bodies"),

@@ -29,8 +29,8 @@ PATIENCE_S = 1.0
 """A motion that would wait longer for its part is not committed yet: another part may be seen meanwhile."""
 RETRY_S = 0.5
 """After so long a part that could not be planned is tried again, s."""
-LONGEST_M = 60.0
-"""After a conveyor has gone so far places on it are counted anew: a claim has numbers up to 100 m, m."""
+LONGEST_M = 5_000.0
+"""After a conveyor has gone so far places on it are counted anew: a claim has places up to 10,000 m, m."""
 RESERVE_S = 0.05
 """So long before standing is no longer proved the next motion is there, s."""
 

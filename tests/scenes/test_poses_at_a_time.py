@@ -15,7 +15,7 @@ from assur.planner.relaxation.changes import BELTS, _belts
 from assur.scenes.requests import cell_of, check_document, plan_document, scene_of
 from benchmarks.judge.cell import Cell
 from benchmarks.judge.poses import Document, about
-from benchmarks.judge.product import as_si
+from benchmarks.judge.product import as_si, shown
 from benchmarks.judge.simulation import simulated
 from tests.scenes.bad_requests import GOOD_REQUEST
 from tests.scenes.cells.answers import planned
@@ -196,6 +196,36 @@ def test_a_cell_of_python_counts_from_each_start() -> None:
         error = answer["arrivals"][0]["error"]
         (part,) = [each for each in error["causes"] if each["cause"] == "part"]
         assert part["position_m"] == pytest.approx(0.004 * (start_s + 1.4), rel=1e-6)
+
+
+def at_clock(clock_s: float) -> Document:
+    """The part is seen, and the plan begins, at this time of the clock; it is put down on the belt again."""
+    request = from_belt(clock_s)
+    request["start"]["at_s"] = clock_s
+    request["bodies"].append({"name": "nest", "shape": BOX, "pose": {"frame": "belt", "at_mm": [-500, 0, 10]}})
+    request["bodies"][-1]["pose"]["at_s"] = clock_s
+    request["task"][1]["place"]["to"] = {"body": "nest", "at_mm": [0, 0, 30], "yaw_deg": 0}
+    return request
+
+
+@pytest.mark.parametrize("clock_s", [700.0, 20_000.0, 66_000.0])
+def test_a_conveyor_may_have_run_for_hours(clock_s: float) -> None:
+    request = at_clock(clock_s)
+    soon, late = planned(at_clock(0.0)), planned(request)
+    assert late["duration_s"] == pytest.approx(soon["duration_s"], abs=1e-6)
+    assert check_document(request, late)["ok"]
+    assert shown(request, late) == ""
+    outcome, _ = simulated(as_si(request), late, 4, np.random.default_rng(1))
+    assert outcome.faults == []
+
+
+def test_a_conveyor_that_has_run_too_far_is_refused_with_how_far() -> None:
+    found = refused(at_clock(67_000.0))
+    assert found.field == "frames.belt"
+    assert "one is 10050.5 m from it (a conveyor that has run for so long is stated for a later time" in found.allowed
+    later = at_clock(67_000.0)
+    later["frames"]["belt"]["conveyor"]["at_s"] = 66_990.0
+    assert check_document(later, planned(later))["ok"]
 
 
 # What is refused.
