@@ -152,6 +152,7 @@ def _waits(found: Document) -> list[tuple[str, str]]:
 def replay(
     log: Annotated[Path, typer.Argument(metavar="LOG", help="The log of a session or a simulation (MCAP).")],
     page: Annotated[Path | None, typer.Option(help="Write a page about it to this file (HTML).")] = None,
+    from_s: Annotated[float, typer.Option(help="When, since the start, the minute begins that the page plays.")] = 0.0,
 ) -> int:
     """Do the calls of a LOG again, in a new session, and compare what each gives: the plans to the bit."""
     from assur.api.python.session import replay as again
@@ -167,7 +168,8 @@ def replay(
         from assur.scenes.session.log import read_log
 
         cell, events = read_log(log)
-        text = run_report(events, title=log.stem, about=str(cell.get("about", "")), version=version())
+        about = str(cell.get("about", ""))
+        text = run_report(events, title=log.stem, about=about, version=version(), from_s=from_s)
         page.write_bytes(text.encode())
         show(f"page of {log.name}: {page}, {len(text) / 1000:.0f} kB, opens in a browser without network")
     if found.same:

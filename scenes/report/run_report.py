@@ -9,12 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from assur.planner.errors import InputError
 from assur.scenes.answer import NOTICE
 from assur.scenes.report.assembly import page
-from assur.scenes.report.report import card, lines, number, pairs, table, text
+from assur.scenes.report.report import card, lines, pairs, table, text
+from assur.scenes.report.report import number as with_digits
 from assur.scenes.report.run_charts import Span, by_minutes, histogram, over_time
 from assur.scenes.requests import cell_of
 from assur.scenes.session.executed import LoggedPlan, executed_plans
+from assur.scenes.session.session import number
 from assur.scenes.view.run import ExecutedPlan, run_view
 
 Document = dict[str, Any]
@@ -36,12 +39,16 @@ def run_report(
     events: Iterable[Document], *, title: str, about: str, version: str, from_s: float = 0.0, notes: Sequence[str] = ()
 ) -> str:
     """The page as HTML. `events`: the calls of a log; `from_s`: since the start of the run, when what is played begins;
-    `notes`: what else is known of the run, in sentences."""
+    `notes`: what else is known of the run, in sentences. Raises `InputError` for calls in which no motion was executed,
+    and for a time behind the run."""
     plans, until_s = executed_plans(events)
+    if not plans:
+        raise InputError("log", "no motion", "the log of a session whose clock was advanced")
     starts_s = plans[0].starts_s
-    played = [
-        each for each in plans if each.until_s > starts_s + from_s and each.starts_s < starts_s + from_s + SHOWN_S
-    ]
+    begin_s = starts_s + number("from_s", from_s, 0.0, until_s - starts_s - 1e-6)
+    played = [each for each in plans if each.until_s > begin_s and each.starts_s < begin_s + SHOWN_S]
+    # behind 5 km of a conveyor its places are counted anew, and the view has one count
+    played = [each for each in played if each.request.get("frames") == played[0].request.get("frames")]
     view = run_view([ExecutedPlan(cell_of(each.request), each.answer, each.starts_s, each.until_s) for each in played])
     placed = [time for plan in plans for time in plan.handled("place")]
     cycles = [(plan.until_s - plan.starts_s) for plan in plans if plan.handled("place")]
@@ -110,8 +117,8 @@ def _legs(plans: Sequence[LoggedPlan]) -> str:
         times[what].append(end - begin)
     whole = sum(sum(each) for each in times.values()) or 1.0
     rows = [
-        [text(DOES[what]), number(len(each), 0), number(sum(each) / len(each) if each else None, 3),
-         number(sum(each) / whole, 1, 100.0)]
+        [text(DOES[what]), with_digits(len(each), 0), with_digits(sum(each) / len(each) if each else None, 3),
+         with_digits(sum(each) / whole, 1, 100.0)]
         for what, each in times.items()
     ]  # fmt: skip
     return table(["leg", "count", "mean s", "% of the motion"], rows)

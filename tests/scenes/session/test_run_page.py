@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from assur.planner.errors import InputError
 from assur.scenes.reading.plan import motion_of
 from assur.scenes.report.run_charts import by_minutes, histogram, over_time
 from assur.scenes.report.run_report import DOES, run_report
@@ -102,6 +103,20 @@ def test_the_page_has_the_figures_of_the_run_and_fetches_nothing(
     assert not re.findall(r"(?:src|href)=|url\(", page)
     begun = json.loads(re.findall(r'id="view">(.*?)</script>', page)[0].replace("\\u003c", "<"))
     assert begun["schema"] == "assur-view/1"
+
+
+def test_a_session_without_a_motion_has_no_page(events: list[Document]) -> None:
+    with pytest.raises(InputError, match="a session whose clock was advanced"):
+        run_report(events[:3], title="run", about="", version="1")
+
+
+def test_a_page_plays_from_a_time_of_the_run_on(events: list[Document], plans: list[LoggedPlan]) -> None:
+    page = run_report(events, title="run", about="", version="1", from_s=plans[2].starts_s + 0.01)
+    begun = json.loads(re.findall(r'id="view">(.*?)</script>', page)[0].replace("\\u003c", "<"))
+    assert begun["start_s"] == plans[2].starts_s
+    for wrong in (-1.0, 1e6, float("nan")):
+        with pytest.raises(InputError, match="from_s: "):
+            run_report(events, title="run", about="", version="1", from_s=wrong)
 
 
 def test_a_line_of_the_chart_is_a_minute(plans: list[LoggedPlan]) -> None:
