@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+import shlex
+from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -35,6 +36,7 @@ WORDS = {
 """What the arm waits for, in words."""
 LEAST_SHARE = 5e-4
 """Least share of the time that is printed."""
+HELPS = "Then try what would help: changes of the cell, the best three with motions that are proved, too."
 
 
 def simulate(
@@ -48,10 +50,12 @@ def simulate(
     out: Annotated[Path | None, typer.Option("--out", help="Write the result to this file, as JSON.")] = None,
     log: Annotated[Path | None, typer.Option(help="Write the log of the first run to this file (MCAP).")] = None,
     page: Annotated[Path | None, typer.Option(help="Write a page about the first run to this file (HTML).")] = None,
+    helps: Annotated[bool, typer.Option("--helps", help=HELPS)] = False,
 ) -> int:
     """Run CELL against its streams with motions that are proved and checked: parts a minute, and why not more."""
     from assur.scenes.session.recorded import Events
     from assur.scenes.simulation.cell_file import cell_named
+    from assur.scenes.simulation.helps import Helps
     from assur.scenes.simulation.simulate import Simulation
 
     given = cell_named(cell, set_values(values))
@@ -60,15 +64,18 @@ def simulate(
     announce_compilation()
     with given.located():
         made = Simulation(given.document, minutes, seed, seeds, planning_ms)
-        interrupted, events = False, Events()
+        interrupted, events, trials = False, Events(), Helps(made)
         try:
             with _shown(made) as watch, _recorded(made, log, events if page else None) as record:
                 made.run(watch, record)
+            if helps:
+                with _progress("what would help", 1.0) as update:
+                    trials.run(lambda what, share: update(share, what))
         except KeyboardInterrupt:
             if not made.runs:
                 raise
             interrupted = True
-    found = made.document
+    found = made.document | ({"helps": trials.document} if helps else {})
     if out is not None:
         out.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     if page is not None:
@@ -100,7 +107,14 @@ def _recorded(made: Simulation, log: Path | None, events: Events | None) -> Iter
 
 @contextmanager
 def _shown(made: Simulation) -> Iterator[Watch]:
-    """Shows on standard error, if it is a terminal, how far the runs are."""
+    """Shows how far the runs are."""
+    with _progress(f"seed {made.first}", made.count * made.until_s) as update:
+        yield lambda run, now_s: update(run * made.until_s + now_s, f"seed {made.first + run}")
+
+
+@contextmanager
+def _progress(begin: str, total: float) -> Iterator[Callable[[float, str], None]]:
+    """Shows on standard error, if it is a terminal, how much of a total is over, and what is going on."""
     shown = console_report.console(stderr=True)
     columns = (
         TextColumn("{task.description}"),
@@ -109,12 +123,8 @@ def _shown(made: Simulation) -> Iterator[Watch]:
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=shown, transient=True, disable=not shown.is_terminal) as bar:
-        task = bar.add_task(f"seed {made.first}", total=made.count * made.until_s)
-
-        def watch(run: int, now_s: float) -> None:
-            bar.update(task, completed=run * made.until_s + now_s, description=f"seed {made.first + run}")
-
-        yield watch
+        task = bar.add_task(begin, total=total)
+        yield lambda completed, what: bar.update(task, completed=completed, description=what)
 
 
 def words(name: str, found: Document) -> Iterator[Any]:
@@ -136,6 +146,43 @@ def words(name: str, found: Document) -> Iterator[Any]:
     yield from (f"{reason}, {found['examples'][reason]}" for reason in found["refusals"])
     yield from ([""] if found["notes"] else [])
     yield from (f"note: {note}" for note in found["notes"])
+    if "helps" in found:
+        yield from _words_of_helps(found["helps"], len(runs))
+
+
+def _words_of_helps(trials: list[Document], seeds: int) -> Iterator[Any]:
+    """What the changes of a cell give, and how each is made."""
+    yield ""
+    if not trials:
+        yield "what would help: no change was tried"
+        return
+    cells = []
+    for trial in trials:
+        low_high = "" if trial["interval"] is None else "{:+.1f} to {:+.1f} %".format(*trial["interval"])
+        cells.append(
+            (trial["what"], _percent(trial["table_percent"]), _percent(trial["percent"]), low_high, _is(trial))
+        )
+    yield rows(("what would help, in parts a minute", ">with table times", ">proved", ">95 % interval", ""), cells)
+    if seeds == 1:
+        yield "one seed: whether a difference is more than chance is not known; --seeds 5 gives an interval"
+    for trial in trials:
+        values = (shlex.quote(f"{path}={json.dumps(value)}") for path, value in trial["set"].items())
+        yield f"{trial['what']}: {' '.join(f'--set {value}' for value in values)}"
+
+
+def _is(trial: Document) -> str:
+    """What a trial has shown, in words."""
+    if trial["fault"] is not None:
+        return f"ended with an error: {trial['fault']}"
+    if trial["gain"] is None:
+        return "table times only" if trial["percent"] is None else "one seed"
+    if trial["gain"]:
+        return "a gain"
+    return "a loss" if trial["interval"][1] < 0.0 else "within chance"
+
+
+def _percent(value: float | None) -> str:
+    return "" if value is None else f"{value:+.1f} %"
 
 
 def words_of_waiting(found: Document) -> Iterator[str]:

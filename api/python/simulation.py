@@ -19,25 +19,35 @@ def simulate(
     seeds: int = 1,
     planning_ms: float = 20.0,
     log: str | PathLike[str] | None = None,
+    helps: bool = False,
 ) -> Mapping[str, Any]:
     """Runs a cell against its streams (docs/simulation.md), as fast as it can: ``["parts_per_minute"]``, with
     ``["interval"]`` over several seeds, and why it is not more.
 
     `cell`: the document of a cell file, or an `assur.Cell` of one. `minutes`: of each run, on its own clock. `seed`: of
     the first run; `seeds` runs have this seed and the numbers behind it. `planning_ms`: how long planning takes on that
-    clock; it is not measured. `log`: a file for the log of the session of the first run (`assur.Session`). The same
-    arguments give the same result. Every motion is planned, proved and checked. Raises `InputError` naming the
-    argument, or the field of the cell; `OSError` for a log that cannot be written.
+    clock; it is not measured. `log`: a file for the log of the session of the first run (`assur.Session`). `helps`:
+    then changes of the cell are tried, and ``["helps"]`` has what each gives. The same arguments give the same result.
+    Every motion is planned, proved and checked. Raises `InputError` naming the argument, or the field of the cell;
+    `OSError` for a log that cannot be written.
     """
+    from assur.planner.errors import InputError
     from assur.scenes.schema.normal import plain
+    from assur.scenes.simulation.helps import Helps
     from assur.scenes.simulation.simulate import Simulation
 
+    if not isinstance(helps, bool):
+        raise InputError("helps", helps, "True or False")
     made = Simulation(plain(document_of(cell)), minutes, seed, seeds, planning_ms)
     if log is None:
         made.run()
-        return made.document
-    from assur.scenes.session.log import SessionLog
+    else:
+        from assur.scenes.session.log import SessionLog
 
-    with closing(SessionLog(Path(log), made.cell.document)) as record:
-        made.run(record=record)
-    return made.document
+        with closing(SessionLog(Path(log), made.cell.document)) as record:
+            made.run(record=record)
+    if not helps:
+        return made.document
+    trials = Helps(made)
+    trials.run()
+    return made.document | {"helps": trials.document}

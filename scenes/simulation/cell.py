@@ -23,6 +23,7 @@ from assur.scenes.tasks.kept_cell import KeptCellFile
 
 if TYPE_CHECKING:
     from assur.scenes.reading.cell import Surroundings
+    from assur.scenes.streams.arrivals import ArrivingPart
 
 Document = dict[str, Any]
 OF_RUN = ("streams", "selection", "refuge")
@@ -67,6 +68,11 @@ class SimulatedCell:
         for name in {stream.frame for stream in self.streams}:
             frames[name] = {key: _stated_at(value, at_s) for key, value in frames[name].items()}
         return KeptCellFile({**written, "frames": frames})
+
+    def clear_s(self, number: int, part: ArrivingPart) -> float:
+        """When a part of the stream with this number is clear of what is not seen, s."""
+        x = self.unseen[number].clear_m + part.kind.radius_m + part.kind.off_m + self.apart_m
+        return part.passes_s(x, self.streams[number].speed_m_s)
 
     @cached_property
     def counts(self) -> dict[str, int]:

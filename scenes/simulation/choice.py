@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from assur.planner.arrays import FloatArray
     from assur.planner.robots.robot import Robot
     from assur.planner.selection.columns import Times
-    from assur.planner.selection.next_part import Choice
+    from assur.planner.selection.next_part import Choice, KnownPart
     from assur.planner.selection.times import CycleTerms, Lane, Place
     from assur.scenes.reading.cell import Surroundings
     from assur.scenes.reading.robots import RobotWithTool
@@ -94,22 +94,27 @@ class Chooser:
         """The parts that are known, with the names of their streams, best first, for an arm with joints `q` that is
         free at `now_s` after it has filled a slot of a grid (None: it is in the refuge, or near). `filled`: how many
         slots of each grid are."""
-        from assur.planner.selection.next_part import FreeArm, KnownPart, next_part
+        from assur.planner.selection.next_part import FreeArm, next_part
 
         mode = 0
         if len(self.modes) > 1:
             mode = self.modes.index(int(self.robot.mode_of(np.array(q))))
         number = len(self.grids) - 1 if place is None else self.grids.index(place)
-        way = 0.0 if place is None else float(self._point(place, slot))
-        slots = tuple(int(self._point(grid, filled.get(grid, 0))) for grid in self.grids[:-1])
-        rows = []
-        for stream, part in known:
-            lane = self.lane_of(stream, part.y_m)
-            passed_s = part.passes_s(0.0, self.streams[stream].speed_m_s) - self.begins_s[lane]
-            rows.append(KnownPart(part.name, lane, passed_s, self.grids.index(part.kind.to)))
+        way = 0.0 if place is None else float(self.point(place, slot))
+        slots = tuple(int(self.point(grid, filled.get(grid, 0))) for grid in self.grids[:-1])
+        rows = [self.known(stream, part) for stream, part in known]
         return next_part(now_s, FreeArm(number, way, mode, (*slots, 0)), rows, self.times, self.rule)
 
-    def _point(self, grid: str, slot: int) -> int:
+    def known(self, stream: str, part: ArrivingPart) -> KnownPart:
+        """A part of a stream, as the tables have it."""
+        from assur.planner.selection.next_part import KnownPart
+
+        lane = self.lane_of(stream, part.y_m)
+        passed_s = part.passes_s(0.0, self.streams[stream].speed_m_s) - self.begins_s[lane]
+        return KnownPart(part.name, lane, passed_s, self.grids.index(part.kind.to))
+
+    def point(self, grid: str, slot: int) -> int:
+        """The point of the tables for a slot of a grid, which counts from 0."""
         many = self.counts[grid]
         return slot % many if many <= MOST_POINTS else slot % many * MOST_POINTS // many
 

@@ -124,9 +124,7 @@ class Run:
         be."""
         now_s, found, later_s = self.session.clock_s, list[_Known](), math.inf
         for each in self._candidates.values():
-            unseen, stream = self._cell.unseen[each.number], self._cell.streams[each.number]
-            x = unseen.clear_m + each.part.kind.radius_m + each.part.kind.off_m + self._cell.apart_m
-            clear_s = max(each.part.passes_s(x, stream.speed_m_s), self._refused_s.get(each.part.name, -math.inf))
+            clear_s = max(self._cell.clear_s(each.number, each.part), self._refused_s.get(each.part.name, -math.inf))
             if clear_s <= now_s:
                 found.append(each)
             else:

@@ -11,7 +11,6 @@ from assur.scenes.session.session import number
 
 if TYPE_CHECKING:
     from assur.scenes.session.recorded import Record
-    from assur.scenes.simulation.cell import SimulatedCell
 
 Document = dict[str, Any]
 SIMULATION = "assur-simulation/1"
@@ -34,12 +33,27 @@ class Simulation:
         """Raises `InputError` naming the argument, or the field of the cell."""
         from assur.scenes.simulation.cell import simulated
 
-        self.until_s = 60.0 * number("minutes", minutes, LEAST_MINUTES, MOST_MINUTES)
+        self.minutes = number("minutes", minutes, LEAST_MINUTES, MOST_MINUTES)
+        self.until_s = 60.0 * self.minutes
         self.first = whole("seed", seed, 0, MOST_SEED)
         self.count = whole("seeds", seeds, 1, MOST_SEEDS)
         self.planning_ms = number("planning_ms", planning_ms, 0.0, 60_000.0)
-        self.cell: SimulatedCell = simulated(cell)
+        self.given, self.cell = cell, simulated(cell)
         self.runs: list[Document] = []
+
+    def with_cell(self, cell: Document) -> Simulation:
+        """The same runs of another cell. Raises `InputError`, at the field of the cell."""
+        return Simulation(cell, self.minutes, self.first, self.count, self.planning_ms)
+
+    @property
+    def rates(self) -> list[float]:
+        """Parts a minute of each run."""
+        return [run["parts_per_minute"] for run in self.runs]
+
+    @property
+    def complete(self) -> bool:
+        """Whether all runs went to their end."""
+        return all(run["simulated_s"] == self.until_s for run in self.runs) and len(self.runs) == self.count
 
     def run(self, watch: Watch = nothing, record: Record | None = None) -> None:
         """Makes the runs, one after the other. If something is raised meanwhile, the run until then is kept. `record`
@@ -60,7 +74,7 @@ class Simulation:
     @property
     def document(self) -> Document:
         """What the runs come to."""
-        rates = [run["parts_per_minute"] for run in self.runs]
+        rates = self.rates
         total_s = sum(run["simulated_s"] for run in self.runs)
         waiting, refusals = Counter[str](), Counter[str]()
         for run in self.runs:
@@ -74,7 +88,7 @@ class Simulation:
             "planning_ms": self.planning_ms,
             "selection": self.cell.chooser.rule,
             "elbow": self.cell.chooser.elbow,
-            "complete": all(run["simulated_s"] == self.until_s for run in self.runs) and len(self.runs) == self.count,
+            "complete": self.complete,
             "parts_per_minute": sum(rates) / len(rates) if rates else 0.0,
             "interval": interval(rates),
             **{key: sum(run[key] for run in self.runs) for key in ("known", "picked", "placed", "missed")},

@@ -146,3 +146,33 @@ def test_a_log_that_does_not_give_the_same_is_refused(tmp_path: Path) -> None:
 
 def test_the_shipped_cells_are_those_with_streams() -> None:
     assert shipped_cells() == ("soap-flow",)
+
+
+def test_what_would_help_is_printed_and_each_change_can_be_set() -> None:
+    own = ("--set", "streams.soap.mean_s=0.8", "--set", "kinds.soap.dwell_ms=900")
+    code, output, errors = run("simulate", "soap-flow", *BRIEF, *own, "--helps")
+    assert (code, errors) == (RIGHT, "")
+    assert "what would help, in parts a minute" in output
+    assert "one seed: whether a difference is more than chance is not known" in output
+    assert "no dwell: --set kinds.soap.dwell_ms=0\n" in output
+    code, output, _ = run("simulate", "soap-flow", *BRIEF, *own, "--helps", "--json")
+    proved = [row for row in json.loads(output)["helps"] if row["percent"] is not None]
+    assert "no dwell" in {row["what"] for row in proved}
+    for row in proved:
+        values = [text for path, value in row["set"].items() for text in ("--set", f"{path}={json.dumps(value)}")]
+        code, output, _ = run("simulate", "soap-flow", *BRIEF, *own, *values, "--json")
+        assert (code, json.loads(output)["parts_per_minute"]) == (RIGHT, row["parts_per_minute"])
+        assert "helps" not in json.loads(output)
+
+
+def test_what_would_help_is_not_tried_after_runs_that_were_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
+    step = Run.step
+
+    def interrupted(own: Run) -> None:
+        if own.session.clock_s > 6.0:
+            raise KeyboardInterrupt
+        step(own)
+
+    monkeypatch.setattr(Run, "step", interrupted)
+    code, output, _ = run("simulate", "soap-flow", "--minutes", "30", "--helps")
+    assert (code, "what would help: no change was tried" in output) == (INTERRUPTED, True)
