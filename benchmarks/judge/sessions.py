@@ -19,7 +19,7 @@ from benchmarks.judge.cell import Cell, grasp_of
 from benchmarks.judge.faults import Violation, beyond
 from benchmarks.judge.joints_kept import motion_kept
 from benchmarks.judge.laws import seat, seat_then
-from benchmarks.judge.motion import Motion
+from benchmarks.judge.motion import Motion, Phase
 from benchmarks.judge.poses import Document, Floats, Poses, pose_in, short, si
 from benchmarks.judge.product import as_si
 from benchmarks.judge.simulation import FASTEST_M_S, FINER, STEP_S, simulated
@@ -272,10 +272,8 @@ def _untouched(session: Session, world: dict[str, Part], plan: Executed) -> list
     left = {name: time for name, _, time in session.removed}
     found = list[Violation]()
     for name in sorted(there.keys() - listed):
-        until_s = min(plan.until_s, left.get(name, np.inf))
-        found += hits(
-            plan.motion, there[name].solid, str(there[name].frame), there[name].pose, plan.starts_s, until_s, name
-        )
+        seen = looks(plan.motion, plan.starts_s, min(plan.until_s, left.get(name, np.inf)))
+        found += hits(plan.motion, seen, there[name].solid, str(there[name].frame), there[name].pose, name)
     return found
 
 
@@ -283,6 +281,7 @@ def _clear_of_unseen(session: Session, plan: Executed) -> list[Violation]:
     """While a plan is executed the arm touches no part that may come on a stream and was not reported when the plan was
     proposed: at the line then, less the latency, or behind it, at both ends of its lane and of its yaw."""
     found, cell = list[Violation](), plan.cell
+    executed = looks(plan.motion, plan.starts_s, plan.until_s)
     for name, stream in session.document.get("streams", {}).items():
         seen, at = stream["seen"], si(stream, "at", (0.0, 0.0, 0.0))
         at_s = plan.proposed_s - float(si(seen, "latency", 0.0))
@@ -295,35 +294,45 @@ def _clear_of_unseen(session: Session, plan: Executed) -> list[Violation]:
                 x = float(si(seen, "at")) + ahead - back
                 pose = {"frame": stream["frame"], "at_m": [x, at[1] + lane, at[2]], "yaw_rad": yaw, "at_s": at_s}
                 frame, inner = seat_then(cell.request, cell.frames, pose)
-                about = f"unseen {kind} on {name}"
-                found += hits(plan.motion, solid, frame, inner, plan.starts_s, plan.until_s, about)
+                found += hits(plan.motion, executed, solid, frame, inner, f"unseen {kind} on {name}")
     return found
 
 
-def hits(
-    motion: Motion, solid: Solid, frame: str, pose: Poses, from_s: float, until_s: float, name: str
-) -> list[Violation]:
-    """How deep the robot, its tool and what it holds overlap with a solid on a frame, between two times."""
-    found = list[Violation]()
+@dataclass(frozen=True, eq=False)
+class Look:
+    """Instants `t` (K,) of a phase, s, and where robot, tool and what is held are then."""
+
+    phase: Phase
+    t: Floats
+    places: dict[str, Poses]
+
+
+def looks(motion: Motion, from_s: float, until_s: float) -> list[Look]:
+    """All phases of a motion between two times, at instants that are `STEP_S` apart."""
+    found = list[Look]()
     for phase in motion.phases:
-        begin, end = max(phase.stage.t0, from_s), min(phase.stage.t1, until_s)
-        if phase.leg is None:
-            end = until_s
-        if not begin < end:
-            continue
-        t = np.linspace(begin, end, max(int(np.ceil((end - begin) / STEP_S)), 1) + 1)
-        beside = motion.frame(frame, t).then(pose)
-        places = motion.bodies(phase, t, set(phase.carried))
-        for body, at in places.items():
+        begin = max(phase.stage.t0, from_s)
+        end = until_s if phase.leg is None else min(phase.stage.t1, until_s)
+        if begin < end:
+            t = np.linspace(begin, end, max(int(np.ceil((end - begin) / STEP_S)), 1) + 1)
+            found.append(Look(phase, t, motion.bodies(phase, t, set(phase.carried))))
+    return found
+
+
+def hits(motion: Motion, seen: list[Look], solid: Solid, frame: str, pose: Poses, name: str) -> list[Violation]:
+    """How deep the robot, its tool and what it holds overlap with a solid on a frame."""
+    found = list[Violation]()
+    for look in seen:
+        beside = motion.frame(frame, look.t).then(pose)
+        for body, at in look.places.items():
             own = motion.cell.solids[body]
             near = apart_at_least(own, at, solid, beside) < FASTEST_M_S * STEP_S
             if not near.any():
                 continue
             k = int(np.flatnonzero(near)[gaps(own, at[near], solid, beside[near], 0.0).argmin()])
-            finer = np.clip(t[k] + np.linspace(-STEP_S, STEP_S, 2 * FINER + 1), begin, end)
-            deep = -gaps(
-                own, motion.bodies(phase, finer, {body})[body], solid, motion.frame(frame, finer).then(pose), 0.0
-            )
+            finer = np.clip(look.t[k] + np.linspace(-STEP_S, STEP_S, 2 * FINER + 1), look.t[0], look.t[-1])
+            there = motion.bodies(look.phase, finer, {body})[body]
+            deep = -gaps(own, there, solid, motion.frame(frame, finer).then(pose), 0.0)
             worst = int(deep.argmax())
             found += beyond("hit", f"{body}, {name}", float(deep[worst]), PLACE_M, float(finer[worst]))
     return found

@@ -1,0 +1,54 @@
+"""Logs of simulated cells are judged: nothing is found in a run as it is, and a fault that is made is counted."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from assur.scenes.session.session import RunningCell
+from assur.scenes.simulation import cell as simulated_cells
+from assur.scenes.simulation.unseen import Unseen, unseen_of
+from benchmarks.figures import Document
+from benchmarks.flows import FLOWS
+from benchmarks.judged_sessions import SHOWN, figures, judged
+
+MINUTES = 0.15
+
+
+def test_nothing_is_found_in_a_run_as_it_is() -> None:
+    record = judged("mixed-parts", MINUTES, 2)
+    assert (record["faults"], record["findings"]) == ({}, [])
+    assert record["simulated_s"] == pytest.approx(60.0 * MINUTES)
+    assert record["motions"] > record["placed"] > 2
+    worst, minutes, motions, placed = figures([record, record])
+    assert (worst.values, worst.met(), worst.note) == ((0.0,), "yes", "")
+    assert minutes.values == (pytest.approx(2.0 * MINUTES),)
+    assert (motions.values, placed.values) == ((2.0 * record["motions"],), (2.0 * record["placed"],))
+
+
+def test_parts_that_are_known_too_well_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    parts = RunningCell._parts_at
+
+    def exact(self: RunningCell, *a: Any) -> list[Document]:
+        return [{key: value for key, value in part.items() if key != "uncertainty"} for part in parts(self, *a)]
+
+    monkeypatch.setattr(RunningCell, "_parts_at", exact)
+    record = judged("one-lane", MINUTES, 1)
+    assert record["faults"]["known"] >= record["placed"]
+    assert len(record["findings"]) == min(sum(record["faults"].values()), SHOWN)
+    worst = figures([record])[0]
+    assert (worst.values, worst.met()) == ((float(sum(record["faults"].values())),), "no")
+    assert f"known {record['faults']['known']}" in worst.note
+
+
+def test_a_stretch_that_is_not_seen_and_is_put_too_far_away_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    def too_far(*given: Any) -> Unseen:
+        made = unseen_of(*given)
+        at = made.part["pose"]["at_m"]
+        part = {**made.part, "pose": {**made.part["pose"], "at_m": [at[0] - 2.0, *at[1:]]}}
+        return Unseen(made.name, part, made.front_m, made.clear_m - 2.0, made.proved_s)
+
+    monkeypatch.setattr(simulated_cells, "unseen_of", too_far)
+    records = [judged(name, MINUTES, 1) for name in FLOWS]
+    assert sum(record["faults"].get("hit", 0) for record in records) > 0
