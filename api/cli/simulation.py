@@ -50,7 +50,7 @@ def simulate(
     out: Annotated[Path | None, typer.Option("--out", help="Write the result to this file, as JSON.")] = None,
     log: Annotated[Path | None, typer.Option(help="Write the log of the first run to this file (MCAP).")] = None,
     page: Annotated[Path | None, typer.Option(help="Write a page about the first run to this file (HTML).")] = None,
-    helps: Annotated[bool, typer.Option("--helps", help=HELPS)] = False,
+    helps: Annotated[bool, typer.Option("--what-helps", help=HELPS)] = False,
 ) -> int:
     """Run CELL against its streams with motions that are proved and checked: parts a minute, and why not more."""
     from assur.scenes.session.recorded import Events

@@ -235,7 +235,8 @@ def check_rounding(field: str, law: Law, reach: float, begin: float, lasts: floa
     if not reach <= FARTHEST_PLACE_M:
         allowed = (
             f"bodies within {FARTHEST_PLACE_M:g} m of the frame's origin, frames that are fixed on it counted along; "
-            f"one is {reach:.6g} m from it (a conveyor that has run for so long is stated for a later time, by its at_s)"
+            f"one is {reach:.6g} m from it (a conveyor that has run for so long is stated for a later time, by its "
+            f"at_s)"
         )
         raise InputError(field, reach, allowed)
     far = way(law, reach, begin, begin + lasts)

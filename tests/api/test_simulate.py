@@ -150,12 +150,12 @@ def test_the_shipped_cells_are_those_with_streams() -> None:
 
 def test_what_would_help_is_printed_and_each_change_can_be_set() -> None:
     own = ("--set", "streams.soap.mean_s=0.8", "--set", "kinds.soap.dwell_ms=900")
-    code, output, errors = run("simulate", "soap-flow", *BRIEF, *own, "--helps")
+    code, output, errors = run("simulate", "soap-flow", *BRIEF, *own, "--what-helps")
     assert (code, errors) == (RIGHT, "")
     assert "what would help, in parts a minute" in output
     assert "one seed: whether a difference is more than chance is not known" in output
     assert "no dwell: --set kinds.soap.dwell_ms=0\n" in output
-    code, output, _ = run("simulate", "soap-flow", *BRIEF, *own, "--helps", "--json")
+    code, output, _ = run("simulate", "soap-flow", *BRIEF, *own, "--what-helps", "--json")
     proved = [row for row in json.loads(output)["helps"] if row["percent"] is not None]
     assert "no dwell" in {row["what"] for row in proved}
     for row in proved:
@@ -174,5 +174,5 @@ def test_what_would_help_is_not_tried_after_runs_that_were_interrupted(monkeypat
         step(own)
 
     monkeypatch.setattr(Run, "step", interrupted)
-    code, output, _ = run("simulate", "soap-flow", "--minutes", "30", "--helps")
+    code, output, _ = run("simulate", "soap-flow", "--minutes", "30", "--what-helps")
     assert (code, "what would help: no change was tried" in output) == (INTERRUPTED, True)
