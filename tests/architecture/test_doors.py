@@ -156,8 +156,8 @@ def test_the_planner_opens_no_file_knows_no_http_and_reads_no_environment() -> N
     assert worldly(tuple(source for source in sources("planner") if source.name not in COMPILER)) == []
 
 
-ASKING = ("benchmarks.judge.product",)
-"""Modules of the judge that ask the product for answers."""
+ASKING = ("benchmarks.judge.product", "benchmarks.judged_sessions")
+"""What of the judge asks the product for answers, or for the logs of runs."""
 
 
 def shared_with_the_product(found: tuple[Source, ...]) -> list[str]:
