@@ -59,8 +59,8 @@ def simulate(
     from assur.scenes.simulation.simulate import Simulation
 
     given = cell_named(cell, set_values(values))
-    for file in (out, log, page):
-        writable(file, cell)
+    for option, file, others in (("--out", out, (log, page)), ("--log", log, (page,)), ("--page", page, ())):
+        writable(file, cell, *others, option=option)
     announce_compilation()
     with given.located():
         made = Simulation(given.document, minutes, seed, seeds, planning_ms)
@@ -206,7 +206,7 @@ def replay(
 
     if not log.is_file():
         raise InputError("LOG", str(log), "a file that exists: the log of a session")
-    writable(page, str(log))
+    writable(page, str(log), option="--page")
     announce_compilation()
     with console_report.working(f"replaying {log.name}"):
         found = again(log)

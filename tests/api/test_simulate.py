@@ -64,6 +64,8 @@ def test_values_are_set_and_their_faults_are_named_where_they_were_set() -> None
         (("soap-flow", "--minutes", "0.02"), "a stream whose first part is known within 1.2 s"),
         (("soap-flow", "--set", "stream.soap.mean_s=3"), "did you mean streams?"),
         (("soap-flow", "--out", "/"), "assur: --out: "),
+        (("soap-flow", "--log", "/none/x.mcap"), "assur: --log: "),
+        (("soap-flow", "--log", "x", "--page", "x"), "assur: --log: got \"x\"; allowed: another file than those"),
     ],
 )  # fmt: skip
 def test_what_is_not_right_is_refused_in_one_line(arguments: tuple[str, ...], words: str) -> None:
