@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -79,12 +79,8 @@ def simulate(
     if out is not None:
         out.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     if page is not None:
-        from assur.scenes.report.run_report import run_report
-
-        about, notes = str(given.document.get("about", "")), [*words_of_waiting(found), *found["notes"]]
-        text = run_report(events.events, title=given.name, about=about, version=version(), notes=notes)
-        page.write_bytes(text.encode())
-        say(f"page of the first run: {page}, {len(text) / 1000:.0f} kB, opens in a browser without network")
+        notes = [*words_of_waiting(found), *found["notes"]]
+        say(f"page of the first run: {_written(page, given.name, given.document, events.events, notes=notes)}")
     if as_json:
         show_json(found)
     else:
@@ -211,18 +207,22 @@ def replay(
     with console_report.working(f"replaying {log.name}"):
         found = again(log)
     if page is not None:
-        from assur.scenes.report.run_report import run_report
         from assur.scenes.session.log import read_log
 
-        cell, events = read_log(log)
-        about = str(cell.get("about", ""))
-        text = run_report(events, title=log.stem, about=about, version=version(), from_s=from_s)
-        page.write_bytes(text.encode())
-        show(f"page of {log.name}: {page}, {len(text) / 1000:.0f} kB, opens in a browser without network")
+        show(f"page of {log.name}: {_written(page, log.stem, *read_log(log), from_s=from_s)}")
     if found.same:
         show(f"{log.name}: {found.calls} calls, each gives the same again")
         return RIGHT
     return say(f"{log.name}: {found.calls} calls give the same, the next one does not. {found.difference}", WRONG)
+
+
+def _written(page: Path, title: str, cell: Document, events: Iterable[Document], **more: Any) -> str:
+    """Writes the page of a run to a file, and says how large it is."""
+    from assur.scenes.report.run_report import run_report
+
+    text = run_report(events, title=title, about=str(cell.get("about", "")), version=version(), **more)
+    page.write_bytes(text.encode())
+    return f"{page}, {len(text) / 1000:.0f} kB, opens in a browser without network"
 
 
 def _within(low_high: list[float] | None) -> str:

@@ -1,4 +1,4 @@
-"""The first value in which two requests differ."""
+"""The first value in which two requests, or two other documents, differ."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def difference(
     for key in fields:
         if getattr(one, key) != getattr(other, key):
             stated = (each.model_dump(by_alias=True, exclude_none=True, include={key}) for each in (one, other))
-            if path := _first(*stated):
+            if path := first_difference(*stated):
                 return path
     return None
 
@@ -32,7 +32,7 @@ def stated_at(document: object, path: Path) -> str:
     return text if len(text) <= LONGEST_SHOWN else ""
 
 
-def _first(one: Any, other: Any) -> Path:
+def first_difference(one: Any, other: Any) -> Path:
     """The path to the first value that two documents, which differ, have not in common. A list of plain values is one
     value."""
     if isinstance(one, list) and isinstance(other, list) and any(isinstance(each, dict) for each in (*one, *other)):
@@ -42,5 +42,5 @@ def _first(one: Any, other: Any) -> Path:
             if key not in one or key not in other:
                 return (key,)
             if one[key] != other[key]:
-                return (key, *_first(one[key], other[key]))
+                return (key, *first_difference(one[key], other[key]))
     return ()

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
+from assur.scenes.faults import NOTHING, dotted
+from assur.scenes.schema.differences import first_difference
 from assur.scenes.session.recorded import ARGUMENTS, FIRST, OF_FIRST, RecordedCell
 from assur.scenes.tasks.kept_cell import KeptCellFile
 
@@ -40,7 +42,7 @@ class _Comparison:
     def called(self, event: Document) -> None:
         found = json.loads(json.dumps(event))
         if _text(found) != _text(self.expected):
-            where = _differs(self.expected, found, event["call"])
+            where = _differs(self.expected, found)
             self.difference = f"at {event['clock_s']:.6g} s: {where}"
 
     def moved(self, motion: CommittedMotion, from_s: float, to_s: float) -> None:
@@ -87,19 +89,24 @@ def _arguments(event: object) -> dict[str, Any] | None:
     return given if names is not None and isinstance(given, dict) and given.keys() == set(names) else None
 
 
-def _differs(one: Any, other: Any, where: str) -> str:
-    """The first place at which two documents differ, and the values there."""
-    if isinstance(one, dict) and isinstance(other, dict):
-        for key in [*one, *[key for key in other if key not in one]]:
-            if key not in one or key not in other:
-                there, what = ("the log", one[key]) if key in one else ("the replay", other[key])
-                return f"{where}.{key} is only in {there}: {_short(what)}"
-            if _text(one[key]) != _text(other[key]):
-                return _differs(one[key], other[key], f"{where}.{key}")
-    if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
-        k = next(k for k, pair in enumerate(zip(one, other, strict=True)) if _text(pair[0]) != _text(pair[1]))
-        return _differs(one[k], other[k], f"{where}[{k}]")
+def _differs(log: Document, again: Document) -> str:
+    """The first place at which a call of a log and that of the replay differ, and the values there."""
+    path = first_difference(again, log)
+    one, other = (_at(each, path) for each in (log, again))
+    where = dotted((log["call"], *path))
+    if one is NOTHING or other is NOTHING:
+        there, what = ("the replay", other) if one is NOTHING else ("the log", one)
+        return f"{where} is only in {there}: {_short(what)}"
     return f"{where} is {_short(one)} in the log, and {_short(other)} in the replay"
+
+
+def _at(document: Any, path: tuple[str | int, ...]) -> Any:
+    """The value at a path of a document, or NOTHING."""
+    for key in path:
+        if isinstance(document, dict) and key not in document:
+            return NOTHING
+        document = document[key]
+    return document
 
 
 def _text(value: object) -> str:

@@ -84,15 +84,20 @@ def test_a_fault_of_the_cell_has_its_line_and_json_is_read_too(tmp_path: Path) -
     assert (code, json.loads(output)["complete"]) == (RIGHT, True)
 
 
-def test_an_interrupted_simulation_prints_what_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
+def interrupted_after(clock_s: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From now on a run is interrupted, as by Ctrl-C, when its clock is behind this time."""
     step = Run.step
 
     def interrupted(own: Run) -> None:
-        if own.session.clock_s > 6.0:
+        if own.session.clock_s > clock_s:
             raise KeyboardInterrupt
         step(own)
 
     monkeypatch.setattr(Run, "step", interrupted)
+
+
+def test_an_interrupted_simulation_prints_what_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    interrupted_after(6.0, monkeypatch)
     code, output, errors = run("simulate", "soap-flow", "--minutes", "30", "--json")
     assert (code, errors) == (INTERRUPTED, "assur: interrupted: these are the figures until then\n")
     found = json.loads(output)
@@ -168,13 +173,6 @@ def test_what_would_help_is_printed_and_each_change_can_be_set() -> None:
 
 
 def test_what_would_help_is_not_tried_after_runs_that_were_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
-    step = Run.step
-
-    def interrupted(own: Run) -> None:
-        if own.session.clock_s > 6.0:
-            raise KeyboardInterrupt
-        step(own)
-
-    monkeypatch.setattr(Run, "step", interrupted)
+    interrupted_after(6.0, monkeypatch)
     code, output, _ = run("simulate", "soap-flow", "--minutes", "30", "--what-helps")
     assert (code, "what would help: no change was tried" in output) == (INTERRUPTED, True)
