@@ -206,14 +206,14 @@ def replay(
     announce_compilation()
     with console_report.working(f"replaying {log.name}"):
         found = again(log)
-    if page is not None:
+    if not found.same:
+        return say(f"{log.name}: {found.calls} calls give the same, the next one does not. {found.difference}", WRONG)
+    show(f"{log.name}: {found.calls} calls, each gives the same again")
+    if page is not None:  # of calls that are known to be right
         from assur.scenes.session.log import read_log
 
         show(f"page of {log.name}: {_written(page, log.stem, *read_log(log), from_s=from_s)}")
-    if found.same:
-        show(f"{log.name}: {found.calls} calls, each gives the same again")
-        return RIGHT
-    return say(f"{log.name}: {found.calls} calls give the same, the next one does not. {found.difference}", WRONG)
+    return RIGHT
 
 
 def _written(page: Path, title: str, cell: Document, events: Iterable[Document], **more: Any) -> str:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from assur.scenes.session.committed import CommittedMotion
 
 Document = dict[str, Any]
+FORMS = {"fields": dict, "steps": list}
+"""Arguments that a call takes apart; all others it examines itself."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,9 @@ def _arguments(event: object) -> dict[str, Any] | None:
         return None
     names = OF_FIRST if event["call"] == FIRST else ARGUMENTS.get(event["call"])
     given = event.get("arguments")
-    return given if names is not None and isinstance(given, dict) and given.keys() == set(names) else None
+    if names is None or not isinstance(given, dict) or given.keys() != set(names):
+        return None
+    return given if all(isinstance(given[key], form) for key, form in FORMS.items() if key in given) else None
 
 
 def _differs(log: Document, again: Document) -> str:

@@ -152,6 +152,8 @@ def test_a_replay_says_what_differs_first(
         lambda e: of(e, "see").update(call=["see"]),
         lambda e: of(e, "see")["arguments"].update(more=1),
         lambda e: of(e, "see").update(arguments=[]),
+        lambda e: of(e, "see")["arguments"].update(fields=7),
+        lambda e: of(e, "propose")["arguments"].update(steps=7),
         lambda e: of(e, "session")["arguments"].pop("refuge"),
     ],
 )

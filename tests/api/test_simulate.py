@@ -139,8 +139,9 @@ def test_a_log_that_does_not_give_the_same_is_refused(tmp_path: Path) -> None:
     for event in events:
         changed.called({**event, "clock_s": event["clock_s"] + 1e-9} if event["call"] == "commit" else event)
     changed.close()
-    code, output, errors = run("replay", str(tmp_path / "other.mcap"))
-    assert (code, output) == (WRONG, "")
+    page = tmp_path / "other.html"
+    code, output, errors = run("replay", str(tmp_path / "other.mcap"), "--page", str(page))
+    assert (code, output, page.exists()) == (WRONG, "", False)
     assert "commit.clock_s is" in errors
     for arguments, words in (
         ((str(tmp_path / "none"),), "assur: LOG: "),
