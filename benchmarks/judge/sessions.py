@@ -23,7 +23,7 @@ from benchmarks.judge.motion import Motion, Phase
 from benchmarks.judge.poses import Document, Floats, Poses, pose_in, short, si
 from benchmarks.judge.product import as_si
 from benchmarks.judge.simulation import FASTEST_M_S, FINER, STEP_S, simulated
-from benchmarks.judge.solids import Solid, apart_at_least, gaps, solid_of
+from benchmarks.judge.solids import Solid, apart, gaps, middle, solid_of
 
 JUMPS = (1e-9, 1e-7, 1e-5)
 """Most by which q, q̇ and q̈ may differ where one plan follows another, SI."""
@@ -92,6 +92,7 @@ class Session:
         first, self.document = events[0], cell
         self.planning_s = float(first["arguments"]["planning_ms"]) / 1e3
         self.refuge = cell["positions"][first["arguments"]["refuge"]]
+        self.solids = {name: solid_of(kind["shape"]) for name, kind in cell.get("kinds", {}).items()}
         self.plans = [self._plan(first, 0, float(first["clock_s"]))]
         self.sightings: list[Sighting] = []
         self.removed: list[tuple[str, int, float]] = []
@@ -134,9 +135,8 @@ class Session:
         frame, inner = (seat_then if "at_s" in pose else seat)(cell.request, cell.frames, pose)
         off = {**kind.get("uncertainty", {}), **fields.get("uncertainty", {})}
         unknown = {key: float(si(off, key, 0.0)) for key in ("position", "vertical", "yaw")}
-        return Sighting(
-            name, number, clock_s, float(pose.get("at_s", clock_s)), frame, inner, unknown, solid_of(kind["shape"])
-        )
+        solid = self.solids[fields["kind"]] if "kind" in fields else solid_of(kind["shape"])
+        return Sighting(name, number, clock_s, float(pose.get("at_s", clock_s)), frame, inner, unknown, solid)
 
 
 def broken_sessions(cell: Document, events: Sequence[Document], runs: int = 8) -> list[Violation]:
@@ -269,19 +269,22 @@ def _untouched(session: Session, world: dict[str, Part], plan: Executed) -> list
         if each.name not in there and plan.starts_s < each.clock_s <= plan.until_s + AHEAD_S and each.name not in world:
             there[each.name] = Part(each.frame, each.pose, each.seen_s, each.solid)
     listed = {body["name"] for body in plan.motion.request.get("bodies", [])}
-    left = {name: time for name, _, time in session.removed}
-    found = list[Violation]()
+    left = {name: time for name, _, time in session.removed if time < plan.until_s}
+    alike = dict[tuple[Solid, str, float], list[str]]()
     for name in sorted(there.keys() - listed):
-        seen = looks(plan.motion, plan.starts_s, min(plan.until_s, left.get(name, np.inf)))
-        found += hits(plan.motion, seen, there[name].solid, str(there[name].frame), there[name].pose, name)
-    return found
+        alike.setdefault((there[name].solid, str(there[name].frame), left.get(name, np.inf)), []).append(name)
+    others = []
+    for (solid, frame, until_s), names in alike.items():
+        places = [there[name].pose for name in names]
+        poses = Poses(np.stack([each.r for each in places]), np.stack([each.p for each in places]))
+        others.append(Other(names, solid, frame, poses, until_s))
+    return hits(plan.motion, looks(plan.motion, plan.starts_s, plan.until_s), others)
 
 
 def _clear_of_unseen(session: Session, plan: Executed) -> list[Violation]:
     """While a plan is executed the arm touches no part that may come on a stream and was not reported when the plan was
     proposed: at the line then, less the latency, or behind it, at both ends of its lane and of its yaw."""
-    found, cell = list[Violation](), plan.cell
-    executed = looks(plan.motion, plan.starts_s, plan.until_s)
+    others, cell = list[Other](), plan.cell
     for name, stream in session.document.get("streams", {}).items():
         seen, at = stream["seen"], si(stream, "at", (0.0, 0.0, 0.0))
         at_s = plan.proposed_s - float(si(seen, "latency", 0.0))
@@ -289,13 +292,24 @@ def _clear_of_unseen(session: Session, plan: Executed) -> list[Violation]:
         yaws = np.unique(si(stream, "yaw", (0.0,)))
         for kind in [stream["kind"]] if "kind" in stream else stream["kinds"]:
             given = session.document["kinds"][kind]
-            solid, ahead = solid_of(given["shape"]), float(si(given.get("uncertainty", {}), "position", 0.0))
-            for back, lane, yaw in product(BEHIND_M, lanes, yaws):
-                x = float(si(seen, "at")) + ahead - back
-                pose = {"frame": stream["frame"], "at_m": [x, at[1] + lane, at[2]], "yaw_rad": yaw, "at_s": at_s}
-                frame, inner = seat_then(cell.request, cell.frames, pose)
-                found += hits(plan.motion, executed, solid, frame, inner, f"unseen {kind} on {name}")
-    return found
+            ahead = float(si(given.get("uncertainty", {}), "position", 0.0))
+            x = float(si(seen, "at")) + ahead - BEHIND_M
+            where = np.array([(*place, at[2]) for place in product(x, at[1] + lanes, yaws)])
+            pose = {"frame": stream["frame"], "at_m": where[:, [0, 1, 3]], "yaw_rad": where[:, 2], "at_s": at_s}
+            frame, inner = seat_then(cell.request, cell.frames, pose)
+            others.append(Other([f"unseen {kind} on {name}"] * len(where), session.solids[kind], frame, inner))
+    return hits(plan.motion, looks(plan.motion, plan.starts_s, plan.until_s), others)
+
+
+@dataclass(frozen=True, eq=False)
+class Other:
+    """Solids of one shape that a plan does not know, at poses (K,) in a frame, until they are taken away."""
+
+    names: list[str]
+    solid: Solid
+    frame: str
+    poses: Poses
+    until_s: float = np.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -319,22 +333,28 @@ def looks(motion: Motion, from_s: float, until_s: float) -> list[Look]:
     return found
 
 
-def hits(motion: Motion, seen: list[Look], solid: Solid, frame: str, pose: Poses, name: str) -> list[Violation]:
-    """How deep the robot, its tool and what it holds overlap with a solid on a frame."""
+def hits(motion: Motion, seen: list[Look], others: Sequence[Other]) -> list[Violation]:
+    """How deep the robot, its tool and what it holds overlap with solids on frames."""
     found = list[Violation]()
     for look in seen:
-        beside = motion.frame(frame, look.t).then(pose)
-        for body, at in look.places.items():
-            own = motion.cell.solids[body]
-            near = apart_at_least(own, at, solid, beside) < FASTEST_M_S * STEP_S
-            if not near.any():
-                continue
-            k = int(np.flatnonzero(near)[gaps(own, at[near], solid, beside[near], 0.0).argmin()])
-            finer = np.clip(look.t[k] + np.linspace(-STEP_S, STEP_S, 2 * FINER + 1), look.t[0], look.t[-1])
-            there = motion.bodies(look.phase, finer, {body})[body]
-            deep = -gaps(own, there, solid, motion.frame(frame, finer).then(pose), 0.0)
-            worst = int(deep.argmax())
-            found += beyond("hit", f"{body}, {name}", float(deep[worst]), PLACE_M, float(finer[worst]))
+        for other in others:
+            now = look.t <= other.until_s
+            frame = motion.frame(other.frame, look.t)
+            middles = frame.points(middle(other.solid, other.poses)[:, None])
+            for body, at in look.places.items():
+                own = motion.cell.solids[body]
+                near = (apart(own, middle(own, at), other.solid, middles) < FASTEST_M_S * STEP_S) & now
+                for row in np.flatnonzero(near.any(axis=1)):
+                    pose, there = other.poses[row], near[row]
+                    gap = gaps(own, at[there], other.solid, frame[there].then(pose), 0.0)
+                    k = int(np.flatnonzero(there)[gap.argmin()])
+                    span = look.t[0], min(look.t[-1], other.until_s)
+                    finer = np.clip(look.t[k] + np.linspace(-STEP_S, STEP_S, 2 * FINER + 1), *span)
+                    place = motion.bodies(look.phase, finer, {body})[body]
+                    deep = -gaps(own, place, other.solid, motion.frame(other.frame, finer).then(pose), 0.0)
+                    worst = int(deep.argmax())
+                    about = f"{body}, {other.names[row]}"
+                    found += beyond("hit", about, float(deep[worst]), PLACE_M, float(finer[worst]))
     return found
 
 

@@ -107,7 +107,12 @@ def tilted(solid: Solid, pitch: float, roll: float) -> Solid:
 
 def apart_at_least(a: Solid, at: Poses, b: Solid, beside: Poses) -> Floats:
     """A lower bound (...) of the gap, by the upright cylinders that hold both."""
-    delta = _middle(b, beside) - _middle(a, at)
+    return apart(a, middle(a, at), b, middle(b, beside))
+
+
+def apart(a: Solid, one: Floats, b: Solid, other: Floats) -> Floats:
+    """The same of solids whose middles are at `one` and `other` (..., 3)."""
+    delta = other - one
     flat = np.hypot(delta[..., 0], delta[..., 1]) - a.radius - b.radius
     return np.asarray(np.maximum(flat, np.abs(delta[..., 2]) - a.height - b.height))
 
@@ -133,10 +138,10 @@ def _by_coal(a: Solid, at: Poses, b: Solid, beside: Poses, enough: float) -> flo
     other, there = shape_of(b), beside
     if a.triangles is None:
         return Gap(shape_of(a), other).at(at, there)
-    world, middle, half = at.points(a.triangles), _middle(b, beside), [b.radius, b.radius, b.height]
-    apart = np.maximum(middle - half - world.max(axis=1), world.min(axis=1) - middle - half).max(axis=1)
-    found = [Gap(_triangle(corners), other).at(UNMOVED, there) for corners in world[apart < enough]]
-    return float(min(found)) if found else float(apart.min())
+    world, at_b, half = at.points(a.triangles), middle(b, beside), [b.radius, b.radius, b.height]
+    least = np.maximum(at_b - half - world.max(axis=1), world.min(axis=1) - at_b - half).max(axis=1)
+    found = [Gap(_triangle(corners), other).at(UNMOVED, there) for corners in world[least < enough]]
+    return float(min(found)) if found else float(least.min())
 
 
 def _triangle(corners: Floats) -> Shape:
@@ -220,12 +225,13 @@ class Gap:
         return found
 
 
-def _middle(solid: Solid, at: Poses) -> Floats:
+def middle(solid: Solid, at: Poses) -> Floats:
+    """Where the middle of the core is (..., 3), with the solid at poses (...)."""
     return at.points(solid.offset) if any(solid.offset) else at.p
 
 
 def _core_gap(a: Solid, at: Poses, b: Solid, beside: Poses) -> Floats:
-    delta = _middle(b, beside) - _middle(a, at)
+    delta = middle(b, beside) - middle(a, at)
     c, s = at.r[..., 0, 0], at.r[..., 1, 0]
     # the middle of b in the axes of a, and the other way round
     x, y = c * delta[..., 0] + s * delta[..., 1], c * delta[..., 1] - s * delta[..., 0]
