@@ -1,0 +1,64 @@
+"""``python -m benchmarks.simulation_memory``: what a run of 100,000 parts keeps in memory.
+
+One run of a belt-to-nest cell (`benchmarks.flows`), every motion planned, proved and checked. The memory of the process
+is read each 1 % of the run. Until the first reading libraries and kernels are loaded, and what is kept is made.
+"""
+
+from __future__ import annotations
+
+import gc
+import resource
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import track
+
+from assur.scenes.simulation.cell import simulated
+from assur.scenes.simulation.run import Run
+from benchmarks.figures import Document, figure, finish
+from benchmarks.flows import flow
+
+PARTS, FEW_PARTS = 100_000, 40
+CELL, PERIOD_S = "belt-to-nest", 1.0
+"""A part comes so often in this cell."""
+READINGS = 100
+MIB = 2**20
+STATM = Path("/proc/self/statm")
+
+
+def main(
+    parts: Annotated[int, typer.Option(help="Number of parts that come.")] = PARTS,
+    quick: Annotated[bool, typer.Option("--quick", help="A few parts.")] = False,
+) -> None:
+    """Measure what a long run keeps."""
+    parts = FEW_PARTS if quick else parts
+    records = measured(parts)
+
+    def grown(rows: list[Document]) -> float:
+        return float(max(row["resident_mib"] for row in rows) - rows[0]["resident_mib"])
+
+    figures = [
+        figure("memory that grows in a long run", [records], grown, "MiB", (20.0,), note=f"{parts} parts come"),
+        figure("motions in it, proved and checked", [records], lambda rows: rows[-1]["checked"], decimals=0),
+    ]
+    finish("simulation_memory", "memory of a long run", quick, {"parts": parts}, records, figures)
+
+
+def measured(parts: int) -> dict[str, Document]:
+    """The records of a run of so many parts: the resident memory, MiB, and the motions until then."""
+    until_s, records = parts * PERIOD_S, dict[str, Document]()
+    run = Run(simulated(flow(CELL)), 1, until_s, 20.0)
+    for number in track(range(1, READINGS + 1), "parts", console=Console(stderr=True)):
+        while run.session.clock_s < until_s * number / READINGS:
+            run.step()
+        gc.collect()
+        resident = int(STATM.read_text(encoding="ascii").split()[1]) * resource.getpagesize()
+        figures = {key: getattr(run.tally, key) for key in ("plans", "checked")}
+        records[f"{number} %"] = {"resident_mib": resident / MIB, **figures, "findings": []}
+    return records
+
+
+if __name__ == "__main__":
+    typer.run(main)
