@@ -63,7 +63,7 @@ def run_report(
     cards = [card("About this cell", f"<p>{html.escape(about)}</p>", wide=True)] if about else []
     cards += [
         card("The run", figures),
-        card("What to know", lines([*_known(found), _played(played, starts_s)], "")),
+        card(f"What to know{_over(found)}", lines([*_known(found), _played(played, starts_s)], "")),
         card(
             "What the arm does, a line for each minute", by_minutes(_spans(plans), starts_s, until_s, DOES), wide=True
         ),
@@ -139,9 +139,14 @@ def _helps(found: Document | None) -> list[str]:
     """What would help, if that was tried."""
     if found is None or "helps" not in found:
         return []
-    many = len(found["runs"])
     tried = _table(words.TRIALS, words.trials(found["helps"])) if found["helps"] else "<p>no change was tried</p>"
-    return [card(f"What would help, over {many} run{'s' * (many > 1)}", tried, wide=True)]
+    return [card(f"What would help{_over(found)}", tried, wide=True)]
+
+
+def _over(found: Document | None) -> str:
+    """Over how many runs figures are, where these are more than the run of the page."""
+    many = 1 if found is None else len(found["runs"])
+    return f", over {many} runs" if many > 1 else ""
 
 
 def _table(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

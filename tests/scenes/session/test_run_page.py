@@ -38,7 +38,7 @@ FOUND: Document = {
     "waiting": {"bodies": 0.25, "planning": 1e-5},
     "notes": [],
     "helps": [TRIAL],
-    "runs": [{"legs": [LEG]}],
+    "runs": [{"legs": [LEG]}, {"legs": []}],
 }
 
 
@@ -117,7 +117,7 @@ def test_the_page_has_the_figures_of_the_run_and_fetches_nothing(
     assert "Parts &amp; belts are a bottleneck." in page
     assert "The arm waits for bodies to pass, 25.0 % of the time." in page
     assert "velocity of j1 (3 of 4)" in page
-    assert "What would help, over 1 run<" in page
+    assert "What would help, over 2 runs<" in page
     assert "no dwell &amp; no wait" in page
     placed, lasts_s = sum(len(each.handled("place")) for each in plans), plans[-1].until_s - plans[0].starts_s
     assert f"{60 * placed / lasts_s:.1f} parts a minute" in page
