@@ -19,23 +19,13 @@ from assur.api.cli.console_report import rows
 from assur.api.cli.inputs import Values, set_values
 from assur.api.version import version
 from assur.planner.errors import InputError
+from assur.scenes.simulation.words import LEGS, ONE_SEED, TRIALS, legs, pick_error, share_of_time, trials, waits
 
 if TYPE_CHECKING:
     from assur.scenes.session.recorded import Events, Record
     from assur.scenes.simulation.simulate import Simulation, Watch
 
 Document = dict[str, Any]
-WORDS = {
-    "part": "a part",
-    "unseen": "a part to be clear of what is not seen yet",
-    "bodies": "bodies to pass",
-    "reach": "a part that it can reach in its window",
-    "refused": "a part that can be planned",
-    "planning": "the end of planning",
-}
-"""What the arm waits for, in words."""
-LEAST_SHARE = 5e-4
-"""Least share of the time that is printed."""
 HELPS = "Then try what would help: changes of the cell, the best three with motions that are proved, too."
 
 
@@ -79,8 +69,7 @@ def simulate(
     if out is not None:
         out.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     if page is not None:
-        notes = [*words_of_waiting(found), *found["notes"]]
-        say(f"page of the first run: {_written(page, given.name, given.document, events.events, notes=notes)}")
+        say(f"page of the first run: {_written(page, given.name, given.document, events.events, found=found)}")
     if as_json:
         show_json(found)
     else:
@@ -129,67 +118,37 @@ def words(name: str, found: Document) -> Iterator[Any]:
     minutes = sum(run["simulated_s"] for run in runs) / 60.0
     seeds = f", seeds {runs[0]['seed']} to {runs[-1]['seed']}" if len(runs) > 1 else f", seed {runs[0]['seed']}"
     yield f"{name}: {found['parts_per_minute']:.1f} parts a minute{_within(low_high)}"
+    yield found["bottleneck"]
     yield f"simulated {minutes:.4g} min{seeds}, {found['selection']}, elbow {found['elbow'] or 'as the arm has it'}"
     yield ""
     cycle_s = "none" if found["cycle_s"] is None else f"{found['cycle_s']:.3f} s"
     lines = [(key, f"{found[key]}") for key in ("known", "picked", "placed", "missed")]
     lines += [("mean cycle", f"{cycle_s} (without obstacles and waits {found['table_cycle_s']:.3f} s)")]
-    lines += [("the arm takes parts", _share(found["moving"]))]
-    lines += _waits(found)
+    lines += [("the arm takes parts", share_of_time(found["moving"])), *waits(found)]
+    lines += [("worst error of a pick", pick_error(found))]
     lines += [("motions checked", f"{found['checked']}, of {found['plans']} that were planned")]
     lines += [(f"not planned: {reason}", f"{count}") for reason, count in found["refusals"].items()]
     yield rows(("parts", ""), lines)
     yield from (f"{reason}, {found['examples'][reason]}" for reason in found["refusals"])
+    yield from ("", rows(LEGS, [*legs(found)])) if found["legs"] else ()
     yield from ([""] if found["notes"] else [])
     yield from (f"note: {note}" for note in found["notes"])
     if "helps" in found:
         yield from _words_of_helps(found["helps"], len(runs))
 
 
-def _words_of_helps(trials: list[Document], seeds: int) -> Iterator[Any]:
+def _words_of_helps(helps: list[Document], seeds: int) -> Iterator[Any]:
     """What the changes of a cell give, and how each is made."""
     yield ""
-    if not trials:
+    if not helps:
         yield "what would help: no change was tried"
         return
-    cells = []
-    for trial in trials:
-        low_high = "" if trial["interval"] is None else "{:+.1f} to {:+.1f} %".format(*trial["interval"])
-        cells.append(
-            (trial["what"], _percent(trial["table_percent"]), _percent(trial["percent"]), low_high, _is(trial))
-        )
-    yield rows(("what would help, in parts a minute", ">with table times", ">proved", ">95 % interval", ""), cells)
+    yield rows(TRIALS, [*trials(helps)])
     if seeds == 1:
-        yield "one seed: whether a difference is more than chance is not known; --seeds 5 gives an interval"
-    for trial in trials:
+        yield ONE_SEED
+    for trial in helps:
         values = (shlex.quote(f"{path}={json.dumps(value)}") for path, value in trial["set"].items())
         yield f"{trial['what']}: {' '.join(f'--set {value}' for value in values)}"
-
-
-def _is(trial: Document) -> str:
-    """What a trial has shown, in words."""
-    if trial["fault"] is not None:
-        return f"ended with an error: {trial['fault']}"
-    if trial["gain"] is None:
-        return "table times only" if trial["percent"] is None else "one seed"
-    if trial["gain"]:
-        return "a gain"
-    return "a loss" if trial["interval"][1] < 0.0 else "within chance"
-
-
-def _percent(value: float | None) -> str:
-    return "" if value is None else f"{value:+.1f} %"
-
-
-def words_of_waiting(found: Document) -> Iterator[str]:
-    """What the arm waits for, in sentences."""
-    for what, share in _waits(found):
-        yield f"The arm {what}, {share}."
-
-
-def _waits(found: Document) -> list[tuple[str, str]]:
-    shares = [(WORDS[reason], share) for reason, share in found["waiting"].items() if share >= LEAST_SHARE]
-    return [(f"waits for {what}", _share(share)) for what, share in shares]
 
 
 def replay(
@@ -227,7 +186,3 @@ def _written(page: Path, title: str, cell: Document, events: Iterable[Document],
 
 def _within(low_high: list[float] | None) -> str:
     return "" if low_high is None else f" (95 % interval {low_high[0]:.1f} to {low_high[1]:.1f})"
-
-
-def _share(share: float) -> str:
-    return f"{100.0 * share:.1f} % of the time"

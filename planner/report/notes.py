@@ -20,6 +20,11 @@ from assur.planner.trajectory import Trajectory
 
 NEAR_PEAK = 0.01
 """A limit is used within this share of its peak."""
+AT_LIMIT, BOUND = 0.9, 0.5
+"""A joint is at a limit where it uses this share of it or more: a motion that meets a moving point is often a few per
+cent slower than it could be. A limit binds a phase if its joint is at a limit for this share of the phase or more."""
+SAMPLES = 64
+"""Instants of a phase at which this is evaluated."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +39,7 @@ class MostUsed:
     @property
     def binds(self) -> str:
         """The limit and its share in words."""
-        return f"{self.kind} of {self.joint or 'the carried part'} ({100 * self.share:.0f} %)"
+        return f"{_limit_words(self.kind, self.joint)} ({100 * self.share:.0f} %)"
 
     @property
     def helps(self) -> str:
@@ -59,6 +64,31 @@ def busiest(
         carried = np.any([(t >= p.t0) & (t <= p.t1) for p in phases if p.attached.held is not None], axis=0)
         used = np.where(carried, tool_accelerations(scene, trajectory, t) / (scene.carry_acceleration or np.inf), 0.0)
     return _longest(phases, t, lasts, used >= (1.0 - NEAR_PEAK) * limit.share)
+
+
+def binding_limit(scene: Scene, trajectory: Trajectory, phase: Phase) -> str:
+    """The limit that binds a phase, in words: that at which the joint is longest that is at its limits longest; else
+    the acceleration of the carried part, for whose peak a motion is slowed down. Empty where neither is at a limit: the
+    motion is slower than the arm could be, as one is that comes in time for its point."""
+    from assur.planner.legs.tool_motion import tool_accelerations  # kernels, which no writer of answers may load
+
+    t, limits = np.linspace(phase.t0, phase.t1, SAMPLES), phase.attached.limits(scene)
+    kinds = RATES if scene.options.jerk_limited else RATES[:2]
+    used = [np.abs(trajectory.evaluate(t, 1 + k)) / getattr(limits, kind) for k, kind in enumerate(kinds)]
+    at_limit = np.array(used) >= AT_LIMIT
+    shares = at_limit.any(axis=0).mean(axis=0)
+    joint, carry = int(shares.argmax()), scene.carry_acceleration
+    if shares[joint] >= BOUND:
+        kind = kinds[int(at_limit[:, :, joint].sum(axis=1).argmax())]
+        return _limit_words(kind, scene.robot.joints[joint].name)
+    if carry is not None and phase.attached.held is not None:
+        peak = float(tool_accelerations(scene, trajectory, t).max())
+        return _limit_words("acceleration", "") if peak >= AT_LIMIT * carry else ""
+    return ""
+
+
+def _limit_words(kind: str, joint: str) -> str:
+    return f"{kind} of {joint or 'the carried part'}"
 
 
 def _longest(phases: tuple[Phase, ...], t: FloatArray, lasts: FloatArray, at_peak: BoolArray) -> Busiest | None:

@@ -12,12 +12,13 @@ import numpy as np
 from assur.planner.errors import InputError
 from assur.scenes.answer import NOTICE
 from assur.scenes.report.assembly import page
-from assur.scenes.report.report import card, lines, pairs, table, text
-from assur.scenes.report.report import number as with_digits
+from assur.scenes.report.report import card, lines, pairs, table
 from assur.scenes.report.run_charts import Span, by_minutes, histogram, over_time
 from assur.scenes.requests import cell_of
-from assur.scenes.session.executed import LoggedPlan, executed_plans
+from assur.scenes.session.executed import LoggedPlan, executed_plans, worst
 from assur.scenes.session.session import number
+from assur.scenes.simulation import words
+from assur.scenes.simulation.leg_times import LegTimes
 from assur.scenes.view.run import ExecutedPlan, run_view
 
 Document = dict[str, Any]
@@ -36,11 +37,17 @@ TRACKING = ("APPROACH", "FOLLOW", "DEPART")
 
 
 def run_report(
-    events: Iterable[Document], *, title: str, about: str, version: str, from_s: float = 0.0, notes: Sequence[str] = ()
+    events: Iterable[Document],
+    *,
+    title: str,
+    about: str,
+    version: str,
+    from_s: float = 0.0,
+    found: Document | None = None,
 ) -> str:
     """The page as HTML. `events`: the calls of a log; `from_s`: since the start of the run, when what is played begins;
-    `notes`: what else is known of the run, in sentences. Raises `InputError` for calls in which no motion was executed,
-    and for a time behind the run."""
+    `found`: the result of the simulation whose first run this is, if it is one. Raises `InputError` for calls in which
+    no motion was executed, and for a time behind the run."""
     plans, until_s = executed_plans(events)
     if not plans:
         raise InputError("log", "no motion", "the log of a session whose clock was advanced")
@@ -56,13 +63,14 @@ def run_report(
     cards = [card("About this cell", f"<p>{html.escape(about)}</p>", wide=True)] if about else []
     cards += [
         card("The run", figures),
-        card("What to know", lines([*notes, _played(played, starts_s)], "")),
+        card(f"What to know{_over(found)}", lines([*_known(found), _played(played, starts_s)], "")),
         card(
             "What the arm does, a line for each minute", by_minutes(_spans(plans), starts_s, until_s, DOES), wide=True
         ),
         card("Parts a minute, over a minute each", over_time(placed, starts_s, until_s), wide=True),
         card("Cycles, from the start of one plan with a place to that of the next", histogram(cycles), wide=True),
-        card("Legs", _legs(plans), wide=True),
+        card("Legs", _legs(plans, found), wide=True),
+        *_helps(found),
         card("Versions", pairs([("assur", version), ("Python", platform.python_version()), ("NumPy", np.__version__)])),
         card("What this is not", f"<p>{html.escape(NOTICE)}</p>", wide=True),
     ]
@@ -82,6 +90,7 @@ def _figures(plans: Sequence[LoggedPlan], placed: Sequence[float], cycles: Seque
         ("picked, put down", f"{picked}, {len(placed)}"),
         ("cycle, mean and median", _both(cycles)),
         ("the arm moves", f"{100.0 * moving / lasts_s:.0f} % of the time"),
+        ("worst error of a pick", words.pick_error({"worst_pick_error": worst(each.pick_error() for each in plans)})),
         ("plans, each proved", str(len(plans))),
     ]
     return pairs(rows)
@@ -110,15 +119,36 @@ def _spans(plans: Sequence[LoggedPlan]) -> Iterator[Span]:
             yield leg["from_s"], leg["to_s"], what or ("run-home" if home else "run-pick")
 
 
-def _legs(plans: Sequence[LoggedPlan]) -> str:
-    """How long the arm does what."""
-    times: dict[str, list[float]] = {what: [] for what in DOES}
-    for begin, end, what in _spans(plans):
-        times[what].append(end - begin)
-    whole = sum(sum(each) for each in times.values()) or 1.0
-    rows = [
-        [text(DOES[what]), with_digits(len(each), 0), with_digits(sum(each) / len(each) if each else None, 3),
-         with_digits(sum(each) / whole, 1, 100.0)]
-        for what, each in times.items()
-    ]  # fmt: skip
-    return table(["leg", "count", "mean s", "% of the motion"], rows)
+def _known(found: Document | None) -> list[str]:
+    """What a simulation has found, over all of its runs, in sentences."""
+    if found is None:
+        return []
+    waiting = [f"The arm {what}, {share}." for what, share in words.waits(found)]
+    return [found["bottleneck"], *waiting, *found["notes"]]
+
+
+def _legs(plans: Sequence[LoggedPlan], found: Document | None) -> str:
+    """How long the legs take; of a simulation what binds them, too."""
+    times, lasts_s = LegTimes(), plans[-1].until_s - plans[0].starts_s
+    for plan in plans:
+        times.add_plan(plan)
+    return _table(words.LEGS, words.legs({"legs": times.rows(lasts_s)} if found is None else found["runs"][0]))
+
+
+def _helps(found: Document | None) -> list[str]:
+    """What would help, if that was tried."""
+    if found is None or "helps" not in found:
+        return []
+    tried = _table(words.TRIALS, words.trials(found["helps"])) if found["helps"] else "<p>no change was tried</p>"
+    return [card(f"What would help{_over(found)}", tried, wide=True)]
+
+
+def _over(found: Document | None) -> str:
+    """Over how many runs figures are, where these are more than the run of the page."""
+    many = 1 if found is None else len(found["runs"])
+    return f", over {many} runs" if many > 1 else ""
+
+
+def _table(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    right = [title.startswith(">") for title in titles]
+    return table([title.removeprefix(">") for title in titles], [[*zip(row, right, strict=True)] for row in rows])

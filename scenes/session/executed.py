@@ -10,6 +10,13 @@ from assur.scenes.session.recorded import FIRST
 
 Document = dict[str, Any]
 OF_STEP = ("pick", "place", "move", "follow", "trace")
+OF_ERROR = ("position_m", "yaw_rad")
+
+
+def worst(errors: Iterable[Document]) -> Document:
+    """Of errors of arrivals the largest distance, m, and the largest yaw, rad; 0 without any."""
+    every = [*errors]
+    return {key: max((each[key] for each in every), default=0.0) for key in OF_ERROR}
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +35,11 @@ class LoggedPlan:
             if leg["from_s"] < self.until_s:
                 kind = next(key for key in OF_STEP if key in self.request["task"][leg["step"]])
                 yield {**leg, "to_s": min(leg["to_s"], self.until_s)}, kind, leg["step"] == last
+
+    def pick_error(self) -> Document:
+        """The worst error of the parts that were gripped, as far as the proof allows one."""
+        at_s = self.handled("pick")
+        return worst(each["error"] for each in self.answer["arrivals"] if each["until_s"] in at_s and each.get("error"))
 
     def handled(self, kind: str) -> list[float]:
         """When parts were gripped (``pick``) or put down (``place``), s."""

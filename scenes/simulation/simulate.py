@@ -7,7 +7,10 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
+from assur.scenes.session.executed import worst
 from assur.scenes.session.session import number
+from assur.scenes.simulation.leg_times import of_runs
+from assur.scenes.simulation.words import bottleneck
 
 if TYPE_CHECKING:
     from assur.scenes.session.recorded import Record
@@ -82,7 +85,7 @@ class Simulation:
             refusals.update(run["refusals"])
         cycles = [(run["placed"], run["cycle_s"]) for run in self.runs if run["cycle_s"] is not None]
         many = sum(placed for placed, _ in cycles)
-        return {
+        found = {
             "schema": SIMULATION,
             "minutes": self.until_s / 60.0,
             "planning_ms": self.planning_ms,
@@ -96,12 +99,15 @@ class Simulation:
             "table_cycle_s": float(self.cell.chooser.nominal_s),
             "moving": sum(run["moving"] * run["simulated_s"] for run in self.runs) / total_s if total_s else 0.0,
             "waiting": {reason: time_s / total_s for reason, time_s in waiting.most_common()},
+            "legs": of_runs(self.runs, total_s) if total_s else [],
+            "worst_pick_error": worst(run["worst_pick_error"] for run in self.runs),
             "refusals": dict(refusals.most_common()),
             "examples": {k: text for run in reversed(self.runs) for k, text in run["examples"].items()},
             **{key: sum(run[key] for run in self.runs) for key in ("plans", "checked")},
             "notes": [*self._notes(sum(p * c for p, c in cycles) / many if many else self.cell.chooser.nominal_s)],
             "runs": self.runs,
         }
+        return found | {"bottleneck": bottleneck(found)}
 
     def _notes(self, cycle_s: float) -> Iterator[str]:
         for stream in self.cell.streams:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import copy
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from assur.planner.model.outcome import Course, LegKind
+from assur.scenes.session.executed import LoggedPlan, worst
+from assur.scenes.simulation.leg_times import LegTimes
 
 if TYPE_CHECKING:
     from assur.scenes.session.committed import Segment
@@ -32,6 +35,27 @@ class Cycle:
     free_s: float
 
 
+class ExecutedMotions:
+    """What the motions of a run came to, as far as they were executed: waits on their way, s, by what they are for;
+    their legs; and the worst error of a pick that their proofs allow."""
+
+    def __init__(self) -> None:
+        self.waits: dict[str, float] = defaultdict(float)
+        self.legs = LegTimes()
+        self.worst_pick_error = worst(())
+
+    def add(self, segment: Segment, until_s: float) -> None:
+        """Adds a motion that was executed until a time, s."""
+        last = len(segment.cell.scene.task) - 1
+        for leg in segment.legs:
+            if leg.kind is LegKind.WAIT and leg.step != last:
+                for_bodies = leg.route is not None and leg.route.course is Course.FOR_BODIES
+                self.waits["bodies" if for_bodies else "part"] += max(0.0, min(leg.t1, until_s) - leg.t0)
+        plan = LoggedPlan(segment.request, segment.answer, segment.starts_s, until_s)
+        self.legs.add_plan(plan, segment)
+        self.worst_pick_error = worst((self.worst_pick_error, plan.pick_error()))
+
+
 class Tally:
     """Counts during a run. `missed_s`: each part, and when it leaves its window."""
 
@@ -45,7 +69,7 @@ class Tally:
         """The first refusal of each reason: when, and its sentence."""
         self.plans = self.checked = 0
         self._last: Segment | None = None
-        self._within: dict[str, float] = defaultdict(float)
+        self._executed = ExecutedMotions()
 
     def refused(self, reason: str, sentence: str, now_s: float) -> None:
         """A part could not be planned."""
@@ -55,7 +79,7 @@ class Tally:
     def follows(self, segment: Segment) -> None:
         """A motion is committed: the one before is executed until it begins."""
         if self._last is not None:
-            self._executed(self._last, segment.starts_s, self._within)
+            self._executed.add(self._last, segment.starts_s)
         self._last = segment
 
     def figures(self, now_s: float) -> dict[str, Any]:
@@ -63,11 +87,11 @@ class Tally:
         minutes = now_s / 60.0
         picked = {cycle.part for cycle in self.cycles if cycle.picked_s <= now_s}
         placed = [cycle for cycle in self.cycles if cycle.placed_s <= now_s]
-        within = defaultdict(float, self._within)
+        executed = copy.deepcopy(self._executed)
         if self._last is not None:
-            self._executed(self._last, now_s, within)
+            executed.add(self._last, now_s)
         idle = self._idle(now_s)
-        waiting = {reason: idle[reason] + within[reason] for reason in WAITS}
+        waiting = {reason: idle[reason] + executed.waits[reason] for reason in WAITS}
         ended = [cycle.ends_s - cycle.starts_s for cycle in self.cycles if cycle.ends_s <= now_s]
         missed = sum(left_s <= now_s and name not in picked for name, left_s in self.missed_s)
         return {
@@ -79,6 +103,8 @@ class Tally:
             "parts_per_minute": len(placed) / minutes if minutes > 0.0 else 0.0,
             "cycle_s": sum(ended) / len(ended) if ended else None,
             "moving": 1.0 - sum(waiting.values()) / now_s if now_s > 0.0 else 0.0,
+            "legs": executed.legs.rows(now_s) if now_s > 0.0 else [],
+            "worst_pick_error": executed.worst_pick_error,
             "waiting_s": {reason: time_s for reason, time_s in waiting.items() if time_s > 0.0},
             "plans": self.plans,
             "checked": self.checked,
@@ -102,12 +128,3 @@ class Tally:
                 reason, k = new, k + 1
             found[reason] += max(0.0, until_s - at_s)
         return found
-
-    @staticmethod
-    def _executed(segment: Segment, until_s: float, within: dict[str, float]) -> None:
-        """Adds the time in which a motion waits on its way."""
-        last = len(segment.cell.scene.task) - 1
-        for leg in segment.legs:
-            if leg.kind is LegKind.WAIT and leg.step != last:
-                for_bodies = leg.route is not None and leg.route.course is Course.FOR_BODIES
-                within["bodies" if for_bodies else "part"] += max(0.0, min(leg.t1, until_s) - leg.t0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
 from pathlib import Path
@@ -29,10 +30,12 @@ def test_the_result_is_printed_and_written_and_the_same_as_that_of_python(tmp_pa
     assert written == assur.simulate(assur.load(CELL), minutes=0.25, seeds=2)
     low, high = written["interval"]
     first = f"soap-flow: {written['parts_per_minute']:.1f} parts a minute (95 % interval {low:.1f} to {high:.1f})"
-    assert output.splitlines()[0] == first
+    assert output.splitlines()[:2] == [first, written["bottleneck"]]
     for words in (
         "seeds 1 to 2, look-ahead, elbow left",
         "waits for a part",
+        "worst error of a pick",
+        "travel to the slot",
         "motions checked",
         "note: parts in one lane",
     ):
@@ -156,15 +159,21 @@ def test_the_shipped_cells_are_those_with_streams() -> None:
     assert shipped_cells() == ("soap-flow",)
 
 
-def test_what_would_help_is_printed_and_each_change_can_be_set() -> None:
+def test_what_would_help_is_printed_and_on_the_page_and_each_change_can_be_set(tmp_path: Path) -> None:
     own = ("--set", "streams.soap.mean_s=0.8", "--set", "kinds.soap.dwell_ms=900")
-    code, output, errors = run("simulate", "soap-flow", *BRIEF, *own, "--what-helps")
-    assert (code, errors) == (RIGHT, "")
+    page = tmp_path / "run.html"
+    code, output, errors = run("simulate", "soap-flow", *BRIEF, *own, "--what-helps", "--page", str(page))
+    assert (code, errors.startswith("assur: page of the first run: ")) == (RIGHT, True)
     assert "what would help, in parts a minute" in output
     assert "one seed: whether a difference is more than chance is not known" in output
     assert "no dwell: --set kinds.soap.dwell_ms=0\n" in output
     code, output, _ = run("simulate", "soap-flow", *BRIEF, *own, "--what-helps", "--json")
-    proved = [row for row in json.loads(output)["helps"] if row["percent"] is not None]
+    found, shown = json.loads(output), page.read_text(encoding="utf-8")
+    proved = [row for row in found["helps"] if row["percent"] is not None]
+    assert "What would help<" in shown
+    assert found["bottleneck"] in html.unescape(shown)
+    for row in found["helps"]:
+        assert f"<td>{html.escape(row['what'])}</td>" in shown
     assert "no dwell" in {row["what"] for row in proved}
     for row in proved:
         values = [text for path, value in row["set"].items() for text in ("--set", f"{path}={json.dumps(value)}")]

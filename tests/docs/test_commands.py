@@ -16,8 +16,13 @@ from tests.docs.curl import sent
 from tests.docs.pages import HOST, PAGES, ROOT, Command, commands, of_language, save_files
 from tests.docs.warm_process import run_words
 
-ELSEWHERE = ("docs/service.md", "docs/first-belt-cell.md", "docs/examples.md")
-"""Their commands are run by tests/api/test_service_page.py, test_first_belt_cell.py and test_examples.py."""
+ELSEWHERE = (
+    "docs/service.md",
+    "docs/first-belt-cell.md",
+    "docs/from-a-drawing-to-parts-a-minute.md",
+    "docs/examples.md",
+)
+"""Their commands are run by tests/api/test_service_page.py, test_tutorials.py and test_examples.py."""
 SHOWN = [command for page in PAGES if page not in ELSEWHERE for command in commands(page)]
 RUN = ("assur", "python")
 """Programs that are run here; `curl` is, against a service of its own."""

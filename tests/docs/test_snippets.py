@@ -21,8 +21,13 @@ from tests.docs.pages import HOST, PAGES, ROOT, Block, blocks, of_language, save
 from tests.docs.warm_process import run_words
 from tests.refused import refused_at
 
-ELSEWHERE = ("docs/request.md", "docs/first-belt-cell.md", "docs/service.md")
-"""Their fragments are built into scenes by tests/scenes/test_request_docs.py and test_first_belt_cell.py, and sent to a
+ELSEWHERE = (
+    "docs/request.md",
+    "docs/first-belt-cell.md",
+    "docs/from-a-drawing-to-parts-a-minute.md",
+    "docs/service.md",
+)
+"""Their fragments are built into scenes by tests/scenes/test_request_docs.py and test_tutorials.py, and sent to a
 service by test_cells_over_http.py."""
 PYTHON = of_language("python")
 YAML = [block for block in of_language("yaml", "yml") if block.page not in ELSEWHERE]

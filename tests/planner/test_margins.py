@@ -21,10 +21,13 @@ from assur.planner.legs.limits import least_margins
 from assur.planner.legs.tool_motion import tool_peaks as tool_peaks_of
 from assur.planner.model.outcome import Clearances, LegKind, Planned
 from assur.planner.model.phases import Phase, phases
+from assur.planner.model.scene import Scene
 from assur.planner.pipeline import plan
 from assur.planner.report.margins import contacts
+from assur.planner.report.notes import binding_limit
+from assur.planner.robots.facts import Limits
 from assur.planner.trajectory import Trajectory
-from tests.planner.cells import CUP, belt_and_dial, cell, go, stands, table_to_table
+from tests.planner.cells import CUP, arm, belt_and_dial, cell, go, stands, table_to_table
 from tests.planner.certificate.moving_ball import LAWS, SHAPES, encounter
 from tests.planner.robots.five_bars import five_bar
 
@@ -178,3 +181,52 @@ def test_a_margin_of_what_is_not_known_is_not_a_number() -> None:
     assert np.isnan(serial[0])
     assert parallel is not None
     assert np.isnan(parallel[0])
+
+
+JOINTS = [joint.name for joint in arm().joints]
+
+
+def bound(rate: float, bend: float, joint: int) -> str:
+    """What binds a motion of one joint with this velocity at first and this acceleration, for 0.1 s."""
+    t, one = np.linspace(0.0, 0.1, 11), np.eye(4)[joint]
+    q = np.array([0.3, 1.2, 0.15, 0.0]) + np.outer(rate * t + 0.5 * bend * t**2, one)
+    path = Trajectory(t, q, np.outer(rate + bend * t, one), np.outer(np.full(11, bend), one))
+    return binding_limit(cell(go(0.3, 0.0)), path, Phase(0.0, 0.1, LegKind.MOVE, 0))
+
+
+def test_a_limit_binds_a_motion_that_is_at_it_for_most_of_the_time() -> None:
+    assert bound(7.7, 0.0, 0) == "velocity of theta1"
+    assert bound(-7.7, 0.0, 0) == "velocity of theta1"
+    assert bound(0.0, 79.0, 1) == "acceleration of theta2"
+    assert bound(6.8, 0.0, 0) == ""
+    assert bound(6.4, 30.0, 1) == ""  # at 0.9 of its limit of velocity for a third of the time
+
+
+@pytest.mark.parametrize("x", [-0.3, 0.1, 0.35])
+def test_a_motion_is_quicker_with_higher_limits_of_the_joint_that_binds_it_and_not_of_the_others(x: float) -> None:
+    def planned(*higher: int) -> tuple[Scene, Planned]:
+        own, factor = arm().limits, np.where(np.isin(np.arange(4), higher), 1.5, 1.0)
+        rates = (own.velocity * factor, own.acceleration * factor, own.jerk * factor)
+        scene = cell(go(x, 0.4), robot=replace(arm(), limits=Limits(own.lower, own.upper, *rates)), elbow="keep")
+        outcome = plan(scene)
+        assert isinstance(outcome, Planned)
+        return scene, outcome
+
+    scene, first = planned()
+    words = binding_limit(scene, first.plan.trajectory, phases(scene, first.plan.legs, first.plan.arrivals)[0])
+    joint, lasts_s = JOINTS.index(words.split(" of ")[1]), first.plan.trajectory.duration
+    assert planned(joint)[1].plan.trajectory.duration < 0.98 * lasts_s
+    assert planned(*{0, 1, 2, 3} - {joint})[1].plan.trajectory.duration == pytest.approx(lasts_s, rel=1e-3)
+
+
+def test_the_acceleration_of_a_part_that_is_carried_may_bind() -> None:
+    scene = table_to_table(carry=2.0)
+    outcome = plan(scene)
+    assert isinstance(outcome, Planned)
+    found = {
+        phase.step: binding_limit(scene, outcome.plan.trajectory, phase)
+        for phase in phases(scene, outcome.plan.legs, outcome.plan.arrivals)
+        if phase.kind is LegKind.MOVE
+    }
+    assert found[1] == "acceleration of the carried part"
+    assert found[0].split(" of ")[1] in JOINTS

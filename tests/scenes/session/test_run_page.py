@@ -22,6 +22,24 @@ from assur.scenes.view.run import ExecutedPlan, run_view
 from tests.api.test_session_log import recorded
 
 Document = dict[str, Any]
+LEG = {"leg": "travel to the part", "count": 4, "mean_s": 0.5, "share": 0.1, "binds": {"velocity of j1": 3}}
+TRIAL = {
+    "what": "no dwell & no wait",
+    "set": {"kinds.a.dwell_ms": 0},
+    "table_percent": 5.0,
+    "percent": 4.0,
+    "interval": None,
+    "gain": None,
+    "parts_per_minute": 30.0,
+    "fault": None,
+}
+FOUND: Document = {
+    "bottleneck": "Parts & belts are a bottleneck.",
+    "waiting": {"bodies": 0.25, "planning": 1e-5},
+    "notes": [],
+    "helps": [TRIAL],
+    "runs": [{"legs": [LEG]}, {"legs": []}],
+}
 
 
 @pytest.fixture(scope="module")
@@ -93,16 +111,44 @@ def test_legs_and_what_is_held_end_where_a_plan_is_left(plans: list[LoggedPlan],
 def test_the_page_has_the_figures_of_the_run_and_fetches_nothing(
     events: list[Document], plans: list[LoggedPlan]
 ) -> None:
-    page = run_report(events, title="A <run>", about="Brackets & a belt.", version="1", notes=["Told & shown."])
+    page = run_report(events, title="A <run>", about="Brackets & a belt.", version="1", found=FOUND)
     assert "A &lt;run&gt; - assur" in page
     assert "Brackets &amp; a belt." in page
-    assert "Told &amp; shown." in page
+    assert "Parts &amp; belts are a bottleneck." in page
+    assert "The arm waits for bodies to pass, 25.0 % of the time." in page
+    assert "velocity of j1 (3 of 4)" in page
+    assert "What would help, over 2 runs<" in page
+    assert "no dwell &amp; no wait" in page
     placed, lasts_s = sum(len(each.handled("place")) for each in plans), plans[-1].until_s - plans[0].starts_s
     assert f"{60 * placed / lasts_s:.1f} parts a minute" in page
     assert f"<dd>2, {placed}</dd>" in page
     assert not re.findall(r"(?:src|href)=|url\(", page)
     begun = json.loads(re.findall(r'id="view">(.*?)</script>', page)[0].replace("\\u003c", "<"))
     assert begun["schema"] == "assur-view/1"
+
+
+def test_the_page_of_a_log_has_all_legs_and_the_worst_error_of_a_pick(
+    events: list[Document], plans: list[LoggedPlan]
+) -> None:
+    page = run_report(events, title="run", about="", version="1")
+    assert "What would help" not in page
+    shown = re.findall(r"<tr><td>([a-z ]+)</td><td[^>]*>([\d.]+)</td><td[^>]*>([\d.]+) %</td>", page)
+    assert [name for name, _, _ in shown][:5] == [
+        "travel to the part", "approach of the part", "dwell at the part", "depart from the part", "travel to the slot"
+    ]  # fmt: skip
+    legs = [leg for plan in plans for leg, _, _ in plan.legs()]
+    time_s = sum(leg["to_s"] - leg["from_s"] for leg in legs)
+    lasts_s = plans[-1].until_s - plans[0].starts_s
+    assert sum(float(share) for _, _, share in shown) == pytest.approx(100.0 * time_s / lasts_s, abs=0.5)
+    errors = [
+        arrival["error"]["position_m"]
+        for plan in plans
+        for arrival in plan.answer["arrivals"]
+        if "pick" in plan.request["task"][arrival["step"]] and arrival["until_s"] < plan.until_s
+    ]
+    assert len(errors) == 2
+    assert max(errors) > 0.0
+    assert f"<dt>worst error of a pick</dt><dd>{1e3 * max(errors):.2f} mm, " in page
 
 
 def test_a_session_without_a_motion_has_no_page(events: list[Document]) -> None:

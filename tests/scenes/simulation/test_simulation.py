@@ -19,9 +19,11 @@ from assur.scenes.scenarios import CELLS
 from assur.scenes.session import judged
 from assur.scenes.session.session import NextMotion
 from assur.scenes.simulation.cell import SimulatedCell, simulated
+from assur.scenes.simulation.leg_times import of_runs
 from assur.scenes.simulation.run import Run
 from assur.scenes.simulation.simulate import Simulation, interval
-from assur.scenes.simulation.tally import Cycle, Tally
+from assur.scenes.simulation.tally import WAITS, Cycle, Tally
+from assur.scenes.simulation.words import WAITS_FOR, bottleneck
 from assur.scenes.streams.arrivals import arrivals
 from tests.refused import refused_at
 
@@ -102,6 +104,71 @@ def test_all_time_is_that_of_a_cycle_or_of_a_wait_with_a_reason() -> None:
     assert figures["moving"] + sum(figures["waiting_s"].values()) / SECONDS == pytest.approx(1.0)
     assert 0.3 < figures["moving"] < 0.95
     assert all(before.free_s <= after.starts_s for before, after in pairwise(tally.cycles))
+
+
+def test_the_legs_of_a_run_are_all_of_its_motion_and_the_worst_error_of_a_pick_is_of_its_proofs() -> None:
+    figures, segments = run().tally.figures(SECONDS), [made.segment for _, made in run().committed if made.segment]
+    legs = {row["leg"]: row for row in figures["legs"]}
+    begins = [segment.starts_s for segment in segments]
+    ends = [min(segment.motion.end, until_s) for segment, until_s in zip(segments, [*begins[1:], SECONDS], strict=True)]
+    moved_s = sum(max(0.0, end - begin) for begin, end in zip(begins, ends, strict=True))
+    assert sum(row["count"] * row["mean_s"] for row in legs.values()) == pytest.approx(moved_s)
+    assert sum(row["share"] for row in legs.values()) == pytest.approx(moved_s / SECONDS)
+    assert legs["depart from the part"]["count"] >= figures["placed"] == legs["depart from the slot"]["count"]
+    assert legs["dwell at the part"]["mean_s"] == pytest.approx(0.1)
+    assert set(legs["travel to the slot"]["binds"]) <= {f"{rate} of j1" for rate in ("velocity", "acceleration")}
+    assert sum(legs["travel to the slot"]["binds"].values()) == legs["travel to the slot"]["count"]
+    assert all(row["binds"] == {} for name, row in legs.items() if "travel" not in name)
+    assert figures["worst_pick_error"]["position_m"] == pytest.approx(0.001, abs=1e-5)
+    assert figures["worst_pick_error"]["yaw_rad"] == pytest.approx(math.radians(1.0), abs=1e-5)
+    (soap,) = _shipped()["kinds"].values()
+    known = assur.simulate(cell(kinds={"soap": {**soap, "uncertainty": {}}}), minutes=0.2)
+    assert known["worst_pick_error"] == {"position_m": 0.0, "yaw_rad": 0.0}
+
+
+def test_each_reason_of_a_wait_has_its_words() -> None:
+    assert set(WAITS_FOR) == set(WAITS)
+
+
+def test_legs_of_several_runs_are_counted_together() -> None:
+    one = {"leg": "travel to the slot", "count": 1, "mean_s": 1.0, "share": 0.1, "binds": {"velocity of j1": 1}}
+    other = {"leg": "travel to the slot", "count": 3, "mean_s": 2.0, "share": 0.6, "binds": {"jerk of j4": 2}}
+    (row,) = of_runs([{"legs": [one]}, {"legs": [other]}, {"legs": []}], 20.0)
+    assert row == {**one, "count": 4, "mean_s": 1.75, "share": 0.35, "binds": {"jerk of j4": 2, "velocity of j1": 1}}
+    assert list(row["binds"]) == ["jerk of j4", "velocity of j1"]
+
+
+TO_PART = {"leg": "travel to the part", "count": 4, "mean_s": 0.5, "share": 0.4, "binds": {"velocity of j1": 3}}
+DWELL = {"leg": "dwell at the slot", "count": 4, "mean_s": 0.1, "share": 0.1, "binds": {}}
+WAIT = {"leg": "wait on the way to the part", "count": 1, "mean_s": 0.1, "share": 0.9, "binds": {}}
+
+
+@pytest.mark.parametrize(
+    ("legs", "waiting", "missed", "sentence"),
+    [
+        (
+            [WAIT, TO_PART, DWELL], {"part": 0.2}, 1,
+            "The arm moves 80 % of the time; the travel to the part takes longest (40 %); velocity of j1 binds it.",
+        ),
+        (
+            [{**TO_PART, "binds": {"velocity of j1": 1}}], {}, 1,
+            "The arm moves 80 % of the time; the travel to the part takes longest (40 %); mostly no limit binds it: "
+            "the arm has time to spare.",
+        ),
+        (
+            [TO_PART, {**DWELL, "share": 0.5}], {"part": 0.2}, 0,
+            "The arm moves 80 % of the time; the dwell at the slot takes longest (50 %). No part was missed: it takes "
+            "all that come.",
+        ),
+        ([TO_PART], {"planning": 0.05, "reach": 0.85}, 1,
+            "The arm waits for a part that it can reach in its window 85 % of the time."),
+        ([WAIT], {}, 1, "The arm was not moved."),
+    ],
+)  # fmt: skip
+def test_the_bottleneck_is_what_takes_the_largest_share_of_the_time(
+    legs: list[Document], waiting: Document, missed: int, sentence: str
+) -> None:
+    assert bottleneck({"moving": 0.8, "legs": legs, "waiting": waiting, "missed": missed}) == sentence
 
 
 def test_a_wait_is_for_what_was_lacking_at_that_time() -> None:

@@ -1,0 +1,100 @@
+"""The result of a simulation in words: what limits the parts a minute, waits, legs, and what would help."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+Document = dict[str, Any]
+WAITS_FOR = {
+    "part": "a part",
+    "unseen": "a part to be clear of what is not seen yet",
+    "bodies": "bodies to pass",
+    "reach": "a part that it can reach in its window",
+    "refused": "a part that can be planned",
+    "planning": "the end of planning",
+}
+"""What the arm waits for, in words."""
+LEAST_SHARE = 5e-4
+"""Least share of the time that is reported in words."""
+LEGS = ("leg", ">mean s", ">of the time", ">count", "bound most often by")
+TRIALS = ("what would help, in parts a minute", ">with table times", ">proved", ">95 % interval", "")
+"""Titles of the tables; columns that begin with ``>`` are numbers."""
+ONE_SEED = "one seed: whether a difference is more than chance is not known; --seeds 5 gives an interval"
+
+
+def bottleneck(found: Document) -> str:
+    """What limits the parts a minute, in one or two sentences: the largest share of the time, and the parts that come
+    where none is missed."""
+    moving, legs = found["moving"], [row for row in found["legs"] if not row["leg"].startswith("wait")]
+    reason, share = max(found["waiting"].items(), key=lambda each: each[1], default=("", 0.0))
+    if not legs:
+        words = "The arm was not moved."
+    elif share > moving:
+        words = f"The arm waits for {WAITS_FOR[reason]} {_percent(share)} of the time."
+    else:
+        longest = max(legs, key=lambda row: row["share"])
+        words = f"The arm moves {_percent(moving)} of the time; the {longest['leg']} takes longest"
+        words = f"{words} ({_percent(longest['share'])}){_bound(longest)}."
+    return words if found["missed"] else f"{words} No part was missed: it takes all that come."
+
+
+def _bound(row: Document) -> str:
+    """What binds most legs of a kind, as the end of a sentence; nothing of those that are no travel."""
+    if not row["leg"].startswith("travel"):
+        return ""
+    if 2 * sum(row["binds"].values()) < row["count"]:
+        return "; mostly no limit binds it: the arm has time to spare"
+    return f"; {next(iter(row['binds']))} binds it"
+
+
+def waits(found: Document) -> list[tuple[str, str]]:
+    """What the arm waits for, and the share of the time."""
+    shares = [(WAITS_FOR[reason], share) for reason, share in found["waiting"].items() if share >= LEAST_SHARE]
+    return [(f"waits for {what}", share_of_time(share)) for what, share in shares]
+
+
+def share_of_time(share: float) -> str:
+    """A share of the time, in %."""
+    return f"{100.0 * share:.1f} % of the time"
+
+
+def legs(found: Document) -> Iterator[tuple[str, ...]]:
+    """The rows of the table `LEGS`."""
+    for row in found["legs"]:
+        limit, often = next(iter(row["binds"].items()), ("", 0))
+        bound = f"{limit} ({often} of {row['count']})" if limit else ""
+        yield row["leg"], f"{row['mean_s']:.3f}", f"{100.0 * row['share']:.1f} %", f"{row['count']}", bound
+
+
+def pick_error(found: Document) -> str:
+    """The worst error of a pick that the proofs allow."""
+    error = found["worst_pick_error"]
+    return f"{1e3 * error['position_m']:.2f} mm, {math.degrees(error['yaw_rad']):.2f} deg"
+
+
+def trials(helps: list[Document]) -> Iterator[tuple[str, ...]]:
+    """The rows of the table `TRIALS`."""
+    for trial in helps:
+        low_high = "" if trial["interval"] is None else "{:+.1f} to {:+.1f} %".format(*trial["interval"])
+        yield trial["what"], _signed(trial["table_percent"]), _signed(trial["percent"]), low_high, _shown(trial)
+
+
+def _shown(trial: Document) -> str:
+    """What a trial has shown."""
+    if trial["fault"] is not None:
+        return f"ended with an error: {trial['fault']}"
+    if trial["gain"] is None:
+        return "table times only" if trial["percent"] is None else "one seed"
+    if trial["gain"]:
+        return "a gain"
+    return "a loss" if trial["interval"][1] < 0.0 else "within chance"
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.0f} %"
+
+
+def _signed(value: float | None) -> str:
+    return "" if value is None else f"{value:+.1f} %"
