@@ -110,7 +110,7 @@ class Run:
                 return
             self.tally.refused(str(made.answer["reason"]), str(made.answer["sentence"]), self.session.clock_s)
             self._refused_s[choice.part] = self.session.clock_s + RETRY_S
-        self.tally.waits.append((now_s, "refused"))
+        self.tally.waits(now_s, "refused")
 
     # What may be next.
 
@@ -212,7 +212,7 @@ class Run:
     def _wait(self, reason: str, until_s: float) -> None:
         """To the next part that is seen, or to `until_s`: nothing can be done before."""
         now_s = self.session.clock_s
-        self.tally.waits.append((now_s, reason))
+        self.tally.waits(now_s, reason)
         first_s = self._coming[0].part.known_s if self._coming else math.inf
         self._to(min(max(min(first_s, until_s), now_s + self._planning_s), self._until_s))
 
@@ -271,7 +271,9 @@ class Run:
             else:
                 self.session.advance(max(left_s, self.session.clock_s))
                 _, name = heapq.heappop(self._leaving)
-                if name not in self._taken:
+                if name in self._taken:
+                    self._taken.remove(name)
+                else:
                     self._candidates.pop(name, None)
                     self.session.gone(name)
         self.session.advance(to_s)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import copy
+from array import array
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 from assur.planner.model.outcome import Course, LegKind
 from assur.scenes.session.executed import LoggedPlan, worst
@@ -35,6 +36,36 @@ class Cycle:
     free_s: float
 
 
+class Cycles(Sequence[Cycle]):
+    """Cycles in little memory: a run may have 100,000."""
+
+    def __init__(self) -> None:
+        self._parts, self._grids, self._slots, self._times = list[str](), list[str](), array("l"), array("d")
+
+    def append(self, cycle: Cycle) -> None:
+        self._parts.append(cycle.part)
+        self._grids.append(cycle.grid)
+        self._slots.append(cycle.slot)
+        self._times.extend((cycle.starts_s, cycle.picked_s, cycle.placed_s, cycle.ends_s, cycle.free_s))
+
+    def __len__(self) -> int:
+        return len(self._parts)
+
+    @overload
+    def __getitem__(self, at: int) -> Cycle: ...
+    @overload
+    def __getitem__(self, at: slice) -> list[Cycle]: ...
+    def __getitem__(self, at: int | slice) -> Cycle | list[Cycle]:
+        if isinstance(at, slice):
+            return [self[k] for k in range(*at.indices(len(self)))]
+        k = range(len(self))[at]
+        return Cycle(self._parts[k], self._grids[k], self._slots[k], *self._times[OF_CYCLE * k : OF_CYCLE * (k + 1)])
+
+
+OF_CYCLE = 5
+"""Number of times of a cycle."""
+
+
 class ExecutedMotions:
     """What the motions of a run came to, as far as they were executed: waits on their way, s, by what they are for;
     their legs; and the worst error of a pick that their proofs allow."""
@@ -61,8 +92,8 @@ class Tally:
 
     def __init__(self, missed_s: Sequence[tuple[str, float]]) -> None:
         self.missed_s = tuple(missed_s)
-        self.cycles: list[Cycle] = []
-        self.waits: list[tuple[float, str]] = []
+        self.cycles = Cycles()
+        self._waits: tuple[array[float], list[str]] = array("d"), []
         """When nothing could be begun, s, and why."""
         self.refusals: Counter[str] = Counter()
         self.examples: dict[str, str] = {}
@@ -75,6 +106,11 @@ class Tally:
         """A part could not be planned."""
         self.refusals[reason] += 1
         self.examples.setdefault(reason, f"at {now_s:.3f} s: {sentence}")
+
+    def waits(self, now_s: float, reason: str) -> None:
+        """Nothing can be begun now."""
+        self._waits[0].append(now_s)
+        self._waits[1].append(reason)
 
     def follows(self, segment: Segment) -> None:
         """A motion is committed: the one before is executed until it begins."""
@@ -117,11 +153,12 @@ class Tally:
         found: dict[str, float] = defaultdict(float)
         ends = [0.0, *(cycle.ends_s for cycle in self.cycles)]
         begins = [*(cycle.starts_s for cycle in self.cycles), now_s]
+        times_s, reasons = self._waits
         k, reason = 0, "planning"
         for end_s, begin_s in zip(ends, begins, strict=True):
             at_s, until_s, reason = end_s, min(begin_s, now_s), "planning"
-            while k < len(self.waits) and self.waits[k][0] < begin_s:
-                wait_s, new = self.waits[k]
+            while k < len(times_s) and times_s[k] < begin_s:
+                wait_s, new = times_s[k], reasons[k]
                 if wait_s > at_s:
                     found[reason] += max(0.0, min(wait_s, until_s) - at_s)
                     at_s = wait_s

@@ -173,8 +173,12 @@ def test_the_bottleneck_is_what_takes_the_largest_share_of_the_time(
 
 def test_a_wait_is_for_what_was_lacking_at_that_time() -> None:
     tally = Tally([("a", 5.0), ("b", 50.0)])
-    tally.cycles += [Cycle("a", "box", 0, 3.0, 4.0, 5.0, 6.0, 6.0), Cycle("c", "box", 1, 9.0, 9.5, 10.5, 11.0, 11.0)]
-    tally.waits += [(0.0, "part"), (2.0, "refused"), (5.5, "unseen"), (11.5, "part")]
+    cycles = [Cycle("a", "box", 0, 3.0, 4.0, 5.0, 6.0, 6.0), Cycle("c", "box", 1, 9.0, 9.5, 10.5, 11.0, 11.0)]
+    for cycle in cycles:
+        tally.cycles.append(cycle)
+    assert (list(tally.cycles), tally.cycles[-1], tally.cycles[:1]) == (cycles, cycles[1], cycles[:1])
+    for wait in [(0.0, "part"), (2.0, "refused"), (5.5, "unseen"), (11.5, "part")]:
+        tally.waits(*wait)
     assert tally._idle(12.0) == {"part": 2.5, "refused": 1.0, "unseen": 3.0, "planning": 0.5}
     figures = tally.figures(12.0)
     assert (figures["picked"], figures["placed"], figures["missed"]) == (2, 2, 0)
