@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,9 +18,8 @@ if TYPE_CHECKING:
     from assur.planner.model.phases import GraspUncertainty
     from assur.planner.trajectory import Trajectory
     from assur.scenes.reading.cell import Cell
-    from assur.scenes.session.judged import JudgedAnswer
+    from assur.scenes.session.judged import JudgedOutcome
 
-Document = dict[str, Any]
 MOST_JUMPS = (1e-9, 1e-7, 1e-5)
 """Most by which position, velocity and acceleration of a joint may differ where one plan follows another: rad or m, and
 per s and s². Rounding of units is far below."""
@@ -40,12 +39,10 @@ class History:
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """A plan of the committed motion: `answer` to the `request` of a `task`, proved from `starts_s` on, executed until
-    `until_s`. `proved_until_s`: until when it is proved if it is not left. `before`: what happened before it."""
+    """A plan of the committed motion, `judged`, proved from `starts_s` on, executed until `until_s`. `proved_until_s`:
+    until when it is proved if it is not left. `before`: what happened before it."""
 
-    request: Document
-    task: Document
-    answer: Document
+    judged: JudgedOutcome
     cell: Cell
     motion: Trajectory
     legs: tuple[Leg, ...]
@@ -81,19 +78,15 @@ class Segment:
         return History(handled, {name: time for name, time in leaves.items() if time < math.inf})
 
 
-def segment_of(made: JudgedAnswer, task: Document, plan: Plan, before: History) -> Segment:
-    """The `plan` of an answer as one that may be committed, and until when standing at its end is proved."""
+def segment_of(judged: JudgedOutcome, plan: Plan, before: History) -> Segment:
+    """The `plan` of an outcome as one that may be committed, and until when standing at its end is proved."""
     from assur.planner.model.phases import leg_phases
     from assur.scenes.tasks.instants import stands_until
-    from assur.scenes.written_knots import with_rounded_knots
 
-    cell, legs, arrivals = made.cell, plan.legs, plan.arrivals
-    motion = with_rounded_knots(cell, plan).trajectory
+    cell, motion, legs, arrivals = judged.cell, plan.trajectory, plan.legs, plan.arrivals
     _, attached, _ = leg_phases(cell.scene, legs, arrivals)
     until_s = stands_until(cell.scene, attached, motion.end)
-    return Segment(
-        made.request, task, made.answer, cell, motion, legs, arrivals, before, motion.start, until_s, until_s
-    )
+    return Segment(judged, cell, motion, legs, arrivals, before, motion.start, until_s, until_s)
 
 
 class CommittedMotion:

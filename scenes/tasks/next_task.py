@@ -115,20 +115,18 @@ def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
     for i, each in enumerate(answer["arrivals"]):
         if "error" not in each:
             raise DocumentError(f"{PLAN}.arrivals[{i}].error", NOTHING, "how far the tool may be off, or null")
-    return state_of(cell, answer["trajectory"], motion, legs, arrivals, at_s)
+    return state_of(cell, motion, legs, arrivals, at_s)
 
 
 def state_of(
     cell: Cell,
-    written: Document,
     trajectory: Trajectory,
     legs: tuple[Leg, ...],
     arrivals: tuple[Arrival, ...],
     at_s: float | None,
 ) -> EndState:
     """The state of a plan in a cell at an instant, s, at which it is left: as if it ended there (None: where it ends).
-    `written`: its trajectory in the answer. Raises `InputError` for an instant at which it may not be left (`left_at`),
-    naming `at_s`."""
+    Raises `InputError` for an instant at which it may not be left (`left_at`), naming `at_s`."""
     from assur.planner.laws.law import PoseUncertainty
     from assur.planner.model.phases import gone_from, leg_phases, on_way, parts_gone
     from assur.planner.model.task import is_taken_away
@@ -154,7 +152,7 @@ def state_of(
     gone_at_s = {str(step.part): gone_from(scene, step, until) for until, step in met if is_taken_away(step)}
     uncertainty = {name: asdict(each) for name, each in known.within if name not in gone}
     handled = gone.union(uncertainty)
-    start = _start(written, trajectory, end_s, cell.conventions)
+    start = _start(trajectory, end_s, cell.conventions)
     held = attached.held
     if held is not None:
         grasp = held.in_flange.inverse().then(scene.tool.tcp)
@@ -193,22 +191,20 @@ def _has_time(body: BodyDocument) -> bool:
     return body.pose is not None and body.pose.at_s is not None
 
 
-def _start(written: Mapping[str, Any], motion: Trajectory, at_s: float, conventions: Conventions) -> Document:
-    """The state at an instant as the start of a request, in the maker's words: at a knot the same numbers, and those of
-    the last one from then on."""
-    if at_s in written["time_s"] or at_s > motion.end:
-        knot = -1 if at_s >= motion.end else written["time_s"].index(at_s)
-        states = [written[of][knot] for of in ("position", "velocity", "acceleration")]
+def _start(motion: Trajectory, at_s: float, conventions: Conventions) -> Document:
+    """The state at an instant as the start of a request, in the maker's words: at a knot the numbers that the answer
+    has there, and those of the last one from then on."""
+    knot = -1 if at_s >= motion.end else int(motion.time.searchsorted(at_s))
+    if motion.time[knot] <= at_s:
+        q, qd, qdd = motion.q[knot], motion.qd[knot], motion.qdd[knot]
     else:
         q, qd, qdd = motion.state(at_s)
-        states = [
-            each.tolist() for each in (as_maker(q, conventions), *(rates_as_maker(v, conventions) for v in (qd, qdd)))
-        ]
+    states = as_maker(q, conventions), rates_as_maker(qd, conventions), rates_as_maker(qdd, conventions)
     start: Document = {"at_s": at_s}
     for key, rate, values in zip(("joints", "velocity", "acceleration"), ("", "_s", "_s2"), states, strict=True):
-        if key == "joints" or any(values):
-            names = zip(written["joint_names"], written["joint_units"], values, strict=True)
-            start[key] = {f"{name}_{unit}{rate}": value for name, unit, value in names}
+        if key == "joints" or values.any():
+            names = zip(conventions.keys, values.tolist(), strict=True)
+            start[key] = {f"{name}{rate}": value for name, value in names}
     return start
 
 
