@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from assur.planner.arrays import FloatArray
     from assur.planner.model.attachments import Attachments
     from assur.planner.model.outcome import Arrival, Leg, Plan
-    from assur.planner.model.phases import GraspUncertainty
+    from assur.planner.model.phases import GraspUncertainty, Phase
     from assur.planner.trajectory import Trajectory
     from assur.scenes.reading.cell import Cell
     from assur.scenes.session.judged import JudgedOutcome
@@ -40,13 +40,17 @@ class History:
 @dataclass(frozen=True, eq=False)
 class Segment:
     """A plan of the committed motion, `judged`, proved from `starts_s` on, executed until `until_s`. `proved_until_s`:
-    until when it is proved if it is not left. `before`: what happened before it."""
+    until when it is proved if it is not left. `before`: what happened before it. `phases`: one for each leg, and
+    `attached`, `known` behind the last."""
 
     judged: JudgedOutcome
     cell: Cell
     motion: Trajectory
     legs: tuple[Leg, ...]
     arrivals: tuple[Arrival, ...]
+    phases: Sequence[Phase]
+    attached: Attachments
+    known: GraspUncertainty
     before: History
     starts_s: float
     proved_until_s: float
@@ -59,11 +63,8 @@ class Segment:
     def during(self, at_s: float) -> tuple[Attachments, GraspUncertainty]:
         """What the gripper holds, where parts are and how well they are known at an instant; until a part is gripped or
         put down, as before."""
-        from assur.planner.model.phases import leg_phases
-
-        begun = tuple([leg for leg in self.legs if leg.t0 <= at_s] or self.legs[:1])
-        phases, attached, known = leg_phases(self.cell.scene, begun, self.arrivals)
-        return (attached, known) if at_s >= begun[-1].t1 else (phases[-1].attached, phases[-1].handled)
+        now = next((phase for phase in self.phases if at_s < phase.t1), None)
+        return (self.attached, self.known) if now is None else (now.attached, now.handled)
 
     def history(self, at_s: float) -> History:
         """What happened before an instant."""
@@ -84,9 +85,11 @@ def segment_of(judged: JudgedOutcome, plan: Plan, before: History) -> Segment:
     from assur.scenes.tasks.instants import stands_until
 
     cell, motion, legs, arrivals = judged.cell, plan.trajectory, plan.legs, plan.arrivals
-    _, attached, _ = leg_phases(cell.scene, legs, arrivals)
+    phases, attached, known = leg_phases(cell.scene, legs, arrivals)
     until_s = stands_until(cell.scene, attached, motion.end)
-    return Segment(judged, cell, motion, legs, arrivals, before, motion.start, until_s, until_s)
+    return Segment(
+        judged, cell, motion, legs, arrivals, phases, attached, known, before, motion.start, until_s, until_s
+    )
 
 
 class CommittedMotion:

@@ -164,7 +164,7 @@ class RunningCell:
         values = task_before.get("set", {})
         listed = [written[part["name"]] for part in parts if part["name"] in written]
         try:
-            follows = next_task(self._kept.file.written, task, state, listed, values)
+            follows = next_task(self._kept.file, task, state, listed, values)
         except InputError as error:
             raise of_task(documented(error)) from error
         follows["set"] = {**values, **follows["set"]}

@@ -25,7 +25,7 @@ from assur.scenes.schema.request import RequestDocument
 from assur.scenes.schema.shapes import BodyDocument, PlaceInCell
 from assur.scenes.set_values import GIVEN, with_values
 from assur.scenes.tasks.grids import counts, slot_poses
-from assur.scenes.tasks.joining import joined, shared
+from assur.scenes.tasks.joining import CellFile, joined, shared
 from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Carried, Joined, Origins, within_document
 from assur.scenes.tasks.parts_of_plan import PLACES, check_kinds_of_picked, check_same_bodies, check_there
 from assur.scenes.units import si_key
@@ -217,39 +217,41 @@ def next_request(end: EndState, steps: Sequence[Document]) -> Document:
 
 
 def next_task(
-    cell: Document,
+    cell: Document | CellFile,
     task: Document,
     end: EndState,
     parts: Sequence[Document] | None = None,
     given: Mapping[str, object] = MappingProxyType({}),
 ) -> Document:
-    """A task of a cell that begins where a plan ends. `task` has no start; what else it has counts. `parts`: those of
+    """A task of a cell, a document or one that was read, that begins where a plan ends. `task` has no start; what else it has counts. `parts`: those of
     the plan, as they were written (None: the bodies of its request that the cell has not). One that `task` has as well,
     with a place, is there; all others are where the plan left them. `given`: values that will be set last, as `joined`
     takes them.
 
     Raises `DocumentError` whose field begins with `cell` or `task`.
     """
-    of_cell, of_task = shared(given, cell)
+    written = cell.written if isinstance(cell, CellFile) else cell
+    of_cell, of_task = shared(given, written)
     with within_document(OF_TASK):
         read(TaskDocument, task)
         if "start" in task:
             raise fault(task, ("start",), "none: the task begins where the plan ends")
     with within_document(OF_CELL):
-        read(CellDocument, cell)
+        if written is cell:
+            read(CellDocument, written)
         shapes = {body["name"]: normal(body["shape"]) for body in end.document.get("bodies", ())}
-        for i, body in enumerate(cell.get("bodies", ())):
+        for i, body in enumerate(written.get("bodies", ())):
             if body["name"] in end.handled:
                 allowed = "a body that no step of the plan handles: what steps handle is one of the parts of a task"
-                raise fault(cell, ("bodies", i, "name"), allowed)
+                raise fault(written, ("bodies", i, "name"), allowed)
             before = shapes.get(body["name"])
             if before is not None and before != normal(body["shape"]):
-                raise fault(cell, ("bodies", i, "name"), "a name that no body of another shape has in the plan")
+                raise fault(written, ("bodies", i, "name"), "a name that no body of another shape has in the plan")
         seen = {part["name"] for part in task.get("parts", ()) if part.keys() & {*PLACES}}
-        changed = _with_values(cell, {**task.get("set", {}), **of_cell})
+        changed = _with_values(written, {**task.get("set", {}), **of_cell})
         slots = _slots(changed, end, seen)
     if parts is None:
-        own = {body["name"] for body in cell.get("bodies", ())}
+        own = {body["name"] for body in written.get("bodies", ())}
         parts = [body for body in end.document.get("bodies", ()) if body["name"] not in own]
     known = {part["name"]: part for part in parts if part["name"] not in end.gone}
     listed, kinds = [], changed.get("kinds", {})
@@ -338,6 +340,8 @@ def hold_same(document: Document, end: EndState) -> None:
 
 def _with_values(cell: Document, values: Document) -> Document:
     """The cell with values that will be set in it. Without those that are refused: they are then, at their paths."""
+    if not values:
+        return cell
     try:
         changed = with_values(cell, values)
         read(CellDocument, changed)
