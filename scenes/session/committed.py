@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from assur.planner.arrays import FloatArray
     from assur.planner.model.attachments import Attachments
     from assur.planner.model.outcome import Arrival, Leg, Plan
-    from assur.planner.model.phases import GraspUncertainty, Phase
+    from assur.planner.model.phases import GraspUncertainty, LegPhases
     from assur.planner.trajectory import Trajectory
     from assur.scenes.reading.cell import Cell
     from assur.scenes.session.judged import JudgedOutcome
@@ -40,17 +40,15 @@ class History:
 @dataclass(frozen=True, eq=False)
 class Segment:
     """A plan of the committed motion, `judged`, proved from `starts_s` on, executed until `until_s`. `proved_until_s`:
-    until when it is proved if it is not left. `before`: what happened before it. `phases`: one for each leg, and
-    `attached`, `known` behind the last."""
+    until when it is proved if it is not left. `before`: what happened before it. `of_legs`: the
+    phases of its legs."""
 
     judged: JudgedOutcome
     cell: Cell
     motion: Trajectory
     legs: tuple[Leg, ...]
     arrivals: tuple[Arrival, ...]
-    phases: Sequence[Phase]
-    attached: Attachments
-    known: GraspUncertainty
+    of_legs: LegPhases
     before: History
     starts_s: float
     proved_until_s: float
@@ -63,8 +61,9 @@ class Segment:
     def during(self, at_s: float) -> tuple[Attachments, GraspUncertainty]:
         """What the gripper holds, where parts are and how well they are known at an instant; until a part is gripped or
         put down, as before."""
-        now = next((phase for phase in self.phases if at_s < phase.t1), None)
-        return (self.attached, self.known) if now is None else (now.attached, now.handled)
+        phases, attached, known = self.of_legs
+        now = next((phase for phase in phases if at_s < phase.t1), None)
+        return (attached, known) if now is None else (now.attached, now.handled)
 
     def history(self, at_s: float) -> History:
         """What happened before an instant."""
@@ -85,11 +84,9 @@ def segment_of(judged: JudgedOutcome, plan: Plan, before: History) -> Segment:
     from assur.scenes.tasks.instants import stands_until
 
     cell, motion, legs, arrivals = judged.cell, plan.trajectory, plan.legs, plan.arrivals
-    phases, attached, known = leg_phases(cell.scene, legs, arrivals)
-    until_s = stands_until(cell.scene, attached, motion.end)
-    return Segment(
-        judged, cell, motion, legs, arrivals, phases, attached, known, before, motion.start, until_s, until_s
-    )
+    of_legs = leg_phases(cell.scene, legs, arrivals)
+    until_s = stands_until(cell.scene, of_legs[1], motion.end)
+    return Segment(judged, cell, motion, legs, arrivals, of_legs, before, motion.start, until_s, until_s)
 
 
 class CommittedMotion:

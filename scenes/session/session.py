@@ -152,7 +152,7 @@ class RunningCell:
             at_s = max(_base_ends(self.committed.last), ready_s)
         at_s = number("at_s", at_s, ready_s, LONG_S, f"when planning is over ({1e3 * self._planning_s:g} ms)")
         left = self.committed.at(at_s)
-        found = state_of(left.cell, left.motion, left.legs, left.arrivals, at_s)
+        found = state_of(left.cell, left.motion, left.legs, left.arrivals, left.of_legs, at_s)
         state = self._without_gone(found, left)
         before = left.history(at_s)
         parts = self._parts_at(state, before, at_s)

@@ -33,6 +33,7 @@ from assur.scenes.units import si_key
 if TYPE_CHECKING:
     from assur.planner.frames.motion import Pose
     from assur.planner.model.outcome import Arrival, Leg
+    from assur.planner.model.phases import LegPhases
     from assur.planner.trajectory import Trajectory
     from assur.scenes.reading.cell import Cell
 
@@ -95,6 +96,7 @@ def end_state(request: Document, answer: object) -> EndState:
 
 def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
     """As `end_state`, and as `state_of`."""
+    from assur.planner.model.phases import leg_phases
     from assur.scenes.reading.plan import PLAN, motion_of
     from assur.scenes.requests import cell_of, refused
 
@@ -115,7 +117,7 @@ def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
     for i, each in enumerate(answer["arrivals"]):
         if "error" not in each:
             raise DocumentError(f"{PLAN}.arrivals[{i}].error", NOTHING, "how far the tool may be off, or null")
-    return state_of(cell, motion, legs, arrivals, at_s)
+    return state_of(cell, motion, legs, arrivals, leg_phases(cell.scene, legs, arrivals), at_s)
 
 
 def state_of(
@@ -123,12 +125,14 @@ def state_of(
     trajectory: Trajectory,
     legs: tuple[Leg, ...],
     arrivals: tuple[Arrival, ...],
+    of_legs: LegPhases,
     at_s: float | None,
 ) -> EndState:
     """The state of a plan in a cell at an instant, s, at which it is left: as if it ended there (None: where it ends).
-    Raises `InputError` for an instant at which it may not be left (`left_at`), naming `at_s`."""
+    `of_legs`: the phases of its legs (`leg_phases`). Raises `InputError` for an instant at which it may not be left
+    (`left_at`), naming `at_s`."""
     from assur.planner.laws.law import PoseUncertainty
-    from assur.planner.model.phases import gone_from, leg_phases, on_way, parts_gone
+    from assur.planner.model.phases import gone_from, on_way, parts_gone
     from assur.planner.model.task import is_taken_away
     from assur.scenes.reading.bodies import drifted
     from assur.scenes.reading.plan import PLAN
@@ -137,7 +141,7 @@ def state_of(
     scene, stated = cell.scene, cell.request
     if at_s is None:
         end_s = trajectory.end
-        _, attached, known = leg_phases(scene, legs, arrivals)
+        _, attached, known = of_legs
         if belts := on_way(scene, len(scene.task)):
             allowed = (
                 f"one whose last pick, place or follow is not corrected: behind a point on {' and '.join(belts)}, "
@@ -146,7 +150,7 @@ def state_of(
             raise DocumentError(PLAN, "this plan", allowed)
     else:
         end_s = at_s
-        attached, known = left_at(scene, trajectory, legs, arrivals, at_s)
+        attached, known = left_at(scene, trajectory, legs, arrivals, of_legs, at_s)
     gone = parts_gone(scene, arrivals, end_s)
     met = [(each.until, scene.task[each.step]) for each in arrivals if each.until <= end_s]
     gone_at_s = {str(step.part): gone_from(scene, step, until) for until, step in met if is_taken_away(step)}
@@ -223,10 +227,10 @@ def next_task(
     parts: Sequence[Document] | None = None,
     given: Mapping[str, object] = MappingProxyType({}),
 ) -> Document:
-    """A task of a cell, a document or one that was read, that begins where a plan ends. `task` has no start; what else it has counts. `parts`: those of
-    the plan, as they were written (None: the bodies of its request that the cell has not). One that `task` has as well,
-    with a place, is there; all others are where the plan left them. `given`: values that will be set last, as `joined`
-    takes them.
+    """A task of a cell, a document or a `CellFile`, that begins where a plan ends. `task` has no start; what else it
+    has counts. `parts`: those of the plan, as they were written (None: the bodies of its request that the cell has
+    not). One that `task` has as well, with a place, is there; all others are where the plan left them. `given`: values
+    that will be set last, as `joined` takes them.
 
     Raises `DocumentError` whose field begins with `cell` or `task`.
     """

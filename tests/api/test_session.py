@@ -404,10 +404,10 @@ def test_a_session_keeps_the_plan_that_its_answer_is_read_as() -> None:
         assert np.array_equal(motion.knots, each.motion.knots)
         assert (legs, arrivals) == (each.legs, each.arrivals)
         for at_s in (None, made.starts_s):
-            of_plan = each.motion, each.legs, each.arrivals, at_s
+            of_plan = each.motion, each.legs, each.arrivals, each.of_legs, at_s
             kept = vars(state_of(each.cell, *of_plan))
             assert kept == {**vars(state_of(cell_of(each.judged.request), *of_plan)), "cell": each.cell}
-        start, written = state_of(each.cell, *of_plan[:3], None).start, each.judged.answer["trajectory"]
+        start, written = state_of(each.cell, *of_plan[:4], None).start, each.judged.answer["trajectory"]
         assert [*start["joints"].values()] == written["position"][-1]
         assert start["at_s"] == written["time_s"][-1]
 
