@@ -27,6 +27,7 @@ from assur.scenes.requests import cell_of, scene_of
 from assur.scenes.session.committed import MOST_JUMPS
 from assur.scenes.tasks.next_task import state_of
 from assur.scenes.written_knots import with_rounded_knots
+from tests.scenes.robots_of_every_family import ROBOTS
 from tests.scenes.tasks.test_next_task import CELL, read
 
 Document = dict[str, Any]
@@ -410,6 +411,20 @@ def test_a_session_keeps_the_plan_that_its_answer_is_read_as() -> None:
         start, written = state_of(each.cell, *of_plan[:4], None).start, each.judged.answer["trajectory"]
         assert [*start["joints"].values()] == written["position"][-1]
         assert start["at_s"] == written["time_s"][-1]
+
+
+def test_where_joints_have_zeros_a_session_judges_and_executes_the_knots_of_its_answer() -> None:
+    robot = {**ROBOTS["scara whose lift is last, with zeros"], "tool": {"tcp_mm": [0, 0, -30]}}
+    home, options = {"home": {"at_mm": [250, 100, 90]}}, {**OPTIONS, "stay_safe_s": 0}
+    turned = {"schema": "assur-cell/1", "robot": robot, "positions": home, "options": options}
+    start = {"tool": {"at_mm": [200, 200, 100], "yaw_deg": 0}, "elbow": "left"}
+    session = assur.Session(turned, start=start, refuge="home")
+    made = commit(session, {"move": {"to": {"at_mm": [330, -60, 120]}}})
+    assert made.check()["ok"]
+    assert made._judged.cell.conventions.zeros.any()
+    for each in session._running.committed.segments:
+        motion, _, _ = motion_of(each.judged.answer, each.cell.conventions)
+        assert np.array_equal(motion.knots, each.motion.knots)
 
 
 def test_the_answer_of_a_proposal_is_that_of_plan_and_its_verdict_that_of_check() -> None:
