@@ -2,7 +2,7 @@
 
 A session picks part after part from a belt, and places each in a nest from which it is taken away: `see`, `propose`,
 `commit` and `advance`, one cycle after the other. What the arm takes for that is simulated time; what this process
-takes is measured. Each proposal is the first plan that is proved, and has its answer checked.
+takes is measured. Each proposal is the first plan that is proved, and is checked.
 """
 
 from __future__ import annotations
@@ -52,16 +52,16 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few cycles.")] = F
         figure(
             "simulated time over the time of a session", [records], ratio, "times", (60.0,), at_least=True, note=note
         ),
-        figure("propose, with the check of its answer, median", [records], of_planned("propose_s", 0.5), "ms"),
-        figure("propose, with the check of its answer, 95 %", [records], of_planned("propose_s", 0.95), "ms"),
+        figure("propose, with the check of its plan, median", [records], of_planned("propose_s", 0.5), "ms"),
+        figure("propose, with the check of its plan, 95 %", [records], of_planned("propose_s", 0.95), "ms"),
         figure("see, commit and advance, median", [records], of_planned("others_s", 0.5), "ms", decimals=2),
     ]
     finish("session_cycle", "cycles of a session from a belt to a nest", quick, parameters, records, figures)
 
 
 def measured(cycles: int) -> dict[str, Document]:
-    """The records of so many cycles. Whether `assur.check` accepts an answer is not in the times: the session has had
-    it checked."""
+    """The records of so many cycles. Whether `assur.check` accepts an answer is not in the times: the session has
+    its plan checked."""
     session, records = Session(CELL, start=START, refuge="home"), dict[str, Document]()
     for number in track(range(FIRST + cycles), "cycles", console=Console(stderr=True)):
         if number == FIRST:

@@ -30,13 +30,13 @@ from assur.planner.legs.tilt import pitch_free
 from assur.planner.model.deadline import Deadline, OutOfTimeError, Stopwatch, Watch, out_of_time
 from assur.planner.model.input_warning import InputWarning
 from assur.planner.model.outcome import Arrival, Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Relaxation
-from assur.planner.model.phases import phases, yaw_offsets
+from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.refusal import ForbiddenYaw, Reason, Refusal, Stage
 from assur.planner.model.scene import Scene
 from assur.planner.relaxation.kinds import worth_trying
 from assur.planner.relaxation.trying import relax
 from assur.planner.report.checker_first import checker_first
-from assur.planner.report.margins import carried, contacts, reported
+from assur.planner.report.margins import reported
 from assur.planner.report.sentence import sentence
 from assur.planner.report.straight_parts import assumed
 from assur.planner.search.beam import Search, SearchResult
@@ -153,17 +153,15 @@ def _search_of(scene: Scene) -> type[Search]:
 
 
 def _planned(scene: Scene, run: _Run, prover: Prover, found: SearchResult, made: Plan) -> Planned:
-    of_plan, full = phases(scene, made.legs, made.arrivals), scene.options.report == "full"
+    full = scene.options.report == "full"
     with run.tail(scene):
         # warnings first: the smallest clearance may use all remaining time
         warnings = _warnings(scene, prover, made.arrivals)[0] if full else ()
-        least = reported(scene, prover, made.trajectory, of_plan)
+        least = reported(scene, prover, made)
         late = out_of_time()
     return Planned(
         plan=made,
         reported=least,
-        contacts=contacts(of_plan),
-        carried=carried(scene, of_plan),
         lower_bound_s=least_duration(scene) if full else None,
         census=found.census.census(),
         assumptions=assumed(scene),

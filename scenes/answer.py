@@ -22,6 +22,7 @@ from assur.planner.model.outcome import (
     Planned,
     Relaxation,
 )
+from assur.planner.model.phases import phases
 from assur.planner.model.refusal import Reason
 from assur.planner.model.scene import Scene
 from assur.planner.report.notes import leg_note, warned
@@ -60,14 +61,17 @@ def answer_of(
 
 
 def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAnswer:
+    from assur.planner.report.margins import carried, contacts
+
     plan = with_rounded_knots(cell, outcome.plan)
+    of_plan = phases(cell.scene, plan.legs, plan.arrivals)
     return cast(
         document.PlannedAnswer,
         {
             **_motion(cell, plan),
-            "contacts": written(outcome.contacts),
+            "contacts": written(contacts(of_plan)),
             **({} if outcome.reported is None else {"margins": written(outcome.reported)}),
-            "load": load_document(cell.scene, outcome.carried),
+            "load": load_document(cell.scene, carried(cell.scene, of_plan)),
             **({"lower_bound_s": optional(outcome.lower_bound_s)} if _is_full(cell.scene) else {}),
             "certificate": certificate_document(plan.certificate, detail),
             "census": _census(cell.scene, outcome.census),

@@ -15,8 +15,7 @@ from assur.planner.errors import InputError
 
 if TYPE_CHECKING:
     from assur.scenes.schema.answer import Verdict
-    from assur.scenes.session.committed import Segment
-    from assur.scenes.session.judged import JudgedAnswer
+    from assur.scenes.session.judged import JudgedOutcome
     from assur.scenes.session.log import SessionLog
     from assur.scenes.session.reading import Coverage
     from assur.scenes.session.replay import Replay
@@ -36,7 +35,7 @@ class Proposal:
     decide_by_s: float
     base_ends_s: float | None
     answer: Answer = field(repr=False)
-    _judged: JudgedAnswer = field(repr=False)
+    _judged: JudgedOutcome = field(repr=False)
 
     @property
     def planned(self) -> bool:
@@ -44,10 +43,11 @@ class Proposal:
         return self.answer.planned
 
     def check(self) -> Verdict:
-        """What the checker says of the answer, the same as `assur.check`. A plan was judged when it was proposed."""
+        """What the checker says of the answer and all that it states, the same as `assur.check`. The plan itself was
+        judged when it was proposed."""
         from assur.scenes.requests import check_cell
 
-        return cast("Verdict", self._judged.verdict or check_cell(self._judged.cell, self._judged.answer))
+        return cast("Verdict", check_cell(self._judged.cell, self._judged.answer))
 
 
 @dataclass(frozen=True)
@@ -130,8 +130,8 @@ class Session:
     def committed(self) -> tuple[CommittedPlan, ...]:
         """The plans of the committed motion, from the one at the clock on."""
         segments, now_s = self._running.committed.segments, self.clock_s
-        there = [each for each in segments[:-1] if each.until_s > now_s]
-        return tuple(CommittedPlan(each.starts_s, each.until_s, self._answer(each)) for each in (*there, segments[-1]))
+        there = [*[each for each in segments[:-1] if each.until_s > now_s], segments[-1]]
+        return tuple(CommittedPlan(each.starts_s, each.until_s, self._answer(each.judged)) for each in there)
 
     def advance(self, to_s: float) -> None:
         """Sets the clock to a time, s. Raises `InputError` for a time before the clock's, and for one that no committed
@@ -161,7 +161,7 @@ class Session:
         for `at_s` also where the motion may not be left: while the tool tracks a point, and beyond `proved_until_s`.
         """
         made = self._running.propose(listed("steps", steps), at_s)
-        answer = Answer.made(made.answer, made.request, (self._document, made.task))
+        answer = self._answer(made.judged)
         return Proposal(made.number, made.starts_s, made.starts_s, made.base_ends_s, answer, made.judged)
 
     def commit(self, id: int | Proposal) -> None:  # noqa: A002 as a proposal names it
@@ -196,7 +196,7 @@ class Session:
     def __exit__(self, *error: object) -> None:
         self.close()
 
-    def _answer(self, of: Segment) -> Answer:
+    def _answer(self, of: JudgedOutcome) -> Answer:
         return Answer.made(of.answer, of.request, (self._document, of.task))
 
     def __repr__(self) -> str:

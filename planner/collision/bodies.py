@@ -271,6 +271,7 @@ class PairTables:
         """What `phases_of` needs of them where the arrangement has the seats."""
         self.tables, self.displaced = distances_of(scene), displaced_of(scene)
         self.required = self.tables["required"][0]
+        self.radii = np.array([body.radius for body in bodies_in(scene)])
         self.made: dict[tuple[object, ...], Pairs] = {}
         self._of_kind: dict[tuple[object, ...], Pairs] = {}
         """The last that were made of each kind, for whatever start."""
@@ -355,8 +356,7 @@ class PairTables:
         frame = seats[:, c.SEAT_FRAME].astype(np.int64)
         sets: FloatArray = np.zeros((len(first), SET_COLUMNS))
         flat, upright = off.reshape(2, -1)
-        radii = np.array([body.radius for body in bodies_in(self.scene)])
-        far = np.hypot(seats[:, c.SEAT_POSE], seats[:, c.SEAT_POSE + 1]) + radii
+        far = np.hypot(seats[:, c.SEAT_POSE], seats[:, c.SEAT_POSE + 1]) + self.radii
         flat = flat + np.where(link < 0.0, self.bodies.yaw[frame] * far, 0.0)
         sets[:, FLAT], sets[:, UPRIGHT] = flat[first] + flat[second], upright[first] + upright[second]
         free, tool = np.full(len(first), SEGMENTS), link >= self.required[c.REQUIRED_TOOL]

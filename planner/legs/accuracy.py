@@ -140,16 +140,21 @@ def _add_frame(scene: Scene, name: str, here: Motion, until: float, corrected: b
         level = math.hypot(along[0], along[1])
         terms.add_signed(Cause.FRAME, f"{name} along", amount * along)
         if level > 0.0:
-            terms.add_signed(Cause.FRAME, f"{name} across", known.lateral_m / level * np.cross(UP, along))
+            terms.add_signed(Cause.FRAME, f"{name} across", known.lateral_m / level * _across(along))
         else:
             terms.add(Cause.FRAME, known.lateral_m)
     terms.add_signed(Cause.FRAME, f"{name} up", known.vertical_m * UP)
     if known.yaw_rad > 0.0:
         arm = here.p - frame.law.motion(np.array(until)).p
-        terms.add_signed(Cause.FRAME, f"{name} turned", known.yaw_rad * np.cross(UP, arm))
+        terms.add_signed(Cause.FRAME, f"{name} turned", known.yaw_rad * _across(arm))
         # a turn by an angle leaves the tangent by less than half its square
         far = math.hypot(float(arm[0]), float(arm[1]))
         terms.add(Cause.FRAME, 0.5 * far * known.yaw_rad**2, yaw=known.yaw_rad)
+
+
+def _across(vector: FloatArray) -> FloatArray:
+    """The vertical times a vector (3,)."""
+    return np.array([0.0 - vector[1], vector[0], 0.0])
 
 
 def _add_correction(scene: Scene, belts: list[str], until: float, terms: _Terms) -> None:
@@ -249,6 +254,8 @@ def _shares(terms: _Terms) -> tuple[Share, ...]:
     found = []
     for cause in Cause:
         one = terms.only(cause)
+        if not (one.signed or one.full or one.late.any()):
+            continue
         _, _, level, height = one.combined()
         position, yaw = float(np.hypot(level, height).max()), one.whole[2]
         if position > LEAST or yaw > LEAST:

@@ -246,11 +246,9 @@ def _rests(motion: Motion) -> BoolArray:
 
 def continued(robot: Robot, q: FloatArray, first: FloatArray) -> FloatArray:
     """q (T, n) with full turns added to revolute joints so that it begins near `first` and never jumps."""
-    result = q.copy()
-    for i, joint in enumerate(robot.joints):
-        if joint.kind == "revolute":
-            column = np.unwrap(q[:, i])
-            result[:, i] = column + 2 * np.pi * np.round((first[i] - column[0]) / (2 * np.pi))
+    result, turning = q.copy(), robot.revolute > 0.0
+    unwrapped = np.unwrap(q[:, turning], axis=0)
+    result[:, turning] = unwrapped + 2 * np.pi * np.round((first[turning] - unwrapped[0]) / (2 * np.pi))
     return result
 
 

@@ -7,6 +7,7 @@ match by construction and approach and retreat are straight in the frame of the 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -29,6 +30,8 @@ SAME_S = 1e-12
 """Times of a knot and of the end of a leg that differ by less are the same: rounding."""
 ROUNDS = 5
 """Rounds of slowing down the way down and up until all joints keep their limits."""
+KEPT = 256
+"""Profiles of heights that are kept: the tasks of a cell approach their points from the same heights."""
 WITHOUT_LIFT = (0.5, 5.0, 250.0)
 """First guess of velocity, acceleration and jerk of a way down, m/s.., for a robot that has no vertical joint."""
 
@@ -143,11 +146,16 @@ def _way(
     if lift is not None:
         v, a, j = float(limits.velocity[lift]), float(limits.acceleration[lift]), float(limits.jerk[lift])
     a = min(a, lift_most(scene, carried=point.carries(up=high == 0.0)))
-    limited = [v * effort**0.5], [a * effort], [j * effort**1.5]
-    found = fastest_motion(([high], [0.0], [0.0]), ([low], [0.0], [0.0]), limited)
+    found = _lift_profile(high, low, v * effort**0.5, a * effort, j * effort**1.5)
     if isinstance(found, TimingRefusal):
         return unmoved(Stage.TRACKING, point.step, Obstacle.NO_PROFILE)
     return found
+
+
+@lru_cache(maxsize=KEPT)
+def _lift_profile(high: float, low: float, v: float, a: float, j: float) -> Trajectory | TimingRefusal:
+    """The fastest motion from rest at one height, m, to rest at another one."""
+    return fastest_motion(([high], [0.0], [0.0]), ([low], [0.0], [0.0]), ([v], [a], [j]))
 
 
 def cut(spline: Trajectory, met: float, left: float) -> TrackingLegs:

@@ -17,7 +17,6 @@ from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.model.arrival_error import ArrivalError
 from assur.planner.model.input_warning import InputWarning
-from assur.planner.model.load import Carried
 from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.model.witness import Witness
 from assur.planner.trajectory import Trajectory
@@ -398,8 +397,6 @@ class Planned:
     plan: Plan
     reported: Clearances | None
     """With `report: full`, the margins."""
-    contacts: tuple[Contact, ...]
-    carried: tuple[Carried, ...]
     lower_bound_s: float | None
     """A proved duration that no plan of the request beats; None: none is known."""
     census: Census

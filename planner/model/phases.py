@@ -11,12 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from operator import itemgetter
 
 import numpy as np
 
 from assur.planner.frames.motion import Pose
-from assur.planner.laws.law import EXACT, PoseUncertainty
+from assur.planner.laws.law import EXACT, Law, PoseUncertainty
 from assur.planner.model.attachments import AT_START, Attachments, at_start
 from assur.planner.model.outcome import TRACKING, Arrival, Leg, LegKind
 from assur.planner.model.scene import Pick, Place, Scene, Step
@@ -24,6 +25,8 @@ from assur.planner.model.task import is_taken_away
 
 CONTACT_M = 1e-4
 """Bodies in an allowed contact may overlap by this much, m: rounding of poses and a part that is not quite flat."""
+KEPT = 256
+"""Poses of frames that are kept: the phases of a plan are derived for each of its parts, and for all of it."""
 
 Contacts = frozenset[tuple[str, str]]
 """Pairs of names, each in the order of `pair`, that may touch (down to -CONTACT_M)."""
@@ -112,9 +115,11 @@ def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -
     return tuple(found + stay_phases(scene, legs[-1].t1, attached, handled, arrivals)) if legs else ()
 
 
-def leg_phases(
-    scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]
-) -> tuple[list[Phase], Attachments, GraspUncertainty]:
+LegPhases = tuple[list[Phase], Attachments, GraspUncertainty]
+"""Phases of legs, one for each; and the attachments, and what is known of parts, behind the last."""
+
+
+def leg_phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -> LegPhases:
     """The phases of these legs; and what the gripper holds, where parts are and how well they are known, behind the
     last one."""
     attached, handled, first = at_start(scene), handled_at_start(scene), 0
@@ -189,7 +194,7 @@ def step_phases(
     handled: GraspUncertainty,
     legs: tuple[Leg, ...],
     arrivals: Sequence[Arrival],
-) -> tuple[list[Phase], Attachments, GraspUncertainty]:
+) -> LegPhases:
     """The phases of the legs of one step, which begins with `attached` and `handled`; and both behind them.
     `arrivals`: at least those up to this step."""
     number = legs[0].step
@@ -259,17 +264,11 @@ def resting_on(
     """
     if names is not None:
         return frozenset(names)
-    at, attached = np.array(scene.start.time if time is None else time), attached or AT_START
-    frames: dict[str, Pose] = {}
+    at_s, attached = scene.start.time if time is None else time, attached or AT_START
 
     def in_world(name: str, local: Pose) -> Pose | None:
-        if name not in frames:
-            motion = scene.frames[name].law.motion(at)
-            numbers = (*motion.p.tolist(), float(motion.yaw))
-            if not all(map(math.isfinite, numbers)):
-                return None  # not known then: the checks of the laws' validity refuse it
-            frames[name] = Pose(*numbers)
-        return frames[name].then(local)
+        there = _pose_at(scene.frames[name].law, at_s)
+        return None if there is None else there.then(local)
 
     there = in_world(frame, pose)
     if there is None:
@@ -284,6 +283,14 @@ def resting_on(
         if abs(other.z + body.body.heights[1] - bottom) <= CONTACT_M:
             found.add(body.name)
     return frozenset(found)
+
+
+@lru_cache(maxsize=KEPT)
+def _pose_at(law: Law, at_s: float) -> Pose | None:
+    """Where a frame is at a time; None: that is not known, and the checks of the laws' validity refuse it."""
+    motion = law.motion(np.array(at_s))
+    numbers = (*motion.p.tolist(), float(motion.yaw))
+    return Pose(*numbers) if all(map(math.isfinite, numbers)) else None
 
 
 def on_way(scene: Scene, number: int) -> tuple[str, ...]:

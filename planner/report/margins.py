@@ -12,8 +12,8 @@ from assur.planner.collision.proof import Prover
 from assur.planner.legs.limits import instants, least_margins, parts, used
 from assur.planner.legs.tool_motion import carrying_peak, tool_peaks
 from assur.planner.model.load import Carried, held_inertia
-from assur.planner.model.outcome import Clearances, Contact, JointPeak, Margins
-from assur.planner.model.phases import Phase
+from assur.planner.model.outcome import Clearances, Contact, JointPeak, Margins, Plan
+from assur.planner.model.phases import Phase, phases
 from assur.planner.model.refusal import RATES
 from assur.planner.model.scene import Scene
 from assur.planner.report.notes import MostUsed, busiest
@@ -24,13 +24,14 @@ NEAREST_PAIRS = 4
 smallest clearance of all pairs."""
 
 
-def reported(scene: Scene, prover: Prover, path: Trajectory, phases: tuple[Phase, ...]) -> Clearances | None:
+def reported(scene: Scene, prover: Prover, plan: Plan) -> Clearances | None:
     """The smallest clearances of a plan, or its margins, or None, as the option `report` says. A smallest clearance
     that is not known before the deadline in force is 0, which is proved, too."""
     if scene.options.report == "none":
         return None
-    least = Clearances(nearest(prover, path, phases, of="arm"), nearest(prover, path, phases, of="placed"))
-    return margins(scene, prover, path, phases, least) if scene.options.report == "full" else least
+    path, of_plan = plan.trajectory, phases(scene, plan.legs, plan.arrivals)
+    least = Clearances(nearest(prover, path, of_plan, of="arm"), nearest(prover, path, of_plan, of="placed"))
+    return margins(scene, prover, path, of_plan, least) if scene.options.report == "full" else least
 
 
 def margins(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,12 +15,11 @@ if TYPE_CHECKING:
     from assur.planner.arrays import FloatArray
     from assur.planner.model.attachments import Attachments
     from assur.planner.model.outcome import Arrival, Leg, Plan
-    from assur.planner.model.phases import GraspUncertainty
+    from assur.planner.model.phases import GraspUncertainty, LegPhases
     from assur.planner.trajectory import Trajectory
     from assur.scenes.reading.cell import Cell
-    from assur.scenes.session.judged import JudgedAnswer
+    from assur.scenes.session.judged import JudgedOutcome
 
-Document = dict[str, Any]
 MOST_JUMPS = (1e-9, 1e-7, 1e-5)
 """Most by which position, velocity and acceleration of a joint may differ where one plan follows another: rad or m, and
 per s and s². Rounding of units is far below."""
@@ -40,16 +39,16 @@ class History:
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """A plan of the committed motion: `answer` to the `request` of a `task`, proved from `starts_s` on, executed until
-    `until_s`. `proved_until_s`: until when it is proved if it is not left. `before`: what happened before it."""
+    """A plan of the committed motion, `judged`, proved from `starts_s` on, executed until `until_s`. `proved_until_s`:
+    until when it is proved if it is not left. `before`: what happened before it. `of_legs`: the
+    phases of its legs."""
 
-    request: Document
-    task: Document
-    answer: Document
+    judged: JudgedOutcome
     cell: Cell
     motion: Trajectory
     legs: tuple[Leg, ...]
     arrivals: tuple[Arrival, ...]
+    of_legs: LegPhases
     before: History
     starts_s: float
     proved_until_s: float
@@ -62,11 +61,9 @@ class Segment:
     def during(self, at_s: float) -> tuple[Attachments, GraspUncertainty]:
         """What the gripper holds, where parts are and how well they are known at an instant; until a part is gripped or
         put down, as before."""
-        from assur.planner.model.phases import leg_phases
-
-        begun = tuple([leg for leg in self.legs if leg.t0 <= at_s] or self.legs[:1])
-        phases, attached, known = leg_phases(self.cell.scene, begun, self.arrivals)
-        return (attached, known) if at_s >= begun[-1].t1 else (phases[-1].attached, phases[-1].handled)
+        phases, attached, known = self.of_legs
+        now = next((phase for phase in phases if at_s < phase.t1), None)
+        return (attached, known) if now is None else (now.attached, now.handled)
 
     def history(self, at_s: float) -> History:
         """What happened before an instant."""
@@ -81,19 +78,15 @@ class Segment:
         return History(handled, {name: time for name, time in leaves.items() if time < math.inf})
 
 
-def segment_of(made: JudgedAnswer, task: Document, plan: Plan, before: History) -> Segment:
-    """The `plan` of an answer as one that may be committed, and until when standing at its end is proved."""
+def segment_of(judged: JudgedOutcome, plan: Plan, before: History) -> Segment:
+    """The `plan` of an outcome as one that may be committed, and until when standing at its end is proved."""
     from assur.planner.model.phases import leg_phases
     from assur.scenes.tasks.instants import stands_until
-    from assur.scenes.written_knots import with_rounded_knots
 
-    cell, legs, arrivals = made.cell, plan.legs, plan.arrivals
-    motion = with_rounded_knots(cell, plan).trajectory
-    _, attached, _ = leg_phases(cell.scene, legs, arrivals)
-    until_s = stands_until(cell.scene, attached, motion.end)
-    return Segment(
-        made.request, task, made.answer, cell, motion, legs, arrivals, before, motion.start, until_s, until_s
-    )
+    cell, motion, legs, arrivals = judged.cell, plan.trajectory, plan.legs, plan.arrivals
+    of_legs = leg_phases(cell.scene, legs, arrivals)
+    until_s = stands_until(cell.scene, of_legs[1], motion.end)
+    return Segment(judged, cell, motion, legs, arrivals, of_legs, before, motion.start, until_s, until_s)
 
 
 class CommittedMotion:

@@ -1,52 +1,70 @@
-"""The plan of a task in a cell that is kept, and the checker's verdict on its answer."""
+"""The plan of a task in a cell that is kept, and the checker's verdict on it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
 from assur.scenes.faults import located
 from assur.scenes.proposals.files import answer_to_task
-from assur.scenes.requests import cell_of, check_cell
+from assur.scenes.requests import cell_of
 from assur.scenes.tasks.joining import joined
 from assur.scenes.tasks.kept_cell import KeptCellFile, TaskOfCell, of_task
+from assur.scenes.tasks.origins import Joined
 
 if TYPE_CHECKING:
-    from assur.planner.model.outcome import Plan
+    from assur.planner.checker.verdict import Verdict
+    from assur.planner.model.outcome import Outcome, Plan
     from assur.scenes.reading.cell import Cell
 
 Document = dict[str, Any]
 
 
 @dataclass(frozen=True, eq=False)
-class JudgedAnswer:
-    """The `answer` to the `request` of a task, which makes the `cell`; `plan`: that of the answer, None where there is
-    none. `verdict`: on an answer with a plan."""
+class JudgedOutcome:
+    """The `outcome` of planning a `task` in a cell that is kept. Both make the `request`, and this the `cell`. `plan`:
+    that of the outcome, and `verdict`: the checker's on it; both are None where there is no plan."""
 
-    request: Document
+    kept: KeptCellFile
+    task: Document
+    made: Joined
     cell: Cell
-    answer: Document
+    outcome: Outcome
     plan: Plan | None = None
-    verdict: Document | None = None
+    verdict: Verdict | None = None
+
+    @property
+    def request(self) -> Document:
+        return self.made.request
+
+    @cached_property
+    def answer(self) -> Document:
+        """The answer to the request, as `KeptCellFile.plan` gives it. It is written when it is read first."""
+        from assur.scenes.answer import answer_of
+
+        answer = dict(answer_of(self.cell, self.outcome))
+        return answer_to_task(answer, self.made, lambda values: joined(self.kept.file, self.task, values))
 
     @property
     def reason(self) -> str:
-        """Why the answer has no plan that the checker accepts; empty where it has one."""
+        """Why there is no plan that the checker accepts; empty where there is one."""
         if self.verdict is None:
             return str(self.answer["sentence"])
-        return "" if self.verdict["ok"] else f"the checker refuses it: {self.verdict['findings'][0]['what']}"
+        return "" if self.verdict.ok else f"the checker refuses it: {self.verdict.findings[0].what}"
 
 
-def judged(kept: KeptCellFile, task: Document) -> JudgedAnswer:
-    """The answer to a task, as `KeptCellFile.plan` gives it. The checker judges the answer, and the search leaves its
-    plan to that. Where the answer is refused, the search is made once more, and has its plans checked.
+def judged(kept: KeptCellFile, task: Document) -> JudgedOutcome:
+    """The outcome of planning a task. The checker judges the plan with the knots that its answer has, and the search
+    leaves its plan to that. Where the plan is refused, the search is made once more, and has its plans checked.
 
     Raises `DocumentError`, as `KeptCellFile.plan`.
     """
+    from assur.planner.checked import check
     from assur.planner.model.outcome import Planned
     from assur.planner.pipeline import plan
-    from assur.scenes.answer import answer_of
+    from assur.scenes.written_knots import with_rounded_knots
 
     made = kept.joined(task)
     try:
@@ -54,12 +72,12 @@ def judged(kept: KeptCellFile, task: Document) -> JudgedAnswer:
         for checked in (False, True):
             with located(cell.document):
                 outcome = plan(cell.scene, checked=checked)
-            answer = dict(answer_of(cell, outcome))
             if not isinstance(outcome, Planned):
-                answer = answer_to_task(answer, made, lambda values: joined(kept.file, task, values))
-                return JudgedAnswer(made.request, cell, answer)
-            found = JudgedAnswer(made.request, cell, answer, outcome.plan, check_cell(cell, answer))
-            if not found.reason:
+                return JudgedOutcome(kept, task, made, cell, outcome)
+            outcome = replace(outcome, plan=with_rounded_knots(cell, outcome.plan))
+            verdict = check(cell.scene, outcome.plan)
+            found = JudgedOutcome(kept, task, made, cell, outcome, outcome.plan, verdict)
+            if verdict.ok:
                 break
     except InputError as error:
         raise of_task(made.relocated(error)) from error

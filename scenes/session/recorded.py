@@ -91,7 +91,7 @@ class RecordedCell(RunningCell):
         self._record = record
         super().__init__(kept, start, refuge, planning_ms, options)
         arguments = plain({"start": start, "refuge": refuge, "planning_ms": planning_ms, "options": options})
-        first = self.committed.last
+        first = self.committed.last.judged
         result = {"request": first.request, "answer": timeless(first.answer)}
         event = {"call": FIRST, "clock_s": self.clock_s, "arguments": arguments, "result": result}
         record.called({**event, "frames": kept.file.written.get("frames", {})})
@@ -113,8 +113,8 @@ class RecordedCell(RunningCell):
 
     def commit(self, number: object) -> None:
         def committed(_: None) -> Document:
-            last = self.committed.last
-            return {"starts_s": last.starts_s, "request": last.request, "answer": timeless(last.answer)}
+            last, of = self.committed.last, self.committed.last.judged
+            return {"starts_s": last.starts_s, "request": of.request, "answer": timeless(of.answer)}
 
         self._call("commit", {"number": number}, lambda: RunningCell.commit(self, number), committed)
 
@@ -143,11 +143,11 @@ def _nothing(_: object) -> None:
 
 def _proposed(made: NextMotion) -> Document:
     """What a proposal gives; its answer by its digest, because only the plans that are committed are executed."""
-    answer = json.dumps(timeless(made.answer), sort_keys=True)
+    answer = json.dumps(timeless(made.judged.answer), sort_keys=True)
     return {
         "id": made.number,
         "starts_s": made.starts_s,
         "base_ends_s": made.base_ends_s,
-        "status": made.answer["status"],
+        "status": made.judged.answer["status"],
         "answer_sha256": hashlib.sha256(answer.encode()).hexdigest(),
     }

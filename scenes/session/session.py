@@ -13,7 +13,7 @@ from assur.scenes.faults import DocumentError, choices, documented
 from assur.scenes.schema.cell_file import TASK
 from assur.scenes.schema.normal import normal, plain
 from assur.scenes.session.committed import CommittedMotion, History, Segment, segment_of
-from assur.scenes.session.judged import JudgedAnswer, judged
+from assur.scenes.session.judged import JudgedOutcome, judged
 from assur.scenes.tasks.kept_cell import KeptCellFile, of_task
 
 if TYPE_CHECKING:
@@ -38,17 +38,14 @@ class Sighting:
 
 @dataclass(frozen=True, eq=False)
 class NextMotion:
-    """What was proposed: the `answer` to the `request` of a `task`, which is `judged`, from `starts_s` on.
-    `base_ends_s`: where the way to the refuge begins. `segment`: the plan. Both are None where there is none, and
-    where the checker refuses it."""
+    """What was proposed: the outcome of planning a task from `starts_s` on, which is `judged`. `base_ends_s`: where the
+    way to the refuge begins. `segment`: the plan. Both are None where there is none, and where the checker refuses
+    it."""
 
     number: int
     starts_s: float
     base_ends_s: float | None
-    request: Document
-    task: Document
-    answer: Document
-    judged: JudgedAnswer
+    judged: JudgedOutcome
     segment: Segment | None
 
 
@@ -155,18 +152,19 @@ class RunningCell:
             at_s = max(_base_ends(self.committed.last), ready_s)
         at_s = number("at_s", at_s, ready_s, LONG_S, f"when planning is over ({1e3 * self._planning_s:g} ms)")
         left = self.committed.at(at_s)
-        found = state_of(left.cell, left.answer["trajectory"], left.motion, left.legs, left.arrivals, at_s)
+        found = state_of(left.cell, left.motion, left.legs, left.arrivals, left.of_legs, at_s)
         state = self._without_gone(found, left)
         before = left.history(at_s)
         parts = self._parts_at(state, before, at_s)
-        written = {part["name"]: part for part in left.task.get("parts", ())}
+        task_before = left.judged.task
+        written = {part["name"]: part for part in task_before.get("parts", ())}
         task = {"schema": TASK, "parts": parts, "steps": self._with_refuge(steps)}
         if "options" in self._first:
             task["options"] = self._first["options"]
-        values = left.task.get("set", {})
+        values = task_before.get("set", {})
         listed = [written[part["name"]] for part in parts if part["name"] in written]
         try:
-            follows = next_task(self._kept.file.written, task, state, listed, values)
+            follows = next_task(self._kept.file, task, state, listed, values)
         except InputError as error:
             raise of_task(documented(error)) from error
         follows["set"] = {**values, **follows["set"]}
@@ -181,7 +179,7 @@ class RunningCell:
 
     def _without_gone(self, state: EndState, left: Segment) -> EndState:
         """The state at which a plan is left, without how well parts are known that have gone since."""
-        gone = {part["name"] for part in left.task.get("parts", ())} - self._known.keys()
+        gone = {part["name"] for part in left.judged.task.get("parts", ())} - self._known.keys()
         return replace(state, uncertainty={name: each for name, each in state.uncertainty.items() if name not in gone})
 
     def commit(self, number: object) -> None:
@@ -209,11 +207,11 @@ class RunningCell:
         self._used.add(number)
 
     def _planned(self, number: int, at_s: float, task: Document, before: History) -> NextMotion:
-        """A proposal with the answer to a task that begins at `at_s`."""
+        """A proposal with the outcome of a task that begins at `at_s`."""
         made = judged(self._kept, task)
-        segment = None if made.plan is None or made.reason else segment_of(made, task, made.plan, before)
+        segment = None if made.plan is None or made.reason else segment_of(made, made.plan, before)
         ends_s = None if segment is None else _base_ends(segment)
-        return NextMotion(number, at_s, ends_s, made.request, task, made.answer, made, segment)
+        return NextMotion(number, at_s, ends_s, made, segment)
 
     def _with_refuge(self, steps: Sequence[object]) -> list[object]:
         return [*plain({"steps": list(steps)})["steps"], {"move": {"to": self.refuge}}]

@@ -108,7 +108,8 @@ class Run:
             if made.segment is not None:
                 self._commit(made, made.segment, choice)
                 return
-            self.tally.refused(str(made.answer["reason"]), str(made.answer["sentence"]), self.session.clock_s)
+            answer = made.judged.answer
+            self.tally.refused(str(answer["reason"]), str(answer["sentence"]), self.session.clock_s)
             self._refused_s[choice.part] = self.session.clock_s + RETRY_S
         self.tally.waits(now_s, "refused")
 
@@ -163,12 +164,12 @@ class Run:
             session.see(unseen.name, unseen.fields(now_s))
         made = session.propose(steps, self._free_s() if steps else None)
         self.tally.plans += 1
-        if made.answer["cut_by_clock"]:
+        if made.judged.outcome.cut_by_clock:
             raise FaultError(f"at {now_s:.6g} s a search took longer than its budget: no result would be repeatable")
         self._events(now_s + self._planning_s)
         verdict = made.judged.verdict
-        if verdict is not None and not verdict["ok"]:
-            what = "; ".join(each["what"] for each in verdict["findings"])
+        if verdict is not None and not verdict.ok:
+            what = "; ".join(each.what for each in verdict.findings)
             raise FaultError(f"the checker refuses the motion that begins at {made.starts_s:.6g} s: {what}")
         if made.segment is not None:
             until_s = min(now_s + unseen.proved_s for unseen in self._cell.unseen)
@@ -240,7 +241,7 @@ class Run:
         """Another session goes on where the arm stands in the refuge: in the same cell, but the frames of the streams
         are stated for now. Until its first motion begins the arm stands where the session before has proved it."""
         before, self._since_s = self.session, self.session.clock_s
-        listed = before.propose([], self._since_s + self._planning_s).task
+        listed = before.propose([], self._since_s + self._planning_s).judged.task
         start = {**listed["start"], "at_s": self._since_s}
         kept = self._cell.kept_from(self._since_s)
         self.session = _running(self._record, kept, start, self._cell.refuge, self._planning_ms)
@@ -254,9 +255,7 @@ class Run:
         """Commits the way to the refuge alone. Raises `FaultError` where standing there is not proved."""
         made = self._proposed([])
         if made.segment is None:
-            raise FaultError(
-                f"at {made.starts_s:.6g} s standing in the refuge is not proved: {made.answer['sentence']}"
-            )
+            raise FaultError(f"at {made.starts_s:.6g} s standing in the refuge is not proved: {made.judged.reason}")
         self._follow(made, made.segment)
 
     def _events(self, to_s: float) -> None:

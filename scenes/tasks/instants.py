@@ -11,7 +11,7 @@ from assur.scenes.faults import DocumentError
 if TYPE_CHECKING:
     from assur.planner.model.attachments import Attachments
     from assur.planner.model.outcome import Arrival, Leg
-    from assur.planner.model.phases import GraspUncertainty
+    from assur.planner.model.phases import GraspUncertainty, LegPhases
     from assur.planner.model.scene import Scene
     from assur.planner.trajectory import Trajectory
 
@@ -31,22 +31,27 @@ def stands_until(scene: Scene, attached: Attachments, end_s: float) -> float:
 
 
 def left_at(
-    scene: Scene, trajectory: Trajectory, legs: Sequence[Leg], arrivals: Sequence[Arrival], at_s: float
+    scene: Scene,
+    trajectory: Trajectory,
+    legs: Sequence[Leg],
+    arrivals: Sequence[Arrival],
+    of_legs: LegPhases,
+    at_s: float,
 ) -> tuple[Attachments, GraspUncertainty]:
     """What the gripper holds, where parts are and how well they are known at an instant at which the plan may be left:
-    on the way between control points, waiting, or standing at the end.
+    on the way between control points, waiting, or standing at the end. `of_legs`: the phases of its legs.
 
     Raises `DocumentError` for any other: before the start, while the tool tracks a control point, before a robot that
     is late has put down its part, where the acceleration jumps on the way, where standing is not proved, and where a
     belt correction may shift the arm by what is not known in advance.
     """
     from assur.planner.model.outcome import TRACKING
-    from assur.planner.model.phases import leg_phases, on_way
+    from assur.planner.model.phases import on_way
 
     if not trajectory.start <= at_s < math.inf:
         raise DocumentError(AT, at_s, f"a time of the plan, {trajectory.start:.6g} s or later")
-    begun, over = tuple([leg for leg in legs if leg.t0 <= at_s] or legs[:1]), at_s >= trajectory.end
-    last = begun[-1]
+    begun, over = max(1, sum(leg.t0 <= at_s for leg in legs)), at_s >= trajectory.end
+    last = legs[begun - 1]
     if not over and last.kind in TRACKING:
         tracks = [leg for leg in legs if leg.step == last.step and leg.kind in TRACKING]
         around = f"before {tracks[0].t0:.6g} s, or {tracks[-1].t1:.6g} s or later"
@@ -57,10 +62,11 @@ def left_at(
         free_s = arrival.until + scene.execution.start_tolerance_s
         if scene.task[arrival.step].part is not None and arrival.until <= at_s < free_s:
             raise DocumentError(AT, at_s, f"{free_s:.6g} s or later: until then a robot that is late handles a part")
-    found, attached, known = leg_phases(scene, begun, tuple(arrivals))
-    if on_way(scene, len(scene.task)) if over else found[-1].corrected:
+    phases, attached, known = of_legs
+    now = phases[begun - 1]
+    if on_way(scene, len(scene.task)) if over else now.corrected:
         raise DocumentError(AT, at_s, "none, with belt_correction: nobody knows by how much the arm is shifted then")
     until_s = stands_until(scene, attached, trajectory.end)
     if over and at_s > until_s:
         raise DocumentError(AT, at_s, f"up to {until_s:.6g} s, until when standing is proved (stay_safe_s)")
-    return attached, known
+    return (attached, known) if over else (now.attached, now.handled)

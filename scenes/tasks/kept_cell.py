@@ -89,7 +89,7 @@ class KeptCellFile:
 
         made = self.joined(task)
         of_cell = TaskOfCell(self, made)
-        request = of_cell.read()
+        request = of_cell.read(("start",))
         around = None if request is None else of_cell.around(request)
         if request is None or around is None:
             try:
@@ -142,12 +142,13 @@ class TaskOfCell:
         """Whether the task sets no values of the cell."""
         self._parts: Sequence[BodyDocument] | None = None
 
-    def read(self) -> RequestDocument | None:
-        """The request in SI; None where it has to be read as a whole."""
+    def read(self, fields: Sequence[str] = STATED_BY_TASK) -> RequestDocument | None:
+        """The request in SI, with its bodies and of what the task states these `fields`; None where it has to be read
+        as a whole."""
         request, alone = self._request, self._kept.alone
         if not self._is_kept or len(request["bodies"]) > MAX_BODIES:
             return None
-        stated = {key: request[key] for key in STATED_BY_TASK}
+        stated = {key: request[key] for key in fields}
         try:
             found = read_fields(RequestDocument, {**stated, "bodies": request["bodies"][len(alone.bodies) :]})
         except InputError:

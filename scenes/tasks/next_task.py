@@ -25,7 +25,7 @@ from assur.scenes.schema.request import RequestDocument
 from assur.scenes.schema.shapes import BodyDocument, PlaceInCell
 from assur.scenes.set_values import GIVEN, with_values
 from assur.scenes.tasks.grids import counts, slot_poses
-from assur.scenes.tasks.joining import joined, shared
+from assur.scenes.tasks.joining import CellFile, joined, shared
 from assur.scenes.tasks.origins import OF_CELL, OF_TASK, Carried, Joined, Origins, within_document
 from assur.scenes.tasks.parts_of_plan import PLACES, check_kinds_of_picked, check_same_bodies, check_there
 from assur.scenes.units import si_key
@@ -33,6 +33,7 @@ from assur.scenes.units import si_key
 if TYPE_CHECKING:
     from assur.planner.frames.motion import Pose
     from assur.planner.model.outcome import Arrival, Leg
+    from assur.planner.model.phases import LegPhases
     from assur.planner.trajectory import Trajectory
     from assur.scenes.reading.cell import Cell
 
@@ -95,6 +96,7 @@ def end_state(request: Document, answer: object) -> EndState:
 
 def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
     """As `end_state`, and as `state_of`."""
+    from assur.planner.model.phases import leg_phases
     from assur.scenes.reading.plan import PLAN, motion_of
     from assur.scenes.requests import cell_of, refused
 
@@ -115,22 +117,22 @@ def state_at(request: Document, answer: object, at_s: float | None) -> EndState:
     for i, each in enumerate(answer["arrivals"]):
         if "error" not in each:
             raise DocumentError(f"{PLAN}.arrivals[{i}].error", NOTHING, "how far the tool may be off, or null")
-    return state_of(cell, answer["trajectory"], motion, legs, arrivals, at_s)
+    return state_of(cell, motion, legs, arrivals, leg_phases(cell.scene, legs, arrivals), at_s)
 
 
 def state_of(
     cell: Cell,
-    written: Document,
     trajectory: Trajectory,
     legs: tuple[Leg, ...],
     arrivals: tuple[Arrival, ...],
+    of_legs: LegPhases,
     at_s: float | None,
 ) -> EndState:
     """The state of a plan in a cell at an instant, s, at which it is left: as if it ended there (None: where it ends).
-    `written`: its trajectory in the answer. Raises `InputError` for an instant at which it may not be left (`left_at`),
-    naming `at_s`."""
+    `of_legs`: the phases of its legs (`leg_phases`). Raises `InputError` for an instant at which it may not be left
+    (`left_at`), naming `at_s`."""
     from assur.planner.laws.law import PoseUncertainty
-    from assur.planner.model.phases import gone_from, leg_phases, on_way, parts_gone
+    from assur.planner.model.phases import gone_from, on_way, parts_gone
     from assur.planner.model.task import is_taken_away
     from assur.scenes.reading.bodies import drifted
     from assur.scenes.reading.plan import PLAN
@@ -139,7 +141,7 @@ def state_of(
     scene, stated = cell.scene, cell.request
     if at_s is None:
         end_s = trajectory.end
-        _, attached, known = leg_phases(scene, legs, arrivals)
+        _, attached, known = of_legs
         if belts := on_way(scene, len(scene.task)):
             allowed = (
                 f"one whose last pick, place or follow is not corrected: behind a point on {' and '.join(belts)}, "
@@ -148,13 +150,13 @@ def state_of(
             raise DocumentError(PLAN, "this plan", allowed)
     else:
         end_s = at_s
-        attached, known = left_at(scene, trajectory, legs, arrivals, at_s)
+        attached, known = left_at(scene, trajectory, legs, arrivals, of_legs, at_s)
     gone = parts_gone(scene, arrivals, end_s)
     met = [(each.until, scene.task[each.step]) for each in arrivals if each.until <= end_s]
     gone_at_s = {str(step.part): gone_from(scene, step, until) for until, step in met if is_taken_away(step)}
     uncertainty = {name: asdict(each) for name, each in known.within if name not in gone}
     handled = gone.union(uncertainty)
-    start = _start(written, trajectory, end_s, cell.conventions)
+    start = _start(trajectory, end_s, cell.conventions)
     held = attached.held
     if held is not None:
         grasp = held.in_flange.inverse().then(scene.tool.tcp)
@@ -193,22 +195,20 @@ def _has_time(body: BodyDocument) -> bool:
     return body.pose is not None and body.pose.at_s is not None
 
 
-def _start(written: Mapping[str, Any], motion: Trajectory, at_s: float, conventions: Conventions) -> Document:
-    """The state at an instant as the start of a request, in the maker's words: at a knot the same numbers, and those of
-    the last one from then on."""
-    if at_s in written["time_s"] or at_s > motion.end:
-        knot = -1 if at_s >= motion.end else written["time_s"].index(at_s)
-        states = [written[of][knot] for of in ("position", "velocity", "acceleration")]
+def _start(motion: Trajectory, at_s: float, conventions: Conventions) -> Document:
+    """The state at an instant as the start of a request, in the maker's words: at a knot the numbers that the answer
+    has there, and those of the last one from then on."""
+    knot = -1 if at_s >= motion.end else int(motion.time.searchsorted(at_s))
+    if motion.time[knot] <= at_s:
+        q, qd, qdd = motion.q[knot], motion.qd[knot], motion.qdd[knot]
     else:
         q, qd, qdd = motion.state(at_s)
-        states = [
-            each.tolist() for each in (as_maker(q, conventions), *(rates_as_maker(v, conventions) for v in (qd, qdd)))
-        ]
+    states = as_maker(q, conventions), rates_as_maker(qd, conventions), rates_as_maker(qdd, conventions)
     start: Document = {"at_s": at_s}
     for key, rate, values in zip(("joints", "velocity", "acceleration"), ("", "_s", "_s2"), states, strict=True):
-        if key == "joints" or any(values):
-            names = zip(written["joint_names"], written["joint_units"], values, strict=True)
-            start[key] = {f"{name}_{unit}{rate}": value for name, unit, value in names}
+        if key == "joints" or values.any():
+            names = zip(conventions.keys, values.tolist(), strict=True)
+            start[key] = {f"{name}{rate}": value for name, value in names}
     return start
 
 
@@ -221,39 +221,41 @@ def next_request(end: EndState, steps: Sequence[Document]) -> Document:
 
 
 def next_task(
-    cell: Document,
+    cell: Document | CellFile,
     task: Document,
     end: EndState,
     parts: Sequence[Document] | None = None,
     given: Mapping[str, object] = MappingProxyType({}),
 ) -> Document:
-    """A task of a cell that begins where a plan ends. `task` has no start; what else it has counts. `parts`: those of
-    the plan, as they were written (None: the bodies of its request that the cell has not). One that `task` has as well,
-    with a place, is there; all others are where the plan left them. `given`: values that will be set last, as `joined`
-    takes them.
+    """A task of a cell, a document or a `CellFile`, that begins where a plan ends. `task` has no start; what else it
+    has counts. `parts`: those of the plan, as they were written (None: the bodies of its request that the cell has
+    not). One that `task` has as well, with a place, is there; all others are where the plan left them. `given`: values
+    that will be set last, as `joined` takes them.
 
     Raises `DocumentError` whose field begins with `cell` or `task`.
     """
-    of_cell, of_task = shared(given, cell)
+    written = cell.written if isinstance(cell, CellFile) else cell
+    of_cell, of_task = shared(given, written)
     with within_document(OF_TASK):
         read(TaskDocument, task)
         if "start" in task:
             raise fault(task, ("start",), "none: the task begins where the plan ends")
     with within_document(OF_CELL):
-        read(CellDocument, cell)
+        if written is cell:
+            read(CellDocument, written)
         shapes = {body["name"]: normal(body["shape"]) for body in end.document.get("bodies", ())}
-        for i, body in enumerate(cell.get("bodies", ())):
+        for i, body in enumerate(written.get("bodies", ())):
             if body["name"] in end.handled:
                 allowed = "a body that no step of the plan handles: what steps handle is one of the parts of a task"
-                raise fault(cell, ("bodies", i, "name"), allowed)
+                raise fault(written, ("bodies", i, "name"), allowed)
             before = shapes.get(body["name"])
             if before is not None and before != normal(body["shape"]):
-                raise fault(cell, ("bodies", i, "name"), "a name that no body of another shape has in the plan")
+                raise fault(written, ("bodies", i, "name"), "a name that no body of another shape has in the plan")
         seen = {part["name"] for part in task.get("parts", ()) if part.keys() & {*PLACES}}
-        changed = _with_values(cell, {**task.get("set", {}), **of_cell})
+        changed = _with_values(written, {**task.get("set", {}), **of_cell})
         slots = _slots(changed, end, seen)
     if parts is None:
-        own = {body["name"] for body in cell.get("bodies", ())}
+        own = {body["name"] for body in written.get("bodies", ())}
         parts = [body for body in end.document.get("bodies", ()) if body["name"] not in own]
     known = {part["name"]: part for part in parts if part["name"] not in end.gone}
     listed, kinds = [], changed.get("kinds", {})
@@ -342,6 +344,8 @@ def hold_same(document: Document, end: EndState) -> None:
 
 def _with_values(cell: Document, values: Document) -> Document:
     """The cell with values that will be set in it. Without those that are refused: they are then, at their paths."""
+    if not values:
+        return cell
     try:
         changed = with_values(cell, values)
         read(CellDocument, changed)

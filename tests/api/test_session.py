@@ -17,11 +17,17 @@ import assur
 from assur.planner import pipeline
 from assur.planner.collision.rows import written
 from assur.planner.errors import FaultError, InputError
+from assur.planner.model.outcome import Plan
 from assur.planner.report import margins
+from assur.planner.trajectory import Trajectory
+from assur.scenes import written_knots
+from assur.scenes.reading.cell import Cell
 from assur.scenes.reading.plan import motion_of
 from assur.scenes.requests import cell_of, scene_of
 from assur.scenes.session.committed import MOST_JUMPS
 from assur.scenes.tasks.next_task import state_of
+from assur.scenes.written_knots import with_rounded_knots
+from tests.scenes.robots_of_every_family import ROBOTS
 from tests.scenes.tasks.test_next_task import CELL, read
 
 Document = dict[str, Any]
@@ -395,13 +401,30 @@ def test_a_session_keeps_the_plan_that_its_answer_is_read_as() -> None:
     session = running(a=-300)
     made = commit(session, transfer("a"))
     for each in session._running.committed.segments:
-        motion, legs, arrivals = motion_of(each.answer, cell_of(each.request).conventions)
+        motion, legs, arrivals = motion_of(each.judged.answer, cell_of(each.judged.request).conventions)
         assert np.array_equal(motion.knots, each.motion.knots)
         assert (legs, arrivals) == (each.legs, each.arrivals)
         for at_s in (None, made.starts_s):
-            of_plan = each.answer["trajectory"], each.motion, each.legs, each.arrivals
-            kept = vars(state_of(each.cell, *of_plan, at_s))
-            assert kept == {**vars(state_of(cell_of(each.request), *of_plan, at_s)), "cell": each.cell}
+            of_plan = each.motion, each.legs, each.arrivals, each.of_legs, at_s
+            kept = vars(state_of(each.cell, *of_plan))
+            assert kept == {**vars(state_of(cell_of(each.judged.request), *of_plan)), "cell": each.cell}
+        start, written = state_of(each.cell, *of_plan[:4], None).start, each.judged.answer["trajectory"]
+        assert [*start["joints"].values()] == written["position"][-1]
+        assert start["at_s"] == written["time_s"][-1]
+
+
+def test_where_joints_have_zeros_a_session_judges_and_executes_the_knots_of_its_answer() -> None:
+    robot = {**ROBOTS["scara whose lift is last, with zeros"], "tool": {"tcp_mm": [0, 0, -30]}}
+    home, options = {"home": {"at_mm": [250, 100, 90]}}, {**OPTIONS, "stay_safe_s": 0}
+    turned = {"schema": "assur-cell/1", "robot": robot, "positions": home, "options": options}
+    start = {"tool": {"at_mm": [200, 200, 100], "yaw_deg": 0}, "elbow": "left"}
+    session = assur.Session(turned, start=start, refuge="home")
+    made = commit(session, {"move": {"to": {"at_mm": [330, -60, 120]}}})
+    assert made.check()["ok"]
+    assert made._judged.cell.conventions.zeros.any()
+    for each in session._running.committed.segments:
+        motion, _, _ = motion_of(each.judged.answer, each.cell.conventions)
+        assert np.array_equal(motion.knots, each.motion.knots)
 
 
 def test_the_answer_of_a_proposal_is_that_of_plan_and_its_verdict_that_of_check() -> None:
@@ -444,7 +467,27 @@ def test_what_the_checker_refuses_is_searched_again_and_never_committed(
             session.commit(made)
 
 
-def test_a_proposal_whose_answer_the_checker_refuses_is_not_committed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_proposal_whose_plan_the_checker_refuses_is_not_committed(monkeypatch: pytest.MonkeyPatch) -> None:
+    session = running(a=-300)
+
+    def moved(of: Cell, plan: Plan) -> Plan:
+        """A plan with a knot that is elsewhere."""
+        plan, knots = with_rounded_knots(of, plan), plan.trajectory
+        q = knots.q + 0.01 * (np.arange(len(knots.q)) == 3)[:, None]
+        return replace(plan, trajectory=Trajectory(knots.time, q, knots.qd, knots.qdd, jumps=knots.jumps))
+
+    monkeypatch.setattr(written_knots, "with_rounded_knots", moved)
+    made = session.propose([transfer("a")])
+    assert made.planned
+    assert not made.check()["ok"]
+    refused(lambda: session.commit(made), "id", "the checker refuses it")
+    with pytest.raises(InputError, match="the checker refuses it"):
+        running()
+
+
+def test_what_an_answer_states_in_addition_to_its_plan_is_checked_when_it_is_required(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     session, nearest = running(a=-300), margins.reported
 
     def farther(*given: Any) -> Any:
@@ -456,11 +499,8 @@ def test_a_proposal_whose_answer_the_checker_refuses_is_not_committed(monkeypatc
 
     monkeypatch.setattr(pipeline, "reported", farther)
     made = session.propose([transfer("a")])
-    assert made.planned
-    assert not made.check()["ok"]
-    refused(lambda: session.commit(made), "id", "the checker refuses it")
-    with pytest.raises(InputError, match="the checker refuses it"):
-        running()
+    assert {each["code"] for each in made.check()["findings"]} == {"NEAREST"}
+    session.commit(made)  # its plan is right
 
 
 def test_where_nothing_moves_standing_is_proved_for_ever() -> None:

@@ -11,6 +11,7 @@ import pytest
 
 import assur
 from assur.api.cli.border import BAD_INPUT, FAULT, INTERRUPTED, RIGHT, WRONG
+from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.scenes.scenarios import CELLS
 from assur.scenes.session.log import SessionLog, read_log
 from assur.scenes.simulation.cell_file import shipped_cells
@@ -109,8 +110,9 @@ def test_an_interrupted_simulation_prints_what_there_is(monkeypatch: pytest.Monk
 
 
 def test_a_motion_that_is_refused_ends_the_run_as_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
-    verdicts = iter([{"ok": True, "findings": []}] + 2 * [{"ok": False, "findings": [{"what": "the motion jumps"}]}])
-    monkeypatch.setattr("assur.scenes.session.judged.check_cell", lambda *_: next(verdicts))
+    refused = Verdict.of([Finding(Code.FORM, "the motion jumps")])
+    verdicts = iter([Verdict.of([]), refused, refused])
+    monkeypatch.setattr("assur.planner.checked.check", lambda *_: next(verdicts))
     code, output, errors = run("simulate", "soap-flow", *BRIEF)
     assert (code, output) == (FAULT, "")
     assert "the checker refuses the motion that begins at 0.02 s: the motion jumps" in errors

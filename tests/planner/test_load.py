@@ -15,11 +15,13 @@ from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.legs.limits import parts, used
-from assur.planner.model.load import LoadLimits, Tool
+from assur.planner.model.load import Carried, LoadLimits, Tool
 from assur.planner.model.outcome import NotPlanned, Planned
+from assur.planner.model.phases import phases
 from assur.planner.model.refusal import Overload, Reason, Stage
 from assur.planner.model.scene import Holding, Move, Place, Scene, Target
 from assur.planner.pipeline import plan
+from assur.planner.report.margins import carried
 from assur.planner.report.sentence import sentence
 from assur.planner.robots.facts import lowered
 from assur.planner.timing.solver import JERK_RESERVE, RATE_RESERVE
@@ -40,6 +42,11 @@ def made(scene: Scene) -> Planned:
     found = plan(scene)
     assert isinstance(found, Planned), found
     return found
+
+
+def loads(scene: Scene, found: Planned) -> tuple[Carried, ...]:
+    """What the flange carries in a plan."""
+    return carried(scene, phases(scene, found.plan.legs, found.plan.arrivals))
 
 
 def refused(scene: Scene) -> tuple[NotPlanned, Overload]:
@@ -97,14 +104,14 @@ def test_tool_and_part_add_up_from_the_pick_to_the_place() -> None:
     ]
     found = made(scene)
     pick, place = found.plan.arrivals[:2]
-    assert [(load.part, load.mass_kg, load.share, load.t0, load.t1) for load in found.carried] == [
+    assert [(load.part, load.mass_kg, load.share, load.t0, load.t1) for load in loads(scene, found)] == [
         (None, 1.0, 1.0, 0.0, pick.until),
         ("part", 4.0, 0.5, pick.until, place.until),
         (None, 1.0, 1.0, place.until, found.plan.trajectory.end),
     ]
     cup = 1.0 * 0.015**2 / 2
     inertia = [cup, cup + 3.0 * (0.06**2 + 0.04**2) / 12, cup]
-    assert [load.inertia_kgm2 for load in found.carried] == pytest.approx(inertia, rel=1e-12)
+    assert [load.inertia_kgm2 for load in loads(scene, found)] == pytest.approx(inertia, rel=1e-12)
 
 
 def test_a_load_halves_acceleration_and_jerk_and_leaves_position_and_velocity() -> None:
@@ -120,7 +127,7 @@ def peaks(scene: Scene, found: Planned) -> list[tuple[str | None, float]]:
     """The part in the gripper and the largest share of the arm's own acceleration limits, load by load."""
     limits, path = scene.robot.limits, found.plan.trajectory
     result = []
-    for load in found.carried:
+    for load in loads(scene, found):
         rows = (path.time >= load.t0) & (path.time <= load.t1)
         part = Trajectory(path.time[rows], path.q[rows], path.qd[rows], path.qdd[rows])
         rates = used(part, limits)
@@ -179,9 +186,11 @@ def holding(part_kg: float, known: LoadLimits = HEAVY, qdd: float = 0.0) -> Scen
 
 
 def test_a_part_that_is_held_from_the_start_on_counts_from_the_start_on() -> None:
-    light, loaded = made(holding(0.5)), made(holding(4.0))
-    assert [(load.part, load.share) for load in light.carried] == [("part", 1.0)]
-    assert [(load.part, load.share) for load in loaded.carried] == [("part", 0.4)]
+    scenes = holding(0.5), holding(4.0)
+    light, loaded = map(made, scenes)
+    of_light, of_loaded = map(loads, scenes, (light, loaded))
+    assert [(load.part, load.share) for load in of_light] == [("part", 1.0)]
+    assert [(load.part, load.share) for load in of_loaded] == [("part", 0.4)]
     assert loaded.plan.trajectory.duration >= 1.2 * light.plan.trajectory.duration
     assert light.lower_bound_s is not None
     assert loaded.lower_bound_s is not None
@@ -261,8 +270,8 @@ def test_what_the_table_does_not_cover_is_refused_and_so_is_what_only_the_rated_
 
 
 def test_where_nothing_is_known_nothing_is_scaled_or_refused_and_a_silent_mass_counts_as_nothing() -> None:
-    found = made(heavy(500.0, LoadLimits()))
-    assert [load.share for load in found.carried] == [1.0, 1.0, 1.0]
+    scene = heavy(500.0, LoadLimits())
+    assert [load.share for load in loads(scene, made(scene))] == [1.0, 1.0, 1.0]
     silent = heavy(None, HEAVY, None)
     assert [(load.mass_kg, load.inertia_kgm2, load.share) for load in silent.loads] == [(0.0, 0.0, 1.0)] * 2
 
@@ -314,5 +323,5 @@ def test_a_place_elsewhere_ends_the_load_elsewhere() -> None:
     assert isinstance(scene.task[1], Place)
     only = replace(scene, task=(scene.task[0], scene.task[2]))
     found = made(only)
-    assert [(load.part, load.share) for load in found.carried] == [(None, 1.0), ("part", 0.5)]
-    assert found.carried[-1].t1 == found.plan.trajectory.end
+    assert [(load.part, load.share) for load in loads(only, found)] == [(None, 1.0), ("part", 0.5)]
+    assert loads(only, found)[-1].t1 == found.plan.trajectory.end

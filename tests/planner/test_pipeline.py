@@ -20,10 +20,12 @@ from assur.planner.laws import Change, Law, conveyor, fixed, linear, swing, turn
 from assur.planner.model.forbidden_yaw import YawRange
 from assur.planner.model.load import LoadLimits
 from assur.planner.model.outcome import LegKind, NotPlanned, Outcome, Planned
+from assur.planner.model.phases import phases
 from assur.planner.model.refusal import Reason, Stage
 from assur.planner.model.scene import Arch, Clearance, Execution, Follow, Move, Pick, Place, Scene, Target, Window
 from assur.planner.model.task import Tolerance
 from assur.planner.pipeline import plan
+from assur.planner.report.margins import contacts
 from tests.planner.cells import (
     CRANKED,
     CUP,
@@ -362,13 +364,15 @@ def test_a_window_in_seconds_is_kept_by_points_that_stand_and_points_that_move()
 
 
 def test_pick_and_place_have_their_legs_contacts_and_dwells() -> None:
-    outcome = planned(belt_and_dial(go(0.35, 0.0, 0.12)))
+    scene = belt_and_dial(go(0.35, 0.0, 0.12))
+    outcome = planned(scene)
     tracking = [LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART]
     for step in (0, 1):
         assert [leg.kind for leg in outcome.plan.legs if leg.step == step][-3:] == tracking
     follows = [leg for leg in outcome.plan.legs if leg.kind is LegKind.FOLLOW]
     assert [leg.t1 - leg.t0 for leg in follows] == pytest.approx([0.08, 0.06], abs=1e-9)
-    allowed = {contact.bodies for contact in outcome.contacts}
+    made = outcome.plan
+    allowed = {contact.bodies for contact in contacts(phases(scene, made.legs, made.arrivals))}
     assert ("cup", "part") in allowed
     assert ("belt-bed", "part") in allowed
     assert ("dial-plate", "part") in allowed

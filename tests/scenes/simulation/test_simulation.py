@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from typing import Any
@@ -13,10 +14,11 @@ import pytest
 
 import assur
 from assur.planner.errors import FaultError
+from assur.planner.model.outcome import Plan
+from assur.planner.trajectory import Trajectory
+from assur.scenes import written_knots
 from assur.scenes.reading.cell import Cell
-from assur.scenes.requests import check_cell
 from assur.scenes.scenarios import CELLS
-from assur.scenes.session import judged
 from assur.scenes.session.session import NextMotion
 from assur.scenes.simulation.cell import SimulatedCell, simulated
 from assur.scenes.simulation.leg_times import of_runs
@@ -25,6 +27,7 @@ from assur.scenes.simulation.simulate import Simulation, interval
 from assur.scenes.simulation.tally import WAITS, Cycle, Tally
 from assur.scenes.simulation.words import WAITS_FOR, bottleneck
 from assur.scenes.streams.arrivals import arrivals
+from assur.scenes.written_knots import with_rounded_knots
 from tests.refused import refused_at
 
 Document = dict[str, Any]
@@ -213,10 +216,10 @@ def test_parts_that_are_not_seen_when_a_motion_is_planned_are_within_what_it_is_
 def test_each_motion_has_what_is_not_seen_among_its_bodies_and_no_step_handles_it() -> None:
     made = simulated(cell())
     for proposed_s, each in run().committed:
-        bodies = {body["name"]: body for body in each.request["bodies"]}
+        bodies = {body["name"]: body for body in each.judged.request["bodies"]}
         assert bodies["unseen.soap"]["pose"]["at_s"] == proposed_s
         assert bodies["unseen.soap"]["uncertainty"]["position_m"] >= 0.001
-        assert not any("unseen.soap" in str(step) for step in each.request["task"])
+        assert not any("unseen.soap" in str(step) for step in each.judged.request["task"])
         assert each.segment is not None
         assert each.segment.proved_until_s <= proposed_s + made.unseen[0].proved_s
 
@@ -235,7 +238,7 @@ def test_a_grid_that_is_full_is_replaced_by_an_empty_one() -> None:
     slots = [cycle.slot for cycle in run().tally.cycles]
     assert len(slots) > 8
     assert slots == [k % 4 for k in range(len(slots))]
-    assert all(len(each.request["bodies"]) <= 20 for _, each in run().committed)
+    assert all(len(each.judged.request["bodies"]) <= 20 for _, each in run().committed)
 
 
 def test_missed_parts_are_bodies_while_the_arm_reaches_them_and_then_forgotten() -> None:
@@ -258,7 +261,7 @@ def test_missed_parts_are_bodies_while_the_arm_reaches_them_and_then_forgotten()
 def test_without_parts_the_arm_stands_and_standing_is_proved() -> None:
     done = Recorded(simulated(cell({"mean_s": None, "every_s": 60}, options={})), until_s=20.0)
     done.through()
-    stands = [made for _, made in done.committed if len(made.request["task"]) == 1]
+    stands = [made for _, made in done.committed if len(made.judged.request["task"]) == 1]
     assert len(stands) >= 5
     figures = done.tally.figures(20.0)
     assert figures["placed"] == 1
@@ -279,18 +282,20 @@ def test_a_frame_that_is_written_for_another_time_is_the_same_belt() -> None:
 
 
 def test_a_motion_that_the_checker_refuses_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    answers = list[Document]()
+    plans = list[Plan]()
 
-    def checked(of: Cell, answer: Document) -> Document:
-        if len(answer["arrivals"]) > 1:  # a part is handled; the way to the refuge is right
-            answer["trajectory"]["position"][3][0] += 0.01
-            answers.append(answer)
-        return dict(check_cell(of, answer))
+    def moved(of: Cell, plan: Plan) -> Plan:
+        plan, knots = with_rounded_knots(of, plan), plan.trajectory
+        if len(plan.arrivals) > 1:  # a part is handled; the way to the refuge is right
+            q = knots.q + 0.01 * (np.arange(len(knots.q)) == 3)[:, None]
+            plan = replace(plan, trajectory=Trajectory(knots.time, q, knots.qd, knots.qdd, jumps=knots.jumps))
+            plans.append(plan)
+        return plan
 
-    monkeypatch.setattr(judged, "check_cell", checked)
+    monkeypatch.setattr(written_knots, "with_rounded_knots", moved)
     with pytest.raises(FaultError, match="the checker refuses the motion"):
         Recorded(simulated(cell())).through()
-    assert len(answers) == 2  # the search was made once more, with its plans checked
+    assert len(plans) == 2  # the search was made once more, with its plans checked
 
 
 def test_a_motion_that_is_proved_for_longer_than_what_is_not_seen_is_known_ends_the_run() -> None:
@@ -442,7 +447,7 @@ def test_a_belt_that_has_gone_far_is_counted_anew(monkeypatch: pytest.MonkeyPatc
     for before, after in pairwise(made.segment for _, made in done.committed if made.segment is not None):
         at_s = after.motion.start
         assert np.abs(before.state(at_s)[0] - after.state(at_s)[0]).max() <= 1e-9
-    frames = [made.request["frames"]["belt"]["conveyor"].get("at_s", 0.0) for _, made in done.committed]
+    frames = [made.judged.request["frames"]["belt"]["conveyor"].get("at_s", 0.0) for _, made in done.committed]
     assert len(set(frames)) >= 3
     slots = [cycle.slot for cycle in done.tally.cycles]
     assert slots == [k % 4 for k in range(len(slots))]

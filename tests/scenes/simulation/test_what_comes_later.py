@@ -34,7 +34,7 @@ def refuted(made: SimulatedCell) -> list[str]:
     assert len(done.tally.cycles) >= 3
     for proposed_s, each in done.committed:
         assert each.segment is not None
-        bodies = [body for body in each.request["bodies"] if body["name"] != "unseen.soap"]
+        bodies = [body for body in each.judged.request["bodies"] if body["name"] != "unseen.soap"]
         known = {body["name"] for body in bodies}
         for part in later:
             if part.known_s > proposed_s and part.seen_s < each.segment.proved_until_s:
@@ -42,8 +42,8 @@ def refuted(made: SimulatedCell) -> list[str]:
                 at = {"frame": stream.frame, "at_m": [stream.seen_m, part.y_m, stream.at_m[2]], "at_s": part.seen_s}
                 own = {key: kind[key] for key in ("shape", "mass_kg", "yaw_symmetry", "uncertainty")}
                 bodies.append({"name": part.name, **own, "pose": {**at, "yaw_rad": part.yaw_rad}})
-        plan, _, _ = read_plan(each.segment.cell, each.answer)
-        judged = recertified(cell_of({**each.request, "bodies": bodies}).scene, plan, plan.trajectory)
+        plan, _, _ = read_plan(each.segment.cell, each.judged.answer)
+        judged = recertified(cell_of({**each.judged.request, "bodies": bodies}).scene, plan, plan.trajectory)
         if isinstance(judged, Refutation):
             found += [finding.what for finding in judged.findings]
     return found
