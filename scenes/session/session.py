@@ -75,8 +75,8 @@ class RunningCell:
         self.clock_s = made.segment.starts_s
         self._known: dict[str, Sighting] = {}
         self._open: dict[int, NextMotion] = {}
-        self._used: set[int] = set()
-        self._number = 0
+        self._number = self._committed = 0
+        """Of the last proposal, and of the one that was committed last."""
 
     @property
     def proved_until_s(self) -> float:
@@ -188,7 +188,7 @@ class RunningCell:
         start the motion would jump."""
         if not isinstance(number, int) or isinstance(number, bool) or not 0 < number <= self._number:
             raise InputError("id", number, "the id of a proposal of this session")
-        if number in self._used:
+        if number == self._committed:
             raise InputError("id", number, "a proposal that is not committed yet; each is committed once")
         made = self._open.get(number)
         if made is None:
@@ -204,7 +204,7 @@ class RunningCell:
             raise InputError("id", number, f"a proposal up to its decide_by_s, {made.starts_s:.6g} s: {late}")
         self.committed.follow(made.segment)
         self._open.clear()
-        self._used.add(number)
+        self._committed = number
 
     def _planned(self, number: int, at_s: float, task: Document, before: History) -> NextMotion:
         """A proposal with the outcome of a task that begins at `at_s`."""

@@ -43,13 +43,23 @@ class LegTimes:
         self._times[name] += time_s
         self._binds[name].update(binds or {})
 
-    def add_plan(self, plan: LoggedPlan, segment: Segment | None = None) -> None:
-        """Adds the legs of a plan as far as they were executed; which limits bind its travels is known of a segment."""
-        limits = {} if segment is None else _binding_limits(segment, plan.until_s)
+    def add_leg(self, kind: LegKind, step: str, is_last: bool, time_s: float, bound: str = "") -> None:
+        """Adds a leg of a step of a kind, which may be the last of its motion; `bound`: the limit that binds it."""
+        name = f"{WORDS[kind]} {ENDS['refuge'] if is_last else ENDS.get(step, ENDS[''])}"
+        self.add(name, time_s, binds={bound: 1} if bound else None)
+
+    def add_plan(self, plan: LoggedPlan) -> None:
+        """Adds the legs of a plan of a log as far as they were executed."""
         for leg, step, is_last in plan.legs():
-            name = f"{WORDS[LegKind(leg['kind'])]} {ENDS['refuge'] if is_last else ENDS.get(step, ENDS[''])}"
-            bound = limits.get(leg["from_s"], "")
-            self.add(name, leg["to_s"] - leg["from_s"], binds={bound: 1} if bound else None)
+            self.add_leg(LegKind(leg["kind"]), step, is_last, leg["to_s"] - leg["from_s"])
+
+    def add_segment(self, segment: Segment, until_s: float) -> None:
+        """Adds the legs of a motion that was executed until a time, s, and the limits that bind its travels."""
+        task, limits = segment.cell.scene.task, _binding_limits(segment, until_s)
+        for leg in segment.legs:
+            if leg.t0 < until_s:
+                step, lasts_s = type(task[leg.step]).__name__.lower(), min(leg.t1, until_s) - leg.t0
+                self.add_leg(leg.kind, step, leg.step == len(task) - 1, lasts_s, limits.get(leg.t0, ""))
 
     def rows(self, lasts_s: float) -> list[Document]:
         """For each kind of leg that there was: its name, how many, mean time, s, the share of the time `lasts_s`, and
@@ -77,9 +87,7 @@ def of_runs(runs: Iterable[Document], lasts_s: float) -> list[Document]:
 
 def _binding_limits(segment: Segment, until_s: float) -> dict[float, str]:
     """The limit that binds each travel that was executed to its end, by the time at which it begins."""
-    from assur.planner.model.phases import leg_phases
     from assur.planner.report.notes import binding_limit
 
-    phases, _, _ = leg_phases(segment.cell.scene, segment.legs, segment.arrivals)
-    travels = [each for each in phases if each.kind in TRAVELS and each.t0 < each.t1 <= until_s]
+    travels = [each for each in segment.of_legs[0] if each.kind in TRAVELS and each.t0 < each.t1 <= until_s]
     return {each.t0: binding_limit(segment.cell.scene, segment.motion, each) for each in travels}

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
 
 from assur.planner.model.outcome import Course, LegKind
-from assur.scenes.session.executed import LoggedPlan, worst
+from assur.planner.model.task import Pick
+from assur.scenes.session.executed import worst
 from assur.scenes.simulation.leg_times import LegTimes
 
 if TYPE_CHECKING:
@@ -82,9 +83,11 @@ class ExecutedMotions:
             if leg.kind is LegKind.WAIT and leg.step != last:
                 for_bodies = leg.route is not None and leg.route.course is Course.FOR_BODIES
                 self.waits["bodies" if for_bodies else "part"] += max(0.0, min(leg.t1, until_s) - leg.t0)
-        plan = LoggedPlan(segment.request, segment.answer, segment.starts_s, until_s)
-        self.legs.add_plan(plan, segment)
-        self.worst_pick_error = worst((self.worst_pick_error, plan.pick_error()))
+        self.legs.add_segment(segment, until_s)
+        for arrival in segment.arrivals:
+            if arrival.until <= until_s and arrival.error and isinstance(segment.cell.scene.task[arrival.step], Pick):
+                error = {"position_m": arrival.error.position_m, "yaw_rad": arrival.error.within.yaw_rad}
+                self.worst_pick_error = worst((self.worst_pick_error, error))
 
 
 class Tally:
