@@ -22,7 +22,7 @@ def simulate(
     helps: bool = False,
 ) -> Mapping[str, Any]:
     """Runs a cell against its streams (docs/simulation.md), as fast as it can: ``["parts_per_minute"]``, with
-    ``["interval"]`` over several seeds, and why it is not more.
+    ``["interval"]`` over several seeds, and why it is not more (``["bottleneck"]``, ``["legs"]``, ``["waiting"]``).
 
     `cell`: the document of a cell file, or an `assur.Cell` of one. `minutes`: of each run, on its own clock. `seed`: of
     the first run; `seeds` runs have this seed and the numbers behind it. `planning_ms`: how long planning takes on that

@@ -31,6 +31,7 @@ OURS = ("benchmarks/", "docs/", "scenes/")
 SHORTER = {
     "benchmarks.run_problems": ["--limit", "2"],
     "benchmarks.recheck": ["--partial"],
+    "benchmarks.flows": ["--only", "one-lane", "--minutes", "0.1", "--seeds", "1"],
     "benchmarks.profile": ["--limit", "2", "--repeats", "2"],
     "benchmarks.best_known": ["--known", "out/known.json", "--work", "out", "--only", "A000", "--budget-s", "0.05"],
     "benchmarks.record": ["--only", "scenarios"],
