@@ -64,7 +64,8 @@ def components(most_minutes: float) -> dict[str, dict[str, Any]]:
         "helps": {"type": "boolean", "description": "then try changes of the cell that would help"},
     }  # fmt: skip
     of_cell = {name: {**kind, "default": FIRST[name]} for name, kind in of_cell.items()}
+    cell = {"anyOf": [ref("Cell"), {"type": "string", "description": "the text of a cell file, in YAML"}]}
     return {
         "SimulationOfCell": fields([], **of_cell),
-        "Simulation": fields(["cell"], cell=ref("Cell"), **of_cell),
+        "Simulation": fields(["cell"], cell=cell, **of_cell),
     }

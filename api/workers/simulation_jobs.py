@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
@@ -19,12 +20,15 @@ from assur.api.workers.worker_process import CalledOffError, Line
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.deadline import OutOfTimeError, Stopwatch
 from assur.scenes.bounds import MAX_SET
-from assur.scenes.faults import NOTHING, documented, together
+from assur.scenes.faults import NOTHING, DocumentError, documented, together
 from assur.scenes.report.run_report import SHOWN_S, run_report
+from assur.scenes.scenario import with_files
+from assur.scenes.scenarios import CELLS
 from assur.scenes.session.recorded import Events
 from assur.scenes.set_values import Changed, unknown_paths
 from assur.scenes.simulation.simulate import Arguments, Simulation, arguments
 from assur.scenes.tasks.joining import FIELDS
+from assur.scenes.text.yaml_text import Lines, line_of, parse_yaml
 
 Document = dict[str, Any]
 FIRST: Document = {"minutes": 10.0, "seed": 1, "seeds": 1, "planning_ms": 20.0, "set": {}, "helps": False}
@@ -35,18 +39,20 @@ NOT_ON_PAGE = ("certificate", "trajectory")
 """Fields of an answer that the page does not need of plans that begin behind the minute that it plays."""
 NICE = 10
 """A worker for simulations yields the processor to all others, by this priority of the system."""
+Placed = Callable[[DocumentError], DocumentError]
+"""Gives the faults of a cell where the question has them."""
 Stage = Literal["runs", "changes", "page"]
 
 
 @dataclass(frozen=True)  # with slots, Python code would pickle it
 class Question:
     """What is to be simulated, the values that are set in the cell, and whether changes that would help are tried.
-    `cell`: its document; None: the address names it."""
+    `cell`: its document, or its text in YAML; None: the address names it."""
 
     arguments: Arguments
     values: Document
     helps: bool
-    cell: Document | None
+    cell: Document | str | None
 
     @property
     def simulated_s(self) -> float:
@@ -83,8 +89,8 @@ def question_in(body: bytes, *, with_cell: bool) -> Question:
         raise InputError("set", values, f"an object with at most {MAX_SET} values of the cell by their paths")
     if not isinstance(helps, bool):
         raise InputError("helps", helps, "true or false")
-    if with_cell and not isinstance(cell, dict):
-        raise InputError(CELL, document.get(CELL, NOTHING), "a cell: the document of a cell file")
+    if with_cell and not isinstance(cell, dict | str):
+        raise InputError(CELL, document.get(CELL, NOTHING), "a cell: the document of a cell file, or its text in YAML")
     own = arguments(*(given[name] for name in ("minutes", "seed", "seeds", "planning_ms")))
     return Question(own, values, helps, cell)
 
@@ -113,8 +119,9 @@ def _meaning(digest: str | None, question: Question) -> str:
 def _simulated(digest: str | None, question: Question, most_s: float, line: Line, laps: Stopwatch) -> Answer:
     from assur.scenes.simulation.helps import Helps
 
-    cell = question.cell if digest is None else kept_cell(digest).file.written
-    changed, watch, events = _changed(cell or {}, question.values), _Watch(line.tell, most_s), EventsForPage()
+    given = question.cell if digest is None else kept_cell(digest).file.written
+    cell, placed = _text(given) if isinstance(given, str) else (given or {}, _in_cell)
+    changed, watch, events = _changed(cell, question.values), _Watch(line.tell, most_s), EventsForPage()
 
     def answer(outcome: str) -> Answer:
         found = made.document | ({"helps": trials.document} if question.helps else {})
@@ -138,7 +145,7 @@ def _simulated(digest: str | None, question: Question, most_s: float, line: Line
             outcome = "incomplete"
         laps.lap("simulate")
     except InputError as error:
-        raise documented(error).relocated(lambda field: _in_question(changed.field(field))) from error
+        raise placed(documented(error).relocated(changed.field)) from error
     except FaultError as fault:
         raise Problem("simulation-fault", str(fault)) from fault
     found = answer(outcome)
@@ -156,10 +163,36 @@ def _changed(cell: Document, values: Document) -> Changed:
     return Changed(cell, values, OF_SET)
 
 
-def _in_question(field: str) -> str:
-    """Where a field of the question, of its values or of the cell is: those of the cell begin with `cell`."""
+def _text(text: str) -> tuple[Document, Placed]:
+    """The cell in a text, with the shipped files that it names, and where its faults are: each at its line. Raises
+    `InputError`."""
+    lines = Lines()
+
+    def line(field: str) -> int | None:
+        own = field.removeprefix(f"{CELL}: ")
+        return None if own == field else line_of(own, lines)  # of a value that is set, or a field of the question
+
+    def placed(error: DocumentError) -> DocumentError:
+        return error.relocated(lambda field: _in_question(field, ": "), line)
+
+    try:
+        document, lines = parse_yaml(text.encode("utf-8", "surrogatepass"))
+        if not isinstance(document, dict):
+            raise InputError(CELL, document, "a cell")
+        return with_files(document, CELLS), placed
+    except InputError as error:
+        raise placed(documented(error)) from error
+
+
+def _in_cell(error: DocumentError) -> DocumentError:
+    return error.relocated(lambda field: _in_question(field, "."))
+
+
+def _in_question(field: str, behind: str) -> str:
+    """Where a field of the question, of its values or of the cell is: those of the cell begin with `cell`, and what is
+    `behind` it."""
     known = field.partition(".")[0].partition("[")[0]
-    return field if field.startswith(OF_SET) or known in FIRST else f"{CELL}.{field}"
+    return field if field.startswith(OF_SET) or known in FIRST else f"{CELL}{behind}{field}"
 
 
 def _page(made: Simulation, cell: Document, events: EventsForPage) -> str:

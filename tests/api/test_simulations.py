@@ -29,7 +29,8 @@ from tests.api.running import PATIENT, running
 from tests.api.test_jobs import events
 
 Document = dict[str, Any]
-CELL = assur.load(CELLS / "shared" / "soap-flow.yaml")
+FILE = CELLS / "shared" / "soap-flow.yaml"
+CELL, TEXT = assur.load(FILE), FILE.read_text(encoding="utf-8")
 WITHOUT_STREAMS = {key: value for key, value in CELL.items() if key != "streams"}
 BODY = json.dumps(CELL).encode()
 ADDRESS = f"v1/cells/{hashlib.sha256(BODY).hexdigest()}"
@@ -71,10 +72,9 @@ def cancelled(service: httpx.Client, job: str) -> Document:
     return last
 
 
-@pytest.mark.parametrize("is_kept", [True, False])
-def test_a_simulation_gives_what_python_gives_and_a_page(service: httpx.Client, is_kept: bool) -> None:
-    given = (BRIEF,) if is_kept else ({**BRIEF, "cell": CELL}, "v1/simulations")
-    job = started(service, *given)
+@pytest.mark.parametrize("cell", [None, CELL, TEXT], ids=["kept", "document", "text"])
+def test_a_simulation_gives_what_python_gives_and_a_page(service: httpx.Client, cell: object) -> None:
+    job = started(service, *((BRIEF,) if cell is None else ({**BRIEF, "cell": cell}, "v1/simulations")))
     told = [*events(service, job)]
     assert told[-1][0] == "done"
     assert (told[-1][1]["outcome"], told[-1][1]["problem"]) == ("complete", None)
@@ -168,10 +168,28 @@ def test_a_fault_of_the_cell_ends_the_job_and_is_named(
     assert service.get(f"{job}/page").json() == service.get(f"{job}/answer").json() == last["problem"]
 
 
+@pytest.mark.parametrize(
+    ("text", "values", "field", "line"),
+    [
+        (TEXT.replace("kind: soap", "kind: sop"), {}, "cell: streams.soap.kind", 29),
+        (TEXT, {"streams.soap.kind": "sop"}, "set.streams.soap.kind", None),
+        (TEXT.partition("streams:")[0], {}, "cell: streams", 1),
+        ("schema: [", {}, "cell: scenario", 2),
+        ("[]", {}, "cell: cell", 1),
+    ],
+)
+def test_a_fault_of_a_text_has_its_line(
+    service: httpx.Client, text: str, values: Document, field: str, line: int | None
+) -> None:
+    _, last = [*events(service, started(service, {"cell": text, "set": values}, "v1/simulations"))][-1]
+    error = last["problem"]["errors"][0]
+    assert (error["field"], error.get("line")) == (field, line), error
+
+
 def test_a_cell_that_is_not_there_or_not_given_is_refused(service: httpx.Client) -> None:
     unknown = service.post(f"v1/cells/{'0' * 64}/simulations", json=BRIEF)
     assert unknown.json()["type"] == "urn:assur:problem:cell-unknown"
-    for question in ({}, {"cell": "soap-flow"}):
+    for question in ({}, {"cell": None}, {"cell": [CELL]}):
         refused = service.post("v1/simulations", json=question).json()
         assert refused["errors"][0]["field"] == "cell"
 
