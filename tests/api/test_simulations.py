@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import hashlib
 import json
 import os
@@ -15,6 +16,8 @@ import pytest
 
 import assur
 from assur.api.problems import Problem
+from assur.api.python import exchange
+from assur.api.python.exchange import Exchange
 from assur.api.workers import simulation_jobs
 from assur.api.workers.jobs import Answer
 from assur.api.workers.simulation_jobs import EventsForPage, question_in, simulate
@@ -204,6 +207,41 @@ def test_a_service_without_workers_for_simulations_makes_none() -> None:
     with running(replace(PATIENT, simulation_workers=0)) as client:
         refused = client.post("v1/simulations", json={"cell": CELL})
         assert (refused.status_code, refused.json()["type"]) == (404, "urn:assur:problem:no-simulations")
+
+
+def test_a_client_simulates_a_cell_that_it_has_sent_and_one_that_it_sends(service: httpx.Client) -> None:
+    there = json.loads(json.dumps(assur.simulate(CELL, minutes=0.1)))
+    with assur.Client(str(service.base_url)) as client:
+        for cell in (client.put_cell(CELL), CELL, assur.Cell(CELL)):
+            assert client.simulate(cell, minutes=0.1) == there
+        assert client.simulate(CELL, minutes=0.1, set={"selection": "fifo"})["selection"] == "fifo"
+        with pytest.raises(assur.InputError, match=r"minutes: .*at most 60"):
+            client.simulate(CELL, minutes=61)
+        with pytest.raises(assur.InputError, match=r"cell\.streams: .*at least one stream"):
+            client.simulate(WITHOUT_STREAMS)
+
+
+def test_an_interrupt_of_a_client_cancels_its_simulation(
+    service: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    jobs = list[str]()
+
+    def interrupted(job: str) -> Exchange[None]:
+        jobs.append(job)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(exchange, "end_of", interrupted)
+    with assur.Client(str(service.base_url)) as client, pytest.raises(KeyboardInterrupt):
+        client.simulate(CELL, minutes=50)
+    assert [*events(service, f"v1/jobs/{jobs[0]}")][-1][0] == "cancelled"
+
+
+def test_an_awaited_client_simulates(service: httpx.Client) -> None:
+    async def simulated() -> Any:
+        async with assur.AsyncClient(str(service.base_url)) as client:
+            return await client.simulate(CELL, minutes=0.1)
+
+    assert asyncio.run(simulated()) == json.loads(json.dumps(assur.simulate(CELL, minutes=0.1)))
 
 
 @pytest.fixture
