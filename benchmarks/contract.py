@@ -37,7 +37,7 @@ enabled = false
 expected-statuses = {expected}
 
 [[operations]]
-include-operation-id = "start_job"
+include-operation-id = ["start_job", "simulate", "simulate_cell"]
 checks.negative_data_rejection.enabled = false
 """
 """A job is accepted before a worker has read its request: a fault of the request is the problem of a failed job. A

@@ -74,10 +74,11 @@ def _sizes(container: Document, manifests: Manifests, settings: Settings) -> Ite
     requests, limits = container["resources"]["requests"], container["resources"]["limits"]
     if not settings.workers:
         yield "ASSUR_WORKERS is 0 or not set: the memory limit can only fit a number of workers that is known"
-    needed = settings.workers * settings.worker_memory_mib + WEB_MIB
+    needed = (settings.workers + settings.simulation_workers) * settings.worker_memory_mib + WEB_MIB
     if mebibytes(limits["memory"]) < needed:
         yield (
-            f"resources.limits.memory is {limits['memory']}: {settings.workers} workers of "
+            f"resources.limits.memory is {limits['memory']}: {settings.workers} workers and "
+            f"{settings.simulation_workers} for simulations of "
             f"{settings.worker_memory_mib} MiB and {WEB_MIB} MiB for the web process are {needed}Mi"
         )
     if mebibytes(requests["memory"]) > mebibytes(limits["memory"]):

@@ -146,6 +146,31 @@ class Client(_Endpoint):
         )
         return self._send(question)
 
+    def simulate(
+        self,
+        cell: str | Cell | Mapping[str, Any],
+        *,
+        minutes: float = 10.0,
+        seed: int = 1,
+        seeds: int = 1,
+        planning_ms: float = 20.0,
+        set: Mapping[str, object] | None = None,  # noqa: A002 as of `assur.Cell`
+        helps: bool = False,
+    ) -> Mapping[str, Any]:
+        """How many parts a minute a cell takes, and why not more: as `assur.simulate`, which states the arguments.
+
+        `cell`: the digest of a cell that was sent (`put_cell`), or the cell or its document. Waits for the end of the
+        job, however long that is; an interrupt cancels it.
+        """
+        question = {"minutes": minutes, "seed": seed, "seeds": seeds, "planning_ms": planning_ms, "set": set}
+        job = self._send(exchange.simulating(cell, {**question, "helps": helps}))
+        try:
+            self._send(exchange.end_of(job))
+        except BaseException:
+            self._send(exchange.cancelling(job))
+            raise
+        return self._send(exchange.answer_of(job))
+
     def check(self, request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> Verdict:
         """The checker's verdict on a planned answer with its certificate in full; as `assur.check`."""
         return self._send(exchange.checking(request, answer))
@@ -241,6 +266,31 @@ class AsyncClient(_Endpoint):
             digest, task, certificate, fields, digits, self._cells.get(digest) if cell is None else cell
         )
         return await self._send(question)
+
+    async def simulate(
+        self,
+        cell: str | Cell | Mapping[str, Any],
+        *,
+        minutes: float = 10.0,
+        seed: int = 1,
+        seeds: int = 1,
+        planning_ms: float = 20.0,
+        set: Mapping[str, object] | None = None,  # noqa: A002 as of `assur.Cell`
+        helps: bool = False,
+    ) -> Mapping[str, Any]:
+        """How many parts a minute a cell takes, and why not more: as `assur.simulate`, which states the arguments.
+
+        `cell`: the digest of a cell that was sent (`put_cell`), or the cell or its document. Waits for the end of the
+        job, however long that is; an interrupt cancels it.
+        """
+        question = {"minutes": minutes, "seed": seed, "seeds": seeds, "planning_ms": planning_ms, "set": set}
+        job = await self._send(exchange.simulating(cell, {**question, "helps": helps}))
+        try:
+            await self._send(exchange.end_of(job))
+        except BaseException:
+            await self._send(exchange.cancelling(job))
+            raise
+        return await self._send(exchange.answer_of(job))
 
     async def check(self, request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> Verdict:
         """The checker's verdict on a planned answer with its certificate in full; as `assur.check`."""

@@ -25,7 +25,7 @@ T = TypeVar("T")
 Parts = tuple[str | int, ...]
 
 PROBLEM = "application/problem+json"
-OK, CREATED, NOT_READY = 200, 201, 503
+OK, CREATED, ACCEPTED, NOT_READY = 200, 201, 202, 503
 DIGEST = "request_digest"
 """The field of an answer that says to which request it is one."""
 
@@ -43,15 +43,17 @@ class Health:
 @dataclass(frozen=True)
 class Exchange(Generic[T]):
     """A request of HTTP, and what is made of the document that answers it. `accepted`: further kinds of problem that
-    are answers, too."""
+    are answers, too. `streamed`: the answer is no document, but events until a job has ended, of which nothing is
+    read."""
 
-    method: Literal["GET", "POST", "PUT"]
+    method: Literal["GET", "POST", "PUT", "DELETE"]
     path: str
     made: Callable[[Any], T]
     body: bytes | None = None
     parameters: tuple[tuple[str, str], ...] = ()
     accepted: frozenset[str] = frozenset()
     media_type: str = "application/json"
+    streamed: bool = False
 
     @property
     def headers(self) -> dict[str, str]:
@@ -59,11 +61,13 @@ class Exchange(Generic[T]):
 
     def result(self, url: str, status: int, headers: Mapping[str, str], content: bytes) -> T:
         """What the response means. Raises `ProblemError` for a problem, `ServiceError` for what is none of ours."""
+        if self.streamed and status == OK:
+            return self.made(None)
         try:
             document = json.loads(content)
         except ValueError as error:
             raise ServiceError(url, _stranger(status, headers)) from error
-        if status in (OK, CREATED):
+        if status in (OK, CREATED, ACCEPTED):
             return self.made(document)
         kind = document.get("type") if isinstance(document, dict) else None
         if not (isinstance(kind, str) and kind.startswith(KIND)):
@@ -162,6 +166,30 @@ def planning_task(
         return Answer.made(answer, joined(document, stated).request, (document, stated))
 
     return Exchange("POST", f"v1/cells/{digest}/plans", made, body, tuple(how))
+
+
+def simulating(cell: object, question: dict[str, object]) -> Exchange[str]:
+    """A simulation of a cell, which is its digest or its document, is started; what comes of it is the id of its
+    job."""
+    given = {key: value for key, value in plain_parts(question).items() if value is not None}
+    path = f"v1/cells/{cell}/simulations" if isinstance(cell, str) else "v1/simulations"
+    body = _json(given if isinstance(cell, str) else {**given, "cell": plain(document_of(cell))})
+    return Exchange("POST", path, lambda job: str(job["id"]), body)
+
+
+def end_of(job: str) -> Exchange[None]:
+    """A job is waited for."""
+    return Exchange("GET", f"v1/jobs/{job}/events", lambda _: None, streamed=True)
+
+
+def answer_of(job: str) -> Exchange[dict[str, Any]]:
+    """The answer of a job that has ended, or its problem."""
+    return Exchange("GET", f"v1/jobs/{job}/answer", _same)
+
+
+def cancelling(job: str) -> Exchange[None]:
+    """A job is cancelled."""
+    return Exchange("DELETE", f"v1/jobs/{job}", lambda _: None)
 
 
 def _is_answer_in(answer: Any, cell: dict[str, Any], task: dict[str, Any]) -> bool:

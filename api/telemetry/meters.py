@@ -31,7 +31,20 @@ Cause = Literal["crash", "memory", "time", "called_off", "max_tasks", "idle", "s
 """Why a worker was replaced: a signal or a fault ended it; it was out of memory; it did not end in its time; its client
 left and it did not end soon; it had done its share of requests; it died while idle; it did not start."""
 CAUSES: tuple[Cause, ...] = get_args(Cause)
-STAGES = ("queue", "read", "build", "search", "explain", "margins", "check", "draw", "export", "ik", "write")
+STAGES = (
+    "queue",
+    "read",
+    "build",
+    "search",
+    "explain",
+    "margins",
+    "check",
+    "simulate",
+    "draw",
+    "export",
+    "ik",
+    "write",
+)
 """Waiting for a worker; then what a worker does, in the order in which it does it."""
 SECONDS = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 30.0, 60.0, 120.0)
 """Bounds of the histograms, s: from reading a request to the longest that one may take."""

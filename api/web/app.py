@@ -19,7 +19,7 @@ from starlette.routing import Match
 from assur.api.documents import problem_response
 from assur.api.problems import Problem
 from assur.api.version import version
-from assur.api.web import openapi
+from assur.api.web import openapi, simulation_routes
 from assur.api.web.clients import Clients, KnowsClients
 from assur.api.web.connections import Connections, Gate
 from assur.api.web.idempotency import Idempotency
@@ -79,7 +79,11 @@ def create_app(settings: Settings | None = None) -> FastAPI:
 
     def described_in_full() -> dict[str, Any]:
         if app.openapi_schema is None:
-            app.openapi_schema = openapi.complete(described(), service.settings.max_budget_s)
+            app.openapi_schema = openapi.complete(
+                described(),
+                service.settings.max_budget_s,
+                **simulation_routes.components(service.settings.max_simulated_minutes),
+            )
         return app.openapi_schema
 
     app.openapi = described_in_full  # type: ignore[method-assign]

@@ -1,4 +1,5 @@
-"""The addresses of jobs: a plan that is ordered now and fetched later, with its progress as server-sent events."""
+"""The addresses of jobs: a plan or a simulation that is ordered now and fetched later, with its progress as server-sent
+events."""
 
 from __future__ import annotations
 
@@ -20,7 +21,10 @@ from assur.api.web.routes import (
     scene_order,
     service_of,
 )
+from assur.api.web.service import Order
 from assur.api.web.settings import PLAN_BODY_BYTES
+from assur.api.workers.jobs import Answer
+from assur.api.workers.simulation_jobs import SimulationProgress
 from assur.planner.model.deadline import Progress
 
 SILENCE_S = 15.0
@@ -28,12 +32,12 @@ SILENCE_S = 15.0
 
 
 class JobDocument(TypedDict):
-    """A job. `progress`: null before a worker has begun; `outcome`: the status of its answer; `problem`: why there is
-    none, as the service would have answered at once."""
+    """A job. `progress`: null before a worker has begun; `outcome`: the status of its answer, of a simulation
+    `complete` or `incomplete`; `problem`: why there is none, as the service would have answered at once."""
 
     id: str
     state: Literal["working", "done", "failed", "cancelled"]
-    progress: Progress | None
+    progress: Progress | SimulationProgress | None
     outcome: str | None
     problem: dict[str, Any] | None
 
@@ -52,14 +56,20 @@ def _response(job: Job, status: int = 200, headers: dict[str, str] | None = None
     return json_response(job.document(), status, {"Cache-Control": "no-store", **(headers or {})})
 
 
+def accepted(request: Request, order: Order, jobs: str) -> Response:
+    """The response to a request whose job has begun. `jobs`: where jobs are, relative to the address of the request:
+    a proxy may have put a prefix before both. Raises `Problem`."""
+    job = _store(request).start(order)
+    return _response(job, 202, {"Location": f"{jobs}/{job.id}"})
+
+
 async def start(request: Request) -> Response:
     certificate = certificate_of(request)
     body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
 
     async def begun() -> Response:
-        job = _store(request).start(await service_of(request).order(body, certificate, client_of(request), parsed=True))
-        # relative to this address, whatever prefix a proxy has put before it
-        return _response(job, 202, {"Location": f"jobs/{job.id}"})
+        order = await service_of(request).order(body, certificate, client_of(request), parsed=True)
+        return accepted(request, order, "jobs")
 
     return await once(request, body, begun)
 
@@ -68,8 +78,7 @@ async def start_scene(request: Request) -> Response:
     order = await scene_order(request)
 
     async def begun() -> Response:
-        job = _store(request).start(order)
-        return _response(job, 202, {"Location": f"../../jobs/{job.id}"})
+        return accepted(request, order, "../../jobs")
 
     return await once(request, order.work.key.encode(), begun)
 
@@ -78,15 +87,26 @@ async def show(request: Request) -> Response:
     return _response(_job(request))
 
 
-async def answer(request: Request) -> Response:
-    job = _job(request)
+def _answer(job: Job) -> Answer:
+    """The answer of a job that has ended. Raises `Problem`."""
     if job.problem is not None:
         raise job.problem
-    if job.state == "cancelled":
-        raise Problem("job-not-done", "The job was called off, so it has no answer. Send its request again.")
+    if job.state == "working":
+        raise Problem("job-not-done", "The job is working.", again_s=1)
     if job.answer is None:
-        raise Problem("job-not-done", f"The job is {job.state}.", again_s=1)
-    return json_response(job.answer.body)
+        raise Problem("job-not-done", "The job was called off, so it has no answer. Send its request again.")
+    return job.answer
+
+
+async def answer(request: Request) -> Response:
+    return json_response(_answer(_job(request)).body)
+
+
+async def page(request: Request) -> Response:
+    found = _answer(_job(request)).page
+    if not found:
+        raise Problem("no-page", "Only a simulation that has gone to its end has a page. GET …/answer has the answer.")
+    return Response(found, media_type="text/html")
 
 
 async def events(request: Request) -> Response:

@@ -1,4 +1,4 @@
-"""Jobs: plans that are worked on while their client is elsewhere. The client can read how far they have come.
+"""Jobs: plans and simulations that are worked on while their client is elsewhere. It can read how far they have come.
 
 A job lives in this process: after a restart it is lost. A finished one is kept for a stated time, and as long as not
 too many others have finished since.
@@ -29,6 +29,8 @@ class Job:
 
     id: str
     client: Client
+    leaves: bool = False
+    """When it is called off, it ends after its worker has sent the answer that there is by then."""
     state: State = "working"
     progress: dict[str, Any] | None = None
     answer: jobs.Answer | None = None
@@ -39,7 +41,7 @@ class Job:
 
     def document(self) -> dict[str, Any]:
         """The job as a document, without its answer."""
-        outcome = None if self.answer is None else self.answer.outcome
+        outcome = None if self.answer is None or self.state == "working" else self.answer.outcome
         problem = None if self.problem is None else self.problem.document()
         return {
             "id": self.id, "state": self.state, "progress": self.progress, "outcome": outcome, "problem": problem
@@ -78,7 +80,8 @@ class JobStore:
         """A new job. Raises `Problem` where the service is busy."""
         ticket = self._service.workers.admit(order.demand)  # before anything is promised
         replica = self._service.settings.replica
-        job = Job(f"{replica}-{secrets.token_hex(16)}" if replica else secrets.token_hex(16), order.demand.client)
+        name = f"{replica}-{secrets.token_hex(16)}" if replica else secrets.token_hex(16)
+        job = Job(name, order.demand.client, order.work.leaves)
         self._jobs[job.id] = job
         job.work = asyncio.get_running_loop().create_task(self._run(job, order, ticket))
         job.work.add_done_callback(lambda _: self._ended(job, ticket))  # also of a task that never began
@@ -106,7 +109,8 @@ class JobStore:
         return job
 
     def cancel(self, name: str, client: Client) -> Job:
-        """Calls a job off that still runs, and keeps it as one that was called off; forgets one that has ended.
+        """Calls a job off that still runs, and keeps it as one that was called off; forgets one that has ended. A job
+        that leaves an answer is still working until that is there.
 
         Raises `Problem`.
         """
@@ -114,8 +118,9 @@ class JobStore:
         if job.state != "working":
             del self._jobs[name]
             return job
-        job.state = "cancelled"
-        if job.work is not None:
+        if not job.leaves:
+            job.state = "cancelled"
+        if job.work is not None and not job.work.cancelling():  # the second time its worker would be killed
             job.work.cancel()
         job.change()
         return job
@@ -128,9 +133,11 @@ class JobStore:
         await asyncio.gather(*running, return_exceptions=True)
 
     async def _run(self, job: Job, order: Order, ticket: Ticket) -> None:
-        def report(progress: dict[str, Any]) -> None:
-            if job.state == "working":
-                job.progress = progress
+        def report(sent: dict[str, Any] | jobs.Answer) -> None:
+            if isinstance(sent, jobs.Answer):
+                job.answer = sent
+            elif job.state == "working":
+                job.progress = sent
                 job.change()
 
         try:
@@ -148,7 +155,7 @@ class JobStore:
     def _end(job: Job, state: State, *, answer: jobs.Answer | None = None, problem: Problem | None = None) -> None:
         """Says what has become of a job, unless it was called off: that has been reported."""
         if job.state == "working":
-            job.state, job.answer, job.problem = state, answer, problem
+            job.state, job.answer, job.problem = state, answer or job.answer, problem
 
     def _ended(self, job: Job, ticket: Ticket) -> None:
         """Gives up the ticket of a job that has ended; keeps the job for a time, and not more than so many."""

@@ -85,6 +85,15 @@ ROBOTS: dict[str, Any] = {
 }
 
 
+SIMULATION: dict[str, Any] = {
+    "type": "object",
+    "description": "How many parts a minute a cell takes, and why: what `assur simulate --json` prints",
+    "required": ["schema", "complete", "parts_per_minute", "interval", "missed", "moving", "waiting", "runs"],
+    "properties": {"schema": {"const": "assur-simulation/1"}},
+    "additionalProperties": True,
+}
+
+
 class Live(TypedDict):
     """The service runs."""
 
@@ -172,11 +181,18 @@ LINKS: dict[tuple[str, str, int], dict[str, dict[str, Any]]] = {
         }
         for path in ("/v1/jobs", "/v1/scenes/{name}/jobs")
     },
+    **{
+        (path, "post", 202): {
+            operation: {"operationId": operation, "parameters": {"name": "$response.body#/id"}}
+            for operation in ("show_job", "show_job_answer", "show_job_page", "watch_job", "delete_job")
+        }
+        for path in ("/v1/simulations", "/v1/cells/{sha256}/simulations")
+    },
 }
 """From a response (address, method, status) to what can be requested next: name of the link to its description."""
 TAGS = {
     "plans": "Plan a request, and what can be done with a plan",
-    "jobs": "Plan now, fetch later",
+    "jobs": "Plan or simulate now, fetch later",
     "scenes": "The shipped scenarios, and the text of others",
     "kinematics": "Robots, and where a tool can be",
     "cells": "Cells that are sent once, and planned with many tasks",
@@ -200,16 +216,18 @@ AGAIN = (429, 503)
 """Statuses of problems that say when to ask again, where it is known."""
 
 
-def complete(document: dict[str, Any], most_budget_s: float) -> dict[str, Any]:
+def complete(document: dict[str, Any], most_budget_s: float, **questions: dict[str, Any]) -> dict[str, Any]:
     """FastAPI's own description with our schemas, links and headers, and the demo's whole request as an example.
 
-    `most_budget_s`: largest budget that the service gives, s.
+    `most_budget_s`: largest budget that the service gives, s. `questions`: further components, by their names.
     """
     components = document.setdefault("components", {})
     facts_described(components.setdefault("schemas", {}))
     components.setdefault("schemas", {}).update(
         request_components(MARKS, most_budget_s),
         Robots=ROBOTS,
+        SimulationResult=SIMULATION,
+        **questions,
         JsonSchema={"type": "object", "description": "a JSON Schema", "additionalProperties": True},
         Problem=PROBLEM_SCHEMA,
     )

@@ -63,7 +63,7 @@ def watch(service: Service, jobs: JobStore, clients: Clients) -> Meters:
 FILES = Path(__file__).parent / "studio"
 SCRIPTS = (
     *("answers", "differences", "documents", "drafts", "drawing", "editor", "faults", "files", "history", "jobs"),
-    *("links", "parts", "selection", "service", "storage", "studio"),
+    *("links", "parts", "selection", "service", "simulations", "storage", "studio"),
 )
 KINDS = {"studio.css": "text/css"} | {f"{name}.js": "text/javascript" for name in SCRIPTS}
 """The files of the page, and what they are."""

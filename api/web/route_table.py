@@ -15,7 +15,15 @@ from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.types import Receive, Scope, Send
 
 from assur.api.version import VersionDocument
-from assur.api.web import cell_routes, job_routes, mesh_routes, operation_routes, plan_files, routes
+from assur.api.web import (
+    cell_routes,
+    job_routes,
+    mesh_routes,
+    operation_routes,
+    plan_files,
+    routes,
+    simulation_routes,
+)
 from assur.api.web.cell_routes import StoredCell
 from assur.api.web.job_routes import JobDocument
 from assur.api.web.mesh_routes import KeptMesh
@@ -63,9 +71,10 @@ WORKED = (*OF_BODY, *OF_WORKER)
 PLANNED = (*OF_BODY, *OF_KEY, *OF_WORKER)
 OF_TASK = ("cell-unknown", "no-mesh-folder", *PLANNED)
 STARTED = (*OF_BODY, *OF_KEY, "busy", "not-ready")
+SIMULATED = ("no-simulations", *STARTED)
 JOB_ANSWERED = (
     "job-lost", "job-not-done", "bad-input", "quarantined", "fault", "worker-crashed", "busy", "not-ready",
-    "worker-timeout",
+    "worker-timeout", "simulation-fault",
 )  # fmt: skip
 
 CERTIFICATE = parameter(
@@ -199,6 +208,16 @@ class Row(NamedTuple):
         )
 
 
+JOB_ANSWER: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "The answer",
+        "content": {
+            "application/json": {
+                "schema": {"anyOf": [ref(name) for name in ("PlannedAnswer", "NotPlannedAnswer", "SimulationResult")]}
+            }
+        },
+    }
+}
 EVENTS = {"content": {"text/event-stream": {}}, "description": "events called as the state; data as JobDocument"}
 METRICS = {"content": {"text/plain": {"schema": {"type": "string"}}}, "description": "text of Prometheus"}
 TABLE = (
@@ -246,10 +265,19 @@ TABLE = (
         JobDocument, STARTED, PLAN, 202),
     Row("POST", "/v1/scenes/{name}/jobs", job_routes.start_scene, "start_scene_job", "jobs",
         "Plan a shipped scenario while the client is elsewhere", JobDocument, ("not-found", *STARTED), SCENE, 202),
+    Row("POST", "/v1/simulations", simulation_routes.simulate, "simulate", "jobs",
+        "How many parts a minute a cell takes", JobDocument, SIMULATED, body(ref("Simulation")), 202),
+    Row("POST", "/v1/cells/{sha256}/simulations", simulation_routes.simulate_kept, "simulate_cell", "cells",
+        "How many parts a minute a cell takes that is kept", JobDocument,
+        ("cell-unknown", "no-mesh-folder", *SIMULATED), body(ref("SimulationOfCell"), {}, SHA256), 202),
     Row("GET", "/v1/jobs/{name}", job_routes.show, "show_job", "jobs", "How far a job has come", JobDocument,
         ("job-lost",), JOB),
     Row("GET", "/v1/jobs/{name}/answer", job_routes.answer, "show_job_answer", "jobs",
-        "The answer of a job that is done, as POST /v1/plans would have given it", Answer, JOB_ANSWERED, JOB),
+        "The answer of a job that is done: a plan, as POST /v1/plans would have given it, or figures of a simulation",
+        None, JOB_ANSWERED, JOB, responses=JOB_ANSWER),
+    Row("GET", "/v1/jobs/{name}/page", job_routes.page, "show_job_page", "jobs",
+        "The page of a simulation that is done: what the arm does in its first run", HTMLResponse,
+        ("no-page", *JOB_ANSWERED), JOB),
     Row("GET", "/v1/jobs/{name}/events", job_routes.events, "watch_job", "jobs",
         "The progress of a job as server-sent events, until it has ended", None, ("job-lost",), JOB,
         responses={200: EVENTS}),

@@ -66,13 +66,15 @@ def _known(parameters: tuple[str, ...]) -> str:
     return "a known parameter: " + ", ".join(parameters) if parameters else "no parameter at all"
 
 
-async def read_admitted(request: Request, limit: int, *parameters: str, json: bool = True) -> bytes:
+async def read_admitted(
+    request: Request, limit: int, *parameters: str, json: bool = True, simulation: bool = False
+) -> bytes:
     """The body of a request that is admitted. `json`: as `read_body`. Raises `Problem`."""
-    service = admit(request, *parameters)
+    service = admit(request, *parameters, simulation=simulation)
     return await read_body(request, limit, service.settings.body_s, service.reading, json=json)
 
 
-def admit(request: Request, *parameters: str) -> Service:
+def admit(request: Request, *parameters: str, simulation: bool = False) -> Service:
     """The service, for a request that is not turned away unread. Raises the `Problem` of one that is: for a parameter
     of the address that is not one of `parameters` or is there twice, and when the queue is full."""
     given, service = request.query_params, service_of(request)
@@ -81,7 +83,7 @@ def admit(request: Request, *parameters: str) -> Service:
             raise Problem.of_input(InputError(name, given[name], _known(parameters)))
         if len(values := given.getlist(name)) > 1:
             raise Problem.of_input(InputError(name, ", ".join(values), f"{name} once"))
-    service.workers.require_room(client_of(request))
+    service.workers.require_room(client_of(request), simulation=simulation)
     return service
 
 

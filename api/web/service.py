@@ -25,7 +25,7 @@ from assur.api.version import version_document
 from assur.api.web.body_reader import Reading
 from assur.api.web.settings import Settings
 from assur.api.web.uploads import Turns
-from assur.api.workers import cell_jobs, file_jobs, jobs
+from assur.api.workers import cell_jobs, file_jobs, jobs, simulation_jobs
 from assur.api.workers.answer_parts import Parts
 from assur.api.workers.client import Client, Demand, Ticket
 from assur.api.workers.end import Tell
@@ -37,6 +37,7 @@ from assur.scenes.faults import fault
 from assur.scenes.meshes.folder import MeshFolder
 from assur.scenes.requests import Detail, parse_json, shipped, stated_budgets, with_options
 from assur.scenes.scenario import with_files
+from assur.scenes.simulation.helps import PROVED
 
 SMALL_BYTES = 32768
 """Bodies up to this are looked through at once: it takes less than 1 ms, and the way to a thread and back half as long.
@@ -156,6 +157,35 @@ class Service:
         arguments = digest, body, certificate, parts, self.settings.max_budget_s
         key = digest_of("plan_task", digest, body)
         return Order(Work(cell_jobs.plan_task, arguments, key, in_touch=True, listens=True), demand)
+
+    async def simulation_order(self, digest: str | None, body: bytes, client: Client) -> Order:
+        """What is to be done about the simulation in `body`, of the cell with this digest; None: the body has the cell.
+        Raises `Problem`."""
+        read = partial(self._simulation, digest, body, client)
+        return read() if len(body) <= SMALL_BYTES else await self._beside(client, read)
+
+    def _simulation(self, digest: str | None, body: bytes, client: Client) -> Order:
+        try:
+            question = simulation_jobs.question_in(body, with_cell=digest is None)
+            own, most = question.arguments, self.settings.max_simulated_minutes
+            if own.minutes * own.seeds > most:
+                allowed = f"at most {most / own.seeds:g} with {own.seeds} seeds: ASSUR_MAX_SIMULATED_MINUTES is {most}"
+                raise InputError("minutes", own.minutes, allowed)
+        except InputError as error:
+            raise Problem.of_input(error) from error
+        most_s = max(question.simulated_s * (1 + PROVED * question.helps), self.settings.check_s)
+        work = Work(
+            simulation_jobs.simulate,
+            (digest, question, most_s),
+            digest_of("simulate", digest or "", body),
+            in_touch=True,
+            listens=True,
+            leaves=True,
+        )
+        # its page is drawn after the runs
+        return Order(
+            work, Demand(client, most_s + self.settings.check_s, short=False, kind="simulation", simulation=True)
+        )
 
     async def quick(self, job: Callable[..., jobs.Reply], client: Client, *question: bytes | str) -> jobs.Answer:
         """The answer of a job without a budget, for its work is bounded by the question. Raises `Problem`."""

@@ -111,6 +111,14 @@ class Settings:
     host: str = _setting("127.0.0.1", HOST, "address to listen on; in the container 0.0.0.0")
     port: int = _setting(8000, _whole(0, 65535), "port to listen on; 0: any free port")
     workers: int = _setting(0, _whole(0, 256), "worker processes; 0: one per processor that the container may use")
+    simulation_workers: int = _setting(
+        1,
+        _whole(0, 256),
+        "further worker processes, for simulations alone; they start with the first one; 0: no simulations",
+    )
+    max_simulated_minutes: int = _setting(
+        60, _whole(1, 100_000), "largest product of minutes and seeds that a simulation may ask for"
+    )
     queue: int = _setting(32, _whole(0, 10_000), "requests that may wait for a worker; further ones get 503")
     queue_wait_s: float = _setting(30.0, _seconds(0.1, 3600.0), "longest wait for a worker; then 503")
     max_budget_s: float = _setting(
@@ -217,13 +225,13 @@ class Settings:
         """How much memory a worker may have of its own, MiB. Raises `InputError` where there is not so much for all
         workers in the container."""
         has, most = memory_mib(), self.worker_memory_mib or MEMORY_MIB
-        share = most if has is None else (has - WEB_MIB) // self.processes
+        share = most if has is None else (has - WEB_MIB) // (self.processes + self.simulation_workers)
         if self.worker_memory_mib == 0:
             most = min(most, share)
         if not LEAST_MIB <= most <= share:
             raise InputError(
-                "ASSUR_WORKERS, ASSUR_WORKER_MEMORY_MIB",
-                f"{self.processes}, {self.worker_memory_mib}",
+                "ASSUR_WORKERS, ASSUR_SIMULATION_WORKERS, ASSUR_WORKER_MEMORY_MIB",
+                f"{self.processes}, {self.simulation_workers}, {self.worker_memory_mib}",
                 f"workers of at least {LEAST_MIB} MiB each which, with {WEB_MIB} MiB for the web process, fit in "
                 + ("any container" if has is None else f"the {has} MiB of this container"),
             )

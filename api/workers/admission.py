@@ -7,7 +7,8 @@ service lets it wait is refused when it comes, not when it has waited.
 Each client gets the same share of the workers' time, by start-time fair queueing (Goyal, Vin, Cheng 1996): a request is
 tagged with the virtual time at which its client's earlier ones have been paid for, or with the present virtual time if
 that is later; the least tag is next. A client that asks for much waits behind itself, not before others, and saves
-nothing up while it is away. Costs and virtual times are seconds of a worker.
+nothing up while it is away. Costs and virtual times are seconds of a worker. Simulations have workers of their own, and
+are queued apart: what they cost delays no plan of their client.
 """
 
 from __future__ import annotations
@@ -32,12 +33,13 @@ LONGEST_S = 3600.0
 @dataclass(frozen=True, slots=True)
 class Places:
     """How many workers there are, and how many of these take only short requests; how many requests may wait, and for
-    how long, s."""
+    how long, s. `simulations`: so many further workers take simulations and nothing else."""
 
     workers: int
     short: int
     waiting: int
     wait_s: float
+    simulations: int = 0
 
 
 class Admission:
@@ -45,7 +47,7 @@ class Admission:
 
     Workers have numbers; the first `places.short` of them are kept for short requests. A long one may borrow such a
     worker while no short one waits, and gives it back when one does: then it waits again, and borrows none any more.
-    `free` says which workers could begin now.
+    Those behind the first `places.workers` are for simulations. `free` says which workers could begin now.
     """
 
     def __init__(
@@ -55,8 +57,9 @@ class Admission:
         self._free = free
         self._clock = clock
         self._waiting: list[Ticket] = []
-        self._paid: dict[str, float] = {}  # virtual time until which the requests of a client have been paid for
-        self._virtual_s = 0.0
+        # virtual time until which the requests of a client have been paid for: those for simulations, and the others
+        self._paid: dict[tuple[str, bool], float] = {}
+        self._virtual_s = {False: 0.0, True: 0.0}
         self._running: dict[Ticket, int] = {}
         self._shares: dict[str, float] = {}
         self._balances: dict[str, tuple[float, float]] = {}
@@ -76,19 +79,19 @@ class Admission:
         """How many seconds of workers the requests are expected to take that were accepted."""
         return sum(t.expected_s for t in self._waiting) + sum(self._left_s(t) for t in self._running)
 
-    def require_room(self, client: Client) -> None:
+    def require_room(self, client: Client, *, simulation: bool = False) -> None:
         """Raises the `Problem` that a request of this client would meet, whatever it asks for: its body need not be
         read."""
         self._require_balance(client)
-        self._require_place(client)
+        self._require_place(client, simulation=simulation)
 
     def enter(self, demand: Demand) -> Ticket:
         """Accepts a request: it waits. Raises `Problem`: too-many-requests, busy."""
         self._require_balance(demand.client)
-        self._require_place(demand.client)
+        self._require_place(demand.client, simulation=demand.simulation)
         expected_s = demand.wall_s * self._share(demand)
-        name = demand.client.name
-        tag = max(self._virtual_s, self._paid.get(name, 0.0))
+        account = _account(demand)
+        tag = max(self._virtual_s[demand.simulation], self._paid.get(account, 0.0))
         ticket = Ticket(demand, expected_s, tag, self._clock())
         start, _ = self._forecast(ticket)[ticket] if self._running or self._waiting else (0.0, 0.0)
         if start > self._places.wait_s:
@@ -97,7 +100,7 @@ class Admission:
                 f"It would wait {start:.0f} s for a worker, and at most {self._places.wait_s:g} s are allowed.",
             )
         self._waiting.append(ticket)
-        self._paid[name] = tag + expected_s
+        self._paid[account] = tag + expected_s
         return ticket
 
     def next(self, number: int, *, lend: bool) -> Ticket | None:
@@ -107,12 +110,13 @@ class Admission:
 
         def fits(ticket: Ticket) -> bool:
             suits = ticket.demand.short or not kept or (lend and not ticket.recalled)
-            return suits and self._may_run(ticket.demand.client)
+            return suits and self._suits(number, ticket.demand.simulation) and self._may_run(ticket.demand.client)
 
         ticket = min(filter(fits, self._waiting), key=lambda each: each.tag, default=None)
         if ticket is not None:
             self._waiting.remove(ticket)
-            self._virtual_s = max(self._virtual_s, ticket.tag)
+            kind = ticket.demand.simulation
+            self._virtual_s[kind] = max(self._virtual_s[kind], ticket.tag)
             ticket.begun, ticket.borrows = self._clock(), kept and not ticket.demand.short
             self._running[ticket] = number
         return ticket
@@ -130,6 +134,10 @@ class Admission:
         if found is not None:
             found.recalled = True
         return found
+
+    def _suits(self, number: int, simulation: bool) -> bool:
+        """Whether worker `number` is for simulations, or for the others, as the request is."""
+        return (number >= self._places.workers) == simulation
 
     def _may_run(self, client: Client) -> bool:
         """Whether one more request of a client may be worked on."""
@@ -161,10 +169,10 @@ class Admission:
 
     def _settle(self, ticket: Ticket, cost_s: float) -> None:
         """Charges the client of a ticket what its request has cost, s, in place of what was expected."""
-        name = ticket.demand.client.name
-        self._paid[name] = self._paid.get(name, ticket.tag + ticket.expected_s) + cost_s - ticket.expected_s
+        account = _account(ticket.demand)
+        self._paid[account] = self._paid.get(account, ticket.tag + ticket.expected_s) + cost_s - ticket.expected_s
         # a client that owes nothing gets the present time as its tag, like an unknown client: nothing is kept of it
-        self._paid = {name: paid for name, paid in self._paid.items() if paid > self._virtual_s}
+        self._paid = {each: paid for each, paid in self._paid.items() if paid > self._virtual_s[each[1]]}
 
     def charge(self, client: Client, took_s: float) -> None:
         """Has a client pay for so many seconds of a worker, or of what else was done for it."""
@@ -177,19 +185,20 @@ class Admission:
             name: (balance, at) for name, (balance, at) in self._balances.items() if balance < 0.0 or now - at < 60.0
         }
 
-    def full(self) -> Problem:
+    def full(self, *, simulation: bool = False) -> Problem:
         """The problem of a request that finds no place to wait: one is free when the next of those that wait begins."""
-        forecast = self._forecast()
+        forecast = {each: when for each, when in self._forecast().items() if each.demand.simulation == simulation}
         starts = [start for ticket, (start, _) in forecast.items() if ticket.begun is None]
         ends = [end for ticket, (_, end) in forecast.items() if ticket.begun is not None]
         return busy(min(starts or ends, default=0.0), "All workers are busy, and the queue is full.")
 
-    def _require_place(self, client: Client) -> None:
-        if self._may_run(client) and self._free():
+    def _require_place(self, client: Client, *, simulation: bool) -> None:
+        if self._may_run(client) and any(self._suits(number, simulation) for number in self._free()):
             return
-        if len(self._waiting) >= self._places.waiting:
-            raise self.full()
-        own = [ticket for ticket in self._waiting if ticket.demand.client.name == client.name]
+        waiting = [ticket for ticket in self._waiting if ticket.demand.simulation == simulation]
+        if len(waiting) >= self._places.waiting:
+            raise self.full(simulation=simulation)
+        own = [ticket for ticket in waiting if ticket.demand.client.name == client.name]
         if len(own) >= client.waiting:
             forecast = self._forecast()
             raise too_many(
@@ -225,18 +234,20 @@ class Admission:
         """When each request is expected to begin and to end, s from now; `more`: as if they waited, too."""
         found: dict[Ticket, tuple[float, float]] = {}
         ends: dict[str, list[float]] = {}
-        busy_until = dict.fromkeys(range(self._places.workers), 0.0)
+        busy_until = dict.fromkeys(range(self._places.workers + self._places.simulations), 0.0)
         for ticket, number in self._running.items():
             end = busy_until[number] = self._left_s(ticket)
             found[ticket] = 0.0, end
             ends.setdefault(ticket.demand.client.name, []).append(end)
-        short = [until for number, until in busy_until.items() if number < self._places.short]
-        any_ = [until for number, until in busy_until.items() if number >= self._places.short]
-        for heap in (short, any_, *ends.values()):
+        ends_of = [*busy_until.values()]
+        short, any_ = ends_of[: self._places.short], ends_of[self._places.short : self._places.workers]
+        simulations = ends_of[self._places.workers :]
+        for heap in (short, any_, simulations, *ends.values()):
             heapq.heapify(heap)
         for ticket in sorted((*self._waiting, *more), key=lambda ticket: ticket.tag):
             lent = ticket.demand.short or not ticket.recalled
             heap = short if lent and short and (not any_ or short[0] <= any_[0]) else any_
+            heap = simulations if ticket.demand.simulation else heap
             own = ends.setdefault(ticket.demand.client.name, [])
             start = heap[0]
             if len(own) >= ticket.demand.client.running:
@@ -246,6 +257,11 @@ class Admission:
             heapq.heappush(own, end)
             found[ticket] = start, end
         return found
+
+
+def _account(demand: Demand) -> tuple[str, bool]:
+    """Who pays for a request, and for which kind of worker."""
+    return demand.client.name, demand.simulation
 
 
 def busy(after_s: float, why: str) -> Problem:

@@ -23,12 +23,14 @@ class Client:
 @dataclass(frozen=True, slots=True)
 class Demand:
     """What a request asks of the workers. `wall_s`: after so long its worker is killed, s. `short`: it may use the
-    workers that are kept for requests with small budgets. `kind`: what one of a kind took is expected of the next."""
+    workers that are kept for requests with small budgets. `kind`: what one of a kind took is expected of the next.
+    `simulation`: it is one, and uses the workers for simulations and no others."""
 
     client: Client
     wall_s: float
     short: bool
     kind: str
+    simulation: bool = False
 
 
 @dataclass(eq=False, slots=True)

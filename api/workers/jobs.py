@@ -68,7 +68,7 @@ class Answer:
 
     `reason`: of a refusal, one of `assur.planner.model.refusal.Reason`; else empty. `stages`: seconds by stage.
     `repeatable`: no clock ended the search, so that the same request would get the same answer again. `media_type`,
-    `status`, `headers`: of its response.
+    `status`, `headers`: of its response. `page`: a page of HTML about it, if there is one.
     """
 
     body: bytes
@@ -79,6 +79,7 @@ class Answer:
     media_type: str = "application/json"
     status: int = 200
     headers: dict[str, str] = field(default_factory=dict)
+    page: bytes = b""
 
 
 @dataclass(frozen=True, slots=True)

@@ -45,13 +45,15 @@ LONGEST_RETRY_S = 30.0
 class Work:
     """What a worker is to do: the job and its arguments, and the digest of the request's body. `in_touch`: the last
     argument of the job is a `Line`, by which it tells how far it has come. `listens`: it asks there again and again
-    whether it is called off; any other goes on when its client leaves, and its result is dropped."""
+    whether it is called off; any other goes on when its client leaves, and its result is dropped. `leaves`: when it is
+    called off it sends the `Answer` that there is by then."""
 
     job: Callable[..., Any]
     arguments: tuple[Any, ...]
     key: str
     in_touch: bool = False
     listens: bool = False
+    leaves: bool = False
 
 
 class RecalledError(Exception):
@@ -66,10 +68,14 @@ class Workers:
         self.meters = meters or Meters()
         self._processes = [
             WorkerProcess(settings.worker_mib, warm, settings.warm_s, partial(self._lost, number))
-            for number in range(settings.processes)
+            for number in range(settings.processes + settings.simulation_workers)
         ]
+        self.total = settings.processes
+        """How many workers there are, without those for simulations."""
         self._free: set[int] = set()
-        places = Places(settings.processes, settings.reserved, settings.queue, settings.queue_wait_s)
+        places = Places(
+            settings.processes, settings.reserved, settings.queue, settings.queue_wait_s, settings.simulation_workers
+        )
         self.admission = Admission(places, lambda: self._free)
         self._given: dict[Ticket, asyncio.Future[int]] = {}
         self._recalls: dict[Ticket, asyncio.Future[None]] = {}
@@ -92,7 +98,7 @@ class Workers:
         gauge(
             "assur_workers_ready",
             "Workers that can take a request, or work on one.",
-            lambda: sum(process.open for process in self._processes),
+            lambda: sum(process.open for process in self._processes[: self.total]),
         )
         gauge("assur_quarantined_requests", "Requests that are not tried again.", lambda: len(self.quarantine))
         self.meters.memory(self.processes)
@@ -106,22 +112,18 @@ class Workers:
 
     @property
     def ready(self) -> bool:
-        """Whether every worker has planned once, and at least one is there now."""
-        return self.warmed == len(self._processes) and any(process.open for process in self._processes)
+        """Whether every worker has planned once, and at least one is there now; those for simulations do not count."""
+        return self.warmed == self.total and any(process.open for process in self._processes[: self.total])
 
     @property
     def warmed(self) -> int:
         """How many places have had a worker that planned."""
-        return len(self._warmed)
-
-    @property
-    def total(self) -> int:
-        """How many workers there are."""
-        return len(self._processes)
+        return sum(number < self.total for number in self._warmed)
 
     def start(self) -> None:
-        """Starts all workers in the background; returns at once."""
-        for number, _ in enumerate(self._processes):
+        """Starts all workers in the background, but for those for simulations, which the first one starts; returns at
+        once."""
+        for number in range(self.total):
             self._refill(number)
 
     async def stop(self) -> None:
@@ -133,14 +135,18 @@ class Workers:
         await asyncio.gather(*tasks, return_exceptions=True)
         await asyncio.gather(*(process.stop() for process in self._processes))
 
-    def require_room(self, client: Client) -> None:
+    def require_room(self, client: Client, *, simulation: bool = False) -> None:
         """Raises the `Problem` of a client whose request would be turned away, whatever it is: too-many-requests,
         busy."""
-        self.admission.require_room(client)
+        self.admission.require_room(client, simulation=simulation)
 
     def admit(self, demand: Demand) -> Ticket:
         """Accepts a request, which waits from now on: `run` it, or `give_up` its ticket. Raises `Problem`:
         too-many-requests, busy."""
+        if demand.simulation:
+            for number in range(self.total, len(self._processes)):
+                if number not in self._warmed:
+                    self._refill(number)
         ticket = self.admission.enter(demand)
         self._given[ticket] = asyncio.get_running_loop().create_future()
         self._hand_out()
@@ -193,7 +199,7 @@ class Workers:
         except TimeoutError as late:
             if not self.ready:
                 raise Problem("not-ready", f"No worker was ready within {late_s:g} s.", again_s=5) from late
-            raise self.admission.full() from late
+            raise self.admission.full(simulation=ticket.demand.simulation) from late
 
     def _put_back(self, ticket: Ticket, number: int) -> None:
         """Has a request wait again, and frees the worker that it had borrowed."""

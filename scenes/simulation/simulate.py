@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from assur.scenes.session.executed import worst
 from assur.scenes.session.session import number
@@ -21,8 +21,28 @@ SIMULATION = "assur-simulation/1"
 MOST_MINUTES, MOST_SEEDS, MOST_SEED = 24.0 * 60.0, 1_000, 2**32
 LEAST_MINUTES = 0.01
 CONFIDENCE = 0.95
+MOST_PLANNING_MS = 60_000.0
 Watch = Callable[[int, float], None]
 """Is given the number of a run, from 0, and the simulated time in it, s."""
+
+
+class Arguments(NamedTuple):
+    """Of a simulation: the length of each run, min; the first seed, and how many; how long planning takes, ms."""
+
+    minutes: float
+    seed: int
+    seeds: int
+    planning_ms: float
+
+
+def arguments(minutes: object, seed: object, seeds: object, planning_ms: object) -> Arguments:
+    """The arguments of a simulation. Raises `InputError` that names the first that is not right."""
+    return Arguments(
+        number("minutes", minutes, LEAST_MINUTES, MOST_MINUTES),
+        whole("seed", seed, 0, MOST_SEED),
+        whole("seeds", seeds, 1, MOST_SEEDS),
+        number("planning_ms", planning_ms, 0.0, MOST_PLANNING_MS),
+    )
 
 
 def nothing(run: int, now_s: float) -> None:
@@ -36,11 +56,8 @@ class Simulation:
         """Raises `InputError` naming the argument, or the field of the cell."""
         from assur.scenes.simulation.cell import simulated
 
-        self.minutes = number("minutes", minutes, LEAST_MINUTES, MOST_MINUTES)
+        self.minutes, self.first, self.count, self.planning_ms = arguments(minutes, seed, seeds, planning_ms)
         self.until_s = 60.0 * self.minutes
-        self.first = whole("seed", seed, 0, MOST_SEED)
-        self.count = whole("seeds", seeds, 1, MOST_SEEDS)
-        self.planning_ms = number("planning_ms", planning_ms, 0.0, 60_000.0)
         self.given, self.cell = cell, simulated(cell)
         self.runs: list[Document] = []
 

@@ -30,10 +30,12 @@ class Service:
         self.books = Admission(self.places, self.free, lambda: self.now)
 
     def free(self) -> set[int]:
-        return set(range(self.places.workers)) - self.working.keys()
+        return set(range(self.places.workers + self.places.simulations)) - self.working.keys()
 
-    def post(self, client: Client, wall_s: float = 10.0, *, short: bool = False, kind: str = "plan") -> Ticket:
-        ticket = self.books.enter(Demand(client, wall_s, short, kind))
+    def post(
+        self, client: Client, wall_s: float = 10.0, *, short: bool = False, kind: str = "plan", simulation: bool = False
+    ) -> Ticket:
+        ticket = self.books.enter(Demand(client, wall_s, short, kind, simulation))
         self.hand_out()
         return ticket
 
@@ -284,3 +286,35 @@ def test_whatever_comes_everyone_is_served_and_the_books_end_empty(
     assert (service.books.waiting, service.books.running, service.books.owed_s) == (0, 0, 0.0)
     assert {problem.kind for problem in refused} <= {"busy", "too-many-requests"}
     assert all(1 <= int(problem.headers["Retry-After"]) <= 3600 for problem in refused)
+
+
+def test_simulations_take_no_worker_of_plans_and_no_place_where_plans_wait() -> None:
+    service = Service(replace(PLACES, waiting=1, simulations=1))
+    first, second = (service.post(GREEDY, simulation=True) for _ in range(2))
+    assert service.working == {2: first}
+    assert service.refused(MODEST, simulation=True).kind == "busy"
+    plans = [service.post(GREEDY) for _ in range(3)]
+    assert service.working == {0: plans[1], 1: plans[0], 2: first}
+    assert service.refused(MODEST).kind == "busy"
+    service.end(first)
+    assert service.working[2] is second
+    service.end(plans[0])
+    assert service.working[1] is plans[2]
+
+
+def test_a_plan_takes_no_worker_for_simulations_and_what_these_cost_does_not_delay_it() -> None:
+    service = Service(replace(PLACES, workers=1, short=0, simulations=1))
+    service.post(GREEDY, 600.0, simulation=True)
+    running, own, other = service.post(MODEST), service.post(GREEDY), service.post(MODEST)
+    assert service.working[0] is running
+    service.end(running, 1.0)
+    assert service.working[0] is own
+    service.end(own, 1.0)
+    assert service.working[0] is other
+
+
+def test_a_simulation_that_would_wait_too_long_is_refused_when_it_comes() -> None:
+    service = Service(replace(PLACES, wait_s=30.0, simulations=1))
+    service.post(GREEDY, 600.0, simulation=True)
+    assert service.refused(MODEST, wall_s=600.0, simulation=True).kind == "busy"
+    assert service.post(MODEST).begun is not None

@@ -86,7 +86,7 @@ def test_workers_fit_in_the_container_or_the_service_does_not_start(
     monkeypatch: pytest.MonkeyPatch, has: int | None, workers: int, asked: int, given: int | None
 ) -> None:
     monkeypatch.setattr(settings_module, "memory_mib", lambda: has)
-    settings = Settings(workers=workers, worker_memory_mib=asked)
+    settings = Settings(workers=workers, worker_memory_mib=asked, simulation_workers=0)
     if given is not None:
         assert settings.worker_mib == given
         return
@@ -94,6 +94,13 @@ def test_workers_fit_in_the_container_or_the_service_does_not_start(
         _ = settings.worker_mib
     assert "ASSUR_WORKERS" in caught.value.field
     assert str(LEAST_MIB) in caught.value.allowed
+
+
+def test_workers_for_simulations_have_their_share_of_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(settings_module, "memory_mib", lambda: WEB_MIB + 3 * 600)
+    assert Settings(workers=2, simulation_workers=1).worker_mib == 600
+    with pytest.raises(InputError, match="ASSUR_SIMULATION_WORKERS"):
+        _ = Settings(workers=2, simulation_workers=2).worker_mib
 
 
 @pytest.mark.parametrize(("workers", "short", "reserved"), [(1, 1, 0), (2, 1, 1), (2, 5, 1), (8, 2, 2), (8, 0, 0)])

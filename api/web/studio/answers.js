@@ -3,6 +3,7 @@ import * as differences from "./differences.js";
 import { fileName } from "./documents.js";
 import * as drawing from "./drawing.js";
 import { ask } from "./service.js";
+import * as simulations from "./simulations.js";
 
 const find = (id) => document.getElementById(id);
 let shown = null; // the answer that was shown last: { name, request, answer, about, page, text, figure, stale, proposal, kept }
@@ -96,8 +97,9 @@ export function settle() {
   if (!find("differences").hidden) differences.fill(find("differences"), other, shown);
   const button = shown && shown.proposal && shown.proposal.querySelector("button");
   if (button) button.disabled = !shown.stale.hidden || find("plan").disabled; // of another text it says nothing
-  drawing.settle(shown !== null && shown.stale.hidden);
-  find("hint").hidden = !find("drawing").hidden || find("answers").children.length > 0 || !find("progress").hidden;
+  drawing.settle((shown !== null && shown.stale.hidden) || simulations.current());
+  const shows = ["answers", "simulations"].some((id) => find(id).children.length > 0);
+  find("hint").hidden = !find("drawing").hidden || shows || !find("progress").hidden;
 }
 
 export function keep() {

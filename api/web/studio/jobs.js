@@ -22,18 +22,11 @@ async function* events(address) {
   }
 }
 
-export function tellProgress(doing, progress, durations) {
+// Shows what is done, with some figures of it: pairs of a name and a value. `durations`: of the best plan over time.
+export function tellProgress(doing, rows = [], durations = []) {
   find("progress").hidden = false;
   find("hint").hidden = true;
   find("doing").textContent = doing;
-  const seconds = (value) => (value === null ? "none yet" : `${value.toFixed(3)} s`);
-  const rows = progress === null ? [] : [
-    ["searched for", `${progress.elapsed_s.toFixed(1)} s`],
-    ["candidates", String(progress.candidates)],
-    ["steps passed", String(progress.steps)],
-    ["best plan", seconds(progress.duration_s)],
-    ["no plan takes less than", progress.lower_bound_s === null ? "not known" : seconds(progress.lower_bound_s)],
-  ];
   find("numbers").replaceChildren(...rows.map(([name, value]) => {
     const row = document.createElement("div");
     const term = document.createElement("dt");
@@ -67,27 +60,42 @@ function drawBest(durations) {
   drawing.stroke();
 }
 
-// The answer to a request, null where the search was cancelled. Raises `Refused`.
-export async function searched(request) {
-  const durations = [];
-  const { id } = await (await ask("v1/jobs", request)).json();
+// Starts a job at an address, and gives it with its own `address` when it has ended. `tell` is called with its progress.
+// Raises `Refused`.
+export async function followed(start, question, tell) {
+  const { id } = await (await ask(start, question)).json();
   const address = `v1/jobs/${id}`;
   running = address;
   try {
     for await (const job of events(address)) {
-      const { progress } = job;
-      if (progress && progress.stage === "search" && progress.duration_s !== null)
-        durations.push([progress.elapsed_s, progress.duration_s]);
-      const looking = progress && progress.stage === "relaxation";
-      tellProgress(looking ? "There is no plan; looking for a change that would help" : "Planning", progress, durations);
-      if (job.state === "cancelled") return null;
       if (job.state === "failed") throw new Refused(job.problem);
-      if (job.state === "done") return (await ask(`${address}/answer`)).json();
+      if (job.state !== "working") return { ...job, address };
+      if (!find("cancel").disabled) tell(job.progress);
     }
     throw new Refused({ detail: "The connection to the service was lost." });
   } finally {
     running = null;
   }
+}
+
+// The answer to a request, null where the search was cancelled. Raises `Refused`.
+export async function searched(request) {
+  const durations = [];
+  const seconds = (value) => (value === null ? "none yet" : `${value.toFixed(3)} s`);
+  const job = await followed("v1/jobs", request, (progress) => {
+    if (progress === null) return tellProgress("Planning");
+    if (progress.stage === "search" && progress.duration_s !== null)
+      durations.push([progress.elapsed_s, progress.duration_s]);
+    const looking = progress.stage === "relaxation";
+    return tellProgress(looking ? "There is no plan; looking for a change that would help" : "Planning", [
+      ["searched for", `${progress.elapsed_s.toFixed(1)} s`],
+      ["candidates", String(progress.candidates)],
+      ["steps passed", String(progress.steps)],
+      ["best plan", seconds(progress.duration_s)],
+      ["no plan takes less than", progress.lower_bound_s === null ? "not known" : seconds(progress.lower_bound_s)],
+    ], durations);
+  });
+  return job.state === "cancelled" ? null : (await ask(`${job.address}/answer`)).json();
 }
 
 export async function cancel() {

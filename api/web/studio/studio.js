@@ -12,6 +12,7 @@ import { heldBy, isLink, linkTo } from "./links.js";
 import { besideOf, cellNameOf, cellOf, drawnWith, drawWithin, fileOf, partOf, readable, taskOf } from "./parts.js";
 import { chooseAtCaret, know, placeOf, shownAs } from "./selection.js";
 import { ask, enterKey, Refused } from "./service.js";
+import * as simulations from "./simulations.js";
 
 const find = (id) => document.getElementById(id);
 let scenario = null; // the name of the shipped scenario that is shown unchanged
@@ -207,6 +208,8 @@ function tellText() {
   if (scenario || location.search) window.history.replaceState(null, "", search);
   forget();
   offerCell();
+  find("simulation").hidden = partOf(text.value) === "scenario";
+  simulations.compareCell(drawnWith(text.value).cell || text.value);
   answers.compareText(meant());
   examine();
 }
@@ -330,7 +333,8 @@ function reported(request) {
   return { ...request, options: { report: "full", ...explain, ...options } };
 }
 
-async function plan() {
+// Does what the service works on, if it does nothing else. `act` is given how to say that it was cancelled.
+async function work(act) {
   if (find("plan").disabled) return;
   forget();
   changes += 1; // what is examined now is of no use any more
@@ -339,31 +343,46 @@ async function plan() {
   scrollTo(0, 0);
   await attempt(async () => {
     await connect();
-    if (kindOf(text.value).kind !== "text" && (await take(text.value))) return;
-    const task = taskOf(text.value);
-    const [given, title] = [meant(), task ? nameOf(task.text, task.file) : name()];
-    const texts = readable(text.value, scenario);
-    const { request: read, about } = await (await ask("v1/scenes/parse", texts)).json();
-    if (read === undefined) throw new Refused({ detail: "This is a cell. A task is planned: a text of assur-task/1 that names the file of this cell." });
-    const request = reported(read);
-    const answer = await searched(request);
-    if (answer === null) {
-      const after = ((Date.now() - begun) / 1000).toFixed(1);
-      note(`Cancelled after ${after} s; no plan is kept. To end sooner with the best plan so far, set a smaller budget_s `
-        + "or max_candidates.");
-      return;
-    }
-    tellProgress("Drawing", null, []);
-    const page = await drawn({ request, plan: answer, title, about });
-    const why = await unwritten(answer, texts);
-    answers.show({ name: title, about, request, answer, page, text: given, unwritten: why }, framed, apply);
-    answers.compareText(meant());
+    await act((rest) => note(`Cancelled after ${((Date.now() - begun) / 1000).toFixed(1)} s; ${rest}`));
   });
   busy(false);
 }
 
+const plan = () => work(async (cancelled) => {
+  if (kindOf(text.value).kind !== "text" && (await take(text.value))) return;
+  const task = taskOf(text.value);
+  const [given, title] = [meant(), task ? nameOf(task.text, task.file) : name()];
+  const texts = readable(text.value, scenario);
+  const { request: read, about } = await (await ask("v1/scenes/parse", texts)).json();
+  if (read === undefined) throw new Refused({ detail: "This is a cell. A task is planned: a text of assur-task/1 that names the file of this cell." });
+  const request = reported(read);
+  const answer = await searched(request);
+  if (answer === null) {
+    cancelled("no plan is kept. To end sooner with the best plan so far, set a smaller budget_s or max_candidates.");
+    return;
+  }
+  tellProgress("Drawing");
+  const page = await drawn({ request, plan: answer, title, about });
+  const why = await unwritten(answer, texts);
+  answers.show({ name: title, about, request, answer, page, text: given, unwritten: why }, framed, apply);
+  answers.compareText(meant());
+});
+
+// Simulates the cell of the text, which has to be here.
+const simulate = () => work(async (cancelled) => {
+  const { cell } = drawnWith(text.value);
+  if (cell === null && partOf(text.value) === "task")
+    throw new Refused({ detail: "The cell of this task is not open here. A cell with streams is simulated: open its file." });
+  const own = cellOf(text.value);
+  const title = own === null ? name() : nameOf(own.text, own.file);
+  const made = await simulations.simulate(title, cell === null ? text.value : cell, framed, answers.settle);
+  simulations.compareCell(drawnWith(text.value).cell || text.value);
+  if (!made) cancelled("nothing was simulated yet.");
+});
+
 function busy(is) {
   find("plan").disabled = is;
+  find("simulate").disabled = is;
   find("cancel").hidden = !is;
   find("cancel").disabled = false;
   if (!is) find("progress").hidden = true;
@@ -519,6 +538,7 @@ text.addEventListener("paste", pasted);
 document.addEventListener("selectionchange", () => document.activeElement === text && chooseAtCaret());
 text.addEventListener("scroll", () => (find("lines").scrollTop = text.scrollTop));
 find("plan").addEventListener("click", plan);
+find("simulate").addEventListener("click", simulate);
 find("cancel").addEventListener("click", () => attempt(cancel)); // the job may have ended meanwhile
 find("keep").addEventListener("click", () => {
   answers.keep();
