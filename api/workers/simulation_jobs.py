@@ -123,9 +123,11 @@ def _simulated(digest: str | None, question: Question, most_s: float, line: Line
     cell, placed = _text(given) if isinstance(given, str) else (given or {}, _in_cell)
     changed, watch, events = _changed(cell, question.values), _Watch(line.tell, most_s), EventsForPage()
 
+    def result() -> Document:
+        return made.document | ({"helps": trials.document} if question.helps else {})
+
     def answer(outcome: str) -> Answer:
-        found = made.document | ({"helps": trials.document} if question.helps else {})
-        return Answer(to_json(found), outcome, stages=laps.seconds)
+        return Answer(to_json(result()), outcome, stages=laps.seconds)
 
     try:
         made = Simulation(changed.document, *question.arguments)
@@ -151,7 +153,8 @@ def _simulated(digest: str | None, question: Question, most_s: float, line: Line
     found = answer(outcome)
     line.tell(found)  # it stays where the job is called off while its page is drawn
     watch.drawing()
-    page = _page(made, changed.document, events)
+    about = str(changed.document.get("about", ""))
+    page = run_report(events.events, title=f"seed {made.first}", about=about, version=version(), found=result())
     laps.lap("draw")
     return replace(found, page=page.encode())
 
@@ -193,15 +196,6 @@ def _in_question(field: str, behind: str) -> str:
     `behind` it."""
     known = field.partition(".")[0].partition("[")[0]
     return field if field.startswith(OF_SET) or known in FIRST else f"{CELL}{behind}{field}"
-
-
-def _page(made: Simulation, cell: Document, events: EventsForPage) -> str:
-    """The page of the first run."""
-    from assur.api.cli.simulation import words_of_waiting
-
-    title, found = f"seed {made.first}", made.document
-    notes = [*words_of_waiting(found), *found["notes"]]
-    return run_report(events.events, title=title, about=str(cell.get("about", "")), version=version(), notes=notes)
 
 
 class EventsForPage(Events):

@@ -63,7 +63,8 @@ function show({ name, cell, found, page, framed, closed }) {
   });
   const what = found.complete ? "simulated; below is the first run" : "simulated until it was ended";
   caption.append(element("strong", name), element("span", what), stale, element("span", "", "space"), close);
-  figure.append(caption, figures(found), ...found.notes.map((note) => element("p", note)));
+  const notes = found.notes.map((note) => element("p", note));
+  figure.append(caption, element("p", found.bottleneck), figures(found), ...notes);
   if (page) {
     const frame = document.createElement("iframe");
     frame.title = `First run of ${name}`;
