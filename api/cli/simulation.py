@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 Document = dict[str, Any]
 WORDS = {
     "part": "a part",
+    "slot": "a free slot",
     "unseen": "a part to be clear of what is not seen yet",
     "bodies": "bodies to pass",
     "reach": "a part that it can reach in its window",

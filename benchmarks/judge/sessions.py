@@ -1,5 +1,6 @@
 """The log of a session, played: whether its plans follow each other in one world, and no part is hit that they do not
-know.
+know. A part that is put on one that came on a stream goes into a slot of that which nothing was put into before, while
+the slot is in its window.
 
 The judge keeps a world of its own: where each part is by its sightings and by what the arm has done with it. A plan has
 to begin in the state in which the one before is left, in time, with the parts of that world where they are; and what it
@@ -9,7 +10,7 @@ errors of each plan are judged as those of all answers are (`joints_kept`, `simu
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
 
@@ -65,6 +66,7 @@ class Sighting:
     known of it, m and rad, and its solid."""
 
     name: str
+    kind: str
     number: int
     clock_s: float
     seen_s: float
@@ -134,23 +136,22 @@ class Session:
         frame, inner = (seat_then if "at_s" in pose else seat)(cell.request, cell.frames, pose)
         off = {**kind.get("uncertainty", {}), **fields.get("uncertainty", {})}
         unknown = {key: float(si(off, key, 0.0)) for key in ("position", "vertical", "yaw")}
-        return Sighting(
-            name, number, clock_s, float(pose.get("at_s", clock_s)), frame, inner, unknown, solid_of(kind["shape"])
-        )
+        seen_s, solid = float(pose.get("at_s", clock_s)), solid_of(kind["shape"])
+        return Sighting(name, fields.get("kind", ""), number, clock_s, seen_s, frame, inner, unknown, solid)
 
 
 def broken_sessions(cell: Document, events: Sequence[Document], runs: int = 8) -> list[Violation]:
     """What is wrong with a session, by the calls of its log and its cell file; or with several, where each begins
     where the one before ends. Each plan is run so many times, with what is not known at its ends and at the worst
     corners that arrivals name."""
-    found, before = list[Violation](), None
+    found, before, used = list[Violation](), None, dict[tuple[str, str, int], str]()
     begins = [k for k, event in enumerate(events) if event["call"] == "session"]
     for begin, end in pairwise([*begins, len(events)]):
         session = Session(cell, events[begin:end])
         if before is not None:
             found += _follows(before.plans[-1], session.plans[0])
             found += beyond("start", "session", abs(session.plans[0].starts_s - before.ends_s), SOON_S, before.ends_s)
-        found += _broken_session(session, runs)
+        found += _broken_session(session, runs) + _slots_kept(session, used)
         before = session
     return found
 
@@ -174,6 +175,54 @@ def _broken_session(session: Session, runs: int) -> list[Violation]:
         found += _clear_of_unseen(session, plan)
         world = _after(session, world, plan)
     return found
+
+
+def _slots_kept(session: Session, used: dict[tuple[str, str, int], str]) -> list[Violation]:
+    """Parts that are put on what came on a stream: each in a slot of that kind, which the stream's window has then, and
+    which no part has been put into before (`used`, of sessions before this one, too)."""
+    found, kinds = list[Violation](), {each.name: each.kind for each in session.sightings}
+    for plan in session.plans:
+        for arrival in plan.motion.answer["arrivals"]:
+            given = plan.motion.request["task"][arrival["step"]].get("place", {})
+            carrier, until_s = given.get("to", {}).get("body"), float(arrival["until_s"])
+            if carrier not in kinds or until_s > plan.until_s:
+                continue
+            about, there = f"{given['part']} on {carrier}", pose_in(given["to"])
+            slots = {
+                (name, number): float(np.linalg.norm(at.p - there.p))
+                for name, grid in session.document.get("slots", {}).items()
+                for number, at in enumerate(_slots_of(grid))
+                if grid.get("kind") == kinds[carrier]
+            }
+            slot = min(slots, key=lambda each: slots[each], default=("", 0))
+            found += beyond("slot", f"{about}, off any", slots.get(slot, np.inf), PLACE_M, until_s)
+            other = used.setdefault((carrier, *slot), given["part"])
+            if other != given["part"]:
+                found.append(Violation("slot", f"{about}, in that of {other}", 1.0, 0.0, until_s))
+            frame, pose = plan.cell.seat(given["to"])
+            law = plan.motion.request["frames"][frame]["conveyor"]
+            for time in (until_s - float(given["dwell_s"]), until_s):
+                x = float(pose_in(law).inverse().then(plan.cell.frames[frame].at(np.array(time)).then(pose)).p[0])
+                first, last = _window_of(session, frame, kinds[carrier])
+                found += beyond("slot", f"{about}, before the window", first - x, PLACE_M, time)
+                found += beyond("slot", f"{about}, behind the window", x - last, PLACE_M, time)
+    return found
+
+
+def _slots_of(grid: Document) -> Iterator[Poses]:
+    """The slots of a grid one after the other: along x, then along y, then along z."""
+    at, step, (nx, ny, nz) = si(grid, "at", (0.0,) * 3), si(grid, "step", (0.0,) * 3), grid.get("count", (1, 1, 1))
+    for k, j, i in product(range(nz), range(ny), range(nx)):
+        yield Poses.of(at + np.array([i, j, k]) * step, si(grid, "yaw", 0.0))
+
+
+def _window_of(session: Session, frame: str, kind: str) -> tuple[float, float]:
+    """The window of the stream that brings a kind on a frame, m."""
+    for stream in session.document["streams"].values():
+        if stream["frame"] == frame and kind in (stream.get("kind"), *stream.get("kinds", {})):
+            first, last = si(stream, "window")
+            return float(first), float(last)
+    return np.inf, -np.inf
 
 
 def _in_time(session: Session) -> list[Violation]:

@@ -12,9 +12,11 @@ from assur.planner.model.outcome import Course, LegKind
 if TYPE_CHECKING:
     from assur.scenes.session.committed import Segment
 
-WAITS = ("part", "unseen", "bodies", "reach", "refused", "planning")
-"""What the arm waits for: a part; a part that is still too near to what is not seen; bodies that have to pass; a part
-within its reach; a plan, for none was possible; the end of planning."""
+WAITS = ("part", "slot", "unseen", "bodies", "reach", "refused", "planning")
+"""What the arm waits for: a part; a free slot; a part that is still too near to what is not seen; bodies that have to
+pass; a part within its reach; a plan, for none was possible; the end of planning."""
+PLACE = 1
+"""The step of a motion that puts the part down, behind the one that picks it."""
 
 
 @dataclass(frozen=True)
@@ -110,4 +112,5 @@ class Tally:
         for leg in segment.legs:
             if leg.kind is LegKind.WAIT and leg.step != last:
                 for_bodies = leg.route is not None and leg.route.course is Course.FOR_BODIES
-                within["bodies" if for_bodies else "part"] += max(0.0, min(leg.t1, until_s) - leg.t0)
+                reason = "bodies" if for_bodies else "slot" if leg.step == PLACE else "part"
+                within[reason] += max(0.0, min(leg.t1, until_s) - leg.t0)
