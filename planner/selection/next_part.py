@@ -46,14 +46,13 @@ class FreeArm:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """A part that may be taken next, for which place; when it is met at the earliest, until when the arm may wait
-    before it goes there, and when it is free again; s."""
+    """A part that may be taken next, for which place; when it is met at the earliest, and until when the arm may wait
+    before it goes there; s."""
 
     part: str
     place: int
     meets_s: float
     waits_until_s: float
-    free_s: float
 
 
 def next_part(
@@ -86,7 +85,7 @@ def next_part(
     found = scored(times, row, rows, rule, depth, price)
     order = [i for i in np.argsort(found[:, SCORE], kind="stable").tolist() if np.isfinite(found[i, FREE])]
     return tuple(
-        Choice(known[i].name, known[i].place, *(found[i, [MEETS, IDLE, FREE]] + [0.0, now, 0.0]).tolist())
+        Choice(known[i].name, known[i].place, float(found[i, MEETS]), now + float(found[i, IDLE]))
         for i in order[:MOST_CHOICES]
     )
 

@@ -49,7 +49,7 @@ class Filling:
     def __init__(self, cell: SimulatedCell) -> None:
         stated = cell.kept.file.valid.slots
         self._cell = cell
-        self._grids: dict[str, Document] = {grid: normal(stated[grid].document()) for grid in cell.chooser.counts}
+        self._grids: dict[str, Document] = {grid: normal(stated[grid].document()) for grid in cell.counts}
         self._lying: dict[str, list[str]] = {grid: [] for grid, of in self._grids.items() if "kind" not in of}
         self._exchanged_s: dict[str, float] = {}
         """Of the grids that are full, when they are empty again, s."""

@@ -160,8 +160,10 @@ class Run:
         return [each for each in ready if each.grid in slots], slots, later_s
 
     def _slot(self, choice: Choice) -> tuple[FreeSlot | None, float]:
-        """The slot for a part; and when there may be one, if there is none."""
-        return self._filling.first(self._candidates[choice.part].grid, self.session.clock_s, choice.free_s)
+        """The slot for a part that is put down within a mean cycle after it is met; and when there may be one, if there
+        is none."""
+        ends_s = choice.meets_s + self._cell.chooser.nominal_s
+        return self._filling.first(self._candidates[choice.part].grid, self.session.clock_s, ends_s)
 
     def _ranked(self, free_s: float, ready: list[_Known], slots: dict[str, int]) -> tuple[Choice, ...]:
         place, slot = None, 0

@@ -87,7 +87,7 @@ def test_each_part_is_put_down_once_or_missed_or_still_coming() -> None:
     assert known == {*names} | left | coming
     assert not {*names} & (left | coming)
     assert (figures["known"], figures["missed"]) == (len(known), len(left))
-    assert len(left) > 2
+    assert left
 
 
 def test_a_tray_and_what_is_on_it_leave_when_they_are_out_of_reach() -> None:
@@ -111,7 +111,7 @@ def test_what_is_not_seen_of_trays_is_as_high_and_wide_as_a_filled_one() -> None
     assert tray.brings_carriers
     assert tray.kinds[0].heights_m == pytest.approx((-0.006, 0.036))
     assert unseen["shape"]["box"]["size_m"][2] == pytest.approx(0.042)
-    over = simulated(cell(**{"slots__on-tray__step_mm": [130, 60, 0], "streams__tray__every_s": 8})).streams[1]
+    over = simulated(cell(**{"slots__on-tray__step_mm": [-130, 60, 0], "streams__tray__every_s": 8})).streams[1]
     assert over.radius_m == pytest.approx(math.hypot(0.088, 0.03) + math.hypot(0.03, 0.02))
 
 
@@ -258,7 +258,7 @@ def test_changes_of_a_cell_with_trays_move_no_slots_and_the_trays_are_no_parts()
         ({"slots__on-tray__contact_with": []}, "slots.on-tray.contact_with", "at most one"),
         ({"slots__on-tray__count": [2, 2, 2]}, "slots.on-tray.count", "1 along z"),
         ({"slots__on-tray__count": [200, 200, 1]}, "slots.on-tray.count", "at most 10,000 slots"),
-        ({"slots__on-tray__step_mm": [84, 100, 0]}, "slots.on-tray.step_mm", "70 mm from its origin, and it ends 65"),
+        ({"slots__on-tray__step_mm": [-84, 100, 0]}, "slots.on-tray.step_mm", "70 mm from its origin, and it ends 65"),
         (
             {"slots__on-tray": {"kind": "tray", "at_mm": [-95, 0, 21]}},
             "slots.on-tray.at_mm", "95 mm from its origin, and it ends 90 mm",
