@@ -12,7 +12,7 @@ from assur.scenes.faults import Gathered, Refused, choices
 from assur.scenes.reading import bodies
 from assur.scenes.schema.cell_file import CellDocument
 from assur.scenes.schema.streams import StreamDocument
-from assur.scenes.streams.carriers import check_brought, check_on_kind, filled, shares_of, slots_for
+from assur.scenes.streams.carriers import check_brought, filled, shares_of, slots_for
 from assur.scenes.streams.table import Row, rows_of
 
 if TYPE_CHECKING:
@@ -110,10 +110,6 @@ def streams_of(cell: CellDocument, frames: Frames, faults: Gathered) -> tuple[St
     for name, kind in cell.kinds.items():
         with faults.part("kinds", name):
             solids[name] = bodies.solid(name, kind.shape)
-    for name, grid in cell.slots.items():
-        if grid.kind is not None:
-            with faults.part("slots", name):
-                check_on_kind(grid, cell, solids)
     for name, item in cell.streams.items():
         with faults.part("streams", name):
             found.append(_stream(name, item, cell, frames, solids))

@@ -10,11 +10,13 @@ from collections.abc import Iterator
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 import assur
+from assur.planner.model.outcome import LegKind
 from assur.scenes.scenarios import CELLS
 from assur.scenes.session.log import read_log
 from assur.scenes.simulation.cell import simulated
@@ -22,6 +24,7 @@ from assur.scenes.simulation.changes import changes_of
 from assur.scenes.simulation.filling import Filling
 from assur.scenes.simulation.run import Run
 from assur.scenes.simulation.simulate import Simulation
+from assur.scenes.simulation.tally import Tally
 from assur.scenes.streams.arrivals import arrivals
 from benchmarks.judge.sessions import broken_sessions
 from tests.refused import refused_at
@@ -122,6 +125,14 @@ def test_without_a_free_slot_the_arm_waits_for_one() -> None:
     assert figures["waiting_s"]["slot"] > 10.0
     assert figures["missed"] > 2
     assert run().tally.figures(SECONDS)["waiting_s"]["slot"] < figures["waiting_s"]["slot"]
+
+
+def test_an_arm_that_stands_with_a_part_waits_for_its_slot() -> None:
+    legs = [SimpleNamespace(kind=LegKind.WAIT, step=k, t0=k, t1=k + 0.5, route=None) for k in range(3)]
+    motion: Any = SimpleNamespace(legs=legs, starts_s=0.0, cell=SimpleNamespace(scene=SimpleNamespace(task=(1, 2, 3))))
+    tally = Tally([])
+    tally.follows(motion)
+    assert tally.figures(9.0)["waiting_s"] == {"part": 0.5, "slot": 0.5, "planning": 9.0}
 
 
 def test_kinds_go_to_their_slots_on_the_same_trays_and_at_rest() -> None:
@@ -235,6 +246,27 @@ def test_a_task_cannot_name_a_slot_on_a_kind() -> None:
     own = {key: value for key, value in cell().items() if key not in ("streams", "refuge")}
     with refused_at("steps[0].transfer.to", "slots in a frame or relative to a body"):
         assur.Cell(own).plan(start=start, parts=parts, steps=steps)
+
+
+def test_a_part_that_lies_where_a_slot_is_on_a_kind_has_no_slot_in_the_next_task() -> None:
+    own = {key: value for key, value in cell().items() if key not in ("streams", "refuge")}
+    own["options"] = {**own["options"], "stop": "first", "budget_s": 60}
+    parts = [{"name": "a", "kind": "soap", "pose": {"at_mm": [300, -100, 80], "yaw_deg": 0}}]
+    steps, start = [{"move": {"to": "home"}}], {"tool": {"at_mm": [350, 0, 200], "yaw_deg": 0}, "elbow": "left"}
+
+    def following(grid: Document) -> Document:
+        kept = assur.Cell({**own, "slots": {"on-tray": {**grid, "at_mm": [300, -100, 80]}}})
+        part: Document = kept.plan(start=start, parts=parts, steps=steps).next_task(steps)["parts"][0]
+        return part
+
+    assert following({"kind": "tray"})["pose"] == parts[0]["pose"]
+    assert following({})["slot"] == {"on-tray": 1}
+
+
+def test_a_session_knows_the_kinds_that_have_slots() -> None:
+    own = {key: value for key, value in cell(**{"slots__on-tray__kind": "trey"}).items() if key != "streams"}
+    with refused_at("slots.on-tray.kind", "did you mean tray"):
+        assur.Session(own, start={"tool": {"at_mm": [350, 0, 200], "yaw_deg": 0}, "elbow": "left"}, refuge="home")
 
 
 def test_changes_of_a_cell_with_trays_move_no_slots_and_the_trays_are_no_parts() -> None:
